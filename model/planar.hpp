@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cmath>
+
+namespace poise {
+
+/// A vector of the plane, read also as the complex number x + i y.
+///
+/// std::complex is unspecified for scalars other than the built-in ones, and Poise evaluates the same formulas
+/// in double and in 50 digits, so the few operations it needs are written here once.
+template <class T>
+struct Planar {
+  T x{};
+  T y{};
+
+  friend Planar operator+(const Planar& a, const Planar& b) { return {a.x + b.x, a.y + b.y}; }
+  friend Planar operator-(const Planar& a, const Planar& b) { return {a.x - b.x, a.y - b.y}; }
+  friend Planar operator-(const Planar& a) { return {-a.x, -a.y}; }
+  /// Complex product: a rotated by arg(b) and stretched by |b|.
+  friend Planar operator*(const Planar& a, const Planar& b) { return {a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x}; }
+  friend Planar operator*(const T& s, const Planar& a) { return {s * a.x, s * a.y}; }
+  Planar& operator+=(const Planar& a) {
+    x += a.x;
+    y += a.y;
+    return *this;
+  }
+  Planar& operator-=(const Planar& a) {
+    x -= a.x;
+    y -= a.y;
+    return *this;
+  }
+  friend bool operator==(const Planar&, const Planar&) = default;
+};
+
+/// The same vector with its components converted to the scalar T.
+template <class T, class S>
+Planar<T> planar_cast(const Planar<S>& a) {
+  return {static_cast<T>(a.x), static_cast<T>(a.y)};
+}
+
+/// i a: the vector turned by a quarter turn counter-clockwise.
+template <class T>
+Planar<T> quarter_turn(const Planar<T>& a) {
+  return {-a.y, a.x};
+}
+
+/// conj(a): the vector mirrored in the x axis.
+template <class T>
+Planar<T> conj(const Planar<T>& a) {
+  return {a.x, -a.y};
+}
+
+/// Scalar product Re(conj(a) b) = ax bx + ay by.
+template <class T>
+T dot(const Planar<T>& a, const Planar<T>& b) {
+  return a.x * b.x + a.y * b.y;
+}
+
+/// Cross product Im(conj(a) b) = ax by - ay bx: the moment of force b acting at the end of arm a.
+template <class T>
+T cross(const Planar<T>& a, const Planar<T>& b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+/// Euclidean length |a|.
+template <class T>
+T norm(const Planar<T>& a) {
+  using std::sqrt;
+  return sqrt(dot(a, a));
+}
+
+/// exp(i angle): the unit vector at `angle` radians from +x, counter-clockwise.
+template <class T>
+Planar<T> unit(const T& angle) {
+  using std::cos;
+  using std::sin;
+  return {cos(angle), sin(angle)};
+}
+
+using Vec2 = Planar<double>;
+
+}  // namespace poise

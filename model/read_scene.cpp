@@ -1,0 +1,392 @@
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "model/nearest_name.hpp"
+#include "model/quantities.hpp"
+#include "model/scene.hpp"
+#include "model/scene_names.hpp"
+#include "model/toml_reader.hpp"
+
+namespace poise {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  double si;
+};
+
+constexpr double pi = 3.14159265358979323846;
+constexpr Unit length_units[] = {{"m", 1.0}, {"mm", 1e-3}, {"in", 0.0254}, {"ft", 0.3048}};
+constexpr Unit force_units[] = {{"N", 1.0}, {"kN", 1e3}, {"lbf", 4.4482216152605}};
+constexpr Unit mass_units[] = {{"kg", 1.0}, {"g", 1e-3}, {"lb", 0.45359237}};
+constexpr Unit angle_units[] = {{"rad", 1.0}, {"deg", pi / 180.0}};
+
+struct JointKey {
+  std::string_view key;
+  Joint::Kind kind;
+};
+
+constexpr JointKey joint_keys[] = {{"pin", Joint::Kind::pin},
+                                   {"slide", Joint::Kind::slide},
+                                   {"pin_in_slot", Joint::Kind::pin_in_slot},
+                                   {"weld", Joint::Kind::weld},
+                                   {"bar", Joint::Kind::bar}};
+
+/// Index of a word in the list of those allowed; fails with the nearest.
+template <class List, class Word>
+std::size_t choose(const TomlText& text, const List& list, Word word) {
+  std::vector<std::string> words;
+  std::string shown;
+  for (const auto& entry : list) {
+    words.emplace_back(word(entry));
+    if (words.back() == text.value) return words.size() - 1;
+    shown += (shown.empty() ? "" : ", ") + words.back();
+  }
+  text.place.fail("expected one of " + shown + ", found \"" + text.value + "\"" + did_you_mean(text.value, words));
+}
+
+template <class List>
+void read_unit(const TomlTable& table, std::string_view key, const List& list, std::string& name, double& si) {
+  const std::optional<TomlText> text = table.find_text(key);
+  if (!text) return;
+  const Unit& unit = std::begin(list)[choose(*text, list, [](const Unit& u) { return u.name; })];
+  name = unit.name;
+  si = unit.si;
+}
+
+std::vector<std::string> numbered(const std::string& what, std::size_t count) {
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= count; ++i) names.push_back(what + " " + std::to_string(i));
+  return names;
+}
+
+/// Reads the parts of a scene in the order in which they refer to each other.
+class SceneReader {
+ public:
+  SceneReader(const TomlTable& root, const std::string& file) : root_(root), names_(scene_) { scene_.file = file; }
+
+  Scene read() {
+    root_.allow_keys({"title", "source", "gravity", "units", "ground", "body", "pin", "slide", "pin_in_slot", "weld",
+                      "bar", "spring", "torsion_spring", "force", "torque", "stop", "start"});
+    read_units();
+    read_header();
+    read_bodies();
+    read_joints();
+    read_springs();
+    read_torsion_springs();
+    read_loads();
+    read_stops();
+    read_start();
+    return std::move(scene_);
+  }
+
+ private:
+  void read_units() {
+    const std::optional<TomlTable> table = root_.find_table("units");
+    if (!table) return;
+    table->allow_keys({"length", "force", "mass", "angle"});
+    read_unit(*table, "length", length_units, units().length_name, units().length);
+    read_unit(*table, "force", force_units, units().force_name, units().force);
+    read_unit(*table, "mass", mass_units, units().mass_name, units().mass);
+    read_unit(*table, "angle", angle_units, units().angle_name, units().angle);
+  }
+
+  void read_header() {
+    if (const auto title = root_.find_text("title")) scene_.title = title->value;
+    if (const auto source = root_.find_text("source")) scene_.source = source->value;
+    scene_.gravity = root_.find_vector("gravity", units().length).value_or(Vec2{});
+  }
+
+  void read_bodies() {
+    if (const auto ground = root_.find_table("ground")) {
+      ground->allow_keys({"points"});
+      scene_.bodies[0].line = ground->place().line;
+      read_points(*ground, 0);
+    }
+    names_.learn_body(0);
+    const std::optional<TomlTable> bodies = root_.find_table("body");
+    if (!bodies || bodies->keys().empty()) root_.place().fail("body: expected at least one body; add [body.NAME]");
+    for (const std::string& name : bodies->keys()) {
+      check_name(name, bodies->place_of(name));
+      if (name == scene_.bodies[0].name) {
+        bodies->place_of(name).fail("expected another name, this is the fixed frame; give its points in [ground]");
+      }
+      names_.learn_body(read_body(*bodies->find_table(name), name));
+    }
+  }
+
+  int read_body(const TomlTable& table, const std::string& name) {
+    table.allow_keys({"points", "mass", "center", "inertia"});
+    const int index = scene_.add_body(name);
+    Body& body = scene_.bodies[index];
+    body.line = table.place().line;
+    body.mass = table.find_number("mass", units().mass, Range::not_negative).value_or(0.0);
+    body.center = table.find_vector("center", units().length).value_or(Vec2{});
+    body.inertia = table.find_number("inertia", inertia_unit(units()), Range::not_negative).value_or(0.0);
+    read_points(table, index);
+    return index;
+  }
+
+  void read_points(const TomlTable& owner, int body) {
+    const std::optional<TomlTable> points = owner.find_table("points");
+    if (!points) return;
+    for (const std::string& name : points->keys()) {
+      check_name(name, points->place_of(name));
+      // "BODY.POINT" is split at its last dot.
+      if (name.find('.') != std::string::npos) points->place_of(name).fail("expected a name without dots");
+      scene_.add_point(body, name, points->vector(name, units().length));
+    }
+  }
+
+  void read_joints() {
+    std::vector<std::pair<TomlTable, Joint::Kind>> tables;
+    for (const JointKey& entry : joint_keys) {
+      for (TomlTable& table : root_.tables(entry.key)) tables.emplace_back(std::move(table), entry.kind);
+    }
+    // Joints of all kinds stay in the order of the file.
+    std::stable_sort(tables.begin(), tables.end(),
+                     [](const auto& a, const auto& b) { return a.first.place().line < b.first.place().line; });
+    std::vector<Joint> joints;
+    std::vector<TomlTable> items;
+    std::vector<std::string> defaults;
+    for (const auto& [table, kind] : tables) {
+      joints.push_back(read_joint(table, kind));
+      items.push_back(table);
+      defaults.push_back(scene_.name_of(joints.back().a) + "-" + scene_.name_of(joints.back().b));
+    }
+    // [start] calls bodies and joints by name alike, so no joint may have the name of a body.
+    NameLines taken;
+    for (const Body& body : scene_.bodies) taken.emplace(body.name, body.line);
+    const std::vector<std::string> names = names_of(items, defaults, std::move(taken));
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      joints[i].name = names[i];
+      names_.learn_joint(scene_.add_joint(std::move(joints[i])));
+    }
+  }
+
+  Joint read_joint(const TomlTable& table, Joint::Kind kind) const {
+    Joint joint;
+    joint.kind = kind;
+    joint.line = table.place().line;
+    switch (kind) {
+      case Joint::Kind::pin:
+        table.allow_keys({"name", "points"});
+        break;
+      case Joint::Kind::slide:
+        table.allow_keys({"name", "points", "axis", "angle"});
+        break;
+      case Joint::Kind::pin_in_slot:
+        table.allow_keys({"name", "points", "axis"});
+        break;
+      case Joint::Kind::weld:
+        table.allow_keys({"name", "points", "angle"});
+        break;
+      case Joint::Kind::bar:
+        table.allow_keys({"name", "points", "length"});
+        joint.length = table.number("length", units().length, Range::positive);
+        break;
+    }
+    std::tie(joint.a, joint.b) = ends(table);
+    if (joint.has_travel()) {
+      joint.axis = table.vector("axis", 1.0);
+      if (joint.axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give [1, 0], say");
+    }
+    if (joint.keeps_angle()) joint.angle = table.find_number("angle", units().angle, Range::finite).value_or(0.0);
+    return joint;
+  }
+
+  void read_springs() {
+    const std::vector<TomlTable> tables = root_.tables("spring");
+    const std::vector<std::string> names = names_of(tables, numbered("spring", tables.size()), {});
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      const TomlTable& table = tables[i];
+      table.allow_keys({"name", "points", "stiffness", "free_length", "acts"});
+      Spring spring;
+      spring.name = names[i];
+      spring.line = table.place().line;
+      std::tie(spring.a, spring.b) = ends(table);
+      spring.stiffness = table.number("stiffness", stiffness_unit(units()), Range::not_negative);
+      spring.free_length = table.number("free_length", units().length, Range::not_negative);
+      if (const auto acts = table.find_text("acts")) {
+        constexpr std::string_view words[] = {"both", "tension", "compression"};
+        constexpr Spring::Acts meanings[] = {Spring::Acts::both, Spring::Acts::tension, Spring::Acts::compression};
+        spring.acts = meanings[choose(*acts, words, [](std::string_view word) { return word; })];
+      }
+      scene_.springs.push_back(std::move(spring));
+    }
+  }
+
+  void read_torsion_springs() {
+    const std::vector<TomlTable> tables = root_.tables("torsion_spring");
+    const std::vector<std::string> names = names_of(tables, numbered("torsion spring", tables.size()), {});
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      const TomlTable& table = tables[i];
+      table.allow_keys({"name", "bodies", "stiffness", "free_angle"});
+      TorsionSpring spring;
+      spring.name = names[i];
+      spring.line = table.place().line;
+      const std::array<int, 2> bodies = names_.two_bodies(table);
+      spring.a = bodies[0];
+      spring.b = bodies[1];
+      spring.stiffness = table.number("stiffness", torsional_stiffness_unit(units()), Range::not_negative);
+      spring.free_angle = table.find_number("free_angle", units().angle, Range::finite).value_or(0.0);
+      scene_.torsion_springs.push_back(std::move(spring));
+    }
+  }
+
+  void read_loads() {
+    const std::vector<TomlTable> forces = root_.tables("force");
+    const std::vector<TomlTable> torques = root_.tables("torque");
+    // One family of names, for load.NAME must mean one load.
+    std::vector<TomlTable> loads = forces;
+    loads.insert(loads.end(), torques.begin(), torques.end());
+    std::vector<std::string> defaults = numbered("force", forces.size());
+    for (std::string& name : numbered("torque", torques.size())) defaults.push_back(std::move(name));
+    const std::vector<std::string> names = names_of(loads, defaults, {});
+    for (std::size_t i = 0; i < forces.size(); ++i) read_force(forces[i], names[i]);
+    for (std::size_t i = 0; i < torques.size(); ++i) read_torque(torques[i], names[forces.size() + i]);
+  }
+
+  void read_force(const TomlTable& table, const std::string& name) {
+    table.allow_keys({"name", "at", "vector", "follows"});
+    Force force;
+    force.name = name;
+    force.line = table.place().line;
+    const TomlText at = table.text("at");
+    force.at = names_.point(at);
+    if (force.at.body == 0) at.place.fail("expected a point of a body that can move, found one of the ground");
+    force.vector = table.vector("vector", units().force);
+    if (const auto follows = table.find_text("follows")) force.follows = names_.movable_body(*follows);
+    scene_.forces.push_back(std::move(force));
+  }
+
+  void read_torque(const TomlTable& table, const std::string& name) {
+    table.allow_keys({"name", "on", "value"});
+    Torque torque;
+    torque.name = name;
+    torque.line = table.place().line;
+    torque.body = names_.movable_body(table.text("on"));
+    torque.value = table.number("value", torque_unit(units()), Range::finite);
+    scene_.torques.push_back(std::move(torque));
+  }
+
+  void read_stops() {
+    const std::vector<TomlTable> tables = root_.tables("stop");
+    const std::vector<std::string> names = names_of(tables, numbered("stop", tables.size()), {});
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      tables[i].allow_keys({"name", "bodies", "points", "slide", "min", "max"});
+      Stop stop = read_stopped(tables[i]);
+      stop.name = names[i];
+      stop.line = tables[i].place().line;
+      read_limits(tables[i], stop);
+      scene_.stops.push_back(std::move(stop));
+    }
+  }
+
+  /// The quantity that a stop limits.
+  Stop read_stopped(const TomlTable& table) const {
+    if (table.has("bodies") + table.has("points") + table.has("slide") != 1) {
+      table.place().fail("expected one of the keys bodies (relative angle), points (distance), slide (travel)");
+    }
+    Stop stop;
+    if (table.has("bodies")) {
+      stop.kind = Stop::Kind::angle;
+      const std::array<int, 2> bodies = names_.two_bodies(table);
+      stop.body_a = bodies[0];
+      stop.body_b = bodies[1];
+    } else if (table.has("points")) {
+      stop.kind = Stop::Kind::distance;
+      std::tie(stop.a, stop.b) = ends(table);
+    } else {
+      stop.kind = Stop::Kind::travel;
+      stop.joint = names_.travelling_joint(table.text("slide"));
+    }
+    return stop;
+  }
+
+  void read_limits(const TomlTable& table, Stop& stop) const {
+    const double unit = stop_unit(stop.kind, units());
+    const Range range = stop_range(stop.kind);
+    stop.min = table.find_number("min", unit, range).value_or(stop.min);
+    stop.max = table.find_number("max", unit, range).value_or(stop.max);
+    if (!table.has("min") && !table.has("max")) {
+      table.place().fail("expected the key min, max or both; add max = NUMBER");
+    }
+    if (!(stop.min <= stop.max)) table.place_of("max").fail("expected max >= min; exchange them");
+  }
+
+  void read_start() {
+    const std::optional<TomlTable> table = root_.find_table("start");
+    if (!table) return;
+    for (const std::string& name : table->keys()) {
+      const int body = names_.index_of_body(name);
+      const int joint = names_.index_of_joint(name);
+      const bool turns = body > 0;
+      const bool travels = joint >= 0 && scene_.joints[joint].has_travel();
+      const bool is_table = table->holds_table(name);
+      if (name == "position" && (is_table || !(turns || travels))) {
+        read_positions(*table->find_table(name));
+      } else if (is_table) {
+        table->place_of(name).fail("expected a number; put a name that holds dots in quotes");
+      } else if (turns) {
+        scene_.start.angle[body] = table->number(name, units().angle, Range::finite);
+      } else if (travels) {
+        scene_.start.travel[joint] = table->number(name, units().length, Range::finite);
+      } else {
+        std::vector<std::string> valid = names_.movable_body_names();
+        for (std::string& other : names_.travelling_joint_names()) valid.push_back(std::move(other));
+        valid.emplace_back("position");
+        table->place_of(name).fail("expected the name of a body, slide or pin_in_slot, or a table \"position\"" +
+                                   did_you_mean(name, valid));
+      }
+    }
+  }
+
+  void read_positions(const TomlTable& table) {
+    for (const std::string& name : table.keys()) {
+      const int body = names_.movable_body({name, table.place_of(name)});
+      scene_.start.position[body] = table.vector(name, units().length);
+    }
+  }
+
+  /// The key `points` as a tuple to tie.
+  std::pair<PointRef, PointRef> ends(const TomlTable& table) const {
+    const std::array<PointRef, 2> points = names_.two_points(table);
+    return {points[0], points[1]};
+  }
+
+  Units& units() { return scene_.units; }
+  const Units& units() const { return scene_.units; }
+
+  TomlTable root_;
+  Scene scene_;
+  SceneNames names_;
+};
+
+[[noreturn]] void fail_to_read(const std::filesystem::path& file, int error) {
+  throw InputError(file.string() + ": cannot be read: " + std::generic_category().message(error) + "; check the path");
+}
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, const std::string& name) {
+  const toml::table document = parse_toml(text, name);
+  return SceneReader(TomlTable(document, {name, 1, ""}), name).read();
+}
+
+Scene read_scene(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) fail_to_read(file, EISDIR);
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail_to_read(file, errno);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  return parse_scene(text, file.string());
+}
+
+}  // namespace poise

@@ -1,0 +1,63 @@
+#pragma once
+
+// The names of a scene file: who is called what, and messages with the nearest name for who is not. Private to the
+// readers of model/.
+
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "model/scene.hpp"
+#include "model/toml_reader.hpp"
+
+namespace poise {
+
+/// A name and the line of the file that gave it.
+using NameLines = std::unordered_map<std::string, int>;
+
+/// Looks up bodies, points and joints of a scene that grows. Everything is found in constant time; only a failure
+/// looks through all names for the nearest.
+class SceneNames {
+ public:
+  explicit SceneNames(const Scene& scene) : scene_(scene) {}
+
+  /// Learns a body (joint) that was added to the scene, with its points.
+  void learn_body(int body);
+  void learn_joint(int joint);
+
+  /// The body so called; fails when there is none. `movable` leaves out the ground.
+  int body(const TomlText& name) const { return find_body(name, 0); }
+  int movable_body(const TomlText& name) const { return find_body(name, 1); }
+  /// The point "BODY.POINT", split at the last dot.
+  PointRef point(const TomlText& name) const;
+  /// The slide or pin in a slot so called.
+  int travelling_joint(const TomlText& name) const;
+  /// The two ends of something that joins two different bodies: the key `points` (`bodies`) of the table.
+  std::array<PointRef, 2> two_points(const TomlTable& table) const;
+  std::array<int, 2> two_bodies(const TomlTable& table) const;
+
+  /// The body, or -1; the joint, or -1.
+  int index_of_body(const std::string& name) const;
+  int index_of_joint(const std::string& name) const;
+
+  std::vector<std::string> movable_body_names() const;
+  std::vector<std::string> travelling_joint_names() const;
+
+ private:
+  int find_body(const TomlText& name, int first) const;
+
+  const Scene& scene_;
+  std::unordered_map<std::string, int> bodies_;
+  std::unordered_map<std::string, int> joints_;
+  std::unordered_map<std::string, PointRef> points_;
+};
+
+/// Fails unless a name is fit to be shown and referred to: not empty, no control characters.
+void check_name(const std::string& name, const TomlPlace& place);
+
+/// The name of each item: what its key `name` says, which must be new, or its default, to which " (2)", " (3)", ... is
+/// added when it is not. `taken` are names that other things have already.
+std::vector<std::string> names_of(const std::vector<TomlTable>& items, const std::vector<std::string>& defaults,
+                                  NameLines taken);
+
+}  // namespace poise

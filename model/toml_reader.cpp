@@ -1,0 +1,199 @@
+#include "model/toml_reader.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "model/nearest_name.hpp"
+#include "model/scene.hpp"
+
+namespace poise {
+namespace {
+
+int line_of(const toml::source_region& region) { return static_cast<int>(region.begin.line); }
+
+std::string found(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return ", found a table";
+    case toml::node_type::array:
+      return ", found a list";
+    case toml::node_type::string:
+      return ", found a string";
+    case toml::node_type::boolean:
+      return ", found a boolean";
+    case toml::node_type::integer:
+    case toml::node_type::floating_point:
+      return ", found a number";
+    default:
+      return ", found a date or time";
+  }
+}
+
+double read_number(const toml::node& node, const TomlPlace& place, double unit, Range range) {
+  double written = 0.0;
+  if (const auto* integer = node.as_integer()) {
+    written = static_cast<double>(integer->get());
+  } else if (const auto* real = node.as_floating_point()) {
+    written = real->get();
+  } else {
+    place.fail("expected a number" + found(node));
+  }
+  const double value = written * unit;
+  if (!contains(range, value)) place.fail(out_of_range(range, written));
+  return value;
+}
+
+TomlText read_text(const toml::node& node, TomlPlace place) {
+  const auto* const text = node.as_string();
+  if (text == nullptr) place.fail("expected a string" + found(node));
+  return {text->get(), std::move(place)};
+}
+
+}  // namespace
+
+void TomlPlace::fail(const std::string& message) const {
+  const std::string subject = item.empty() ? "" : item + ": ";
+  std::string text = std::string(file) + ":" + std::to_string(line) + ": " + subject + message;
+  // Keys and strings may hold line breaks; a message may not.
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+  throw InputError(text);
+}
+
+TomlTable::TomlTable(const toml::table& table, TomlPlace place) : table_(&table), place_(std::move(place)) {}
+
+bool TomlTable::holds_table(std::string_view key) const {
+  const toml::node* const node = find(key);
+  return node != nullptr && node->is_table();
+}
+
+TomlPlace TomlTable::place_of(std::string_view key) const {
+  TomlPlace place = place_;
+  place.item += (place.item.empty() ? "" : ".") + std::string(key);
+  const auto entry = table_->find(key);
+  if (entry != table_->end()) place.line = line_of(entry->first.source());
+  return place;
+}
+
+TomlPlace TomlTable::place_of(const toml::node& node, std::string_view key) const {
+  TomlPlace place = place_of(key);
+  // Tables that a dotted key implies have no place of their own.
+  if (!node.is_table()) place.line = line_of(node.source());
+  return place;
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<const toml::key*> ordered;
+  for (auto&& [key, node] : *table_) ordered.push_back(&key);
+  const auto position = [](const toml::key* key) {
+    return std::pair(key->source().begin.line, key->source().begin.column);
+  };
+  std::sort(ordered.begin(), ordered.end(), [&](auto* a, auto* b) { return position(a) < position(b); });
+  std::vector<std::string> result;
+  for (const toml::key* key : ordered) result.emplace_back(key->str());
+  return result;
+}
+
+void TomlTable::allow_keys(std::initializer_list<std::string_view> valid) const {
+  for (auto&& [key, node] : *table_) {
+    if (std::find(valid.begin(), valid.end(), key.str()) != valid.end()) continue;
+    std::string list;
+    for (const std::string_view name : valid) list += (list.empty() ? "" : ", ") + std::string(name);
+    place_of(key.str()).fail((valid.size() == 1 ? "expected only the key " : "expected one of the keys ") + list +
+                             did_you_mean(key.str(), {valid.begin(), valid.end()}));
+  }
+}
+
+const toml::node& TomlTable::require(std::string_view key, const std::string& how) const {
+  const toml::node* const node = find(key);
+  if (node == nullptr) place_.fail("expected the key " + std::string(key) + "; add " + std::string(key) + " = " + how);
+  return *node;
+}
+
+double TomlTable::number(std::string_view key, double unit, Range range) const {
+  require(key, "NUMBER");
+  return *find_number(key, unit, range);
+}
+
+std::optional<double> TomlTable::find_number(std::string_view key, double unit, Range range) const {
+  const toml::node* const node = find(key);
+  if (node == nullptr) return std::nullopt;
+  return read_number(*node, place_of(*node, key), unit, range);
+}
+
+Vec2 TomlTable::vector(std::string_view key, double unit) const {
+  require(key, "[X, Y]");
+  return *find_vector(key, unit);
+}
+
+std::optional<Vec2> TomlTable::find_vector(std::string_view key, double unit) const {
+  const toml::node* const node = find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::array* const list = node->as_array();
+  if (list == nullptr) place_of(*node, key).fail("expected two numbers [X, Y]" + found(*node));
+  if (list->size() != 2) {
+    place_of(*node, key).fail("expected two numbers [X, Y], found a list of " + std::to_string(list->size()));
+  }
+  const auto component = [&](std::size_t i) {
+    return read_number((*list)[i], place_of((*list)[i], key), unit, Range::finite);
+  };
+  return Vec2{component(0), component(1)};
+}
+
+TomlText TomlTable::text(std::string_view key) const {
+  require(key, "\"...\"");
+  return *find_text(key);
+}
+
+std::optional<TomlText> TomlTable::find_text(std::string_view key) const {
+  const toml::node* const node = find(key);
+  if (node == nullptr) return std::nullopt;
+  return read_text(*node, place_of(*node, key));
+}
+
+std::array<TomlText, 2> TomlTable::two_texts(std::string_view key) const {
+  const toml::node& node = require(key, "[\"...\", \"...\"]");
+  const toml::array* const list = node.as_array();
+  if (list == nullptr) place_of(node, key).fail("expected two names [\"...\", \"...\"]" + found(node));
+  if (list->size() != 2) {
+    place_of(node, key).fail("expected two names [\"...\", \"...\"], found a list of " + std::to_string(list->size()));
+  }
+  const auto name = [&](std::size_t i) { return read_text((*list)[i], place_of((*list)[i], key)); };
+  return {name(0), name(1)};
+}
+
+std::optional<TomlTable> TomlTable::find_table(std::string_view key) const {
+  const toml::node* const node = find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::table* const table = node->as_table();
+  if (table == nullptr) place_of(key).fail("expected a table" + found(*node));
+  return TomlTable(*table, place_of(key));
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  std::vector<TomlTable> result;
+  const toml::node* const node = find(key);
+  if (node == nullptr) return result;
+  const std::string expected = "expected tables [[" + std::string(key) + "]]";
+  const toml::array* const list = node->as_array();
+  if (list == nullptr) place_of(key).fail(expected + found(*node));
+  for (const toml::node& element : *list) {
+    const toml::table* const table = element.as_table();
+    if (table == nullptr) place_of(element, key).fail(expected + found(element));
+    TomlPlace place{place_.file, line_of(element.source()), std::string(key) + " "};
+    const auto* const name = table->get_as<std::string>("name");
+    place.item += name == nullptr ? std::to_string(result.size() + 1) : "\"" + name->get() + "\"";
+    result.emplace_back(*table, std::move(place));
+  }
+  return result;
+}
+
+toml::table parse_toml(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    TomlPlace{file, line_of(error.source()), "TOML syntax"}.fail(std::string(error.description()));
+  }
+}
+
+}  // namespace poise

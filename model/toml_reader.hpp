@@ -1,0 +1,83 @@
+#pragma once
+
+// Checked access to a TOML document: every value is asked for with what it must be, and whatever is not so throws an
+// InputError "file:line: item: expected ...". Private to the readers of model/.
+
+#include <array>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "model/planar.hpp"
+#include "model/value_range.hpp"
+
+namespace poise {
+
+/// Where a value stands, for messages.
+struct TomlPlace {
+  std::string_view file;  ///< outlived by what it names: the reader keeps the string
+  int line = 0;
+  std::string item;  ///< "body.crank.mass", `pin "hinge".points`, "spring 2"
+
+  /// Throws InputError "file:line: item: message", kept to one line.
+  [[noreturn]] void fail(const std::string& message) const;
+};
+
+/// A string and where it stands.
+struct TomlText {
+  std::string value;
+  TomlPlace place;
+};
+
+/// A table read key by key. Refers to a document that must outlive it.
+class TomlTable {
+ public:
+  TomlTable(const toml::table& table, TomlPlace place);
+
+  const TomlPlace& place() const { return place_; }
+  bool has(std::string_view key) const { return table_->contains(key); }
+  bool holds_table(std::string_view key) const;
+  /// The place of one key of the table, be it there or not.
+  TomlPlace place_of(std::string_view key) const;
+  /// The keys in the order of the file.
+  std::vector<std::string> keys() const;
+  /// Fails on the first key that is not among `valid`, with the nearest one that is.
+  void allow_keys(std::initializer_list<std::string_view> valid) const;
+
+  /// The number under `key` times `unit`, the SI value of the unit it is written in. Fails unless it is an integer or a
+  /// float that lies in `range`, also after conversion. The second kind is empty when the key is absent.
+  double number(std::string_view key, double unit, Range range) const;
+  std::optional<double> find_number(std::string_view key, double unit, Range range) const;
+
+  /// [x, y], each times `unit`.
+  Vec2 vector(std::string_view key, double unit) const;
+  std::optional<Vec2> find_vector(std::string_view key, double unit) const;
+
+  TomlText text(std::string_view key) const;
+  std::optional<TomlText> find_text(std::string_view key) const;
+  /// A list of exactly two strings.
+  std::array<TomlText, 2> two_texts(std::string_view key) const;
+
+  std::optional<TomlTable> find_table(std::string_view key) const;
+  /// The tables of [[key]], none when the key is absent; each one's item is `key "NAME"` if it has a name, else
+  /// "key 2" by its place in the list.
+  std::vector<TomlTable> tables(std::string_view key) const;
+
+ private:
+  const toml::node* find(std::string_view key) const { return table_->get(key); }
+  /// The node under `key`; fails when it is absent, showing how it is written.
+  const toml::node& require(std::string_view key, const std::string& how) const;
+  TomlPlace place_of(const toml::node& node, std::string_view key) const;
+
+  const toml::table* table_;
+  TomlPlace place_;
+};
+
+/// Parses a TOML text; throws InputError with file:line of a syntax error.
+toml::table parse_toml(std::string_view text, const std::string& file);
+
+}  // namespace poise

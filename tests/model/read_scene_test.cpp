@@ -1,0 +1,682 @@
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <ostream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "model/scene.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double inch = 0.0254;
+constexpr double pound_force = 4.4482216152605;
+constexpr double pound = 0.45359237;
+constexpr double degree = 3.14159265358979323846 / 180.0;
+
+/// Every key of the grammar once, in the units of a workshop.
+const char* const everything = R"(title = "Everything"
+source = "made up"
+gravity = [0, -386.09]
+
+[units]
+length = "in"
+force = "lbf"
+mass = "lb"
+angle = "deg"
+
+[ground]
+points = { S = [10, 0.5], O = [0, 0] }
+
+[body.crank]
+points = { O = [0, 0], B = [4, 0] }
+mass = 2
+center = [2, 0.25]
+inertia = 6
+
+[body.block]
+points.C = [0, 0]
+points.D = [1, 1]
+
+[body."arm.left"]
+points = { E = [0, 1] }
+
+[[slide]]
+name = "ram"
+points = ["ground.S", "block.C"]
+axis = [3, 4]
+angle = 90
+
+[[pin]]
+points = ["ground.O", "crank.O"]
+
+[[pin_in_slot]]
+points = ["crank.B", "block.D"]
+axis = [0, -2]
+
+[[weld]]
+points = ["crank.B", "arm.left.E"]
+angle = -45
+
+[[bar]]
+points = ["ground.S", "crank.B"]
+length = 6
+
+[[pin]]
+points = ["ground.O", "crank.O"]
+
+[[spring]]
+points = ["ground.O", "block.D"]
+stiffness = 3
+free_length = 5
+acts = "tension"
+
+[[spring]]
+name = "return"
+points = ["ground.O", "block.D"]
+stiffness = 3
+free_length = 0
+acts = "compression"
+
+[[spring]]
+points = ["ground.O", "block.D"]
+stiffness = 1
+free_length = 1
+acts = "both"
+
+[[torsion_spring]]
+bodies = ["ground", "crank"]
+stiffness = 7
+free_angle = 450
+
+[[force]]
+at = "crank.B"
+vector = [30, -40]
+
+[[force]]
+name = "thrust"
+at = "block.D"
+vector = [1, 0]
+follows = "arm.left"
+
+[[torque]]
+on = "crank"
+value = -8
+
+[[stop]]
+bodies = ["ground", "crank"]
+min = -10
+max = 200
+
+[[stop]]
+name = "tether"
+points = ["ground.O", "block.D"]
+max = 12
+
+[[stop]]
+slide = "ram"
+min = -1
+
+[start]
+crank = 30
+ram = 2
+"crank.B-block.D" = -1.5
+position = { block = [10, 1] }
+)";
+
+TEST(ReadScene, ReadsHeaderAndUnits) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  EXPECT_EQ(scene.file, "all.toml");
+  EXPECT_EQ(scene.title, "Everything");
+  EXPECT_EQ(scene.source, "made up");
+  EXPECT_EQ(scene.units.length_name, "in");
+  EXPECT_EQ(scene.units.force_name, "lbf");
+  EXPECT_EQ(scene.units.mass_name, "lb");
+  EXPECT_EQ(scene.units.angle_name, "deg");
+  EXPECT_DOUBLE_EQ(scene.units.length, inch);
+  EXPECT_DOUBLE_EQ(scene.units.force, pound_force);
+  EXPECT_DOUBLE_EQ(scene.units.mass, pound);
+  EXPECT_DOUBLE_EQ(scene.units.angle, degree);
+  EXPECT_EQ(scene.gravity.x, 0.0);
+  EXPECT_NEAR(scene.gravity.y, -9.80665, 1e-4);
+}
+
+TEST(ReadScene, ReadsBodiesAndPointsInTheOrderOfTheFile) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  ASSERT_EQ(scene.bodies.size(), 4u);
+  EXPECT_EQ(scene.bodies[0].name, "ground");
+  EXPECT_EQ(scene.bodies[0].line, 11);
+  EXPECT_EQ(scene.name_of({0, 0}), "ground.S");
+  EXPECT_EQ(scene.name_of({0, 1}), "ground.O");
+  EXPECT_EQ(scene.local({0, 0}), (Vec2{10 * inch, 0.5 * inch}));
+  const Body& crank = scene.bodies[1];
+  EXPECT_EQ(crank.name, "crank");
+  EXPECT_EQ(crank.line, 14);
+  EXPECT_DOUBLE_EQ(crank.mass, 2 * pound);
+  EXPECT_EQ(crank.center, (Vec2{2 * inch, 0.25 * inch}));
+  EXPECT_DOUBLE_EQ(crank.inertia, 6 * pound * inch * inch);
+  const Body& block = scene.bodies[2];
+  EXPECT_EQ(block.name, "block");
+  EXPECT_EQ(block.mass, 0.0);
+  EXPECT_EQ(block.center, Vec2{});
+  EXPECT_EQ(block.inertia, 0.0);
+  EXPECT_EQ(scene.name_of({2, 1}), "block.D");
+  EXPECT_EQ(scene.bodies[3].name, "arm.left");
+}
+
+TEST(ReadScene, ReadsJointsOfAllKindsInTheOrderOfTheFile) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  ASSERT_EQ(scene.joints.size(), 6u);
+  const Joint& slide = scene.joints[0];
+  EXPECT_EQ(slide.kind, Joint::Kind::slide);
+  EXPECT_EQ(slide.name, "ram");
+  EXPECT_EQ(slide.line, 27);
+  EXPECT_EQ(scene.name_of(slide.a), "ground.S");
+  EXPECT_EQ(scene.name_of(slide.b), "block.C");
+  EXPECT_NEAR(slide.axis.x, 0.6, 1e-15);
+  EXPECT_NEAR(slide.axis.y, 0.8, 1e-15);
+  EXPECT_DOUBLE_EQ(slide.angle, 90 * degree);
+  EXPECT_EQ(scene.joints[1].kind, Joint::Kind::pin);
+  EXPECT_EQ(scene.joints[1].name, "ground.O-crank.O");
+  EXPECT_EQ(scene.joints[2].kind, Joint::Kind::pin_in_slot);
+  EXPECT_EQ(scene.joints[2].axis, (Vec2{0.0, -1.0}));
+  EXPECT_EQ(scene.joints[3].kind, Joint::Kind::weld);
+  EXPECT_EQ(scene.name_of(scene.joints[3].b), "arm.left.E");
+  EXPECT_DOUBLE_EQ(scene.joints[3].angle, -45 * degree);
+  EXPECT_EQ(scene.joints[4].kind, Joint::Kind::bar);
+  EXPECT_DOUBLE_EQ(scene.joints[4].length, 6 * inch);
+  EXPECT_EQ(scene.joints[5].name, "ground.O-crank.O (2)");
+}
+
+TEST(ReadScene, ReadsSprings) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  ASSERT_EQ(scene.springs.size(), 3u);
+  EXPECT_EQ(scene.springs[0].name, "spring 1");
+  EXPECT_EQ(scene.springs[1].name, "return");
+  EXPECT_EQ(scene.springs[2].name, "spring 3");
+  EXPECT_DOUBLE_EQ(scene.springs[0].stiffness, 3 * pound_force / inch);
+  EXPECT_NEAR(scene.springs[0].stiffness, 525.380, 1e-3);
+  EXPECT_DOUBLE_EQ(scene.springs[0].free_length, 5 * inch);
+  EXPECT_EQ(scene.springs[0].acts, Spring::Acts::tension);
+  EXPECT_EQ(scene.springs[1].acts, Spring::Acts::compression);
+  EXPECT_EQ(scene.springs[2].acts, Spring::Acts::both);
+  EXPECT_EQ(scene.name_of(scene.springs[0].a), "ground.O");
+  EXPECT_EQ(scene.name_of(scene.springs[0].b), "block.D");
+  ASSERT_EQ(scene.torsion_springs.size(), 1u);
+  const TorsionSpring& torsion = scene.torsion_springs[0];
+  EXPECT_EQ(torsion.name, "torsion spring 1");
+  EXPECT_EQ(torsion.a, 0);
+  EXPECT_EQ(torsion.b, 1);
+  EXPECT_DOUBLE_EQ(torsion.stiffness, 7 * pound_force * inch / degree);
+  EXPECT_DOUBLE_EQ(torsion.free_angle, 450 * degree);
+}
+
+TEST(ReadScene, ReadsLoads) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  ASSERT_EQ(scene.forces.size(), 2u);
+  EXPECT_EQ(scene.forces[0].name, "force 1");
+  EXPECT_EQ(scene.name_of(scene.forces[0].at), "crank.B");
+  EXPECT_EQ(scene.forces[0].vector, (Vec2{30 * pound_force, -40 * pound_force}));
+  EXPECT_EQ(scene.forces[0].follows, -1);
+  EXPECT_EQ(scene.forces[1].name, "thrust");
+  EXPECT_EQ(scene.forces[1].follows, 3);
+  ASSERT_EQ(scene.torques.size(), 1u);
+  EXPECT_EQ(scene.torques[0].name, "torque 1");
+  EXPECT_EQ(scene.torques[0].body, 1);
+  EXPECT_DOUBLE_EQ(scene.torques[0].value, -8 * pound_force * inch);
+}
+
+TEST(ReadScene, ReadsStops) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  ASSERT_EQ(scene.stops.size(), 3u);
+  EXPECT_EQ(scene.stops[0].kind, Stop::Kind::angle);
+  EXPECT_EQ(scene.stops[0].name, "stop 1");
+  EXPECT_EQ(scene.stops[0].body_a, 0);
+  EXPECT_EQ(scene.stops[0].body_b, 1);
+  EXPECT_DOUBLE_EQ(scene.stops[0].min, -10 * degree);
+  EXPECT_DOUBLE_EQ(scene.stops[0].max, 200 * degree);
+  EXPECT_EQ(scene.stops[1].kind, Stop::Kind::distance);
+  EXPECT_EQ(scene.stops[1].name, "tether");
+  EXPECT_EQ(scene.name_of(scene.stops[1].b), "block.D");
+  EXPECT_EQ(scene.stops[1].min, -std::numeric_limits<double>::infinity());
+  EXPECT_DOUBLE_EQ(scene.stops[1].max, 12 * inch);
+  EXPECT_EQ(scene.stops[2].kind, Stop::Kind::travel);
+  EXPECT_EQ(scene.stops[2].joint, 0);
+  EXPECT_DOUBLE_EQ(scene.stops[2].min, -1 * inch);
+  EXPECT_EQ(scene.stops[2].max, std::numeric_limits<double>::infinity());
+}
+
+TEST(ReadScene, ReadsStart) {
+  const Start start = parse_scene(everything, "all.toml").start;
+  ASSERT_EQ(start.angle.size(), 4u);
+  EXPECT_DOUBLE_EQ(start.angle[1].value(), 30 * degree);
+  EXPECT_FALSE(start.angle[2].has_value());
+  ASSERT_EQ(start.travel.size(), 6u);
+  EXPECT_DOUBLE_EQ(start.travel[0].value(), 2 * inch);
+  EXPECT_FALSE(start.travel[1].has_value());
+  EXPECT_DOUBLE_EQ(start.travel[2].value(), -1.5 * inch);
+  ASSERT_EQ(start.position.size(), 4u);
+  EXPECT_EQ(start.position[2].value(), (Vec2{10 * inch, 1 * inch}));
+  EXPECT_FALSE(start.position[1].has_value());
+}
+
+TEST(ReadScene, IsInSiWithoutUnits) {
+  const Scene scene = parse_scene("[body.a]\nmass = 1\ninertia = 0.5\npoints = { P = [1, 2] }", "s.toml");
+  EXPECT_EQ(scene.units.length_name, "m");
+  EXPECT_EQ(scene.units.angle_name, "rad");
+  EXPECT_EQ(scene.gravity, Vec2{});
+  EXPECT_EQ(scene.bodies[1].mass, 1.0);
+  EXPECT_EQ(scene.bodies[1].inertia, 0.5);
+  EXPECT_EQ(scene.local({1, 0}), (Vec2{1.0, 2.0}));
+}
+
+TEST(ReadScene, KnowsEveryUnit) {
+  const auto units_of = [](const std::string& units) {
+    return parse_scene("[units]\n" + units + "\n[body.a]", "s.toml").units;
+  };
+  EXPECT_EQ(units_of("length = 'm'").length, 1.0);
+  EXPECT_EQ(units_of("length = 'mm'").length, 1e-3);
+  EXPECT_EQ(units_of("length = 'in'").length, 0.0254);
+  EXPECT_EQ(units_of("length = 'ft'").length, 0.3048);
+  EXPECT_EQ(units_of("force = 'N'").force, 1.0);
+  EXPECT_EQ(units_of("force = 'kN'").force, 1e3);
+  EXPECT_EQ(units_of("force = 'lbf'").force, pound * 9.80665);
+  EXPECT_EQ(units_of("mass = 'kg'").mass, 1.0);
+  EXPECT_EQ(units_of("mass = 'g'").mass, 1e-3);
+  EXPECT_EQ(units_of("mass = 'lb'").mass, pound);
+  EXPECT_EQ(units_of("angle = 'rad'").angle, 1.0);
+  EXPECT_EQ(units_of("angle = 'deg'").angle, degree);
+}
+
+TEST(ReadScene, NumbersDefaultNamesAroundThoseThatAreTaken) {
+  const Scene scene = parse_scene(R"toml(
+    [ground]
+    points = { O = [0, 0] }
+    [body.a]
+    points = { P = [0, 0] }
+    [[pin]]
+    points = ["ground.O", "a.P"]
+    [[pin]]
+    points = ["ground.O", "a.P"]
+    name = "ground.O-a.P (2)"
+    [[bar]]
+    points = ["ground.O", "a.P"]
+    length = 1
+    [[bar]]
+    points = ["ground.O", "a.P"]
+    length = 1
+    [[force]]
+    at = "a.P"
+    vector = [1, 0]
+    [[torque]]
+    name = "force 1"
+    on = "a"
+    value = 1)toml",
+                                  "s.toml");
+  EXPECT_EQ(scene.joints[0].name, "ground.O-a.P");
+  EXPECT_EQ(scene.joints[1].name, "ground.O-a.P (2)");
+  EXPECT_EQ(scene.joints[2].name, "ground.O-a.P (3)");
+  EXPECT_EQ(scene.joints[3].name, "ground.O-a.P (4)");
+  EXPECT_EQ(scene.forces[0].name, "force 1 (2)");
+  EXPECT_EQ(scene.torques[0].name, "force 1");
+}
+
+TEST(ReadScene, TakesABodyCalledPosition) {
+  const Scene scene = parse_scene("[body.position]\n[start]\nposition = 3", "s.toml");
+  EXPECT_EQ(scene.start.angle[1].value(), 3.0);
+}
+
+TEST(ReadScene, ReadsFilesAndNamesThem) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "poise_read_scene_test.toml";
+  std::ofstream(file) << "[body.crank]\nmas = 3\n";
+  try {
+    read_scene(file);
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(), file.string() +
+                                ":2: body.crank.mas: expected one of the keys points, mass, center, inertia; "
+                                "did you mean \"mass\"?");
+  }
+  std::ofstream(file) << everything;
+  EXPECT_EQ(read_scene(file).file, file.string());
+  std::filesystem::remove(file);
+}
+
+TEST(ReadScene, ReadsTheExampleOfItsDocumentation) {
+  std::ifstream page(std::filesystem::path(POISE_SOURCE_DIR) / "docs" / "scene-files.md");
+  const std::string text{std::istreambuf_iterator<char>(page), std::istreambuf_iterator<char>()};
+  const std::string fence = "```toml\n";
+  const std::size_t begin = text.find(fence);
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t end = text.find("```", begin + fence.size());
+  const Scene scene = parse_scene(text.substr(begin + fence.size(), end - begin - fence.size()), "scene-files.md");
+  EXPECT_EQ(scene.bodies.size(), 4u);
+  EXPECT_EQ(scene.joints.size(), 4u);
+  EXPECT_DOUBLE_EQ(scene.springs[0].stiffness, 2500.0);
+  EXPECT_EQ(scene.start.travel[3].value(), 0.3);
+}
+
+TEST(ReadScene, NamesAFileThatCannotBeRead) {
+  const std::filesystem::path directory = testing::TempDir();
+  const std::filesystem::path missing = directory / "poise_no_such_scene.toml";
+  const auto message = [](const std::filesystem::path& file) -> std::string {
+    try {
+      read_scene(file);
+      return "no error";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message(missing), missing.string() + ": cannot be read: No such file or directory; check the path");
+  EXPECT_EQ(message(directory), directory.string() + ": cannot be read: Is a directory; check the path");
+}
+
+TEST(ReadScene, TakesTimeLinearInTheNumberOfBodies) {
+  const auto seconds = [](int bodies) {
+    std::string text = "[ground]\npoints = { B = [0, 0] }\n";
+    std::string before = "ground";
+    for (int i = 0; i < bodies; ++i) {
+      const std::string name = "link" + std::to_string(i);
+      text += "[body." + name + "]\npoints = { A = [0, 0], B = [1, 0] }\nmass = 1\n";
+      text += "[[pin]]\npoints = [\"" + before + ".B\", \"" + name + ".A\"]\n";
+      before = name;
+    }
+    // The best of three, for other programs may be running.
+    double least = std::numeric_limits<double>::infinity();
+    for (int run = 0; run < 3; ++run) {
+      const auto begin = std::chrono::steady_clock::now();
+      EXPECT_EQ(parse_scene(text, "chain.toml").joints.size(), static_cast<std::size_t>(bodies));
+      least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    }
+    return least;
+  };
+  // Ten times the bodies: about 10 times the time when linear, 100 times when quadratic.
+  EXPECT_LT(seconds(20000), 40.0 * seconds(2000));
+}
+
+struct BadScene {
+  const char* name;
+  std::string text;
+  std::string message;  ///< after "s.toml:"
+};
+
+void PrintTo(const BadScene& scene, std::ostream* out) { *out << scene.name; }
+
+/// Lines 1 to 6: a ground with point O and two bodies; what is wrong follows from line 7.
+const std::string two_bodies =
+    "[ground]\n"
+    "points = { O = [0, 0], S = [1, 0] }\n"
+    "[body.crank]\n"
+    "points = { O = [0, 0], B = [1, 0] }\n"
+    "[body.rod]\n"
+    "points = { B = [0, 0] }\n";
+
+const std::string slide_ram = two_bodies + "[[slide]]\nname = 'ram'\npoints = ['ground.S', 'rod.B']\naxis = [1, 0]\n";
+
+BadScene after(const char* name, const std::string& text, const std::string& message) {
+  return {name, two_bodies + text, message};
+}
+
+BadScene after_slide(const char* name, const std::string& text, const std::string& message) {
+  return {name, slide_ram + text, message};
+}
+
+class ReadBadScene : public testing::TestWithParam<BadScene> {};
+
+TEST_P(ReadBadScene, SaysWhatWasExpectedWhere) {
+  try {
+    parse_scene(GetParam().text, "s.toml");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(), "s.toml:" + GetParam().message);
+  }
+}
+
+std::string name_of_case(const testing::TestParamInfo<BadScene>& info) { return info.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(
+    Document, ReadBadScene,
+    testing::Values(
+        BadScene{"Syntax", "title = \"a\"\n[units\n",
+                 "2: TOML syntax: Error while parsing table header: expected ']', saw '\\n'"},
+        BadScene{"RepeatedKey", "title = 'a'\ntitle = 'b'\n",
+                 "2: TOML syntax: Error while parsing key-value pair: cannot redefine existing string 'title'"},
+        BadScene{"Empty", "", "1: body: expected at least one body; add [body.NAME]"},
+        BadScene{"NoBody", "title = 'a'\n[body]\n", "1: body: expected at least one body; add [body.NAME]"},
+        BadScene{
+            "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
+            "2: bdoy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, pin_in_slot, "
+            "weld, bar, spring, torsion_spring, force, torque, stop, start; did you mean \"body\"?"},
+        BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
+                 "1: bo?dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
+                 "pin_in_slot, weld, bar, spring, torsion_spring, force, torque, stop, start; did you mean \"body\"?"},
+        BadScene{"TitleNotText", "title = 3\n", "1: title: expected a string, found a number"},
+        BadScene{"SourceNotText", "source = 2024-01-01\n", "1: source: expected a string, found a date or time"},
+        BadScene{"GravityNotVector", "gravity = 9.81\n", "1: gravity: expected two numbers [X, Y], found a number"},
+        BadScene{"GravityTooLong", "gravity = [0, 0, 9]\n",
+                 "1: gravity: expected two numbers [X, Y], found a list of 3"},
+        BadScene{"GravityNotFinite", "gravity = [0,\n -inf]\n", "2: gravity: expected a finite number, found -inf"},
+        BadScene{"GravityNotNumber", "gravity = [0, true]\n", "1: gravity: expected a number, found a boolean"},
+        BadScene{"UnitUnknown", "[units]\nlength = 'inch'\n",
+                 "2: units.length: expected one of m, mm, in, ft, found \"inch\"; did you mean \"in\"?"},
+        BadScene{"UnitKeyUnknown", "[units]\nlenght = 'in'\n",
+                 "2: units.lenght: expected one of the keys length, force, mass, angle; did you mean \"length\"?"},
+        BadScene{"UnitsNotTable", "units = 'SI'\n", "1: units: expected a table, found a string"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Bodies, ReadBadScene,
+    testing::Values(
+        BadScene{"GroundKey", "[ground]\nmass = 1\n[body.a]\n",
+                 "2: ground.mass: expected only the key points; did you mean \"points\"?"},
+        BadScene{"BodyCalledGround", "[body.a]\n[body.ground]\n",
+                 "2: body.ground: expected another name, this is the fixed frame; give its points in [ground]"},
+        BadScene{"BodyList", "[[body]]\nmass = 1\n", "1: body: expected a table, found a list"},
+        BadScene{"BodyNotTable", "body.crank = 3\n", "1: body.crank: expected a table, found a number"},
+        BadScene{"BodyKey", "[body.a]\ncentre = [0, 0]\n",
+                 "2: body.a.centre: expected one of the keys points, mass, center, inertia; did you mean \"center\"?"},
+        BadScene{"BodyWithoutName", "[body.'']\n", "1: body.: expected a name that is not empty"},
+        BadScene{"BodyWithControlCharacter", "[body.\"a\\tb\"]\n",
+                 "1: body.a?b: expected a name without control characters"},
+        BadScene{"PointWithDot", "[body.a]\npoints = { 'P.1' = [0, 0] }\n",
+                 "2: body.a.points.P.1: expected a name without dots"},
+        BadScene{"PointWithoutName", "[body.a]\npoints = { '' = [0, 0] }\n",
+                 "2: body.a.points.: expected a name that is not empty"},
+        BadScene{"PointsNotTable", "[body.a]\npoints = [[0, 0]]\n", "2: body.a.points: expected a table, found a list"},
+        BadScene{"PointNotVector", "[body.a]\npoints.P = 'here'\n",
+                 "2: body.a.points.P: expected two numbers [X, Y], found a string"},
+        BadScene{"PointNotFinite", "[body.a]\npoints.P = [nan, 0]\n",
+                 "2: body.a.points.P: expected a finite number, found nan"},
+        BadScene{"NegativeMass", "[body.a]\nmass = -0.5\n",
+                 "2: body.a.mass: expected a finite number >= 0, found -0.5"},
+        BadScene{"InfiniteMass", "[body.a]\nmass = inf\n", "2: body.a.mass: expected a finite number >= 0, found inf"},
+        BadScene{"MassInQuotes", "[body.a]\nmass = '2'\n", "2: body.a.mass: expected a number, found a string"},
+        BadScene{"NegativeInertia", "[body.a]\n\ninertia = -1\n",
+                 "3: body.a.inertia: expected a finite number >= 0, found -1"},
+        BadScene{"OverflowByUnit",
+                 "[units]\nforce = 'kN'\n[body.a]\npoints.P = [0, 0]\n[[force]]\nat = 'a.P'\n"
+                 "vector = [1e306, 0]\n",
+                 "7: force 1.vector: expected a finite number, found 1e+306"}),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    Joints, ReadBadScene,
+    testing::Values(
+        after("SingleTable", "[pin]\npoints = ['ground.O', 'crank.O']\n",
+              "7: pin: expected tables [[pin]], found a table"),
+        BadScene{"ListOfNumbers", "pin = [1]\n[body.a]\n", "1: pin: expected tables [[pin]], found a number"},
+        after("PointsMissing", "[[pin]]\nname = 'hinge'\n",
+              "7: pin \"hinge\": expected the key points; add points = [\"...\", \"...\"]"),
+        after("OnePoint", "[[pin]]\npoints = ['ground.O']\n",
+              "8: pin 1.points: expected two names [\"...\", \"...\"], found a list of 1"),
+        after("PointsNotList", "[[pin]]\npoints = 'ground.O'\n",
+              "8: pin 1.points: expected two names [\"...\", \"...\"], found a string"),
+        after("PointNotText", "[[pin]]\npoints = ['ground.O', 3]\n",
+              "8: pin 1.points: expected a string, found a number"),
+        after("PointOfUnknownBody", "[[pin]]\npoints = ['ground.O',\n 'carnk.O']\n",
+              "9: pin 1.points: expected a point \"BODY.POINT\", found \"carnk.O\"; did you mean \"crank.O\"?"),
+        after("PointWithoutBody", "[[pin]]\npoints = ['O', 'crank.O']\n",
+              "8: pin 1.points: expected a point \"BODY.POINT\", found \"O\"; did you mean \"rod.B\"?"),
+        after("UnknownPoint", "[[pin]]\npoints = ['ground.O', 'crank.A']\n",
+              "8: pin 1.points: expected a point of \"crank\", found \"crank.A\"; did you mean \"crank.O\"?"),
+        after("BodyWithoutPoints", "[body.bare]\n[[pin]]\npoints = ['ground.O', 'bare.P']\n",
+              "9: pin 1.points: expected a point of \"bare\", which has none, found \"bare.P\"; "
+              "add points = { NAME = [X, Y] } to it"),
+        after("SameBody", "[[pin]]\npoints = ['crank.O', 'crank.B']\n",
+              "8: pin 1.points: expected points of two different bodies, found two of \"crank\""),
+        after("PinKey", "[[pin]]\npoints = ['ground.O', 'crank.O']\naxis = [1, 0]\n",
+              "9: pin 1.axis: expected one of the keys name, points; did you mean \"name\"?"),
+        after("SlotKey", "[[pin_in_slot]]\npoints = ['ground.O', 'crank.O']\naxis = [1, 0]\nangle = 3\n",
+              "10: pin_in_slot 1.angle: expected one of the keys name, points, axis; did you mean \"name\"?"),
+        after("WeldKey", "[[weld]]\npoints = ['ground.O', 'crank.O']\nangel = 3\n",
+              "9: weld 1.angel: expected one of the keys name, points, angle; did you mean \"angle\"?"),
+        after("SlideKey", "[[slide]]\npoints = ['ground.O', 'crank.O']\naxes = [1, 0]\n",
+              "9: slide 1.axes: expected one of the keys name, points, axis, angle; did you mean \"axis\"?"),
+        after("AxisMissing", "[[slide]]\npoints = ['ground.O', 'crank.O']\n",
+              "7: slide 1: expected the key axis; add axis = [X, Y]"),
+        after("SlotAxisMissing", "[[pin_in_slot]]\npoints = ['ground.O', 'crank.O']\n",
+              "7: pin_in_slot 1: expected the key axis; add axis = [X, Y]"),
+        after("AxisZero", "[[slide]]\npoints = ['ground.O', 'crank.O']\naxis = [0, 0.0]\n",
+              "9: slide 1.axis: expected a direction, found [0, 0]; give [1, 0], say"),
+        after("LengthMissing", "[[bar]]\npoints = ['ground.O', 'crank.O']\n",
+              "7: bar 1: expected the key length; add length = NUMBER"),
+        after("LengthZero", "[[bar]]\nlength = 0\npoints = ['ground.O', 'crank.O']\n",
+              "8: bar 1.length: expected a finite number > 0, found 0"),
+        after("BarKey", "[[bar]]\npoints = ['ground.O', 'crank.O']\nlen = 1\n",
+              "9: bar 1.len: expected one of the keys name, points, length; did you mean \"length\"?"),
+        after("RepeatedName",
+              "[[pin]]\nname = 'hinge'\npoints = ['ground.O', 'crank.O']\n[[bar]]\nname = 'hinge'\nlength = 1\n"
+              "points = ['ground.O', 'rod.B']\n",
+              "11: bar \"hinge\".name: expected a name of its own; \"hinge\" is taken in line 8"),
+        after("NameOfABody", "[[pin]]\nname = 'rod'\npoints = ['ground.O', 'crank.O']\n",
+              "8: pin \"rod\".name: expected a name of its own; \"rod\" is taken in line 5"),
+        BadScene{"NameOfTheGround",
+                 "[body.a]\npoints.P = [0, 0]\n[body.b]\npoints.P = [0, 0]\n[[pin]]\nname = 'ground'\n"
+                 "points = ['a.P', 'b.P']\n",
+                 "6: pin \"ground\".name: expected a name of its own; \"ground\" is taken"},
+        after("EmptyName", "[[pin]]\nname = ''\npoints = ['ground.O', 'crank.O']\n",
+              "8: pin \"\".name: expected a name that is not empty"),
+        after("NameNotText", "[[pin]]\nname = 3\npoints = ['ground.O', 'crank.O']\n",
+              "8: pin 1.name: expected a string, found a number")),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    SpringsAndLoads, ReadBadScene,
+    testing::Values(
+        after("SpringKey", "[[spring]]\nstifness = 1\n",
+              "8: spring 1.stifness: expected one of the keys name, points, stiffness, free_length, acts; "
+              "did you mean \"stiffness\"?"),
+        after("SpringStiffnessMissing", "[[spring]]\npoints = ['ground.O', 'rod.B']\nfree_length = 1\n",
+              "7: spring 1: expected the key stiffness; add stiffness = NUMBER"),
+        after("SpringFreeLengthMissing", "[[spring]]\npoints = ['ground.O', 'rod.B']\nstiffness = 1\n",
+              "7: spring 1: expected the key free_length; add free_length = NUMBER"),
+        after("SpringStiffnessNegative",
+              "[[spring]]\npoints = ['ground.O', 'rod.B']\nstiffness = -1\nfree_length = 1\n",
+              "9: spring 1.stiffness: expected a finite number >= 0, found -1"),
+        after("SpringFreeLengthNegative",
+              "[[spring]]\npoints = ['ground.O', 'rod.B']\nstiffness = 1\nfree_length = -1\n",
+              "10: spring 1.free_length: expected a finite number >= 0, found -1"),
+        after("SpringActs",
+              "[[spring]]\npoints = ['ground.O', 'rod.B']\nstiffness = 1\nfree_length = 1\nacts = 'pull'\n",
+              "11: spring 1.acts: expected one of both, tension, compression, found \"pull\"; did you mean \"both\"?"),
+        after("SpringInOneBody", "[[spring]]\npoints = ['ground.O', 'ground.S']\nstiffness = 1\nfree_length = 1\n",
+              "8: spring 1.points: expected points of two different bodies, found two of \"ground\""),
+        after("SpringNameRepeated",
+              "[[spring]]\nname = 'k'\npoints = ['ground.O', 'rod.B']\nstiffness = 1\nfree_length = 1\n"
+              "[[spring]]\nname = 'k'\n",
+              "13: spring \"k\".name: expected a name of its own; \"k\" is taken in line 8"),
+        after("TorsionKey", "[[torsion_spring]]\npoints = ['ground.O', 'rod.B']\n",
+              "8: torsion_spring 1.points: expected one of the keys name, bodies, stiffness, free_angle; "
+              "did you mean \"bodies\"?"),
+        after("TorsionBody", "[[torsion_spring]]\nbodies = ['gruond', 'rod']\nstiffness = 1\n",
+              "8: torsion_spring 1.bodies: expected the name of a body, found \"gruond\"; did you mean \"ground\"?"),
+        after("TorsionOneBody", "[[torsion_spring]]\nbodies = ['rod', 'rod']\nstiffness = 1\n",
+              "8: torsion_spring 1.bodies: expected two different bodies, found \"rod\" twice"),
+        after("TorsionStiffnessNegative", "[[torsion_spring]]\nbodies = ['ground', 'rod']\nstiffness = -2\n",
+              "9: torsion_spring 1.stiffness: expected a finite number >= 0, found -2"),
+        after("TorsionStiffnessMissing", "[[torsion_spring]]\nbodies = ['ground', 'rod']\n",
+              "7: torsion_spring 1: expected the key stiffness; add stiffness = NUMBER"),
+        after("ForceKey", "[[force]]\non = 'rod.B'\n",
+              "8: force 1.on: expected one of the keys name, at, vector, follows; did you mean \"at\"?"),
+        after("ForceAtMissing", "[[force]]\nvector = [0, 1]\n", "7: force 1: expected the key at; add at = \"...\""),
+        after("ForceVectorMissing", "[[force]]\nat = 'rod.B'\n",
+              "7: force 1: expected the key vector; add vector = [X, Y]"),
+        after("ForceAtUnknownPoint", "[[force]]\nat = 'rod.C'\nvector = [0, 1]\n",
+              "8: force 1.at: expected a point of \"rod\", found \"rod.C\"; did you mean \"rod.B\"?"),
+        after("ForceOnGround", "[[force]]\nat = 'ground.O'\nvector = [0, 1]\n",
+              "8: force 1.at: expected a point of a body that can move, found one of the ground"),
+        after("ForceFollowsUnknown", "[[force]]\nat = 'rod.B'\nvector = [0, 1]\nfollows = 'rd'\n",
+              "10: force 1.follows: expected the name of a body other than ground, found \"rd\"; "
+              "did you mean \"rod\"?"),
+        after("TorqueKey", "[[torque]]\nat = 'rod'\n",
+              "8: torque 1.at: expected one of the keys name, on, value; did you mean \"on\"?"),
+        after("TorqueOnGround", "[[torque]]\non = 'ground'\nvalue = 1\n",
+              "8: torque 1.on: expected the name of a body other than ground, found \"ground\"; "
+              "did you mean \"rod\"?"),
+        after("TorqueValueMissing", "[[torque]]\non = 'rod'\n",
+              "7: torque 1: expected the key value; add value = NUMBER"),
+        after("LoadNameRepeated",
+              "[[torque]]\nname = 'P'\non = 'rod'\nvalue = 1\n[[force]]\nname = 'P'\nat = 'rod.B'\nvector = [0, 1]\n",
+              "8: torque \"P\".name: expected a name of its own; \"P\" is taken in line 12")),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    StopsAndStart, ReadBadScene,
+    testing::Values(
+        after("StopKey", "[[stop]]\nbody = ['ground', 'rod']\n",
+              "8: stop 1.body: expected one of the keys name, bodies, points, slide, min, max; "
+              "did you mean \"bodies\"?"),
+        after("StopOfNothing", "[[stop]]\nmin = 1\n",
+              "7: stop 1: expected one of the keys bodies (relative angle), points (distance), slide (travel)"),
+        after("StopOfTwoThings", "[[stop]]\nbodies = ['ground', 'rod']\npoints = ['ground.O', 'rod.B']\nmin = 1\n",
+              "7: stop 1: expected one of the keys bodies (relative angle), points (distance), slide (travel)"),
+        after("StopWithoutLimit", "[[stop]]\nbodies = ['ground', 'rod']\n",
+              "7: stop 1: expected the key min, max or both; add max = NUMBER"),
+        after("StopLimitsExchanged", "[[stop]]\nbodies = ['ground', 'rod']\nmin = 2\nmax = 1\n",
+              "10: stop 1.max: expected max >= min; exchange them"),
+        after("StopLimitNotFinite", "[[stop]]\nbodies = ['ground', 'rod']\nmin = -inf\nmax = 1\n",
+              "9: stop 1.min: expected a finite number, found -inf"),
+        after("StopDistanceNegative", "[[stop]]\npoints = ['ground.O', 'rod.B']\nmax = -1\n",
+              "9: stop 1.max: expected a finite number >= 0, found -1"),
+        after("StopOneBody", "[[stop]]\nbodies = ['rod', 'rod']\nmin = 0\n",
+              "8: stop 1.bodies: expected two different bodies, found \"rod\" twice"),
+        after_slide("StopSlideUnknown", "[[stop]]\nslide = 'rma'\nmin = 0\n",
+                    "12: stop 1.slide: expected the name of a slide or pin_in_slot, found \"rma\"; "
+                    "did you mean \"ram\"?"),
+        after_slide("StopOfAPin",
+                    "[[pin]]\nname = 'hinge'\npoints = ['ground.O', 'crank.O']\n[[stop]]\nslide = 'hinge'\nmin = 0\n",
+                    "15: stop 1.slide: expected the name of a slide or pin_in_slot, found \"hinge\"; "
+                    "did you mean \"ram\"?"),
+        after("StopWithoutSlides", "[[stop]]\nslide = 'ram'\nmin = 0\n",
+              "8: stop 1.slide: expected the name of a slide or pin_in_slot, found \"ram\""),
+        after_slide("StartUnknown", "[start]\ncrnk = 1\n",
+                    "12: start.crnk: expected the name of a body, slide or pin_in_slot, or a table \"position\"; "
+                    "did you mean \"crank\"?"),
+        after_slide("StartUnknownSlide", "[start]\nrm = 1\n",
+                    "12: start.rm: expected the name of a body, slide or pin_in_slot, or a table \"position\"; "
+                    "did you mean \"ram\"?"),
+        after("StartGround", "[start]\nground = 1\n",
+              "8: start.ground: expected the name of a body, slide or pin_in_slot, or a table \"position\"; "
+              "did you mean \"rod\"?"),
+        after("StartOfAPin", "[[pin]]\nname = 'hinge'\npoints = ['ground.O', 'crank.O']\n[start]\nhinge = 1\n",
+              "11: start.hinge: expected the name of a body, slide or pin_in_slot, or a table \"position\"; "
+              "did you mean \"crank\"?"),
+        after("StartNotNumber", "[start]\nrod = 'up'\n", "8: start.rod: expected a number, found a string"),
+        after("StartWithoutQuotes", "[start]\nground.S-rod.B = 1\n",
+              "8: start.ground: expected a number; put a name that holds dots in quotes"),
+        after("StartPositionNotTable", "[start]\nposition = [1, 2]\n",
+              "8: start.position: expected a table, found a list"),
+        after("StartPositionUnknown", "[start.position]\nrood = [1, 2]\n",
+              "8: start.position.rood: expected the name of a body other than ground, found \"rood\"; "
+              "did you mean \"rod\"?"),
+        after("StartPositionNotVector", "[start]\nposition = { rod = 1 }\n",
+              "8: start.position.rod: expected two numbers [X, Y], found a number")),
+    name_of_case);
+
+}  // namespace
+}  // namespace poise
