@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "model/mechanism.hpp"
+
+namespace poise {
+
+/// Inertia of a mechanism in phasor form. The centre of mass of every body is a sum of phasors, so the kinetic energy
+///   T = 1/2 sum_bodies (m |dp/dt|^2 + I (dtheta/dt)^2) = 1/2 qdot^T M(q) qdot
+/// collapses, whatever the number of bodies, to one complex constant per pair of phasors and one moment per frame:
+///   M_ab = Re sum_tu conj(d phi_t / d q_a) W_tu (d phi_u / d q_b)  +  J_a [a = b, an angle],
+///   W_tu = sum_bodies m conj(c_t) c_u.
+/// The mechanism must be compiled for Purpose::dynamics, and must outlive this. Memory is n^2.
+template <class T>
+class Inertia {
+ public:
+  Inertia(const Scene& scene, const Mechanism<T>& mechanism);
+
+  /// M(q), n x n, row by row: kg m^2 between angles, kg m with one length, kg between lengths. `pose` from place().
+  void mass_matrix(const Planar<T>* pose, T* m) const;
+  /// dM/dq_k, n x n, row by row.
+  void mass_matrix_derivative(const Planar<T>* pose, int k, T* dm) const;
+
+ private:
+  // Partial derivatives of one phasor: at most its own coordinate and the angle of its line's frame.
+  struct Partial {
+    int coordinate = -1;
+    Planar<T> value{};
+  };
+  std::array<Partial, 2> first(const Planar<T>* pose, int t) const;
+  std::array<Partial, 2> second(const Planar<T>* pose, int t, int k) const;
+
+  const Mechanism<T>& mechanism_;
+  int n_;
+  std::vector<Planar<T>> w_;  // W, row by row
+  std::vector<T> moment_;     // J per coordinate
+};
+
+extern template class Inertia<double>;
+
+}  // namespace poise

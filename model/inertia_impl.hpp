@@ -1,0 +1,94 @@
+#pragma once
+
+#include <algorithm>
+
+#include "model/inertia.hpp"
+
+namespace poise {
+
+template <class T>
+Inertia<T>::Inertia(const Scene& scene, const Mechanism<T>& mechanism)
+    : mechanism_(mechanism), n_(mechanism.coordinates()), w_(static_cast<std::size_t>(n_) * n_), moment_(n_, T(0)) {
+  const Layout& layout = mechanism.layout();
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const int frame = layout.links[i].frame;
+    if (frame >= 0 && frame < n_) moment_[frame] += static_cast<T>(body.inertia);
+    if (body.mass == 0) continue;
+    const std::vector<Arm> arms = layout.path(0, {0, 0}, static_cast<int>(i), body.center);
+    std::vector<std::pair<int, Planar<T>>> terms;
+    for (const Arm& arm : arms) {
+      if (arm.coordinate >= 0) {
+        terms.emplace_back(arm.coordinate, planar_cast<T>(arm.arm) * unit(static_cast<T>(arm.turn)));
+      }
+    }
+    for (const auto& [t, c_t] : terms) {
+      for (const auto& [u, c_u] : terms) w_[t * n_ + u] += static_cast<T>(body.mass) * (conj(c_t) * c_u);
+    }
+  }
+}
+
+template <class T>
+std::array<typename Inertia<T>::Partial, 2> Inertia<T>::first(const Planar<T>* pose, int t) const {
+  const Coordinate& c = mechanism_.layout().coordinates[t];
+  if (c.kind == Coordinate::Kind::angle) return {{{t, quarter_turn(pose[t])}, {}}};
+  const Partial along{t, mechanism_.line_direction(pose, t)};
+  if (c.frame < 0) return {{along, {}}};
+  return {{along, {c.frame, quarter_turn(pose[t])}}};
+}
+
+// d2 phi_t / (dq_k dq_a) for the a where it is not zero.
+template <class T>
+std::array<typename Inertia<T>::Partial, 2> Inertia<T>::second(const Planar<T>* pose, int t, int k) const {
+  const Coordinate& c = mechanism_.layout().coordinates[t];
+  if (c.kind == Coordinate::Kind::angle) {
+    if (k != t) return {};
+    return {{{t, -pose[t]}, {}}};
+  }
+  if (c.frame < 0) return {};
+  const Planar<T> across = quarter_turn(mechanism_.line_direction(pose, t));
+  if (k == t) return {{{c.frame, across}, {}}};
+  if (k == c.frame) return {{{t, across}, {c.frame, -pose[t]}}};
+  return {};
+}
+
+template <class T>
+void Inertia<T>::mass_matrix(const Planar<T>* pose, T* m) const {
+  std::fill(m, m + static_cast<std::size_t>(n_) * n_, T(0));
+  for (int k = 0; k < n_; ++k) m[k * n_ + k] = moment_[k];
+  for (int t = 0; t < n_; ++t) {
+    const auto left = first(pose, t);
+    for (int u = 0; u < n_; ++u) {
+      const Planar<T>& w = w_[t * n_ + u];
+      if (w.x == 0 && w.y == 0) continue;
+      for (const Partial& a : left) {
+        if (a.coordinate < 0) continue;
+        for (const Partial& b : first(pose, u)) {
+          if (b.coordinate >= 0) m[a.coordinate * n_ + b.coordinate] += dot(a.value, w * b.value);
+        }
+      }
+    }
+  }
+}
+
+template <class T>
+void Inertia<T>::mass_matrix_derivative(const Planar<T>* pose, int k, T* dm) const {
+  std::fill(dm, dm + static_cast<std::size_t>(n_) * n_, T(0));
+  for (int t = 0; t < n_; ++t) {
+    for (const Partial& a : second(pose, t, k)) {
+      if (a.coordinate < 0) continue;
+      for (int u = 0; u < n_; ++u) {
+        const Planar<T>& w = w_[t * n_ + u];
+        if (w.x == 0 && w.y == 0) continue;
+        for (const Partial& b : first(pose, u)) {
+          if (b.coordinate < 0) continue;
+          const T part = dot(a.value, w * b.value);
+          dm[a.coordinate * n_ + b.coordinate] += part;
+          dm[b.coordinate * n_ + a.coordinate] += part;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace poise

@@ -1,0 +1,492 @@
+#include "model/layout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace poise {
+namespace {
+
+// Two links that a joint holds together; a bar makes two of them.
+struct Connection {
+  Joint::Kind kind;
+  int joint;
+  int link_a, link_b;
+  Vec2 a, b;
+};
+
+// Bodies kept parallel by welds and slides, with their constant angle to the representative.
+class Frames {
+ public:
+  explicit Frames(int count) : parent_(count), turn_(count, 0.0) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  // Representative of link i; turn(i) is then angle(i) - angle(representative).
+  int find(int i) {
+    std::vector<int> trail;
+    while (parent_[i] != i) {
+      trail.push_back(i);
+      i = parent_[i];
+    }
+    for (auto it = trail.rbegin(); it != trail.rend(); ++it) {
+      const int above = parent_[*it];
+      if (above != i) turn_[*it] += turn_[above];
+      parent_[*it] = i;
+    }
+    return i;
+  }
+  double turn(int i) const { return turn_[i]; }
+
+  // Keeps angle(b) - angle(a) = angle. Returns false where both are parallel already.
+  bool merge(int a, int b, double angle) {
+    const int ra = find(a);
+    const int rb = find(b);
+    if (ra == rb) return false;
+    // The smaller index leads, so that the ground leads its own frame.
+    const double rb_from_ra = turn_[a] + angle - turn_[b];
+    if (ra < rb) {
+      parent_[rb] = ra;
+      turn_[rb] = rb_from_ra;
+    } else {
+      parent_[ra] = rb;
+      turn_[ra] = -rb_from_ra;
+    }
+    return true;
+  }
+
+ private:
+  std::vector<int> parent_;
+  std::vector<double> turn_;
+};
+
+bool is_zero(Vec2 v) { return v.x == 0.0 && v.y == 0.0; }
+
+enum Reason : unsigned { closes_loop = 1, weight = 2, load = 4, spring = 8, stop = 16, inertia = 32, guides = 64 };
+
+std::string in_words(unsigned reasons) {
+  std::string words;
+  const auto add = [&](Reason r, const char* text) {
+    if (reasons & r) words += (words.empty() ? "" : ", ") + std::string(text);
+  };
+  add(closes_loop, "closes a loop");
+  add(weight, "bears weight");
+  add(load, "bears a load");
+  add(spring, "stretches a spring");
+  add(stop, "meets a stop");
+  add(inertia, "has inertia");
+  add(guides, "guides a slide");
+  return words;
+}
+
+// Builds a Layout in named steps; coordinates keep their provisional numbers until number_coordinates().
+class Builder {
+ public:
+  Builder(const Scene& scene, Purpose purpose) : scene_(scene), purpose_(purpose) {}
+
+  Layout build() {
+    make_links();
+    merge_frames();
+    make_angles();
+    connect();
+    grow_tree();
+    close_loops();
+    find_what_matters();
+    guess_bars();
+    number_coordinates();
+    measure_size();
+    return std::move(out_);
+  }
+
+ private:
+  void make_links() {
+    out_.links.resize(scene_.bodies.size());
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) out_.links[i].body = static_cast<int>(i);
+    bar_link_.assign(scene_.joints.size(), -1);
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      if (scene_.joints[j].kind != Joint::Kind::bar) continue;
+      bar_link_[j] = static_cast<int>(out_.links.size());
+      Link link;
+      link.joint = static_cast<int>(j);
+      out_.links.push_back(link);
+    }
+  }
+
+  void merge_frames() {
+    frames_.emplace(static_cast<int>(out_.links.size()));
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const Joint& joint = scene_.joints[j];
+      if (!joint.keeps_angle() || frames_->merge(joint.a.body, joint.b.body, joint.angle)) continue;
+      const double kept = frames_->turn(joint.b.body) - frames_->turn(joint.a.body);
+      if (std::abs(std::remainder(kept - joint.angle, 2 * M_PI)) > 1e-9) {
+        throw InputError(fmt::format(
+            "{}:{}: {} \"{}\": keeps the angle from {} to {} at {:.6g} rad, but other welds and slides keep it at "
+            "{:.6g} rad; expected angles that agree, or a pin where the body may turn",
+            scene_.file, joint.line, joint.kind == Joint::Kind::weld ? "weld" : "slide", joint.name,
+            scene_.bodies[joint.a.body].name, scene_.bodies[joint.b.body].name, joint.angle, kept));
+      }
+      out_.redundant_angle.push_back(static_cast<int>(j));
+    }
+  }
+
+  void make_angles() {
+    std::vector<int> coordinate_of(out_.links.size(), -1);
+    for (std::size_t i = 0; i < out_.links.size(); ++i) {
+      Link& link = out_.links[i];
+      const int lead = frames_->find(static_cast<int>(i));
+      link.turn = frames_->turn(static_cast<int>(i));
+      if (lead != 0 && coordinate_of[lead] < 0) {
+        coordinate_of[lead] = static_cast<int>(out_.coordinates.size());
+        Coordinate c;
+        c.name = name(lead);
+        out_.coordinates.push_back(c);
+      }
+      link.frame = coordinate_of[lead];
+      if (link.body > 0 && link.frame >= 0 && scene_.start.angle[link.body]) {
+        out_.coordinates[link.frame].start = *scene_.start.angle[link.body] - link.turn;
+      }
+    }
+  }
+
+  std::string name(int link) const {
+    const Link& l = out_.links[link];
+    return l.body >= 0 ? scene_.bodies[l.body].name : scene_.joints[l.joint].name;
+  }
+
+  void connect() {
+    around_.resize(out_.links.size());
+    const auto add = [&](const Connection& c) {
+      around_[c.link_a].push_back(static_cast<int>(connections_.size()));
+      around_[c.link_b].push_back(static_cast<int>(connections_.size()));
+      connections_.push_back(c);
+    };
+    out_.travel.assign(scene_.joints.size(), -1);
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const Joint& joint = scene_.joints[j];
+      const int index = static_cast<int>(j);
+      const Vec2 a = scene_.local(joint.a);
+      const Vec2 b = scene_.local(joint.b);
+      if (joint.kind == Joint::Kind::bar) {
+        add({Joint::Kind::bar, index, joint.a.body, bar_link_[j], a, {0, 0}});
+        add({Joint::Kind::bar, index, bar_link_[j], joint.b.body, {joint.length, 0}, b});
+        continue;
+      }
+      if (joint.has_travel()) {
+        out_.travel[j] = static_cast<int>(out_.coordinates.size());
+        Coordinate c;
+        c.kind = Coordinate::Kind::length;
+        c.name = joint.name;
+        c.frame = out_.links[joint.a.body].frame;
+        c.start = scene_.start.travel[j].value_or(0.0);
+        out_.coordinates.push_back(c);
+      }
+      add({joint.kind, index, joint.a.body, joint.b.body, a, b});
+    }
+  }
+
+  // p_b - p_a of the connected points, without what their links' origins contribute.
+  std::vector<Arm> local_arms(const Connection& c) const {
+    const Link& a = out_.links[c.link_a];
+    const Link& b = out_.links[c.link_b];
+    std::vector<Arm> arms;
+    if (!is_zero(c.a)) arms.push_back({a.frame, c.a, a.turn});
+    if (out_.travel[c.joint] >= 0) arms.push_back({out_.travel[c.joint], scene_.joints[c.joint].axis, a.turn});
+    if (!is_zero(c.b)) arms.push_back({b.frame, -c.b, b.turn});
+    return arms;
+  }
+
+  // Breadth first from the ground, bars last: a bar then hangs in a loop rather than carrying bodies. A body that
+  // nothing ties to the ground gets its two world coordinates.
+  void grow_tree() {
+    in_tree_.assign(connections_.size(), false);
+    std::vector<bool> reached(out_.links.size(), false);
+    std::deque<int> front, bars;
+    const auto reach = [&](int link) {
+      reached[link] = true;
+      out_.tree_order.push_back(link);
+      for (int c : around_[link]) (connections_[c].kind == Joint::Kind::bar ? bars : front).push_back(c);
+    };
+    const auto cross = [&](int index) {
+      const Connection& c = connections_[index];
+      if (reached[c.link_a] == reached[c.link_b]) return;
+      in_tree_[index] = true;
+      const bool forward = reached[c.link_a];
+      const int child = forward ? c.link_b : c.link_a;
+      Link& link = out_.links[child];
+      link.parent = forward ? c.link_a : c.link_b;
+      link.depth = out_.links[link.parent].depth + 1;
+      link.arms = local_arms(c);
+      if (!forward) {
+        for (Arm& arm : link.arms) arm.arm = -arm.arm;
+      }
+      reach(child);
+    };
+    const auto spread = [&] {
+      while (!front.empty() || !bars.empty()) {
+        auto& queue = front.empty() ? bars : front;
+        const int next = queue.front();
+        queue.pop_front();
+        cross(next);
+      }
+    };
+    reach(0);
+    spread();
+    for (std::size_t i = 1; i < out_.links.size(); ++i) {
+      if (reached[i]) continue;
+      Link& link = out_.links[i];
+      link.parent = 0;
+      link.depth = 1;
+      const Vec2 guess = link.body >= 0 ? scene_.start.position[link.body].value_or(Vec2{}) : Vec2{};
+      for (const bool is_x : {true, false}) {
+        Coordinate c;
+        c.kind = Coordinate::Kind::length;
+        c.name = name(static_cast<int>(i)) + (is_x ? ".x" : ".y");
+        c.start = is_x ? guess.x : guess.y;
+        link.arms.push_back({static_cast<int>(out_.coordinates.size()), is_x ? Vec2{1, 0} : Vec2{0, 1}, 0.0});
+        out_.coordinates.push_back(c);
+      }
+      reach(static_cast<int>(i));
+      spread();
+    }
+  }
+
+  void close_loops() {
+    for (std::size_t i = 0; i < connections_.size(); ++i) {
+      if (in_tree_[i]) continue;
+      const Connection& c = connections_[i];
+      Closure closure;
+      closure.joint = c.joint;
+      closure.name = scene_.joints[c.joint].name;
+      closure.arms = out_.path(c.link_a, c.a, c.link_b, c.b);
+      // path() gives p_b - p_a; the travel of the joint is what may remain.
+      if (out_.travel[c.joint] >= 0) {
+        closure.arms.push_back({out_.travel[c.joint], -scene_.joints[c.joint].axis, out_.links[c.link_a].turn});
+      }
+      out_.closures.push_back(std::move(closure));
+    }
+  }
+
+  void mark(int coordinate, unsigned reason) {
+    if (coordinate < 0) return;
+    reasons_[coordinate] |= reason;
+    const Coordinate& c = out_.coordinates[coordinate];
+    if (c.kind == Coordinate::Kind::length && c.frame >= 0) reasons_[c.frame] |= guides;
+  }
+
+  void mark_path(const std::vector<Arm>& arms, unsigned reason) {
+    for (const Arm& arm : arms) mark(arm.coordinate, reason);
+  }
+
+  // A coordinate matters when something that costs or stores energy, closes a loop or meets a stop moves with it.
+  void find_what_matters() {
+    reasons_.assign(out_.coordinates.size(), 0);
+    for (const Closure& closure : out_.closures) mark_path(closure.arms, closes_loop);
+
+    std::vector<unsigned> bears(out_.links.size(), 0);
+    const auto bear_at = [&](int body, Vec2 at, unsigned reason) {
+      bears[body] |= reason;
+      if (!is_zero(at)) mark(out_.links[body].frame, reason);
+    };
+    const bool heavy = !is_zero(scene_.gravity);
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      const int index = static_cast<int>(i);
+      if (heavy && body.mass > 0) bear_at(index, body.center, weight);
+      if (purpose_ != Purpose::dynamics) continue;
+      if (body.mass > 0) bear_at(index, body.center, inertia);
+      if (body.inertia > 0) mark(out_.links[i].frame, inertia);
+    }
+    for (const Force& force : scene_.forces) {
+      if (is_zero(force.vector)) continue;
+      bear_at(force.at.body, scene_.local(force.at), load);
+      if (force.follows >= 0) mark(out_.links[force.follows].frame, load);
+    }
+    for (const Torque& torque : scene_.torques) {
+      if (torque.value != 0) mark(out_.links[torque.body].frame, load);
+    }
+    for (auto it = out_.tree_order.rbegin(); it != out_.tree_order.rend(); ++it) {
+      const Link& link = out_.links[*it];
+      if (bears[*it] == 0 || link.parent < 0) continue;
+      mark_path(link.arms, bears[*it]);
+      bears[link.parent] |= bears[*it];
+    }
+    for (const Spring& s : scene_.springs) {
+      if (s.stiffness > 0) mark_path(out_.path(s.a.body, scene_.local(s.a), s.b.body, scene_.local(s.b)), spring);
+    }
+    for (const TorsionSpring& s : scene_.torsion_springs) {
+      if (s.stiffness == 0 || out_.links[s.a].frame == out_.links[s.b].frame) continue;
+      mark(out_.links[s.a].frame, spring);
+      mark(out_.links[s.b].frame, spring);
+    }
+    for (const Stop& s : scene_.stops) {
+      if (s.kind == Stop::Kind::angle) {
+        mark(out_.links[s.body_a].frame, stop);
+        mark(out_.links[s.body_b].frame, stop);
+      } else if (s.kind == Stop::Kind::travel) {
+        mark(out_.travel[s.joint], stop);
+      } else {
+        mark_path(out_.path(s.a.body, scene_.local(s.a), s.b.body, scene_.local(s.b)), stop);
+      }
+    }
+    note_what_never_enters(heavy);
+  }
+
+  void note_what_never_enters(bool heavy) {
+    if (purpose_ == Purpose::statics) {
+      int masses = 0;
+      for (std::size_t i = 1; i < scene_.bodies.size(); ++i) masses += scene_.bodies[i].mass > 0;
+      if (masses > 0 && !heavy) out_.dropped.push_back(fmt::format("masses of {} bodies: there is no gravity", masses));
+      int inertias = 0;
+      for (std::size_t i = 1; i < scene_.bodies.size(); ++i) inertias += scene_.bodies[i].inertia > 0;
+      if (inertias > 0) {
+        out_.dropped.push_back(fmt::format("moments of inertia of {} bodies: nothing moves in statics", inertias));
+      }
+    }
+    for (const Force& force : scene_.forces) {
+      if (is_zero(force.vector)) out_.dropped.push_back(fmt::format("force \"{}\": it is zero", force.name));
+    }
+    for (const Torque& torque : scene_.torques) {
+      if (out_.links[torque.body].frame < 0) {
+        out_.dropped.push_back(fmt::format("torque \"{}\": its body does not turn", torque.name));
+      }
+    }
+    for (const Spring& s : scene_.springs) {
+      if (s.stiffness == 0) out_.dropped.push_back(fmt::format("spring \"{}\": its stiffness is zero", s.name));
+    }
+  }
+
+  // A bar without a guess points from one end to the other of what it joins.
+  void guess_bars() {
+    std::vector<Vec2> origin(out_.links.size());
+    const auto angle = [&](const Link& link) {
+      return (link.frame < 0 ? 0.0 : out_.coordinates[link.frame].start) + link.turn;
+    };
+    const auto place = [&](int i) {
+      const Link& link = out_.links[i];
+      Vec2 p = link.parent < 0 ? Vec2{} : origin[link.parent];
+      for (const Arm& arm : link.arms) {
+        Vec2 term = arm.arm * unit(arm.turn);
+        if (arm.coordinate >= 0) {
+          const Coordinate& c = out_.coordinates[arm.coordinate];
+          if (c.kind == Coordinate::Kind::angle)
+            term = term * unit(c.start);
+          else
+            term = c.start * (c.frame < 0 ? term : term * unit(out_.coordinates[c.frame].start));
+        }
+        p += term;
+      }
+      origin[i] = p;
+    };
+    for (int i : out_.tree_order) place(i);
+    for (int i : out_.tree_order) {
+      Link& link = out_.links[i];
+      place(i);
+      if (link.body >= 0) continue;
+      const Joint& joint = scene_.joints[link.joint];
+      const auto world = [&](PointRef p) { return origin[p.body] + scene_.local(p) * unit(angle(out_.links[p.body])); };
+      const Vec2 along = world(joint.b) - world(joint.a);
+      if (!is_zero(along)) out_.coordinates[link.frame].start = std::atan2(along.y, along.x);
+      place(i);
+    }
+  }
+
+  // Kept angles, kept lengths, then everything dropped.
+  void number_coordinates() {
+    const std::size_t count = out_.coordinates.size();
+    std::vector<int> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    const auto rank = [&](int i) {
+      if (reasons_[i] == 0) return 2;
+      return out_.coordinates[i].kind == Coordinate::Kind::angle ? 0 : 1;
+    };
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
+    std::vector<int> number(count);
+    std::vector<Coordinate> sorted(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      number[order[k]] = static_cast<int>(k);
+      sorted[k] = std::move(out_.coordinates[order[k]]);
+      sorted[k].why = reasons_[order[k]] != 0 ? in_words(reasons_[order[k]])
+                                              : "bears no load, closes no loop, meets no spring or stop";
+      out_.angles += rank(order[k]) == 0;
+      out_.kept += rank(order[k]) < 2;
+    }
+    const auto renumber = [&](int& i) {
+      if (i >= 0) i = number[i];
+    };
+    out_.coordinates = std::move(sorted);
+    for (Coordinate& c : out_.coordinates) renumber(c.frame);
+    for (int& t : out_.travel) renumber(t);
+    for (Link& link : out_.links) {
+      renumber(link.frame);
+      for (Arm& arm : link.arms) renumber(arm.coordinate);
+    }
+    for (Closure& closure : out_.closures) {
+      for (Arm& arm : closure.arms) renumber(arm.coordinate);
+    }
+  }
+
+  void measure_size() {
+    std::vector<double> reach(out_.links.size(), 0.0);
+    double size = 0.0;
+    for (int i : out_.tree_order) {
+      const Link& link = out_.links[i];
+      reach[i] = link.parent < 0 ? 0.0 : reach[link.parent];
+      for (const Arm& arm : link.arms) {
+        const bool is_length = arm.coordinate >= 0 && out_.coordinates[arm.coordinate].kind == Coordinate::Kind::length;
+        reach[i] += is_length ? std::abs(out_.coordinates[arm.coordinate].start) : norm(arm.arm);
+      }
+      double extent = link.body < 0 ? scene_.joints[link.joint].length : 0.0;
+      if (link.body >= 0) {
+        for (const NamedPoint& p : scene_.bodies[link.body].points) extent = std::max(extent, norm(p.at));
+      }
+      size = std::max(size, reach[i] + extent);
+    }
+    if (size > 0) out_.size = size;
+  }
+
+  const Scene& scene_;
+  Purpose purpose_;
+  Layout out_;
+  std::optional<Frames> frames_;
+  std::vector<int> bar_link_;
+  std::vector<Connection> connections_;
+  std::vector<std::vector<int>> around_;
+  std::vector<bool> in_tree_;
+  std::vector<unsigned> reasons_;
+};
+
+}  // namespace
+
+std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
+  std::vector<Arm> arms;
+  const auto climb = [&](int& i, double sign) {
+    for (const Arm& arm : links[i].arms) arms.push_back({arm.coordinate, sign * arm.arm, arm.turn});
+    i = links[i].parent;
+  };
+  if (!is_zero(a)) arms.push_back({links[link_a].frame, -a, links[link_a].turn});
+  if (!is_zero(b)) arms.push_back({links[link_b].frame, b, links[link_b].turn});
+  while (link_a != link_b) {
+    if (links[link_a].depth > links[link_b].depth)
+      climb(link_a, -1.0);
+    else
+      climb(link_b, 1.0);
+  }
+  std::stable_sort(arms.begin(), arms.end(), [](const Arm& l, const Arm& r) {
+    return l.coordinate != r.coordinate ? l.coordinate < r.coordinate : l.turn < r.turn;
+  });
+  std::vector<Arm> merged;
+  for (const Arm& arm : arms) {
+    if (!merged.empty() && merged.back().coordinate == arm.coordinate && merged.back().turn == arm.turn) {
+      merged.back().arm += arm.arm;
+    } else {
+      merged.push_back(arm);
+    }
+  }
+  std::erase_if(merged, [](const Arm& arm) { return is_zero(arm.arm); });
+  return merged;
+}
+
+Layout lay_out(const Scene& scene, Purpose purpose) { return Builder(scene, purpose).build(); }
+
+}  // namespace poise

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/scene.hpp"
+
+namespace poise {
+
+/// What is asked of a scene decides what enters its compiled model. Statics does not ask for masses that bear no
+/// weight; dynamics asks for all of them.
+enum class Purpose { statics, dynamics };
+
+/// One term of a position: arm exp(i turn) phi, with phi the phasor of `coordinate`, or 1 when coordinate is -1.
+struct Arm {
+  int coordinate = -1;
+  Vec2 arm{};
+  double turn = 0.0;  ///< rad
+};
+
+/// A coordinate of the mechanism: the absolute angle of a frame (all bodies that slides and welds keep parallel
+/// share one frame), or the length travelled along a line fixed in a frame.
+///
+/// Its phasor is  exp(i theta)  for an angle,  s exp(i theta_frame)  or  s  for a length.
+struct Coordinate {
+  enum class Kind { angle, length };
+  Kind kind = Kind::angle;
+  std::string name;  ///< body of the angle, joint of the travel, or "block.x" of a body no joint ties to ground
+  int frame = -1;    ///< length: coordinate of the angle of the line's frame, -1 when it is fixed
+  double start = 0;  ///< guess from the scene, rad or m
+  std::string why;   ///< why it is kept or dropped
+};
+
+/// A body, or a bar, in the spanning tree of joints: origin = origin of parent + sum of arms.
+struct Link {
+  int body = -1;    ///< index into Scene::bodies, -1 for a bar
+  int joint = -1;   ///< bar: index into Scene::joints
+  int frame = -1;   ///< coordinate of its angle, -1 when fixed
+  double turn = 0;  ///< angle of link = angle of frame + turn, rad
+  int parent = -1;
+  int depth = 0;
+  std::vector<Arm> arms;
+};
+
+/// A joint left out of the spanning tree: it closes a loop, sum of arms = 0.
+struct Closure {
+  int joint = -1;
+  std::string name;
+  std::vector<Arm> arms;
+};
+
+/// The structure of a scene, free of any scalar type: spanning tree, coordinates and loop closures.
+///
+/// Coordinates 0 .. angles-1 are angles, angles .. kept-1 lengths; those from `kept` on bear nothing, close nothing
+/// and stay at their start value.
+struct Layout {
+  std::vector<Coordinate> coordinates;
+  int angles = 0;
+  int kept = 0;
+  std::vector<Link> links;      ///< one per body, then one per bar
+  std::vector<int> tree_order;  ///< links, parents before children
+  std::vector<Closure> closures;
+  std::vector<int> travel;           ///< per joint: coordinate of its travel, or -1
+  std::vector<int> redundant_angle;  ///< joints that keep an angle which other joints keep already
+  std::vector<std::string> dropped;  ///< what does not enter the compiled model, and why
+  double size = 1.0;                 ///< longest reach from ground through the tree, m
+
+  /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, merged by
+  /// coordinate and turn.
+  std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const;
+};
+
+/// Finds the structure. Throws InputError where welds and slides ask for contradictory angles.
+Layout lay_out(const Scene& scene, Purpose purpose);
+
+}  // namespace poise
