@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "solvers/problem.hpp"
+
+namespace poise::solvers {
+
+/// The linear algebra of a Newton step on  F(x) + J^T y = 0,  c(x) = 0:
+///
+///   [ K + shift I   J^T ] [ d ]     [ F ]
+///   [ J              0  ] [ y ] = - [ c ]
+///
+/// with J the rows of the constraint Jacobian that are switched on. Two implementations: null space (dense, rank
+/// revealing, K of any kind) and sparse LDL^T (K symmetric). Buffers are sized once; no call allocates.
+class Kkt {
+ public:
+  virtual ~Kkt() = default;
+
+  /// Takes the Jacobian values of an evaluated point and the switched-on rows (one flag per constraint row).
+  virtual void set_jacobian(const Evaluation& at, const std::vector<char>& active) = 0;
+
+  /// Multipliers that go with the point alone, y(x), zero for rows switched off. Returns false where the
+  /// implementation prefers the multipliers of the last solve(), `y` untouched.
+  virtual bool multipliers(const double* field, double* y) = 0;
+  /// Least-squares multipliers: minimal |F + J^T y|. Overwrites the factors.
+  virtual void least_squares_multipliers(const double* field, double* y) = 0;
+
+  /// Takes the values of K.
+  virtual void set_tangent(const double* values) = 0;
+  /// K = identity: solve() then gives the shortest d with J d = -c.
+  virtual void set_identity() = 0;
+
+  enum class Factors { positive, indefinite, singular };
+  /// Factors the system; tells whether K + shift I is positive definite on the null space of J. For an unsymmetric K
+  /// only `singular` or not is meaningful.
+  virtual Factors factor(double shift) = 0;
+
+  /// Solves with the current factors. field may be null (zero), c may be null (zero). With the residual F + J^T y0 for
+  /// the field, y is the correction of y0: best solved so, because then what is solved inexactly vanishes with it.
+  virtual void solve(const double* field, const double* c, double* d, double* y) = 0;
+  /// Some d with J d = -c by the current factors: pulls a point back to the constraints.
+  virtual void restore(const double* c, double* d) = 0;
+};
+
+/// Null space by coordinate partitioning; see null_space.cpp.
+std::unique_ptr<Kkt> make_null_space(const Problem& problem);
+
+/// Sparse LDL^T analysed once; see sparse_kkt.cpp. The problem must have an objective (symmetric tangent).
+std::unique_ptr<Kkt> make_sparse_kkt(const Problem& problem);
+
+/// Inertia of the tangent on the null space of the active rows, by the signs of sparse LDL^T pivots (Sylvester).
+struct Inertia {
+  bool known = false;  ///< false where the factors broke down
+  int negative = 0;
+};
+
+/// At x, with least-squares multipliers, `active` one flag per constraint row.
+Inertia inertia_at(const Problem& problem, const std::vector<double>& x, const std::vector<char>& active);
+
+}  // namespace poise::solvers

@@ -1,0 +1,572 @@
+#include "solvers/newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "solvers/kkt.hpp"
+
+namespace poise::solvers {
+namespace {
+
+constexpr double armijo = 1e-4;  // share of the predicted fall that a step must achieve
+constexpr int halvings = 30;     // of one step
+constexpr int pull_backs = 20;   // chord steps back to the constraints after one trial step
+constexpr int kicks = 20;        // away from points where branches of motion cross
+constexpr int tries_per_kick = 30;
+constexpr int restarts = 30;           // perturbed starts for closing loops
+constexpr int releases = 4;            // of one inequality, against cycling
+constexpr double run_away = 100.0;     // distance from the start, rad or mechanism sizes, that counts as unbounded
+constexpr int stationary_steps = 80;   // before descent is tried instead
+constexpr double touching = 1e-9;      // an inequality this far violated counts as met
+constexpr double loose_gap = 0.05;     // gap over step length above which loops are closed before descending
+constexpr double next_to_fold = 1e-5;  // step that rounded residuals may still leave
+
+double largest(const std::vector<double>& v) {
+  double worst = 0.0;
+  for (double e : v) worst = std::max(worst, std::abs(e));
+  return worst;
+}
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+
+std::string describe(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::not_solved:
+      return "nothing has been tried";
+    case Outcome::converged:
+      return "converged";
+    case Outcome::not_closed:
+      return "the loops could not be closed from this start";
+    case Outcome::stalled:
+      return "no step reduced the merit any further";
+    case Outcome::unbounded:
+      return "the energy falls without end: the mechanism runs away";
+    case Outcome::iteration_limit:
+      return "the iteration limit was reached";
+    case Outcome::interrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+class Newton::Run {
+ public:
+  Run(const Problem& problem, NewtonOptions given)
+      : options(given),
+        problem_(problem),
+        n_(problem.variables()),
+        m_(problem.constraints()),
+        equalities_(problem.equalities()) {
+    const bool dense =
+        !problem.has_objective() || (n_ <= options.dense_limit && n_ * (n_ - equalities_) <= options.dense_work);
+    kkt_ = dense ? make_null_space(problem) : make_sparse_kkt(problem);
+    restarts_ = dense ? restarts : 3;
+    now_ = problem.make_evaluation();
+    trial_ = problem.make_evaluation();
+    tangent_.resize(problem.tangent_pattern().size());
+    for (auto* v : {&step_, &residual_, &start_, &pull_, &kicked_from_}) v->resize(n_);
+    for (auto* v : {&y_, &y_next_, &y_before_, &gap_, &trial_gap_}) v->resize(m_);
+    side_.resize(m_);
+    releases_.resize(m_);
+    result.x.resize(n_);
+    result.multipliers.resize(m_);
+    result.active.resize(m_);
+  }
+
+  void solve(const double* x) {
+    reset(x);
+    if (options.goal == Goal::stationary || !problem_.has_objective()) {
+      result.outcome = seek_stationary();
+      const bool gave_up = result.outcome == Outcome::stalled || result.outcome == Outcome::iteration_limit;
+      if (gave_up && problem_.has_objective()) {
+        restart_from(start_);
+        result.descended = true;
+        result.outcome = seek_minimum();
+      }
+    } else {
+      result.outcome = seek_minimum();
+    }
+    finish();
+  }
+
+  void close(const double* x) {
+    reset(x);
+    result.outcome = close_loops() ? Outcome::converged : Outcome::not_closed;
+    finish();
+  }
+
+  NewtonOptions options;
+  NewtonResult result;
+
+ private:
+  void reset(const double* x) {
+    random_.seed(20220531);
+    std::copy(x, x + n_, start_.begin());
+    result.outcome = Outcome::not_solved;
+    result.iterations = result.evaluations = result.factorizations = 0;
+    result.constraint_error = result.force_error = result.last_step = 0.0;
+    result.descended = false;
+    restart_from(start_);
+  }
+
+  void restart_from(const std::vector<double>& x) {
+    now_.x = x;
+    std::fill(side_.begin(), side_.end(), 0);
+    std::fill(releases_.begin(), releases_.end(), 0);
+    for (int r = 0; r < m_; ++r) result.active[r] = r < equalities_;
+    std::fill(y_.begin(), y_.end(), 0.0);
+    fresh_multipliers_ = false;
+    shift_ = 0.0;
+    evaluate(now_);
+    activate_violated(now_);
+  }
+
+  void finish() {
+    result.x = now_.x;
+    result.multipliers = y_;
+    gap(now_, gap_);
+    result.constraint_error = largest(gap_);
+    lagrangian_gradient(now_, y_);
+    result.force_error = largest(residual_);
+  }
+
+  void evaluate(Evaluation& at) {
+    problem_.evaluate(at);
+    ++result.evaluations;
+  }
+
+  // --- inequalities -------------------------------------------------------------------------------------------------
+
+  double bound(int row) const {
+    return side_[row] > 0 ? problem_.upper()[row - equalities_] : problem_.lower()[row - equalities_];
+  }
+
+  // How far a row is outside its bounds: positive above, negative below, zero inside.
+  double violation(const Evaluation& at, int row) const {
+    const double g = at.constraint[row];
+    return std::max(0.0, g - problem_.upper()[row - equalities_]) +
+           std::min(0.0, g - problem_.lower()[row - equalities_]);
+  }
+
+  bool activate_violated(const Evaluation& at) {
+    bool any = false;
+    for (int r = equalities_; r < m_; ++r) {
+      if (result.active[r]) continue;
+      const double v = violation(at, r);
+      if (std::abs(v) <= 1e-14) continue;
+      activate(r, v > 0 ? 1 : -1);
+      any = true;
+    }
+    return any;
+  }
+
+  void activate(int row, int side) {
+    result.active[row] = 1;
+    side_[row] = static_cast<signed char>(side);
+    fresh_multipliers_ = false;
+  }
+
+  // Lets go of the inequality that pulls hardest, if any pulls by more than `least`: at an upper bound an honest
+  // multiplier is positive, at a lower one negative.
+  bool release_pulling(const std::vector<double>& y, double least) {
+    int worst = -1;
+    double strongest = std::max(least, 1e-13 * (1.0 + largest(now_.gradient)));
+    for (int r = equalities_; r < m_; ++r) {
+      if (!result.active[r] || releases_[r] >= releases) continue;
+      if (problem_.lower()[r - equalities_] == problem_.upper()[r - equalities_]) continue;
+      const double pull = -side_[r] * y[r];
+      if (pull > strongest) {
+        strongest = pull;
+        worst = r;
+      }
+    }
+    if (worst < 0) return false;
+    result.active[worst] = 0;
+    side_[worst] = 0;
+    y_[worst] = 0.0;
+    ++releases_[worst];
+    fresh_multipliers_ = false;
+    return true;
+  }
+
+  // --- residuals ----------------------------------------------------------------------------------------------------
+
+  void gap(const Evaluation& at, std::vector<double>& out) const {
+    for (int r = 0; r < m_; ++r) {
+      if (r < equalities_)
+        out[r] = at.constraint[r];
+      else
+        out[r] = result.active[r] ? at.constraint[r] - bound(r) : 0.0;
+    }
+  }
+
+  // residual_ = F + J^T y
+  void lagrangian_gradient(const Evaluation& at, const std::vector<double>& y) {
+    residual_ = at.gradient;
+    const Pattern& pattern = problem_.jacobian_pattern();
+    for (std::size_t e = 0; e < pattern.size(); ++e) residual_[pattern.column[e]] += at.jacobian[e] * y[pattern.row[e]];
+  }
+
+  double lagrangian(const Evaluation& at, const std::vector<double>& gaps, const std::vector<double>& y) const {
+    return at.objective + dot(gaps, y);
+  }
+
+  // Jacobian, multipliers, gap_ and residual_ at now_.
+  void linearize() {
+    gap(now_, gap_);
+    if (!fresh_multipliers_) {
+      kkt_->set_jacobian(now_, result.active);
+      kkt_->least_squares_multipliers(now_.gradient.data(), y_.data());
+      fresh_multipliers_ = true;
+    } else {
+      kkt_->set_jacobian(now_, result.active);
+      kkt_->multipliers(now_.gradient.data(), y_.data());
+    }
+    lagrangian_gradient(now_, y_);
+  }
+
+  Kkt::Factors factor(double shift) {
+    ++result.factorizations;
+    return kkt_->factor(shift);
+  }
+
+  // step_ and y_next_ of the factored system at now_.
+  void solve_for_step() {
+    kkt_->solve(residual_.data(), gap_.data(), step_.data(), y_next_.data());
+    for (int r = 0; r < m_; ++r) y_next_[r] += y_[r];
+  }
+
+  bool at_rest() const {
+    return largest(gap_) <= options.rounding && largest(residual_) <= options.rounding * (1.0 + largest(now_.gradient));
+  }
+
+  bool interrupted() const { return options.interrupt != nullptr && options.interrupt->load(); }
+
+  void carry_multipliers(double alpha) {
+    for (int r = 0; r < m_; ++r) y_[r] += alpha * (y_next_[r] - y_[r]);
+  }
+
+  void apply_last_step() {
+    for (int i = 0; i < n_; ++i) now_.x[i] += step_[i];
+    evaluate(now_);
+    carry_multipliers(1.0);
+    kkt_->set_jacobian(now_, result.active);
+    kkt_->multipliers(now_.gradient.data(), y_.data());
+  }
+
+  // --- closing loops ------------------------------------------------------------------------------------------------
+
+  bool close_loops() {
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    double best = std::numeric_limits<double>::infinity();
+    for (int attempt = 0;; ++attempt) {
+      const double left = close_once();
+      if (left <= touching) return true;
+      if (left < best) {
+        best = left;
+        pull_ = now_.x;
+      }
+      if (attempt == restarts_ || interrupted()) break;
+      const double reach = 0.1 + 3.0 * attempt / restarts_;
+      now_.x = start_;
+      for (double& x : now_.x) x += reach * uniform(random_);
+      evaluate(now_);
+    }
+    now_.x = pull_;
+    evaluate(now_);
+    return false;
+  }
+
+  // Shortest steps to c = 0, halved until |c| falls. Returns the largest |c| left.
+  double close_once() {
+    double left = 0.0;
+    for (int k = 0; k < options.iterations; ++k) {
+      activate_violated(now_);
+      gap(now_, gap_);
+      left = largest(gap_);
+      if (left <= options.rounding || interrupted()) break;
+      kkt_->set_jacobian(now_, result.active);
+      kkt_->set_identity();
+      factor(0.0);
+      kkt_->solve(nullptr, gap_.data(), step_.data(), nullptr);
+      ++result.iterations;
+      const double before = dot(gap_, gap_);
+      double alpha = std::min(1.0, options.longest_step / largest(step_));
+      bool fell = false;
+      for (int h = 0; h < halvings && !fell; ++h, alpha *= 0.5) {
+        for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] + alpha * step_[i];
+        evaluate(trial_);
+        gap(trial_, trial_gap_);
+        fell = dot(trial_gap_, trial_gap_) <= (1.0 - armijo * alpha) * before;
+      }
+      if (!fell) break;
+      std::swap(now_, trial_);
+    }
+    return left;
+  }
+
+  // --- any equilibrium nearby ---------------------------------------------------------------------------------------
+
+  double merit() const { return std::sqrt(dot(gap_, gap_) + dot(residual_, residual_)); }
+
+  Outcome seek_stationary() {
+    linearize();
+    for (int k = 0; k < stationary_steps; ++k) {
+      if (interrupted()) return Outcome::interrupted;
+      problem_.tangent(now_, y_.data(), tangent_.data());
+      kkt_->set_tangent(tangent_.data());
+      const bool neutral = factor(0.0) == Kkt::Factors::singular;
+      solve_for_step();
+      ++result.iterations;
+      const double length = largest(step_);
+      result.last_step = length;
+      // Next to a fold rounding moves the step far more than the tolerance: residuals that are nothing but rounding
+      // then end the run, as they do where a neutral freedom leaves no step to measure.
+      const bool rounded = at_rest() && (neutral || length <= next_to_fold);
+      if (length <= options.step_tolerance || rounded) {
+        if (release_pulling(y_next_, 0.0)) {
+          linearize();
+          continue;
+        }
+        if (!rounded) apply_last_step();
+        return Outcome::converged;
+      }
+      if (!std::isfinite(length)) return Outcome::stalled;
+      if (!shorten_to_better_merit(std::min(1.0, options.longest_step / length))) {
+        return at_rest() ? Outcome::converged : Outcome::stalled;
+      }
+      if (activate_violated(now_)) linearize();
+    }
+    return Outcome::iteration_limit;
+  }
+
+  // Halves the step until the merit falls; leaves now_ there, linearized.
+  bool shorten_to_better_merit(double alpha) {
+    const double before = merit();
+    pull_ = now_.x;
+    y_before_ = y_;
+    for (int h = 0; h < 12; ++h, alpha *= 0.5) {
+      for (int i = 0; i < n_; ++i) now_.x[i] = pull_[i] + alpha * step_[i];
+      evaluate(now_);
+      for (int r = 0; r < m_; ++r) y_[r] = y_before_[r] + alpha * (y_next_[r] - y_before_[r]);
+      linearize();
+      if (merit() <= (1.0 - armijo * alpha) * before) return true;
+    }
+    now_.x = pull_;
+    y_ = y_before_;
+    evaluate(now_);
+    linearize();
+    return false;
+  }
+
+  // --- stable equilibrium -------------------------------------------------------------------------------------------
+
+  Outcome seek_minimum() {
+    if (!close_loops()) return interrupted() ? Outcome::interrupted : Outcome::not_closed;
+    Outcome outcome = descend_to_rest();
+    for (int k = 0; k < kicks && outcome == Outcome::stalled && kick(); ++k) outcome = descend_to_rest();
+    return outcome;
+  }
+
+  // Where branches of motion cross, J loses rank and no step along its null space need lead on. From there random
+  // displacements, closed again by shortest steps, are tried until one has less energy.
+  bool kick() {
+    const double before = now_.objective;
+    kicked_from_ = now_.x;
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    for (int k = 0; k < tries_per_kick && !interrupted(); ++k) {
+      const double reach = std::pow(10.0, -3.0 + 2.5 * k / tries_per_kick);
+      for (int i = 0; i < n_; ++i) now_.x[i] = kicked_from_[i] + reach * uniform(random_);
+      evaluate(now_);
+      if (close_once() <= touching && now_.objective < before - 1e-13 * (1.0 + std::abs(before))) return true;
+    }
+    now_.x = kicked_from_;
+    evaluate(now_);
+    return false;
+  }
+
+  Outcome descend_to_rest() {
+    fresh_multipliers_ = false;
+    for (int k = 0; k < options.iterations; ++k) {
+      if (interrupted()) return Outcome::interrupted;
+      linearize();
+      problem_.tangent(now_, y_.data(), tangent_.data());
+      kkt_->set_tangent(tangent_.data());
+      const Kkt::Factors factors = factor(0.0);
+      ++result.iterations;
+      if (factors == Kkt::Factors::singular && at_rest()) {
+        if (release_pulling(y_, 0.0)) continue;
+        return Outcome::converged;
+      }
+      const bool bowl = factors == Kkt::Factors::positive;
+      if (!bowl) shift_to_bowl();
+      solve_for_step();
+      const double length = largest(step_);
+      result.last_step = length;
+      if (!std::isfinite(length)) return Outcome::stalled;
+      if (largest(gap_) > 1e-10 && largest(gap_) > loose_gap * length) {
+        // A step that mostly closes loops says nothing of descent: close them first.
+        trial_ = now_;
+        if (pull_back(1e-13))
+          std::swap(now_, trial_);
+        else if (close_once() > touching)
+          return Outcome::stalled;
+        continue;
+      }
+      if (release_pulling(y_next_, length <= 1e-3 ? 0.0 : 10.0 * largest(residual_))) continue;
+      if (bowl && (length <= options.step_tolerance || (at_rest() && length <= next_to_fold))) {
+        apply_last_step();
+        return Outcome::converged;
+      }
+      const bool saddle = !bowl && length < 0.01;
+      if (saddle && leave_saddle()) continue;
+      if (!descend(std::min(1.0, options.longest_step / length))) {
+        return bowl && at_rest() ? Outcome::converged : Outcome::stalled;
+      }
+      if (std::any_of(now_.x.begin(), now_.x.end(), [](double x) { return !std::isfinite(x); })) {
+        return Outcome::stalled;
+      }
+      for (int i = 0; i < n_; ++i) {
+        if (std::abs(now_.x[i] - start_[i]) > run_away) return Outcome::unbounded;
+      }
+    }
+    return Outcome::iteration_limit;
+  }
+
+  // Smallest tried shift that makes the tangent positive definite on the null space of J.
+  void shift_to_bowl() {
+    double scale = 0.0;
+    for (int i = 0; i < n_; ++i) scale = std::max(scale, std::abs(tangent_[i]));
+    double shift = std::max({shift_ / 16.0, 1e-8 * scale, 1e-12});
+    while (factor(shift) != Kkt::Factors::positive && shift < 1e12 * (1.0 + scale)) shift *= 4.0;
+    shift_ = shift;
+  }
+
+  // Inverse iteration with the barely positive definite factors turns any vector towards the most negative curvature.
+  bool leave_saddle() {
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    for (double& p : pull_) p = uniform(random_);
+    for (int k = 0; k < 4; ++k) {
+      kkt_->solve(pull_.data(), nullptr, step_.data(), nullptr);
+      const double length = largest(step_);
+      if (!(length > 0.0)) return false;
+      for (int i = 0; i < n_; ++i) pull_[i] = step_[i] / length;
+    }
+    const double sign = dot(now_.gradient, pull_) > 0 ? -1.0 : 1.0;
+    for (const double s : {sign, -sign}) {
+      for (int i = 0; i < n_; ++i) step_[i] = s * pull_[i];
+      y_next_ = y_;
+      if (descend(0.2)) return true;
+    }
+    return false;
+  }
+
+  // Halves the step until, pulled back to the constraints, the Lagrangian has fallen. A step that meets an inequality
+  // ends there, and the inequality becomes active.
+  bool descend(double alpha) {
+    lagrangian_gradient(now_, y_next_);
+    const double slope = std::min(0.0, dot(residual_, step_));
+    const double before = lagrangian(now_, gap_, y_next_);
+    const double noise = 1e-14 * (1.0 + std::abs(now_.objective)) + dot(gap_, gap_);
+    const double longest = largest(step_);
+    for (int h = 0; h < halvings; ++h) {
+      for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] + alpha * step_[i];
+      evaluate(trial_);
+      const double reach = alpha * longest;
+      int met = -1;
+      if (pull_back(std::clamp(reach * reach, 1e-13, options.closure_tolerance))) {
+        const double fraction = first_crossing(met);
+        if (fraction < 1.0) {
+          alpha *= fraction;
+          if (alpha * longest > 1e-15) continue;
+        }
+        const bool fell = lagrangian(trial_, trial_gap_, y_next_) <= before + armijo * alpha * slope + noise;
+        if (fell || (alpha == 1.0 && -slope < noise)) {
+          if (met >= 0)
+            activate(met, violation_side(met));
+          else
+            carry_multipliers(alpha);
+          std::swap(now_, trial_);
+          return true;
+        }
+      }
+      alpha *= 0.5;
+    }
+    return false;
+  }
+
+  // Chord steps with the factors at hand until the active rows of trial_ hold to `tolerance`.
+  bool pull_back(double tolerance) {
+    gap(trial_, trial_gap_);
+    double left = largest(trial_gap_);
+    for (int k = 0; k < pull_backs && left > tolerance; ++k) {
+      kkt_->restore(trial_gap_.data(), residual_.data());
+      if (!(largest(residual_) <= options.longest_step)) return false;
+      for (int i = 0; i < n_; ++i) trial_.x[i] += residual_[i];
+      evaluate(trial_);
+      gap(trial_, trial_gap_);
+      const double now_left = largest(trial_gap_);
+      if (!(now_left < 0.7 * left)) return false;
+      left = now_left;
+    }
+    return left <= tolerance;
+  }
+
+  // Where between now_ (0) and trial_ (1) the first inequality not yet active is met; 1 when it lies within touching
+  // of trial_ (then `met` names it) or none is met.
+  double first_crossing(int& met) const {
+    double first = 1.0;
+    for (int r = equalities_; r < m_; ++r) {
+      if (result.active[r]) continue;
+      const double v = violation(trial_, r);
+      if (v == 0.0) continue;
+      if (std::abs(v) <= touching) {
+        met = r;
+        continue;
+      }
+      const double travelled = trial_.constraint[r] - now_.constraint[r];
+      // Aim just beyond the bound, so that the next trial lands within touching outside and not short of it.
+      first = std::min(first, std::max(0.0, 1.0 - (v - std::copysign(0.5 * touching, v)) / travelled));
+    }
+    if (first < 1.0) met = -1;
+    return first;
+  }
+
+  int violation_side(int row) const { return violation(trial_, row) > 0 ? 1 : -1; }
+
+  const Problem& problem_;
+  int n_, m_, equalities_;
+  int restarts_ = restarts;
+  std::unique_ptr<Kkt> kkt_;
+  Evaluation now_, trial_;
+  std::vector<double> tangent_, step_, residual_, start_, pull_, kicked_from_, y_, y_next_, y_before_, gap_, trial_gap_;
+  std::vector<signed char> side_;
+  std::vector<int> releases_;
+  bool fresh_multipliers_ = false;
+  std::minstd_rand random_;  // the same for every run, so that runs repeat
+  double shift_ = 0.0;
+};
+
+Newton::Newton(const Problem& problem, NewtonOptions options) : run_(std::make_unique<Run>(problem, options)) {}
+Newton::~Newton() = default;
+
+const NewtonResult& Newton::solve(const double* x) {
+  run_->solve(x);
+  return run_->result;
+}
+
+const NewtonResult& Newton::close(const double* x) {
+  run_->close(x);
+  return run_->result;
+}
+
+NewtonOptions& Newton::options() { return run_->options; }
+
+}  // namespace poise::solvers

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "solvers/problem.hpp"
+
+namespace poise::solvers {
+
+/// What a Newton run looks for.
+enum class Goal {
+  stationary,  ///< any point with F + J^T y = 0 near the start
+  minimum      ///< a local minimum of the objective on the constraints
+};
+
+/// How a run ended.
+enum class Outcome {
+  not_solved,       ///< nothing has been tried
+  converged,        ///< the last step, or what rounding leaves of residuals, met the tolerances
+  not_closed,       ///< no point with c(x) = 0 was found from the start
+  stalled,          ///< no step reduced the merit any further
+  unbounded,        ///< the objective falls without end, or x runs away
+  iteration_limit,  ///< NewtonOptions::iterations used up
+  interrupted       ///< NewtonOptions::interrupt was set
+};
+
+/// One sentence for a person.
+std::string describe(Outcome outcome);
+
+struct NewtonOptions {
+  Goal goal = Goal::stationary;
+  double step_tolerance = 1e-9;     ///< converged when max |d| is below it; d is then still applied, leaving |d|^2
+  double rounding = 2e-15;          ///< or when max |c| and max |F + J^T y| / (1 + max |F|) are below it
+  double longest_step = 0.5;        ///< bound on max |d|, rad or mechanism sizes
+  double closure_tolerance = 1e-8;  ///< steps of Goal::minimum start from points with max |c| below it
+  int iterations = 500;
+  /// The dense null space costs about n^2 (n - equalities) a step, sparse LDL^T about n: dense is used where n is at
+  /// most dense_limit and n (n - equalities) at most dense_work, and always where there is no objective.
+  int dense_limit = 48;
+  int dense_work = 50;
+  const std::atomic<bool>* interrupt = nullptr;
+};
+
+struct NewtonResult {
+  Outcome outcome = Outcome::not_solved;
+  std::vector<double> x;
+  std::vector<double> multipliers;  ///< one per constraint row, zero for rows not active
+  std::vector<char> active;         ///< rows that hold: equalities, and inequalities at their bound
+  int iterations = 0;               ///< Newton steps, closing of loops included
+  int evaluations = 0;
+  int factorizations = 0;
+  double constraint_error = 0.0;  ///< max |c|, active bounds included
+  double force_error = 0.0;       ///< max |F + J^T y|
+  double last_step = 0.0;         ///< max |d| of the last step: what Newton itself believes of its error
+  bool descended = false;         ///< Goal::stationary fell back on descending the objective
+};
+
+/// Newton's method for a Problem, made to arrive from anywhere.
+///
+/// stationary: the step of the full system {c = 0, F + J^T y = 0}, shortened until the merit |(c, F + J^T y)| falls;
+///   where that stalls and there is an objective, descent as below and then Newton again.
+/// minimum: loops are closed first (shortest damped steps); then each step keeps them closed. The tangent is shifted
+///   until it is positive definite on the null space of J, the step is halved until the Lagrangian falls (Armijo), and
+///   at a saddle or maximum it follows a direction of negative curvature. The Lagrangian falls from step to step, so
+///   the run can only end in a minimum, run away, or be cut off.
+/// Inequalities are held by an active set: a step ends where it meets one; one whose multiplier pulls is released.
+///
+/// All buffers are sized in the constructor; solve() allocates nothing.
+class Newton {
+ public:
+  /// `problem` must outlive this.
+  explicit Newton(const Problem& problem, NewtonOptions options = {});
+  ~Newton();
+  Newton(const Newton&) = delete;
+  Newton& operator=(const Newton&) = delete;
+
+  /// Runs from x (problem.variables() values). The result stays valid until the next call.
+  const NewtonResult& solve(const double* x);
+  /// Only closes the constraints from x by shortest steps; Outcome::converged or not_closed.
+  const NewtonResult& close(const double* x);
+
+  NewtonOptions& options();
+
+ private:
+  class Run;
+  std::unique_ptr<Run> run_;
+};
+
+}  // namespace poise::solvers
