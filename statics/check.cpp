@@ -1,0 +1,265 @@
+#include "statics/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "solvers/kkt.hpp"
+#include "statics/curvature_impl.hpp"
+#include "statics/free_bodies.hpp"
+#include "statics/reference.hpp"
+
+namespace poise {
+namespace {
+
+// Coordinates up to which all curvatures are computed; above, only their signs are counted.
+constexpr int all_curvatures = 300;
+// Curvatures below this part of the tangent are looked at in 50 digits.
+constexpr double doubtful_below = 1e-6;
+constexpr std::size_t modes = 6;
+
+// Gap of a joint between the places of its two bodies, m.
+double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses, double size) {
+  const BodyPose<double>& a = poses[joint.a.body];
+  const BodyPose<double>& b = poses[joint.b.body];
+  const Vec2 d = b.world(scene.local(joint.b)) - a.world(scene.local(joint.a));
+  double wide = norm(d);
+  if (joint.kind == Joint::Kind::bar) wide = std::abs(wide - joint.length);
+  if (joint.has_travel()) wide = std::abs(cross(joint.axis * unit(a.angle), d));
+  if (joint.keeps_angle()) {
+    wide = std::max(wide, size * std::abs(std::remainder(b.angle - a.angle - joint.angle, 2 * M_PI)));
+  }
+  return wide;
+}
+
+// Value of a stop, rad or m.
+double value(const Scene& scene, const Stop& stop, const std::vector<BodyPose<double>>& poses) {
+  if (stop.kind == Stop::Kind::angle) return poses[stop.body_b].angle - poses[stop.body_a].angle;
+  const auto world = [&](PointRef p) { return poses[p.body].world(scene.local(p)); };
+  if (stop.kind == Stop::Kind::distance) return norm(world(stop.b) - world(stop.a));
+  const Joint& joint = scene.joints[stop.joint];
+  return dot(joint.axis * unit(poses[joint.a.body].angle), world(joint.b) - world(joint.a));
+}
+
+bool is_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
+}
+
+class Judge {
+ public:
+  Judge(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances)
+      : model_(model),
+        scene_(model.scene()),
+        x_(x),
+        tolerances_(tolerances),
+        poses_(model.poses(x)),
+        size_(model.scales().length) {}
+
+  Check judge() {
+    if (!is_finite(x_)) {
+      out_.objection = "a coordinate is not a finite number";
+      return out_;
+    }
+    measure_closure();
+    measure_stops();
+    balance_bodies();
+    if (out_.is_equilibrium())
+      find_stability();
+    else
+      out_.stability_note = "only an equilibrium can be stable";
+    return out_;
+  }
+
+ private:
+  void object(const std::string& reason) {
+    if (out_.objection.empty()) out_.objection = reason;
+  }
+
+  void measure_closure() {
+    for (const Joint& joint : scene_.joints) {
+      const double wide = gap(scene_, joint, poses_, size_);
+      if (wide > out_.closure_error || out_.worst_joint.empty()) {
+        out_.closure_error = wide;
+        out_.worst_joint = joint.name;
+      }
+    }
+    out_.closed = out_.closure_error <= tolerances_.closure * size_;
+    if (!out_.closed) {
+      object(fmt::format("joint \"{}\" gapes by {:.3g} {}", out_.worst_joint, out_.closure_error / scene_.units.length,
+                         scene_.units.length_name));
+    }
+  }
+
+  void measure_stops() {
+    out_.stops_kept = true;
+    for (const Stop& stop : scene_.stops) {
+      const double unit_size = stop.kind == Stop::Kind::angle ? 1.0 : size_;
+      const double g = value(scene_, stop, poses_);
+      const double beyond = std::max({0.0, g - stop.max, stop.min - g}) / unit_size;
+      const double near = tolerances_.stop * unit_size;
+      touching_.push_back(g >= stop.max - near ? 1 : g <= stop.min + near ? -1 : 0);
+      if (beyond <= out_.stop_violation) continue;
+      out_.stop_violation = beyond;
+      out_.worst_stop = stop.name;
+    }
+    if (out_.stop_violation > tolerances_.stop) {
+      out_.stops_kept = false;
+      object(fmt::format("stop \"{}\" is overrun by {:.3g} of the mechanism's size", out_.worst_stop,
+                         out_.stop_violation));
+    }
+  }
+
+  void balance_bodies() {
+    const FreeBodies bodies = balance(scene_, poses_, touching_, size_);
+    out_.imbalance = bodies.imbalance;
+    out_.worst_body = scene_.bodies.size() > 1 ? scene_.bodies[bodies.worst_body].name : "";
+    out_.largest_force = bodies.largest_force;
+    out_.reactions = bodies.reactions;
+    out_.redundancy = bodies.redundancy;
+    pressing_ = bodies.pressing;
+    // What a place known to a few rounding errors does to the stiffest spring cannot be balanced any better.
+    double stiffest = 0.0;
+    for (const Spring& s : scene_.springs) stiffest = std::max(stiffest, s.stiffness * size_);
+    const double rounding = 1e-14 * stiffest;
+    out_.balanced = out_.imbalance <= tolerances_.imbalance * out_.largest_force + rounding;
+    if (!out_.balanced) {
+      object(fmt::format("body \"{}\" is out of balance by {:.3g} {} ({:.1g} of the largest force)", out_.worst_body,
+                         out_.imbalance / scene_.units.force, scene_.units.force_name,
+                         out_.imbalance / out_.largest_force));
+    }
+  }
+
+  // Closure rows and the stops that press.
+  std::vector<int> holding_rows() const {
+    const Mechanism<double>& m = model_.mechanism();
+    std::vector<int> rows(2 * m.closures());
+    std::iota(rows.begin(), rows.end(), 0);
+    for (int stop : pressing_) rows.push_back(2 * m.closures() + stop);
+    return rows;
+  }
+
+  void find_stability() {
+    const Mechanism<double>& m = model_.mechanism();
+    const std::vector<int> rows = holding_rows();
+    if (!m.has_follower_loads() && m.coordinates() > all_curvatures) {
+      count_only(rows);
+      return;
+    }
+    const ReducedHessian<double> reduced(m, x_, rows);
+    if (reduced.matrix.size() == 0) {
+      settle(0, 0);
+      out_.stability_note = "the stops that press leave no freedom";
+    } else if (m.has_follower_loads()) {
+      judge_followers(reduced);
+    } else {
+      judge_curvatures(reduced);
+    }
+  }
+
+  void judge_curvatures(const ReducedHessian<double>& reduced) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(reduced.matrix);
+    std::vector<double> curvature(eigen.eigenvalues().begin(), eigen.eigenvalues().end());
+    const bool doubtful = std::any_of(curvature.begin(), curvature.end(),
+                                      [&](double c) { return std::abs(c) <= doubtful_below * reduced.largest; });
+    if (doubtful) {
+      const std::vector<double> exact = refined_curvatures(model_, x_);
+      if (exact.size() == curvature.size()) {
+        curvature = exact;
+        out_.stability_note = "a curvature is so small that its sign was taken from 50 digits";
+      }
+    }
+    const Eigen::MatrixXd directions = reduced.basis * eigen.eigenvectors();
+    for (std::size_t k = 0; k < std::min(modes, curvature.size()); ++k) {
+      out_.modes.push_back(mode(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
+    }
+    const double zero = tolerances_.neutral * reduced.largest;
+    settle(static_cast<int>(std::count_if(curvature.begin(), curvature.end(), [&](double c) { return c < -zero; })),
+           static_cast<int>(
+               std::count_if(curvature.begin(), curvature.end(), [&](double c) { return std::abs(c) <= zero; })));
+  }
+
+  void settle(int falling, int neutral) {
+    out_.descent_directions = falling;
+    out_.neutral_directions = neutral;
+    out_.stability = falling > 0 ? Stability::unstable : neutral > 0 ? Stability::neutral : Stability::stable;
+  }
+
+  Mode mode(double curvature, const Eigen::VectorXd& direction) const {
+    Mode out;
+    out.curvature = curvature * model_.scales().energy();
+    std::vector<int> order(direction.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return std::abs(direction[a]) > std::abs(direction[b]); });
+    const double sign = order.empty() || direction[order[0]] >= 0 ? 1.0 : -1.0;
+    for (int i : order) {
+      if (out.moves.size() == 4 || std::abs(direction[i]) < 0.05 * std::abs(direction[order[0]])) break;
+      out.moves.emplace_back(model_.layout().coordinates[i].name, sign * direction[i]);
+    }
+    return out;
+  }
+
+  // Without a potential the reduced stiffness is not symmetric. Statics can see divergence: a real eigenvalue that is
+  // not positive. Complex ones may flutter, which only masses can decide.
+  void judge_followers(const ReducedHessian<double>& reduced) {
+    const Eigen::EigenSolver<Eigen::MatrixXd> eigen(reduced.matrix);
+    const double zero = 1e-9 * reduced.largest;
+    int falling = 0;
+    int neutral = 0;
+    bool complex = false;
+    for (Eigen::Index k = 0; k < eigen.eigenvalues().size(); ++k) {
+      const std::complex<double> e = eigen.eigenvalues()[k];
+      complex = complex || std::abs(e.imag()) > zero;
+      falling += e.real() < -zero;
+      neutral += std::abs(e) <= zero;
+    }
+    settle(falling, neutral);
+    out_.stability_note = "follower loads have no potential: this is the static (divergence) criterion";
+    if (complex && falling == 0) {
+      out_.stability = Stability::unknown;
+      out_.stability_note = "follower loads make the stiffness rotational: it may flutter, which statics cannot decide";
+    }
+  }
+
+  void count_only(const std::vector<int>& rows) {
+    std::vector<char> active(model_.mechanism().constraints(), 0);
+    for (int r : rows) active[r] = 1;
+    const solvers::Inertia inertia = solvers::inertia_at(model_.problem(), x_, active);
+    if (inertia.known) settle(inertia.negative, 0);
+    out_.stability_note = "too many coordinates for single modes: signs of the pivots were counted";
+  }
+
+  const StaticModel& model_;
+  const Scene& scene_;
+  const std::vector<double>& x_;
+  const CheckTolerances& tolerances_;
+  std::vector<BodyPose<double>> poses_;
+  double size_;
+  std::vector<int> touching_;
+  std::vector<int> pressing_;
+  Check out_;
+};
+
+}  // namespace
+
+std::string to_string(Stability stability) {
+  switch (stability) {
+    case Stability::unknown:
+      return "unknown";
+    case Stability::stable:
+      return "stable";
+    case Stability::unstable:
+      return "unstable";
+    case Stability::neutral:
+      return "neutral";
+  }
+  return "unknown";
+}
+
+Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances) {
+  return Judge(model, x, tolerances).judge();
+}
+
+}  // namespace poise

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+/// Stability of an equilibrium by the inertia of its reduced Hessian (Morse index).
+enum class Stability { unknown, stable, unstable, neutral };
+
+/// "stable", "unstable", ...
+std::string to_string(Stability stability);
+
+/// A principal direction of the reduced Hessian  Z^T (grad2 V + sum lambda grad2 c) Z,  Z an orthonormal basis of the
+/// null space of the closure Jacobian in scaled coordinates (rad, mechanism sizes).
+struct Mode {
+  double curvature = 0.0;  ///< J per (unit of scaled coordinates)^2
+  /// Coordinates that move, largest first, with their part of the unit direction.
+  std::vector<std::pair<std::string, double>> moves;
+};
+
+/// What one joint, bar or active stop carries. Force (N, world directions) and moment (N m) act on the joint's second
+/// body at the point `at` (world, m), with the opposite on its first.
+struct Reaction {
+  std::string name;
+  std::string kind;  ///< "pin", "slide", "pin_in_slot", "weld", "bar", "stop"
+  Vec2 at{};
+  Vec2 force{};
+  double moment = 0.0;
+  double axial = 0.0;      ///< bars and distance stops: N, tension positive
+  bool determined = true;  ///< false: one of many possible sets, the one of minimum norm (moments over size)
+};
+
+/// Bounds that an answer has to keep to be called an equilibrium.
+struct CheckTolerances {
+  double closure = 1e-9;    ///< largest gap of a joint / size of the mechanism
+  double imbalance = 1e-9;  ///< largest unbalanced force, or moment / size, of a body / largest force on any body
+  double stop = 1e-8;       ///< stop overrun, rad or / size
+  /// A curvature counts as zero below this part of the largest stiffness.
+  double neutral = 1e-13;
+};
+
+/// The judgement of mechanics that did not find the answer.
+struct Check {
+  double closure_error = 0.0;  ///< m: largest gap of any joint, from the places of the bodies
+  std::string worst_joint;
+  double imbalance = 0.0;  ///< N: largest unbalanced force, or moment / size, of any body
+  std::string worst_body;
+  double largest_force = 0.0;   ///< N: largest load, spring force or reaction on any body
+  double stop_violation = 0.0;  ///< rad, or m / size
+  std::string worst_stop;
+  bool closed = false;
+  bool balanced = false;
+  bool stops_kept = false;
+  std::vector<Reaction> reactions;
+  int redundancy = 0;  ///< number of independent states of self-stress that statics leaves undetermined
+
+  Stability stability = Stability::unknown;
+  int descent_directions = 0;
+  int neutral_directions = 0;
+  std::vector<Mode> modes;  ///< lowest curvatures first, at most six
+  std::string stability_note;
+
+  /// Closed, balanced and within its stops.
+  bool is_equilibrium() const { return closed && balanced && stops_kept; }
+  /// Why it is not an equilibrium, one sentence; empty where it is.
+  std::string objection;
+};
+
+/// Judges the scaled coordinates x of a model:
+///
+/// closure    every joint of the scene, measured between the places of its two bodies
+/// balance    vector statics: each body cut free under its loads and the reactions of its joints; the reactions are
+///            the least-squares solution of all bodies' 3 equations, so what they cannot balance remains as imbalance
+/// stability  inertia of the reduced Hessian, with stops that press counted as closed; where the smallest curvature is
+///            within rounding of zero its sign is taken from 50 digits
+Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances = {});
+
+}  // namespace poise

@@ -1,0 +1,171 @@
+#include "statics/equilibrium.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "solvers/ipopt.hpp"
+#include "solvers/newton.hpp"
+#include "statics/curvature_impl.hpp"
+#include "statics/mobility.hpp"
+
+namespace poise {
+namespace {
+
+double elapsed(std::chrono::steady_clock::time_point since) {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - since).count();
+}
+
+std::string where(const StaticModel& model) { return model.scene().file + ": mechanism: "; }
+
+// Constraint rows that are independent at x, and all stops: Ipopt refuses more equations than variables. Where all are
+// independent the list is empty, which means all. Mechanisms too large for a dense factor are taken as they are.
+std::vector<int> independent_rows(const StaticModel& model, const std::vector<double>& x) {
+  const Mechanism<double>& m = model.mechanism();
+  const int equalities = 2 * m.closures();
+  if (equalities == 0 || equalities > 400) return {};
+  std::vector<int> rows(equalities);
+  std::iota(rows.begin(), rows.end(), 0);
+  const DensePoint<double> point(m, x, rows);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(1e-9);
+  qr.compute(point.jacobian.transpose());
+  if (qr.rank() == equalities) return {};
+  const auto& order = qr.colsPermutation().indices();
+  rows.assign(order.data(), order.data() + qr.rank());
+  std::sort(rows.begin(), rows.end());
+  for (int s = 0; s < m.stops(); ++s) rows.push_back(equalities + s);
+  return rows;
+}
+
+void search_by_virtual_work(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options,
+                            Equilibrium& out, bool& claimed) {
+  solvers::NewtonOptions settings;
+  settings.goal = options.seek == Seek::stable ? solvers::Goal::minimum : solvers::Goal::stationary;
+  settings.interrupt = options.interrupt;
+  solvers::Newton newton(model.problem(), settings);
+  const auto begin = std::chrono::steady_clock::now();
+  const solvers::NewtonResult& result = newton.solve(x.data());
+  out.microseconds = elapsed(begin);
+  out.x = result.x;
+  out.iterations = result.iterations;
+  out.evaluations = result.evaluations;
+  out.why = "Newton: " + solvers::describe(result.outcome);
+  if (result.descended) out.why += " (by descending the energy, after plain Newton stalled)";
+  if (result.outcome == solvers::Outcome::interrupted) out.status = Status::interrupted;
+  claimed = result.outcome == solvers::Outcome::converged;
+}
+
+void search_by_energy(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options,
+                      Equilibrium& out, bool& claimed) {
+  const Mechanism<double>& m = model.mechanism();
+  if (m.has_follower_loads()) {
+    out.status = Status::refused;
+    out.why = fmt::format("force \"{}\" follows a body and has no potential, so there is no energy to minimise",
+                          m.follower_names().front());
+    return;
+  }
+  solvers::IpoptOptions settings;
+  settings.interrupt = options.interrupt;
+  const std::vector<int> rows = independent_rows(model, x);
+  const auto begin = std::chrono::steady_clock::now();
+  const solvers::IpoptResult result = solvers::solve_with_ipopt(model.problem(), x, settings, rows);
+  out.microseconds = elapsed(begin);
+  out.x = result.x;
+  out.iterations = result.iterations;
+  out.evaluations = result.evaluations;
+  out.why = result.status;
+  if (result.interrupted) out.status = Status::interrupted;
+  claimed = result.claims_success;
+}
+
+double energy_at(const StaticModel& model, const std::vector<double>& x) {
+  const Mechanism<double>& m = model.mechanism();
+  if (m.has_follower_loads()) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<Planar<double>> pose(m.pose_size());
+  m.place(x.data(), pose.data());
+  return m.energy(x.data(), pose.data()) * model.scales().energy();
+}
+
+// The check decides, whatever the solver said of itself.
+void judge(const StaticModel& model, const SolveOptions& options, bool claimed, Equilibrium& out) {
+  out.check = check(model, out.x, options.check);
+  out.energy = energy_at(model, out.x);
+  if (out.status == Status::interrupted) return;
+  const bool wrong_kind = options.seek == Seek::stable && out.check.stability == Stability::unstable;
+  if (out.check.is_equilibrium() && !wrong_kind) {
+    out.status = Status::confirmed;
+    return;
+  }
+  out.status = claimed && !out.check.is_equilibrium() ? Status::refuted : Status::not_found;
+  out.why += wrong_kind && out.check.is_equilibrium() ? "; what it reached is an unstable equilibrium"
+                                                      : "; " + out.check.objection;
+}
+
+}  // namespace
+
+std::string to_string(Method method) { return method == Method::virtual_work ? "virtual-work" : "energy"; }
+
+std::string to_string(Status status) {
+  switch (status) {
+    case Status::not_solved:
+      return "not solved";
+    case Status::confirmed:
+      return "confirmed";
+    case Status::refuted:
+      return "refuted";
+    case Status::not_found:
+      return "not found";
+    case Status::refused:
+      return "refused";
+    case Status::interrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
+  Equilibrium out;
+  out.method = options.method;
+  out.seek = options.seek;
+  out.x = x;
+  bool claimed = false;
+  if (options.method == Method::virtual_work)
+    search_by_virtual_work(model, x, options, out, claimed);
+  else
+    search_by_energy(model, x, options, out, claimed);
+  if (out.status != Status::refused) judge(model, options, claimed, out);
+  return out;
+}
+
+Equilibrium solve(const StaticModel& model, const SolveOptions& options) {
+  const std::vector<double> closed = assemble(model);
+  // Virtual work takes the start as it was written: what is nearest to it should not depend on how loops are closed.
+  return solve(model, options.method == Method::energy ? closed : model.start(), options);
+}
+
+std::vector<double> assemble(const StaticModel& model) {
+  if (model.mechanism().coordinates() == 0) {
+    throw InputError(where(model) +
+                     "nothing can move under load; expected a body that can turn or slide and bears a load, a weight "
+                     "or a spring");
+  }
+  const Mobility mobility = analyse_mobility(model);
+  if (!mobility.assembled) {
+    throw InputError(fmt::format(
+        "{}cannot be assembled from its start: {}; check the lengths, or give a [start] nearer to a closed pose",
+        where(model), mobility.gap));
+  }
+  if (mobility.freedoms == 0) {
+    throw InputError(
+        fmt::format("{}no freedom left: {} coordinates, {} independent closure equations; remove a joint, bar or weld",
+                    where(model), mobility.coordinates, mobility.rank));
+  }
+  return mobility.x;
+}
+
+}  // namespace poise

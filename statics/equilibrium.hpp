@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "model/scene.hpp"
+#include "statics/check.hpp"
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+enum class Method {
+  virtual_work,  ///< Newton-Raphson on c(q) = 0, N^T Q(q) = 0
+  energy         ///< min V(q) subject to c(q) = 0 and stops, by Ipopt; finds stable rest only
+};
+
+enum class Seek {
+  nearest,  ///< any equilibrium near the start
+  stable    ///< minima only
+};
+
+enum class Status {
+  not_solved,
+  confirmed,  ///< the independent check confirms the answer
+  refuted,    ///< the solver claimed success and the check denies it
+  not_found,  ///< the solver gave up, and where it stopped is no equilibrium (or not the kind sought)
+  refused,    ///< the method cannot answer this scene: a load without potential in the energy method
+  interrupted
+};
+
+/// "virtual-work", "energy"; "confirmed", "not found", ...
+std::string to_string(Method method);
+std::string to_string(Status status);
+
+struct SolveOptions {
+  Method method = Method::virtual_work;
+  Seek seek = Seek::nearest;
+  CheckTolerances check;
+  const std::atomic<bool>* interrupt = nullptr;
+};
+
+/// Where a mechanism rests, or how far the search came. Starts as not solved.
+struct Equilibrium {
+  Method method = Method::virtual_work;
+  Seek seek = Seek::nearest;
+  Status status = Status::not_solved;
+  std::string why;  ///< one sentence: the solver's own word, and the objection where there is one
+  int iterations = 0;
+  int evaluations = 0;
+  double microseconds = 0.0;  ///< of the search alone: scene reading, compilation and check left out
+  std::vector<double> x;      ///< scaled coordinates
+  double energy = 0.0;        ///< V, J; dead loads count from an arbitrary zero; NaN with follower loads
+  Check check;
+
+  bool found() const { return status == Status::confirmed; }
+};
+
+/// Finds an equilibrium from the scene's start (or from x, scaled coordinates) and checks it.
+/// Throws InputError where the mechanism cannot be assembled or has no freedom left.
+Equilibrium solve(const StaticModel& model, const SolveOptions& options = {});
+Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options = {});
+
+/// Throws InputError where the loops of the scene cannot be closed from its start, naming the loop and its gap, or
+/// where nothing is left to move. Returns closed scaled coordinates.
+std::vector<double> assemble(const StaticModel& model);
+
+}  // namespace poise

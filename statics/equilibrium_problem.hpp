@@ -1,0 +1,31 @@
+#pragma once
+
+#include "model/mechanism.hpp"
+#include "solvers/problem.hpp"
+
+namespace poise {
+
+/// A compiled mechanism as a problem for the solvers:
+///   x = q,  f = V(q),  F = -Q(q),  c = loop closures,  lower <= stops <= upper.
+/// The mechanism should be compiled from a scaled() scene, and must outlive this.
+class EquilibriumProblem final : public solvers::Problem {
+ public:
+  explicit EquilibriumProblem(const Mechanism<double>& mechanism);
+
+  int variables() const override { return mechanism_.coordinates(); }
+  int equalities() const override { return 2 * mechanism_.closures(); }
+  const std::vector<double>& lower() const override { return mechanism_.lower(); }
+  const std::vector<double>& upper() const override { return mechanism_.upper(); }
+  bool has_objective() const override { return !mechanism_.has_follower_loads(); }
+  const solvers::Pattern& jacobian_pattern() const override { return jacobian_pattern_; }
+  const solvers::Pattern& tangent_pattern() const override { return tangent_pattern_; }
+  void evaluate(solvers::Evaluation& at) const override;
+  void tangent(solvers::Evaluation& at, const double* multipliers, double* values) const override;
+  int scratch_size() const override { return 2 * mechanism_.pose_size(); }
+
+ private:
+  const Mechanism<double>& mechanism_;
+  solvers::Pattern jacobian_pattern_, tangent_pattern_;
+};
+
+}  // namespace poise

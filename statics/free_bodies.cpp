@@ -1,0 +1,289 @@
+#include "statics/free_bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+#include <Eigen/Sparse>
+#include <Eigen/SparseCholesky>
+
+namespace poise {
+namespace {
+
+// Unknown reactions up to which a dense decomposition, which gives the minimum norm, is used.
+constexpr int dense_limit = 250;
+// Part of the largest singular value (roughly) below which a reaction combination counts as undetermined.
+constexpr double rank_tolerance = 1e-10;
+constexpr double relax = 1e-12;
+constexpr int refinements = 20;
+
+// A unit reaction: force and moment on body b at a point, the opposite on body a.
+struct Unknown {
+  int item;  // index into `items`
+  int body_a, body_b;
+  Vec2 at;
+  Vec2 force;
+  double moment;
+};
+
+// What a set of unknowns belongs to.
+struct Item {
+  Reaction reaction;
+  int stop = -1;
+  int side = 0;
+  Vec2 axis{};
+};
+
+class Statics {
+ public:
+  Statics(const Scene& scene, const std::vector<BodyPose<double>>& poses, double size)
+      : scene_(scene), poses_(poses), size_(size), load_(3 * (scene.bodies.size() - 1), 0.0) {}
+
+  void apply_loads() {
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      if (body.mass > 0) push(static_cast<int>(i), poses_[i].world(body.center), body.mass * scene_.gravity, 0.0);
+    }
+    for (const Force& f : scene_.forces) {
+      const Vec2 force = f.follows < 0 ? f.vector : f.vector * unit(poses_[f.follows].angle);
+      push(f.at.body, world(f.at), force, 0.0);
+    }
+    for (const Torque& t : scene_.torques) push(t.body, poses_[t.body].origin, {}, t.value);
+    for (const Spring& s : scene_.springs) {
+      const Vec2 a = world(s.a);
+      const Vec2 b = world(s.b);
+      const double r = norm(b - a);
+      const double tension = s.stiffness * (r - s.free_length);
+      const bool slack =
+          (s.acts == Spring::Acts::tension && tension < 0) || (s.acts == Spring::Acts::compression && tension > 0);
+      if (r == 0 || slack) continue;
+      const Vec2 pull = tension / r * (b - a);
+      push(s.a.body, a, pull, 0.0);
+      push(s.b.body, b, -pull, 0.0);
+    }
+    for (const TorsionSpring& s : scene_.torsion_springs) {
+      const double torque = s.stiffness * (poses_[s.b].angle - poses_[s.a].angle - s.free_angle);
+      push(s.a, poses_[s.a].origin, {}, torque);
+      push(s.b, poses_[s.b].origin, {}, -torque);
+    }
+  }
+
+  void add_joints() {
+    for (const Joint& joint : scene_.joints) {
+      const Vec2 a = world(joint.a);
+      const Vec2 b = world(joint.b);
+      const Vec2 axis = joint.axis * unit(poses_[joint.a.body].angle);
+      const auto item = [&](const char* kind) {
+        Item added;
+        added.reaction.name = joint.name;
+        added.reaction.kind = kind;
+        added.reaction.at = b;
+        items_.push_back(added);
+      };
+      const auto act = [&](Vec2 force, double moment) {
+        unknowns_.push_back({static_cast<int>(items_.size()) - 1, joint.a.body, joint.b.body, b, force, moment});
+      };
+      switch (joint.kind) {
+        case Joint::Kind::pin:
+          item("pin");
+          act({1, 0}, 0);
+          act({0, 1}, 0);
+          break;
+        case Joint::Kind::weld:
+          item("weld");
+          act({1, 0}, 0);
+          act({0, 1}, 0);
+          act({}, size_);
+          break;
+        case Joint::Kind::slide:
+          item("slide");
+          act(quarter_turn(axis), 0);
+          act({}, size_);
+          break;
+        case Joint::Kind::pin_in_slot:
+          item("pin_in_slot");
+          act(quarter_turn(axis), 0);
+          break;
+        case Joint::Kind::bar: {
+          item("bar");
+          const double r = norm(b - a);
+          items_.back().axis = r > 0 ? 1 / r * (b - a) : Vec2{1, 0};
+          act(items_.back().axis, 0);
+          break;
+        }
+      }
+    }
+  }
+
+  void add_stop(int index, int side) {
+    const Stop& stop = scene_.stops[index];
+    Item item;
+    item.reaction.name = stop.name;
+    item.reaction.kind = "stop";
+    item.stop = index;
+    item.side = side;
+    items_.push_back(item);
+    const int number = static_cast<int>(items_.size()) - 1;
+    Reaction& reaction = items_.back().reaction;
+    if (stop.kind == Stop::Kind::angle) {
+      reaction.at = poses_[stop.body_b].origin;
+      unknowns_.push_back({number, stop.body_a, stop.body_b, reaction.at, {}, size_});
+    } else if (stop.kind == Stop::Kind::distance) {
+      const Vec2 along = world(stop.b) - world(stop.a);
+      reaction.at = world(stop.b);
+      items_.back().axis = norm(along) > 0 ? 1 / norm(along) * along : Vec2{1, 0};
+      unknowns_.push_back({number, stop.a.body, stop.b.body, reaction.at, items_.back().axis, 0});
+    } else {
+      const Joint& joint = scene_.joints[stop.joint];
+      reaction.at = world(joint.b);
+      items_.back().axis = joint.axis * unit(poses_[joint.a.body].angle);
+      unknowns_.push_back({number, joint.a.body, joint.b.body, reaction.at, items_.back().axis, 0});
+    }
+  }
+
+  // Least-squares reactions, minimum norm where they are not unique (dense sizes). Returns the stop that pulls
+  // hardest, or -1.
+  int solve(FreeBodies& out) {
+    const int rows = static_cast<int>(load_.size());
+    const int count = static_cast<int>(unknowns_.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int u = 0; u < count; ++u) {
+      const Unknown& k = unknowns_[u];
+      add_column(entries, u, k.body_b, k, 1.0);
+      add_column(entries, u, k.body_a, k, -1.0);
+    }
+    Eigen::SparseMatrix<double> a(rows, count);
+    a.setFromTriplets(entries.begin(), entries.end());
+    a.makeCompressed();
+    const Eigen::Map<const Eigen::VectorXd> load(load_.data(), rows);
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(count);
+    std::vector<bool> free(count, false);
+    if (count > 0 && count <= dense_limit) {
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+      decomposition.setThreshold(rank_tolerance);
+      decomposition.compute(Eigen::MatrixXd(a));
+      f = decomposition.solve(-load);
+      // One step of refinement: the balance is judged to 1e-9 of the largest force.
+      f += decomposition.solve(-load - a * f);
+      const Eigen::Index rank = decomposition.rank();
+      out.redundancy = count - static_cast<int>(rank);
+      if (out.redundancy > 0) {
+        const Eigen::MatrixXd z = decomposition.matrixZ().transpose().rightCols(count - rank);
+        const Eigen::MatrixXd null = decomposition.colsPermutation() * z;
+        for (int u = 0; u < count; ++u) free[u] = null.row(u).norm() > 1e-8;
+      }
+    } else if (count > 0) {
+      f = sparse_least_squares(a, -load);
+    }
+    const Eigen::VectorXd left = load + a * f;
+    Eigen::Index worst = 0;
+    out.imbalance = rows > 0 ? left.cwiseAbs().maxCoeff(&worst) : 0.0;
+    out.worst_body = static_cast<int>(worst) / 3 + 1;
+    out.largest_force = std::max(largest_load_, count > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
+    int pulling = -1;
+    double hardest = 1e-9 * out.largest_force;
+    for (Item& item : items_) {
+      item.reaction.force = {};
+      item.reaction.moment = item.reaction.axial = 0.0;
+      item.reaction.determined = true;
+    }
+    for (int u = 0; u < count; ++u) {
+      Item& item = items_[unknowns_[u].item];
+      item.reaction.force += f[u] * unknowns_[u].force;
+      item.reaction.moment += f[u] * unknowns_[u].moment;
+      if (free[u]) item.reaction.determined = false;
+      if (item.reaction.kind == "bar" || item.axis != Vec2{}) item.reaction.axial = -f[u];
+      // At a maximum the stop may only reduce what it limits, at a minimum only increase it.
+      if (item.stop >= 0 && item.side * f[u] > hardest) {
+        hardest = item.side * f[u];
+        pulling = item.stop;
+      }
+    }
+    out.reactions.clear();
+    out.pressing.clear();
+    for (const Item& item : items_) {
+      out.reactions.push_back(item.reaction);
+      const double pressure = std::max(norm(item.reaction.force), std::abs(item.reaction.moment) / size_);
+      if (item.stop >= 0 && pressure > 1e-10 * out.largest_force) out.pressing.push_back(item.stop);
+    }
+    return pulling;
+  }
+
+ private:
+  Vec2 world(PointRef p) const { return poses_[p.body].world(scene_.local(p)); }
+
+  // Minimal |A f - b|, near-minimal norm: LDL^T of the quasi-definite  [I A; A^T -e I], refined against e = 0.
+  static Eigen::VectorXd sparse_least_squares(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b) {
+    const int rows = static_cast<int>(a.rows());
+    const int size = rows + static_cast<int>(a.cols());
+    std::vector<Eigen::Triplet<double>> lower;
+    for (int i = 0; i < size; ++i) lower.emplace_back(i, i, i < rows ? 1.0 : -relax);
+    for (int c = 0; c < a.outerSize(); ++c) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(a, c); it; ++it) {
+        lower.emplace_back(rows + c, static_cast<int>(it.row()), it.value());
+      }
+    }
+    Eigen::SparseMatrix<double> system(size, size);
+    system.setFromTriplets(lower.begin(), lower.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(system);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(size);
+    double last = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < refinements; ++k) {
+      Eigen::VectorXd right(size);
+      right << b - x.head(rows) - a * x.tail(a.cols()), -(a.transpose() * x.head(rows));
+      const double left = right.cwiseAbs().maxCoeff();
+      if (!(left < 0.5 * last)) break;
+      last = left;
+      x += factors.solve(right);
+    }
+    return x.tail(a.cols());
+  }
+
+  void push(int body, Vec2 at, Vec2 force, double moment) {
+    if (body == 0) return;
+    double* row = &load_[3 * (body - 1)];
+    row[0] += force.x;
+    row[1] += force.y;
+    const double turning = (cross(at - poses_[body].origin, force) + moment) / size_;
+    row[2] += turning;
+    largest_load_ = std::max({largest_load_, norm(force), std::abs(turning)});
+  }
+
+  void add_column(std::vector<Eigen::Triplet<double>>& entries, int column, int body, const Unknown& k, double sign) {
+    if (body == 0) return;
+    const int row = 3 * (body - 1);
+    if (k.force.x != 0) entries.emplace_back(row, column, sign * k.force.x);
+    if (k.force.y != 0) entries.emplace_back(row + 1, column, sign * k.force.y);
+    const double turning = (cross(k.at - poses_[body].origin, k.force) + k.moment) / size_;
+    if (turning != 0) entries.emplace_back(row + 2, column, sign * turning);
+  }
+
+  const Scene& scene_;
+  const std::vector<BodyPose<double>>& poses_;
+  double size_;
+  std::vector<double> load_;  // per moving body: force x, y, moment about its origin / size
+  double largest_load_ = 0.0;
+  std::vector<Unknown> unknowns_;
+  std::vector<Item> items_;
+};
+
+}  // namespace
+
+FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
+                   double size) {
+  std::vector<int> sides = touching;
+  for (;;) {
+    FreeBodies out;
+    Statics statics(scene, poses, size);
+    statics.apply_loads();
+    statics.add_joints();
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      if (sides[i] != 0) statics.add_stop(static_cast<int>(i), sides[i]);
+    }
+    const int pulling = statics.solve(out);
+    if (pulling < 0) return out;
+    sides[pulling] = 0;
+  }
+}
+
+}  // namespace poise

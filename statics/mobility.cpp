@@ -1,0 +1,130 @@
+#include "statics/mobility.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/QR>
+#include <Eigen/SparseQR>
+#include <fmt/format.h>
+
+#include "solvers/newton.hpp"
+#include "statics/curvature_impl.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double closed_within = 1e-9;
+constexpr double rank_tolerance = 1e-9;
+constexpr int dense_limit = 400;
+
+int gruebler_count(const Scene& scene) {
+  int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
+  for (const Joint& joint : scene.joints) {
+    switch (joint.kind) {
+      case Joint::Kind::pin:
+      case Joint::Kind::slide:
+        count -= 2;
+        break;
+      case Joint::Kind::pin_in_slot:
+      case Joint::Kind::bar:
+        count -= 1;
+        break;
+      case Joint::Kind::weld:
+        count -= 3;
+        break;
+    }
+  }
+  return count;
+}
+
+// The widest gap among the loop closures at x, in words.
+std::string widest_gap(const StaticModel& model, const std::vector<double>& x) {
+  const Mechanism<double>& m = model.mechanism();
+  std::vector<Planar<double>> pose(m.pose_size());
+  std::vector<double> c(m.constraints());
+  m.place(x.data(), pose.data());
+  m.constraint(x.data(), pose.data(), c.data());
+  int worst = 0;
+  const auto wide = [&](int l) { return std::hypot(c[2 * l], c[2 * l + 1]); };
+  for (int l = 1; l < m.closures(); ++l) {
+    if (wide(l) > wide(worst)) worst = l;
+  }
+  const Units& units = model.scene().units;
+  return fmt::format("the loop closed by joint \"{}\" stays open by {:.4g} {}", m.layout().closures[worst].name,
+                     wide(worst) * model.scales().length / units.length, units.length_name);
+}
+
+// Closures whose row is a combination of the others: those with a part in the left null space of J.
+void find_redundancy(const StaticModel& model, Mobility& out) {
+  const Mechanism<double>& m = model.mechanism();
+  const int rows = 2 * m.closures();
+  if (rows == 0) return;
+  std::vector<Planar<double>> pose(m.pose_size());
+  std::vector<double> values(m.jacobian_row().size());
+  m.place(out.x.data(), pose.data());
+  m.jacobian(pose.data(), values.data());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t e = 0; e < values.size(); ++e) {
+    if (m.jacobian_row()[e] < rows) entries.emplace_back(m.jacobian_row()[e], m.jacobian_column()[e], values[e]);
+  }
+  Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());
+  jacobian.setFromTriplets(entries.begin(), entries.end());
+  if (rows > dense_limit) {
+    jacobian.makeCompressed();
+    Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
+    qr.setPivotThreshold(rank_tolerance);
+    qr.compute(jacobian.transpose().eval());
+    out.rank = static_cast<int>(qr.rank());
+    if (out.rank < rows)
+      out.redundant.push_back(fmt::format("{} closure equations (not named one by one)", rows - out.rank));
+    return;
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(rank_tolerance);
+  qr.compute(Eigen::MatrixXd(jacobian));
+  out.rank = static_cast<int>(qr.rank());
+  if (out.rank == rows) return;
+  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(rows, rows);
+  const Eigen::MatrixXd null = q.rightCols(rows - out.rank);
+  for (int l = 0; l < m.closures(); ++l) {
+    if (null.row(2 * l).norm() > 1e-8 || null.row(2 * l + 1).norm() > 1e-8) {
+      out.redundant.push_back(m.layout().closures[l].name);
+    }
+  }
+}
+
+}  // namespace
+
+Mobility analyse_mobility(const StaticModel& model) {
+  const Mechanism<double>& m = model.mechanism();
+  const Layout& layout = model.layout();
+  Mobility out;
+  out.bodies = static_cast<int>(model.scene().bodies.size()) - 1;
+  out.joints = static_cast<int>(model.scene().joints.size());
+  out.gruebler = gruebler_count(model.scene());
+  out.coordinates = m.coordinates();
+  out.closures = 2 * m.closures();
+
+  solvers::Newton newton(model.problem());
+  const std::vector<double> start = model.start();
+  const solvers::NewtonResult& closed = newton.close(start.data());
+  out.x = closed.x;
+  out.assembled = closed.outcome == solvers::Outcome::converged && closed.constraint_error <= closed_within;
+  if (!out.assembled) out.gap = widest_gap(model, out.x);
+  find_redundancy(model, out);
+  for (int j : layout.redundant_angle) {
+    out.redundant.push_back(model.scene().joints[j].name + " (angle)");
+  }
+  out.freedoms = out.coordinates - out.rank;
+
+  for (int i = 0; i < static_cast<int>(layout.coordinates.size()); ++i) {
+    const Coordinate& c = layout.coordinates[i];
+    const char* kind = c.kind == Coordinate::Kind::angle ? "angle" : "length";
+    (i < layout.kept ? out.kept : out.dropped).push_back(fmt::format("{} \"{}\": {}", kind, c.name, c.why));
+  }
+  out.dropped.insert(out.dropped.end(), layout.dropped.begin(), layout.dropped.end());
+  return out;
+}
+
+}  // namespace poise

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+/// What `poise check` says of a scene before anything is solved.
+struct Mobility {
+  int bodies = 0;       ///< moving ones, bars left out
+  int joints = 0;       ///< bars included
+  int gruebler = 0;     ///< 3 bodies - 2 pins - 2 slides - 1 pin in slot - 3 welds - 1 bar
+  int coordinates = 0;  ///< of the compiled model
+  int closures = 0;     ///< scalar closure equations of the compiled model
+  int rank = 0;         ///< of the closure Jacobian at the assembled start
+  int freedoms = 0;     ///< coordinates - rank
+  bool assembled = false;
+  std::string gap;                         ///< which loop stays open and by how much, where not assembled
+  std::vector<double> x;                   ///< assembled (or best) scaled coordinates
+  std::vector<std::string> redundant;      ///< joints whose closure repeats what others hold already
+  std::vector<std::string> kept, dropped;  ///< of the compiled model, and why
+};
+
+Mobility analyse_mobility(const StaticModel& model);
+
+}  // namespace poise

@@ -1,0 +1,255 @@
+#include "statics/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Core>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+
+namespace poise::detail {
+using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+}  // namespace poise::detail
+
+// What Eigen wants to know of a scalar. (The traits that Boost 1.74 ships lack members that Eigen 3.4 asks for.)
+template <>
+struct Eigen::NumTraits<poise::detail::Real> : Eigen::GenericNumTraits<poise::detail::Real> {
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 8,
+    AddCost = 8,
+    MulCost = 16
+  };
+  static poise::detail::Real dummy_precision() { return 1000 * epsilon(); }
+  static int digits10() { return std::numeric_limits<poise::detail::Real>::digits10; }
+};
+
+#include <Eigen/Sparse>
+#include <Eigen/SparseLU>
+
+#include "model/mechanism_impl.hpp"
+#include "statics/curvature_impl.hpp"
+
+namespace poise {
+namespace {
+
+using detail::Real;
+using Vector = DensePoint<Real>::Vector;
+using Matrix = DensePoint<Real>::Matrix;
+
+constexpr int dense_limit = 80;  // coordinates up to which redundancy is resolved by a rank-revealing factor
+constexpr int steps = 40;
+constexpr double nearby = 1e-2;    // a correction larger than this has gone to another equilibrium
+constexpr double touching = 1e-7;  // of a stop that holds
+
+// Newton on {F + J^T y = 0, c = 0} in 50 digits.
+class Refinement {
+ public:
+  Refinement(const StaticModel& model, const std::vector<double>& x)
+      : model_(model), mechanism_(model.scaled_scene(), Purpose::statics) {
+    for (double v : x) q_.emplace_back(v);
+    rows_.resize(2 * mechanism_.closures());
+    std::iota(rows_.begin(), rows_.end(), 0);
+  }
+
+  // Stops that press: touching, and needed for balance with the right sign.
+  void hold_stops() {
+    if (mechanism_.stops() == 0) return;
+    DensePoint<Real> free(mechanism_, q_, rows_);
+    std::vector<int> held = rows_;
+    for (int s = 0; s < mechanism_.stops(); ++s) {
+      const int row = 2 * mechanism_.closures() + s;
+      const Real& g = free.constraint[row];
+      const bool at_top = abs(g - mechanism_.upper()[s]) < touching;
+      const bool at_bottom = abs(g - mechanism_.lower()[s]) < touching;
+      if (!at_top && !at_bottom) continue;
+      held.push_back(row);
+      bound_.push_back(at_top ? mechanism_.upper()[s] : mechanism_.lower()[s]);
+      sides_.push_back(at_top && at_bottom ? 0 : at_top ? 1 : -1);
+    }
+    rows_ = held;
+    for (;;) {
+      const Vector y = DensePoint<Real>(mechanism_, q_, rows_).multipliers();
+      std::size_t pulling = sides_.size();
+      for (std::size_t k = 0; k < sides_.size(); ++k) {
+        const auto at = static_cast<Eigen::Index>(2 * mechanism_.closures() + k);
+        if (sides_[k] * y[at] < 1e-9) pulling = sides_[k] == 0 ? pulling : k;
+      }
+      if (pulling == sides_.size()) return;
+      rows_.erase(rows_.begin() + 2 * mechanism_.closures() + static_cast<std::ptrdiff_t>(pulling));
+      bound_.erase(bound_.begin() + static_cast<std::ptrdiff_t>(pulling));
+      sides_.erase(sides_.begin() + static_cast<std::ptrdiff_t>(pulling));
+    }
+  }
+
+  bool run(std::string& why) {
+    hold_stops();
+    Real last = 1;
+    for (int k = 0; k < steps; ++k) {
+      const Vector d = mechanism_.coordinates() <= dense_limit ? dense_step() : sparse_step();
+      Real length = 0;
+      for (Eigen::Index i = 0; i < d.size(); ++i) length = std::max(length, Real(abs(d[i])));
+      if (!isfinite(length)) {
+        why = "Newton in 50 digits met a singular system";
+        return false;
+      }
+      if (length > nearby) {
+        why = "the nearest solution in 50 digits is another one";
+        return false;
+      }
+      for (Eigen::Index i = 0; i < d.size(); ++i) q_[i] += d[i];
+      // Settled once steps no longer shrink: what is left is rounding in 50 digits.
+      if (length < Real(1e-30) && (length == 0 || length * 16 > last || length < Real(1e-45))) {
+        settled_ = length;
+        return true;
+      }
+      last = length;
+    }
+    why = "Newton in 50 digits did not settle";
+    return false;
+  }
+
+  const std::vector<Real>& q() const { return q_; }
+  const std::vector<int>& rows() const { return rows_; }
+  const Mechanism<Real>& mechanism() const { return mechanism_; }
+  int digits() const { return settled_ == 0 ? 50 : std::min(50, static_cast<int>(-log10(settled_))); }
+
+ private:
+  // c, with held stops measured from their bound.
+  Vector gaps(const std::vector<Real>& constraint) const {
+    Vector c(static_cast<Eigen::Index>(rows_.size()));
+    const std::size_t closures = 2 * static_cast<std::size_t>(mechanism_.closures());
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      c[static_cast<Eigen::Index>(k)] = constraint[rows_[k]] - (k < closures ? Real(0) : bound_[k - closures]);
+    }
+    return c;
+  }
+
+  // Minimum-norm step by a rank-revealing factor of the whole system: redundant joints and neutral freedoms do no
+  // harm.
+  Vector dense_step() {
+    DensePoint<Real> point(mechanism_, q_, rows_);
+    const Eigen::Index n = mechanism_.coordinates();
+    const auto m = static_cast<Eigen::Index>(rows_.size());
+    const Vector y = point.multipliers();
+    Matrix system = Matrix::Zero(n + m, n + m);
+    system.topLeftCorner(n, n) = point.tangent(y);
+    system.topRightCorner(n, m) = point.jacobian.transpose();
+    system.bottomLeftCorner(m, n) = point.jacobian;
+    Vector right(n + m);
+    right << -(point.force + point.jacobian.transpose() * y), -gaps(point.constraint);
+    Eigen::CompleteOrthogonalDecomposition<Matrix> factors;
+    factors.setThreshold(Real(1e-20));
+    factors.compute(system);
+    return factors.solve(right).head(n);
+  }
+
+  // Large mechanisms: sparse LU with a relaxation far below what is printed.
+  Vector sparse_step() {
+    const Eigen::Index n = mechanism_.coordinates();
+    const auto m = static_cast<Eigen::Index>(rows_.size());
+    std::vector<Planar<Real>> pose(mechanism_.pose_size());
+    mechanism_.place(q_.data(), pose.data());
+    std::vector<Real> force(n), constraint(mechanism_.constraints()), jacobian(mechanism_.jacobian_row().size());
+    mechanism_.negative_force(q_.data(), pose.data(), force.data());
+    mechanism_.constraint(q_.data(), pose.data(), constraint.data());
+    mechanism_.jacobian(pose.data(), jacobian.data());
+    std::vector<int> place(mechanism_.constraints(), -1);
+    for (Eigen::Index k = 0; k < m; ++k) place[rows_[k]] = static_cast<int>(k);
+    if (sparse_y_.size() != m) sparse_y_ = least_squares_y(force, jacobian, place);
+
+    std::vector<Real> all(mechanism_.constraints(), Real(0)), tangent(mechanism_.tangent_row().size());
+    for (Eigen::Index k = 0; k < m; ++k) all[rows_[k]] = sparse_y_[k];
+    mechanism_.tangent(pose.data(), all.data(), tangent.data());
+    std::vector<Eigen::Triplet<Real>> entries;
+    for (std::size_t e = 0; e < tangent.size(); ++e) {
+      const int i = mechanism_.tangent_row()[e];
+      const int j = mechanism_.tangent_column()[e];
+      entries.emplace_back(i, j, tangent[e]);
+      if (!mechanism_.has_follower_loads() && i != j) entries.emplace_back(j, i, tangent[e]);
+    }
+    Vector right(n + m);
+    right.head(n) = -Eigen::Map<Vector>(force.data(), n);
+    right.tail(m) = -gaps(constraint);
+    const Vector step = solve_bordered(entries, jacobian, place, right);
+    sparse_y_ = step.tail(m);
+    return step.head(n);
+  }
+
+  Vector least_squares_y(const std::vector<Real>& force, const std::vector<Real>& jacobian,
+                         const std::vector<int>& place) const {
+    const Eigen::Index n = mechanism_.coordinates();
+    const auto m = static_cast<Eigen::Index>(rows_.size());
+    std::vector<Eigen::Triplet<Real>> entries;
+    for (int i = 0; i < n; ++i) entries.emplace_back(i, i, Real(1));
+    Vector right = Vector::Zero(n + m);
+    for (Eigen::Index i = 0; i < n; ++i) right[i] = -force[i];
+    return solve_bordered(entries, jacobian, place, right).tail(m);
+  }
+
+  Vector solve_bordered(std::vector<Eigen::Triplet<Real>> entries, const std::vector<Real>& jacobian,
+                        const std::vector<int>& place, const Vector& right) const {
+    const int n = mechanism_.coordinates();
+    for (std::size_t e = 0; e < jacobian.size(); ++e) {
+      const int row = place[mechanism_.jacobian_row()[e]];
+      if (row < 0) continue;
+      entries.emplace_back(n + row, mechanism_.jacobian_column()[e], jacobian[e]);
+      entries.emplace_back(mechanism_.jacobian_column()[e], n + row, jacobian[e]);
+    }
+    for (int k = 0; k < static_cast<int>(rows_.size()); ++k) entries.emplace_back(n + k, n + k, Real(-1e-40));
+    Eigen::SparseMatrix<Real> system(right.size(), right.size());
+    system.setFromTriplets(entries.begin(), entries.end());
+    Eigen::SparseLU<Eigen::SparseMatrix<Real>> factors;
+    factors.compute(system);
+    if (factors.info() != Eigen::Success) {
+      return Vector::Constant(right.size(), Real(std::numeric_limits<double>::quiet_NaN()));
+    }
+    return factors.solve(right);
+  }
+
+  const StaticModel& model_;
+  Mechanism<Real> mechanism_;
+  std::vector<Real> q_;
+  std::vector<int> rows_;
+  std::vector<Real> bound_;  // of the held stops, in the order of the rows behind the closures
+  std::vector<int> sides_;
+  Vector sparse_y_;
+  Real settled_ = 1;
+};
+
+}  // namespace
+
+Reference refine(const StaticModel& model, const std::vector<double>& x) {
+  Reference out;
+  Refinement refinement(model, x);
+  out.refined = refinement.run(out.why);
+  if (!out.refined) return out;
+  out.digits = refinement.digits();
+  Real error = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Real& q = refinement.q()[i];
+    error = std::max(error, Real(abs(q - x[i])));
+    out.x.push_back(static_cast<double>(q));
+    const bool is_angle = static_cast<int>(i) < model.layout().angles;
+    const Real si = is_angle ? q : Real(q * model.scales().length);
+    out.decimal.push_back(si.str(40));
+  }
+  out.error = static_cast<double>(error);
+  return out;
+}
+
+std::vector<double> refined_curvatures(const StaticModel& model, const std::vector<double>& x) {
+  Refinement refinement(model, x);
+  std::string why;
+  if (model.mechanism().has_follower_loads() || !refinement.run(why)) return {};
+  const ReducedHessian<Real> reduced(refinement.mechanism(), refinement.q(), refinement.rows());
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(reduced.matrix, Eigen::EigenvaluesOnly);
+  std::vector<double> out;
+  for (const Real& e : eigen.eigenvalues()) out.push_back(static_cast<double>(e));
+  return out;
+}
+
+}  // namespace poise
