@@ -173,13 +173,15 @@ class Newton::Run {
     fresh_multipliers_ = false;
   }
 
+  enum class Pulling { none, released, cycling };
+
   // Lets go of the inequality that pulls hardest, if any pulls by more than `least`: at an upper bound an honest
-  // multiplier is positive, at a lower one negative.
-  bool release_pulling(const std::vector<double>& y, double least) {
+  // multiplier is positive, at a lower one negative. One that was let go again and again is not a place to rest.
+  Pulling release_pulling(const std::vector<double>& y, double least) {
     int worst = -1;
     double strongest = std::max(least, 1e-13 * (1.0 + largest(now_.gradient)));
     for (int r = equalities_; r < m_; ++r) {
-      if (!result.active[r] || releases_[r] >= releases) continue;
+      if (!result.active[r]) continue;
       if (problem_.lower()[r - equalities_] == problem_.upper()[r - equalities_]) continue;
       const double pull = -side_[r] * y[r];
       if (pull > strongest) {
@@ -187,13 +189,14 @@ class Newton::Run {
         worst = r;
       }
     }
-    if (worst < 0) return false;
+    if (worst < 0) return Pulling::none;
+    if (releases_[worst] >= releases) return Pulling::cycling;
     result.active[worst] = 0;
     side_[worst] = 0;
     y_[worst] = 0.0;
     ++releases_[worst];
     fresh_multipliers_ = false;
-    return true;
+    return Pulling::released;
   }
 
   // --- residuals ----------------------------------------------------------------------------------------------------
@@ -331,7 +334,9 @@ class Newton::Run {
       // then end the run, as they do where a neutral freedom leaves no step to measure.
       const bool rounded = at_rest() && (neutral || length <= next_to_fold);
       if (length <= options.step_tolerance || rounded) {
-        if (release_pulling(y_next_, 0.0)) {
+        const Pulling pulling = release_pulling(y_next_, 0.0);
+        if (pulling == Pulling::cycling) return Outcome::stalled;
+        if (pulling == Pulling::released) {
           linearize();
           continue;
         }
@@ -402,8 +407,9 @@ class Newton::Run {
       const Kkt::Factors factors = factor(0.0);
       ++result.iterations;
       if (factors == Kkt::Factors::singular && at_rest()) {
-        if (release_pulling(y_, 0.0)) continue;
-        return Outcome::converged;
+        const Pulling pulling = release_pulling(y_, 0.0);
+        if (pulling == Pulling::released) continue;
+        return pulling == Pulling::none ? Outcome::converged : Outcome::stalled;
       }
       const bool bowl = factors == Kkt::Factors::positive;
       if (!bowl) shift_to_bowl();
@@ -420,7 +426,9 @@ class Newton::Run {
           return Outcome::stalled;
         continue;
       }
-      if (release_pulling(y_next_, length <= 1e-3 ? 0.0 : 10.0 * largest(residual_))) continue;
+      const Pulling pulling = release_pulling(y_next_, length <= 1e-3 ? 0.0 : 10.0 * largest(residual_));
+      if (pulling == Pulling::released) continue;
+      if (pulling == Pulling::cycling && length <= 1e-3) return Outcome::stalled;
       if (bowl && (length <= options.step_tolerance || (at_rest() && length <= next_to_fold))) {
         apply_last_step();
         return Outcome::converged;
