@@ -452,26 +452,27 @@ void Mechanism<T>::jacobian(Planar<T>* pose, T* values) const {
 template <class T>
 void Mechanism<T>::tangent(Planar<T>* pose, const T* multiplier, T* values) const {
   const int n = coordinates();
-  std::fill(values, values + tangent_row_.size(), T(0));
+  const int n_angles = angles();
+  std::fill(values + n_angles, values + tangent_row_.size(), T(0));
   // Loads and closures are both linear in the phasors: Re(b phi) has the second derivatives -Re(b phi) in an angle,
   // -Im(b exp(i theta_f)) between a length and its frame.
-  const auto add = [&](int t, const Planar<T>& b) {
-    const T second = b.y * pose[t].y - b.x * pose[t].x;
-    if (t < angles()) {
-      values[t] += second;
-    } else if (frame(t) >= 0) {
-      values[frame(t)] += second;
-      const Planar<T>& along = line_direction(pose, t);
-      const T mixed = -(b.x * along.y + b.y * along.x);
-      values[slide_entry_[t - angles()]] += mixed;
-      if (slide_transposed_[t - angles()] >= 0) values[slide_transposed_[t - angles()]] += mixed;
-    }
+  for (int k = 0; k < n_angles; ++k) values[k] = load_[k].x * pose[k].x - load_[k].y * pose[k].y;
+  const auto bend_length = [&](int t, const Planar<T>& b) {
+    if (frame(t) < 0) return;
+    values[frame(t)] += b.y * pose[t].y - b.x * pose[t].x;
+    const Planar<T>& along = line_direction(pose, t);
+    const T mixed = -(b.x * along.y + b.y * along.x);
+    values[slide_entry_[t - n_angles]] += mixed;
+    if (slide_transposed_[t - n_angles] >= 0) values[slide_transposed_[t - n_angles]] += mixed;
   };
-  for (int t = 0; t < n; ++t) add(t, -load_[t]);
+  for (int t = n_angles; t < n; ++t) bend_length(t, -load_[t]);
   for (int l = 0; l < closures(); ++l) {
     const Planar<T> pull = {multiplier[2 * l], -multiplier[2 * l + 1]};
     for (int e = closure_first_[l]; e < closure_first_[l + 1]; ++e) {
-      add(closure_coordinate_[e], pull * closure_coefficient_[e]);
+      const int t = closure_coordinate_[e];
+      const Planar<T> b = pull * closure_coefficient_[e];
+      if (t < n_angles) values[t] += b.y * pose[t].y - b.x * pose[t].x;
+      else bend_length(t, b);
     }
   }
   for (const LineSpring& s : springs_) {

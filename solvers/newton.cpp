@@ -221,7 +221,7 @@ class Newton::Run {
     return at.objective + dot(gaps, y);
   }
 
-  // Jacobian, multipliers, gap_ and residual_ at now_.
+  // Jacobian, multipliers, gap_, residual_ and merit_ at now_.
   void linearize() {
     gap(now_, gap_);
     if (!fresh_multipliers_) {
@@ -233,6 +233,7 @@ class Newton::Run {
       kkt_->multipliers(now_.gradient.data(), y_.data());
     }
     lagrangian_gradient(now_, y_);
+    merit_ = dot(gap_, gap_) + dot(residual_, residual_);
   }
 
   Kkt::Factors factor(double shift) {
@@ -260,8 +261,6 @@ class Newton::Run {
     for (int i = 0; i < n_; ++i) now_.x[i] += step_[i];
     evaluate(now_);
     carry_multipliers(1.0);
-    kkt_->set_jacobian(now_, result.active);
-    kkt_->multipliers(now_.gradient.data(), y_.data());
   }
 
   // --- closing loops ------------------------------------------------------------------------------------------------
@@ -317,8 +316,6 @@ class Newton::Run {
 
   // --- any equilibrium nearby ---------------------------------------------------------------------------------------
 
-  double merit() const { return std::sqrt(dot(gap_, gap_) + dot(residual_, residual_)); }
-
   Outcome seek_stationary() {
     linearize();
     for (int k = 0; k < stationary_steps; ++k) {
@@ -332,15 +329,14 @@ class Newton::Run {
       result.last_step = length;
       // Next to a fold rounding moves the step far more than the tolerance: residuals that are nothing but rounding
       // then end the run, as they do where a neutral freedom leaves no step to measure.
-      const bool rounded = at_rest() && (neutral || length <= next_to_fold);
-      if (length <= options.step_tolerance || rounded) {
+      if (length <= options.step_tolerance || ((neutral || length <= next_to_fold) && at_rest())) {
         const Pulling pulling = release_pulling(y_next_, 0.0);
         if (pulling == Pulling::cycling) return Outcome::stalled;
         if (pulling == Pulling::released) {
           linearize();
           continue;
         }
-        if (!rounded) apply_last_step();
+        if (length <= options.step_tolerance) apply_last_step();
         return Outcome::converged;
       }
       if (!std::isfinite(length)) return Outcome::stalled;
@@ -354,15 +350,15 @@ class Newton::Run {
 
   // Halves the step until the merit falls; leaves now_ there, linearized.
   bool shorten_to_better_merit(double alpha) {
-    const double before = merit();
-    pull_ = now_.x;
-    y_before_ = y_;
+    const double before = merit_;
+    std::copy(now_.x.begin(), now_.x.end(), pull_.begin());
+    std::copy(y_.begin(), y_.end(), y_before_.begin());
     for (int h = 0; h < 12; ++h, alpha *= 0.5) {
       for (int i = 0; i < n_; ++i) now_.x[i] = pull_[i] + alpha * step_[i];
       evaluate(now_);
       for (int r = 0; r < m_; ++r) y_[r] = y_before_[r] + alpha * (y_next_[r] - y_before_[r]);
       linearize();
-      if (merit() <= (1.0 - armijo * alpha) * before) return true;
+      if (merit_ <= (1.0 - 2.0 * armijo * alpha) * before) return true;
     }
     now_.x = pull_;
     y_ = y_before_;
@@ -560,6 +556,7 @@ class Newton::Run {
   bool fresh_multipliers_ = false;
   std::minstd_rand random_;  // the same for every run, so that runs repeat
   double shift_ = 0.0;
+  double merit_ = 0.0;  // |(c, F + J^T y)|^2 at now_, linearized
 };
 
 Newton::Newton(const Problem& problem, NewtonOptions options) : run_(std::make_unique<Run>(problem, options)) {}

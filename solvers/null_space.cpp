@@ -5,11 +5,16 @@
 //   multipliers   y = -Jo^-T F_o,  so that F + J^T y vanishes in the ordinary places and equals N^T F in the primary
 //   step          d = N z + v,     (N^T K N + shift N^T N) z = -N^T (F + K v)
 // (Paul 1979; thesis eqs. 53-55.) The partition is kept from step to step while B stays small, so that a step costs
-// one Gauss-Jordan inversion of Jo. Hand-written loops: at these sizes (a few to a few dozen) a library call costs
-// more than its arithmetic, and dynamic decompositions allocate.
+// one Gauss-Jordan inversion of Jo. J and K are kept with ordinary columns first, primary last.
+//
+// Hand-written loops: at these sizes (a few to a few dozen) a library call costs more than its arithmetic, and dynamic
+// decompositions allocate. Loops run through with_sizes(), which makes the sizes of the commonest mechanisms
+// compile-time constants.
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include <Eigen/QR>
 
@@ -22,6 +27,10 @@ namespace {
 constexpr double dependence_limit = 20.0;
 // Columns whose remaining part is below this fraction of the largest are dependent.
 constexpr double rank_tolerance = 1e-10;
+// Smallest pivot of Jo, whose entries are of order one.
+constexpr double smallest_pivot = 1e-12;
+// Pivots of the reduced tangent below this fraction of the largest entry of K count as zero.
+constexpr double singular_below = 1e-15;
 
 class NullSpace final : public Kkt {
  public:
@@ -35,56 +44,49 @@ class NullSpace final : public Kkt {
         qr_rows_(n_, std::max(m_, 1)),
         qr_matrix_(std::max(m_, 1), n_),
         qr_transposed_(n_, std::max(m_, 1)) {
-    jacobian_.resize(static_cast<std::size_t>(m_) * n_);
-    tangent_.resize(static_cast<std::size_t>(n_) * n_);
-    inverse_.resize(static_cast<std::size_t>(m_) * m_);
-    pivot_.resize(m_);
-    dependence_.resize(static_cast<std::size_t>(m_) * n_);
-    product_.resize(static_cast<std::size_t>(n_) * (n_ + 1));
-    reduced_.resize(static_cast<std::size_t>(n_) * n_);
-    metric_.resize(static_cast<std::size_t>(n_) * n_);
-    factors_.resize(static_cast<std::size_t>(n_) * n_);
-    permutation_.resize(n_);
-    normal_.resize(n_);
-    right_.resize(n_);
-    ordinary_.resize(n_);
-    primary_.resize(n_);
-    rows_.resize(m_);
-    last_active_.assign(m_, 2);
+    const auto n = static_cast<std::size_t>(n_);
+    const auto m = static_cast<std::size_t>(m_);
+    for (auto* v : {&jacobian_, &dependence_}) v->resize(m * n);
+    for (auto* v : {&tangent_, &product_, &reduced_, &metric_, &factors_}) v->resize(n * n);
+    for (auto* v : {&normal_, &right_, &step_}) v->resize(n);
+    inverse_.resize(m * m);
+    for (auto* v : {&order_, &place_, &permutation_}) v->resize(n);
+    for (auto* v : {&rows_, &pivot_}) v->resize(m);
+    jacobian_target_.resize(jacobian_pattern_.size());
+    tangent_target_.resize(tangent_pattern_.size());
+    tangent_mirror_.resize(tangent_pattern_.size());
   }
 
   void set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
-    std::fill(jacobian_.begin(), jacobian_.end(), 0.0);
-    for (std::size_t e = 0; e < jacobian_pattern_.size(); ++e) {
-      const int row = jacobian_pattern_.row[e];
-      if (active[row]) jacobian_[static_cast<std::size_t>(row) * n_ + jacobian_pattern_.column[e]] += at.jacobian[e];
+    if (all_rows_used_ && active == last_active_) {
+      scatter(at);
+      if (invert() <= dependence_limit) return;
     }
-    const bool same_rows = std::equal(active.begin(), active.end(), last_active_.begin());
-    if (!same_rows || !all_rows_used_ || !invert() || worst_dependence() > dependence_limit) {
-      last_active_ = active;
-      choose_partition();
-    }
+    last_active_ = active;
+    choose_partition(at);
+    scatter(at);
+    invert();
   }
 
   bool multipliers(const double* field, double* y) override {
-    std::fill(y, y + m_, 0.0);
-    for (int j = 0; j < rank_; ++j) {
-      double sum = 0.0;
-      for (int i = 0; i < rank_; ++i) sum -= inverse_[i * rank_ + j] * field[ordinary_[i]];
-      y[rows_[j]] = sum;
-    }
+    for (int i = 0; i < m_; ++i) y[i] = 0.0;
+    with_sizes([&](auto, auto r) {
+      for (int j = 0; j < r; ++j) {
+        double sum = 0.0;
+        for (int i = 0; i < r; ++i) sum -= inverse_[i * r + j] * field[order_[i]];
+        y[rows_[j]] = sum;
+      }
+    });
     return true;
   }
 
   void least_squares_multipliers(const double* field, double* y) override { multipliers(field, y); }
 
   void set_tangent(const double* values) override {
-    std::fill(tangent_.begin(), tangent_.end(), 0.0);
-    for (std::size_t e = 0; e < tangent_pattern_.size(); ++e) {
-      const int i = tangent_pattern_.row[e];
-      const int j = tangent_pattern_.column[e];
-      tangent_[i * n_ + j] += values[e];
-      if (symmetric_ && i != j) tangent_[j * n_ + i] += values[e];
+    largest_tangent_ = 0.0;
+    for (std::size_t e = 0; e < tangent_target_.size(); ++e) {
+      tangent_[tangent_target_[e]] = tangent_[tangent_mirror_[e]] = values[e];
+      largest_tangent_ = std::max(largest_tangent_, std::abs(values[e]));
     }
     reduce();
   }
@@ -92,95 +94,109 @@ class NullSpace final : public Kkt {
   void set_identity() override {
     std::fill(tangent_.begin(), tangent_.end(), 0.0);
     for (int i = 0; i < n_; ++i) tangent_[i * n_ + i] = 1.0;
+    largest_tangent_ = 1.0;
     reduce();
   }
 
   Factors factor(double shift) override {
     const int p = n_ - rank_;
     double largest = largest_tangent_;
-    for (int i = 0; i < p * p; ++i) {
-      factors_[i] = reduced_[i] + (shift > 0 ? shift * metric_[i] : 0.0);
-      largest = std::max(largest, std::abs(factors_[i]));
-    }
-    cholesky_ = symmetric_ && cholesky(largest);
-    if (cholesky_) return Factors::positive;
-    if (symmetric_) {
-      for (int i = 0; i < p * p; ++i) factors_[i] = reduced_[i] + (shift > 0 ? shift * metric_[i] : 0.0);
-    }
+    const auto load = [&] {
+      for (int i = 0; i < p * p; ++i) {
+        factors_[i] = reduced_[i] + (shift > 0 ? shift * metric_[i] : 0.0);
+        largest = std::max(largest, std::abs(factors_[i]));
+      }
+    };
+    load();
+    bowl_ = symmetric_ && factor_bowl(largest);
+    if (bowl_) return Factors::positive;
+    if (symmetric_) load();
     return eliminate(largest) ? Factors::indefinite : Factors::singular;
   }
 
   void solve(const double* field, const double* c, double* d, double* y) override {
-    const int p = n_ - rank_;
-    std::fill(normal_.begin(), normal_.end(), 0.0);
-    if (c != nullptr) {
-      for (int i = 0; i < rank_; ++i) {
+    with_sizes([&](auto n, auto r) {
+      const auto p = n - r;
+      normal_step(c, r);
+      // right = F + K v, then its reduction N^T (.)
+      for (int i = 0; i < n; ++i) {
+        double sum = field != nullptr ? field[order_[i]] : 0.0;
+        for (int k = 0; k < r; ++k) sum += tangent_[i * n + k] * normal_[k];
+        right_[i] = sum;
+      }
+      for (int k = 0; k < p; ++k) {
+        double sum = right_[r + k];
+        for (int i = 0; i < r; ++i) sum -= dependence_[i * p + k] * right_[i];
+        step_[r + k] = -sum;
+      }
+      back_substitute(&step_[r]);
+      for (int i = 0; i < r; ++i) {
+        double sum = normal_[i];
+        for (int k = 0; k < p; ++k) sum -= dependence_[i * p + k] * step_[r + k];
+        step_[i] = sum;
+      }
+      for (int i = 0; i < n; ++i) d[order_[i]] = step_[i];
+      if (y == nullptr) return;
+      // y = -Jo^-T (F + K d)_o
+      for (int i = 0; i < r; ++i) {
+        double sum = field != nullptr ? field[order_[i]] : 0.0;
+        for (int k = 0; k < n; ++k) sum += tangent_[i * n + k] * step_[k];
+        right_[i] = sum;
+      }
+      for (int i = 0; i < m_; ++i) y[i] = 0.0;
+      for (int j = 0; j < r; ++j) {
         double sum = 0.0;
-        for (int j = 0; j < rank_; ++j) sum -= inverse_[i * rank_ + j] * c[rows_[j]];
-        normal_[ordinary_[i]] = sum;
+        for (int i = 0; i < r; ++i) sum -= inverse_[i * r + j] * right_[i];
+        y[rows_[j]] = sum;
       }
-    }
-    // right = F + K v, then its reduction N^T (.)
-    for (int i = 0; i < n_; ++i) {
-      double sum = field != nullptr ? field[i] : 0.0;
-      if (c != nullptr) {
-        for (int j = 0; j < rank_; ++j) sum += tangent_[i * n_ + ordinary_[j]] * normal_[ordinary_[j]];
-      }
-      right_[i] = sum;
-    }
-    for (int k = 0; k < p; ++k) {
-      double sum = right_[primary_[k]];
-      for (int j = 0; j < rank_; ++j) sum -= dependence_[j * p + k] * right_[ordinary_[j]];
-      product_[k] = -sum;
-    }
-    back_substitute(product_.data());
-    for (int k = 0; k < p; ++k) d[primary_[k]] = product_[k];
-    for (int i = 0; i < rank_; ++i) {
-      double sum = normal_[ordinary_[i]];
-      for (int k = 0; k < p; ++k) sum -= dependence_[i * p + k] * product_[k];
-      d[ordinary_[i]] = sum;
-    }
-    if (y == nullptr) return;
-    for (int i = 0; i < rank_; ++i) {
-      double sum = field != nullptr ? field[ordinary_[i]] : 0.0;
-      for (int j = 0; j < n_; ++j) sum += tangent_[ordinary_[i] * n_ + j] * d[j];
-      right_[ordinary_[i]] = sum;
-    }
-    multipliers(right_.data(), y);
+    });
   }
 
   void restore(const double* c, double* d) override {
-    std::fill(d, d + n_, 0.0);
-    for (int i = 0; i < rank_; ++i) {
-      double sum = 0.0;
-      for (int j = 0; j < rank_; ++j) sum -= inverse_[i * rank_ + j] * c[rows_[j]];
-      d[ordinary_[i]] = sum;
-    }
+    normal_step(c, rank_);
+    for (int i = 0; i < rank_; ++i) d[order_[i]] = normal_[i];
+    for (int i = rank_; i < n_; ++i) d[order_[i]] = 0.0;
   }
 
  private:
-  const double& j(int row, int column) const { return jacobian_[static_cast<std::size_t>(row) * n_ + column]; }
+  // Calls f(n, rank) with both as compile-time constants for one and two closed loops of one freedom.
+  template <class F>
+  auto with_sizes(F f) const -> decltype(f(0, 0)) {
+    if (n_ == 3 && rank_ == 2) return f(std::integral_constant<int, 3>{}, std::integral_constant<int, 2>{});
+    if (n_ == 5 && rank_ == 4) return f(std::integral_constant<int, 5>{}, std::integral_constant<int, 4>{});
+    return f(n_, rank_);
+  }
+
+  // normal_ = -Jo^-1 c in the ordinary places.
+  template <class R>
+  void normal_step(const double* c, R r) {
+    for (int i = 0; i < r; ++i) {
+      double sum = 0.0;
+      if (c != nullptr) {
+        for (int j = 0; j < r; ++j) sum -= inverse_[i * r + j] * c[rows_[j]];
+      }
+      normal_[i] = sum;
+    }
+  }
 
   // Rank-revealing QR of J picks the ordinary columns, and one of those columns' transpose the rows.
-  void choose_partition() {
+  void choose_partition(const Evaluation& at) {
+    qr_matrix_.setZero();
+    for (std::size_t e = 0; e < jacobian_pattern_.size(); ++e) {
+      const int row = jacobian_pattern_.row[e];
+      if (last_active_[row]) qr_matrix_(row, jacobian_pattern_.column[e]) = at.jacobian[e];
+    }
+    const auto active_rows = static_cast<int>(std::count_if(last_active_.begin(), last_active_.end(),
+                                                            [](char a) { return a != 0; }));
     rank_ = 0;
-    int active_rows = 0;
-    for (int r = 0; r < m_; ++r) active_rows += last_active_[r] != 0;
     if (active_rows > 0) {
-      for (int r = 0; r < m_; ++r) {
-        for (int k = 0; k < n_; ++k) qr_matrix_(r, k) = j(r, k);
-      }
       qr_columns_.setThreshold(rank_tolerance);
       qr_columns_.compute(qr_matrix_);
       rank_ = static_cast<int>(qr_columns_.rank());
     }
-    const auto& columns = qr_columns_.colsPermutation().indices();
     for (int k = 0; k < n_; ++k) {
-      const int column = active_rows > 0 ? static_cast<int>(columns[k]) : k;
-      if (k < rank_)
-        ordinary_[k] = column;
-      else
-        primary_[k - rank_] = column;
+      order_[k] = active_rows > 0 ? static_cast<int>(qr_columns_.colsPermutation().indices()[k]) : k;
+      place_[order_[k]] = k;
     }
     all_rows_used_ = rank_ == active_rows;
     if (all_rows_used_) {
@@ -189,97 +205,120 @@ class NullSpace final : public Kkt {
       }
     } else {
       qr_transposed_.setZero();
-      for (int r = 0; r < m_; ++r) {
-        for (int k = 0; k < rank_; ++k) qr_transposed_(k, r) = j(r, ordinary_[k]);
-      }
+      for (int k = 0; k < rank_; ++k) qr_transposed_.row(k) = qr_matrix_.col(order_[k]).transpose();
       qr_rows_.compute(qr_transposed_);
       for (int k = 0; k < rank_; ++k) rows_[k] = static_cast<int>(qr_rows_.colsPermutation().indices()[k]);
     }
-    invert();
+    aim_entries();
   }
 
-  // inverse_ = Jo^-1 by Gauss-Jordan with row pivoting, dependence_ = B. False where a pivot vanishes.
-  bool invert() {
-    const int r = rank_;
-    for (int i = 0; i < r; ++i) {
-      for (int k = 0; k < r; ++k) inverse_[i * r + k] = j(rows_[i], ordinary_[k]);
+  // Where pattern entries go in the permuted matrices; the places that no entry fills stay zero.
+  void aim_entries() {
+    for (std::size_t e = 0; e < jacobian_target_.size(); ++e) {
+      const auto end = rows_.begin() + rank_;
+      const auto row = std::find(rows_.begin(), end, jacobian_pattern_.row[e]);
+      jacobian_target_[e] =
+          row == end ? -1 : static_cast<int>(row - rows_.begin()) * n_ + place_[jacobian_pattern_.column[e]];
     }
-    for (int k = 0; k < r; ++k) {
-      int best = k;
-      for (int i = k + 1; i < r; ++i) {
-        if (std::abs(inverse_[i * r + k]) > std::abs(inverse_[best * r + k])) best = i;
-      }
-      pivot_[k] = best;
-      if (std::abs(inverse_[best * r + k]) < 1e-12) return false;
-      if (best != k) std::swap_ranges(&inverse_[k * r], &inverse_[k * r] + r, &inverse_[best * r]);
-      const double scale = 1.0 / inverse_[k * r + k];
-      inverse_[k * r + k] = 1.0;
-      for (int c = 0; c < r; ++c) inverse_[k * r + c] *= scale;
+    for (std::size_t e = 0; e < tangent_target_.size(); ++e) {
+      const int i = place_[tangent_pattern_.row[e]];
+      const int j = place_[tangent_pattern_.column[e]];
+      tangent_target_[e] = i * n_ + j;
+      tangent_mirror_[e] = symmetric_ ? j * n_ + i : i * n_ + j;
+    }
+    std::fill(jacobian_.begin(), jacobian_.end(), 0.0);
+    std::fill(tangent_.begin(), tangent_.end(), 0.0);
+  }
+
+  void scatter(const Evaluation& at) {
+    for (std::size_t e = 0; e < jacobian_target_.size(); ++e) {
+      if (jacobian_target_[e] >= 0) jacobian_[jacobian_target_[e]] = at.jacobian[e];
+    }
+  }
+
+  // inverse_ = Jo^-1 by Gauss-Jordan with row pivoting, dependence_ = B. Returns the largest |B|, infinite where a pivot
+  // vanishes.
+  double invert() {
+    return with_sizes([&](auto n, auto r) {
+      const auto p = n - r;
+      double* a = inverse_.data();
+      double worst = 0.0;
       for (int i = 0; i < r; ++i) {
-        if (i == k) continue;
-        const double factor = inverse_[i * r + k];
-        inverse_[i * r + k] = 0.0;
-        for (int c = 0; c < r; ++c) inverse_[i * r + c] -= factor * inverse_[k * r + c];
+        for (int k = 0; k < r; ++k) a[i * r + k] = jacobian_[i * n + k];
       }
-    }
-    for (int k = r - 1; k >= 0; --k) {
-      if (pivot_[k] == k) continue;
-      for (int i = 0; i < r; ++i) std::swap(inverse_[i * r + k], inverse_[i * r + pivot_[k]]);
-    }
-    const int p = n_ - r;
-    for (int i = 0; i < r; ++i) {
-      for (int k = 0; k < p; ++k) {
-        double sum = 0.0;
-        for (int c = 0; c < r; ++c) sum += inverse_[i * r + c] * j(rows_[c], primary_[k]);
-        dependence_[i * p + k] = sum;
+      for (int k = 0; k < r; ++k) {
+        int best = k;
+        for (int i = k + 1; i < r; ++i) {
+          if (std::abs(a[i * r + k]) > std::abs(a[best * r + k])) best = i;
+        }
+        pivot_[k] = best;
+        if (!(std::abs(a[best * r + k]) >= smallest_pivot)) return std::numeric_limits<double>::infinity();
+        if (best != k) {
+          for (int c = 0; c < r; ++c) std::swap(a[k * r + c], a[best * r + c]);
+        }
+        const double scale = 1.0 / a[k * r + k];
+        a[k * r + k] = 1.0;
+        for (int c = 0; c < r; ++c) a[k * r + c] *= scale;
+        for (int i = 0; i < r; ++i) {
+          if (i == k) continue;
+          const double factor = a[i * r + k];
+          a[i * r + k] = 0.0;
+          for (int c = 0; c < r; ++c) a[i * r + c] -= factor * a[k * r + c];
+        }
       }
-    }
-    return true;
-  }
-
-  double worst_dependence() const {
-    double worst = 0.0;
-    for (int i = 0; i < rank_ * (n_ - rank_); ++i) worst = std::max(worst, std::abs(dependence_[i]));
-    return worst;
+      for (int k = r - 1; k >= 0; --k) {
+        if (pivot_[k] == k) continue;
+        for (int i = 0; i < r; ++i) std::swap(a[i * r + k], a[i * r + pivot_[k]]);
+      }
+      for (int i = 0; i < r; ++i) {
+        for (int k = 0; k < p; ++k) {
+          double sum = 0.0;
+          for (int c = 0; c < r; ++c) sum += a[i * r + c] * jacobian_[c * n + r + k];
+          dependence_[i * p + k] = sum;
+          worst = std::max(worst, std::abs(sum));
+        }
+      }
+      return worst;
+    });
   }
 
   // reduced_ = N^T K N, metric_ = N^T N = I + B^T B.
   void reduce() {
-    const int p = n_ - rank_;
-    largest_tangent_ = 0.0;
-    for (double k : tangent_) largest_tangent_ = std::max(largest_tangent_, std::abs(k));
-    for (int i = 0; i < n_; ++i) {
-      for (int k = 0; k < p; ++k) {
-        double sum = tangent_[i * n_ + primary_[k]];
-        for (int c = 0; c < rank_; ++c) sum -= tangent_[i * n_ + ordinary_[c]] * dependence_[c * p + k];
-        product_[i * p + k] = sum;
-      }
-    }
-    for (int a = 0; a < p; ++a) {
-      for (int b = 0; b < p; ++b) {
-        double sum = product_[primary_[a] * p + b];
-        double square = a == b ? 1.0 : 0.0;
-        for (int c = 0; c < rank_; ++c) {
-          sum -= dependence_[c * p + a] * product_[ordinary_[c] * p + b];
-          square += dependence_[c * p + a] * dependence_[c * p + b];
+    with_sizes([&](auto n, auto r) {
+      const auto p = n - r;
+      for (int i = 0; i < n; ++i) {
+        for (int k = 0; k < p; ++k) {
+          double sum = tangent_[i * n + r + k];
+          for (int c = 0; c < r; ++c) sum -= tangent_[i * n + c] * dependence_[c * p + k];
+          product_[i * p + k] = sum;
         }
-        reduced_[a * p + b] = sum;
-        metric_[a * p + b] = square;
       }
-    }
+      for (int a = 0; a < p; ++a) {
+        for (int b = 0; b < p; ++b) {
+          double sum = product_[(r + a) * p + b];
+          double square = a == b ? 1.0 : 0.0;
+          for (int c = 0; c < r; ++c) {
+            sum -= dependence_[c * p + a] * product_[c * p + b];
+            square += dependence_[c * p + a] * dependence_[c * p + b];
+          }
+          reduced_[a * p + b] = sum;
+          metric_[a * p + b] = square;
+        }
+      }
+    });
   }
 
-  bool cholesky(double largest) {
+  // L D L^T without pivoting; false where the matrix is not positive definite.
+  bool factor_bowl(double largest) {
     const int p = n_ - rank_;
     for (int k = 0; k < p; ++k) {
       double pivot = factors_[k * p + k];
-      for (int c = 0; c < k; ++c) pivot -= factors_[k * p + c] * factors_[k * p + c];
-      if (!(pivot > 1e-15 * largest)) return false;
-      pivot = std::sqrt(pivot);
+      for (int c = 0; c < k; ++c) pivot -= factors_[k * p + c] * factors_[k * p + c] * factors_[c * p + c];
+      if (!(pivot > singular_below * largest)) return false;
       factors_[k * p + k] = pivot;
       for (int i = k + 1; i < p; ++i) {
         double sum = factors_[i * p + k];
-        for (int c = 0; c < k; ++c) sum -= factors_[i * p + c] * factors_[k * p + c];
+        for (int c = 0; c < k; ++c) sum -= factors_[i * p + c] * factors_[k * p + c] * factors_[c * p + c];
         factors_[i * p + k] = sum / pivot;
       }
     }
@@ -298,9 +337,9 @@ class NullSpace final : public Kkt {
       permutation_[k] = best;
       if (best != k) std::swap_ranges(&factors_[k * p], &factors_[k * p] + p, &factors_[best * p]);
       double& pivot = factors_[k * p + k];
-      if (!(std::abs(pivot) > 1e-15 * largest)) {
+      if (!(std::abs(pivot) > singular_below * largest)) {
         regular = false;
-        pivot = std::max(1e-15 * largest, 1e-300);
+        pivot = std::max(singular_below * largest, 1e-300);
       }
       for (int i = k + 1; i < p; ++i) {
         const double factor = factors_[i * p + k] /= pivot;
@@ -312,14 +351,13 @@ class NullSpace final : public Kkt {
 
   void back_substitute(double* z) const {
     const int p = n_ - rank_;
-    if (cholesky_) {
+    if (bowl_) {
       for (int i = 0; i < p; ++i) {
         for (int c = 0; c < i; ++c) z[i] -= factors_[i * p + c] * z[c];
-        z[i] /= factors_[i * p + i];
       }
       for (int i = p - 1; i >= 0; --i) {
-        for (int c = i + 1; c < p; ++c) z[i] -= factors_[c * p + i] * z[c];
         z[i] /= factors_[i * p + i];
+        for (int c = i + 1; c < p; ++c) z[i] -= factors_[c * p + i] * z[c];
       }
       return;
     }
@@ -341,12 +379,15 @@ class NullSpace final : public Kkt {
   Eigen::MatrixXd qr_matrix_, qr_transposed_;
   std::vector<char> last_active_;
   bool all_rows_used_ = false;
-  bool cholesky_ = false;
+  bool bowl_ = false;  // factors_ hold L D L^T, else L U
   int rank_ = 0;
   double largest_tangent_ = 0.0;
-  std::vector<int> ordinary_, primary_, rows_, pivot_, permutation_;
+  std::vector<int> order_;  // variables, ordinary first
+  std::vector<int> place_;  // where in order_ a variable stands
+  std::vector<int> rows_;   // independent constraint rows
+  std::vector<int> pivot_, permutation_, jacobian_target_, tangent_target_, tangent_mirror_;
   std::vector<double> jacobian_, tangent_, inverse_, dependence_, product_, reduced_, metric_, factors_, normal_,
-      right_;
+      right_, step_;
 };
 
 }  // namespace

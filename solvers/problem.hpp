@@ -4,7 +4,7 @@
 
 namespace poise::solvers {
 
-/// Positions of the entries of a sparse matrix; values come in the same order.
+/// Positions of the entries of a sparse matrix, none twice; values come in the same order.
 struct Pattern {
   int rows = 0;
   int columns = 0;

@@ -123,6 +123,10 @@ class Judge {
     double stiffest = 0.0;
     for (const Spring& s : scene_.springs) stiffest = std::max(stiffest, s.stiffness * size_);
     const double rounding = 1e-14 * stiffest;
+    if (!std::isfinite(out_.imbalance) || !std::isfinite(out_.largest_force)) {
+      object("forces overflow double precision, so nothing can be balanced");
+      return;
+    }
     out_.balanced = out_.imbalance <= tolerances_.imbalance * out_.largest_force + rounding;
     if (!out_.balanced) {
       object(fmt::format("body \"{}\" is out of balance by {:.3g} {} ({:.1g} of the largest force)", out_.worst_body,

@@ -36,7 +36,7 @@ std::string to_string(Status status);
 struct SolveOptions {
   Method method = Method::virtual_work;
   Seek seek = Seek::nearest;
-  CheckTolerances check;
+  CheckTolerances check{};
   const std::atomic<bool>* interrupt = nullptr;
 };
 

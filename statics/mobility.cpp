@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include <Eigen/QR>
-#include <Eigen/SparseQR>
+#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 
 #include "solvers/newton.hpp"
@@ -16,6 +16,7 @@ namespace {
 
 constexpr double closed_within = 1e-9;
 constexpr double rank_tolerance = 1e-9;
+constexpr double gram_rank_tolerance = 1e-13;
 constexpr int dense_limit = 400;
 
 int gruebler_count(const Scene& scene) {
@@ -71,13 +72,16 @@ void find_redundancy(const StaticModel& model, Mobility& out) {
   Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());
   jacobian.setFromTriplets(entries.begin(), entries.end());
   if (rows > dense_limit) {
-    jacobian.makeCompressed();
-    Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
-    qr.setPivotThreshold(rank_tolerance);
-    qr.compute(jacobian.transpose().eval());
-    out.rank = static_cast<int>(qr.rank());
-    if (out.rank < rows)
-      out.redundant.push_back(fmt::format("{} closure equations (not named one by one)", rows - out.rank));
+    // Pivots of J J^T that vanish belong to rows which those eliminated before them hold already.
+    const Eigen::SparseMatrix<double> gram = jacobian * Eigen::SparseMatrix<double>(jacobian.transpose());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(gram);
+    const Eigen::VectorXd pivots = factors.permutationPinv() * factors.vectorD();
+    const double floor = gram_rank_tolerance * pivots.cwiseAbs().maxCoeff();
+    for (int r = 0; r < rows; ++r) {
+      if (pivots[r] > floor) ++out.rank;
+      else out.redundant.push_back(m.layout().closures[r / 2].name);
+    }
+    out.redundant.erase(std::unique(out.redundant.begin(), out.redundant.end()), out.redundant.end());
     return;
   }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;

@@ -14,9 +14,9 @@ Scales choose_scales(const Scene& scene, double size) {
   Scales scales;
   scales.length = power_of_two_near(size);
   double load = 0.0;
-  for (const Body& b : scene.bodies) load = std::max(load, b.mass * norm(scene.gravity));
-  for (const Force& f : scene.forces) load = std::max(load, norm(f.vector));
-  for (const Torque& t : scene.torques) load = std::max(load, std::abs(t.value) / scales.length);
+  for (const Body& b : scene.bodies) load += b.mass * norm(scene.gravity);
+  for (const Force& f : scene.forces) load += norm(f.vector);
+  for (const Torque& t : scene.torques) load += std::abs(t.value) / scales.length;
   if (load == 0.0) {
     for (const Spring& s : scene.springs) load = std::max(load, s.stiffness * scales.length);
     for (const TorsionSpring& s : scene.torsion_springs) load = std::max(load, s.stiffness / scales.length);

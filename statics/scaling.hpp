@@ -7,7 +7,7 @@ namespace poise {
 /// Units in which a mechanism's numbers are of order one. Powers of two, so that scaling rounds nothing.
 struct Scales {
   double length = 1.0;  ///< m: about the reach of the mechanism
-  double force = 1.0;   ///< N: about the largest load, or, without loads, the largest spring force
+  double force = 1.0;   ///< N: about the sum of all loads, or, without loads, the largest spring force
 
   double energy() const { return length * force; }
 };
