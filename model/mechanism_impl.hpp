@@ -471,8 +471,10 @@ void Mechanism<T>::tangent(Planar<T>* pose, const T* multiplier, T* values) cons
     for (int e = closure_first_[l]; e < closure_first_[l + 1]; ++e) {
       const int t = closure_coordinate_[e];
       const Planar<T> b = pull * closure_coefficient_[e];
-      if (t < n_angles) values[t] += b.y * pose[t].y - b.x * pose[t].x;
-      else bend_length(t, b);
+      if (t < n_angles)
+        values[t] += b.y * pose[t].y - b.x * pose[t].x;
+      else
+        bend_length(t, b);
     }
   }
   for (const LineSpring& s : springs_) {

@@ -204,9 +204,9 @@ IpoptResult solve_with_ipopt(const Problem& problem, const std::vector<double>& 
   settings->SetIntegerValue("acceptable_iter", 0);
   settings->SetIntegerValue("max_iter", options.iterations);
   // Stay near the start: a wide first barrier would push a mechanism off the stop it leans on, and over a dead centre.
-  settings->SetNumericValue("mu_init", 1e-6);
+  settings->SetNumericValue("mu_init", 1e-5);
   for (const char* push : {"bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac"}) {
-    settings->SetNumericValue(push, 1e-8);
+    settings->SetNumericValue(push, 1e-6);
   }
   // The problem is of order one already, and comes scaled by powers of two.
   settings->SetStringValue("nlp_scaling_method", "none");

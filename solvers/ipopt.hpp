@@ -9,7 +9,7 @@
 namespace poise::solvers {
 
 struct IpoptOptions {
-  double tolerance = 1e-11;  ///< Ipopt's `tol`: scaled optimality error
+  double tolerance = 1e-14;  ///< Ipopt's `tol`: scaled optimality error
   int iterations = 1000;
   const std::atomic<bool>* interrupt = nullptr;
 };

@@ -21,6 +21,9 @@ class Kkt {
   /// Takes the Jacobian values of an evaluated point and the switched-on rows (one flag per constraint row).
   virtual void set_jacobian(const Evaluation& at, const std::vector<char>& active) = 0;
 
+  /// True when constraints repeat each other at the point of the Jacobian, so that some were left out.
+  virtual bool redundant() const = 0;
+
   /// Multipliers that go with the point alone, y(x), zero for rows switched off. Returns false where the
   /// implementation prefers the multipliers of the last solve(), `y` untouched.
   virtual bool multipliers(const double* field, double* y) = 0;

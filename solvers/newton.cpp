@@ -10,9 +10,10 @@ namespace poise::solvers {
 namespace {
 
 constexpr double armijo = 1e-4;  // share of the predicted fall that a step must achieve
-constexpr int halvings = 30;     // of one step
-constexpr int pull_backs = 20;   // chord steps back to the constraints after one trial step
-constexpr int kicks = 20;        // away from points where branches of motion cross
+constexpr int stationary_halvings = 12;
+constexpr int halvings = 30;    // of one step
+constexpr int pull_backs = 20;  // chord steps back to the constraints after one trial step
+constexpr int kicks = 20;       // away from points where branches of motion cross
 constexpr int tries_per_kick = 30;
 constexpr int restarts = 30;           // perturbed starts for closing loops
 constexpr int releases = 4;            // of one inequality, against cycling
@@ -20,6 +21,7 @@ constexpr double run_away = 100.0;     // distance from the start, rad or mechan
 constexpr int stationary_steps = 80;   // before descent is tried instead
 constexpr double touching = 1e-9;      // an inequality this far violated counts as met
 constexpr double loose_gap = 0.05;     // gap over step length above which loops are closed before descending
+constexpr double locked_beyond = 1e6;  // multipliers of so many times the loads say that J loses rank
 constexpr double next_to_fold = 1e-5;  // step that rounded residuals may still leave
 
 double largest(const std::vector<double>& v) {
@@ -83,9 +85,15 @@ class Newton::Run {
   void solve(const double* x) {
     reset(x);
     if (options.goal == Goal::stationary || !problem_.has_objective()) {
+      gap(now_, gap_);
+      const bool open = largest(gap_) > touching;
       result.outcome = seek_stationary();
-      const bool gave_up = result.outcome == Outcome::stalled || result.outcome == Outcome::iteration_limit;
-      if (gave_up && problem_.has_objective()) {
+      if (gave_up() && open) {
+        // From an open start redundant constraints cannot be told from independent ones.
+        restart_from(start_);
+        if (close_loops()) result.outcome = seek_stationary();
+      }
+      if (gave_up() && problem_.has_objective()) {
         restart_from(start_);
         result.descended = true;
         result.outcome = seek_minimum();
@@ -125,8 +133,10 @@ class Newton::Run {
     fresh_multipliers_ = false;
     shift_ = 0.0;
     evaluate(now_);
-    activate_violated(now_);
+    activate_touched();
   }
+
+  bool gave_up() const { return result.outcome == Outcome::stalled || result.outcome == Outcome::iteration_limit; }
 
   void finish() {
     result.x = now_.x;
@@ -165,6 +175,17 @@ class Newton::Run {
       any = true;
     }
     return any;
+  }
+
+  // A start that closing has put on a bound rests on it until its multiplier pulls.
+  void activate_touched() {
+    for (int r = equalities_; r < m_; ++r) {
+      const double g = now_.constraint[r];
+      if (g >= problem_.upper()[r - equalities_] - touching)
+        activate(r, 1);
+      else if (g <= problem_.lower()[r - equalities_] + touching)
+        activate(r, -1);
+    }
   }
 
   void activate(int row, int side) {
@@ -317,7 +338,9 @@ class Newton::Run {
   // --- any equilibrium nearby ---------------------------------------------------------------------------------------
 
   Outcome seek_stationary() {
+    fresh_multipliers_ = false;
     linearize();
+    double last = std::numeric_limits<double>::infinity();
     for (int k = 0; k < stationary_steps; ++k) {
       if (interrupted()) return Outcome::interrupted;
       problem_.tangent(now_, y_.data(), tangent_.data());
@@ -328,10 +351,12 @@ class Newton::Run {
       const double length = largest(step_);
       result.last_step = length;
       // Next to a fold rounding moves the step far more than the tolerance: residuals that are nothing but rounding
-      // then end the run, as they do where a neutral freedom leaves no step to measure.
-      if (length <= options.step_tolerance || ((neutral || length <= next_to_fold) && at_rest())) {
+      // then end the run once steps no longer shrink, as they do where a neutral freedom leaves no step to measure.
+      const bool no_shorter = neutral || (length <= next_to_fold && length > 0.25 * last);
+      last = length;
+      if (length <= options.step_tolerance || (no_shorter && at_rest())) {
         const Pulling pulling = release_pulling(y_next_, 0.0);
-        if (pulling == Pulling::cycling) return Outcome::stalled;
+        if (pulling == Pulling::cycling || locked()) return Outcome::stalled;
         if (pulling == Pulling::released) {
           linearize();
           continue;
@@ -341,27 +366,34 @@ class Newton::Run {
       }
       if (!std::isfinite(length)) return Outcome::stalled;
       if (!shorten_to_better_merit(std::min(1.0, options.longest_step / length))) {
-        return at_rest() ? Outcome::converged : Outcome::stalled;
+        return at_rest() && !locked() ? Outcome::converged : Outcome::stalled;
       }
       if (activate_violated(now_)) linearize();
     }
     return Outcome::iteration_limit;
   }
 
-  // Halves the step until the merit falls; leaves now_ there, linearized.
+  // Where J loses rank no finite multipliers need balance F; rounding then stops them somewhere beyond all measure.
+  bool locked() const { return largest(y_next_) > locked_beyond * (1.0 + largest(now_.gradient)); }
+
+  // Halves the step until the merit falls; leaves now_ there, linearized. Which constraints repeat each other shows
+  // only where they hold: with redundant ones every trial is pulled back first.
   bool shorten_to_better_merit(double alpha) {
     const double before = merit_;
+    const bool redundant = kkt_->redundant();
     std::copy(now_.x.begin(), now_.x.end(), pull_.begin());
     std::copy(y_.begin(), y_.end(), y_before_.begin());
-    for (int h = 0; h < 12; ++h, alpha *= 0.5) {
-      for (int i = 0; i < n_; ++i) now_.x[i] = pull_[i] + alpha * step_[i];
-      evaluate(now_);
+    for (int h = 0; h < stationary_halvings; ++h, alpha *= 0.5) {
+      for (int i = 0; i < n_; ++i) trial_.x[i] = pull_[i] + alpha * step_[i];
+      evaluate(trial_);
+      if (redundant && !pull_back(1e-13)) continue;
+      std::swap(now_, trial_);
       for (int r = 0; r < m_; ++r) y_[r] = y_before_[r] + alpha * (y_next_[r] - y_before_[r]);
       linearize();
       if (merit_ <= (1.0 - 2.0 * armijo * alpha) * before) return true;
     }
-    now_.x = pull_;
-    y_ = y_before_;
+    std::copy(pull_.begin(), pull_.end(), now_.x.begin());
+    std::copy(y_before_.begin(), y_before_.end(), y_.begin());
     evaluate(now_);
     linearize();
     return false;
@@ -395,6 +427,7 @@ class Newton::Run {
 
   Outcome descend_to_rest() {
     fresh_multipliers_ = false;
+    double last = std::numeric_limits<double>::infinity();
     for (int k = 0; k < options.iterations; ++k) {
       if (interrupted()) return Outcome::interrupted;
       linearize();
@@ -425,14 +458,17 @@ class Newton::Run {
       const Pulling pulling = release_pulling(y_next_, length <= 1e-3 ? 0.0 : 10.0 * largest(residual_));
       if (pulling == Pulling::released) continue;
       if (pulling == Pulling::cycling && length <= 1e-3) return Outcome::stalled;
-      if (bowl && (length <= options.step_tolerance || (at_rest() && length <= next_to_fold))) {
+      const bool rounded = at_rest() && length <= next_to_fold && length > 0.25 * last;
+      last = length;
+      if (bowl && (length <= options.step_tolerance || rounded)) {
+        if (locked()) return Outcome::stalled;
         apply_last_step();
         return Outcome::converged;
       }
       const bool saddle = !bowl && length < 0.01;
       if (saddle && leave_saddle()) continue;
       if (!descend(std::min(1.0, options.longest_step / length))) {
-        return bowl && at_rest() ? Outcome::converged : Outcome::stalled;
+        return bowl && at_rest() && !locked() ? Outcome::converged : Outcome::stalled;
       }
       if (std::any_of(now_.x.begin(), now_.x.end(), [](double x) { return !std::isfinite(x); })) {
         return Outcome::stalled;

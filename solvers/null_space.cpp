@@ -27,6 +27,10 @@ namespace {
 constexpr double dependence_limit = 20.0;
 // Columns whose remaining part is below this fraction of the largest are dependent.
 constexpr double rank_tolerance = 1e-10;
+// Constraints that repeat each other where they hold differ by about their gaps where they do not yet: with a gap the
+// tolerance is so many times the gap, up to a limit.
+constexpr double rank_tolerance_per_gap = 10.0;
+constexpr double rank_tolerance_limit = 1e-3;
 // Smallest pivot of Jo, whose entries are of order one.
 constexpr double smallest_pivot = 1e-12;
 // Pivots of the reduced tangent below this fraction of the largest entry of K count as zero.
@@ -37,6 +41,7 @@ class NullSpace final : public Kkt {
   explicit NullSpace(const Problem& problem)
       : n_(problem.variables()),
         m_(problem.constraints()),
+        equalities_(problem.equalities()),
         symmetric_(problem.has_objective()),
         jacobian_pattern_(problem.jacobian_pattern()),
         tangent_pattern_(problem.tangent_pattern()),
@@ -55,6 +60,7 @@ class NullSpace final : public Kkt {
     jacobian_target_.resize(jacobian_pattern_.size());
     tangent_target_.resize(tangent_pattern_.size());
     tangent_mirror_.resize(tangent_pattern_.size());
+    last_active_.resize(m);
   }
 
   void set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
@@ -67,6 +73,8 @@ class NullSpace final : public Kkt {
     scatter(at);
     invert();
   }
+
+  bool redundant() const override { return !all_rows_used_; }
 
   bool multipliers(const double* field, double* y) override {
     for (int i = 0; i < m_; ++i) y[i] = 0.0;
@@ -186,11 +194,13 @@ class NullSpace final : public Kkt {
       const int row = jacobian_pattern_.row[e];
       if (last_active_[row]) qr_matrix_(row, jacobian_pattern_.column[e]) = at.jacobian[e];
     }
-    const auto active_rows = static_cast<int>(std::count_if(last_active_.begin(), last_active_.end(),
-                                                            [](char a) { return a != 0; }));
+    const auto active_rows =
+        static_cast<int>(std::count_if(last_active_.begin(), last_active_.end(), [](char a) { return a != 0; }));
     rank_ = 0;
     if (active_rows > 0) {
-      qr_columns_.setThreshold(rank_tolerance);
+      double gap = 0.0;
+      for (int row = 0; row < equalities_; ++row) gap = std::max(gap, std::abs(at.constraint[row]));
+      qr_columns_.setThreshold(std::clamp(rank_tolerance_per_gap * gap, rank_tolerance, rank_tolerance_limit));
       qr_columns_.compute(qr_matrix_);
       rank_ = static_cast<int>(qr_columns_.rank());
     }
@@ -236,8 +246,8 @@ class NullSpace final : public Kkt {
     }
   }
 
-  // inverse_ = Jo^-1 by Gauss-Jordan with row pivoting, dependence_ = B. Returns the largest |B|, infinite where a pivot
-  // vanishes.
+  // inverse_ = Jo^-1 by Gauss-Jordan with row pivoting, dependence_ = B. Returns the largest |B|, infinite where a
+  // pivot vanishes.
   double invert() {
     return with_sizes([&](auto n, auto r) {
       const auto p = n - r;
@@ -371,7 +381,7 @@ class NullSpace final : public Kkt {
     }
   }
 
-  int n_, m_;
+  int n_, m_, equalities_;
   bool symmetric_;
   const Pattern& jacobian_pattern_;
   const Pattern& tangent_pattern_;

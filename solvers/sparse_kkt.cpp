@@ -60,6 +60,8 @@ class SparseKkt final : public Kkt {
     }
   }
 
+  bool redundant() const override { return false; }
+
   bool multipliers(const double*, double*) override { return false; }
 
   void least_squares_multipliers(const double* field, double* y) override {

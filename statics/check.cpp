@@ -65,6 +65,7 @@ class Judge {
     measure_closure();
     measure_stops();
     balance_bodies();
+    if (out_.is_equilibrium()) look_for_a_lock();
     if (out_.is_equilibrium())
       find_stability();
     else
@@ -119,9 +120,14 @@ class Judge {
     out_.reactions = bodies.reactions;
     out_.redundancy = bodies.redundancy;
     pressing_ = bodies.pressing;
+    largest_load_ = bodies.largest_load;
     // What a place known to a few rounding errors does to the stiffest spring cannot be balanced any better.
     double stiffest = 0.0;
     for (const Spring& s : scene_.springs) stiffest = std::max(stiffest, s.stiffness * size_);
+    for (const TorsionSpring& s : scene_.torsion_springs) {
+      const double turns = std::abs(poses_[s.a].angle) + std::abs(poses_[s.b].angle) + std::abs(s.free_angle);
+      stiffest = std::max(stiffest, s.stiffness * turns / size_);
+    }
     const double rounding = 1e-14 * stiffest;
     if (!std::isfinite(out_.imbalance) || !std::isfinite(out_.largest_force)) {
       object("forces overflow double precision, so nothing can be balanced");
@@ -133,6 +139,16 @@ class Judge {
                          out_.imbalance / scene_.units.force, scene_.units.force_name,
                          out_.imbalance / out_.largest_force));
     }
+  }
+
+  // A pose where the closures lose rank may hold no load at all: a rounding error beside it reactions grow beyond all
+  // measure and seem to balance. Whether there is an equilibrium is then decided in 50 digits.
+  void look_for_a_lock() {
+    if (out_.largest_force <= 1e6 * largest_load_ || model_.mechanism().coordinates() > all_curvatures) return;
+    const Reference exact = refine(model_, x_);
+    if (exact.refined && exact.error < 1e-6) return;
+    out_.balanced = false;
+    object("no finite reactions hold it: here its joints lock (reactions of more than a million times the loads)");
   }
 
   // Closure rows and the stops that press.
@@ -165,8 +181,9 @@ class Judge {
   void judge_curvatures(const ReducedHessian<double>& reduced) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(reduced.matrix);
     std::vector<double> curvature(eigen.eigenvalues().begin(), eigen.eigenvalues().end());
-    const bool doubtful = std::any_of(curvature.begin(), curvature.end(),
-                                      [&](double c) { return std::abs(c) <= doubtful_below * reduced.largest; });
+    const bool doubtful = std::any_of(curvature.begin(), curvature.end(), [&](double c) {
+      return std::abs(c) <= doubtful_below * std::max(1.0, reduced.largest);
+    });
     if (doubtful) {
       const std::vector<double> exact = refined_curvatures(model_, x_);
       if (exact.size() == curvature.size()) {
@@ -178,7 +195,7 @@ class Judge {
     for (std::size_t k = 0; k < std::min(modes, curvature.size()); ++k) {
       out_.modes.push_back(mode(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
     }
-    const double zero = tolerances_.neutral * reduced.largest;
+    const double zero = tolerances_.neutral * std::max(1.0, reduced.largest);
     settle(static_cast<int>(std::count_if(curvature.begin(), curvature.end(), [&](double c) { return c < -zero; })),
            static_cast<int>(
                std::count_if(curvature.begin(), curvature.end(), [&](double c) { return std::abs(c) <= zero; })));
@@ -243,6 +260,7 @@ class Judge {
   double size_;
   std::vector<int> touching_;
   std::vector<int> pressing_;
+  double largest_load_ = 0.0;
   Check out_;
 };
 

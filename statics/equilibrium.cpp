@@ -143,9 +143,9 @@ Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const 
 }
 
 Equilibrium solve(const StaticModel& model, const SolveOptions& options) {
-  const std::vector<double> closed = assemble(model);
-  // Virtual work takes the start as it was written: what is nearest to it should not depend on how loops are closed.
-  return solve(model, options.method == Method::energy ? closed : model.start(), options);
+  // Both methods set out from the closed start: from an open one Newton's first steps, which mostly close loops, lead
+  // past the nearest equilibrium.
+  return solve(model, assemble(model), options);
 }
 
 std::vector<double> assemble(const StaticModel& model) {

@@ -179,6 +179,7 @@ class Statics {
     Eigen::Index worst = 0;
     out.imbalance = rows > 0 ? left.cwiseAbs().maxCoeff(&worst) : 0.0;
     out.worst_body = static_cast<int>(worst) / 3 + 1;
+    out.largest_load = largest_load_;
     out.largest_force = std::max(largest_load_, count > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
     int pulling = -1;
     double hardest = 1e-9 * out.largest_force;

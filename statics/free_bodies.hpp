@@ -15,6 +15,7 @@ struct FreeBodies {
   double imbalance = 0.0;  ///< N: largest residual force, or moment / size, of a body
   int worst_body = 0;
   double largest_force = 0.0;  ///< N
+  double largest_load = 0.0;   ///< N: without reactions
   std::vector<Reaction> reactions;
   std::vector<int> pressing;  ///< stops that press, indices into Scene::stops
   int redundancy = 0;

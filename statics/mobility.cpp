@@ -78,8 +78,10 @@ void find_redundancy(const StaticModel& model, Mobility& out) {
     const Eigen::VectorXd pivots = factors.permutationPinv() * factors.vectorD();
     const double floor = gram_rank_tolerance * pivots.cwiseAbs().maxCoeff();
     for (int r = 0; r < rows; ++r) {
-      if (pivots[r] > floor) ++out.rank;
-      else out.redundant.push_back(m.layout().closures[r / 2].name);
+      if (pivots[r] > floor)
+        ++out.rank;
+      else
+        out.redundant.push_back(m.layout().closures[r / 2].name);
     }
     out.redundant.erase(std::unique(out.redundant.begin(), out.redundant.end()), out.redundant.end());
     return;

@@ -42,8 +42,9 @@ using Matrix = DensePoint<Real>::Matrix;
 
 constexpr int dense_limit = 80;  // coordinates up to which redundancy is resolved by a rank-revealing factor
 constexpr int steps = 40;
-constexpr double nearby = 1e-2;    // a correction larger than this has gone to another equilibrium
-constexpr double touching = 1e-7;  // of a stop that holds
+constexpr double nearby = 1e-2;             // a correction larger than this has gone to another equilibrium
+constexpr double rounding_of_data = 1e-12;  // singular values of J that rounding of the scene's numbers can make
+constexpr double touching = 1e-7;           // of a stop that holds
 
 // Newton on {F + J^T y = 0, c = 0} in 50 digits.
 class Refinement {
@@ -57,36 +58,58 @@ class Refinement {
 
   // Stops that press: touching, and needed for balance with the right sign.
   void hold_stops() {
-    if (mechanism_.stops() == 0) return;
-    DensePoint<Real> free(mechanism_, q_, rows_);
-    std::vector<int> held = rows_;
+    const auto closures = static_cast<std::size_t>(2 * mechanism_.closures());
+    target_.assign(closures, Real(0));
+    std::vector<int> sides(closures, 0);
+    const DensePoint<Real> point(mechanism_, q_, rows_);
     for (int s = 0; s < mechanism_.stops(); ++s) {
-      const int row = 2 * mechanism_.closures() + s;
-      const Real& g = free.constraint[row];
+      const Real& g = point.constraint[2 * mechanism_.closures() + s];
       const bool at_top = abs(g - mechanism_.upper()[s]) < touching;
       const bool at_bottom = abs(g - mechanism_.lower()[s]) < touching;
       if (!at_top && !at_bottom) continue;
-      held.push_back(row);
-      bound_.push_back(at_top ? mechanism_.upper()[s] : mechanism_.lower()[s]);
-      sides_.push_back(at_top && at_bottom ? 0 : at_top ? 1 : -1);
+      rows_.push_back(2 * mechanism_.closures() + s);
+      target_.push_back(at_top ? mechanism_.upper()[s] : mechanism_.lower()[s]);
+      sides.push_back(at_top && at_bottom ? 0 : at_top ? 1 : -1);
     }
-    rows_ = held;
-    for (;;) {
+    while (rows_.size() > closures) {
       const Vector y = DensePoint<Real>(mechanism_, q_, rows_).multipliers();
-      std::size_t pulling = sides_.size();
-      for (std::size_t k = 0; k < sides_.size(); ++k) {
-        const auto at = static_cast<Eigen::Index>(2 * mechanism_.closures() + k);
-        if (sides_[k] * y[at] < 1e-9) pulling = sides_[k] == 0 ? pulling : k;
+      std::size_t pulling = rows_.size();
+      for (std::size_t k = closures; k < rows_.size(); ++k) {
+        if (sides[k] != 0 && sides[k] * y[static_cast<Eigen::Index>(k)] < 1e-9) pulling = k;
       }
-      if (pulling == sides_.size()) return;
-      rows_.erase(rows_.begin() + 2 * mechanism_.closures() + static_cast<std::ptrdiff_t>(pulling));
-      bound_.erase(bound_.begin() + static_cast<std::ptrdiff_t>(pulling));
-      sides_.erase(sides_.begin() + static_cast<std::ptrdiff_t>(pulling));
+      if (pulling == rows_.size()) return;
+      const auto at = static_cast<std::ptrdiff_t>(pulling);
+      rows_.erase(rows_.begin() + at);
+      target_.erase(target_.begin() + at);
+      sides.erase(sides.begin() + at);
+    }
+  }
+
+  // Closures that repeat each other do so only to the rounding of the scene's own doubles; in 50 digits they would
+  // contradict each other. The independent ones are kept.
+  void keep_independent_rows() {
+    if (rows_.empty() || mechanism_.coordinates() > dense_limit) return;
+    const DensePoint<Real> point(mechanism_, q_, rows_);
+    Eigen::ColPivHouseholderQR<Matrix> qr;
+    qr.setThreshold(Real(rounding_of_data));
+    qr.compute(point.jacobian.transpose());
+    if (qr.rank() == static_cast<Eigen::Index>(rows_.size())) return;
+    std::vector<std::size_t> kept(qr.colsPermutation().indices().data(),
+                                  qr.colsPermutation().indices().data() + qr.rank());
+    std::sort(kept.begin(), kept.end());
+    const std::vector<int> rows = std::move(rows_);
+    const std::vector<Real> targets = std::move(target_);
+    rows_.clear();
+    target_.clear();
+    for (std::size_t k : kept) {
+      rows_.push_back(rows[k]);
+      target_.push_back(targets[k]);
     }
   }
 
   bool run(std::string& why) {
     hold_stops();
+    keep_independent_rows();
     Real last = 1;
     for (int k = 0; k < steps; ++k) {
       const Vector d = mechanism_.coordinates() <= dense_limit ? dense_step() : sparse_step();
@@ -104,7 +127,9 @@ class Refinement {
       // Settled once steps no longer shrink: what is left is rounding in 50 digits.
       if (length < Real(1e-30) && (length == 0 || length * 16 > last || length < Real(1e-45))) {
         settled_ = length;
-        return true;
+        if (is_solved()) return true;
+        why = "50 digits find no equilibrium here: closures and balance cannot be met together";
+        return false;
       }
       last = length;
     }
@@ -118,13 +143,23 @@ class Refinement {
   int digits() const { return settled_ == 0 ? 50 : std::min(50, static_cast<int>(-log10(settled_))); }
 
  private:
+  // Where J loses rank steps may settle without a solution.
+  bool is_solved() {
+    if (mechanism_.coordinates() > dense_limit) return true;
+    DensePoint<Real> point(mechanism_, q_, rows_);
+    const Vector y = point.multipliers();
+    const Vector left = point.force + point.jacobian.transpose() * y;
+    const Vector c = gaps(point.constraint);
+    Real worst = 0;
+    for (Eigen::Index i = 0; i < left.size(); ++i) worst = std::max(worst, Real(abs(left[i])));
+    for (Eigen::Index i = 0; i < c.size(); ++i) worst = std::max(worst, Real(abs(c[i])));
+    return worst < Real(1e-25);
+  }
+
   // c, with held stops measured from their bound.
   Vector gaps(const std::vector<Real>& constraint) const {
     Vector c(static_cast<Eigen::Index>(rows_.size()));
-    const std::size_t closures = 2 * static_cast<std::size_t>(mechanism_.closures());
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-      c[static_cast<Eigen::Index>(k)] = constraint[rows_[k]] - (k < closures ? Real(0) : bound_[k - closures]);
-    }
+    for (std::size_t k = 0; k < rows_.size(); ++k) c[static_cast<Eigen::Index>(k)] = constraint[rows_[k]] - target_[k];
     return c;
   }
 
@@ -214,8 +249,7 @@ class Refinement {
   Mechanism<Real> mechanism_;
   std::vector<Real> q_;
   std::vector<int> rows_;
-  std::vector<Real> bound_;  // of the held stops, in the order of the rows behind the closures
-  std::vector<int> sides_;
+  std::vector<Real> target_;  // per row: zero for closures, the bound of a held stop
   Vector sparse_y_;
   Real settled_ = 1;
 };

@@ -1,0 +1,63 @@
+// Newton's iterations must not allocate. A program of its own, because it stands in for malloc.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+
+#include "model/scene.hpp"
+#include "solvers/newton.hpp"
+#include "statics/static_model.hpp"
+
+extern "C" void* __libc_malloc(std::size_t size);
+
+namespace {
+bool counting = false;
+int allocations = 0;
+}  // namespace
+
+extern "C" void* malloc(std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_malloc(size);
+}
+
+namespace poise {
+namespace {
+
+int allocations_of_a_solve(const StaticModel& model, solvers::Goal goal, int dense_limit) {
+  solvers::NewtonOptions options;
+  options.goal = goal;
+  options.dense_limit = dense_limit;
+  solvers::Newton newton(model.problem(), options);
+  const std::vector<double> x = model.start();
+  allocations = 0;
+  counting = true;
+  const solvers::Outcome outcome = newton.solve(x.data()).outcome;
+  counting = false;
+  EXPECT_EQ(outcome, solvers::Outcome::converged);
+  return allocations;
+}
+
+TEST(Allocation, TheCounterCounts) {
+  allocations = 0;
+  counting = true;
+  std::vector<double>* volatile v = new std::vector<double>(100);
+  counting = false;
+  delete v;
+  EXPECT_GE(allocations, 1);
+}
+
+TEST(Allocation, SolvingAllocatesNothing) {
+  for (const char* file : {"thesis_four_bar.toml", "thesis_four_bar_reversed.toml", "thesis_chain.toml", "lift.toml",
+                           "redundant_parallelogram.toml", "toggle_clamp.toml", "heaton_timme.toml"}) {
+    const StaticModel model(read_scene(std::string(POISE_SOURCE_DIR "/datasets/") + file));
+    for (const solvers::Goal goal : {solvers::Goal::stationary, solvers::Goal::minimum}) {
+      for (const int dense_limit : {48, 0}) {
+        EXPECT_EQ(allocations_of_a_solve(model, goal, dense_limit), 0) << file << ", dense limit " << dense_limit;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace poise

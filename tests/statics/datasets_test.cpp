@@ -1,0 +1,145 @@
+// Every scene of datasets/ against datasets/answers.json, whose numbers were computed apart from Poise.
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "model/scene.hpp"
+#include "statics/equilibrium.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+using nlohmann::json;
+using test::dataset;
+using test::number;
+
+constexpr double virtual_work_tolerance = 1e-12;
+constexpr double energy_tolerance = 1e-9;
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(dataset(""))) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+const json& answers() {
+  static const json all = test::read_json(dataset("answers.json"));
+  return all;
+}
+
+std::map<std::string, double> numbers(const json& object) {
+  std::map<std::string, double> out;
+  for (const auto& [name, value] : object.items()) out[name] = number(value);
+  return out;
+}
+
+std::map<std::string, double> coordinates(const json& equilibrium) {
+  std::map<std::string, double> out = numbers(equilibrium.at("angles"));
+  out.merge(numbers(equilibrium.at("travels")));
+  return out;
+}
+
+std::set<std::string> pressing_stops(const Check& check) {
+  std::set<std::string> names;
+  for (const Reaction& reaction : check.reactions) {
+    const double moment = std::abs(reaction.moment);
+    if (reaction.kind == "stop" && norm(reaction.force) + moment > 0.0) names.insert(reaction.name);
+  }
+  return names;
+}
+
+void expect_agrees(const StaticModel& model, const Equilibrium& found, const json& known, double tolerance) {
+  ASSERT_EQ(found.status, Status::confirmed) << found.why;
+  const double allowed = std::max(tolerance, test::allowed_by_condition(model, found.check));
+  ASSERT_LE(test::error_of(model, found.x, coordinates(known)), allowed) << to_string(found.check.stability);
+  for (const auto& [name, at] : known.at("points").items()) {
+    const Vec2 place = test::place_of(model, found.x, name);
+    EXPECT_LE(norm(place - Vec2{number(at[0]), number(at[1])}), 4 * allowed * model.layout().size) << name;
+  }
+  EXPECT_EQ(found.check.stability, known.at("stable").get<bool>() ? Stability::stable : Stability::unstable);
+  EXPECT_EQ(found.check.descent_directions, known.at("descent_directions").get<int>());
+  const auto stops = known.value("active_stops", std::set<std::string>{});
+  EXPECT_EQ(pressing_stops(found.check), stops);
+}
+
+class Datasets : public testing::TestWithParam<std::string> {
+ protected:
+  Scene scene() const { return read_scene(dataset(GetParam())); }
+  const json& known() const { return answers().at(GetParam()); }
+};
+
+TEST(Answers, HoldOneEntryForEachScene) {
+  std::vector<std::string> named;
+  for (const auto& [name, entry] : answers().items()) named.push_back(name);
+  std::sort(named.begin(), named.end());
+  EXPECT_EQ(named, scene_names());
+}
+
+TEST_P(Datasets, SaysWhereItComesFrom) {
+  EXPECT_FALSE(scene().title.empty());
+  EXPECT_FALSE(scene().source.empty());
+}
+
+// The first equilibrium of each list is the one that the scene's own [start] is near.
+TEST_P(Datasets, RestsByVirtualWorkFromItsOwnStart) {
+  const StaticModel model(scene());
+  expect_agrees(model, solve(model), known().at("equilibria").at(0), virtual_work_tolerance);
+}
+
+TEST_P(Datasets, RestsByEnergyFromItsOwnStart) {
+  const StaticModel model(scene());
+  const Equilibrium found = solve(model, test::by(Method::energy));
+  if (model.mechanism().has_follower_loads()) {
+    EXPECT_EQ(found.status, Status::refused);
+    return;
+  }
+  const json& nearest = known().at("equilibria").at(0);
+  if (nearest.at("stable").get<bool>()) {
+    expect_agrees(model, found, nearest, energy_tolerance);
+  } else if (found.found()) {
+    // It may leave for a rest that the list does not hold, but what it calls stable is stable.
+    EXPECT_EQ(found.check.descent_directions, found.check.stability == Stability::stable ? 0 : 1);
+  } else {
+    EXPECT_NE(found.status, Status::refuted) << found.why;
+  }
+}
+
+void expect_all_met(const Scene& scene, const json& equilibria) {
+  for (const json& known : equilibria) {
+    SCOPED_TRACE(known.at("angles").dump() + known.at("travels").dump());
+    const StaticModel model(test::started_at(scene, numbers(known.at("start"))));
+    expect_agrees(model, solve(model), known, virtual_work_tolerance);
+    if (known.at("stable").get<bool>() && !model.mechanism().has_follower_loads()) {
+      SCOPED_TRACE("by energy");
+      expect_agrees(model, solve(model, test::by(Method::energy)), known, energy_tolerance);
+    }
+  }
+}
+
+TEST_P(Datasets, HasEveryEquilibriumThatIsKnown) { expect_all_met(scene(), known().at("equilibria")); }
+
+TEST_P(Datasets, HasEveryEquilibriumThatIsKnownOfItsVariants) {
+  for (const json& variant : known().value("variants", json::array())) {
+    SCOPED_TRACE(variant.at("set").dump());
+    Scene changed = scene();
+    for (const auto& [path, value] : variant.at("set").items()) set_value(changed, path, number(value));
+    expect_all_met(changed, variant.at("equilibria"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Datasets, testing::ValuesIn(scene_names()),
+                         [](const auto& scene) { return scene.param.substr(0, scene.param.find('.')); });
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,490 @@
+// Every way a search can end, and that what it finds depends on nothing but the mechanism.
+
+#include "statics/equilibrium.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "model/scene.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+using test::angle_of;
+using test::by;
+using test::dataset;
+
+constexpr Method methods[] = {Method::virtual_work, Method::energy};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// A block on a vertical rail under gravity 10 m/s^2, from y = `start`; what holds it is for the test to say.
+Scene block(double mass, double start, const std::string& rest) {
+  return parse_scene(fmt::format(R"(
+    gravity = [0, -10]
+    [ground]
+    points = {{ R = [0, 0], top = [0, 5], bottom = [0, -5] }}
+    [body.block]
+    points = {{ P = [0, 0] }}
+    mass = {}
+    [[slide]]
+    name = "rail"
+    points = ["ground.R", "block.P"]
+    axis = [0, 1]
+    {}
+    [start]
+    rail = {}
+  )",
+                                 mass, rest, start),
+                     "block.toml");
+}
+
+Scene upright_chain(int links) {
+  Scene scene = test::chain(links, 1.0, 1.0);
+  scene.gravity = {0.0, -10.0};
+  for (auto& angle : scene.start.angle) angle = M_PI_2;
+  return scene;
+}
+
+void expect_message(const Scene& scene, std::vector<std::string> parts) {
+  const StaticModel model(scene);
+  for (const Closure& loop : model.layout().closures) {
+    if (contains(parts.front(), "assembled")) parts.push_back("\"" + loop.name + "\"");
+  }
+  try {
+    assemble(model);
+    FAIL() << "assembled";
+  } catch (const InputError& error) {
+    for (const std::string& part : parts) EXPECT_TRUE(contains(error.what(), part)) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+  }
+  EXPECT_THROW(solve(model), InputError);
+}
+
+// --- every status ----------------------------------------------------------------------------------------------------
+
+TEST(Status, BeginsAsNotSolved) {
+  const Equilibrium nothing;
+  EXPECT_EQ(to_string(nothing.status), "not solved");
+  EXPECT_FALSE(nothing.found());
+  EXPECT_FALSE(nothing.check.is_equilibrium());
+}
+
+TEST(Status, Confirmed) {
+  const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
+  for (const Method method : methods) {
+    const Equilibrium found = solve(model, by(method));
+    EXPECT_EQ(to_string(found.status), "confirmed") << found.why;
+    EXPECT_TRUE(found.found());
+    EXPECT_EQ(found.method, method);
+    EXPECT_GT(found.iterations, 0);
+    EXPECT_GT(found.evaluations, 0);
+    EXPECT_GT(found.microseconds, 0.0);
+    EXPECT_TRUE(std::isfinite(found.energy));
+    EXPECT_NE(found.why, "");
+  }
+}
+
+TEST(Status, RefutedWhereTheCheckDeniesTheClaim) {
+  const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
+  for (const Method method : methods) {
+    SolveOptions options = by(method);
+    options.check.imbalance = 1e-30;
+    options.check.closure = 1e-30;
+    const Equilibrium found = solve(model, options);
+    EXPECT_EQ(to_string(found.status), "refuted") << found.why;
+    EXPECT_FALSE(found.found());
+    EXPECT_NE(found.check.objection, "");
+    EXPECT_TRUE(contains(found.why, found.check.objection)) << found.why;
+  }
+}
+
+TEST(Status, NotFoundWhereThereIsNoRest) {
+  const StaticModel model(block(2.0, 0.0, ""));
+  for (const Method method : methods) {
+    for (const Seek seek : {Seek::nearest, Seek::stable}) {
+      const Equilibrium found = solve(model, by(method, seek));
+      EXPECT_EQ(to_string(found.status), "not found") << found.why;
+      EXPECT_FALSE(found.check.is_equilibrium());
+      EXPECT_TRUE(contains(found.why, "body \"block\" is out of balance by 20 N")) << found.why;
+    }
+  }
+}
+
+TEST(Status, NotFoundWhereItIsNotOfTheKindSought) {
+  // Ipopt sees no reason to leave an exact maximum.
+  const StaticModel model(upright_chain(1));
+  const Equilibrium found = solve(model, model.start(), by(Method::energy, Seek::stable));
+  if (found.found()) {
+    EXPECT_EQ(found.check.stability, Stability::stable);
+  } else {
+    EXPECT_EQ(to_string(found.status), "not found");
+    EXPECT_TRUE(found.check.is_equilibrium());
+    EXPECT_TRUE(contains(found.why, "unstable equilibrium")) << found.why;
+  }
+}
+
+TEST(Status, RefusedNamesTheForceWithoutPotential) {
+  Scene scene = upright_chain(2);
+  test::add_force(scene, "2.b", {-3.0, 0.0}, "thrust");
+  scene.forces[0].follows = 2;
+  scene.start.angle[1] = scene.start.angle[2] = -1.0;
+  const StaticModel model(scene);
+  const Equilibrium found = solve(model, by(Method::energy));
+  EXPECT_EQ(to_string(found.status), "refused");
+  EXPECT_TRUE(contains(found.why, "\"thrust\"")) << found.why;
+  EXPECT_FALSE(found.found());
+  const Equilibrium by_work = solve(model);
+  EXPECT_TRUE(by_work.found()) << by_work.why;
+  EXPECT_TRUE(std::isnan(by_work.energy));
+}
+
+TEST(Status, Interrupted) {
+  const StaticModel model(read_scene(dataset("thesis_chain.toml")));
+  const std::atomic<bool> interrupt{true};
+  for (const Method method : methods) {
+    SolveOptions options = by(method);
+    options.interrupt = &interrupt;
+    const Equilibrium found = solve(model, options);
+    EXPECT_EQ(to_string(found.status), "interrupted") << found.why;
+    EXPECT_FALSE(found.found());
+    EXPECT_EQ(found.x.size(), static_cast<std::size_t>(model.mechanism().coordinates()));
+  }
+}
+
+TEST(Status, MethodsHaveTheNamesOfTheCommandLine) {
+  EXPECT_EQ(to_string(Method::virtual_work), "virtual-work");
+  EXPECT_EQ(to_string(Method::energy), "energy");
+}
+
+// --- what cannot be solved for -----------------------------------------------------------------------------------
+
+TEST(Assemble, NamesTheLoopThatStaysOpenAndItsGap) {
+  // Three links of a metre cannot span 5 m: two are missing.
+  Scene scene = test::chain(3, 1.0, 1.0);
+  scene.file = "span.toml";
+  scene.gravity = {0.0, -10.0};
+  scene.add_point(0, "E", {5.0, 0.0});
+  test::add_pin(scene, "3.b", "ground.E");
+  expect_message(scene, {"cannot be assembled", "span.toml: mechanism:", "open by 2 m"});
+}
+
+TEST(Assemble, SaysTheGapInTheUnitsOfTheScene) {
+  Scene scene = test::chain(2, 1.0, 1.0);
+  scene.units.length_name = "mm";
+  scene.units.length = 1e-3;
+  scene.add_point(0, "E", {0.0, -2.5});
+  scene.start.angle[1] = scene.start.angle[2] = -1.5;
+  test::add_pin(scene, "2.b", "ground.E");
+  expect_message(scene, {"cannot be assembled", "open by 500 mm"});
+}
+
+TEST(Assemble, SaysThatNoFreedomIsLeft) {
+  Scene scene = test::chain(2, 1.0, 1.0);
+  scene.gravity = {0.0, -10.0};
+  scene.add_point(0, "E", {1.0, 0.0});
+  scene.start.angle[1] = -1.0;
+  scene.start.angle[2] = 1.0;
+  test::add_pin(scene, "2.b", "ground.E");
+  expect_message(scene, {"no freedom left", "2 coordinates", "2 independent closure equations"});
+}
+
+TEST(Assemble, SaysThatNothingCanMove) {
+  expect_message(test::chain(2, 1.0, 1.0), {"nothing can move under load"});
+  expect_message(Scene(), {"nothing can move under load"});
+}
+
+TEST(Assemble, ClosesLoopsFromAnOpenStart) {
+  const StaticModel model(test::started_at(read_scene(dataset("thesis_four_bar.toml")),
+                                           {{"link4", 1.5}, {"link6", 0.1}, {"link7", 5.0}}));
+  const Check check = poise::check(model, assemble(model));
+  EXPECT_TRUE(check.closed);
+  EXPECT_FALSE(check.is_equilibrium());
+}
+
+// --- minima ------------------------------------------------------------------------------------------------------
+
+TEST(SeekStable, LeavesAnExactMaximum) {
+  for (const int links : {1, 2, 5, 60}) {
+    const StaticModel model(upright_chain(links));
+    const Equilibrium top = solve(model);
+    EXPECT_EQ(top.check.descent_directions, links);
+    const Equilibrium found = solve(model, by(Method::virtual_work, Seek::stable));
+    ASSERT_TRUE(found.found()) << found.why;
+    EXPECT_EQ(to_string(found.check.stability), "stable");
+    for (int i = 1; i <= links; ++i) {
+      const double angle = angle_of(model, found.x, std::to_string(i));
+      EXPECT_LE(std::abs(std::remainder(angle + M_PI_2, 2 * M_PI)), 1e-12) << i;
+    }
+    EXPECT_LT(found.energy, top.energy);
+  }
+}
+
+TEST(SeekStable, LeavesAnExactSaddle) {
+  Scene scene = upright_chain(3);
+  scene.start.angle[2] = -M_PI_2;
+  const StaticModel model(scene);
+  EXPECT_EQ(solve(model).check.descent_directions, 2);
+  const Equilibrium found = solve(model, by(Method::virtual_work, Seek::stable));
+  ASSERT_TRUE(found.found()) << found.why;
+  EXPECT_EQ(to_string(found.check.stability), "stable");
+}
+
+// --- stops -------------------------------------------------------------------------------------------------------
+
+TEST(StopsInSearch, BothMethodsComeToRestOnThem) {
+  const char* held[] = {"[[stop]]\nname = \"stop\"\nslide = \"rail\"\nmin = -2\nmax = 4\n",
+                        "[[stop]]\nname = \"stop\"\npoints = [\"ground.top\", \"block.P\"]\nmax = 7\n",
+                        "[[stop]]\nname = \"stop\"\npoints = [\"ground.bottom\", \"block.P\"]\nmin = 3\n"};
+  for (const char* stop : held) {
+    SCOPED_TRACE(stop);
+    const StaticModel model(block(2.0, 1.0, stop));
+    for (const Method method : methods) {
+      for (const Seek seek : {Seek::nearest, Seek::stable}) {
+        const Equilibrium found = solve(model, by(method, seek));
+        ASSERT_TRUE(found.found()) << to_string(method) << ": " << found.why;
+        EXPECT_NEAR(test::travel_of(model, found.x, "rail"), -2.0, method == Method::energy ? 4e-8 : 1e-12);
+        EXPECT_NEAR(test::reaction_of(found.check, "stop").force.y, 20.0, 1e-9);
+        EXPECT_EQ(to_string(found.check.stability), "stable");
+      }
+    }
+  }
+}
+
+TEST(StopsInSearch, TheMethodsAgreeOnTheClamp) {
+  const StaticModel model(read_scene(dataset("toggle_clamp.toml")));
+  const Equilibrium work = solve(model);
+  const Equilibrium energy = solve(model, by(Method::energy));
+  ASSERT_TRUE(work.found()) << work.why;
+  ASSERT_TRUE(energy.found()) << energy.why;
+  for (const char* body : {"handle", "link", "arm"}) {
+    EXPECT_NEAR(angle_of(model, work.x, body), angle_of(model, energy.x, body), 1e-8) << body;
+  }
+  EXPECT_NEAR(test::reaction_of(work.check, "over_centre").moment, test::reaction_of(energy.check, "over_centre").moment,
+              1e-6);
+  EXPECT_NEAR(work.energy, energy.energy, 1e-8);
+}
+
+TEST(StopsInSearch, TheClampLetsGoAndOpensToItsOtherStop) {
+  Scene scene = read_scene(dataset("toggle_clamp.toml"));
+  set_value(scene, "load.P", 38.0);
+  const StaticModel model(scene);
+  for (const Seek seek : {Seek::nearest, Seek::stable}) {
+    const Equilibrium found = solve(model, by(Method::virtual_work, seek));
+    ASSERT_TRUE(found.found()) << found.why;
+    EXPECT_EQ(to_string(found.check.stability), "stable");
+    EXPECT_NEAR(angle_of(model, found.x, "arm"), scene.stops[1].max, 1e-12);
+    EXPECT_LT(test::reaction_of(found.check, "open").moment, 0.0);
+    EXPECT_THROW(test::reaction_of(found.check, "over_centre"), std::out_of_range);
+  }
+}
+
+// --- springs that go slack ---------------------------------------------------------------------------------------
+
+struct SlackCase {
+  const char* name;
+  const char* spring;
+  double start, rest;
+};
+
+class Slack : public testing::TestWithParam<SlackCase> {};
+
+TEST_P(Slack, BothMethodsFindTheRest) {
+  const StaticModel model(block(2.0, GetParam().start, GetParam().spring));
+  for (const Method method : methods) {
+    for (const Seek seek : {Seek::nearest, Seek::stable}) {
+      const Equilibrium found = solve(model, by(method, seek));
+      ASSERT_TRUE(found.found()) << to_string(method) << ": " << found.why;
+      EXPECT_NEAR(test::travel_of(model, found.x, "rail"), GetParam().rest, method == Method::energy ? 1e-9 : 1e-12);
+      EXPECT_EQ(to_string(found.check.stability), "stable");
+    }
+  }
+}
+
+constexpr const char* hanger =
+    "[[spring]]\npoints = [\"ground.top\", \"block.P\"]\nstiffness = 100\nfree_length = 3\nacts = \"tension\"\n";
+constexpr const char* cushion =
+    "[[spring]]\npoints = [\"ground.bottom\", \"block.P\"]\nstiffness = 100\nfree_length = 3\nacts = \"compression\"\n"
+    "[[stop]]\nslide = \"rail\"\nmin = -4.5\n";  // for past its foot the cushion is clear again
+constexpr const char* rope_below =
+    "[[spring]]\npoints = [\"ground.bottom\", \"block.P\"]\nstiffness = 100\nfree_length = 3\nacts = \"tension\"\n";
+
+INSTANTIATE_TEST_SUITE_P(
+    Springs, Slack,
+    testing::Values(SlackCase{"HangerTaut", hanger, 1.0, 1.8}, SlackCase{"HangerSlackAtFirst", hanger, 4.0, 1.8},
+                    SlackCase{"CushionPressed", cushion, -2.5, -2.2},
+                    SlackCase{"CushionClearAtFirst", cushion, 4.0, -2.2},
+                    SlackCase{"RopeFromBelowSlackAtFirst", rope_below, -4.0, -8.2}),
+    [](const auto& scene) { return std::string(scene.param.name); });
+
+TEST(SlackSpring, ASpringThatIsSlackHoldsNothing) {
+  // A hanger that could only press, already let go.
+  Scene scene = block(2.0, 0.0, hanger);
+  scene.springs[0].acts = Spring::Acts::compression;
+  const StaticModel model(scene);
+  for (const Method method : methods) {
+    EXPECT_EQ(to_string(solve(model, by(method)).status), "not found") << to_string(method);
+  }
+}
+
+TEST(SlackSpring, ASlackRopeLeavesThePendulumAlone) {
+  const StaticModel model(parse_scene(R"(
+    gravity = [0, -10]
+    [ground]
+    points = { O = [0, 0], S = [1, -1] }
+    [body.arm]
+    points = { O = [0, 0], P = [1, 0] }
+    mass = 1
+    center = [1, 0]
+    [[pin]]
+    name = "hinge"
+    points = ["ground.O", "arm.O"]
+    [[spring]]
+    points = ["ground.S", "arm.P"]
+    stiffness = 1000
+    free_length = 1.5
+    acts = "tension"
+    [start]
+    arm = -3
+  )",
+                                      "rope.toml"));
+  for (const Method method : methods) {
+    const Equilibrium found = solve(model, by(method, Seek::stable));
+    ASSERT_TRUE(found.found()) << found.why;
+    EXPECT_NEAR(angle_of(model, found.x, "arm"), -M_PI_2, method == Method::energy ? 1e-9 : 1e-12);
+    EXPECT_NEAR(test::reaction_of(found.check, "hinge").force.x, 0.0, 1e-8);
+  }
+}
+
+// --- invariance --------------------------------------------------------------------------------------------------
+
+// A slider-crank with weights, springs of both kinds, a force, a torque and a stop, `size` times as large, its loads
+// `load` times as heavy, written in units of which one is `metre` m and `newton` N.
+Scene slider_crank(double size, double load, const char* length_name, double metre, const char* force_name,
+                   double newton) {
+  const double l = size / metre;
+  const double f = load / newton;
+  return parse_scene(
+      fmt::format(R"(
+    gravity = [0, {gravity}]
+    [units]
+    length = "{length_name}"
+    force = "{force_name}"
+    [ground]
+    points = {{ O = [0, 0], S = [{s3}, {s4}] }}
+    [body.crank]
+    points = {{ O = [0, 0], B = [{s2}, 0] }}
+    mass = {mass}
+    center = [{s1}, 0]
+    [body.rod]
+    points = {{ B = [0, 0], C = [{s5}, 0] }}
+    mass = {mass}
+    center = [{s2}, {s1}]
+    [body.block]
+    points = {{ C = [0, 0] }}
+    mass = {mass}
+    [[pin]]
+    points = ["ground.O", "crank.O"]
+    [[pin]]
+    points = ["crank.B", "rod.B"]
+    [[pin]]
+    name = "wrist"
+    points = ["rod.C", "block.C"]
+    [[slide]]
+    name = "rail"
+    points = ["ground.O", "block.C"]
+    axis = [0.8, -0.6]
+    [[spring]]
+    points = ["ground.S", "rod.C"]
+    stiffness = {stiffness}
+    free_length = {s2}
+    [[torsion_spring]]
+    bodies = ["crank", "rod"]
+    stiffness = {torsional}
+    free_angle = 0.5
+    [[force]]
+    at = "rod.C"
+    vector = [{force}, {force}]
+    [[torque]]
+    on = "crank"
+    value = {torque}
+    [[stop]]
+    slide = "rail"
+    min = {s1}
+    [start]
+    crank = 0.5
+    rod = -1
+    rail = {s5}
+  )",
+                  fmt::arg("gravity", -10.0 / metre), fmt::arg("length_name", length_name),
+                  fmt::arg("force_name", force_name), fmt::arg("s1", 0.1 * l), fmt::arg("s2", 0.2 * l),
+                  fmt::arg("s3", 0.3 * l), fmt::arg("s4", 0.4 * l), fmt::arg("s5", 0.5 * l),
+                  fmt::arg("mass", 0.7 * load), fmt::arg("stiffness", 30 * f / l),
+                  fmt::arg("torsional", 0.9 * f * l), fmt::arg("force", 3 * f), fmt::arg("torque", 0.4 * f * l)),
+      "slider_crank.toml");
+}
+
+struct Rest {
+  double crank, rod, wrist;
+};
+
+Rest rest_of(const Scene& scene, Method method, double load) {
+  const StaticModel model(scene);
+  const Equilibrium found = solve(model, by(method));
+  EXPECT_TRUE(found.found()) << found.why;
+  return {angle_of(model, found.x, "crank"), angle_of(model, found.x, "rod"),
+          norm(test::reaction_of(found.check, "wrist").force) / load};
+}
+
+class Invariance : public testing::TestWithParam<Method> {
+ protected:
+  void expect_same(const Scene& scene, double load = 1.0) {
+    const Rest known = rest_of(slider_crank(1.0, 1.0, "m", 1.0, "N", 1.0), GetParam(), 1.0);
+    const Rest rest = rest_of(scene, GetParam(), load);
+    const double tolerance = GetParam() == Method::energy ? 1e-9 : 1e-12;
+    EXPECT_NEAR(rest.crank, known.crank, tolerance);
+    EXPECT_NEAR(rest.rod, known.rod, tolerance);
+    EXPECT_NEAR(rest.wrist, known.wrist, 100 * tolerance);
+  }
+};
+
+TEST_P(Invariance, OfUnits) {
+  expect_same(slider_crank(1.0, 1.0, "mm", 1e-3, "N", 1.0));
+  expect_same(slider_crank(1.0, 1.0, "m", 1.0, "kN", 1e3));
+  expect_same(slider_crank(1.0, 1.0, "in", 0.0254, "lbf", 4.4482216152605));
+  expect_same(slider_crank(1.0, 1.0, "mm", 1e-3, "kN", 1e3));
+}
+
+TEST_P(Invariance, OfSizeFromMicrometresToKilometres) {
+  for (const double size : {1e-6, 1e-3, 0.37, 1e3, 1e6}) {
+    SCOPED_TRACE(size);
+    expect_same(slider_crank(size, 1.0, "m", 1.0, "N", 1.0));
+  }
+}
+
+TEST_P(Invariance, OfLoadFromMicronewtonsToGiganewtons) {
+  for (const double load : {1e-6, 1e-3, 0.37, 1e3, 1e9}) {
+    SCOPED_TRACE(load);
+    expect_same(slider_crank(1.0, load, "m", 1.0, "N", 1.0), load);
+  }
+}
+
+TEST_P(Invariance, OfARunRepeated) {
+  const StaticModel model(slider_crank(1.0, 1.0, "m", 1.0, "N", 1.0));
+  EXPECT_EQ(solve(model, by(GetParam())).x, solve(model, by(GetParam())).x);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Invariance, testing::ValuesIn(methods),
+                         [](const auto& method) { return method.param == Method::energy ? "Energy" : "VirtualWork"; });
+
+}  // namespace
+}  // namespace poise

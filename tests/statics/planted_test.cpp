@@ -1,0 +1,255 @@
+// Random mechanisms whose equilibrium is known: the two methods against the truth, and so against each other.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "solvers/newton.hpp"
+#include "statics/check.hpp"
+#include "statics/equilibrium.hpp"
+#include "statics/reference.hpp"
+#include "statics/static_model.hpp"
+#include "tests/support/random_mechanism.hpp"
+
+namespace poise {
+namespace {
+
+using test::PlantedMechanism;
+using test::Wish;
+
+constexpr double virtual_work_accuracy = 1e-12;
+constexpr double energy_accuracy = 1e-9;
+
+// A planted mechanism, compiled, with what is known of it in the solvers' coordinates.
+struct Sample {
+  Sample(std::uint64_t seed, Wish wish)
+      : planted(test::plant_mechanism(seed, wish)),
+        model(planted.scene),
+        rest(model.from_si(planted.rest)),
+        name(fmt::format("loops {}, seed {}: {} coordinates, {} freedoms, {} redundant, {} stops pressing", wish.loops,
+                         seed, model.mechanism().coordinates(), planted.freedoms, planted.redundant,
+                         planted.pressing.size())) {}
+
+  Equilibrium solved(Method method, Seek seek) const {
+    const SolveOptions options = {.method = method, .seek = seek};
+    if (!planted.hangs_on_bars) return solve(model, options);
+    // The scene's own start does not say how bars point: what solve() does with it is done here with ours.
+    const std::vector<double> start = model.from_si(planted.start);
+    if (method == Method::virtual_work) return solve(model, start, options);
+    solvers::Newton newton(model.problem());
+    return solve(model, newton.close(start.data()).x, options);
+  }
+
+  // Largest difference from the planted equilibrium: rad, or lengths over the size of the mechanism. Bars, whose guess
+  // is an angle between -pi and pi, may differ by a turn.
+  double error(std::vector<double> x) const {
+    for (const Link& link : model.layout().links) {
+      if (link.body >= 0 || link.frame < 0 || link.frame >= model.layout().kept) continue;
+      x[link.frame] = rest[link.frame] + std::remainder(x[link.frame] - rest[link.frame], 2 * M_PI);
+    }
+    double worst = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, std::abs(x[i] - rest[i]));
+    return worst;
+  }
+
+  Stability stability() const { return planted.falling() > 0 ? Stability::unstable : Stability::stable; }
+
+  PlantedMechanism planted;
+  StaticModel model;
+  std::vector<double> rest;
+  std::string name;
+};
+
+// `seeds` mechanisms of each number of loops from 1 to 6.
+void for_samples(int seeds, Wish wish, const std::function<void(const Sample&)>& expect) {
+  for (wish.loops = 1; wish.loops <= 6; ++wish.loops) {
+    for (int k = 0; k < seeds; ++k) {
+      const Sample sample(static_cast<std::uint64_t>(1000 * wish.loops + k), wish);
+      SCOPED_TRACE(sample.name);
+      expect(sample);
+    }
+  }
+}
+
+// What a test saw of a method, for a person and for the report.
+struct Tally {
+  std::string method;
+  int mechanisms = 0;
+  double worst = 0.0;
+
+  void add(double error) {
+    ++mechanisms;
+    worst = std::max(worst, error);
+  }
+  ~Tally() {
+    testing::Test::RecordProperty(method + "_mechanisms", mechanisms);
+    testing::Test::RecordProperty(method + "_worst_error", fmt::format("{:.3g}", worst));
+    std::cout << fmt::format("{}: {} mechanisms, worst error {:.3g}\n", method, mechanisms, worst);
+  }
+};
+
+void expect_judged(const Sample& sample, const Check& check) {
+  EXPECT_TRUE(check.is_equilibrium()) << check.objection;
+  EXPECT_EQ(check.stability, sample.stability()) << check.stability_note;
+  EXPECT_EQ(check.descent_directions, sample.planted.falling());
+}
+
+TEST(Planted, SampleIsMixed) {
+  int kinds[5] = {}, acts[3] = {}, freedoms[4] = {};
+  int unstable = 0, redundant = 0, torsion = 0;
+  for_samples(60, {}, [&](const Sample& sample) {
+    const Scene& scene = sample.model.scene();
+    bool seen[5] = {}, pulled[3] = {};
+    for (const Joint& joint : scene.joints) seen[static_cast<int>(joint.kind)] = true;
+    for (const Spring& spring : scene.springs) pulled[static_cast<int>(spring.acts)] = true;
+    for (int k = 0; k < 5; ++k) kinds[k] += seen[k];
+    for (int k = 0; k < 3; ++k) acts[k] += pulled[k];
+    ASSERT_EQ(sample.model.mechanism().closures(), sample.planted.loops);
+    ASSERT_GE(sample.planted.freedoms, 1);
+    ASSERT_LE(sample.planted.freedoms, 3);
+    ++freedoms[sample.planted.freedoms];
+    unstable += sample.planted.falling() > 0;
+    redundant += sample.planted.redundant > 0;
+    torsion += !scene.torsion_springs.empty();
+  });
+  for (const int count : kinds) EXPECT_GT(count, 40);
+  for (const int count : acts) EXPECT_GT(count, 40);
+  for (int f = 1; f <= 3; ++f) EXPECT_GT(freedoms[f], 40);
+  EXPECT_GT(unstable, 100);
+  EXPECT_LT(unstable, 260);
+  EXPECT_GT(redundant, 40);
+  EXPECT_GT(torsion, 100);
+}
+
+TEST(Planted, CheckKnowsTheEquilibriumAndItsStability) {
+  for_samples(60, {}, [](const Sample& sample) { expect_judged(sample, check(sample.model, sample.rest)); });
+}
+
+TEST(Planted, CheckRefutesWhatOnlyReactionsAgainstEachOtherBalance) {
+  // Redundant joints repeat each other only where they close. A gap of 1e-9 leaves the closure Jacobian a singular
+  // value of that order, and reactions of 1e9 loads, against one another, then balance anything.
+  test::Random random(3);
+  for_samples(60, {}, [&](const Sample& sample) {
+    if (sample.planted.redundant == 0) return;
+    solvers::Newton newton(sample.model.problem());
+    const std::vector<double> closed = newton.close(sample.model.from_si(sample.planted.start).data()).x;
+    for (const double gap : {0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8}) {
+      std::vector<double> x = closed;
+      for (double& coordinate : x) coordinate += random.uniform(-gap, gap);
+      EXPECT_FALSE(check(sample.model, x).is_equilibrium()) << gap;
+    }
+  });
+}
+
+TEST(Planted, VirtualWorkRecoversTheEquilibrium) {
+  Tally tally{"virtual_work"};
+  for_samples(60, {}, [&](const Sample& sample) {
+    const Equilibrium answer = sample.solved(Method::virtual_work, Seek::nearest);
+    tally.add(sample.error(answer.x));
+    EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
+    EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
+    expect_judged(sample, answer.check);
+  });
+}
+
+TEST(Planted, EnergyAgreesWhereTheEquilibriumIsStable) {
+  Tally tally{"energy"};
+  for_samples(60, {}, [&](const Sample& sample) {
+    if (sample.stability() != Stability::stable) return;
+    const Equilibrium answer = sample.solved(Method::energy, Seek::nearest);
+    tally.add(sample.error(answer.x));
+    EXPECT_LE(sample.error(answer.x), energy_accuracy) << answer.why;
+    EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
+    expect_judged(sample, answer.check);
+  });
+}
+
+TEST(Planted, FiftyDigitsSettleOnTheEquilibrium) {
+  Tally tally{"fifty_digits"};
+  for_samples(4, {}, [&](const Sample& sample) {
+    const Reference reference = refine(sample.model, sample.rest);
+    ASSERT_TRUE(reference.refined) << reference.why;
+    tally.add(reference.error);
+    EXPECT_LE(reference.error, virtual_work_accuracy);
+    EXPECT_GE(reference.digits, 40);
+  });
+}
+
+TEST(PlantedFollowers, VirtualWorkRecoversTheEquilibrium) {
+  Tally tally{"virtual_work"};
+  for_samples(20, {.followers = true}, [&](const Sample& sample) {
+    const Equilibrium answer = sample.solved(Method::virtual_work, Seek::nearest);
+    tally.add(sample.error(answer.x));
+    EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
+    EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
+    // Of an unsymmetric stiffness only the sign of its determinant does not depend on the scale of coordinates.
+    EXPECT_EQ(answer.check.descent_directions % 2, sample.planted.falling() % 2);
+    if (sample.planted.freedoms == 1) expect_judged(sample, answer.check);
+  });
+}
+
+TEST(PlantedFollowers, EnergyRefusesByName) {
+  for_samples(5, {.followers = true}, [](const Sample& sample) {
+    const Equilibrium answer = sample.solved(Method::energy, Seek::nearest);
+    EXPECT_EQ(answer.status, Status::refused);
+    EXPECT_NE(answer.why.find("\"follower0\""), std::string::npos) << answer.why;
+  });
+}
+
+TEST(PlantedStops, CheckKnowsTheEquilibriumAndItsStability) {
+  int pressing = 0;
+  int no_freedom_left = 0;
+  for_samples(60, {.stops = true}, [&](const Sample& sample) {
+    expect_judged(sample, check(sample.model, sample.rest));
+    pressing += !sample.planted.pressing.empty();
+    no_freedom_left += sample.planted.curvature.empty();
+  });
+  EXPECT_GT(pressing, 100);
+  EXPECT_GT(no_freedom_left, 20);
+}
+
+TEST(PlantedStops, BothMethodsDescendOntoThem) {
+  Tally work{"virtual_work"};
+  Tally energy{"energy"};
+  for_samples(60, {.stops = true}, [&](const Sample& sample) {
+    if (sample.stability() != Stability::stable) return;
+    const Equilibrium descended = sample.solved(Method::virtual_work, Seek::stable);
+    work.add(sample.error(descended.x));
+    EXPECT_LE(sample.error(descended.x), virtual_work_accuracy) << descended.why;
+    expect_judged(sample, descended.check);
+    const Equilibrium minimised = sample.solved(Method::energy, Seek::stable);
+    energy.add(sample.error(minimised.x));
+    EXPECT_LE(sample.error(minimised.x), energy_accuracy) << minimised.why;
+    expect_judged(sample, minimised.check);
+  });
+}
+
+TEST(PlantedStops, NearestStaysWhereItIsAtRest) {
+  Tally tally{"virtual_work"};
+  for_samples(60, {.stops = true}, [&](const Sample& sample) {
+    const Equilibrium answer = solve(sample.model, sample.rest, {});
+    tally.add(sample.error(answer.x));
+    EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
+    expect_judged(sample, answer.check);
+  });
+}
+
+TEST(PlantedStops, NearestNeverClaimsWhatTheCheckRefutes) {
+  // Beside a stop that presses, an equilibrium free of it may be the nearest that Newton's method sees.
+  int found = 0;
+  for_samples(60, {.stops = true}, [&](const Sample& sample) {
+    const Equilibrium answer = sample.solved(Method::virtual_work, Seek::nearest);
+    EXPECT_NE(answer.status, Status::refuted) << answer.why;
+    found += answer.found();
+  });
+  EXPECT_GT(found, 340);
+}
+
+}  // namespace
+}  // namespace poise

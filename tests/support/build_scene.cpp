@@ -1,0 +1,169 @@
+#include "tests/support/build_scene.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace poise::test {
+namespace {
+
+Joint joint_between(const Scene& scene, Joint::Kind kind, const std::string& a, const std::string& b,
+                    const std::string& name) {
+  Joint joint;
+  joint.kind = kind;
+  joint.name = name;
+  joint.a = point(scene, a);
+  joint.b = point(scene, b);
+  return joint;
+}
+
+// Half the angle that an arc of `length` over `span` subtends:  span / length = sin(h) / h.
+double half_angle_of_arc(double span, double length) {
+  double low = 0.0;
+  double high = M_PI;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (std::sin(middle) / middle > span / length ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+PointRef point(const Scene& scene, const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  // Chains refer to the bodies added last: search from the end.
+  for (std::size_t i = scene.bodies.size(); i-- > 0;) {
+    const Body& body = scene.bodies[i];
+    if (body.name.size() != dot || name.compare(0, dot, body.name) != 0) continue;
+    for (std::size_t p = 0; p < body.points.size(); ++p) {
+      if (name.compare(dot + 1, std::string::npos, body.points[p].name) == 0) {
+        return {static_cast<int>(i), static_cast<int>(p)};
+      }
+    }
+  }
+  throw std::out_of_range("the scene has no point \"" + name + "\"");
+}
+
+int add_link(Scene& scene, const std::string& name, double length, double mass) {
+  const int body = scene.add_body(name);
+  scene.add_point(body, "a", {0.0, 0.0});
+  scene.add_point(body, "m", {0.5 * length, 0.0});
+  scene.add_point(body, "b", {length, 0.0});
+  scene.bodies[body].mass = mass;
+  scene.bodies[body].center = {0.5 * length, 0.0};
+  return body;
+}
+
+int add_pin(Scene& scene, const std::string& a, const std::string& b, const std::string& name) {
+  return scene.add_joint(joint_between(scene, Joint::Kind::pin, a, b, name));
+}
+
+int add_slide(Scene& scene, const std::string& a, const std::string& b, Vec2 axis, const std::string& name) {
+  Joint joint = joint_between(scene, Joint::Kind::slide, a, b, name);
+  joint.axis = axis;
+  return scene.add_joint(joint);
+}
+
+int add_pin_in_slot(Scene& scene, const std::string& a, const std::string& b, Vec2 axis, const std::string& name) {
+  Joint joint = joint_between(scene, Joint::Kind::pin_in_slot, a, b, name);
+  joint.axis = axis;
+  return scene.add_joint(joint);
+}
+
+int add_bar(Scene& scene, const std::string& a, const std::string& b, double length, const std::string& name) {
+  Joint joint = joint_between(scene, Joint::Kind::bar, a, b, name);
+  joint.length = length;
+  return scene.add_joint(joint);
+}
+
+void add_force(Scene& scene, const std::string& at, Vec2 vector, const std::string& name) {
+  Force force;
+  force.name = name;
+  force.at = point(scene, at);
+  force.vector = vector;
+  scene.forces.push_back(force);
+}
+
+void add_torsion_spring(Scene& scene, int a, int b, double stiffness, double free_angle) {
+  TorsionSpring spring;
+  spring.name = "torsion spring " + std::to_string(scene.torsion_springs.size() + 1);
+  spring.a = a;
+  spring.b = b;
+  spring.stiffness = stiffness;
+  spring.free_angle = free_angle;
+  scene.torsion_springs.push_back(spring);
+}
+
+Scene chain(int count, double length, double mass) {
+  Scene scene;
+  scene.add_point(0, "O", {0.0, 0.0});
+  std::string end = "ground.O";
+  for (int i = 1; i <= count; ++i) {
+    const std::string link = std::to_string(i);
+    add_link(scene, link, length, mass);
+    add_pin(scene, end, link + ".a", "joint" + link);
+    end = link + ".b";
+  }
+  return scene;
+}
+
+Scene hanging_chain(int count, double total_length, double total_weight, double span) {
+  Scene scene = chain(count, total_length / count, total_weight / count);
+  scene.gravity = {0.0, -1.0};
+  scene.add_point(0, "E", {span, 0.0});
+  add_pin(scene, std::to_string(count) + ".b", "ground.E", "end");
+  const double half = half_angle_of_arc(span, total_length);
+  for (int i = 1; i <= count; ++i) scene.start.angle[i] = half * (2.0 * i - 1.0 - count) / count;
+  return scene;
+}
+
+Scene scissor(int stages, double arm_weight, double load, double theta) {
+  Scene scene;
+  scene.gravity = {0.0, -1.0};
+  scene.add_point(0, "O", {0.0, 0.0});
+  std::string left = "ground.O";
+  std::string right;
+  for (int s = 1; s <= stages; ++s) {
+    const std::string rise = "rise" + std::to_string(s);
+    const std::string fall = "fall" + std::to_string(s);
+    scene.start.angle[add_link(scene, rise, 1.0, arm_weight)] = theta;
+    scene.start.angle[add_link(scene, fall, 1.0, arm_weight)] = M_PI - theta;
+    add_pin(scene, left, rise + ".a");
+    if (s == 1)
+      add_pin_in_slot(scene, "ground.O", fall + ".a", {1.0, 0.0}, "base");
+    else
+      add_pin(scene, right, fall + ".a");
+    add_pin(scene, rise + ".m", fall + ".m");
+    // Arms cross: what rises from the left ends on the right.
+    left = fall + ".b";
+    right = rise + ".b";
+  }
+  const int platform = scene.add_body("platform");
+  scene.add_point(platform, "left", {0.0, 0.0});
+  scene.add_point(platform, "middle", {0.5 * std::cos(theta), 0.0});
+  add_pin(scene, left, "platform.left");
+  add_pin_in_slot(scene, "platform.left", right, {1.0, 0.0}, "top");
+  add_force(scene, "platform.middle", {0.0, -load}, "W");
+  for (auto& travel : scene.start.travel) travel = std::cos(theta);
+  return scene;
+}
+
+Scene windows(int count) {
+  Scene scene;
+  scene.gravity = {0.0, -1.0};
+  for (int i = 0; i <= count; ++i) {
+    const std::string number = std::to_string(i);
+    scene.add_point(0, "O" + number, {static_cast<double>(i), 0.0});
+    add_link(scene, "post" + number, 1.0, 1.0);
+    add_pin(scene, "ground.O" + number, "post" + number + ".a");
+  }
+  for (int i = 1; i <= count; ++i) {
+    const std::string beam = "beam" + std::to_string(i);
+    add_link(scene, beam, 1.0, 1.0);
+    add_pin(scene, "post" + std::to_string(i - 1) + ".b", beam + ".a");
+    add_pin(scene, beam + ".b", "post" + std::to_string(i) + ".b");
+  }
+  return scene;
+}
+
+}  // namespace poise::test

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "model/scene.hpp"
+#include "statics/equilibrium.hpp"
+
+namespace poise::test {
+
+/// datasets/NAME of this repository.
+std::filesystem::path dataset(const std::string& name);
+
+nlohmann::json read_json(const std::filesystem::path& file);
+
+/// A number given as such, as a decimal string, or as a fraction "7/2".
+double number(const nlohmann::json& value);
+
+/// A scene's [start] replaced: angles of bodies (rad) and travels of joints (m) by name. Others are left as they are.
+Scene started_at(Scene scene, const std::map<std::string, double>& guesses);
+
+/// Scaled coordinates shifted by up to `reach` each (rad, mechanism sizes), evenly distributed, the same for the same
+/// seed.
+std::vector<double> perturbed(std::vector<double> x, double reach, unsigned seed);
+
+/// Angle of a body in an answer, rad, unwrapped; travel of a slide or pin in a slot, m; a point "body.name", m.
+double angle_of(const StaticModel& model, const std::vector<double>& x, std::string_view body);
+double travel_of(const StaticModel& model, const std::vector<double>& x, std::string_view joint);
+Vec2 place_of(const StaticModel& model, const std::vector<double>& x, std::string_view point);
+
+/// Largest difference between an answer and the known angles (rad) and travels (m, here over the mechanism's size).
+double error_of(const StaticModel& model, const std::vector<double>& x, const std::map<std::string, double>& known);
+
+/// Default options but for method and goal.
+SolveOptions by(Method method, Seek seek = Seek::nearest);
+
+/// The reaction of that name. Throws std::out_of_range where there is none.
+const Reaction& reaction_of(const Check& check, std::string_view name);
+
+/// How far rounding of the numbers of a scene, and of their evaluation, may move its equilibrium, rad or mechanism
+/// sizes: some units in the last place of a force over the smallest curvature, both scaled. Next to a fold, where
+/// equilibria merge, this is far more than rounding itself.
+double allowed_by_condition(const StaticModel& model, const Check& check);
+
+}  // namespace poise::test
