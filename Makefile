@@ -1,0 +1,52 @@
+# The short commands. Everything they do is CMake's: see CMakePresets.json and CMakeLists.txt.
+#   make run | test | bench | lint | format | install PREFIX=/usr/local | setup | clean
+# PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
+
+PRESET ?= $(if $(CI),ci,release)
+PREFIX ?= /usr/local
+JOBS ?= $(shell nproc)
+BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
+
+SOURCE_FOLDERS := model solvers statics app
+sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
+
+.PHONY: run test bench lint format install setup configure app all clean
+
+run: app
+	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
+
+test: all
+	ctest --preset $(PRESET) -j $(JOBS)
+
+bench: configure
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise_benchmarks poise_ratios
+	$(BUILD)/benchmarks/poise_benchmarks $(ARGS)
+	$(BUILD)/benchmarks/poise_ratios
+
+lint: configure
+	cmake/setup.sh lint
+	@clang-format --dry-run --Werror $(call sources_under,$(SOURCE_FOLDERS) tests benchmarks)
+	@echo clang-format: clean
+	cmake/tidy.sh $(BUILD) $(JOBS) $(SOURCE_FOLDERS)
+
+format:
+	cmake/setup.sh lint
+	clang-format -i $(call sources_under,$(SOURCE_FOLDERS) tests benchmarks)
+
+install: app
+	cmake --install $(BUILD) --prefix $(PREFIX)
+
+setup:
+	cmake/setup.sh
+
+configure: setup
+	cmake --preset $(PRESET)
+
+app: configure
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise
+
+all: configure
+	cmake --build --preset $(PRESET) -j $(JOBS)
+
+clean:
+	rm -rf build build-debug

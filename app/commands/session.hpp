@@ -1,0 +1,44 @@
+#pragma once
+
+// What the commands have in common: the scene with its settings, and the files to write.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/answer.hpp"
+#include "app/commands/commands.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
+
+namespace poise::app {
+
+/// Reads the scene and puts the settings into it. Throws InputError.
+Scene load_scene(const Request& request);
+
+/// The files of a request; they are tried out here, before any work is done. Throws InputError where one cannot be
+/// written, or where two are the same.
+class OutputFiles {
+ public:
+  explicit OutputFiles(const Request& request);
+
+  bool wants_json() const { return json_.has_value(); }
+  bool wants_svg() const { return svg_.has_value(); }
+  /// Writes both or, where that fails, throws InputError. An empty text is not written.
+  /// Returns one line for each file written.
+  std::string write(const std::string& json, const std::string& svg);
+
+ private:
+  std::optional<OutputFile> json_, svg_;
+};
+
+/// Searches by one method and measures what it found.
+Answer search(const StaticModel& model, const SolveOptions& options, Progress& progress);
+
+/// The picture of an answer that has readings.
+std::string picture(const StaticModel& model, const Answer& answer);
+
+/// Prints on standard output. Throws InputError where nobody takes it (the disk is full).
+void print(const std::string& text);
+
+}  // namespace poise::app

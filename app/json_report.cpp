@@ -1,0 +1,229 @@
+#include "app/json_report.hpp"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "app/quantity.hpp"
+#include "app/shown_values.hpp"
+
+namespace poise::app {
+namespace {
+
+using nlohmann::json;
+
+// JSON knows no NaN and no infinity.
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+/// Writes SI values in the units of a scene.
+class Writer {
+ public:
+  explicit Writer(const StaticModel& model) : model_(model), scene_(model.scene()), units_(scene_.units) {}
+
+  json scene(const std::vector<std::string>& settings) const {
+    return {{"file", scene_.file}, {"title", scene_.title}, {"source", scene_.source}, {"set", settings}};
+  }
+
+  json units() const {
+    json out;
+    out["length"] = unit_name(Quantity::length, units_);
+    out["force"] = unit_name(Quantity::force, units_);
+    out["mass"] = unit_name(Quantity::mass, units_);
+    out["angle"] = unit_name(Quantity::angle, units_);
+    out["moment"] = unit_name(Quantity::moment, units_);
+    out["energy"] = unit_name(Quantity::energy, units_);
+    return out;
+  }
+
+  json answer(const Answer& answer) const {
+    const Equilibrium& rest = answer.rest;
+    json out;
+    out["method"] = to_string(rest.method);
+    out["seek"] = rest.seek == Seek::stable ? "stable" : "nearest";
+    out["status"] = to_string(rest.status);
+    out["why"] = rest.why;
+    out["iterations"] = rest.iterations;
+    out["evaluations"] = rest.evaluations;
+    out["microseconds"] = number(rest.microseconds);
+    out["error"] = number(error_of(answer));
+    out["reference"] = reference(answer);
+    // A method that refused has no pose, so nothing can be said of one.
+    for (const char* key :
+         {"energy", "stability", "stability_note", "descent_directions", "neutral_directions", "modes", "points",
+          "angles", "slides", "springs", "torsion_springs", "stops", "reactions", "redundancy", "residuals"}) {
+      out[key] = nullptr;
+    }
+    if (!answer.readings) return out;
+    const Check& check = rest.check;
+    out["energy"] = number(in_unit(rest.energy, Quantity::energy, units_));
+    out["stability"] = to_string(check.stability);
+    out["stability_note"] = check.stability_note;
+    out["descent_directions"] = check.descent_directions;
+    out["neutral_directions"] = check.neutral_directions;
+    out["modes"] = modes(check);
+    out["points"] = points(*answer.readings);
+    out["angles"] = angles(*answer.readings);
+    out["slides"] = slides(*answer.readings);
+    out["springs"] = springs(*answer.readings);
+    out["torsion_springs"] = torsion_springs(*answer.readings);
+    out["stops"] = stops(*answer.readings, check);
+    out["reactions"] = reactions(check);
+    out["redundancy"] = check.redundancy;
+    out["residuals"] = residuals(check);
+    return out;
+  }
+
+ private:
+  json shown(double si, Quantity quantity) const { return number(in_unit(si, quantity, units_)); }
+  json shown(Vec2 si, Quantity quantity) const { return {shown(si.x, quantity), shown(si.y, quantity)}; }
+
+  json reference(const Answer& answer) const {
+    if (!answer.reference) return nullptr;
+    const Reference& reference = *answer.reference;
+    json out = {{"refined", reference.refined}, {"digits", reference.digits}, {"why", reference.why}};
+    out["coordinates"] = json::array();
+    for (std::size_t i = 0; i < reference.decimal.size(); ++i) {
+      const Coordinate& c = model_.layout().coordinates[i];
+      out["coordinates"].push_back({{"name", c.name},
+                                    {"unit", c.kind == Coordinate::Kind::angle ? "rad" : "m"},
+                                    {"value", reference.decimal[i]}});
+    }
+    return out;
+  }
+
+  json modes(const Check& check) const {
+    json out = json::array();
+    for (const Mode& mode : check.modes) {
+      json moves = json::object();
+      for (const auto& [name, part] : mode.moves) moves[name] = number(part);
+      out.push_back({{"curvature", shown(mode.curvature, Quantity::energy)}, {"moves", moves}});
+    }
+    return out;
+  }
+
+  json points(const Readings& readings) const {
+    json out = json::object();
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      json of_body = json::object();
+      for (const NamedPoint& p : scene_.bodies[i].points) {
+        of_body[p.name] = shown(readings.poses[i].world(p.at), Quantity::length);
+      }
+      out[scene_.bodies[i].name] = of_body;
+    }
+    return out;
+  }
+
+  json angles(const Readings& readings) const {
+    json out = json::object();
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      out[scene_.bodies[i].name] = shown(readings.poses[i].angle, Quantity::angle);
+    }
+    return out;
+  }
+
+  json slides(const Readings& readings) const {
+    json out = json::object();
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      if (scene_.joints[j].has_travel()) out[scene_.joints[j].name] = shown(readings.travel[j], Quantity::length);
+    }
+    return out;
+  }
+
+  json springs(const Readings& readings) const {
+    json out = json::object();
+    for (std::size_t i = 0; i < scene_.springs.size(); ++i) {
+      const SpringReading& reading = readings.springs[i];
+      out[scene_.springs[i].name] = {{"length", shown(reading.length, Quantity::length)},
+                                     {"force", shown(reading.force, Quantity::force)},
+                                     {"slack", reading.slack}};
+    }
+    return out;
+  }
+
+  json torsion_springs(const Readings& readings) const {
+    json out = json::object();
+    for (std::size_t i = 0; i < scene_.torsion_springs.size(); ++i) {
+      out[scene_.torsion_springs[i].name] = {{"moment", shown(readings.torsion_moments[i], Quantity::moment)}};
+    }
+    return out;
+  }
+
+  json stops(const Readings& readings, const Check& check) const {
+    json out = json::object();
+    for (std::size_t i = 0; i < scene_.stops.size(); ++i) {
+      const Stop& stop = scene_.stops[i];
+      out[stop.name] = {{"value", shown(readings.stops[i], quantity_of(stop))},
+                        {"min", shown(stop.min, quantity_of(stop))},
+                        {"max", shown(stop.max, quantity_of(stop))},
+                        {"presses", nullptr}};
+      for (const Reaction& reaction : check.reactions) {
+        if (reaction.kind == "stop" && reaction.name == stop.name) {
+          out[stop.name]["presses"] = pressed_limit(stop, readings.stops[i]).name;
+        }
+      }
+    }
+    return out;
+  }
+
+  json reactions(const Check& check) const {
+    json out = json::array();
+    for (const Reaction& r : check.reactions) {
+      out.push_back({{"name", r.name},
+                     {"kind", r.kind},
+                     {"at", shown(r.at, Quantity::length)},
+                     {"force", shown(r.force, Quantity::force)},
+                     {"moment", shown(r.moment, Quantity::moment)},
+                     {"axial", shown(r.axial, Quantity::force)},
+                     {"determined", r.determined}});
+    }
+    return out;
+  }
+
+  json residuals(const Check& check) const {
+    return {{"closure_error", shown(check.closure_error, Quantity::length)},
+            {"worst_joint", check.worst_joint},
+            {"imbalance", shown(check.imbalance, Quantity::force)},
+            {"worst_body", check.worst_body},
+            {"largest_force", shown(check.largest_force, Quantity::force)},
+            {"stop_violation", number(check.stop_violation)},
+            {"worst_stop", check.worst_stop},
+            {"objection", check.objection}};
+  }
+
+  const StaticModel& model_;
+  const Scene& scene_;
+  const Units& units_;
+};
+
+// Indented for people, but for mechanisms that no person reads through.
+std::string text_of(const json& document, const Scene& scene) {
+  const int indent = scene.bodies.size() <= 1000 ? 2 : -1;
+  return document.dump(indent, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string solve_json(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings) {
+  const Writer writer(model);
+  json document = writer.answer(answer);
+  document["poise"] = POISE_VERSION;
+  document["scene"] = writer.scene(settings);
+  document["units"] = writer.units();
+  return text_of(document, model.scene());
+}
+
+std::string compare_json(const StaticModel& model, const std::vector<Answer>& answers,
+                         const std::vector<std::string>& settings) {
+  const Writer writer(model);
+  json document = {{"poise", POISE_VERSION}, {"scene", writer.scene(settings)}, {"units", writer.units()}};
+  document["methods"] = json::array();
+  for (const Answer& answer : answers) document["methods"].push_back(writer.answer(answer));
+  const Agreement agreement = compare_answers(model, answers);
+  if (agreement.confirmed < 2)
+    document["agreement"] = nullptr;
+  else
+    document["agreement"] = {{"same", agreement.same}, {"largest_difference", number(agreement.difference)}};
+  return text_of(document, model.scene());
+}
+
+}  // namespace poise::app

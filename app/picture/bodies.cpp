@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/picture/stage.hpp"
+#include "app/picture/symbols.hpp"
+
+namespace poise::app {
+namespace {
+
+/// The ends of a body whose points lie on one line, or the corners of one whose points do not.
+std::vector<Vec2> outline(const Stage& stage, int body, const Readings& readings) {
+  return convex_hull(stage.points_of(body, readings));
+}
+
+/// All bodies as lines whose pen is lifted only where bodies do not join; steps too short to be seen are left
+/// out, so that a chain of a hundred thousand links stays a small file.
+std::vector<std::vector<Vec2>> strokes_of(const Stage& stage, const Readings& readings) {
+  constexpr double visible = 0.5;
+  std::vector<std::vector<Vec2>> strokes;
+  std::vector<Vec2> stroke;
+  Vec2 pen{};
+  const auto flush = [&] {
+    if (stroke.size() > 1) strokes.push_back(stroke);
+    stroke.clear();
+  };
+  for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+    std::vector<Vec2> shape = outline(stage, static_cast<int>(i), readings);
+    if (shape.size() < 2) continue;
+    if (shape.size() > 2) shape.push_back(shape.front());
+    if (norm(shape.back() - pen) < norm(shape.front() - pen)) std::reverse(shape.begin(), shape.end());
+    if (stroke.empty() || norm(shape.front() - pen) > visible) {
+      flush();
+      stroke.push_back(shape.front());
+    }
+    for (const Vec2& p : shape) {
+      if (norm(p - stroke.back()) > visible) stroke.push_back(p);
+    }
+    pen = shape.back();
+  }
+  if (stroke.size() == 1 && norm(pen - stroke.back()) > 0) stroke.push_back(pen);
+  flush();
+  return strokes;
+}
+
+void sketch_bodies(Stage& stage) {
+  constexpr double coarse = 12.0;  // enough to keep labels off
+  for (const std::vector<Vec2>& stroke : strokes_of(stage, stage.now)) {
+    stage.canvas.polyline(stroke, {.stroke = ink::dark, .width = 1.4});
+    Vec2 last = stroke.front();
+    for (const Vec2& p : stroke) {
+      if (norm(p - last) < coarse) continue;
+      stage.setter.avoid(last, p, 1.4);
+      last = p;
+    }
+  }
+}
+
+void draw_ghost(Stage& stage, const std::vector<Vec2>& shape) {
+  if (shape.size() == 2) {
+    stage.canvas.line(shape[0], shape[1], {.stroke = ink::ghost, .width = 0.7 * stage.bar_width});
+  } else if (shape.size() > 2) {
+    stage.canvas.polygon(shape, {.fill = "#f1f3f5", .stroke = ink::ghost, .width = 0.5 * stage.bar_width});
+  }
+}
+
+void draw_body(Stage& stage, int body) {
+  const std::vector<Vec2> shape = outline(stage, body, stage.now);
+  const std::string colour = body_colour(body - 1);
+  if (shape.size() == 2) {
+    draw_bar(stage.canvas, shape[0], shape[1], stage.bar_width, colour);
+    stage.setter.avoid(shape[0], shape[1], stage.bar_width);
+  } else if (shape.size() > 2) {
+    stage.canvas.polygon(shape, {.fill = colour, .opacity = 0.3});
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      const Vec2 next = shape[(i + 1) % shape.size()];
+      draw_bar(stage.canvas, shape[i], next, 0.7 * stage.bar_width, colour);
+      stage.setter.avoid(shape[i], next, 0.7 * stage.bar_width);
+    }
+  }
+  if (shape.empty() || stage.detail != Detail::full) return;
+  // Names stand beside a bar's middle, and inside a plate.
+  Vec2 middle{};
+  for (const Vec2& p : shape) middle += (1.0 / static_cast<double>(shape.size())) * p;
+  Vec2 toward{0, -1};
+  if (shape.size() == 2) {
+    toward = quarter_turn((1 / norm(shape[1] - shape[0])) * (shape[1] - shape[0]));
+    if (toward.y > 0) toward = -toward;
+  }
+  const double gap = shape.size() == 2 ? 0.5 * stage.bar_width + 4 : shape.size() > 2 ? 0 : 14;
+  stage.label(stage.scene.bodies[body].name, middle, toward, gap, ink::faint, 10.5, true);
+}
+
+}  // namespace
+
+void draw_starting_pose(Stage& stage) {
+  if (!stage.before) return;
+  constexpr double visible = 2.0;
+  double moved = 0.0;
+  for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+    for (const NamedPoint& p : stage.scene.bodies[i].points) {
+      moved = std::max(moved, stage.scale * norm(stage.now.poses[i].world(p.at) - stage.before->poses[i].world(p.at)));
+    }
+  }
+  if (moved < visible) return;
+  stage.signs.insert(Sign::starting_pose);
+  stage.canvas.open("start");
+  if (stage.detail == Detail::sketch) {
+    for (const auto& stroke : strokes_of(stage, *stage.before)) {
+      stage.canvas.polyline(stroke, {.stroke = ink::ghost, .width = 1.2});
+    }
+  } else {
+    for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+      draw_ghost(stage, outline(stage, static_cast<int>(i), *stage.before));
+    }
+  }
+  stage.canvas.close();
+}
+
+void draw_bodies(Stage& stage) {
+  stage.canvas.open("bodies");
+  if (stage.detail == Detail::sketch) {
+    sketch_bodies(stage);
+  } else {
+    for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) draw_body(stage, static_cast<int>(i));
+  }
+  for (const Joint& joint : stage.scene.joints) {
+    if (joint.kind != Joint::Kind::bar) continue;
+    const Vec2 a = stage.page(joint.a);
+    const Vec2 b = stage.page(joint.b);
+    draw_massless_bar(stage.canvas, a, b, stage.detail == Detail::sketch ? 1.0 : 0.6 * stage.bar_width);
+    if (stage.detail != Detail::sketch) stage.setter.avoid(a, b, 0.6 * stage.bar_width);
+    stage.signs.insert(Sign::massless_bar);
+  }
+  stage.canvas.close();
+}
+
+void draw_centres_of_mass(Stage& stage) {
+  constexpr double thinnest = 4.0;  // bars on which the sign would be lost
+  if (stage.scene.gravity == Vec2{} || stage.detail == Detail::sketch || stage.bar_width < thinnest) return;
+  stage.canvas.open("centres-of-mass");
+  for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+    const Body& body = stage.scene.bodies[i];
+    if (body.mass <= 0) continue;
+    const double radius = std::clamp(0.55 * stage.bar_width, 2.0, 4.5);
+    const Vec2 at = stage.page(stage.now.poses[i].world(body.center));
+    draw_centre_of_mass(stage.canvas, at, radius);
+    stage.setter.avoid(at, radius);
+    stage.signs.insert(Sign::centre_of_mass);
+  }
+  stage.canvas.close();
+}
+
+}  // namespace poise::app

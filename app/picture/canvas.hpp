@@ -1,0 +1,80 @@
+#pragma once
+
+// SVG primitives. Coordinates are in pixels of the page, x to the right and y down.
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/planar.hpp"
+
+namespace poise::app {
+
+/// An upright rectangle; begins empty.
+struct Box {
+  Vec2 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Vec2 high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+
+  void include(Vec2 p, double margin = 0.0);
+  bool empty() const { return !(low.x <= high.x); }
+  double width() const { return empty() ? 0.0 : high.x - low.x; }
+  double height() const { return empty() ? 0.0 : high.y - low.y; }
+  Vec2 middle() const { return 0.5 * (low + high); }
+};
+
+/// How a shape is filled and drawn. Colours as SVG writes them; "none" leaves it out.
+struct Paint {
+  std::string fill = "none";
+  std::string stroke = "none";
+  double width = 1.0;
+  std::string dash{};  ///< "5 3", empty for a full line
+  double opacity = 1.0;
+};
+
+enum class Align { start, middle, end };
+
+struct TextStyle {
+  double size = 11.0;
+  std::string colour = "#222b33";
+  bool bold = false;
+  bool italic = false;
+  bool halo = true;  ///< white rim, so that text stays legible over lines
+  Align align = Align::middle;
+};
+
+/// Width that a text takes at least in the usual sans-serif fonts, px; rather too much than too little.
+double text_width(std::string_view text, double size);
+
+/// The text with what means something to XML escaped and what XML forbids left out.
+std::string escape_xml(std::string_view text);
+
+/// Collects SVG elements and the box that they fill.
+class Canvas {
+ public:
+  void line(Vec2 a, Vec2 b, const Paint& paint);
+  void polyline(const std::vector<Vec2>& points, const Paint& paint);
+  void polygon(const std::vector<Vec2>& points, const Paint& paint);
+  void circle(Vec2 centre, double radius, const Paint& paint);
+  /// Part of a circle from one angle to another, rad counter-clockwise as seen, begun at `from`.
+  void arc(Vec2 centre, double radius, double from, double to, const Paint& paint);
+  /// One line of text, standing on `at`.
+  void text(Vec2 at, std::string_view text, const TextStyle& style);
+
+  /// A group, named (or not) so that it can be found by whoever edits the figure. Groups must be closed.
+  void open(std::string_view id, Vec2 shift = {});
+  void close();
+
+  const Box& bounds() const { return bounds_; }
+  const std::string& elements() const { return elements_; }
+  /// Takes over what another canvas holds, moved by `shift`.
+  void insert(const Canvas& other, std::string_view id, Vec2 shift);
+
+ private:
+  void points(std::string_view element, const std::vector<Vec2>& points, const Paint& paint);
+
+  std::string elements_;
+  Box bounds_;
+};
+
+}  // namespace poise::app

@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "app/picture/stage.hpp"
+#include "app/picture/symbols.hpp"
+
+namespace poise::app {
+namespace {
+
+/// The side of a place where the ground is best drawn: below, unless something leaves that way.
+Vec2 free_side(const std::vector<Vec2>& members, const std::vector<Vec2>& sides) {
+  constexpr double clear = 0.6;  // cosine of the angle to the nearest member
+  Vec2 best = sides.front();
+  double best_nearest = 2.0;
+  for (const Vec2& side : sides) {
+    double nearest = -1.0;
+    for (const Vec2& member : members) nearest = std::max(nearest, dot(side, member));
+    if (nearest < clear) return side;
+    if (nearest < best_nearest) {
+      best_nearest = nearest;
+      best = side;
+    }
+  }
+  return best;
+}
+
+const std::vector<Vec2> upright_sides = {{0, 1}, {0, -1}, {-1, 0}, {1, 0}};
+
+/// The side that what is tied to a place pulls against.
+Vec2 far_side(const std::vector<Vec2>& members) {
+  Vec2 pull{};
+  for (const Vec2& member : members) pull += member;
+  return *std::min_element(upright_sides.begin(), upright_sides.end(),
+                           [&](Vec2 a, Vec2 b) { return dot(a, pull) < dot(b, pull); });
+}
+
+/// Part of the line that a joint's second point can be expected to run on: from its place to where it started, its
+/// stops, and, on a moving body, the point that the line goes through.
+struct Track {
+  Vec2 at;         ///< of the joint's second point
+  Vec2 low, high;  ///< ends of the drawn line
+  Vec2 along;
+};
+
+Track track_of(const Stage& stage, std::size_t j) {
+  const Joint& joint = stage.scene.joints[j];
+  const double s = stage.now.travel[j];
+  double low = s;
+  double high = s;
+  const auto include = [&](double t) {
+    low = std::min(low, t);
+    high = std::max(high, t);
+  };
+  if (stage.before) include(stage.before->travel[j]);
+  if (joint.a.body != 0) include(0.0);
+  for (const Stop& stop : stage.scene.stops) {
+    if (stop.kind != Stop::Kind::travel || stop.joint != static_cast<int>(j)) continue;
+    if (std::isfinite(stop.min)) include(stop.min);
+    if (std::isfinite(stop.max)) include(stop.max);
+  }
+  const Vec2 along = stage.page_direction(joint.axis * unit(stage.now.poses[joint.a.body].angle));
+  const Vec2 origin = stage.page(joint.a);
+  const double margin = stage.detail == Detail::sketch ? 6.0 : 34.0;
+  return {origin + stage.scale * s * along, origin + (stage.scale * low - margin) * along,
+          origin + (stage.scale * high + margin) * along, along};
+}
+
+void draw_guide(Stage& stage, std::size_t j) {
+  const Joint& joint = stage.scene.joints[j];
+  const Track track = track_of(stage, j);
+  const double half_height = joint.kind == Joint::Kind::slide ? 9.0 : 0.75 * stage.bar_width + 1.5;
+  if (stage.detail == Detail::sketch) {
+    stage.canvas.line(track.low, track.high, {.stroke = ink::ground, .width = 0.8});
+    return;
+  }
+  if (joint.a.body == 0) {
+    Vec2 side = quarter_turn(track.along);
+    if (side.y < 0 || (std::abs(side.y) < 1e-9 && side.x < 0)) side = -side;
+    const Vec2 down = free_side(stage.members_at(track.at), {side, -side});
+    draw_ground(stage.canvas, track.low + half_height * down, track.high + half_height * down, down);
+    stage.setter.avoid(track.low + half_height * down, track.high + half_height * down, 8.0);
+  }
+  if (joint.kind == Joint::Kind::pin_in_slot) {
+    const std::string fill = joint.a.body == 0 ? "#eef1f3" : body_colour(joint.a.body - 1);
+    draw_slot(stage.canvas, track.low, track.high, 2 * half_height, {.fill = fill, .stroke = ink::dark, .width = 1.1});
+    stage.setter.avoid(track.low, track.high, 2 * half_height);
+  } else if (joint.a.body == 0) {
+    stage.canvas.line(track.low, track.high, {.stroke = ink::ground, .width = 0.8, .dash = "8 3 2 3"});
+  } else {
+    // A rod of the guiding body that runs through the block.
+    draw_bar(stage.canvas, track.low, track.high, 0.6 * stage.bar_width, body_colour(joint.a.body - 1));
+    stage.setter.avoid(track.low, track.high, 0.6 * stage.bar_width);
+  }
+}
+
+void draw_slide_block(Stage& stage, std::size_t j) {
+  const Joint& joint = stage.scene.joints[j];
+  const Track track = track_of(stage, j);
+  const bool sketchy = stage.detail == Detail::sketch;
+  const std::string fill = joint.b.body == 0 ? "#eef1f3" : body_colour(joint.b.body - 1);
+  draw_block(stage.canvas, track.at, track.along, sketchy ? 6 : 32, sketchy ? 4 : 18,
+             {.fill = fill, .stroke = ink::dark, .width = sketchy ? 0.6 : 1.3});
+  if (!sketchy) stage.setter.avoid(track.at - 16.0 * track.along, track.at + 16.0 * track.along, 18.0);
+}
+
+void draw_weld(Stage& stage, Vec2 at) {
+  const double side = 2 * stage.pin_radius;
+  draw_block(stage.canvas, at, {1, 0}, side, side, {.fill = ink::dark});
+}
+
+/// Names of the places where something happens, each place once. A name that many places share tells nothing.
+class PlaceNames {
+ public:
+  void add(Vec2 place, const std::string& name) {
+    const bool known =
+        std::any_of(names_.begin(), names_.end(), [&](const auto& other) { return norm(other.first - place) < 2.0; });
+    if (known || name.empty()) return;
+    names_.emplace_back(place, name);
+    ++uses_[name];
+  }
+  template <class Visit>
+  void visit(Visit visit) const {
+    for (const auto& [place, name] : names_) {
+      if (uses_.at(name) < 3) visit(place, name);
+    }
+  }
+
+ private:
+  std::vector<std::pair<Vec2, std::string>> names_;
+  std::map<std::string, int> uses_;
+};
+
+/// Away from what meets at a place.
+Vec2 outward(const std::vector<Vec2>& members) {
+  Vec2 sum{};
+  for (const Vec2& m : members) sum += m;
+  const double length = norm(sum);
+  return length > 0.1 ? (-1 / length) * sum : Vec2{0.7, -0.7};
+}
+
+void name_places(Stage& stage) {
+  PlaceNames names;
+  for (const Joint& joint : stage.scene.joints) {
+    if (joint.kind != Joint::Kind::bar) names.add(stage.page(joint.b), stage.short_name(joint));
+  }
+  for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+    const std::vector<Vec2> points = stage.points_of(static_cast<int>(i), stage.now);
+    for (std::size_t p = 0; p < points.size(); ++p) names.add(points[p], stage.scene.bodies[i].points[p].name);
+  }
+  for (const Spring& spring : stage.scene.springs) {
+    for (const PointRef& end : {spring.a, spring.b}) {
+      if (end.body == 0) names.add(stage.page(end), stage.scene.bodies[0].points[end.point].name);
+    }
+  }
+  names.visit([&](Vec2 place, const std::string& name) {
+    stage.label(name, place, outward(stage.members_at(place)), stage.pin_radius + 4, ink::dark, 11.5);
+  });
+}
+
+}  // namespace
+
+void draw_guides(Stage& stage) {
+  stage.canvas.open("guides");
+  for (std::size_t j = 0; j < stage.scene.joints.size(); ++j) {
+    if (stage.scene.joints[j].has_travel()) draw_guide(stage, j);
+  }
+  stage.canvas.close();
+}
+
+void draw_supports(Stage& stage) {
+  stage.canvas.open("ground");
+  std::set<int> supported;
+  for (const Joint& joint : stage.scene.joints) {
+    if (joint.has_travel()) continue;
+    for (const PointRef& end : {joint.a, joint.b}) {
+      if (end.body != 0 || !supported.insert(end.point).second) continue;
+      const Vec2 at = stage.page(end);
+      if (!stage.shows_ground) {
+        stage.canvas.circle(at, 2.0, {.fill = ink::dark});
+        continue;
+      }
+      const Vec2 down = free_side(stage.members_at(at), upright_sides);
+      if (joint.kind == Joint::Kind::weld) {
+        const Vec2 along = quarter_turn(down);
+        draw_ground(stage.canvas, at - 17.0 * along, at + 17.0 * along, down);
+      } else {
+        draw_support(stage.canvas, at, down);
+      }
+      stage.setter.avoid(at, at + 24.0 * down, 26.0);
+    }
+  }
+  for (const Spring& spring : stage.scene.springs) {
+    for (const PointRef& end : {spring.a, spring.b}) {
+      if (end.body != 0 || !stage.shows_ground || !supported.insert(end.point).second) continue;
+      const Vec2 at = stage.page(end);
+      const Vec2 down = far_side(stage.members_at(at));
+      const Vec2 along = quarter_turn(down);
+      draw_ground(stage.canvas, at - 11.0 * along, at + 11.0 * along, down);
+      stage.setter.avoid(at - 11.0 * along, at + 11.0 * along, 12.0);
+    }
+  }
+  stage.canvas.close();
+}
+
+void draw_pins(Stage& stage) {
+  stage.canvas.open("joints");
+  for (std::size_t j = 0; j < stage.scene.joints.size(); ++j) {
+    if (stage.scene.joints[j].kind == Joint::Kind::slide) draw_slide_block(stage, j);
+  }
+  if (stage.detail != Detail::sketch) {
+    // Points that are no joint are dots; joints come on top.
+    for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+      for (const Vec2& at : stage.points_of(static_cast<int>(i), stage.now)) {
+        stage.canvas.circle(at, 0.5 * stage.pin_radius, {.fill = ink::dark});
+      }
+    }
+    for (const Joint& joint : stage.scene.joints) {
+      if (joint.kind == Joint::Kind::weld) draw_weld(stage, stage.page(joint.b));
+    }
+    for (const Joint& joint : stage.scene.joints) {
+      if (joint.kind == Joint::Kind::weld || joint.kind == Joint::Kind::slide) continue;
+      if (joint.kind == Joint::Kind::bar) draw_pin(stage.canvas, stage.page(joint.a), stage.pin_radius);
+      draw_pin(stage.canvas, stage.page(joint.b), stage.pin_radius);
+      stage.setter.avoid(stage.page(joint.b), stage.pin_radius);
+    }
+  }
+  stage.canvas.close();
+  if (stage.detail == Detail::full) name_places(stage);
+}
+
+}  // namespace poise::app

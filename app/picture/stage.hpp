@@ -1,0 +1,105 @@
+#pragma once
+
+// What every part of a figure shares: the mechanism at rest, its scale on the page, and the labels that wait to be set.
+
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/picture/canvas.hpp"
+#include "app/picture/labels.hpp"
+#include "app/quantity.hpp"
+#include "app/readings.hpp"
+#include "statics/equilibrium.hpp"
+
+namespace poise::app {
+
+/// Signs that the legend explains where they occur.
+enum class Sign {
+  load,
+  reaction,
+  undetermined_reaction,
+  spring,
+  slack_spring,
+  torsion_spring,
+  massless_bar,
+  centre_of_mass,
+  pressed_stop,
+  free_stop,
+  starting_pose
+};
+
+/// How much of a mechanism a page can hold.
+enum class Detail {
+  full,     ///< everything, with names
+  reduced,  ///< no names of bodies and points, no forces of inner joints
+  sketch    ///< lines only: hundreds of bodies and more
+};
+
+/// A mechanism on its way to the page.
+class Stage {
+ public:
+  /// `start` are the scaled coordinates that the search began with; empty: not shown.
+  Stage(const StaticModel& model, const Equilibrium& rest, const std::vector<double>& start);
+
+  const StaticModel& model;
+  const Scene& scene;
+  const Equilibrium& rest;
+  const Readings now;
+  std::optional<Readings> before;
+  Detail detail = Detail::full;
+  bool shows_ground = true;    ///< supports and their reactions, even in a sketch when they are few
+  double scale = 1.0;          ///< px per m
+  double bar_width = 8.0;      ///< px
+  double pin_radius = 4.0;     ///< px
+  double largest_force = 0.0;  ///< N: of all arrows
+
+  Canvas canvas;
+  LabelSetter setter;
+  std::vector<Label> labels;
+  std::vector<std::pair<Vec2, Vec2>> arrows;  ///< drawn so far, tail and tip
+  std::set<Sign> signs;
+
+  /// World, m -> page, px.
+  Vec2 page(Vec2 world) const { return scale * conj(world); }
+  Vec2 page(PointRef point) const { return page(world(scene, now, point)); }
+  /// Direction on the page of a world direction.
+  static Vec2 page_direction(Vec2 world) { return conj(world); }
+
+  /// Points of a body on the page, at rest or in the starting pose.
+  std::vector<Vec2> points_of(int body, const Readings& readings) const;
+  /// Directions in which things leave a place on the page: bodies, bars and springs that have a point there.
+  std::vector<Vec2> members_at(Vec2 place) const;
+  /// Name of a joint fit for a figure: what the scene calls it, or else the point's name.
+  std::string short_name(const Joint& joint) const;
+  /// Where two bodies turn about each other: the joint they share, or the origin of `b`.
+  Vec2 pivot(int a, int b) const;
+
+  /// Length of the arrow for a force, px.
+  double arrow_length(double force) const;
+  /// "12.5 N", with a true minus sign.
+  std::string value(double si, Quantity quantity, int digits = 4) const;
+  /// Asks for a label; set when everything is drawn.
+  void label(std::string text, Vec2 anchor, Vec2 toward, double gap, const std::string& colour, double size = 11.0,
+             bool italic = false);
+
+ private:
+  void choose_detail();
+  void choose_scale();
+};
+
+// The parts of the figure, in the order in which they are drawn.
+void draw_starting_pose(Stage& stage);
+void draw_guides(Stage& stage);
+void draw_supports(Stage& stage);
+void draw_bodies(Stage& stage);
+void draw_springs(Stage& stage);
+void draw_pins(Stage& stage);
+void draw_stops(Stage& stage);
+void draw_centres_of_mass(Stage& stage);
+void draw_loads(Stage& stage);
+void draw_reactions(Stage& stage);
+
+}  // namespace poise::app

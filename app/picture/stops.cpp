@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/picture/stage.hpp"
+#include "app/picture/symbols.hpp"
+
+namespace poise::app {
+namespace {
+
+struct Colours {
+  const char* line;
+  double width;
+};
+
+Colours colours(bool presses) { return presses ? Colours{ink::stop, 2.6} : Colours{ink::free_stop, 1.2}; }
+
+/// What a stop carries; null where it does not press.
+const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
+  const auto& reactions = stage.rest.check.reactions;
+  const auto found = std::find_if(reactions.begin(), reactions.end(),
+                                  [&](const Reaction& r) { return r.kind == "stop" && r.name == stop.name; });
+  return found == reactions.end() ? nullptr : &*found;
+}
+
+void label_pressed(Stage& stage, const Stop& stop, const Reaction& reaction, Vec2 at, Vec2 toward, double gap) {
+  if (stage.detail != Detail::full) return;
+  const std::string carried = stop.kind == Stop::Kind::angle ? stage.value(std::abs(reaction.moment), Quantity::moment)
+                                                             : stage.value(norm(reaction.force), Quantity::force);
+  stage.label(stop.name + " presses: " + carried + (reaction.determined ? "" : "*"), at, toward, gap, ink::stop);
+}
+
+/// Direction on the page from a pivot to the end of a body that is farthest from it.
+Vec2 hand_of(const Stage& stage, int body, Vec2 pivot) {
+  Vec2 hand = stage.page_direction(unit(stage.now.poses[body].angle));
+  double reach = 1.0;
+  for (const Vec2& p : stage.points_of(body, stage.now)) {
+    if (norm(p - pivot) <= reach) continue;
+    reach = norm(p - pivot);
+    hand = (1 / reach) * (p - pivot);
+  }
+  return hand;
+}
+
+/// An arc over the range that a stop leaves to the moving body, with a mark at each limit.
+void draw_angle_stop(Stage& stage, const Stop& stop, double now, const Reaction* pressed) {
+  const int moving = stop.body_b != 0 ? stop.body_b : stop.body_a;
+  const double sense = stop.body_b != 0 ? 1.0 : -1.0;
+  const Vec2 pivot = stage.pivot(stop.body_a, stop.body_b);
+  const double hand = seen_angle(hand_of(stage, moving, pivot));
+  const double radius = 30.0;
+  // A mark stands beside the bar that leans on it: below the smallest angle, above the largest.
+  const auto mark = [&](double limit, double side) {
+    const Vec2 u = conj(unit(hand + sense * (limit - now)));
+    const Vec2 aside = -side * sense * (0.5 * stage.bar_width + 2.0) * quarter_turn(u);
+    const Colours c = colours(pressed != nullptr && limit == pressed_limit(stop, now).value);
+    stage.canvas.line(pivot + (radius - 10) * u + aside, pivot + (radius + 10) * u + aside,
+                      {.stroke = c.line, .width = c.width});
+  };
+  if (std::isfinite(stop.min) && std::isfinite(stop.max) && stop.max - stop.min < 2 * M_PI) {
+    stage.canvas.arc(pivot, radius, hand + sense * (stop.min - now), hand + sense * (stop.max - now),
+                     {.stroke = ink::free_stop, .width = 1.2, .dash = "2 3"});
+  }
+  if (std::isfinite(stop.min)) mark(stop.min, -1.0);
+  if (std::isfinite(stop.max)) mark(stop.max, 1.0);
+  if (pressed) label_pressed(stage, stop, *pressed, pivot + radius * conj(unit(hand)), conj(unit(hand)), 12);
+}
+
+void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* pressed) {
+  const Vec2 a = stage.page(stop.a);
+  const Vec2 b = stage.page(stop.b);
+  const auto [colour, width] = colours(pressed != nullptr);
+  stage.canvas.line(a, b, {.stroke = colour, .width = width, .dash = pressed ? "" : "2 4"});
+  if (!pressed) return;
+  stage.setter.avoid(a, b, width);
+  label_pressed(stage, stop, *pressed, 0.5 * (a + b), {0, -1}, 5);
+}
+
+/// Marks across the guide line, where the block's face would meet them.
+void draw_travel_stop(Stage& stage, const Stop& stop, double now, const Reaction* pressed) {
+  const Joint& joint = stage.scene.joints[stop.joint];
+  const Vec2 along = stage.page_direction(joint.axis * unit(stage.now.poses[joint.a.body].angle));
+  const Vec2 across = quarter_turn(along);
+  const double face = joint.kind == Joint::Kind::slide ? 18.0 : stage.pin_radius + 2;
+  const auto mark = [&](double limit, double sign) {
+    const bool touched = pressed != nullptr && limit == pressed_limit(stop, now).value;
+    const Vec2 at = stage.page(joint.a) + (stage.scale * limit + sign * face) * along;
+    const Colours c = colours(touched);
+    stage.canvas.line(at - 12.0 * across, at + 12.0 * across, {.stroke = c.line, .width = 1.4 * c.width});
+    if (touched) label_pressed(stage, stop, *pressed, at, sign * along, 8);
+  };
+  if (std::isfinite(stop.min)) mark(stop.min, -1.0);
+  if (std::isfinite(stop.max)) mark(stop.max, 1.0);
+}
+
+}  // namespace
+
+void draw_stops(Stage& stage) {
+  if (stage.detail == Detail::sketch || stage.scene.stops.empty()) return;
+  stage.canvas.open("stops");
+  for (std::size_t i = 0; i < stage.scene.stops.size(); ++i) {
+    const Stop& stop = stage.scene.stops[i];
+    const Reaction* pressed = reaction_of(stage, stop);
+    stage.signs.insert(pressed ? Sign::pressed_stop : Sign::free_stop);
+    switch (stop.kind) {
+      case Stop::Kind::angle:
+        draw_angle_stop(stage, stop, stage.now.stops[i], pressed);
+        break;
+      case Stop::Kind::distance:
+        draw_distance_stop(stage, stop, pressed);
+        break;
+      case Stop::Kind::travel:
+        draw_travel_stop(stage, stop, stage.now.stops[i], pressed);
+        break;
+    }
+  }
+  stage.canvas.close();
+}
+
+}  // namespace poise::app

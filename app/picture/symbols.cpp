@@ -1,0 +1,161 @@
+#include "app/picture/symbols.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace poise::app {
+namespace {
+
+constexpr double hatch_pitch = 6.0;
+constexpr double hatch_depth = 6.0;
+
+Vec2 direction(Vec2 a, Vec2 b) {
+  const double length = norm(b - a);
+  return length > 0 ? (1 / length) * (b - a) : Vec2{1, 0};
+}
+
+// Tip and the two corners of an arrow's head that points along `u`.
+void draw_head(Canvas& canvas, Vec2 tip, Vec2 u, double length, const std::string& colour) {
+  const Vec2 back = tip - length * u;
+  const Vec2 side = 0.36 * length * quarter_turn(u);
+  canvas.polygon({tip, back + side, back - side}, {.fill = colour, .stroke = colour, .width = 0.6});
+}
+
+}  // namespace
+
+const char* body_colour(int i) {
+  static constexpr std::array<const char*, 9> colours = {"#9fb1c4", "#d3b27c", "#93b795", "#bf9fc0", "#b7b48a",
+                                                         "#dba58f", "#8fbcc0", "#c7b8a3", "#a9a7cf"};
+  return colours[i % colours.size()];
+}
+
+double seen_angle(Vec2 direction) { return std::atan2(-direction.y, direction.x); }
+
+void draw_ground(Canvas& canvas, Vec2 a, Vec2 b, Vec2 down) {
+  const Paint thin{.stroke = ink::ground, .width = 0.9};
+  const Vec2 along = direction(a, b);
+  const double length = norm(b - a);
+  const int strokes = std::max(2, static_cast<int>(std::floor(length / hatch_pitch)));
+  for (int i = 0; i < strokes; ++i) {
+    const Vec2 on_line = a + ((i + 0.8) * length / strokes) * along;
+    canvas.line(on_line, on_line - hatch_depth * along + hatch_depth * down, thin);
+  }
+  canvas.line(a, b, {.stroke = ink::dark, .width = 1.6});
+}
+
+void draw_support(Canvas& canvas, Vec2 at, Vec2 down) {
+  const Vec2 along = quarter_turn(down);
+  const Vec2 foot = at + 17.0 * down;
+  canvas.polygon({at, foot + 10.0 * along, foot - 10.0 * along},
+                 {.fill = "#eef1f3", .stroke = ink::dark, .width = 1.4});
+  draw_ground(canvas, foot - 17.0 * along, foot + 17.0 * along, down);
+}
+
+void draw_pin(Canvas& canvas, Vec2 at, double radius) {
+  canvas.circle(at, radius, {.fill = "white", .stroke = ink::dark, .width = std::max(0.8, 0.36 * radius)});
+}
+
+void draw_centre_of_mass(Canvas& canvas, Vec2 at, double radius) {
+  canvas.circle(at, radius, {.fill = "white", .stroke = ink::dark, .width = 0.9});
+  for (int quarter : {0, 2}) {
+    const Vec2 u = unit(quarter * M_PI_2);
+    std::vector<Vec2> wedge{at};
+    for (int i = 0; i <= 6; ++i) wedge.push_back(at + radius * (u * unit(i * M_PI_2 / 6)));
+    canvas.polygon(wedge, {.fill = ink::dark});
+  }
+}
+
+void draw_bar(Canvas& canvas, Vec2 a, Vec2 b, double width, const std::string& fill) {
+  const double rim = std::min(1.1, 0.2 * width);
+  canvas.line(a, b, {.stroke = ink::dark, .width = width});
+  canvas.line(a, b, {.stroke = fill, .width = width - 2 * rim});
+}
+
+void draw_massless_bar(Canvas& canvas, Vec2 a, Vec2 b, double width) { draw_bar(canvas, a, b, width, "white"); }
+
+void draw_block(Canvas& canvas, Vec2 at, Vec2 axis, double length, double height, const Paint& paint) {
+  const Vec2 l = 0.5 * length * axis;
+  const Vec2 h = 0.5 * height * quarter_turn(axis);
+  canvas.polygon({at - l - h, at + l - h, at + l + h, at - l + h}, paint);
+}
+
+void draw_slot(Canvas& canvas, Vec2 a, Vec2 b, double width, const Paint& paint) {
+  canvas.line(a, b, {.stroke = paint.stroke, .width = width});
+  canvas.line(a, b, {.stroke = paint.fill, .width = width - 2 * paint.width});
+}
+
+void draw_spring(Canvas& canvas, Vec2 a, Vec2 b, const Paint& paint) {
+  const double length = norm(b - a);
+  const Vec2 along = direction(a, b);
+  const Vec2 side = quarter_turn(along);
+  const double straight = std::min(28.0, 0.15 * length);
+  const double coiled = length - 2 * straight;
+  const int teeth = std::clamp(static_cast<int>(std::lround(coiled / 9.0)), 4, 28);
+  const double reach = std::min(7.0, 2.0 + 0.12 * length);
+  std::vector<Vec2> points{a, a + straight * along};
+  for (int i = 0; i < teeth; ++i) {
+    points.push_back(a + (straight + (i + 0.5) * coiled / teeth) * along + (i % 2 == 0 ? reach : -reach) * side);
+  }
+  points.push_back(b - straight * along);
+  points.push_back(b);
+  canvas.polyline(points, paint);
+}
+
+void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint) {
+  constexpr double turns = 2.25;
+  constexpr int steps = 72;
+  std::vector<Vec2> points;
+  for (int i = 0; i <= steps; ++i) {
+    const double part = static_cast<double>(i) / steps;
+    points.push_back(at + (radius * (0.32 + 0.68 * part)) * (end * unit((part - 1) * turns * 2 * M_PI)));
+  }
+  canvas.polyline(points, paint);
+}
+
+void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, const std::string& colour, double width, const std::string& dash) {
+  const Vec2 u = direction(tail, tip);
+  const double head = std::min(5.0 + 2.6 * width, 0.8 * norm(tip - tail));
+  canvas.line(tail, tip - 0.8 * head * u, {.stroke = colour, .width = width, .dash = dash});
+  draw_head(canvas, tip, u, head, colour);
+}
+
+void draw_turning_arrow(Canvas& canvas, Vec2 at, double radius, Vec2 from, bool counter_clockwise,
+                        const std::string& colour, double width, const std::string& dash) {
+  constexpr double sweep = 4.2;
+  const double sense = counter_clockwise ? 1.0 : -1.0;
+  const double begin = seen_angle(from);
+  const double end = begin + sense * sweep;
+  const double head = 5.0 + 2.6 * width;
+  canvas.arc(at, radius, begin, end - sense * 0.8 * head / radius, {.stroke = colour, .width = width, .dash = dash});
+  // A chord of the head's length, so that the head lies on the circle.
+  const Vec2 tip = at + radius * conj(unit(end));
+  const Vec2 back = at + radius * conj(unit(end - sense * head / radius));
+  draw_head(canvas, tip, direction(back, tip), head, colour);
+}
+
+std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
+  const auto before = [](Vec2 a, Vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  double span = norm(points.back() - points.front());
+  for (const Vec2& p : points) span = std::max(span, norm(p - points.front()));
+  const double straight = 1e-9 * span * span;
+  // Lower, then upper chain.
+  std::vector<Vec2> hull;
+  const auto chain = [&](auto first, auto last, std::size_t base) {
+    for (auto p = first; p != last; ++p) {
+      while (hull.size() >= base + 2 && cross(hull.back() - hull[hull.size() - 2], *p - hull.back()) <= straight) {
+        hull.pop_back();
+      }
+      hull.push_back(*p);
+    }
+    hull.pop_back();
+  };
+  chain(points.begin(), points.end(), 0);
+  chain(points.rbegin(), points.rend(), hull.size());
+  return hull;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,54 @@
+#include "app/progress.hpp"
+
+#include <chrono>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace poise::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool can_be_seen() {
+  const char* terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+constexpr const char* clear_line = "\r\x1b[K";
+
+}  // namespace
+
+Progress::Progress() {
+  if (can_be_seen()) watcher_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
+}
+
+Progress::~Progress() { done(); }
+
+void Progress::now(std::string doing) {
+  const std::lock_guard lock(mutex_);
+  doing_ = std::move(doing);
+}
+
+void Progress::done() {
+  if (!watcher_.joinable()) return;
+  watcher_.request_stop();
+  watcher_.join();
+}
+
+void Progress::watch(const std::stop_token& stop) {
+  const auto begin = std::chrono::steady_clock::now();
+  bool shown = false;
+  std::unique_lock lock(mutex_);
+  while (!woken_.wait_for(lock, stop, shown ? 200ms : 1000ms, [] { return false; }) && !stop.stop_requested()) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begin);
+    fmt::print(stderr, "{}poise: {} ... {} s", clear_line, doing_, seconds.count());
+    shown = true;
+  }
+  if (shown) fmt::print(stderr, "{}", clear_line);
+}
+
+}  // namespace poise::app

@@ -1,0 +1,128 @@
+#include "app/quantity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "model/quantities.hpp"
+
+namespace poise::app {
+namespace {
+
+// Beyond these, numbers are written with an exponent.
+constexpr double smallest_plain = 1e-4;
+constexpr double largest_plain = 1e7;
+
+void cut_zeros(std::string& text) {
+  if (text.find('.') == std::string::npos) return;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+}
+
+}  // namespace
+
+double unit_value(Quantity quantity, const Units& units) {
+  switch (quantity) {
+    case Quantity::length:
+      return units.length;
+    case Quantity::angle:
+      return units.angle;
+    case Quantity::force:
+      return units.force;
+    case Quantity::mass:
+      return units.mass;
+    case Quantity::moment:
+    case Quantity::energy:
+      return torque_unit(units);
+  }
+  return 1.0;
+}
+
+std::string unit_name(Quantity quantity, const Units& units) {
+  switch (quantity) {
+    case Quantity::length:
+      return units.length_name;
+    case Quantity::angle:
+      return units.angle_name;
+    case Quantity::force:
+      return units.force_name;
+    case Quantity::mass:
+      return units.mass_name;
+    case Quantity::energy:
+      if (units.force_name == "N" && units.length_name == "m") return "J";
+      [[fallthrough]];
+    case Quantity::moment:
+      return units.force_name + " " + units.length_name;
+  }
+  return "";
+}
+
+std::string significant(double value, int digits) {
+  if (std::isnan(value)) return "-";
+  if (value == 0.0) return "0";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  const double size = std::abs(value);
+  if (size < smallest_plain || size >= largest_plain) return fmt::format("{:.{}e}", value, digits - 1);
+  const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(size))));
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  cut_zeros(text);
+  return text;
+}
+
+std::string small_number(double value) {
+  if (std::isnan(value)) return "-";
+  if (value == 0.0) return "0";
+  if (std::abs(value) < 1e-16) return "<1e-16";
+  return fmt::format("{:.1e}", value);
+}
+
+std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale) {
+  const bool plain = scale == 0.0 || (scale >= smallest_plain && scale < largest_plain);
+  const int order = scale == 0.0 ? 0 : static_cast<int>(std::floor(std::log10(scale)));
+  const int decimals = scale == 0.0 || !plain ? 0 : std::max(0, digits - 1 - order);
+  const double nothing = 0.5 * std::pow(10.0, order + 1 - digits);
+  std::vector<std::string> texts;
+  texts.reserve(values.size());
+  for (double v : values) {
+    const bool is_nothing = v == 0.0 || std::abs(v) < nothing;
+    if (is_nothing || !std::isfinite(v)) {
+      // As if it had a decimal point, so that it stands where the others have theirs.
+      const std::size_t fraction = decimals > 0 ? decimals + 1 : 0;
+      texts.push_back(significant(is_nothing ? 0.0 : v, digits) + std::string(fraction, ' '));
+    } else {
+      texts.push_back(plain ? fmt::format("{:.{}f}", v, decimals) : fmt::format("{:.{}e}", v, digits - 1));
+    }
+  }
+  return texts;
+}
+
+std::vector<std::string> aligned(const std::vector<double>& values, int digits) {
+  double largest = 0.0;
+  for (double v : values) {
+    if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
+  }
+  return aligned(values, digits, largest);
+}
+
+std::string duration(double microseconds) {
+  if (std::isnan(microseconds)) return "-";
+  if (microseconds < 1e3) return significant(microseconds, 3) + " µs";
+  if (microseconds < 1e6) return significant(microseconds / 1e3, 3) + " ms";
+  return significant(microseconds / 1e6, 3) + " s";
+}
+
+std::string one_line(std::string_view text) {
+  std::string out;
+  for (char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    out += byte < 0x20U || byte == 0x7FU ? ' ' : c;
+  }
+  return out;
+}
+
+std::string count(int number, std::string_view singular, std::string_view plural) {
+  return fmt::format("{} {}", number, number == 1 ? singular : plural);
+}
+
+}  // namespace poise::app

@@ -1,0 +1,47 @@
+#pragma once
+
+// How numbers and their units are written for people.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/scene.hpp"
+
+namespace poise::app {
+
+/// What a result can be measured in; the units follow from those of the scene.
+enum class Quantity { length, angle, force, mass, moment, energy };
+
+/// SI value of the unit that the scene uses for a quantity.
+double unit_value(Quantity quantity, const Units& units);
+
+/// "mm", "N", "N mm", ...; work in N m is called J.
+std::string unit_name(Quantity quantity, const Units& units);
+
+/// SI value -> number in the scene's unit.
+inline double in_unit(double si, Quantity quantity, const Units& units) { return si / unit_value(quantity, units); }
+
+/// `value` to so many significant digits: "0.1234", "12340", "1.234e-07" outside 1e-4 .. 1e7; zeros at the end cut.
+/// Not a number is "-".
+std::string significant(double value, int digits);
+
+/// An error or a residual: "0", "<1e-16", or two digits "2.2e-16". Not a number is "-".
+std::string small_number(double value);
+
+/// A column of numbers with their decimal points aligned, as many decimals as give a number of the size `scale` so many
+/// significant digits; what rounds to nothing is "0", not a number is "-".
+std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale);
+/// The same with the largest of the values as scale.
+std::vector<std::string> aligned(const std::vector<double>& values, int digits);
+
+/// A span of time: "0.84 µs", "12.3 ms", "4.56 s".
+std::string duration(double microseconds);
+
+/// The text without line breaks and other control characters.
+std::string one_line(std::string_view text);
+
+/// "1 body", "3 bodies".
+std::string count(int number, std::string_view singular, std::string_view plural);
+
+}  // namespace poise::app

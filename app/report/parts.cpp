@@ -1,0 +1,95 @@
+#include "app/report/parts.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/shown_values.hpp"
+#include "app/table.hpp"
+
+namespace poise::app {
+namespace {
+
+std::string coordinate_section(const StaticModel& model, Quantity quantity,
+                               const std::vector<std::vector<NamedValue>>& columns,
+                               const std::vector<std::string>& titles, const Palette& palette) {
+  if (columns.empty() || columns.front().empty()) return "";
+  const Units& units = model.scene().units;
+  const bool angles = quantity == Quantity::angle;
+  // The same decimals for all columns, and for angles that have made many turns.
+  const double scale = in_unit(angles ? M_PI : model.scales().length, quantity, units);
+  Table table;
+  std::vector<std::string> names;
+  std::vector<Cell> notes;
+  for (const NamedValue& shown : columns.front()) {
+    names.push_back(shown.name);
+    notes.push_back({shown.determined ? "" : "free: bears nothing, left at its start", Tone::faint});
+  }
+  table.add_text_column(angles ? "body" : "joint", names);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    std::vector<double> values;
+    for (const NamedValue& shown : columns[c]) values.push_back(shown.value);
+    table.add_number_column(titles[c], aligned(in_units(model, quantity, values), coordinate_digits, scale));
+  }
+  table.add_text_column("", notes);
+  return section(with_unit(angles ? "Angles" : "Slides", quantity, units), table.print(palette), palette);
+}
+
+}  // namespace
+
+std::string with_unit(const std::string& title, Quantity quantity, const Units& units) {
+  return fmt::format("{} ({})", title, unit_name(quantity, units));
+}
+
+std::string heading(const StaticModel& model, const Palette& palette) {
+  const Scene& scene = model.scene();
+  std::string out = palette.paint(Tone::strong, one_line(scene.title.empty() ? scene.file : scene.title)) + "\n";
+  if (!scene.source.empty()) out += palette.paint(Tone::faint, "source: " + one_line(scene.source)) + "\n";
+  return out + "\n";
+}
+
+std::string fact(const std::string& name, const std::string& text, const Palette& palette) {
+  return "  " + palette.paint(Tone::faint, fmt::format("{:<13}", name)) + text + "\n";
+}
+
+std::string section(const std::string& title, const std::string& body, const Palette& palette) {
+  return body.empty() ? "" : "\n" + palette.paint(Tone::strong, title) + "\n" + body;
+}
+
+Tone tone_of(Status status) { return status == Status::confirmed ? Tone::good : Tone::bad; }
+
+Tone tone_of(Stability stability) {
+  switch (stability) {
+    case Stability::stable:
+      return Tone::good;
+    case Stability::unstable:
+      return Tone::bad;
+    case Stability::neutral:
+    case Stability::unknown:
+      return Tone::doubtful;
+  }
+  return Tone::plain;
+}
+
+std::string in_words(const Check& check) {
+  std::string text = to_string(check.stability);
+  const auto add = [&](int number, const std::string& what) {
+    if (number > 0) text += ", " + count(number, what + " direction", what + " directions");
+  };
+  add(check.descent_directions, "falling");
+  add(check.neutral_directions, "neutral");
+  return text;
+}
+
+std::string coordinate_sections(const StaticModel& model, const std::vector<const Answer*>& answers,
+                                const std::vector<std::string>& titles, const Palette& palette) {
+  std::vector<std::vector<NamedValue>> angles, lengths;
+  for (const Answer* answer : answers) {
+    angles.push_back(angles_of(model, *answer->readings));
+    lengths.push_back(lengths_of(model, *answer->readings, answer->rest.x));
+  }
+  return coordinate_section(model, Quantity::angle, angles, titles, palette) +
+         coordinate_section(model, Quantity::length, lengths, titles, palette);
+}
+
+}  // namespace poise::app

@@ -1,0 +1,46 @@
+#pragma once
+
+// What the reports are put together from.
+
+#include <string>
+#include <vector>
+
+#include "app/answer.hpp"
+#include "app/palette.hpp"
+#include "app/quantity.hpp"
+
+namespace poise::app {
+
+inline constexpr int coordinate_digits = 10;
+inline constexpr int force_digits = 6;
+
+/// "force (N)".
+std::string with_unit(const std::string& title, Quantity quantity, const Units& units);
+
+/// Title and source of the scene, and an empty line.
+std::string heading(const StaticModel& model, const Palette& palette);
+
+/// One line "  name   text" of a list whose names are aligned.
+std::string fact(const std::string& name, const std::string& text, const Palette& palette);
+
+/// An empty line, a title and what stands under it; nothing when that is empty.
+std::string section(const std::string& title, const std::string& body, const Palette& palette);
+
+Tone tone_of(Status status);
+Tone tone_of(Stability stability);
+
+/// "unstable, 1 falling direction".
+std::string in_words(const Check& check);
+
+/// Where answers stand, side by side under their titles: a section for angles, one for lengths. All answers must have
+/// readings.
+std::string coordinate_sections(const StaticModel& model, const std::vector<const Answer*>& answers,
+                                const std::vector<std::string>& titles, const Palette& palette);
+
+/// Length and force of every spring, moment of every torsion spring.
+std::string spring_sections(const StaticModel& model, const Readings& readings, const Palette& palette);
+
+/// What every joint, bar and pressing stop carries; reactions that statics leaves open are marked.
+std::string reaction_section(const StaticModel& model, const Check& check, const Palette& palette);
+
+}  // namespace poise::app

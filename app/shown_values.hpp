@@ -1,0 +1,32 @@
+#pragma once
+
+// Which numbers of a result are shown, by name.
+
+#include <string>
+#include <vector>
+
+#include "app/quantity.hpp"
+#include "app/readings.hpp"
+
+namespace poise::app {
+
+struct NamedValue {
+  std::string name;
+  double value = 0.0;      ///< SI
+  bool determined = true;  ///< false: nothing depends on it, it stayed at its start
+};
+
+/// Absolute unwrapped angles of the bodies that can turn, rad.
+std::vector<NamedValue> angles_of(const StaticModel& model, const Readings& readings);
+
+/// Travels of slides and pins in slots, and places of bodies that no chain of joints ties to the ground, m.
+std::vector<NamedValue> lengths_of(const StaticModel& model, const Readings& readings, const std::vector<double>& x);
+
+/// Size below which a value of this mechanism is rounding and is shown as zero, SI: 1e-13 of the scale of its lengths,
+/// forces or work.
+double rounding_of(const StaticModel& model, Quantity quantity);
+
+/// SI values in the scene's unit, rounding put to zero.
+std::vector<double> in_units(const StaticModel& model, Quantity quantity, std::vector<double> values);
+
+}  // namespace poise::app

@@ -1,0 +1,231 @@
+#include "app/svg.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "app/picture/stage.hpp"
+#include "app/picture/symbols.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr double margin = 28.0;
+constexpr double least_width = 620.0;
+
+void draw_mechanism(Stage& stage) {
+  draw_starting_pose(stage);
+  draw_supports(stage);
+  draw_guides(stage);
+  draw_bodies(stage);
+  draw_centres_of_mass(stage);
+  draw_springs(stage);
+  draw_pins(stage);
+  draw_stops(stage);
+  draw_loads(stage);
+  draw_reactions(stage);
+  stage.canvas.open("labels");
+  // What matters most is set first and gets the best places: loads and reactions were asked for last.
+  for (auto label = stage.labels.rbegin(); label != stage.labels.rend(); ++label)
+    stage.setter.set(stage.canvas, *label);
+  stage.canvas.close();
+}
+
+/// Cuts a text into lines no wider than `width`.
+std::vector<std::string> wrap(const std::string& text, double size, double width) {
+  std::vector<std::string> lines;
+  std::string line;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (!line.empty() && text_width(line, size) + text_width(word, size) + text_width(" ", size) > width) {
+      lines.push_back(line);
+      line.clear();
+    }
+    if (!line.empty()) line += " ";
+    line += word;
+    at = end + 1;
+  }
+  if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+std::string verdict(const Equilibrium& rest) {
+  const std::string method = to_string(rest.method);
+  if (!rest.found()) return "No equilibrium confirmed (" + to_string(rest.status) + ", " + method + ")";
+  return "At rest, " + to_string(rest.check.stability) + "; found by " + method + ", confirmed by vector statics";
+}
+
+double draw_heading(Canvas& page, const Stage& stage, double width) {
+  double y = margin + 18;
+  const auto write = [&](const std::string& text, double size, const std::string& colour, bool bold) {
+    for (const std::string& line : wrap(text, size, width)) {
+      page.text({margin, y}, line,
+                {.size = size, .colour = colour, .bold = bold, .halo = false, .align = Align::start});
+      y += 1.35 * size;
+    }
+  };
+  write(stage.scene.title.empty() ? stage.scene.file : stage.scene.title, 18, ink::dark, true);
+  y -= 5;
+  if (!stage.scene.source.empty()) write("Source: " + stage.scene.source, 11, ink::faint, false);
+  write(verdict(stage.rest), 12, stage.rest.found() ? ink::dark : ink::load, false);
+  return y;
+}
+
+/// Which way things fall, and how fast; an arrow with its upper left corner at `at`.
+Canvas draw_gravity(const Stage& stage) {
+  Canvas canvas;
+  const double size = norm(stage.scene.gravity);
+  if (size == 0.0) return canvas;
+  const Vec2 u = stage.page_direction((1 / size) * stage.scene.gravity);
+  draw_arrow(canvas, -17.0 * u, 17.0 * u, ink::dark, 2.0);
+  canvas.text({-14.0, 4.0},
+              "g = " + significant(in_unit(size, Quantity::length, stage.scene.units), 4) + " " +
+                  stage.scene.units.length_name + "/s\u00b2",
+              {.size = 11, .halo = false, .align = Align::end});
+  return canvas;
+}
+
+/// A bar of a round length, 70 to 175 px.
+Canvas draw_scale_bar(const Stage& stage) {
+  Canvas canvas;
+  const double px_per_unit = stage.scale * stage.scene.units.length;
+  const double wanted = 140.0 / px_per_unit;
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  double length = decade;
+  for (double step : {2.0, 5.0}) {
+    if (step * decade <= wanted) length = step * decade;
+  }
+  const double width = length * px_per_unit;
+  for (int half : {0, 1}) {
+    canvas.line({half * width / 2, 0}, {(half + 1) * width / 2, 0},
+                {.stroke = half == 0 ? ink::dark : ink::free_stop, .width = 4});
+  }
+  canvas.text({0, 17}, "0", {.halo = false});
+  canvas.text({width, 17}, significant(length, 3) + " " + stage.scene.units.length_name, {.halo = false});
+  return canvas;
+}
+
+struct LegendItem {
+  Sign sign;
+  const char* text;
+  std::function<void(Canvas&)> draw;  // in 0 .. 34, centred on y = 0
+};
+
+const std::vector<LegendItem>& legend_items() {
+  static const std::vector<LegendItem> items = {
+      {Sign::load, "load",
+       [](Canvas& c) {
+         draw_arrow(c, {2, 0}, {32, 0}, ink::load, 2.4);
+       }},
+      {Sign::reaction, "joint force on the joint\u2019s moving or second body",
+       [](Canvas& c) {
+         draw_arrow(c, {2, 0}, {32, 0}, ink::reaction, 1.5);
+       }},
+      {Sign::undetermined_reaction, "* not determined by statics: minimum-norm share",
+       [](Canvas& c) {
+         draw_arrow(c, {2, 0}, {32, 0}, ink::reaction, 1.5, "4 3");
+       }},
+      {Sign::spring, "spring, tension +",
+       [](Canvas& c) {
+         draw_spring(c, {0, 0}, {34, 0}, {.stroke = ink::spring, .width = 1.5});
+       }},
+      {Sign::slack_spring, "slack spring",
+       [](Canvas& c) {
+         draw_spring(c, {0, 0}, {34, 0}, {.stroke = ink::slack, .width = 1.3, .dash = "3 3"});
+       }},
+      {Sign::torsion_spring, "torsion spring, moment on its second body",
+       [](Canvas& c) {
+         draw_spiral(c, {17, 0}, {1, 0}, 10, {.stroke = ink::spring, .width = 1.3});
+       }},
+      {Sign::massless_bar, "massless bar, tension +",
+       [](Canvas& c) {
+         draw_massless_bar(c, {3, 0}, {31, 0}, 5.0);
+       }},
+      {Sign::centre_of_mass, "centre of mass",
+       [](Canvas& c) {
+         draw_centre_of_mass(c, {17, 0}, 5.0);
+       }},
+      {Sign::pressed_stop, "stop that presses",
+       [](Canvas& c) {
+         c.line({17, -8}, {17, 8}, {.stroke = ink::stop, .width = 3.0});
+       }},
+      {Sign::free_stop, "stop, free",
+       [](Canvas& c) {
+         c.line({17, -8}, {17, 8}, {.stroke = ink::free_stop, .width = 1.4});
+       }},
+      {Sign::starting_pose, "starting pose",
+       [](Canvas& c) {
+         c.line({4, 0}, {30, 0}, {.stroke = ink::ghost, .width = 6.0});
+       }},
+  };
+  return items;
+}
+
+/// The signs that occur, in rows no wider than `width`.
+Canvas draw_legend(const Stage& stage, double width) {
+  constexpr double sign_width = 42.0;
+  constexpr double row = 24.0;
+  Canvas canvas;
+  Vec2 at{0, 0};
+  const auto place = [&](double item_width) {
+    if (at.x > 0 && at.x + item_width > width) at = {0, at.y + row};
+    const Vec2 here = at;
+    at.x += item_width + 22;
+    return here;
+  };
+  const TextStyle style{.size = 11, .halo = false, .align = Align::start};
+  for (const LegendItem& item : legend_items()) {
+    if (!stage.signs.contains(item.sign)) continue;
+    const Vec2 here = place(sign_width + text_width(item.text, style.size));
+    Canvas sign;
+    item.draw(sign);
+    canvas.insert(sign, "", here);
+    canvas.text(here + Vec2{sign_width, 4}, item.text, style);
+  }
+  if (stage.signs.contains(Sign::load) || stage.signs.contains(Sign::reaction)) {
+    const std::string text = "Arrows grow with the square root of the force.";
+    TextStyle remark = style;
+    remark.colour = ink::faint;
+    canvas.text(place(text_width(text, style.size)) + Vec2{0, 4}, text, remark);
+  }
+  return canvas;
+}
+
+}  // namespace
+
+std::string draw_svg(const StaticModel& model, const Equilibrium& rest, const std::vector<double>& start) {
+  Stage stage(model, rest, start);
+  draw_mechanism(stage);
+  const Box& drawn = stage.canvas.bounds();
+  const double width = std::max(least_width, drawn.width());
+
+  Canvas page;
+  const double below_heading = draw_heading(page, stage, width - 130) + 14;
+  page.insert(draw_gravity(stage), "gravity", {margin + width - 24, margin + 22});
+  page.insert(stage.canvas, "mechanism",
+              {margin + (width - drawn.width()) / 2 - drawn.low.x, below_heading - drawn.low.y});
+  double y = below_heading + drawn.height() + 34;
+  page.insert(draw_scale_bar(stage), "scale", {margin + 4, y});
+  y += 34;
+  page.line({margin, y}, {margin + width, y}, {.stroke = ink::ghost, .width = 1});
+  y += 22;
+  const Canvas legend = draw_legend(stage, width);
+  page.insert(legend, "legend", {margin, y});
+  const double height = y + std::max(0.0, legend.bounds().high.y) + margin;
+
+  const double full_width = width + 2 * margin;
+  const std::string title = escape_xml(stage.scene.title.empty() ? stage.scene.file : stage.scene.title);
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
+      "font-family=\"system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n"
+      "<title>{2}</title>\n<desc>{3}</desc>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{4}</svg>\n",
+      full_width, height, title, escape_xml(verdict(rest)), page.elements());
+}
+
+}  // namespace poise::app

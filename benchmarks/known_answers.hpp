@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+namespace poise::benchmarks {
+
+/// No time counts unless its answer is right. Truth for the thesis four-bar from datasets/thesis_four_bar.toml, for the
+/// hanging chain from the references (static.hanging_chain_span06), both known to more digits than a double holds.
+
+inline constexpr double virtual_work_error = 1e-12;  ///< what virtual work must reach, rad or m or N
+inline constexpr double energy_error = 1e-9;         ///< what the energy method must reach
+
+/// Largest error of the angles of links 4, 6, 7 against the equilibrium nearest the printed pose, rad.
+double four_bar_error(const double* angles);
+
+/// Error of a hanging chain given by the angles of its links, rad: the largest of the errors of its sag, m, of its
+/// horizontal pull, N, read off the balance of the first link as (1 - 1/n) / (2 tan |t_0|), and of its closure, m.
+/// The references know n = 10, 100, ... 100000; any other n throws std::invalid_argument.
+double chain_error(const std::vector<double>& angles);
+
+}  // namespace poise::benchmarks

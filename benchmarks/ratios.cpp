@@ -1,0 +1,226 @@
+// poise_ratios: the speed Poise promises, as one table. Every ratio is of two contenders measured in this run, turn by
+// turn, medians over the turns; no time is printed whose answer is wrong. Exit code 1 where a limit is missed.
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "benchmarks/bare_ipopt.hpp"
+#include "benchmarks/contenders.hpp"
+#include "benchmarks/hand_chain.hpp"
+#include "benchmarks/hand_four_bar.hpp"
+#include "benchmarks/known_answers.hpp"
+#include "benchmarks/scenes.hpp"
+#include "solvers/ipopt.hpp"
+#include "solvers/newton.hpp"
+
+namespace poise::benchmarks {
+namespace {
+
+constexpr double hand_limit = 3.0;    // Poise's Newton over the one written by hand
+constexpr double ipopt_limit = 1.2;   // Poise's Ipopt over the bare program
+constexpr double linear_limit = 2.0;  // growth of Poise's time per link and step over the yardstick's
+constexpr double seconds_per_race = 2.5;
+constexpr double shortest_turn = 5e-4;  // seconds; quicker contenders run several times per turn
+constexpr int fewest_turns = 5;
+
+// One solution, as its solver left it.
+struct Answer {
+  int iterations = 0;
+  double error = 0.0;  // rad, m or N
+};
+
+struct Contender {
+  std::function<void()> solve;
+  std::function<Answer()> answer;  // of the last solve()
+};
+
+struct Race {
+  double ours = 0.0, theirs = 0.0;  // median seconds per solution
+  Answer our_answer, their_answer;
+};
+
+double seconds_of(const std::function<void()>& solve, int times) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (int k = 0; k < times; ++k) solve();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / times;
+}
+
+double median(std::vector<double> v) {
+  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+  return v[v.size() / 2];
+}
+
+int solutions_per_turn(const Contender& contender) {
+  contender.solve();  // warm caches
+  return std::max(1, static_cast<int>(shortest_turn / seconds_of(contender.solve, 1)));
+}
+
+// Turns alternate, and so does who begins, so that a change of the machine's mood meets both.
+Race race(const Contender& ours, const Contender& theirs) {
+  const int our_times = solutions_per_turn(ours);
+  const int their_times = solutions_per_turn(theirs);
+  std::vector<double> our_seconds, their_seconds;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto time_left = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < seconds_per_race;
+  };
+  for (int turn = 0; turn < fewest_turns || time_left(); ++turn) {
+    if (turn % 2 == 0) our_seconds.push_back(seconds_of(ours.solve, our_times));
+    their_seconds.push_back(seconds_of(theirs.solve, their_times));
+    if (turn % 2 == 1) our_seconds.push_back(seconds_of(ours.solve, our_times));
+  }
+  return {median(our_seconds), median(their_seconds), ours.answer(), theirs.answer()};
+}
+
+std::string in_units(double seconds) {
+  if (seconds < 1e-5) return fmt::format("{:.3g} us", 1e6 * seconds);
+  if (seconds < 1e-3) return fmt::format("{:.1f} us", 1e6 * seconds);
+  return fmt::format("{:.2f} ms", 1e3 * seconds);
+}
+
+class Table {
+ public:
+  void head() const {
+    fmt::print("{:<34}{:>11}{:>11}{:>8}{:>7}  {:<8}{:>8}{:>10}{:>10}{:>16}\n", "", "Poise", "yardstick", "ratio",
+               "limit", "", "steps", "error", "error", "ns/link/step");
+  }
+
+  // `links` of a chain, or 0.
+  void row(const std::string& name, const Race& race, double limit, double largest_error, int links = 0) {
+    const std::string steps = fmt::format("{}/{}", race.our_answer.iterations, race.their_answer.iterations);
+    const std::string errors = fmt::format("{:>10.1e}{:>10.1e}", race.our_answer.error, race.their_answer.error);
+    if (!(std::max(race.our_answer.error, race.their_answer.error) <= largest_error)) {
+      fmt::print("{:<34}{:>37}  {:<8}{:>8}{}\n", name, "", "WRONG", steps, errors);
+      all_met_ = false;
+      return;
+    }
+    const double ratio = race.ours / race.theirs;
+    const std::string per_link =
+        links == 0 ? ""
+                   : fmt::format("{:>9.1f}/{:.1f}", 1e9 * race.ours / links / race.our_answer.iterations,
+                                 1e9 * race.theirs / links / race.their_answer.iterations);
+    fmt::print("{:<34}{:>11}{:>11}{:>8.2f}{:>7.1f}  {:<8}{:>8}{}{}\n", name, in_units(race.ours), in_units(race.theirs),
+               ratio, limit, verdict(ratio <= limit), steps, errors, per_link);
+  }
+
+  // How the time per link and step grows from the short chain to the long one. Caches let the yardstick's grow too;
+  // beyond that Poise must be linear.
+  void growth(const std::string& name, const Race& short_chain, int short_links, const Race& long_chain, int long_links,
+              double limit) {
+    const auto grows = [&](double before, double after, int steps_before, int steps_after) {
+      return (after / long_links / steps_after) / (before / short_links / steps_before);
+    };
+    const double ours =
+        grows(short_chain.ours, long_chain.ours, short_chain.our_answer.iterations, long_chain.our_answer.iterations);
+    const double theirs = grows(short_chain.theirs, long_chain.theirs, short_chain.their_answer.iterations,
+                                long_chain.their_answer.iterations);
+    fmt::print("{:<34}{:>11}{:>11}{:>8.2f}{:>7.1f}  {}\n", name, fmt::format("x {:.2f}", ours),
+               fmt::format("x {:.2f}", theirs), ours / theirs, limit, verdict(ours / theirs <= limit));
+  }
+
+  bool all_met() const { return all_met_; }
+
+ private:
+  const char* verdict(bool met) {
+    all_met_ = all_met_ && met;
+    return met ? "met" : "MISSED";
+  }
+
+  bool all_met_ = true;
+};
+
+void race_four_bars(Table& table) {
+  const StaticModel model(thesis_four_bar());
+  const std::vector<double> x = model.start();
+  const std::array<double, 3> start = four_bar_start(model);
+
+  solvers::Newton newton(model.problem());
+  const solvers::NewtonResult* found = nullptr;
+  HandFourBarResult by_hand;
+  table.row("four-bar, virtual work",
+            race({[&] { found = &newton.solve(x.data()); },
+                  [&] {
+                    return Answer{found->iterations, four_bar_error(found->x.data())};
+                  }},
+                 {[&] { by_hand = solve_four_bar_by_hand(start); },
+                  [&] {
+                    return Answer{by_hand.iterations, four_bar_error(by_hand.angles.data())};
+                  }}),
+            hand_limit, virtual_work_error);
+
+  solvers::IpoptResult ipopt;
+  BareIpoptResult bare;
+  table.row("four-bar, energy",
+            race({[&] { ipopt = solvers::solve_with_ipopt(model.problem(), x); },
+                  [&] {
+                    return Answer{ipopt.iterations, four_bar_error(ipopt.x.data())};
+                  }},
+                 {[&] { bare = bare_ipopt_four_bar(start, four_bar_units(model)); },
+                  [&] {
+                    return Answer{bare.iterations, four_bar_error(bare.angles.data())};
+                  }}),
+            ipopt_limit, energy_error);
+}
+
+Race race_chains(Table& table, int links) {
+  const StaticModel model(hanging_chain_scene(links));
+  const std::vector<double> start = model.start();
+  solvers::Newton newton(model.problem());
+  HandChain by_hand(links);
+  const solvers::NewtonResult* found = nullptr;
+  const Race result = race({[&] { found = &newton.solve(start.data()); },
+                            [&] {
+                              return Answer{found->iterations, chain_error(found->x)};
+                            }},
+                           {[&] { by_hand.solve(start); },
+                            [&] {
+                              return Answer{by_hand.iterations(), chain_error(by_hand.angles())};
+                            }});
+  table.row(fmt::format("chain of {} links, virtual work", links), result, hand_limit, virtual_work_error, links);
+  return result;
+}
+
+void race_chain_energies(Table& table, int links) {
+  const StaticModel model(hanging_chain_scene(links));
+  const std::vector<double> start = model.start();
+  solvers::IpoptResult ipopt;
+  BareIpoptResult bare;
+  table.row(fmt::format("chain of {} links, energy", links),
+            race({[&] { ipopt = solvers::solve_with_ipopt(model.problem(), start); },
+                  [&] {
+                    return Answer{ipopt.iterations, chain_error(ipopt.x)};
+                  }},
+                 {[&] { bare = bare_ipopt_chain(start, chain_units(model)); },
+                  [&] {
+                    return Answer{bare.iterations, chain_error(bare.angles)};
+                  }}),
+            ipopt_limit, energy_error);
+}
+
+bool measure() {
+  Table table;
+  table.head();
+  race_four_bars(table);
+  race_chains(table, 10);
+  const Race short_chain = race_chains(table, 100);
+  race_chains(table, 1000);
+  race_chains(table, 10000);
+  const Race long_chain = race_chains(table, 100000);
+  table.growth("time per link, 1e5 over 1e2", short_chain, 100, long_chain, 100000, linear_limit);
+  for (int links = 10; links <= 10000; links *= 10) race_chain_energies(table, links);
+  fmt::print(
+      "\nYardsticks: virtual work, a Newton written by hand for the one mechanism; energy, a bare Ipopt program with "
+      "the\n"
+      "same options and units. steps and error: Poise, then yardstick; error against the reference, rad, m or N.\n");
+  return table.all_met();
+}
+
+}  // namespace
+}  // namespace poise::benchmarks
+
+int main() { return poise::benchmarks::measure() ? 0 : 1; }

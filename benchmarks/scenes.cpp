@@ -1,0 +1,72 @@
+#include "benchmarks/scenes.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "benchmarks/hand_chain.hpp"
+
+namespace poise::benchmarks {
+namespace {
+
+// A uniform bar from point a, its origin, to point b.
+struct Bar {
+  PointRef a, b;
+};
+
+Bar add_bar(Scene& scene, const std::string& name, double length, double mass, double angle) {
+  const int body = scene.add_body(name);
+  scene.bodies[body].mass = mass;
+  scene.bodies[body].center = {0.5 * length, 0.0};
+  scene.bodies[body].inertia = mass * length * length / 12.0;
+  scene.start.angle[body] = angle;
+  return {scene.add_point(body, "a", {0.0, 0.0}), scene.add_point(body, "b", {length, 0.0})};
+}
+
+void pin(Scene& scene, PointRef a, PointRef b) {
+  scene.add_joint({.kind = Joint::Kind::pin, .name = {}, .a = a, .b = b});
+}
+
+}  // namespace
+
+Scene hanging_chain_scene(int links) {
+  Scene scene;
+  scene.file = "hanging chain";
+  scene.gravity = {0.0, -10.0};
+  PointRef end = scene.add_point(0, "L", {0.0, 0.0});
+  const PointRef last = scene.add_point(0, "R", {chain_span, 0.0});
+  const std::vector<double> angles = arc_start(links);
+  for (int i = 0; i < links; ++i) {
+    const Bar bar = add_bar(scene, "bar" + std::to_string(i + 1), 1.0 / links, 0.1 / links, angles[i]);
+    pin(scene, end, bar.a);
+    end = bar.b;
+  }
+  pin(scene, end, last);
+  return scene;
+}
+
+Scene window_ladder_scene(int windows) {
+  constexpr double half_opening = 0.5, tilt = 0.1, straight_down = -M_PI / 2;  // rad
+  Scene scene;
+  scene.file = "window ladder";
+  scene.gravity = {0.0, -9.81};
+  PointRef top = scene.add_point(0, "O", {0.0, 0.0});
+  for (int k = 0; k < windows; ++k) {
+    const std::string number = std::to_string(k + 1);
+    const double down = straight_down + (k % 2 == 0 ? tilt : -tilt);
+    const Bar left = add_bar(scene, "left" + number, 1.0, 1.0, down - half_opening);
+    const Bar right = add_bar(scene, "right" + number, 1.0, 1.0, down + half_opening);
+    const Bar under_left = add_bar(scene, "under_left" + number, 1.0, 1.0, down + half_opening);
+    const Bar under_right = add_bar(scene, "under_right" + number, 1.0, 1.0, down - half_opening);
+    pin(scene, top, left.a);
+    pin(scene, top, right.a);
+    pin(scene, left.b, under_left.a);
+    pin(scene, right.b, under_right.a);
+    pin(scene, under_left.b, under_right.b);
+    scene.springs.push_back(
+        {.name = "spring" + number, .a = left.b, .b = right.b, .stiffness = 50.0 * windows, .free_length = 1.2});
+    top = under_left.b;
+  }
+  return scene;
+}
+
+}  // namespace poise::benchmarks

@@ -1,0 +1,25 @@
+# All that Poise builds on, one line each, with the Debian package that brings it: cmake/setup.sh reads the names from here.
+
+# Tools: # apt: cmake ninja-build g++ pkg-config
+# Tools of `make lint`: # apt lint: clang-format clang-tidy
+
+find_package(PkgConfig REQUIRED)
+
+# The libraries (model, solvers, statics). What a static link needs is found again by poiseConfig.cmake.in.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)                                         # apt: libeigen3-dev
+find_package(tomlplusplus 3.3 REQUIRED)                                             # apt: libtomlplusplus-dev
+pkg_check_modules(Ipopt REQUIRED IMPORTED_TARGET ipopt)                             # apt: coinor-libipopt-dev
+find_package(SuiteSparseParts REQUIRED COMPONENTS amd ldl)             # apt: libsuitesparse-dev
+find_package(Boost 1.74 REQUIRED CONFIG)                                            # apt: libboost-dev
+find_package(fmt 9 REQUIRED)                                                        # apt: libfmt-dev
+
+if(POISE_BUILD_APP)
+  find_package(CLI11 2 REQUIRED)                                                    # apt: libcli11-dev
+  find_package(nlohmann_json 3.11 REQUIRED)                                         # apt: nlohmann-json3-dev
+endif()
+if(POISE_BUILD_TESTS)
+  find_package(GTest 1.12 REQUIRED)                                                 # apt: libgtest-dev
+endif()
+if(POISE_BUILD_BENCHMARKS)
+  find_package(benchmark 1.7 REQUIRED)                                              # apt: libbenchmark-dev
+endif()

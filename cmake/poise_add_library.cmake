@@ -1,0 +1,19 @@
+# poise_add_library(FOLDER HEADERS header... SOURCES source...)
+# is the library poise_FOLDER, known as poise::FOLDER here and to users of find_package(poise).
+# HEADERS are the public ones, which get installed, and SOURCES all that is compiled.
+# Inside the project headers are included from its root ("model/scene.hpp"). Users of an installed Poise write
+# <poise/model/scene.hpp>; the include folder include/poise lets the headers find each other there.
+function(poise_add_library folder)
+  cmake_parse_arguments(arg "" "" "HEADERS;SOURCES" ${ARGN})
+  set(library poise_${folder})
+  add_library(${library} ${arg_SOURCES})
+  add_library(poise::${folder} ALIAS ${library})
+  set_target_properties(${library} PROPERTIES EXPORT_NAME ${folder})
+  target_compile_features(${library} PUBLIC cxx_std_20)
+  target_sources(${library} PUBLIC FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${arg_HEADERS})
+  target_include_directories(${library} INTERFACE
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/poise>")
+  install(TARGETS ${library} EXPORT poiseTargets
+    FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/poise")
+endfunction()

@@ -1,0 +1,38 @@
+#!/bin/sh
+# Installs the Debian packages that Poise needs and this machine lacks; with nothing lacking it touches nothing.
+#   cmake/setup.sh         what building, testing and benchmarking need
+#   cmake/setup.sh lint    what `make lint` and `make format` need
+# The packages are those named in cmake/dependencies.cmake after "# apt:" or "# apt lint:".
+set -eu
+
+purpose=${1:+ $1}
+packages=$(sed -n "s/.*# apt$purpose: *//p" "$(dirname "$0")/dependencies.cmake")
+
+if ! command -v apt-get >/dev/null; then
+  echo "setup: no apt-get here; going on with what is installed. Debian calls what Poise needs:" $packages
+  exit 0
+fi
+
+missing=
+for package in $packages; do
+  status=$(dpkg-query --show --showformat='${db:Status-Status}\n' "$package" 2>/dev/null) || status=
+  case $status in installed*) ;; *) missing="$missing $package" ;; esac
+done
+if [ -z "$missing" ]; then
+  exit 0
+fi
+
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "setup: missing packages and no sudo; as root run: apt-get install$missing" >&2
+    exit 1
+  fi
+  as_root=sudo
+fi
+
+echo "setup: installing$missing (this may take some minutes)"
+# A stale list of some other package source must not stop us: whether the packages arrive is what counts.
+$as_root apt-get update -qq || echo "setup: apt-get update failed; trying with the package lists at hand" >&2
+$as_root env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 $missing >/dev/null

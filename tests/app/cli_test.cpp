@@ -1,0 +1,260 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/app/run_poise.hpp"
+#include "tests/app/scenes.hpp"
+
+namespace poise::app_tests {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Exit code 2, one line that says `part`, and not a word elsewhere.
+void expect_bad_input(const Outcome& run, const std::string& part) {
+  EXPECT_EQ(run.exit_code, 2) << run.out << run.err;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_TRUE(run.err.ends_with('\n'));
+  EXPECT_TRUE(contains(run.err, part)) << run.err;
+  EXPECT_EQ(run.out, "");
+}
+
+TEST(CommandLine, ConfirmedRestExitsZero) {
+  const TempFolder folder;
+  const std::string scene = folder.write("pendulum.toml", pendulum);
+  for (const char* method : {"virtual-work", "energy"}) {
+    for (const char* seek : {"nearest", "stable"}) {
+      const Outcome run = run_poise({"solve", scene, "--method", method, "--seek", seek});
+      EXPECT_EQ(run.exit_code, 0) << run.out;
+      EXPECT_EQ(run.err, "");
+      EXPECT_TRUE(contains(run.out, "At rest, confirmed: stable.")) << run.out;
+      EXPECT_TRUE(contains(run.out, "-1.570796327")) << run.out;
+      EXPECT_TRUE(contains(run.out, "6.00000")) << "weight and load in the pin\n" << run.out;
+      EXPECT_FALSE(contains(run.out, "wrote"));
+    }
+  }
+}
+
+TEST(CommandLine, UnstableRestIsFoundAndSaidToBeUnstable) {
+  const TempFolder folder;
+  const Outcome run = run_poise({"solve", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_TRUE(contains(run.out, "At rest, confirmed: unstable.")) << run.out;
+  EXPECT_TRUE(contains(run.out, "1 falling direction")) << run.out;
+  EXPECT_TRUE(contains(run.out, "falls along rod +1.00")) << run.out;
+}
+
+TEST(CommandLine, NothingFoundExitsOneAndSaysWhatWasReached) {
+  const TempFolder folder;
+  const std::string scene = folder.write("runaway.toml", runaway);
+  for (const char* method : {"virtual-work", "energy"}) {
+    const Outcome run = run_poise({"solve", scene, "--method", method});
+    EXPECT_EQ(run.exit_code, 1) << run.out;
+    EXPECT_EQ(run.err, "");
+    EXPECT_FALSE(contains(run.out, "At rest, confirmed")) << run.out;
+    EXPECT_TRUE(contains(run.out, "\"block\" is out of balance")) << run.out;
+    EXPECT_TRUE(contains(run.out, "reached, not at rest")) << run.out;
+  }
+  EXPECT_EQ(run_poise({"compare", scene}).exit_code, 1);
+}
+
+TEST(CommandLine, RefusalNamesTheLoadAndFailsSolveButNotCompare) {
+  const TempFolder folder;
+  const std::string scene = folder.write("follower.toml", follower);
+  const Outcome refused = run_poise({"solve", scene, "--method", "energy"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_TRUE(contains(refused.out, "Refused")) << refused.out;
+  EXPECT_TRUE(contains(refused.out, "force \"jet\" follows a body")) << refused.out;
+  EXPECT_FALSE(contains(refused.out, "Angles")) << "a refused method has reached nothing\n" << refused.out;
+
+  EXPECT_EQ(run_poise({"solve", scene}).exit_code, 0);
+
+  const Outcome both = run_poise({"compare", scene});
+  EXPECT_EQ(both.exit_code, 0) << both.out;
+  EXPECT_TRUE(contains(both.out, "energy        refused")) << both.out;
+  EXPECT_TRUE(contains(both.out, "force \"jet\"")) << both.out;
+  EXPECT_TRUE(contains(both.out, "Only virtual-work found a rest.")) << both.out;
+}
+
+TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {
+  const Outcome run = run_poise({"compare", dataset("heaton_timme")});
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  for (const char* title :
+       {"method", "status", "iterations", "evaluations", "time", "error", "stability", "energy (J)"}) {
+    EXPECT_TRUE(contains(run.out, title)) << title;
+  }
+  EXPECT_TRUE(contains(run.out, "virtual-work and energy agree")) << run.out;
+  EXPECT_TRUE(contains(run.out, "2.353554680  2.353554680")) << run.out;
+}
+
+TEST(CommandLine, CompareTellsDifferentEquilibriaApart) {
+  const TempFolder folder;
+  const Outcome run = run_poise({"compare", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_TRUE(contains(run.out, "different equilibria: virtual-work one that is unstable, energy one that is stable"))
+      << run.out;
+}
+
+TEST(CommandLine, CheckTellsMobilityRedundancyAndWhatTheModelDrops) {
+  const Outcome run = run_poise({"check", dataset("redundant_parallelogram")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(contains(run.out, "4 moving bodies, 6 joints")) << run.out;
+  EXPECT_TRUE(contains(run.out, "1 freedom; counting bodies and joints gives 0")) << run.out;
+  EXPECT_TRUE(contains(run.out, "Redundant joints")) << run.out;
+  EXPECT_TRUE(contains(run.out, "The model keeps")) << run.out;
+
+  const Outcome clamp = run_poise({"check", dataset("toggle_clamp")});
+  EXPECT_TRUE(contains(clamp.out, "moments of inertia of 3 bodies: nothing moves in statics")) << clamp.out;
+}
+
+TEST(CommandLine, SceneThatCannotBeAssembledNamesTheLoopAndItsGap) {
+  const TempFolder folder;
+  const std::string scene = folder.write("open.toml", open_loop);
+  const Outcome check = run_poise({"check", scene});
+  EXPECT_EQ(check.exit_code, 2);
+  EXPECT_TRUE(contains(check.out, "stays open by 3 m")) << check.out;
+  EXPECT_TRUE(contains(check.err, "stays open by 3 m")) << check.err;
+  EXPECT_EQ(std::count(check.err.begin(), check.err.end(), '\n'), 1);
+  expect_bad_input(run_poise({"solve", scene}), "the loop closed by joint");
+  expect_bad_input(run_poise({"compare", scene}), "the loop closed by joint");
+}
+
+TEST(CommandLine, SetChangesTheSceneInItsOwnUnits) {
+  // Below 42.9 N the von Mises toggle stays up, above it snaps through.
+  const Outcome up = run_poise({"solve", dataset("von_mises_toggle"), "--set", "load.P=42"});
+  const Outcome down = run_poise({"solve", dataset("von_mises_toggle"), "--set", "load.P=43"});
+  EXPECT_EQ(up.exit_code, 0);
+  EXPECT_EQ(down.exit_code, 0);
+  EXPECT_TRUE(contains(up.out, "guide  0.3")) << up.out;
+  EXPECT_TRUE(contains(down.out, "guide  -0.5")) << down.out;
+
+  // kN, and several settings at once.
+  const TempFolder folder;
+  const std::string scene = folder.write("workshop.toml", workshop_pendulum);
+  const Outcome both = run_poise({"solve", scene, "--set", "load.<P>=4", "--set", "start.a<b=-10"});
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_TRUE(contains(both.out, "Fx (kN)")) << both.out;
+  EXPECT_TRUE(contains(both.out, "-4.00000")) << both.out;
+}
+
+TEST(CommandLine, PressingStopIsNamedWithItsLimit) {
+  const TempFolder folder;
+  const Outcome run = run_poise({"solve", folder.write("stop.toml", against_the_stop)});
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_TRUE(contains(run.out, "\"end\" presses at its max, 0.25 m")) << run.out;
+}
+
+TEST(CommandLine, UndeterminedReactionsAreMarked) {
+  const Outcome run = run_poise({"solve", dataset("redundant_parallelogram")});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_TRUE(contains(run.out, "undetermined")) << run.out;
+  EXPECT_TRUE(contains(run.out, "1 state of self-stress")) << run.out;
+}
+
+TEST(CommandLine, LongTablesAreCut) {
+  const TempFolder folder;
+  const Outcome run = run_poise({"solve", folder.write("links.toml", hanging_links(200))});
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_TRUE(contains(run.out, "... and 176 more")) << run.out;
+  EXPECT_LT(std::count(run.out.begin(), run.out.end(), '\n'), 80);
+}
+
+struct BadWords {
+  const char* name;
+  std::vector<std::string> arguments;
+  const char* says;
+};
+
+// A name rather than the bytes of the structure in the output of a failed test.
+void PrintTo(const BadWords& words, std::ostream* out) { *out << words.name; }
+
+class BadInput : public ::testing::TestWithParam<BadWords> {};
+
+TEST_P(BadInput, IsOneLineExitTwoAndWritesNothing) {
+  const TempFolder folder;
+  std::vector<std::string> arguments = GetParam().arguments;
+  for (std::string& word : arguments) {
+    if (word == "SCENE") word = folder.write("scene.toml", pendulum);
+    if (word == "BROKEN") word = folder.write("broken.toml", "title = \"x\"\n[body.a]\npoints = { O = [0, 0 }\n");
+    if (word == "MISSPELT") word = folder.write("misspelt.toml", std::string(pendulum) + "arm = 1\n");
+    if (word == "RIGID") {
+      word = folder.write("rigid.toml",
+                          "gravity = [0, -10]\n[ground]\npoints = { O = [0, 0] }\n[body.a]\n"
+                          "points = { O = [0, 0] }\nmass = 1\n[[weld]]\npoints = [\"ground.O\", \"a.O\"]\n");
+    }
+  }
+  const std::vector<std::string> before = folder.names();
+  const std::string json = folder.path("result.json").string();
+  const std::string svg = folder.path("figure.svg").string();
+  if (arguments.size() > 1 && arguments.front() != "check") {
+    arguments.insert(arguments.end(), {"--json", json, "--svg", svg});
+  }
+  expect_bad_input(run_poise(arguments), GetParam().says);
+  EXPECT_EQ(folder.names(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLine, BadInput,
+    ::testing::Values(
+        BadWords{"NoCommand", {}, "expected a command"},
+        BadWords{"MisspeltCommand", {"slove", "SCENE"}, "did you mean \"solve\"?"},
+        BadWords{"NoScene", {"solve"}, "SCENE is required"},
+        BadWords{"TwoScenes", {"solve", "SCENE", "SCENE.2"}, "expected one scene, found \"SCENE.2\" too"},
+        BadWords{"MisspeltOption", {"solve", "SCENE", "--metod", "energy"}, "did you mean \"--method\"?"},
+        BadWords{"UnknownMethod", {"solve", "SCENE", "--method", "enegry"}, "did you mean \"energy\"?"},
+        BadWords{"UnknownSeek", {"compare", "SCENE", "--seek", "stabel"}, "did you mean \"stable\"?"},
+        BadWords{"MethodOfCompare", {"compare", "SCENE", "--method", "energy"}, "compare has no option \"--method\""},
+        BadWords{"SetWithoutEquals", {"solve", "SCENE", "--set", "load.P"}, "there is no \"=\""},
+        BadWords{"SetWithoutNumber", {"solve", "SCENE", "--set", "load.P="}, "\"\" is not a number"},
+        BadWords{"SetToText", {"solve", "SCENE", "--set", "load.P=4k"}, "\"4k\" is not a number"},
+        BadWords{"SetToNan", {"solve", "SCENE", "--set", "load.P=nan"}, "load.P"},
+        BadWords{"SetUnknownPath", {"solve", "SCENE", "--set", "load.Q=4"}, "did you mean \"load.P\"?"},
+        BadWords{"SetNegativeMass", {"solve", "SCENE", "--set", "body.rod.mass=-1"}, "body.rod.mass"},
+        BadWords{"NoSuchFile", {"solve", "no/such/scene.toml"}, "no/such/scene.toml"},
+        BadWords{"NotToml", {"compare", "BROKEN"}, "broken.toml:3"},
+        BadWords{"UnknownName", {"solve", "MISSPELT"}, "misspelt.toml:18"},
+        BadWords{"NothingMoves", {"solve", "RIGID"}, "nothing can move"},
+        BadWords{"CheckOfNothing", {"check"}, "SCENE is required"}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+TEST(CommandLine, VersionAndHelpExitZero) {
+  const Outcome version = run_poise({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_TRUE(version.out.starts_with("poise ")) << version.out;
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--help"}, {"check", "--help"}, {"solve", "--help"}, {"compare", "--help"}}) {
+    const Outcome help = run_poise(words);
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_EQ(help.err, "");
+    EXPECT_TRUE(contains(help.out, "Examples:")) << help.out;
+  }
+}
+
+TEST(CommandLine, ColoursOnlyOnATerminalThatWantsThem) {
+  const std::vector<std::string> words = {"compare", dataset("zeeman")};
+  EXPECT_FALSE(contains(run_poise(words).out, "\x1b"));
+  EXPECT_TRUE(contains(run_poise_in_terminal(words).out, "\x1b["));
+  EXPECT_FALSE(contains(run_poise_in_terminal(words, {"NO_COLOR=1"}).out, "\x1b"));
+  EXPECT_FALSE(contains(run_poise_in_terminal(words, {"TERM=dumb"}).out, "\x1b"));
+  EXPECT_TRUE(contains(run_poise_in_terminal(words, {"NO_COLOR="}).out, "\x1b[")) << "an empty NO_COLOR means nothing";
+}
+
+TEST(CommandLine, EveryDatasetIsComparedAndDrawn) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(POISE_SOURCE_DIR) / "datasets")) {
+    if (entry.path().extension() != ".toml") continue;
+    SCOPED_TRACE(entry.path().filename().string());
+    const TempFolder folder;
+    const Outcome run = run_poise({"compare", entry.path().string(), "--svg", folder.path("a.svg").string()});
+    EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+    EXPECT_EQ(objection_to_xml(contents(folder.path("a.svg"))), "");
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 14);
+}
+
+}  // namespace
+}  // namespace poise::app_tests

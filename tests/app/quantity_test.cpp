@@ -1,0 +1,62 @@
+#include "app/quantity.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace poise::app {
+namespace {
+
+TEST(Quantity, UnitsFollowFromThoseOfTheScene) {
+  Units units;
+  EXPECT_EQ(unit_name(Quantity::energy, units), "J");
+  EXPECT_EQ(unit_name(Quantity::moment, units), "N m");
+  units.length_name = "in";
+  units.length = 0.0254;
+  units.force_name = "lbf";
+  units.force = 4.4482216152605;
+  EXPECT_EQ(unit_name(Quantity::energy, units), "lbf in");
+  EXPECT_DOUBLE_EQ(in_unit(0.0254 * 4.4482216152605, Quantity::moment, units), 1.0);
+}
+
+TEST(Quantity, SignificantDigitsWithoutZerosAtTheEnd) {
+  EXPECT_EQ(significant(0.0, 4), "0");
+  EXPECT_EQ(significant(-0.0, 4), "0");
+  EXPECT_EQ(significant(1234.56, 4), "1235");
+  EXPECT_EQ(significant(12.3000, 4), "12.3");
+  EXPECT_EQ(significant(-0.012345, 3), "-0.0123");
+  EXPECT_EQ(significant(123456.0, 3), "123456") << "whole numbers are not rounded away";
+  EXPECT_EQ(significant(1.5e-7, 3), "1.50e-07");
+  EXPECT_EQ(significant(1e9, 3), "1.00e+09");
+  EXPECT_EQ(significant(std::nan(""), 3), "-");
+  EXPECT_EQ(significant(-std::numeric_limits<double>::infinity(), 3), "-inf");
+}
+
+TEST(Quantity, SmallNumbersWithoutNoise) {
+  EXPECT_EQ(small_number(0.0), "0");
+  EXPECT_EQ(small_number(1.2345678901e-17), "<1e-16");
+  EXPECT_EQ(small_number(2.22e-16), "2.2e-16");
+  EXPECT_EQ(small_number(std::nan("")), "-");
+}
+
+TEST(Quantity, ColumnsShareTheirDecimals) {
+  const std::vector<std::string> column = aligned({123.456, -1.0, 1e-9, 0.0, std::nan("")}, 5);
+  EXPECT_EQ(column, (std::vector<std::string>{"123.46", "-1.00", "0   ", "0   ", "-   "}));
+  EXPECT_EQ(aligned({0.0, 0.0}, 6), (std::vector<std::string>{"0", "0"}));
+  EXPECT_EQ(aligned({1.5e-9}, 3), (std::vector<std::string>{"1.50e-09"}));
+  EXPECT_EQ(aligned({12345.0, 1.0}, 4, 3.0), (std::vector<std::string>{"12345.000", "1.000"})) << "decimals by scale";
+}
+
+TEST(Quantity, DurationsInTheUnitThatSuits) {
+  EXPECT_EQ(duration(0.84), "0.84 µs");
+  EXPECT_EQ(duration(12345.0), "12.3 ms");
+  EXPECT_EQ(duration(4.56e6), "4.56 s");
+}
+
+TEST(Quantity, ControlCharactersDoNotReachTheTerminal) { EXPECT_EQ(one_line("a\nb\x1b[31mc"), "a b [31mc"); }
+
+}  // namespace
+}  // namespace poise::app
