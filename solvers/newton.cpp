@@ -9,7 +9,9 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double armijo = 1e-4;  // share of the predicted fall that a step must achieve
+constexpr double armijo = 1e-4;         // share of the predicted fall that a step must achieve
+constexpr double filter_margin = 0.01;  // by which a point must be better than those left behind
+constexpr double closed_within = 1e-8;  // gaps below it count as none for the filter
 constexpr int stationary_halvings = 12;
 constexpr int halvings = 30;    // of one step
 constexpr int pull_backs = 20;  // chord steps back to the constraints after one trial step
@@ -47,7 +49,7 @@ std::string describe(Outcome outcome) {
     case Outcome::not_closed:
       return "the loops could not be closed from this start";
     case Outcome::stalled:
-      return "no step reduced the merit any further";
+      return "no step led any further";
     case Outcome::unbounded:
       return "the energy falls without end: the mechanism runs away";
     case Outcome::iteration_limit:
@@ -77,6 +79,7 @@ class Newton::Run {
     for (auto* v : {&y_, &y_next_, &y_before_, &gap_, &trial_gap_}) v->resize(m_);
     side_.resize(m_);
     releases_.resize(m_);
+    filter_.reserve(stationary_steps);
     result.x.resize(n_);
     result.multipliers.resize(m_);
     result.active.resize(m_);
@@ -242,7 +245,7 @@ class Newton::Run {
     return at.objective + dot(gaps, y);
   }
 
-  // Jacobian, multipliers, gap_, residual_ and merit_ at now_.
+  // Jacobian, multipliers, gap_, residual_ and their norms at now_.
   void linearize() {
     gap(now_, gap_);
     if (!fresh_multipliers_) {
@@ -254,7 +257,8 @@ class Newton::Run {
       kkt_->multipliers(now_.gradient.data(), y_.data());
     }
     lagrangian_gradient(now_, y_);
-    merit_ = dot(gap_, gap_) + dot(residual_, residual_);
+    gap_norm_ = std::max(std::sqrt(dot(gap_, gap_)), closed_within);
+    force_norm_ = std::sqrt(dot(residual_, residual_));
   }
 
   Kkt::Factors factor(double shift) {
@@ -339,6 +343,7 @@ class Newton::Run {
 
   Outcome seek_stationary() {
     fresh_multipliers_ = false;
+    filter_.clear();
     linearize();
     double last = std::numeric_limits<double>::infinity();
     for (int k = 0; k < stationary_steps; ++k) {
@@ -358,6 +363,7 @@ class Newton::Run {
         const Pulling pulling = release_pulling(y_next_, 0.0);
         if (pulling == Pulling::cycling || locked()) return Outcome::stalled;
         if (pulling == Pulling::released) {
+          filter_.clear();
           linearize();
           continue;
         }
@@ -368,7 +374,10 @@ class Newton::Run {
       if (!shorten_to_better_merit(std::min(1.0, options.longest_step / length))) {
         return at_rest() && !locked() ? Outcome::converged : Outcome::stalled;
       }
-      if (activate_violated(now_)) linearize();
+      if (activate_violated(now_)) {
+        filter_.clear();
+        linearize();
+      }
     }
     return Outcome::iteration_limit;
   }
@@ -376,10 +385,24 @@ class Newton::Run {
   // Where J loses rank no finite multipliers need balance F; rounding then stops them somewhere beyond all measure.
   bool locked() const { return largest(y_next_) > locked_beyond * (1.0 + largest(now_.gradient)); }
 
-  // Halves the step until the merit falls; leaves now_ there, linearized. Which constraints repeat each other shows
+  // A filter (Fletcher, Leyffer 2002): full Newton steps may open loops for a while, and no fixed weight of gaps
+  // against forces suits a chain of ten links and one of a hundred thousand. A point is new when against every point
+  // left behind it is better in gap or in force.
+  void remember() {
+    if (filter_.size() == filter_.capacity()) filter_.erase(filter_.begin());
+    filter_.emplace_back((1.0 - filter_margin) * gap_norm_, (1.0 - filter_margin) * force_norm_);
+  }
+
+  bool is_new() const {
+    return std::isfinite(gap_norm_) && std::isfinite(force_norm_) &&
+           std::all_of(filter_.begin(), filter_.end(),
+                       [&](const auto& left) { return gap_norm_ <= left.first || force_norm_ <= left.second; });
+  }
+
+  // Halves the step until the filter takes it; leaves now_ there, linearized. Which constraints repeat each other shows
   // only where they hold: with redundant ones every trial is pulled back first.
   bool shorten_to_better_merit(double alpha) {
-    const double before = merit_;
+    remember();
     const bool redundant = kkt_->redundant();
     std::copy(now_.x.begin(), now_.x.end(), pull_.begin());
     std::copy(y_.begin(), y_.end(), y_before_.begin());
@@ -390,7 +413,7 @@ class Newton::Run {
       std::swap(now_, trial_);
       for (int r = 0; r < m_; ++r) y_[r] = y_before_[r] + alpha * (y_next_[r] - y_before_[r]);
       linearize();
-      if (merit_ <= (1.0 - 2.0 * armijo * alpha) * before) return true;
+      if (is_new()) return true;
     }
     std::copy(pull_.begin(), pull_.end(), now_.x.begin());
     std::copy(y_before_.begin(), y_before_.end(), y_.begin());
@@ -592,7 +615,9 @@ class Newton::Run {
   bool fresh_multipliers_ = false;
   std::minstd_rand random_;  // the same for every run, so that runs repeat
   double shift_ = 0.0;
-  double merit_ = 0.0;  // |(c, F + J^T y)|^2 at now_, linearized
+  double gap_norm_ = 0.0;                          // |c| at now_, linearized; closed_within where it is less
+  double force_norm_ = 0.0;                        // |F + J^T y| at now_, linearized
+  std::vector<std::pair<double, double>> filter_;  // (gap, force) that no later point of a run may be worse than
 };
 
 Newton::Newton(const Problem& problem, NewtonOptions options) : run_(std::make_unique<Run>(problem, options)) {}

@@ -20,7 +20,7 @@ enum class Outcome {
   not_solved,       ///< nothing has been tried
   converged,        ///< the last step, or what rounding leaves of residuals, met the tolerances
   not_closed,       ///< no point with c(x) = 0 was found from the start
-  stalled,          ///< no step reduced the merit any further
+  stalled,          ///< no step led any further
   unbounded,        ///< the objective falls without end, or x runs away
   iteration_limit,  ///< NewtonOptions::iterations used up
   interrupted       ///< NewtonOptions::interrupt was set
@@ -59,8 +59,9 @@ struct NewtonResult {
 
 /// Newton's method for a Problem, made to arrive from anywhere.
 ///
-/// stationary: the step of the full system {c = 0, F + J^T y = 0}, shortened until the merit |(c, F + J^T y)| falls;
-///   where that stalls and there is an objective, descent as below and then Newton again.
+/// stationary: the step of the full system {c = 0, F + J^T y = 0}, shortened until a filter takes it: against every point
+///   left behind, |c| or |F + J^T y| must be smaller. Where that stalls it starts again from closed loops, and where
+///   that stalls too and there is an objective, it descends as below.
 /// minimum: loops are closed first (shortest damped steps); then each step keeps them closed. The tangent is shifted
 ///   until it is positive definite on the null space of J, the step is halved until the Lagrangian falls (Armijo), and
 ///   at a saddle or maximum it follows a direction of negative curvature. The Lagrangian falls from step to step, so

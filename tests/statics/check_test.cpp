@@ -207,7 +207,7 @@ TEST(Check, IsEmptyOfObjectionsWhereThereIsNone) {
   const Check check = solve(model).check;
   EXPECT_TRUE(check.is_equilibrium());
   EXPECT_EQ(check.objection, "");
-  EXPECT_LT(check.closure_error, 1e-14 * model.layout().size);
+  EXPECT_LT(check.closure_error, 1e-14 * model.scales().length);
   EXPECT_LT(check.imbalance, 1e-12 * check.largest_force);
   EXPECT_EQ(check.reactions.size(), model.scene().joints.size());
 }

@@ -106,8 +106,10 @@ TEST_P(Measured, ErrorIsTheShiftThatWasMade) {
       const Reference reference = refine(model, x);
       ASSERT_TRUE(reference.refined) << reference.why;
       EXPECT_NEAR(reference.error, shift, 1e-15 + 1e-6 * shift);
-      EXPECT_EQ(reference.x, exact.x);
-      EXPECT_EQ(reference.decimal, exact.decimal);
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        EXPECT_NEAR(reference.x[k], exact.x[k], 1e-40);
+        EXPECT_LE(abs(Real(reference.decimal[k]) - Real(exact.decimal[k])), Real("1e-38")) << reference.decimal[k];
+      }
     }
   }
 }
@@ -215,7 +217,7 @@ TEST(RefinedCurvatures, AreThoseOfAPendulumAscending) {
 }
 
 TEST(RefinedCurvatures, AgreeWithTheModesOfTheCheck) {
-  for (const char* name : {"thesis_four_bar.toml", "six_bar.toml", "toggle_clamp.toml", "thesis_four_bar_reversed.toml",
+  for (const char* name : {"thesis_four_bar.toml", "six_bar.toml", "thesis_four_bar_reversed.toml",
                            "redundant_parallelogram.toml"}) {
     SCOPED_TRACE(name);
     const StaticModel model(read_scene(dataset(name)));
@@ -234,9 +236,9 @@ TEST(RefinedCurvatures, SeeASignThatDoubleCannot) {
   // A stiffness 1e-12 above, or below, what balances the inverted pendulum's weight.
   for (const double excess : {1e-12, -1e-12}) {
     Scene scene = test::chain(1, 2.0, 1.0);
-    scene.gravity = {0.0, -8.0};
-    test::add_torsion_spring(scene, 0, 1, 8.0 * (1 + excess), M_PI_2);
-    scene.start.angle[1] = M_PI_2;
+    // Down is along -x, so that upright is 0 to the last bit.
+    scene.gravity = {-8.0, 0.0};
+    test::add_torsion_spring(scene, 0, 1, 8.0 * (1 + excess));
     const StaticModel model(scene);
     const Check check = poise::check(model, model.start());
     ASSERT_TRUE(check.is_equilibrium()) << check.objection;
@@ -245,6 +247,14 @@ TEST(RefinedCurvatures, SeeASignThatDoubleCannot) {
     ASSERT_EQ(check.modes.size(), 1u);
     EXPECT_NEAR(check.modes[0].curvature, 8.0 * excess, 1e-3 * 8e-12);
   }
+}
+
+TEST(RefinedCurvatures, AreNoneWhereStopsLeaveNoFreedom) {
+  const StaticModel model(read_scene(dataset("toggle_clamp.toml")));
+  const Equilibrium found = solve(model);
+  ASSERT_TRUE(found.found()) << found.why;
+  EXPECT_TRUE(found.check.modes.empty());
+  EXPECT_TRUE(refined_curvatures(model, found.x).empty());
 }
 
 TEST(RefinedCurvatures, AreEmptyWithFollowerLoads) {

@@ -1,0 +1,187 @@
+// Units of a mechanism's own size and load: they round nothing and change nothing.
+
+#include "statics/scaling.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "model/scene.hpp"
+#include "statics/equilibrium.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+using test::dataset;
+
+constexpr const char* names[] = {"thesis_four_bar.toml", "toggle_clamp.toml",    "lift.toml",
+                                 "car_hood.toml",        "hencky_cantilever.toml", "vertical_slider_crank.toml"};
+
+void expect_power_of_two(double value) {
+  int exponent = 0;
+  EXPECT_EQ(std::frexp(value, &exponent), 0.5) << value;
+}
+
+TEST(Scales, ArePowersOfTwo) {
+  for (const char* name : names) {
+    const StaticModel model(read_scene(dataset(name)));
+    expect_power_of_two(model.scales().length);
+    expect_power_of_two(model.scales().force);
+    // The compiled layout is that of the scaled scene.
+    EXPECT_LE(model.layout().size, std::sqrt(2.0) * (1 + 1e-15));
+    EXPECT_GE(model.layout().size, std::sqrt(0.5) * (1 - 1e-15));
+  }
+}
+
+TEST(Scales, AreAboutTheReachAndTheSumOfAllLoads) {
+  Scene scene = test::chain(2, 1.5, 10.0);
+  scene.gravity = {0.0, -10.0};
+  test::add_force(scene, "2.b", {3.0, 4.0}, "F");
+  Torque torque;
+  torque.body = 1;
+  torque.value = -200.0;
+  scene.torques.push_back(torque);
+  // Reach 3 m rounds to 4 (in logarithms); 200 N of weight, 5 N, and 200 N m over 4 m.
+  const Scales scales = choose_scales(scene, 3.0);
+  EXPECT_EQ(scales.length, 4.0);
+  EXPECT_EQ(scales.force, 256.0);
+  EXPECT_EQ(scales.energy(), 1024.0);
+}
+
+TEST(Scales, OfALoadlessSceneComeFromItsSprings) {
+  Scene scene = test::chain(1, 1.0, 1.0);
+  test::add_torsion_spring(scene, 0, 1, 30.0, 0.3);
+  EXPECT_EQ(choose_scales(scene, 2.0).force, 16.0);
+  Spring spring;
+  spring.a = test::point(scene, "ground.O");
+  spring.b = test::point(scene, "1.b");
+  spring.stiffness = 1000.0;
+  scene.springs.push_back(spring);
+  EXPECT_EQ(choose_scales(scene, 2.0).force, 2048.0);
+}
+
+TEST(Scales, OfASceneOfNothingAreOne) {
+  const Scales scales = choose_scales(Scene(), 0.0);
+  EXPECT_EQ(scales.length, 1.0);
+  EXPECT_EQ(scales.force, 1.0);
+}
+
+TEST(Scales, StayFiniteWhereLoadsDoNot) {
+  Scene scene = test::chain(1, 1.0, 1.0);
+  test::add_force(scene, "1.b", {1.7e308, 1.7e308}, "F");
+  test::add_force(scene, "1.b", {1.7e308, 1.7e308}, "G");
+  const Scales scales = choose_scales(scene, 1.0);
+  EXPECT_TRUE(std::isfinite(scales.force));
+  EXPECT_GT(scales.force, 0.0);
+}
+
+void expect_same(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.gravity, b.gravity);
+  for (std::size_t i = 0; i < a.bodies.size(); ++i) {
+    EXPECT_EQ(a.bodies[i].mass, b.bodies[i].mass);
+    EXPECT_EQ(a.bodies[i].inertia, b.bodies[i].inertia);
+    EXPECT_EQ(a.bodies[i].center, b.bodies[i].center);
+    for (std::size_t p = 0; p < a.bodies[i].points.size(); ++p) {
+      EXPECT_EQ(a.bodies[i].points[p].at, b.bodies[i].points[p].at);
+    }
+  }
+  for (std::size_t k = 0; k < a.joints.size(); ++k) {
+    EXPECT_EQ(a.joints[k].length, b.joints[k].length);
+    EXPECT_EQ(a.joints[k].angle, b.joints[k].angle);
+    EXPECT_EQ(a.joints[k].axis, b.joints[k].axis);
+  }
+  for (std::size_t k = 0; k < a.springs.size(); ++k) {
+    EXPECT_EQ(a.springs[k].stiffness, b.springs[k].stiffness);
+    EXPECT_EQ(a.springs[k].free_length, b.springs[k].free_length);
+  }
+  for (std::size_t k = 0; k < a.torsion_springs.size(); ++k) {
+    EXPECT_EQ(a.torsion_springs[k].stiffness, b.torsion_springs[k].stiffness);
+    EXPECT_EQ(a.torsion_springs[k].free_angle, b.torsion_springs[k].free_angle);
+  }
+  for (std::size_t k = 0; k < a.forces.size(); ++k) EXPECT_EQ(a.forces[k].vector, b.forces[k].vector);
+  for (std::size_t k = 0; k < a.torques.size(); ++k) EXPECT_EQ(a.torques[k].value, b.torques[k].value);
+  for (std::size_t k = 0; k < a.stops.size(); ++k) {
+    EXPECT_EQ(a.stops[k].min, b.stops[k].min);
+    EXPECT_EQ(a.stops[k].max, b.stops[k].max);
+  }
+  EXPECT_EQ(a.start.angle, b.start.angle);
+  EXPECT_EQ(a.start.travel, b.start.travel);
+  EXPECT_EQ(a.start.position, b.start.position);
+}
+
+TEST(Scaled, ThereAndBackIsTheSameToTheLastBit) {
+  for (const char* name : names) {
+    SCOPED_TRACE(name);
+    const Scene scene = read_scene(dataset(name));
+    const Scales scales{0.125, 4096.0};
+    expect_same(scaled(scaled(scene, scales), {8.0, 1.0 / 4096.0}), scene);
+    expect_same(scaled(scene, {}), scene);
+  }
+}
+
+TEST(Scaled, HasWeightsInUnitsOfForce) {
+  Scene scene = test::chain(1, 2.0, 3.0);
+  scene.gravity = {0.0, -10.0};
+  const Scene small = scaled(scene, {4.0, 16.0});
+  EXPECT_EQ(small.bodies[1].mass * norm(small.gravity), 30.0 / 16.0);
+  EXPECT_EQ(small.bodies[1].center.x, 0.25);
+}
+
+TEST(Scaled, LeavesAnglesAndAbsentLimitsAlone) {
+  Scene scene = test::chain(1, 2.0, 3.0);
+  Stop stop;
+  stop.body_b = 1;
+  stop.max = 0.75;
+  scene.stops.push_back(stop);
+  stop.kind = Stop::Kind::distance;
+  scene.stops.push_back(stop);
+  scene.start.angle[1] = 0.3;
+  const Scene small = scaled(scene, {4.0, 16.0});
+  EXPECT_EQ(small.stops[0].max, 0.75);
+  EXPECT_EQ(small.stops[1].max, 0.1875);
+  for (const Stop& s : small.stops) EXPECT_EQ(s.min, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(small.start.angle[1], 0.3);
+}
+
+TEST(Scaled, KeepsTheEquilibriumAndDividesItsForces) {
+  for (const char* name : names) {
+    SCOPED_TRACE(name);
+    const Scene scene = read_scene(dataset(name));
+    const StaticModel model(scene);
+    const Equilibrium found = solve(model);
+    ASSERT_TRUE(found.found()) << found.why;
+    const Scales scales{0.0625, 1024.0};
+    const StaticModel other(scaled(scene, scales));
+    const Equilibrium same = solve(other);
+    ASSERT_TRUE(same.found()) << same.why;
+    EXPECT_EQ(to_string(same.check.stability), to_string(found.check.stability));
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      EXPECT_NEAR(test::angle_of(other, same.x, scene.bodies[i].name), test::angle_of(model, found.x, scene.bodies[i].name),
+                  1e-13);
+    }
+    EXPECT_NEAR(same.energy * scales.energy(), found.energy, 1e-11 * model.scales().energy());
+    ASSERT_EQ(same.check.reactions.size(), found.check.reactions.size());
+    for (std::size_t k = 0; k < same.check.reactions.size(); ++k) {
+      const Vec2 difference = scales.force * same.check.reactions[k].force - found.check.reactions[k].force;
+      EXPECT_LE(norm(difference), 1e-10 * found.check.largest_force) << same.check.reactions[k].name;
+    }
+  }
+}
+
+TEST(StaticModel, CoordinatesGoToSiAndBack) {
+  const StaticModel model(read_scene(dataset("vertical_slider_crank.toml")));
+  const std::vector<double> x = model.start();
+  EXPECT_EQ(model.from_si(model.to_si(x)), x);
+  const std::vector<double> q = model.to_si(x);
+  for (int i = 0; i < model.layout().kept; ++i) {
+    EXPECT_EQ(q[i], i < model.layout().angles ? x[i] : x[i] * model.scales().length);
+  }
+}
+
+}  // namespace
+}  // namespace poise
