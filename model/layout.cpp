@@ -356,7 +356,8 @@ class Builder {
     }
   }
 
-  // A bar without a guess points from one end to the other of what it joins.
+  // A bar points from one end to the other of what it joins. A body that hangs on bars alone is where the scene's start
+  // puts it.
   void guess_bars() {
     std::vector<Vec2> origin(out_.links.size());
     const auto angle = [&](const Link& link) {

@@ -132,8 +132,8 @@ struct Stop {
 };
 
 /// Guesses from which loops are closed and solvers start; absent guesses are zero. Angles are absolute and
-/// unwrapped, in rad; travels in m; positions (world place of a body's origin, m) matter only to bodies that no
-/// chain of joints ties to the ground.
+/// unwrapped, in rad; travels in m; positions (world place of a body's origin, m) matter only to bodies that no chain
+/// of joints, or only bars, tie to the ground.
 struct Start {
   std::vector<std::optional<double>> angle;   ///< per body
   std::vector<std::optional<double>> travel;  ///< per joint

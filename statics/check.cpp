@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "solvers/kkt.hpp"
@@ -222,25 +223,22 @@ class Judge {
     return out;
   }
 
-  // Without a potential the reduced stiffness is not symmetric. Statics can see divergence: a real eigenvalue that is
-  // not positive. Complex ones may flutter, which only masses can decide.
+  // Without a potential the reduced stiffness K is not symmetric. What statics can see of it, whatever the units of the
+  // coordinates, is the sign of its determinant: negative means divergence. With more than one freedom a positive one
+  // does not exclude flutter, which only masses can decide.
   void judge_followers(const ReducedHessian<double>& reduced) {
-    const Eigen::EigenSolver<Eigen::MatrixXd> eigen(reduced.matrix);
-    const double zero = 1e-9 * reduced.largest;
-    int falling = 0;
-    int neutral = 0;
-    bool complex = false;
-    for (Eigen::Index k = 0; k < eigen.eigenvalues().size(); ++k) {
-      const std::complex<double> e = eigen.eigenvalues()[k];
-      complex = complex || std::abs(e.imag()) > zero;
-      falling += e.real() < -zero;
-      neutral += std::abs(e) <= zero;
-    }
-    settle(falling, neutral);
-    out_.stability_note = "follower loads have no potential: this is the static (divergence) criterion";
-    if (complex && falling == 0) {
+    const double scale = std::max(1.0, reduced.largest);
+    const double determinant = (reduced.matrix / scale).determinant();
+    const bool neutral = std::abs(determinant) <= 1e-12;
+    const bool one_freedom = reduced.matrix.rows() == 1;
+    settle(!neutral && determinant < 0 ? 1 : 0, neutral ? 1 : 0);
+    out_.stability_note = "a follower load has no potential: judged by divergence (the sign of the stiffness)";
+    if (out_.stability == Stability::stable && !one_freedom) {
       out_.stability = Stability::unknown;
-      out_.stability_note = "follower loads make the stiffness rotational: it may flutter, which statics cannot decide";
+      out_.stability_note =
+          "a follower load has no potential: it does not diverge, but it may flutter, which statics cannot decide";
+    } else if (out_.stability == Stability::unstable && !one_freedom) {
+      out_.stability_note = "a follower load has no potential: the stiffness has an odd number of falling directions";
     }
   }
 

@@ -69,11 +69,14 @@ void search_by_energy(const StaticModel& model, const std::vector<double>& x, co
                           m.follower_names().front());
     return;
   }
+  // From closed loops: which closures repeat each other shows only where they hold.
+  solvers::Newton closing(model.problem());
+  const std::vector<double> closed = closing.close(x.data()).x;
   solvers::IpoptOptions settings;
   settings.interrupt = options.interrupt;
-  const std::vector<int> rows = independent_rows(model, x);
+  const std::vector<int> rows = independent_rows(model, closed);
   const auto begin = std::chrono::steady_clock::now();
-  const solvers::IpoptResult result = solvers::solve_with_ipopt(model.problem(), x, settings, rows);
+  const solvers::IpoptResult result = solvers::solve_with_ipopt(model.problem(), closed, settings, rows);
   out.microseconds = elapsed(begin);
   out.x = result.x;
   out.iterations = result.iterations;

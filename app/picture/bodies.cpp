@@ -57,7 +57,9 @@ void sketch_bodies(Stage& stage) {
 }
 
 void draw_ghost(Stage& stage, const std::vector<Vec2>& shape) {
-  if (shape.size() == 2) {
+  if (shape.size() == 1) {
+    stage.canvas.circle(shape[0], 1.6 * stage.pin_radius, {.fill = ink::ghost});
+  } else if (shape.size() == 2) {
     stage.canvas.line(shape[0], shape[1], {.stroke = ink::ghost, .width = 0.7 * stage.bar_width});
   } else if (shape.size() > 2) {
     stage.canvas.polygon(shape, {.fill = "#f1f3f5", .stroke = ink::ghost, .width = 0.5 * stage.bar_width});

@@ -439,8 +439,8 @@ TEST(Redundancy, OnlyTheDoublyGuidedCarriageIsUndetermined) {
 constexpr double crank_angle = 1.0;
 constexpr double coupler_load = 100.0;
 
-// Equal parallel cranks "0", "1", ... a metre apart carry one coupler, loaded at its second crank; a torque on the first
-// one holds it at the crank angle 1 rad, where nothing else acts.
+// Equal parallel cranks "0", "1", ... a metre apart carry one coupler, loaded at its second crank; a torque on the
+// first one holds it at the crank angle 1 rad, where nothing else acts.
 Scene parallelogram(int cranks) {
   Scene scene;
   for (int i = 0; i < cranks; ++i) {
@@ -577,10 +577,11 @@ TEST(LargeMechanisms, CountFallingDirectionsOfAStandingChain) {
 // --- stops -----------------------------------------------------------------------------------------------------------
 
 StaticModel arm_on_stop(const std::string& stop, double mass = 3.0) {
-  return model_of("gravity = [0, -10]\n"
-                  "[ground]\npoints = { O = [0, 0] }\n"
-                  "[body.arm]\npoints = { O = [0, 0] }\ncenter = [1, 0]\nmass = " +
-                  std::to_string(mass) + "\n[[pin]]\npoints = [\"ground.O\", \"arm.O\"]\n" + stop);
+  return model_of(
+      "gravity = [0, -10]\n"
+      "[ground]\npoints = { O = [0, 0] }\n"
+      "[body.arm]\npoints = { O = [0, 0] }\ncenter = [1, 0]\nmass = " +
+      std::to_string(mass) + "\n[[pin]]\npoints = [\"ground.O\", \"arm.O\"]\n" + stop);
 }
 
 TEST(Stops, PressWithTheMomentThatHoldsTheArm) {
@@ -757,14 +758,15 @@ TEST(StabilityOf, ABalancedArmIsNeutralAtEveryAngle) {
 
 // Two links of 1 m, torsion springs of 1 N m/rad at both joints, pushed at the tip by a force that follows a link.
 StaticModel column(double force, const std::string& follows) {
-  return model_of("[ground]\npoints = { O = [0, 0] }\n"
-                  "[body.one]\npoints = { a = [0, 0], b = [1, 0] }\n"
-                  "[body.two]\npoints = { a = [0, 0], b = [1, 0] }\n"
-                  "[[pin]]\npoints = [\"ground.O\", \"one.a\"]\n[[pin]]\npoints = [\"one.b\", \"two.a\"]\n"
-                  "[[torsion_spring]]\nbodies = [\"ground\", \"one\"]\nstiffness = 1\n"
-                  "[[torsion_spring]]\nbodies = [\"one\", \"two\"]\nstiffness = 1\n"
-                  "[[force]]\nname = \"P\"\nat = \"two.b\"\nfollows = \"" +
-                  follows + "\"\nvector = [" + std::to_string(-force) + ", 0]\n");
+  return model_of(
+      "[ground]\npoints = { O = [0, 0] }\n"
+      "[body.one]\npoints = { a = [0, 0], b = [1, 0] }\n"
+      "[body.two]\npoints = { a = [0, 0], b = [1, 0] }\n"
+      "[[pin]]\npoints = [\"ground.O\", \"one.a\"]\n[[pin]]\npoints = [\"one.b\", \"two.a\"]\n"
+      "[[torsion_spring]]\nbodies = [\"ground\", \"one\"]\nstiffness = 1\n"
+      "[[torsion_spring]]\nbodies = [\"one\", \"two\"]\nstiffness = 1\n"
+      "[[force]]\nname = \"P\"\nat = \"two.b\"\nfollows = \"" +
+      follows + "\"\nvector = [" + std::to_string(-force) + ", 0]\n");
 }
 
 // Stiffness [[2 - P, P - 1], [-1, 1]]: determinant 1, trace 3 - P. Real and positive below P = 1, complex up to 5.

@@ -204,8 +204,8 @@ TEST(Assemble, SaysThatNothingCanMove) {
 }
 
 TEST(Assemble, ClosesLoopsFromAnOpenStart) {
-  const StaticModel model(test::started_at(read_scene(dataset("thesis_four_bar.toml")),
-                                           {{"link4", 1.5}, {"link6", 0.1}, {"link7", 5.0}}));
+  const StaticModel model(
+      test::started_at(read_scene(dataset("thesis_four_bar.toml")), {{"link4", 1.5}, {"link6", 0.1}, {"link7", 5.0}}));
   const Check check = poise::check(model, assemble(model));
   EXPECT_TRUE(check.closed);
   EXPECT_FALSE(check.is_equilibrium());
@@ -269,8 +269,8 @@ TEST(StopsInSearch, TheMethodsAgreeOnTheClamp) {
   for (const char* body : {"handle", "link", "arm"}) {
     EXPECT_NEAR(angle_of(model, work.x, body), angle_of(model, energy.x, body), 1e-8) << body;
   }
-  EXPECT_NEAR(test::reaction_of(work.check, "over_centre").moment, test::reaction_of(energy.check, "over_centre").moment,
-              1e-6);
+  EXPECT_NEAR(test::reaction_of(work.check, "over_centre").moment,
+              test::reaction_of(energy.check, "over_centre").moment, 1e-6);
   EXPECT_NEAR(work.energy, energy.energy, 1e-8);
 }
 
@@ -318,13 +318,13 @@ constexpr const char* cushion =
 constexpr const char* rope_below =
     "[[spring]]\npoints = [\"ground.bottom\", \"block.P\"]\nstiffness = 100\nfree_length = 3\nacts = \"tension\"\n";
 
-INSTANTIATE_TEST_SUITE_P(
-    Springs, Slack,
-    testing::Values(SlackCase{"HangerTaut", hanger, 1.0, 1.8}, SlackCase{"HangerSlackAtFirst", hanger, 4.0, 1.8},
-                    SlackCase{"CushionPressed", cushion, -2.5, -2.2},
-                    SlackCase{"CushionClearAtFirst", cushion, 4.0, -2.2},
-                    SlackCase{"RopeFromBelowSlackAtFirst", rope_below, -4.0, -8.2}),
-    [](const auto& scene) { return std::string(scene.param.name); });
+INSTANTIATE_TEST_SUITE_P(Springs, Slack,
+                         testing::Values(SlackCase{"HangerTaut", hanger, 1.0, 1.8},
+                                         SlackCase{"HangerSlackAtFirst", hanger, 4.0, 1.8},
+                                         SlackCase{"CushionPressed", cushion, -2.5, -2.2},
+                                         SlackCase{"CushionClearAtFirst", cushion, 4.0, -2.2},
+                                         SlackCase{"RopeFromBelowSlackAtFirst", rope_below, -4.0, -8.2}),
+                         [](const auto& scene) { return std::string(scene.param.name); });
 
 TEST(SlackSpring, ASpringThatIsSlackHoldsNothing) {
   // A hanger that could only press, already let go.
@@ -428,8 +428,8 @@ Scene slider_crank(double size, double load, const char* length_name, double met
                   fmt::arg("gravity", -10.0 / metre), fmt::arg("length_name", length_name),
                   fmt::arg("force_name", force_name), fmt::arg("s1", 0.1 * l), fmt::arg("s2", 0.2 * l),
                   fmt::arg("s3", 0.3 * l), fmt::arg("s4", 0.4 * l), fmt::arg("s5", 0.5 * l),
-                  fmt::arg("mass", 0.7 * load), fmt::arg("stiffness", 30 * f / l),
-                  fmt::arg("torsional", 0.9 * f * l), fmt::arg("force", 3 * f), fmt::arg("torque", 0.4 * f * l)),
+                  fmt::arg("mass", 0.7 * load), fmt::arg("stiffness", 30 * f / l), fmt::arg("torsional", 0.9 * f * l),
+                  fmt::arg("force", 3 * f), fmt::arg("torque", 0.4 * f * l)),
       "slider_crank.toml");
 }
 

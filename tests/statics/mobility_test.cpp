@@ -50,18 +50,16 @@ TEST_P(Counts, AreThoseOfATextbook) {
   EXPECT_EQ(mobility.redundant.empty(), mobility.gruebler == mobility.freedoms);
 }
 
-INSTANTIATE_TEST_SUITE_P(Datasets, Counts,
-                         testing::Values(Counted{"thesis_four_bar.toml", 3, 4, 1, 1},
-                                         Counted{"thesis_chain.toml", 4, 5, 2, 2},
-                                         Counted{"pendulum_chain.toml", 3, 3, 3, 3},
-                                         Counted{"vertical_slider_crank.toml", 4, 5, 2, 2},
-                                         Counted{"toggle_clamp.toml", 3, 4, 1, 1},
-                                         Counted{"redundant_parallelogram.toml", 4, 6, 0, 1},
-                                         Counted{"hencky_cantilever.toml", 3, 3, 3, 3}),
-                         [](const auto& scene) {
-                           const std::string name = scene.param.scene;
-                           return name.substr(0, name.find('.'));
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Datasets, Counts,
+    testing::Values(Counted{"thesis_four_bar.toml", 3, 4, 1, 1}, Counted{"thesis_chain.toml", 4, 5, 2, 2},
+                    Counted{"pendulum_chain.toml", 3, 3, 3, 3}, Counted{"vertical_slider_crank.toml", 4, 5, 2, 2},
+                    Counted{"toggle_clamp.toml", 3, 4, 1, 1}, Counted{"redundant_parallelogram.toml", 4, 6, 0, 1},
+                    Counted{"hencky_cantilever.toml", 3, 3, 3, 3}),
+    [](const auto& scene) {
+      const std::string name = scene.param.scene;
+      return name.substr(0, name.find('.'));
+    });
 
 TEST(Mobility, CountsJointsOfEveryKind) {
   // 3 bodies, less 2 for the pin, 2 for the slide, 1 for the slot, 3 for the weld and 1 for the bar: 12 - 9 = 3.

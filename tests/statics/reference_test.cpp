@@ -75,12 +75,12 @@ TEST(Reference, LengthsAreInMetres) {
   // 2 kg under 10 m/s^2 on 96 N/m from a height of 5 m, free length 3: y = 5 - 3 - 20/96, whatever the units.
   for (const char* units : {"", "[units]\nlength = \"m\"\nforce = \"kN\"\n"}) {
     const StaticModel model(parse_scene("gravity = [0, -10]\n" + std::string(units) +
-                                                             "[ground]\npoints = { R = [0, 0], top = [0, 5] }\n"
-                                                             "[body.block]\npoints = { P = [0, 0] }\nmass = 2\n"
-                                                             "[[slide]]\nname = \"rail\"\n"
-                                                             "points = [\"ground.R\", \"block.P\"]\naxis = [0, 1]\n"
-                                                             "[[spring]]\npoints = [\"ground.top\", \"block.P\"]\n"
-                                                             "free_length = 3\nstiffness = " +
+                                            "[ground]\npoints = { R = [0, 0], top = [0, 5] }\n"
+                                            "[body.block]\npoints = { P = [0, 0] }\nmass = 2\n"
+                                            "[[slide]]\nname = \"rail\"\n"
+                                            "points = [\"ground.R\", \"block.P\"]\naxis = [0, 1]\n"
+                                            "[[spring]]\npoints = [\"ground.top\", \"block.P\"]\n"
+                                            "free_length = 3\nstiffness = " +
                                             (*units ? "0.09375" : "93.75"),
                                         "block.toml"));
     const Reference reference = refine(model, model.from_si({2.0 - 20.0 / 93.75}));
@@ -217,8 +217,8 @@ TEST(RefinedCurvatures, AreThoseOfAPendulumAscending) {
 }
 
 TEST(RefinedCurvatures, AgreeWithTheModesOfTheCheck) {
-  for (const char* name : {"thesis_four_bar.toml", "six_bar.toml", "thesis_four_bar_reversed.toml",
-                           "redundant_parallelogram.toml"}) {
+  for (const char* name :
+       {"thesis_four_bar.toml", "six_bar.toml", "thesis_four_bar_reversed.toml", "redundant_parallelogram.toml"}) {
     SCOPED_TRACE(name);
     const StaticModel model(read_scene(dataset(name)));
     const Equilibrium found = solve(model);

@@ -19,7 +19,7 @@ namespace {
 
 using test::dataset;
 
-constexpr const char* names[] = {"thesis_four_bar.toml", "toggle_clamp.toml",    "lift.toml",
+constexpr const char* names[] = {"thesis_four_bar.toml", "toggle_clamp.toml",      "lift.toml",
                                  "car_hood.toml",        "hencky_cantilever.toml", "vertical_slider_crank.toml"};
 
 void expect_power_of_two(double value) {
@@ -161,8 +161,8 @@ TEST(Scaled, KeepsTheEquilibriumAndDividesItsForces) {
     ASSERT_TRUE(same.found()) << same.why;
     EXPECT_EQ(to_string(same.check.stability), to_string(found.check.stability));
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-      EXPECT_NEAR(test::angle_of(other, same.x, scene.bodies[i].name), test::angle_of(model, found.x, scene.bodies[i].name),
-                  1e-13);
+      EXPECT_NEAR(test::angle_of(other, same.x, scene.bodies[i].name),
+                  test::angle_of(model, found.x, scene.bodies[i].name), 1e-13);
     }
     EXPECT_NEAR(same.energy * scales.energy(), found.energy, 1e-11 * model.scales().energy());
     ASSERT_EQ(same.check.reactions.size(), found.check.reactions.size());
