@@ -35,13 +35,19 @@ double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<do
   return wide;
 }
 
+// Travel of a slide or pin in a slot, m.
+double travel(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses) {
+  const BodyPose<double>& a = poses[joint.a.body];
+  const Vec2 d = poses[joint.b.body].world(scene.local(joint.b)) - a.world(scene.local(joint.a));
+  return dot(joint.axis * unit(a.angle), d);
+}
+
 // Value of a stop, rad or m.
 double value(const Scene& scene, const Stop& stop, const std::vector<BodyPose<double>>& poses) {
   if (stop.kind == Stop::Kind::angle) return poses[stop.body_b].angle - poses[stop.body_a].angle;
   const auto world = [&](PointRef p) { return poses[p.body].world(scene.local(p)); };
   if (stop.kind == Stop::Kind::distance) return norm(world(stop.b) - world(stop.a));
-  const Joint& joint = scene.joints[stop.joint];
-  return dot(joint.axis * unit(poses[joint.a.body].angle), world(joint.b) - world(joint.a));
+  return travel(scene, scene.joints[stop.joint], poses);
 }
 
 bool is_finite(const std::vector<double>& x) {
@@ -80,8 +86,14 @@ class Judge {
   }
 
   void measure_closure() {
-    for (const Joint& joint : scene_.joints) {
-      const double wide = gap(scene_, joint, poses_, size_);
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const Joint& joint = scene_.joints[j];
+      double wide = gap(scene_, joint, poses_, size_);
+      // A travel that only closes a loop moves no body: it has to be what the places of the bodies show.
+      const int t = model_.layout().travel[j];
+      if (t >= 0 && t < model_.layout().kept) {
+        wide = std::max(wide, std::abs(travel(scene_, joint, poses_) - size_ * x_[t]));
+      }
       if (wide > out_.closure_error || out_.worst_joint.empty()) {
         out_.closure_error = wide;
         out_.worst_joint = joint.name;
@@ -101,7 +113,9 @@ class Judge {
       const double g = value(scene_, stop, poses_);
       const double beyond = std::max({0.0, g - stop.max, stop.min - g}) / unit_size;
       const double near = tolerances_.stop * unit_size;
-      touching_.push_back(g >= stop.max - near ? 1 : g <= stop.min + near ? -1 : 0);
+      const bool at_max = g >= stop.max - near;
+      const bool at_min = g <= stop.min + near;
+      touching_.push_back(at_max && at_min ? 2 : at_max ? 1 : at_min ? -1 : 0);
       if (beyond <= out_.stop_violation) continue;
       out_.stop_violation = beyond;
       out_.worst_stop = stop.name;
@@ -238,7 +252,8 @@ class Judge {
       out_.stability_note =
           "a follower load has no potential: it does not diverge, but it may flutter, which statics cannot decide";
     } else if (out_.stability == Stability::unstable && !one_freedom) {
-      out_.stability_note = "a follower load has no potential: the stiffness has an odd number of falling directions";
+      out_.stability_note =
+          "a follower load has no potential: it diverges, the determinant of its stiffness being negative";
     }
   }
 

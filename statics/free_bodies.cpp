@@ -5,7 +5,8 @@
 
 #include <Eigen/QR>
 #include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
+
+#include "statics/sparse_least_squares.hpp"
 
 namespace poise {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 constexpr int dense_limit = 250;
 // Part of the largest singular value (roughly) below which a reaction combination counts as undetermined.
 constexpr double rank_tolerance = 1e-10;
-constexpr double relax = 1e-12;
-constexpr int refinements = 20;
 
 // A unit reaction: force and moment on body b at a point, the opposite on body a.
 struct Unknown {
@@ -173,7 +172,10 @@ class Statics {
         for (int u = 0; u < count; ++u) free[u] = null.row(u).norm() > 1e-8;
       }
     } else if (count > 0) {
-      f = sparse_least_squares(a, -load);
+      f = SparseLeastSquares(a).solve(-load);
+      const NullSpace self_stress = null_space(a);
+      free = self_stress.touches;
+      out.redundancy = self_stress.dimension;
     }
     const Eigen::VectorXd left = load + a * f;
     Eigen::Index worst = 0;
@@ -195,7 +197,7 @@ class Statics {
       if (free[u]) item.reaction.determined = false;
       if (item.reaction.kind == "bar" || item.axis != Vec2{}) item.reaction.axial = -f[u];
       // At a maximum the stop may only reduce what it limits, at a minimum only increase it.
-      if (item.stop >= 0 && item.side * f[u] > hardest) {
+      if (item.stop >= 0 && std::abs(item.side) == 1 && item.side * f[u] > hardest) {
         hardest = item.side * f[u];
         pulling = item.stop;
       }
@@ -212,33 +214,6 @@ class Statics {
 
  private:
   Vec2 world(PointRef p) const { return poses_[p.body].world(scene_.local(p)); }
-
-  // Minimal |A f - b|, near-minimal norm: LDL^T of the quasi-definite  [I A; A^T -e I], refined against e = 0.
-  static Eigen::VectorXd sparse_least_squares(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b) {
-    const int rows = static_cast<int>(a.rows());
-    const int size = rows + static_cast<int>(a.cols());
-    std::vector<Eigen::Triplet<double>> lower;
-    for (int i = 0; i < size; ++i) lower.emplace_back(i, i, i < rows ? 1.0 : -relax);
-    for (int c = 0; c < a.outerSize(); ++c) {
-      for (Eigen::SparseMatrix<double>::InnerIterator it(a, c); it; ++it) {
-        lower.emplace_back(rows + c, static_cast<int>(it.row()), it.value());
-      }
-    }
-    Eigen::SparseMatrix<double> system(size, size);
-    system.setFromTriplets(lower.begin(), lower.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(system);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(size);
-    double last = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < refinements; ++k) {
-      Eigen::VectorXd right(size);
-      right << b - x.head(rows) - a * x.tail(a.cols()), -(a.transpose() * x.head(rows));
-      const double left = right.cwiseAbs().maxCoeff();
-      if (!(left < 0.5 * last)) break;
-      last = left;
-      x += factors.solve(right);
-    }
-    return x.tail(a.cols());
-  }
 
   void push(int body, Vec2 at, Vec2 force, double moment) {
     if (body == 0) return;

@@ -21,8 +21,8 @@ struct FreeBodies {
   int redundancy = 0;
 };
 
-/// `touching`: stops whose reaction may act, one entry (+1 at max, -1 at min, 0 not touching) per stop. A stop that
-/// would have to pull is left out.
+/// `touching`: stops whose reaction may act, one entry (+1 at max, -1 at min, 2 at both, 0 not touching) per stop. A
+/// stop that would have to pull is left out.
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
                    double size);
 

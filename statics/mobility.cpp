@@ -5,18 +5,18 @@
 #include <numeric>
 
 #include <Eigen/QR>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <fmt/format.h>
 
 #include "solvers/newton.hpp"
 #include "statics/curvature_impl.hpp"
+#include "statics/sparse_least_squares.hpp"
 
 namespace poise {
 namespace {
 
 constexpr double closed_within = 1e-9;
 constexpr double rank_tolerance = 1e-9;
-constexpr double gram_rank_tolerance = 1e-13;
 constexpr int dense_limit = 400;
 
 int gruebler_count(const Scene& scene) {
@@ -72,18 +72,12 @@ void find_redundancy(const StaticModel& model, Mobility& out) {
   Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());
   jacobian.setFromTriplets(entries.begin(), entries.end());
   if (rows > dense_limit) {
-    // Pivots of J J^T that vanish belong to rows which those eliminated before them hold already.
-    const Eigen::SparseMatrix<double> gram = jacobian * Eigen::SparseMatrix<double>(jacobian.transpose());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(gram);
-    const Eigen::VectorXd pivots = factors.permutationPinv() * factors.vectorD();
-    const double floor = gram_rank_tolerance * pivots.cwiseAbs().maxCoeff();
-    for (int r = 0; r < rows; ++r) {
-      if (pivots[r] > floor)
-        ++out.rank;
-      else
-        out.redundant.push_back(m.layout().closures[r / 2].name);
+    const Eigen::SparseMatrix<double> transposed = jacobian.transpose();
+    const NullSpace repeats = null_space(transposed);
+    out.rank = rows - repeats.dimension;
+    for (int l = 0; l < m.closures(); ++l) {
+      if (repeats.touches[2 * l] || repeats.touches[2 * l + 1]) out.redundant.push_back(m.layout().closures[l].name);
     }
-    out.redundant.erase(std::unique(out.redundant.begin(), out.redundant.end()), out.redundant.end());
     return;
   }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;

@@ -280,6 +280,7 @@ std::vector<double> refined_curvatures(const StaticModel& model, const std::vect
   std::string why;
   if (model.mechanism().has_follower_loads() || !refinement.run(why)) return {};
   const ReducedHessian<Real> reduced(refinement.mechanism(), refinement.q(), refinement.rows());
+  if (reduced.matrix.size() == 0) return {};
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(reduced.matrix, Eigen::EigenvaluesOnly);
   std::vector<double> out;
   for (const Real& e : eigen.eigenvalues()) out.push_back(static_cast<double>(e));

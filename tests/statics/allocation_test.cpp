@@ -1,9 +1,9 @@
 // Newton's iterations must not allocate. A program of its own, because it stands in for malloc.
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstddef>
+
+#include <gtest/gtest.h>
 
 #include "model/scene.hpp"
 #include "solvers/newton.hpp"
