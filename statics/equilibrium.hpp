@@ -48,7 +48,7 @@ struct Equilibrium {
   std::string why;  ///< one sentence: the solver's own word, and the objection where there is one
   int iterations = 0;
   int evaluations = 0;
-  double microseconds = 0.0;  ///< of the search alone: scene reading, compilation and check left out
+  double microseconds = 0.0;  ///< of the search alone: reading, compiling, closing loops and check left out
   std::vector<double> x;      ///< scaled coordinates
   double energy = 0.0;        ///< V, J; dead loads count from an arbitrary zero; NaN with follower loads
   Check check;
