@@ -59,7 +59,8 @@ struct NewtonResult {
 
 /// Newton's method for a Problem, made to arrive from anywhere.
 ///
-/// stationary: the step of the full system {c = 0, F + J^T y = 0}, shortened until a filter takes it: against every point
+/// stationary: the step of the full system {c = 0, F + J^T y = 0}, shortened until a filter takes it: against every
+/// point
 ///   left behind, |c| or |F + J^T y| must be smaller. Where that stalls it starts again from closed loops, and where
 ///   that stalls too and there is an objective, it descends as below.
 /// minimum: loops are closed first (shortest damped steps); then each step keeps them closed. The tangent is shifted

@@ -32,7 +32,7 @@ std::string verdict(const Equilibrium& rest, const Palette& palette) {
 
 std::string effort(const Equilibrium& rest) {
   std::string method = fmt::format("{}, seeking {}", to_string(rest.method),
-                                         rest.seek == Seek::stable ? "stable rest" : "the nearest rest");
+                                   rest.seek == Seek::stable ? "stable rest" : "the nearest rest");
   if (rest.status == Status::refused) return method;
   return fmt::format("{}: {}, {}, {}", method, count(rest.iterations, "iteration", "iterations"),
                      count(rest.evaluations, "evaluation", "evaluations"), duration(rest.microseconds));
