@@ -83,9 +83,7 @@ class SparseKkt final : public Kkt {
     for (int i = 0; i < n_; ++i) largest = std::max(largest, std::abs(tangent_[i] + shift));
     const double floor = tiniest_pivot * std::max(largest, 1e-300);
     std::fill(value_.begin(), value_.end(), 0.0);
-    for (std::size_t e = 0; e < coupled_tangent_.size(); ++e) {
-      value_[coupled_tangent_[e].target] += tangent_[coupled_tangent_[e].source];
-    }
+    for (const Copy& c : coupled_tangent_) value_[c.target] += tangent_[c.source];
     for (const Copy& c : coupled_jacobian_) value_[c.target] += jacobian_[c.source];
     for (int target : coupled_diagonal_) value_[target] += shift;
     for (int r = 0; r < m_; ++r) value_[row_diagonal_[r]] += active_[r] ? -relaxation : -1.0;

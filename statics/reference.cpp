@@ -14,6 +14,7 @@ using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<
 // What Eigen wants to know of a scalar. (The traits that Boost 1.74 ships lack members that Eigen 3.4 asks for.)
 template <>
 struct Eigen::NumTraits<poise::detail::Real> : Eigen::GenericNumTraits<poise::detail::Real> {
+  // NOLINTBEGIN(readability-identifier-naming): Eigen's names
   enum {
     IsComplex = 0,
     IsInteger = 0,
@@ -23,6 +24,7 @@ struct Eigen::NumTraits<poise::detail::Real> : Eigen::GenericNumTraits<poise::de
     AddCost = 8,
     MulCost = 16
   };
+  // NOLINTEND(readability-identifier-naming)
   static poise::detail::Real dummy_precision() { return 1000 * epsilon(); }
   static int digits10() { return std::numeric_limits<poise::detail::Real>::digits10; }
 };
