@@ -30,7 +30,7 @@ struct Reaction {
   Vec2 at{};
   Vec2 force{};
   double moment = 0.0;
-  double axial = 0.0;      ///< bars and distance stops: N, tension positive
+  double axial = 0.0;      ///< bars, distance and travel stops: N, tension positive
   bool determined = true;  ///< false: one of many possible sets, the one of minimum norm (moments over size)
 };
 

@@ -65,7 +65,7 @@ void expect_agrees(const StaticModel& model, const Equilibrium& found, const jso
   ASSERT_LE(test::error_of(model, found.x, coordinates(known)), allowed) << to_string(found.check.stability);
   for (const auto& [name, at] : known.at("points").items()) {
     const Vec2 place = test::place_of(model, found.x, name);
-    EXPECT_LE(norm(place - Vec2{number(at[0]), number(at[1])}), 4 * allowed * model.layout().size) << name;
+    EXPECT_LE(norm(place - Vec2{number(at[0]), number(at[1])}), 4 * allowed * model.scales().length) << name;
   }
   EXPECT_EQ(found.check.stability, known.at("stable").get<bool>() ? Stability::stable : Stability::unstable);
   EXPECT_EQ(found.check.descent_directions, known.at("descent_directions").get<int>());

@@ -399,7 +399,7 @@ void expect_tip_and_support(const Scene& scene, const json& reference, int links
   ASSERT_EQ(found.status, Status::confirmed) << found.why;
   EXPECT_EQ(to_string(found.check.stability), "stable");
   const Vec2 tip{number(reference.at("tip")[0]), number(reference.at("tip")[1])};
-  EXPECT_LE(norm(test::place_of(model, found.x, std::to_string(links) + ".b") - tip), 1e-12 * model.layout().size);
+  EXPECT_LE(norm(test::place_of(model, found.x, std::to_string(links) + ".b") - tip), 1e-12 * model.scales().length);
   const Vec2 support{number(reference.at("support_reaction")[0]), number(reference.at("support_reaction")[1])};
   const Reaction& reaction = test::reaction_of(found.check, "joint1");
   // Links far shorter than the chain balance moments far smaller than forces.

@@ -95,7 +95,7 @@ double error_of(const StaticModel& model, const std::vector<double>& x, const st
   for (const auto& [name, value] : known) {
     const bool is_body = body_named(model.scene(), name) >= 0;
     const double difference =
-        is_body ? angle_of(model, x, name) - value : (travel_of(model, x, name) - value) / model.layout().size;
+        is_body ? angle_of(model, x, name) - value : (travel_of(model, x, name) - value) / model.scales().length;
     if (!(std::abs(difference) <= worst)) worst = std::abs(difference);
   }
   return worst;
