@@ -20,7 +20,10 @@ double elapsed(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - since).count();
 }
 
-std::string where(const StaticModel& model) { return model.scene().file + ": mechanism: "; }
+// "file:line: mechanism: ", without the line where there is none (0).
+std::string where(const StaticModel& model, int line = 0) {
+  return model.scene().file + (line > 0 ? fmt::format(":{}", line) : "") + ": mechanism: ";
+}
 
 // Constraint rows that are independent at x, and all stops: Ipopt refuses more equations than variables. Where all are
 // independent the list is empty, which means all. Mechanisms too large for a dense factor are taken as they are.
@@ -161,7 +164,7 @@ std::vector<double> assemble(const StaticModel& model) {
   if (!mobility.assembled) {
     throw InputError(fmt::format(
         "{}cannot be assembled from its start: {}; check the lengths, or give a [start] nearer to a closed pose",
-        where(model), mobility.gap));
+        where(model, mobility.gap_line), mobility.gap));
   }
   if (mobility.freedoms == 0) {
     throw InputError(

@@ -39,21 +39,37 @@ int gruebler_count(const Scene& scene) {
   return count;
 }
 
-// The widest gap among the loop closures at x, in words.
-std::string widest_gap(const StaticModel& model, const std::vector<double>& x) {
+// What is widest open at x, a loop or a stop, in words and with its line in the scene file.
+void find_widest_gap(const StaticModel& model, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
+  const Scene& scene = model.scene();
   std::vector<Planar<double>> pose(m.pose_size());
   std::vector<double> c(m.constraints());
-  m.place(x.data(), pose.data());
-  m.constraint(x.data(), pose.data(), c.data());
-  int worst = 0;
-  const auto wide = [&](int l) { return std::hypot(c[2 * l], c[2 * l + 1]); };
-  for (int l = 1; l < m.closures(); ++l) {
-    if (wide(l) > wide(worst)) worst = l;
+  m.place(out.x.data(), pose.data());
+  m.constraint(out.x.data(), pose.data(), c.data());
+  const double in_units = model.scales().length / scene.units.length;
+  double widest = 0.0;
+  for (int l = 0; l < m.closures(); ++l) {
+    const double wide = std::hypot(c[2 * l], c[2 * l + 1]);
+    if (wide <= widest) continue;
+    widest = wide;
+    const Closure& closure = m.layout().closures[l];
+    out.gap_line = scene.joints[closure.joint].line;
+    out.gap = fmt::format("the loop closed by joint \"{}\" stays open by {:.4g} {}", closure.name, wide * in_units,
+                          scene.units.length_name);
   }
-  const Units& units = model.scene().units;
-  return fmt::format("the loop closed by joint \"{}\" stays open by {:.4g} {}", m.layout().closures[worst].name,
-                     wide(worst) * model.scales().length / units.length, units.length_name);
+  for (int s = 0; s < m.stops(); ++s) {
+    const double g = c[2 * m.closures() + s];
+    const double beyond = std::max({0.0, g - m.upper()[s], m.lower()[s] - g});
+    if (beyond <= widest) continue;
+    widest = beyond;
+    const Stop& stop = scene.stops[s];
+    const bool is_angle = stop.kind == Stop::Kind::angle;
+    out.gap_line = stop.line;
+    out.gap = fmt::format("stop \"{}\" stays overrun by {:.4g} {}", stop.name,
+                          is_angle ? beyond / scene.units.angle : beyond * in_units,
+                          is_angle ? scene.units.angle_name : scene.units.length_name);
+  }
 }
 
 // Closures whose row is a combination of the others: those with a part in the left null space of J.
@@ -111,7 +127,7 @@ Mobility analyse_mobility(const StaticModel& model) {
   const solvers::NewtonResult& closed = newton.close(start.data());
   out.x = closed.x;
   out.assembled = closed.outcome == solvers::Outcome::converged && closed.constraint_error <= closed_within;
-  if (!out.assembled) out.gap = widest_gap(model, out.x);
+  if (!out.assembled) find_widest_gap(model, out);
   find_redundancy(model, out);
   for (int j : layout.redundant_angle) {
     out.redundant.push_back(model.scene().joints[j].name + " (angle)");

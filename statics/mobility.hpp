@@ -17,7 +17,8 @@ struct Mobility {
   int rank = 0;         ///< of the closure Jacobian at the assembled start
   int freedoms = 0;     ///< coordinates - rank
   bool assembled = false;
-  std::string gap;                         ///< which loop stays open and by how much, where not assembled
+  std::string gap;                         ///< which loop (or stop) stays open and by how much, where not assembled
+  int gap_line = 0;                        ///< its line in the scene file
   std::vector<double> x;                   ///< assembled (or best) scaled coordinates
   std::vector<std::string> redundant;      ///< joints whose closure repeats what others hold already
   std::vector<std::string> kept, dropped;  ///< of the compiled model, and why

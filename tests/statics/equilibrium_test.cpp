@@ -178,6 +178,16 @@ TEST(Assemble, NamesTheLoopThatStaysOpenAndItsGap) {
   expect_message(scene, {"cannot be assembled", "span.toml: mechanism:", "open by 2 m"});
 }
 
+TEST(Assemble, NamesTheStopThatCannotBeKeptAndItsLine) {
+  const Scene scene = parse_scene(
+      "gravity = [0, -10]\n[ground]\npoints = { O = [0, 0] }\n[body.rod]\npoints = { O = [0, 0] }\nmass = 1\n"
+      "center = [1, 0]\n[[pin]]\npoints = [\"ground.O\", \"rod.O\"]\n[[stop]]\nname = \"low\"\n"
+      "bodies = [\"ground\", \"rod\"]\nmax = 0.5\n[[stop]]\nname = \"high\"\nbodies = [\"ground\", \"rod\"]\nmin = "
+      "1.5\n",
+      "stops.toml");
+  expect_message(scene, {"stops.toml:1", ": mechanism:", "cannot be assembled", "stop \"", "stays overrun by 0.5"});
+}
+
 TEST(Assemble, SaysTheGapInTheUnitsOfTheScene) {
   Scene scene = test::chain(2, 1.0, 1.0);
   scene.units.length_name = "mm";
