@@ -385,7 +385,10 @@ class Builder {
       place(i);
       if (link.body >= 0) continue;
       const Joint& joint = scene_.joints[link.joint];
-      const auto world = [&](PointRef p) { return origin[p.body] + scene_.local(p) * unit(angle(out_.links[p.body])); };
+      const auto world = [&](PointRef p) {
+        return scene_.start.position[p.body].value_or(origin[p.body]) +
+               scene_.local(p) * unit(angle(out_.links[p.body]));
+      };
       const Vec2 along = world(joint.b) - world(joint.a);
       if (!is_zero(along)) out_.coordinates[link.frame].start = std::atan2(along.y, along.x);
       place(i);

@@ -20,6 +20,9 @@ constexpr int all_curvatures = 300;
 // Curvatures below this part of the tangent are looked at in 50 digits.
 constexpr double doubtful_below = 1e-6;
 constexpr std::size_t modes = 6;
+// Part of the largest force that the rounding of stiff springs may leave unbalanced without a further look, and at all.
+constexpr double rounding_forgiven = 1e-6;
+constexpr double worst_reactions = 1e-3;
 
 // Gap of a joint between the places of its two bodies, m.
 double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses, double size) {
@@ -148,12 +151,34 @@ class Judge {
       object("forces overflow double precision, so nothing can be balanced");
       return;
     }
-    out_.balanced = out_.imbalance <= tolerances_.imbalance * out_.largest_force + rounding;
-    if (!out_.balanced) {
-      object(fmt::format("body \"{}\" is out of balance by {:.3g} {} ({:.1g} of the largest force)", out_.worst_body,
-                         out_.imbalance / scene_.units.force, scene_.units.force_name,
-                         out_.imbalance / out_.largest_force));
-    }
+    out_.balanced = is_balanced(bodies, rounding);
+    if (!out_.balanced) object(unbalanced_in_words(bodies, rounding));
+  }
+
+  // Rounding is forgiven while it is small beside the forces, and where there is nothing but rounding; where a very
+  // stiff spring makes it large, 50 digits have to find the same place, and even then the reactions must be worth
+  // printing.
+  bool is_balanced(const FreeBodies& bodies, double rounding) const {
+    const double force = bodies.largest_force;
+    if (bodies.imbalance <= tolerances_.imbalance * force + std::min(rounding, rounding_forgiven * force)) return true;
+    if (bodies.imbalance > rounding) return false;
+    if (bodies.largest_applied == 0.0 && force <= rounding) return true;
+    if (bodies.imbalance > worst_reactions * force || model_.mechanism().coordinates() > all_curvatures) return false;
+    const Reference exact = refine(model_, x_);
+    return exact.refined && exact.error <= tolerances_.closure;
+  }
+
+  std::string unbalanced_in_words(const FreeBodies& bodies, double rounding) const {
+    const Units& units = scene_.units;
+    const std::string amount =
+        bodies.is_moment ? fmt::format("{:.3g} {} {}", bodies.imbalance * size_ / (units.force * units.length),
+                                       units.force_name, units.length_name)
+                         : fmt::format("{:.3g} {}", bodies.imbalance / units.force, units.force_name);
+    return fmt::format("body \"{}\" is out of balance by {} ({:.1g} of the largest force{}){}", out_.worst_body, amount,
+                       bodies.imbalance / bodies.largest_force, bodies.is_moment ? " times the mechanism's size" : "",
+                       bodies.imbalance <= rounding
+                           ? "; the stiffest spring is too stiff for double precision to tell it better"
+                           : "");
   }
 
   // A pose where the closures lose rank may hold no load at all: a rounding error beside it reactions grow beyond all

@@ -48,6 +48,7 @@ class Statics {
       push(f.at.body, world(f.at), force, 0.0);
     }
     for (const Torque& t : scene_.torques) push(t.body, poses_[t.body].origin, {}, t.value);
+    largest_applied_ = largest_load_;
     for (const Spring& s : scene_.springs) {
       const Vec2 a = world(s.a);
       const Vec2 b = world(s.b);
@@ -181,7 +182,9 @@ class Statics {
     Eigen::Index worst = 0;
     out.imbalance = rows > 0 ? left.cwiseAbs().maxCoeff(&worst) : 0.0;
     out.worst_body = static_cast<int>(worst) / 3 + 1;
+    out.is_moment = worst % 3 == 2;
     out.largest_load = largest_load_;
+    out.largest_applied = largest_applied_;
     out.largest_force = std::max(largest_load_, count > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
     int pulling = -1;
     double hardest = 1e-9 * out.largest_force;
@@ -239,6 +242,7 @@ class Statics {
   double size_;
   std::vector<double> load_;  // per moving body: force x, y, moment about its origin / size
   double largest_load_ = 0.0;
+  double largest_applied_ = 0.0;
   std::vector<Unknown> unknowns_;
   std::vector<Item> items_;
 };

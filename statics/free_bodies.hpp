@@ -14,8 +14,10 @@ namespace poise {
 struct FreeBodies {
   double imbalance = 0.0;  ///< N: largest residual force, or moment / size, of a body
   int worst_body = 0;
-  double largest_force = 0.0;  ///< N
-  double largest_load = 0.0;   ///< N: without reactions
+  bool is_moment = false;        ///< the worst residual is a moment
+  double largest_force = 0.0;    ///< N
+  double largest_load = 0.0;     ///< N: without reactions
+  double largest_applied = 0.0;  ///< N: weights, forces and torques only
   std::vector<Reaction> reactions;
   std::vector<int> pressing;  ///< stops that press, indices into Scene::stops
   int redundancy = 0;

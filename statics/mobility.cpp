@@ -58,9 +58,13 @@ void find_widest_gap(const StaticModel& model, Mobility& out) {
     out.gap = fmt::format("the loop closed by joint \"{}\" stays open by {:.4g} {}", closure.name, wide * in_units,
                           scene.units.length_name);
   }
+  std::string held;
   for (int s = 0; s < m.stops(); ++s) {
     const double g = c[2 * m.closures() + s];
     const double beyond = std::max({0.0, g - m.upper()[s], m.lower()[s] - g});
+    if (g > m.upper()[s] - 1e-6 || g < m.lower()[s] + 1e-6) {
+      held += fmt::format("{} stop \"{}\"", held.empty() ? " while held by" : " and", scene.stops[s].name);
+    }
     if (beyond <= widest) continue;
     widest = beyond;
     const Stop& stop = scene.stops[s];
@@ -70,6 +74,7 @@ void find_widest_gap(const StaticModel& model, Mobility& out) {
                           is_angle ? beyond / scene.units.angle : beyond * in_units,
                           is_angle ? scene.units.angle_name : scene.units.length_name);
   }
+  out.gap += held;
 }
 
 // Closures whose row is a combination of the others: those with a part in the left null space of J.

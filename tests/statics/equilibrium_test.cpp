@@ -188,6 +188,40 @@ TEST(Assemble, NamesTheStopThatCannotBeKeptAndItsLine) {
   expect_message(scene, {"stops.toml:1", ": mechanism:", "cannot be assembled", "stop \"", "stays overrun by 0.5"});
 }
 
+TEST(Assemble, StartsABodyHungOnBarsWhereTheSceneSays) {
+  // A plank on two legs of one metre; only its start position says whether it stands on them or hangs from them.
+  for (const double side : {1.0, -1.0}) {
+    Scene scene = parse_scene(
+        "gravity = [0, -10]\n[ground]\npoints = { A = [0, 0], B = [2, 0] }\n[body.plank]\n"
+        "points = { a = [0, 0], b = [1.8, 0] }\nmass = 1\ncenter = [0.9, 0]\n"
+        "[[bar]]\npoints = [\"ground.A\", \"plank.a\"]\nlength = 1\n"
+        "[[bar]]\npoints = [\"ground.B\", \"plank.b\"]\nlength = 1\n"
+        "[start]\nposition = { plank = [0.12, " +
+            std::to_string(0.98 * side) + "] }\n",
+        "plank");
+    const StaticModel model(scene);
+    const Equilibrium rest = solve(model);
+    ASSERT_TRUE(rest.found()) << rest.why;
+    EXPECT_EQ(rest.check.stability, side > 0 ? Stability::unstable : Stability::stable);
+    EXPECT_NEAR(model.poses(rest.x)[1].origin.y, side * std::sqrt(1.0 - 0.01), 1e-12);
+  }
+}
+
+TEST(Solve, DoesNotConfirmWhatASpringTooStiffForDoubleHides) {
+  const auto lever = [](const std::string& stiffness) {
+    const StaticModel model(parse_scene(
+        "gravity = [0, -9.81]\n[ground]\npoints = { O = [0, 0], S = [0.3, 0.4] }\n[body.lever]\n"
+        "points = { O = [0, 0], S = [0.3, 0] }\nmass = 4\ncenter = [0.25, 0]\n[[pin]]\n"
+        "points = [\"ground.O\", \"lever.O\"]\n[[spring]]\nname = \"S\"\npoints = [\"ground.S\", \"lever.S\"]\n"
+        "free_length = 0.41\nstiffness = " +
+            stiffness + "\n",
+        "lever"));
+    return solve(model);
+  };
+  EXPECT_EQ(lever("1e6").status, Status::confirmed);
+  EXPECT_NE(lever("1e20").status, Status::confirmed);
+}
+
 TEST(Assemble, SaysTheGapInTheUnitsOfTheScene) {
   Scene scene = test::chain(2, 1.0, 1.0);
   scene.units.length_name = "mm";
