@@ -16,6 +16,7 @@ bool turns_count(const Scene& scene) {
 struct Difference {
   double size = 0.0;
   std::size_t coordinate = 0;
+  bool whole_turns = false;
 };
 
 Difference largest_difference(const StaticModel& model, const std::vector<double>& a, const std::vector<double>& b) {
@@ -24,8 +25,13 @@ Difference largest_difference(const StaticModel& model, const std::vector<double
   Difference largest;
   for (std::size_t i = 0; i < a.size(); ++i) {
     double d = std::abs(a[i] - b[i]);
-    if (wrap && i < angles) d = std::abs(std::remainder(d, 2 * M_PI));
-    if (d > largest.size) largest = {d, i};
+    if (wrap && i < angles) {
+      largest.whole_turns = largest.whole_turns || d > M_PI;
+      d = std::abs(std::remainder(d, 2 * M_PI));
+    }
+    if (d <= largest.size) continue;
+    largest.size = d;
+    largest.coordinate = i;
   }
   return largest;
 }
@@ -66,6 +72,7 @@ Agreement compare_answers(const StaticModel& model, const std::vector<Answer>& a
     for (std::size_t j = i + 1; j < confirmed.size(); ++j) {
       agreement.same = agreement.same && same_equilibrium(model, *confirmed[i], *confirmed[j]);
       const Difference d = largest_difference(model, confirmed[i]->rest.x, confirmed[j]->rest.x);
+      agreement.whole_turns = agreement.whole_turns || d.whole_turns;
       if (d.size < agreement.difference) continue;
       agreement.difference = d.size;
       agreement.coordinate = model.layout().coordinates[d.coordinate].name;

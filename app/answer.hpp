@@ -25,10 +25,11 @@ Answer measure(const StaticModel& model, Equilibrium rest);
 
 /// How the confirmed answers of several methods compare.
 struct Agreement {
-  int confirmed = 0;        ///< answers that count
-  bool same = true;         ///< they are one equilibrium
-  double difference = 0.0;  ///< largest difference of a scaled coordinate between two of them
-  std::string coordinate;   ///< the coordinate of that difference
+  int confirmed = 0;         ///< answers that count
+  bool same = true;          ///< they are one equilibrium
+  double difference = 0.0;   ///< largest difference of a scaled coordinate between two of them
+  std::string coordinate;    ///< the coordinate of that difference
+  bool whole_turns = false;  ///< some angle differs by whole turns, which are not counted
 };
 
 /// Two answers are the same equilibrium where their 50-digit references are (differences below 1e-9), or, without

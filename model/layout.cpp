@@ -333,14 +333,15 @@ class Builder {
   }
 
   void note_what_never_enters(bool heavy) {
+    const auto bodies = [](int count) { return fmt::format("{} {}", count, count == 1 ? "body" : "bodies"); };
     if (purpose_ == Purpose::statics) {
       int masses = 0;
       for (std::size_t i = 1; i < scene_.bodies.size(); ++i) masses += scene_.bodies[i].mass > 0;
-      if (masses > 0 && !heavy) out_.dropped.push_back(fmt::format("masses of {} bodies: there is no gravity", masses));
+      if (masses > 0 && !heavy) out_.dropped.push_back(fmt::format("mass of {}: there is no gravity", bodies(masses)));
       int inertias = 0;
       for (std::size_t i = 1; i < scene_.bodies.size(); ++i) inertias += scene_.bodies[i].inertia > 0;
       if (inertias > 0) {
-        out_.dropped.push_back(fmt::format("moments of inertia of {} bodies: nothing moves in statics", inertias));
+        out_.dropped.push_back(fmt::format("moment of inertia of {}: nothing moves in statics", bodies(inertias)));
       }
     }
     for (const Force& force : scene_.forces) {

@@ -61,11 +61,15 @@ std::string agreement_sentence(const StaticModel& model, const std::vector<Answe
                                ? "no coordinate differs"
                                : fmt::format("coordinates differ by {} at most ({})",
                                              small_number(agreement.difference), agreement.coordinate);
-    return palette.paint(Tone::good, fmt::format("{} agree: {}.", names, by)) + "\n";
+    return palette.paint(Tone::good, fmt::format("{} agree: {}{}.", names, by,
+                                                 agreement.whole_turns ? ", whole turns of a body aside" : "")) +
+           "\n";
   }
-  return palette.paint(Tone::doubtful,
-                       fmt::format("The methods found different equilibria: {}. They are {} apart ({}).", rests,
-                                   significant(agreement.difference, 3), agreement.coordinate)) +
+  return palette.paint(
+             Tone::doubtful,
+             fmt::format("The methods found different equilibria: {}. They are {} apart in {} (rad, or length "
+                         "over size).",
+                         rests, significant(agreement.difference, 3), agreement.coordinate)) +
          "\n";
 }
 

@@ -107,7 +107,7 @@ TEST(CommandLine, CheckTellsMobilityRedundancyAndWhatTheModelDrops) {
   EXPECT_TRUE(contains(run.out, "The model keeps")) << run.out;
 
   const Outcome clamp = run_poise({"check", dataset("toggle_clamp")});
-  EXPECT_TRUE(contains(clamp.out, "moments of inertia of 3 bodies: nothing moves in statics")) << clamp.out;
+  EXPECT_TRUE(contains(clamp.out, "moment of inertia of 3 bodies: nothing moves in statics")) << clamp.out;
 }
 
 TEST(CommandLine, SceneThatCannotBeAssembledNamesTheLoopAndItsGap) {

@@ -447,8 +447,8 @@ TEST(Mechanism, DropsMassesWithoutGravityAndInertias) {
   sketch.push(1, {1, 0}, {0, -1});
   const Layout layout = lay_out(sketch.scene, Purpose::statics);
   EXPECT_EQ(layout.kept, 1);
-  EXPECT_PRED2(contains, joined(layout.dropped), "masses of 2 bodies");
-  EXPECT_PRED2(contains, joined(layout.dropped), "moments of inertia of 1 bodies");
+  EXPECT_PRED2(contains, joined(layout.dropped), "mass of 2 bodies");
+  EXPECT_PRED2(contains, joined(layout.dropped), "moment of inertia of 1 body");
   // Gravity asks for them, and so does motion.
   EXPECT_EQ(lay_out(sketch.scene, Purpose::dynamics).kept, 2);
   sketch.scene.gravity = {0, -9.81};

@@ -276,8 +276,8 @@ TEST(Mobility, SaysWhatIsKeptAndWhatIsDroppedAndWhy) {
   EXPECT_EQ(mobility.kept.size(), 1u);
   EXPECT_TRUE(any_contains(mobility.kept, "angle \"arm\"", "bears a load"));
   EXPECT_TRUE(any_contains(mobility.dropped, "angle \"idle\"", "bears no load"));
-  EXPECT_TRUE(any_contains(mobility.dropped, "masses of 2 bodies", "no gravity"));
-  EXPECT_TRUE(any_contains(mobility.dropped, "inertia of 1 bodies", "nothing moves in statics"));
+  EXPECT_TRUE(any_contains(mobility.dropped, "mass of 2 bodies", "no gravity"));
+  EXPECT_TRUE(any_contains(mobility.dropped, "inertia of 1 body", "nothing moves in statics"));
   EXPECT_TRUE(any_contains(mobility.dropped, "force \"Z\"", "zero"));
   EXPECT_TRUE(any_contains(mobility.dropped, "spring \"weak\"", "zero"));
 }
