@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "app/picture/stage.hpp"
@@ -93,6 +94,23 @@ void draw_body(Stage& stage, int body) {
   stage.label(stage.scene.bodies[body].name, middle, toward, gap, ink::faint, 10.5, true);
 }
 
+/// A thin line to a centre of mass that lies off its body's shape, so that it is seen whose it is.
+void tie_to_body(Stage& stage, int body, Vec2 at) {
+  const std::vector<Vec2> shape = outline(stage, body, stage.now);
+  if (shape.empty()) return;
+  std::vector<Vec2> with_centre = shape;
+  with_centre.push_back(at);
+  const bool within = convex_hull(with_centre).size() == shape.size() && shape.size() > 2;
+  double off = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    off = std::min(off, distance_to_line(at, shape[i], shape[(i + 1) % shape.size()]));
+  }
+  if (within || off < stage.bar_width) return;
+  const Vec2 nearest =
+      *std::min_element(shape.begin(), shape.end(), [&](Vec2 a, Vec2 b) { return norm(a - at) < norm(b - at); });
+  stage.canvas.line(nearest, at, {.stroke = ink::free_stop, .width = 1.2, .dash = "4 3"});
+}
+
 }  // namespace
 
 void draw_starting_pose(Stage& stage) {
@@ -146,6 +164,7 @@ void draw_centres_of_mass(Stage& stage) {
     if (body.mass <= 0) continue;
     const double radius = std::clamp(0.55 * stage.bar_width, 2.0, 4.5);
     const Vec2 at = stage.page(stage.now.poses[i].world(body.center));
+    tie_to_body(stage, static_cast<int>(i), at);
     draw_centre_of_mass(stage.canvas, at, radius);
     stage.setter.avoid(at, radius);
     stage.signs.insert(Sign::centre_of_mass);

@@ -38,13 +38,6 @@ double overlap_area(const Box& a, const Box& b) {
 
 Box grown(const Box& box, double by) { return {{box.low.x - by, box.low.y - by}, {box.high.x + by, box.high.y + by}}; }
 
-double distance(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 d = b - a;
-  const double length2 = dot(d, d);
-  const double t = length2 > 0 ? std::clamp(dot(d, p - a) / length2, 0.0, 1.0) : 0.0;
-  return norm(p - (a + t * d));
-}
-
 }  // namespace
 
 void LabelSetter::avoid(Vec2 a, Vec2 b, double width) { obstacles_.push_back({a, b, width / 2}); }
@@ -60,7 +53,7 @@ double LabelSetter::covered(Vec2 a, Vec2 b, double margin) const {
   for (int i = 1; i <= samples; ++i) {
     const Vec2 p = a + (static_cast<double>(i) / samples) * (b - a);
     hits += std::any_of(obstacles_.begin(), obstacles_.end(),
-                        [&](const Obstacle& o) { return distance(p, o.a, o.b) < o.half_width + margin; });
+                        [&](const Obstacle& o) { return distance_to_line(p, o.a, o.b) < o.half_width + margin; });
   }
   return norm(b - a) * hits / samples;
 }

@@ -56,6 +56,10 @@ void Stage::choose_scale() {
     include(spring.a);
     include(spring.b);
   }
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    if (body.mass > 0 && !(scene.gravity == Vec2{})) extent.include(now.poses[i].world(body.center));
+  }
   if (extent.empty()) extent.include({0, 0}, model.scales().length);
   const double size = std::max({extent.width(), extent.height(), 1e-6 * model.scales().length});
   scale =

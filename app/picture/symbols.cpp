@@ -134,6 +134,13 @@ void draw_turning_arrow(Canvas& canvas, Vec2 at, double radius, Vec2 from, bool 
   draw_head(canvas, tip, direction(back, tip), head, colour);
 }
 
+double distance_to_line(Vec2 point, Vec2 a, Vec2 b) {
+  const Vec2 d = b - a;
+  const double length2 = dot(d, d);
+  const double part = length2 > 0 ? std::clamp(dot(d, point - a) / length2, 0.0, 1.0) : 0.0;
+  return norm(point - (a + part * d));
+}
+
 std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
   const auto before = [](Vec2 a, Vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; };
   std::sort(points.begin(), points.end(), before);

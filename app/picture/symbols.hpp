@@ -59,6 +59,9 @@ void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, const std::string& colour, 
 void draw_turning_arrow(Canvas& canvas, Vec2 at, double radius, Vec2 from, bool counter_clockwise,
                         const std::string& colour, double width, const std::string& dash = "");
 
+/// How far a point is from the line between a and b, ends included.
+double distance_to_line(Vec2 point, Vec2 a, Vec2 b);
+
 /// The corners of the convex hull, in order; two for points on one line, one for points that coincide.
 std::vector<Vec2> convex_hull(std::vector<Vec2> points);
 

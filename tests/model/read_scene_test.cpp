@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -374,29 +373,6 @@ TEST(ReadScene, NamesAFileThatCannotBeRead) {
   };
   EXPECT_EQ(message(missing), missing.string() + ": cannot be read: No such file or directory; check the path");
   EXPECT_EQ(message(directory), directory.string() + ": cannot be read: Is a directory; check the path");
-}
-
-TEST(ReadScene, TakesTimeLinearInTheNumberOfBodies) {
-  const auto seconds = [](int bodies) {
-    std::string text = "[ground]\npoints = { B = [0, 0] }\n";
-    std::string before = "ground";
-    for (int i = 0; i < bodies; ++i) {
-      const std::string name = "link" + std::to_string(i);
-      text += "[body." + name + "]\npoints = { A = [0, 0], B = [1, 0] }\nmass = 1\n";
-      text += "[[pin]]\npoints = [\"" + before + ".B\", \"" + name + ".A\"]\n";
-      before = name;
-    }
-    // The best of three, for other programs may be running.
-    double least = std::numeric_limits<double>::infinity();
-    for (int run = 0; run < 3; ++run) {
-      const auto begin = std::chrono::steady_clock::now();
-      EXPECT_EQ(parse_scene(text, "chain.toml").joints.size(), static_cast<std::size_t>(bodies));
-      least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    }
-    return least;
-  };
-  // Ten times the bodies: about 10 times the time when linear, 100 times when quadratic.
-  EXPECT_LT(seconds(20000), 40.0 * seconds(2000));
 }
 
 struct BadScene {
