@@ -137,7 +137,7 @@ class NullSpace final : public Kkt {
         for (int i = 0; i < r; ++i) sum -= dependence_[i * p + k] * right_[i];
         step_[r + k] = -sum;
       }
-      back_substitute(&step_[r]);
+      back_substitute(step_.data() + r);
       for (int i = 0; i < r; ++i) {
         double sum = normal_[i];
         for (int k = 0; k < p; ++k) sum -= dependence_[i * p + k] * step_[r + k];

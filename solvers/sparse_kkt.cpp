@@ -96,7 +96,7 @@ class SparseKkt final : public Kkt {
       negative_ += h < 0;
       const double inverse = 1.0 / h;
       pivot_[s] = inverse;
-      const int* target = &pair_target_[pair_first_[s]];
+      const int* target = pair_target_.data() + pair_first_[s];
       for (int a = column_first_[s]; a < column_first_[s + 1]; ++a) {
         const double weighted = jacobian_[column_entry_[a]] * inverse;
         for (int b = column_first_[s]; b <= a; ++b) value_[*target++] -= weighted * jacobian_[column_entry_[b]];

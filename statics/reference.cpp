@@ -30,6 +30,7 @@ struct Eigen::NumTraits<poise::detail::Real> : Eigen::GenericNumTraits<poise::de
 };
 
 #include <Eigen/Sparse>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 
 #include "model/mechanism_impl.hpp"
@@ -63,9 +64,13 @@ class Refinement {
     const auto closures = static_cast<std::size_t>(2 * mechanism_.closures());
     target_.assign(closures, Real(0));
     std::vector<int> sides(closures, 0);
-    const DensePoint<Real> point(mechanism_, q_, rows_);
+    if (mechanism_.stops() == 0) return;
+    std::vector<Planar<Real>> pose(mechanism_.pose_size());
+    std::vector<Real> constraint(mechanism_.constraints());
+    mechanism_.place(q_.data(), pose.data());
+    mechanism_.constraint(q_.data(), pose.data(), constraint.data());
     for (int s = 0; s < mechanism_.stops(); ++s) {
-      const Real& g = point.constraint[2 * mechanism_.closures() + s];
+      const Real& g = constraint[2 * mechanism_.closures() + s];
       const bool at_top = abs(g - mechanism_.upper()[s]) < touching;
       const bool at_bottom = abs(g - mechanism_.lower()[s]) < touching;
       if (!at_top && !at_bottom) continue;
@@ -73,7 +78,8 @@ class Refinement {
       target_.push_back(at_top ? mechanism_.upper()[s] : mechanism_.lower()[s]);
       sides.push_back(at_top && at_bottom ? 0 : at_top ? 1 : -1);
     }
-    while (rows_.size() > closures) {
+    // In a large mechanism every stop that is touched is held: whether it presses is for the check to say.
+    while (rows_.size() > closures && mechanism_.coordinates() <= dense_limit) {
       const Vector y = DensePoint<Real>(mechanism_, q_, rows_).multipliers();
       std::size_t pulling = rows_.size();
       for (std::size_t k = closures; k < rows_.size(); ++k) {
@@ -239,6 +245,15 @@ class Refinement {
     for (int k = 0; k < static_cast<int>(rows_.size()); ++k) entries.emplace_back(n + k, n + k, Real(-1e-40));
     Eigen::SparseMatrix<Real> system(right.size(), right.size());
     system.setFromTriplets(entries.begin(), entries.end());
+    // Without follower loads the system is symmetric, and LDL^T without pivoting is ten times as fast as LU; the rare
+    // pivot that vanishes sends us to LU.
+    if (!mechanism_.has_follower_loads()) {
+      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<Real>> symmetric(system);
+      if (symmetric.info() == Eigen::Success) {
+        const Vector x = symmetric.solve(right);
+        if (std::all_of(x.begin(), x.end(), [](const Real& value) { return isfinite(value); })) return x;
+      }
+    }
     Eigen::SparseLU<Eigen::SparseMatrix<Real>> factors;
     factors.compute(system);
     if (factors.info() != Eigen::Success) {
