@@ -250,7 +250,7 @@ class Refinement {
     if (!mechanism_.has_follower_loads()) {
       const Eigen::SimplicialLDLT<Eigen::SparseMatrix<Real>> symmetric(system);
       if (symmetric.info() == Eigen::Success) {
-        const Vector x = symmetric.solve(right);
+        Vector x = symmetric.solve(right);
         if (std::all_of(x.begin(), x.end(), [](const Real& value) { return isfinite(value); })) return x;
       }
     }
