@@ -19,7 +19,7 @@ Inertia<T>::Inertia(const Scene& scene, const Mechanism<T>& mechanism)
     std::vector<std::pair<int, Planar<T>>> terms;
     for (const Arm& arm : arms) {
       if (arm.coordinate >= 0) {
-        terms.emplace_back(arm.coordinate, planar_cast<T>(arm.arm) * unit(static_cast<T>(arm.turn)));
+        terms.emplace_back(arm.coordinate, coefficient<T>(arm));
       }
     }
     for (const auto& [t, c_t] : terms) {

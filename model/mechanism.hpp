@@ -19,6 +19,13 @@ struct BodyPose {
   Planar<T> world(const Vec2& local) const { return origin + planar_cast<T>(local) * unit(angle); }
 };
 
+/// Coefficient  arm exp(i turn)  of an arm's phasor, in the scalar T.
+template <class T>
+Planar<T> coefficient(const Arm& arm) {
+  const Planar<T> c = planar_cast<T>(arm.arm);
+  return arm.turn == 0.0 ? c : c * unit(static_cast<T>(arm.turn));
+}
+
 /// A scene compiled to a short sum of phasors, ready to be evaluated in the scalar T.
 ///
 /// Coordinates q (see Coordinate): n = coordinates(), angles first. With the phasors

@@ -25,8 +25,7 @@ template <class T>
 typename Mechanism<T>::Path Mechanism<T>::compile(const std::vector<Arm>& arms) const {
   Path path;
   for (const Arm& arm : arms) {
-    const Planar<T> c =
-        arm.turn == 0.0 ? planar_cast<T>(arm.arm) : planar_cast<T>(arm.arm) * unit(static_cast<T>(arm.turn));
+    const Planar<T> c = coefficient<T>(arm);
     if (arm.coordinate < 0) {
       path.constant += c;
     } else if (!path.coordinate.empty() && path.coordinate.back() == arm.coordinate) {
@@ -75,9 +74,7 @@ void Mechanism<T>::compile_loads(const Scene& scene) {
   std::vector<Planar<T>> carried(layout_.links.size());
   const auto add = [&](const Arm& arm, const Planar<T>& force) {
     if (arm.coordinate < 0 || arm.coordinate >= coordinates()) return;
-    const Planar<T> c =
-        arm.turn == 0.0 ? planar_cast<T>(arm.arm) : planar_cast<T>(arm.arm) * unit(static_cast<T>(arm.turn));
-    load_[arm.coordinate] += conj(force) * c;
+    load_[arm.coordinate] += conj(force) * coefficient<T>(arm);
   };
   const auto apply = [&](int body, Vec2 at, const Planar<T>& force) {
     carried[body] += force;
@@ -519,7 +516,7 @@ std::vector<BodyPose<T>> Mechanism<T>::poses(const T* q) const {
     out[i].angle = static_cast<T>(link.turn) + (link.frame < 0 ? T(0) : at(link.frame));
     if (link.parent >= 0) out[i].origin = out[link.parent].origin;
     for (const Arm& arm : link.arms) {
-      Planar<T> term = planar_cast<T>(arm.arm) * unit(static_cast<T>(arm.turn));
+      Planar<T> term = coefficient<T>(arm);
       if (arm.coordinate >= 0) {
         const bool is_angle = layout_.coordinates[arm.coordinate].kind == Coordinate::Kind::angle;
         const int f = is_angle ? arm.coordinate : frame(arm.coordinate);

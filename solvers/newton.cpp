@@ -248,13 +248,12 @@ class Newton::Run {
   // Jacobian, multipliers, gap_, residual_ and their norms at now_.
   void linearize() {
     gap(now_, gap_);
-    if (!fresh_multipliers_) {
-      kkt_->set_jacobian(now_, result.active);
+    kkt_->set_jacobian(now_, result.active);
+    if (fresh_multipliers_) {
+      kkt_->multipliers(now_.gradient.data(), y_.data());
+    } else {
       kkt_->least_squares_multipliers(now_.gradient.data(), y_.data());
       fresh_multipliers_ = true;
-    } else {
-      kkt_->set_jacobian(now_, result.active);
-      kkt_->multipliers(now_.gradient.data(), y_.data());
     }
     lagrangian_gradient(now_, y_);
     gap_norm_ = std::max(std::sqrt(dot(gap_, gap_)), closed_within);
@@ -371,7 +370,7 @@ class Newton::Run {
         return Outcome::converged;
       }
       if (!std::isfinite(length)) return Outcome::stalled;
-      if (!shorten_to_better_merit(std::min(1.0, options.longest_step / length))) {
+      if (!shorten_until_new(std::min(1.0, options.longest_step / length))) {
         return at_rest() && !locked() ? Outcome::converged : Outcome::stalled;
       }
       if (activate_violated(now_)) {
@@ -401,7 +400,7 @@ class Newton::Run {
 
   // Halves the step until the filter takes it; leaves now_ there, linearized. Which constraints repeat each other shows
   // only where they hold: with redundant ones every trial is pulled back first.
-  bool shorten_to_better_merit(double alpha) {
+  bool shorten_until_new(double alpha) {
     remember();
     const bool redundant = kkt_->redundant();
     std::copy(now_.x.begin(), now_.x.end(), pull_.begin());
