@@ -63,7 +63,17 @@ class Frames {
 
 bool is_zero(Vec2 v) { return v.x == 0.0 && v.y == 0.0; }
 
-enum Reason : unsigned { closes_loop = 1, weight = 2, load = 4, spring = 8, stop = 16, inertia = 32, guides = 64 };
+enum Reason : unsigned {
+  closes_loop = 1,
+  weight = 2,
+  load = 4,
+  spring = 8,
+  stop = 16,
+  inertia = 32,
+  guides = 64,
+  damper = 128,
+  drive = 256
+};
 
 std::string in_words(unsigned reasons) {
   std::string words;
@@ -76,6 +86,8 @@ std::string in_words(unsigned reasons) {
   add(spring, "stretches a spring");
   add(stop, "meets a stop");
   add(inertia, "has inertia");
+  add(damper, "is damped");
+  add(drive, "is driven");
   add(guides, "guides a slide");
   return words;
 }
@@ -292,10 +304,10 @@ class Builder {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
       const int index = static_cast<int>(i);
-      if (heavy && body.mass > 0) bear_at(index, body.center, weight);
+      if (heavy && body.mass != 0) bear_at(index, body.center, weight);
       if (purpose_ != Purpose::dynamics) continue;
-      if (body.mass > 0) bear_at(index, body.center, inertia);
-      if (body.inertia > 0) mark(out_.links[i].frame, inertia);
+      if (body.mass != 0) bear_at(index, body.center, inertia);
+      if (body.inertia != 0) mark(out_.links[i].frame, inertia);
     }
     for (const Force& force : scene_.forces) {
       if (is_zero(force.vector)) continue;
@@ -329,14 +341,34 @@ class Builder {
         mark_path(out_.path(s.a.body, scene_.local(s.a), s.b.body, scene_.local(s.b)), stop);
       }
     }
+    if (purpose_ == Purpose::dynamics) find_what_moving_costs();
     note_what_never_enters(heavy);
+  }
+
+  // Dampers, friction and drives: only a moving mechanism meets them.
+  void find_what_moving_costs() {
+    const auto mark_bodies = [&](int a, int b, unsigned reason) {
+      mark(out_.links[a].frame, reason);
+      mark(out_.links[b].frame, reason);
+    };
+    for (const Damper& d : scene_.dampers) {
+      mark_path(out_.path(d.a.body, scene_.local(d.a), d.b.body, scene_.local(d.b)), damper);
+    }
+    for (const TorsionDamper& d : scene_.torsion_dampers) mark_bodies(d.a, d.b, damper);
+    for (const Friction& f : scene_.frictions) mark_bodies(f.a, f.b, damper);
+    for (const Drive& d : scene_.drives) {
+      if (d.kind == Drive::Kind::angle)
+        mark_bodies(d.body_a, d.body_b, drive);
+      else
+        mark(out_.travel[d.joint], drive);
+    }
   }
 
   void note_what_never_enters(bool heavy) {
     const auto bodies = [](int count) { return fmt::format("{} {}", count, count == 1 ? "body" : "bodies"); };
     if (purpose_ == Purpose::statics) {
       int masses = 0;
-      for (std::size_t i = 1; i < scene_.bodies.size(); ++i) masses += scene_.bodies[i].mass > 0;
+      for (std::size_t i = 1; i < scene_.bodies.size(); ++i) masses += scene_.bodies[i].mass != 0;
       if (masses > 0 && !heavy) out_.dropped.push_back(fmt::format("mass of {}: there is no gravity", bodies(masses)));
       int inertias = 0;
       for (std::size_t i = 1; i < scene_.bodies.size(); ++i) inertias += scene_.bodies[i].inertia > 0;

@@ -82,7 +82,7 @@ void Mechanism<T>::compile_loads(const Scene& scene) {
   };
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
-    if (body.mass > 0) {
+    if (body.mass != 0) {
       apply(static_cast<int>(i), body.center, static_cast<T>(body.mass) * planar_cast<T>(scene.gravity));
     }
   }

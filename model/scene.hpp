@@ -99,6 +99,51 @@ struct TorsionSpring {
   int line = 0;
 };
 
+/// Viscous damper between two points: pulls them together with  coefficient dr/dt,  r = |b - a|.
+struct Damper {
+  std::string name;
+  PointRef a, b;
+  double coefficient = 0.0;  ///< N s/m
+  int line = 0;
+};
+
+/// Viscous damper between two bodies: the torque  -coefficient d(angle(b) - angle(a))/dt  on b, its opposite on a.
+struct TorsionDamper {
+  std::string name;
+  int a = 0, b = 0;          ///< bodies
+  double coefficient = 0.0;  ///< N m s/rad
+  int line = 0;
+};
+
+/// Dry friction between two bodies: the torque  -torque tanh(w / width)  on b, its opposite on a, where
+/// w = d(angle(b) - angle(a))/dt: Coulomb's law made smooth, so that the bodies creep instead of sticking.
+struct Friction {
+  std::string name;
+  int a = 0, b = 0;     ///< bodies
+  double torque = 0.0;  ///< N m, of sliding
+  double width = 0.01;  ///< rad/s
+  int line = 0;
+};
+
+/// A motor that prescribes a quantity as a function of time t, whatever force that takes:
+///   start + rate t + acceleration t^2/2 + amplitude (sin(2 pi frequency t + phase) - sin(phase)).
+/// The quantity is the relative angle angle(b) - angle(a) of two bodies or the travel of a joint; rad or m.
+/// Statics does not know drives.
+struct Drive {
+  enum class Kind { angle, travel };
+  Kind kind = Kind::angle;
+  std::string name;
+  int body_a = 0, body_b = 0;   ///< angle
+  int joint = -1;               ///< travel: index into Scene::joints
+  std::optional<double> start;  ///< absent: where the mechanism stands when it is assembled
+  double rate = 0.0;
+  double acceleration = 0.0;
+  double amplitude = 0.0;
+  double frequency = 0.0;  ///< Hz
+  double phase = 0.0;      ///< rad
+  int line = 0;
+};
+
 /// Force at a point, N. A dead load keeps its direction in the world; a follower force keeps its direction in the
 /// frame of the body `follows` and has no potential.
 struct Force {
@@ -151,6 +196,10 @@ struct Scene {
   std::vector<Joint> joints;
   std::vector<Spring> springs;
   std::vector<TorsionSpring> torsion_springs;
+  std::vector<Damper> dampers;
+  std::vector<TorsionDamper> torsion_dampers;
+  std::vector<Friction> frictions;
+  std::vector<Drive> drives;
   std::vector<Force> forces;
   std::vector<Torque> torques;
   std::vector<Stop> stops;

@@ -41,7 +41,7 @@ class Statics {
   void apply_loads() {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
-      if (body.mass > 0) push(static_cast<int>(i), poses_[i].world(body.center), body.mass * scene_.gravity, 0.0);
+      if (body.mass != 0) push(static_cast<int>(i), poses_[i].world(body.center), body.mass * scene_.gravity, 0.0);
     }
     for (const Force& f : scene_.forces) {
       const Vec2 force = f.follows < 0 ? f.vector : f.vector * unit(poses_[f.follows].angle);

@@ -43,6 +43,16 @@ Scene scaled(const Scene& scene, const Scales& scales) {
     s.free_length *= per_length;
   }
   for (TorsionSpring& s : out.torsion_springs) s.stiffness *= per_energy;
+  for (Damper& d : out.dampers) d.coefficient *= scales.length * per_force;
+  for (TorsionDamper& d : out.torsion_dampers) d.coefficient *= per_energy;
+  for (Friction& f : out.frictions) f.torque *= per_energy;
+  for (Drive& d : out.drives) {
+    if (d.kind == Drive::Kind::angle) continue;
+    if (d.start) *d.start *= per_length;
+    d.rate *= per_length;
+    d.acceleration *= per_length;
+    d.amplitude *= per_length;
+  }
   for (Force& f : out.forces) f.vector = per_force * f.vector;
   for (Torque& t : out.torques) t.value *= per_energy;
   for (Stop& s : out.stops) {
