@@ -11,6 +11,9 @@ find_package(tomlplusplus 3.3 REQUIRED)                                         
 pkg_check_modules(Ipopt REQUIRED IMPORTED_TARGET ipopt)                             # apt: coinor-libipopt-dev
 find_package(SuiteSparseParts REQUIRED COMPONENTS amd ldl)             # apt: libsuitesparse-dev
 find_package(Boost 1.74 REQUIRED CONFIG)                                            # apt: libboost-dev
+find_package(Ceres 2.1 REQUIRED)                                                    # apt: libceres-dev
+find_package(NLopt 2.7 REQUIRED)                                                    # apt: libnlopt-cxx-dev libnlopt-dev
+find_package(Threads REQUIRED)
 find_package(fmt 9 REQUIRED)                                                        # apt: libfmt-dev
 
 if(POISE_BUILD_APP)
@@ -22,4 +25,5 @@ if(POISE_BUILD_TESTS)
 endif()
 if(POISE_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 REQUIRED)                                              # apt: libbenchmark-dev
+  find_package(SUNDIALS 6.4)                                                        # apt: libsundials-dev
 endif()

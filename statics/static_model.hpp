@@ -1,41 +1,19 @@
 #pragma once
 
-#include <vector>
-
-#include "model/mechanism.hpp"
-#include "model/scene.hpp"
 #include "statics/equilibrium_problem.hpp"
-#include "statics/scaling.hpp"
+#include "statics/scaled_model.hpp"
 
 namespace poise {
 
-/// A scene ready for statics: compiled in units of its own size and load, so that every solver sees numbers of order
-/// one. x are the coordinates in those units, q in SI (rad, m).
-class StaticModel {
+/// A scene ready for statics.
+class StaticModel : public ScaledModel {
  public:
   /// Throws InputError where the scene contradicts itself.
   explicit StaticModel(Scene scene);
-  StaticModel(const StaticModel&) = delete;
-  StaticModel& operator=(const StaticModel&) = delete;
 
-  const Scene& scene() const { return scene_; }  ///< SI
-  const Scales& scales() const { return scales_; }
-  const Scene& scaled_scene() const { return scaled_; }
-  const Mechanism<double>& mechanism() const { return mechanism_; }  ///< of the scaled scene
   const EquilibriumProblem& problem() const { return problem_; }
-  const Layout& layout() const { return mechanism_.layout(); }
-
-  std::vector<double> start() const { return mechanism_.start(); }  ///< x
-  std::vector<double> to_si(std::vector<double> x) const;
-  std::vector<double> from_si(std::vector<double> q) const;
-  /// Places of all bodies and then of all bars, SI.
-  std::vector<BodyPose<double>> poses(const std::vector<double>& x) const;
 
  private:
-  Scene scene_;
-  Scales scales_;
-  Scene scaled_;
-  Mechanism<double> mechanism_;
   EquilibriumProblem problem_;
 };
 

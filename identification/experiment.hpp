@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "identification/record.hpp"
+#include "model/scene.hpp"
+
+namespace poise {
+
+/// What a sensor reads. Bodies, points, joints and springs are indices into the scene; values SI.
+struct Sensor {
+  enum class Kind {
+    angle,     ///< angle(body_b) - angle(body_a), rad, unwrapped; body_a is the ground for an absolute angle
+    travel,    ///< of a slide or pin in a slot, m
+    distance,  ///< |b - a| of two points, m
+    x,         ///< world coordinates of point b, m
+    y,
+    spring_force  ///< in a line spring, tension positive, N
+  };
+  Kind kind = Kind::angle;
+  std::string name;
+  std::string column;          ///< of the data file
+  bool rate = false;           ///< the time derivative of the above (not of a force)
+  int body_a = 0, body_b = 0;  ///< angle
+  PointRef a, b;               ///< distance; x and y use b
+  int item = -1;               ///< travel: joint; spring_force: spring
+  double noise = 0.0;          ///< standard deviation of one reading, SI
+  double unit = 1.0;           ///< SI value of one unit of the file's column
+  double zero = 0.0;           ///< SI value of the quantity where the column reads 0:  quantity = zero + unit column
+  int line = 0;
+};
+
+/// A number of the scene that is to be found, by its path (see model/set_value): SI throughout.
+struct Unknown {
+  std::string path;   ///< "spring.oil.stiffness"
+  std::string name;   ///< for tables; the path where none was given
+  std::string per;    ///< "" one value for all runs; "run" one for each; else a label: one for each of its values
+  double unit = 1.0;  ///< SI value of the unit in which the file gives it
+  double includes =
+      0.0;  ///< shown value = value in the scene + includes: a lump that other bodies hold in part already
+  std::optional<double> start;  ///< absent: the scene's value
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  std::optional<double> prior;  ///< known beforehand: mean, with the standard deviation prior_deviation
+  double prior_deviation = 0.0;
+  int line = 0;
+};
+
+/// A pose at which a run would rest: the free length (or free angle) of one spring is set so that the coordinate
+/// `body` (angle) or `joint` (travel) has the value `at` in equilibrium. For mechanisms of one freedom.
+struct Rest {
+  int body = -1, joint = -1;
+  double at = 0.0;      ///< rad or m
+  std::string by;       ///< path of the number that is set: "spring.oil.free_length"
+  bool unknown = true;  ///< `at` is a nuisance: found with the rest
+  int line = 0;
+};
+
+/// One value by which a run starts: an angle of a body or a travel of a joint, or its rate; SI. Relative to the rest
+/// pose where the run has a Rest, else absolute.
+struct Release {
+  int body = -1, joint = -1;
+  bool rate = false;
+  double value = 0.0;
+  int line = 0;
+};
+
+/// One free motion: simulated, or measured.
+struct Run {
+  std::string name;
+  struct Change {
+    std::string path;
+    double value = 0.0;  ///< in the scene's units, as --set
+    int line = 0;
+  };
+  std::vector<Change> changes;                              ///< of the scene, known: a payload, say
+  std::vector<std::pair<std::string, std::string>> labels;  ///< {"height", "low"}
+  double duration = 0.0;                                    ///< s; simulated runs
+  double sample_rate = 0.0;                                 ///< Hz
+  std::optional<Rest> rest;
+  std::vector<Release> release;        ///< truth of a simulation; first guess of a fit (absent: from the data)
+  bool unknown_start = true;           ///< initial coordinates and rates are nuisances
+  std::uint64_t seed = 0;              ///< of the noise of a simulated run
+  std::filesystem::path data;          ///< empty: simulated
+  std::optional<std::string> segment;  ///< value of the split column; absent: all of the file
+  int line = 0;
+};
+
+/// What was, or is to be, measured, and what is asked.
+struct Experiment {
+  std::string file;
+  std::string title;
+  std::string source;
+  Scene scene;
+  std::vector<Sensor> sensors;
+  std::vector<Unknown> unknowns;
+  std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment
+  std::vector<Record> records;  ///< one per run; empty (no times) where the run is simulated
+};
+
+struct ExperimentOptions {
+  std::filesystem::path data;           ///< takes the place of the data file that the runs name
+  std::vector<std::string> settings{};  ///< PATH=NUMBER changes of the scene
+};
+
+/// Reads an experiment file (TOML; grammar in docs/experiment-files.md), its scene and its data. Throws InputError
+/// naming file, line, item, what was expected and a likely fix.
+Experiment read_experiment(const std::filesystem::path& file, const ExperimentOptions& options = {});
+
+}  // namespace poise

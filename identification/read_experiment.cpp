@@ -1,0 +1,1 @@
+#include "identification/experiment.hpp"

@@ -1,0 +1,32 @@
+#include "statics/scaled_model.hpp"
+
+#include <utility>
+
+namespace poise {
+
+ScaledModel::ScaledModel(Scene scene, Purpose purpose)
+    : scene_(std::move(scene)),
+      scales_(choose_scales(scene_, lay_out(scene_, purpose).size)),
+      scaled_(scaled(scene_, scales_)),
+      mechanism_(scaled_, purpose) {}
+
+ScaledModel::ScaledModel(Scene scene, Purpose purpose, const Scales& scales)
+    : scene_(std::move(scene)), scales_(scales), scaled_(scaled(scene_, scales_)), mechanism_(scaled_, purpose) {}
+
+std::vector<double> ScaledModel::to_si(std::vector<double> x) const {
+  for (int t = layout().angles; t < layout().kept; ++t) x[t] *= scales_.length;
+  return x;
+}
+
+std::vector<double> ScaledModel::from_si(std::vector<double> q) const {
+  for (int t = layout().angles; t < layout().kept; ++t) q[t] /= scales_.length;
+  return q;
+}
+
+std::vector<BodyPose<double>> ScaledModel::poses(const std::vector<double>& x) const {
+  auto poses = mechanism_.poses(x.data());
+  for (auto& pose : poses) pose.origin = scales_.length * pose.origin;
+  return poses;
+}
+
+}  // namespace poise

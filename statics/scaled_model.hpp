@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "model/mechanism.hpp"
+#include "model/scene.hpp"
+#include "statics/scaling.hpp"
+
+namespace poise {
+
+/// A scene compiled in units of its own size and load, so that every solver sees numbers of order one. x are the
+/// coordinates in those units, q in SI (rad, m); time stays in seconds.
+class ScaledModel {
+ public:
+  /// Throws InputError where the scene contradicts itself.
+  ScaledModel(Scene scene, Purpose purpose);
+  /// The same in given units: models that differ in loads or masses can share theirs.
+  ScaledModel(Scene scene, Purpose purpose, const Scales& scales);
+  ScaledModel(const ScaledModel&) = delete;
+  ScaledModel& operator=(const ScaledModel&) = delete;
+
+  const Scene& scene() const { return scene_; }  ///< SI
+  const Scales& scales() const { return scales_; }
+  const Scene& scaled_scene() const { return scaled_; }
+  const Mechanism<double>& mechanism() const { return mechanism_; }  ///< of the scaled scene
+  const Layout& layout() const { return mechanism_.layout(); }
+
+  std::vector<double> start() const { return mechanism_.start(); }  ///< x
+  std::vector<double> to_si(std::vector<double> x) const;
+  std::vector<double> from_si(std::vector<double> q) const;
+  /// Places of all bodies and then of all bars, SI.
+  std::vector<BodyPose<double>> poses(const std::vector<double>& x) const;
+
+ private:
+  Scene scene_;
+  Scales scales_;
+  Scene scaled_;
+  Mechanism<double> mechanism_;
+};
+
+}  // namespace poise
