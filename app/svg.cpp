@@ -23,6 +23,7 @@ void draw_mechanism(Stage& stage) {
   draw_bodies(stage);
   draw_centres_of_mass(stage);
   draw_springs(stage);
+  draw_dampers(stage);
   draw_pins(stage);
   draw_stops(stage);
   draw_loads(stage);
@@ -141,6 +142,10 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::torsion_spring, "torsion spring, moment on its second body",
        [](Canvas& c) {
          draw_spiral(c, {17, 0}, {1, 0}, 10, {.stroke = ink::spring, .width = 1.3});
+       }},
+      {Sign::damper, "damper, without force at rest",
+       [](Canvas& c) {
+         draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
        }},
       {Sign::massless_bar, "massless bar, tension +",
        [](Canvas& c) {

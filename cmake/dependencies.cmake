@@ -1,6 +1,6 @@
 # All that Poise builds on, one line each, with the Debian package that brings it: cmake/setup.sh reads the names from here.
 
-# Tools: # apt: cmake ninja-build g++ pkg-config
+# Tools: # apt: cmake ninja-build g++ pkg-config gnuplot-nox
 # Tools of `make lint`: # apt lint: clang-format clang-tidy
 
 find_package(PkgConfig REQUIRED)

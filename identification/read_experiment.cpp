@@ -1,1 +1,261 @@
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
 #include "identification/experiment.hpp"
+#include "identification/experiment_table.hpp"
+#include "identification/read_runs.hpp"
+#include "identification/setting.hpp"
+#include "identification/text_file.hpp"
+#include "model/nearest_name.hpp"
+#include "model/scene_names.hpp"
+
+namespace poise {
+namespace {
+namespace fs = std::filesystem;
+
+/// Reads the parts of an experiment in the order in which they refer to each other.
+class ExperimentReader {
+ public:
+  ExperimentReader(const ExperimentTable& root, const fs::path& file) : root_(root), file_(file) {
+    experiment_.file = file.string();
+  }
+
+  Experiment read(const ExperimentOptions& options) {
+    root_.allow_keys({"title", "source", "scene", "set", "sensor", "unknown", "run"});
+    if (const auto title = root_.find_text("title")) experiment_.title = title->value;
+    if (const auto source = root_.find_text("source")) experiment_.source = source->value;
+    read_its_scene(options);
+    const SceneNames names = names_of_scene();
+    read_sensors(names);
+    read_unknowns();
+    read_runs(root_, names, file_.parent_path(), options.data, experiment_);
+    for (const Unknown& unknown : experiment_.unknowns) check_against_runs(unknown);
+    return std::move(experiment_);
+  }
+
+ private:
+  void read_its_scene(const ExperimentOptions& options) {
+    const TomlText name = root_.text("scene");
+    const fs::path scene = (file_.parent_path() / name.value).lexically_normal();
+    std::error_code unknown;
+    if (!fs::is_regular_file(scene, unknown)) {
+      name.place.fail(fmt::format("expected a scene file, relative to this file; there is no \"{}\"", scene.string()));
+    }
+    experiment_.scene = read_scene(scene);
+    read_changes(root_, experiment_.scene);
+    for (const std::string& setting : options.settings) apply_setting(experiment_.scene, setting);
+  }
+
+  SceneNames names_of_scene() const {
+    SceneNames names(experiment_.scene);
+    for (std::size_t i = 0; i < experiment_.scene.bodies.size(); ++i) names.learn_body(static_cast<int>(i));
+    for (std::size_t i = 0; i < experiment_.scene.joints.size(); ++i) names.learn_joint(static_cast<int>(i));
+    return names;
+  }
+
+  void read_sensors(const SceneNames& names) {
+    const std::vector<ExperimentTable> tables = root_.tables("sensor");
+    if (tables.empty()) root_.place().fail("sensor: expected at least one sensor; add [[sensor]]");
+    std::vector<std::string> defaults;
+    for (std::size_t i = 1; i <= tables.size(); ++i) defaults.push_back("sensor " + std::to_string(i));
+    const std::vector<std::string> sensor_names = names_of({tables.begin(), tables.end()}, defaults, {});
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      experiment_.sensors.push_back(read_sensor(tables[i], sensor_names[i], names));
+    }
+  }
+
+  Sensor read_sensor(const ExperimentTable& table, const std::string& name, const SceneNames& names) const {
+    table.allow_keys(
+        {"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "noise", "zero", "factor"});
+    Sensor sensor;
+    sensor.name = name;
+    sensor.line = table.place().line;
+    const double unit = read_quantity(table, names, sensor);
+    sensor.rate = table.flag("rate", false);
+    if (sensor.rate && sensor.kind == Sensor::Kind::spring_force) {
+      table.place_of("rate").fail("expected the rate of a position or angle; that of a force is not known");
+    }
+    sensor.noise = table.number("noise", unit, Range::positive);
+    sensor.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
+    sensor.unit = table.find_number("factor", unit, Range::finite).value_or(unit);
+    if (sensor.unit == 0.0) table.place_of("factor").fail("expected a number other than 0; leave it out for 1");
+    sensor.column = name;
+    if (const auto column = table.find_text("column")) {
+      if (column->value.empty()) column->place.fail("expected the name of a column");
+      sensor.column = column->value;
+    }
+    return sensor;
+  }
+
+  /// What the sensor measures; returns the unit of the scene, or of the scene per second, in SI.
+  double read_quantity(const ExperimentTable& table, const SceneNames& names, Sensor& sensor) const {
+    if (table.has("angle") + table.has("travel") + table.has("distance") + table.has("x") + table.has("y") +
+            table.has("force") !=
+        1) {
+      table.place().fail("expected one of the keys angle, travel, distance, x, y, force");
+    }
+    const Units& units = experiment_.scene.units;
+    if (table.has("angle")) {
+      sensor.kind = Sensor::Kind::angle;
+      read_bodies(table, names, sensor);
+      return units.angle;
+    }
+    if (table.has("force")) {
+      sensor.kind = Sensor::Kind::spring_force;
+      sensor.item = find_spring(table.text("force"));
+      return units.force;
+    }
+    if (table.has("travel")) {
+      sensor.kind = Sensor::Kind::travel;
+      sensor.item = names.travelling_joint(table.text("travel"));
+    } else if (table.has("distance")) {
+      sensor.kind = Sensor::Kind::distance;
+      const std::array<TomlText, 2> points = table.two_texts("distance");
+      sensor.a = names.point(points[0]);
+      sensor.b = names.point(points[1]);
+      if (sensor.a.body == sensor.b.body) {
+        points[1].place.fail("expected points of two different bodies, the distance of these never changes");
+      }
+    } else {
+      const char* const key = table.has("x") ? "x" : "y";
+      sensor.kind = table.has("x") ? Sensor::Kind::x : Sensor::Kind::y;
+      const TomlText point = table.text(key);
+      sensor.b = names.point(point);
+      if (sensor.b.body == 0) point.place.fail("expected a point of a body that can move, found one of the ground");
+    }
+    return units.length;
+  }
+
+  /// angle = "b" from the ground, or angle = ["a", "b"] from a to b.
+  static void read_bodies(const ExperimentTable& table, const SceneNames& names, Sensor& sensor) {
+    if (!table.holds_list("angle")) {
+      sensor.body_b = names.movable_body(table.text("angle"));
+      return;
+    }
+    const std::array<TomlText, 2> bodies = table.two_texts("angle");
+    sensor.body_a = names.body(bodies[0]);
+    sensor.body_b = names.body(bodies[1]);
+    if (sensor.body_a == sensor.body_b) bodies[1].place.fail("expected two different bodies");
+  }
+
+  int find_spring(const TomlText& name) const {
+    std::vector<std::string> valid;
+    for (const Spring& spring : experiment_.scene.springs) valid.push_back(spring.name);
+    const auto found = std::find(valid.begin(), valid.end(), name.value);
+    if (found == valid.end()) {
+      name.place.fail(fmt::format("expected the name of a line spring, found \"{}\"{}", name.value,
+                                  did_you_mean(name.value, valid)));
+    }
+    return static_cast<int>(found - valid.begin());
+  }
+
+  void read_unknowns() {
+    const std::vector<ExperimentTable> tables = root_.tables("unknown");
+    std::vector<std::string> paths;
+    NameLines lines;
+    for (const ExperimentTable& table : tables) {
+      const TomlText path = table.text("path");
+      const auto [other, is_new] = lines.emplace(path.value, path.place.line);
+      if (!is_new) path.place.fail(fmt::format("expected another path, it is unknown in line {}", other->second));
+      paths.push_back(path.value);
+    }
+    const std::vector<std::string> names = names_of({tables.begin(), tables.end()}, paths, {});
+    for (std::size_t i = 0; i < tables.size(); ++i) experiment_.unknowns.push_back(read_unknown(tables[i], names[i]));
+  }
+
+  Unknown read_unknown(const ExperimentTable& table, const std::string& name) const {
+    table.allow_keys({"path", "name", "per", "start", "min", "max", "includes", "prior"});
+    const TomlText path = table.text("path");
+    Unknown unknown;
+    unknown.path = path.value;
+    unknown.name = name;
+    unknown.line = table.place().line;
+    // Asked first: it fails for a path that leads nowhere.
+    const double value = located(path.place, [&] { return get_value(experiment_.scene, path.value); });
+    if (path.value.starts_with("start.") || path.value.starts_with("stop.")) {
+      path.place.fail("expected a number that the motion depends on; start values of a run are unknown by themselves");
+    }
+    unknown.unit = value_unit(experiment_.scene, path.value);
+    if (const auto per = table.find_text("per")) {
+      if (per->value.empty()) per->place.fail("expected \"run\" or a label of the runs; leave it out for one value");
+      unknown.per = per->value;
+    }
+    unknown.includes = table.find_number("includes", unknown.unit, Range::finite).value_or(0.0);
+    if (may_not_be_negative(path.value)) unknown.min = 0.0;
+    unknown.min = table.find_number("min", unknown.unit, Range::finite).value_or(unknown.min);
+    unknown.max = table.find_number("max", unknown.unit, Range::finite).value_or(unknown.max);
+    if (!(unknown.min < unknown.max)) {
+      table.place_of("max").fail(fmt::format("expected max > min = {}; exchange them", unknown.min / unknown.unit));
+    }
+    unknown.start = table.find_number("start", unknown.unit, Range::finite);
+    const double first = unknown.start.value_or(value * unknown.unit + unknown.includes);
+    if (first < unknown.min || first > unknown.max) {
+      table.place_of("start").fail(
+          fmt::format("expected a start from {} to {}, found {}{}", unknown.min / unknown.unit,
+                      unknown.max / unknown.unit, first / unknown.unit,
+                      unknown.start ? "; change one of the three" : ", the scene's value; add start = NUMBER"));
+    }
+    if (const auto prior = table.find_vector("prior", unknown.unit)) {
+      if (!(prior->y > 0.0)) table.place_of("prior").fail("expected [MEAN, STANDARD DEVIATION], the second > 0");
+      unknown.prior = prior->x;
+      unknown.prior_deviation = prior->y;
+    }
+    return unknown;
+  }
+
+  /// Whether the number at this path is one of those that a scene wants to be >= 0: masses, stiffnesses, ...
+  bool may_not_be_negative(const std::string& path) const {
+    Scene scene = experiment_.scene;
+    try {
+      set_value(scene, path, -1.0);
+    } catch (const InputError&) {
+      return true;
+    }
+    return false;
+  }
+
+  /// Every run must have the label by which an unknown is told apart, and must not know the unknown.
+  void check_against_runs(const Unknown& unknown) const {
+    const auto fail = [&](const std::string& key, const std::string& message) {
+      TomlPlace{experiment_.file, unknown.line, fmt::format("unknown \"{}\".{}", unknown.name, key)}.fail(message);
+    };
+    for (const Run& run : experiment_.runs) {
+      const bool labelled = std::any_of(run.labels.begin(), run.labels.end(),
+                                        [&](const auto& label) { return label.first == unknown.per; });
+      if (!unknown.per.empty() && unknown.per != "run" && !labelled) {
+        std::vector<std::string> valid = {"run"};
+        for (const auto& label : run.labels) valid.push_back(label.first);
+        fail("per", fmt::format("expected \"run\" or a label that all runs have, run \"{}\" has no \"{}\"{}", run.name,
+                                unknown.per, did_you_mean(unknown.per, valid)));
+      }
+      for (const Run::Change& change : run.changes) {
+        if (change.path != unknown.path) continue;
+        fail("path", fmt::format("expected a number that no run sets, run \"{}\" does in line {}; take it out of one",
+                                 run.name, change.line));
+      }
+      if (run.rest && run.rest->by == unknown.path) {
+        fail("path", fmt::format("expected a number that follows from no rest pose, but by that of run \"{}\" in line "
+                                 "{} it does; take it out, what the rest leaves unknown is found",
+                                 run.name, run.rest->line));
+      }
+    }
+  }
+
+  ExperimentTable root_;
+  fs::path file_;
+  Experiment experiment_;
+};
+
+}  // namespace
+
+Experiment read_experiment(const fs::path& file, const ExperimentOptions& options) {
+  const std::string text = read_text_file(file);
+  const std::string name = file.string();
+  const toml::table document = parse_toml(text, name);
+  return ExperimentReader(ExperimentTable(document, {name, 1, ""}), file).read(options);
+}
+
+}  // namespace poise

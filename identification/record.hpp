@@ -14,27 +14,43 @@ struct Record {
   bool empty() const { return time.empty(); }
 };
 
-/// A table of numbers with a header, as read from a CSV file (RFC 4180; comma, semicolon or tab).
-struct CsvTable {
-  std::string file;
-  std::vector<std::string> columns;
-  std::vector<std::vector<double>> values;  ///< per column
-  std::vector<int> line;                    ///< per row, in the file
+/// A column of words, kept as they are written.
+struct CsvWords {
+  std::string column;
+  std::vector<std::string> value;  ///< per row
 };
 
-/// Reads the columns asked for. Throws InputError "file:line: column: ..." for a missing column (with the nearest
-/// name), a gap, a word that is not a number, NaN, infinity, or a row with too few or too many cells.
-CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns);
+/// A table with a header, as read from a CSV file (RFC 4180; comma, semicolon or tab, whichever the header has most
+/// of).
+struct CsvTable {
+  std::string file;
+  std::vector<std::string> columns;         ///< those read as numbers, each once
+  std::vector<std::vector<double>> values;  ///< per column, per row; finite
+  std::vector<CsvWords> words;              ///< columns read as words
+  std::vector<int> line;                    ///< per row, in the file
 
-/// The file parted by the values of its column `split` (in order of appearance): rows of each part must stand together.
+  /// The numbers of a column that was read. Throws std::out_of_range for any other.
+  const std::vector<double>& column(const std::string& name) const;
+};
+
+/// Reads the columns asked for, `words` as they are written and the others as numbers with a decimal point. Blanks
+/// around a cell do not count, nor do empty lines at the end. Throws InputError "file:line: column: ..." for a missing
+/// column (with the nearest name), a gap, a word that is not a number, NaN, infinity, or a row with too few or too many
+/// cells.
+CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
+                  const std::vector<std::string>& words = {});
+
+/// The file parted by the values of its column `split`, which was read as words (in order of appearance). Throws
+/// InputError with the line where a value comes back: rows of each part must stand together.
 struct CsvPart {
   std::string value;
   std::size_t first = 0, last = 0;  ///< rows [first, last)
 };
 std::vector<CsvPart> parts_of(const CsvTable& table, const std::string& split);
 
-/// Throws InputError with the line where `time` does not ascend within rows [first, last), or where fewer than 3 rows
-/// remain.
-void check_times(const CsvTable& table, const std::string& time, std::size_t first, std::size_t last);
+/// Throws InputError with the line where `time` does not ascend within rows [first, last), or where fewer than 3 of the
+/// rows first, first + every, ... remain.
+void check_times(const CsvTable& table, const std::string& time, std::size_t first, std::size_t last,
+                 std::size_t every = 1);
 
 }  // namespace poise

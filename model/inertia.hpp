@@ -18,6 +18,24 @@ class Inertia {
  public:
   Inertia(const Scene& scene, const Mechanism<T>& mechanism);
 
+  /// out_t = sum_u W_tu f_u: the force that moving phasors with accelerations f takes. out must not be f.
+  void weigh(const Planar<T>* f, Planar<T>* out) const;
+  /// Moment J_a of the bodies that turn with coordinate a, zero for lengths.
+  const T& moment(int a) const { return moment_[a]; }
+
+  /// The inertia of one body about the origin of its frame: m, (m x, m y), J.
+  struct BodyInertia {
+    T mass{};
+    Planar<T> first{};
+    T moment{};
+  };
+  /// g += what moving the inertia `part` with `body` takes beyond its weight, at the rates v:
+  ///   m (p'' - gravity) . Dp + first-moment terms + J theta'' D theta,
+  /// linear in `part`: with unit parts, the derivatives of the equations of motion by the inertia of a body. p of the
+  /// body's origin; `second` are the second time derivatives of all phasors, a the accelerations of the coordinates.
+  void add_body(int body, const BodyInertia& part, const Planar<T>* pose, const T* a, const Planar<T>* second,
+                T* g) const;
+
   /// M(q), n x n, row by row: kg m^2 between angles, kg m with one length, kg between lengths. `pose` from place().
   void mass_matrix(const Planar<T>* pose, T* m) const;
   /// dM/dq_k, n x n, row by row.
@@ -36,6 +54,14 @@ class Inertia {
   int n_;
   std::vector<Planar<T>> w_;  // W, row by row
   std::vector<T> moment_;     // J per coordinate
+  Planar<T> gravity_;
+  struct Origin {  // of a body, a sum of phasors
+    std::vector<int> coordinate;
+    std::vector<Planar<T>> coefficient;
+    int frame = -1;
+    Planar<T> turn{};
+  };
+  std::vector<Origin> origin_;
 };
 
 extern template class Inertia<double>;

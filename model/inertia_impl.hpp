@@ -8,12 +8,25 @@ namespace poise {
 
 template <class T>
 Inertia<T>::Inertia(const Scene& scene, const Mechanism<T>& mechanism)
-    : mechanism_(mechanism), n_(mechanism.coordinates()), w_(static_cast<std::size_t>(n_) * n_), moment_(n_, T(0)) {
+    : mechanism_(mechanism),
+      n_(mechanism.coordinates()),
+      w_(static_cast<std::size_t>(n_) * n_),
+      moment_(n_, T(0)),
+      gravity_(planar_cast<T>(scene.gravity)),
+      origin_(scene.bodies.size()) {
   const Layout& layout = mechanism.layout();
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
     const int frame = layout.links[i].frame;
     if (frame >= 0 && frame < n_) moment_[frame] += static_cast<T>(body.inertia);
+    Origin& origin = origin_[i];
+    origin.frame = frame < n_ ? frame : -1;
+    origin.turn = unit(static_cast<T>(layout.links[i].turn));
+    for (const Arm& arm : layout.path(0, {0, 0}, static_cast<int>(i), {0, 0})) {
+      if (arm.coordinate < 0 || arm.coordinate >= n_) continue;
+      origin.coordinate.push_back(arm.coordinate);
+      origin.coefficient.push_back(coefficient<T>(arm));
+    }
     if (body.mass == 0) continue;
     const std::vector<Arm> arms = layout.path(0, {0, 0}, static_cast<int>(i), body.center);
     std::vector<std::pair<int, Planar<T>>> terms;
@@ -50,6 +63,49 @@ std::array<typename Inertia<T>::Partial, 2> Inertia<T>::second(const Planar<T>* 
   if (k == t) return {{{c.frame, across}, {}}};
   if (k == c.frame) return {{{t, across}, {c.frame, -pose[t]}}};
   return {};
+}
+
+template <class T>
+void Inertia<T>::weigh(const Planar<T>* f, Planar<T>* out) const {
+  const Planar<T>* w = w_.data();
+  for (int t = 0; t < n_; ++t) {
+    T x(0), y(0);
+    for (int u = 0; u < n_; ++u, ++w) {
+      x += w->x * f[u].x - w->y * f[u].y;
+      y += w->x * f[u].y + w->y * f[u].x;
+    }
+    out[t] = {x, y};
+  }
+}
+
+// A point of the body at r from its origin is p + r e, e = exp(i theta): with s = m r and e'' = second of e,
+//   m (p'' + r e'' - gravity) . (Dp + r De) = m (p'' - gravity) . Dp + s e'' . Dp + (p'' - gravity) . s De + J theta''
+//   Dth.
+template <class T>
+void Inertia<T>::add_body(int body, const BodyInertia& part, const Planar<T>* pose, const T* a, const Planar<T>* second,
+                          T* g) const {
+  const Origin& origin = origin_[body];
+  Planar<T> lift = -gravity_;
+  for (std::size_t e = 0; e < origin.coordinate.size(); ++e) {
+    lift += origin.coefficient[e] * second[origin.coordinate[e]];
+  }
+  Planar<T> force = part.mass * lift;
+  if (origin.frame >= 0) {
+    const Planar<T> arm = part.first * origin.turn;
+    force += arm * second[origin.frame];
+    g[origin.frame] += cross(arm * pose[origin.frame], lift) + part.moment * a[origin.frame];
+  }
+  for (std::size_t e = 0; e < origin.coordinate.size(); ++e) {
+    const int t = origin.coordinate[e];
+    const Planar<T> f = conj(origin.coefficient[e]) * force;
+    const Coordinate& c = mechanism_.layout().coordinates[t];
+    if (c.kind == Coordinate::Kind::angle) {
+      g[t] += cross(pose[t], f);
+      continue;
+    }
+    g[t] += dot(mechanism_.line_direction(pose, t), f);
+    if (c.frame >= 0) g[c.frame] += cross(pose[t], f);
+  }
 }
 
 template <class T>

@@ -323,11 +323,14 @@ class Builder {
       mark_path(link.arms, bears[*it]);
       bears[link.parent] |= bears[*it];
     }
+    // A stiffness that identification varies may be zero at first.
+    const auto bears_spring = [&](double stiffness) { return stiffness > 0 || purpose_ == Purpose::dynamics; };
     for (const Spring& s : scene_.springs) {
-      if (s.stiffness > 0) mark_path(out_.path(s.a.body, scene_.local(s.a), s.b.body, scene_.local(s.b)), spring);
+      if (bears_spring(s.stiffness))
+        mark_path(out_.path(s.a.body, scene_.local(s.a), s.b.body, scene_.local(s.b)), spring);
     }
     for (const TorsionSpring& s : scene_.torsion_springs) {
-      if (s.stiffness == 0 || out_.links[s.a].frame == out_.links[s.b].frame) continue;
+      if (!bears_spring(s.stiffness) || out_.links[s.a].frame == out_.links[s.b].frame) continue;
       mark(out_.links[s.a].frame, spring);
       mark(out_.links[s.b].frame, spring);
     }
@@ -375,6 +378,13 @@ class Builder {
       if (inertias > 0) {
         out_.dropped.push_back(fmt::format("moment of inertia of {}: nothing moves in statics", bodies(inertias)));
       }
+      const auto drop_all = [this](const auto& items, const char* kind, const char* why) {
+        for (const auto& item : items) out_.dropped.push_back(fmt::format("{} \"{}\": {}", kind, item.name, why));
+      };
+      drop_all(scene_.dampers, "damper", "nothing moves in statics");
+      drop_all(scene_.torsion_dampers, "torsion damper", "nothing moves in statics");
+      drop_all(scene_.frictions, "friction", "nothing moves in statics");
+      drop_all(scene_.drives, "drive", "statics does not know drives, its coordinate is free");
     }
     for (const Force& force : scene_.forces) {
       if (is_zero(force.vector)) out_.dropped.push_back(fmt::format("force \"{}\": it is zero", force.name));
@@ -385,7 +395,8 @@ class Builder {
       }
     }
     for (const Spring& s : scene_.springs) {
-      if (s.stiffness == 0) out_.dropped.push_back(fmt::format("spring \"{}\": its stiffness is zero", s.name));
+      if (s.stiffness == 0 && purpose_ == Purpose::statics)
+        out_.dropped.push_back(fmt::format("spring \"{}\": its stiffness is zero", s.name));
     }
   }
 

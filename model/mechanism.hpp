@@ -95,6 +95,43 @@ class Mechanism {
   const std::vector<T>& lower() const { return lower_; }  ///< of the stops
   const std::vector<T>& upper() const { return upper_; }
 
+  // Motion. Directions u, v, w have n values; phasor arrays have n entries; D is a derivative with respect to q.
+
+  /// Directional derivatives of all phasors:  D phi_t[u],  D2 phi_t[u, v],  D3 phi_t[u, v, w].
+  void phasor_first(const Planar<T>* pose, const T* u, Planar<T>* out) const;
+  void phasor_second(const Planar<T>* pose, const T* u, const T* v, Planar<T>* out) const;
+  void phasor_third(const Planar<T>* pose, const T* u, const T* v, const T* w, Planar<T>* out) const;
+  /// g_a += sum_t Re(conj(d phi_t/dq_a) f_t): what a force f_t on every phasor does along each coordinate.
+  void add_projection(const Planar<T>* pose, const Planar<T>* f, T* g) const;
+  /// g_a += sum_t Re(conj(d/dq_a D phi_t[u]) f_t): how that changes along u while f stays.
+  void add_projection_change(const Planar<T>* pose, const T* u, const Planar<T>* f, T* g) const;
+  /// sum_t C_lt f_t of every closure l, 2 closures() values: the closures' derivatives from those of the phasors.
+  void closures_of(const Planar<T>* f, T* c) const;
+
+  /// g += what dampers and dry friction resist with at the rates v; v . g is the power they take.
+  void add_resistance(Planar<T>* pose, const T* v, T* g) const;
+  /// g += its change along dq and dv.
+  void add_resistance_change(Planar<T>* pose, const T* v, const T* dq, const T* dv, T* g) const;
+  /// Power that follower loads give at the rates v.
+  T follower_power(Planar<T>* pose, const T* v) const;
+
+  /// Numbers of a scene on which forces depend, by the list that their item is in.
+  enum class Element {
+    stiffness,
+    free_length,
+    torsion_stiffness,
+    free_angle,
+    damping,
+    torsion_damping,
+    friction,
+    force,  ///< magnitude of a dead load, along its direction
+    torque
+  };
+  /// g += by d(-Q)/dp at the rates v, for p the number `element` of item `index` of its list in the scene. Only for
+  /// Purpose::dynamics, which keeps every item.
+  void add_force_derivative(Element element, int index, const T& by, const T* q, Planar<T>* pose, const T* v,
+                            T* g) const;
+
   /// Places of all bodies (indices of Scene::bodies) and then of all bars, dropped coordinates at their start value.
   std::vector<BodyPose<T>> poses(const T* q) const;
 
@@ -120,6 +157,14 @@ class Mechanism {
              (acts == Spring::Acts::compression && length >= free_length);
     }
   };
+  struct LineDamper {
+    Path path;
+    T coefficient;
+  };
+  struct DeadForce {
+    Path path;
+    Planar<T> direction;
+  };
   struct Angle {  // sign_b q_b - sign_a q_a + constant, coordinates -1 where fixed
     int a = -1, b = -1;
     T constant{};
@@ -128,6 +173,13 @@ class Mechanism {
     Angle angle;
     T stiffness;
     int entry_aa, entry_bb, entry_ab, entry_ba;
+  };
+  struct AngleResistance {  // torque  coefficient w,  or, where width > 0,  coefficient tanh(w / width)
+    Angle angle;
+    T coefficient, width;
+
+    T shape(const T& w) const;
+    T slope(const T& w) const;  // d shape / dw
   };
   struct Follower {
     Path path;
@@ -156,9 +208,15 @@ class Mechanism {
   T value(const Angle& angle, const T* q) const;
   void compile_loads(const Scene& scene);
   void compile_closures();
-  void compile_springs(const Scene& scene);
+  void compile_springs(const Scene& scene, Purpose purpose);
   void compile_followers(const Scene& scene);
   void compile_stops(const Scene& scene);
+  void compile_motion(const Scene& scene);
+  T rate(const Angle& angle, const T* v) const;
+  void add_torque(const Angle& angle, const T& torque, T* g) const;
+  Planar<T> add_up(const Path& path, const Planar<T>* d_i, const T* u) const;
+  Planar<T> bend(const Path& path, const Planar<T>* pose, const T* u, const T* v) const;
+  void add_length_gradient(const Path& path, Planar<T>* pose, const T& by, T* g) const;
   void make_jacobian_pattern();
   void make_tangent_pattern();
   void add_half_square(const Path& path, Planar<T>* pose, const T& w, const T& u, T* values) const;
@@ -176,6 +234,11 @@ class Mechanism {
   std::vector<int> closure_own_, closure_frame_;
   std::vector<LineSpring> springs_;
   std::vector<AngleSpring> angle_springs_;
+  std::vector<LineDamper> dampers_;
+  std::vector<AngleResistance> angle_resistances_;  // torsion dampers, then dry friction
+  int torsion_dampers_ = 0;
+  std::vector<DeadForce> dead_forces_;  // one by one, for derivatives; only for dynamics
+  std::vector<int> torque_coordinate_;
   std::vector<Follower> followers_;
   std::vector<std::string> follower_names_;
   std::vector<Limit> stops_;

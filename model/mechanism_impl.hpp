@@ -12,9 +12,10 @@ template <class T>
 Mechanism<T>::Mechanism(const Scene& scene, Purpose purpose) : layout_(lay_out(scene, purpose)) {
   compile_loads(scene);
   compile_closures();
-  compile_springs(scene);
+  compile_springs(scene, purpose);
   compile_followers(scene);
   compile_stops(scene);
+  if (purpose == Purpose::dynamics) compile_motion(scene);
   make_jacobian_pattern();
   make_tangent_pattern();
 }
@@ -128,16 +129,16 @@ void Mechanism<T>::compile_closures() {
 }
 
 template <class T>
-void Mechanism<T>::compile_springs(const Scene& scene) {
+void Mechanism<T>::compile_springs(const Scene& scene, Purpose purpose) {
   for (const Spring& s : scene.springs) {
-    if (s.stiffness == 0) continue;
+    if (s.stiffness == 0 && purpose == Purpose::statics) continue;
     LineSpring spring{compile(layout_.path(s.a.body, scene.local(s.a), s.b.body, scene.local(s.b))),
                       static_cast<T>(s.stiffness), static_cast<T>(s.free_length), s.acts};
     springs_.push_back(std::move(spring));
   }
   for (const TorsionSpring& s : scene.torsion_springs) {
     Angle angle = relative_angle(s.a, s.b);
-    if (s.stiffness == 0 || angle.a == angle.b) continue;
+    if ((s.stiffness == 0 || angle.a == angle.b) && purpose == Purpose::statics) continue;
     angle.constant -= static_cast<T>(s.free_angle);
     angle_springs_.push_back({angle, static_cast<T>(s.stiffness), -1, -1, -1, -1});
   }
@@ -237,6 +238,12 @@ void Mechanism<T>::make_tangent_pattern() {
   };
   for (LineSpring& spring : springs_) complete(spring.path);
   for (Limit& stop : stops_) complete(stop.path);
+  for (const LineDamper& damper : dampers_) {
+    widest_path_ = std::max(widest_path_, static_cast<int>(damper.path.support.size()));
+  }
+  for (const DeadForce& force : dead_forces_) {
+    widest_path_ = std::max(widest_path_, static_cast<int>(force.path.support.size()));
+  }
   for (Follower& follower : followers_) {
     complete(follower.path);
     for (int i : follower.path.support) {
@@ -530,3 +537,5 @@ std::vector<BodyPose<T>> Mechanism<T>::poses(const T* q) const {
 }
 
 }  // namespace poise
+
+#include "model/mechanism_motion_impl.hpp"

@@ -8,6 +8,7 @@
 
 #include "model/nearest_name.hpp"
 #include "model/quantities.hpp"
+#include "model/read_elements.hpp"
 #include "model/scene.hpp"
 #include "model/scene_names.hpp"
 #include "model/toml_reader.hpp"
@@ -37,32 +38,15 @@ constexpr JointKey joint_keys[] = {{"pin", Joint::Kind::pin},
                                    {"weld", Joint::Kind::weld},
                                    {"bar", Joint::Kind::bar}};
 
-/// Index of a word in the list of those allowed; fails with the nearest.
-template <class List, class Word>
-std::size_t choose(const TomlText& text, const List& list, Word word) {
-  std::vector<std::string> words;
-  std::string shown;
-  for (const auto& entry : list) {
-    words.emplace_back(word(entry));
-    if (words.back() == text.value) return words.size() - 1;
-    shown += (shown.empty() ? "" : ", ") + words.back();
-  }
-  text.place.fail("expected one of " + shown + ", found \"" + text.value + "\"" + did_you_mean(text.value, words));
-}
-
 template <class List>
 void read_unit(const TomlTable& table, std::string_view key, const List& list, std::string& name, double& si) {
   const std::optional<TomlText> text = table.find_text(key);
   if (!text) return;
-  const Unit& unit = std::begin(list)[choose(*text, list, [](const Unit& u) { return u.name; })];
+  std::vector<std::string> names;
+  for (const Unit& unit : list) names.emplace_back(unit.name);
+  const Unit& unit = std::begin(list)[choose(*text, names)];
   name = unit.name;
   si = unit.si;
-}
-
-std::vector<std::string> numbered(const std::string& what, std::size_t count) {
-  std::vector<std::string> names;
-  for (std::size_t i = 1; i <= count; ++i) names.push_back(what + " " + std::to_string(i));
-  return names;
 }
 
 /// Reads the parts of a scene in the order in which they refer to each other.
@@ -71,16 +55,14 @@ class SceneReader {
   SceneReader(const TomlTable& root, const std::string& file) : root_(root), names_(scene_) { scene_.file = file; }
 
   Scene read() {
-    root_.allow_keys({"title", "source", "gravity", "units", "ground", "body", "pin", "slide", "pin_in_slot", "weld",
-                      "bar", "spring", "torsion_spring", "force", "torque", "stop", "start"});
+    root_.allow_keys({"title",          "source",      "gravity", "units", "ground", "body",           "pin",
+                      "slide",          "pin_in_slot", "weld",    "bar",   "spring", "torsion_spring", "damper",
+                      "torsion_damper", "friction",    "drive",   "force", "torque", "stop",           "start"});
     read_units();
     read_header();
     read_bodies();
     read_joints();
-    read_springs();
-    read_torsion_springs();
-    read_loads();
-    read_stops();
+    read_elements(root_, names_, scene_);
     read_start();
     return std::move(scene_);
   }
@@ -191,133 +173,13 @@ class SceneReader {
         joint.length = table.number("length", units().length, Range::positive);
         break;
     }
-    std::tie(joint.a, joint.b) = ends(table);
+    std::tie(joint.a, joint.b) = names_.two_points(table);
     if (joint.has_travel()) {
       joint.axis = table.vector("axis", 1.0);
       if (joint.axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give [1, 0], say");
     }
     if (joint.keeps_angle()) joint.angle = table.find_number("angle", units().angle, Range::finite).value_or(0.0);
     return joint;
-  }
-
-  void read_springs() {
-    const std::vector<TomlTable> tables = root_.tables("spring");
-    const std::vector<std::string> names = names_of(tables, numbered("spring", tables.size()), {});
-    for (std::size_t i = 0; i < tables.size(); ++i) {
-      const TomlTable& table = tables[i];
-      table.allow_keys({"name", "points", "stiffness", "free_length", "acts"});
-      Spring spring;
-      spring.name = names[i];
-      spring.line = table.place().line;
-      std::tie(spring.a, spring.b) = ends(table);
-      spring.stiffness = table.number("stiffness", stiffness_unit(units()), Range::not_negative);
-      spring.free_length = table.number("free_length", units().length, Range::not_negative);
-      if (const auto acts = table.find_text("acts")) {
-        constexpr std::string_view words[] = {"both", "tension", "compression"};
-        constexpr Spring::Acts meanings[] = {Spring::Acts::both, Spring::Acts::tension, Spring::Acts::compression};
-        spring.acts = meanings[choose(*acts, words, [](std::string_view word) { return word; })];
-      }
-      scene_.springs.push_back(std::move(spring));
-    }
-  }
-
-  void read_torsion_springs() {
-    const std::vector<TomlTable> tables = root_.tables("torsion_spring");
-    const std::vector<std::string> names = names_of(tables, numbered("torsion spring", tables.size()), {});
-    for (std::size_t i = 0; i < tables.size(); ++i) {
-      const TomlTable& table = tables[i];
-      table.allow_keys({"name", "bodies", "stiffness", "free_angle"});
-      TorsionSpring spring;
-      spring.name = names[i];
-      spring.line = table.place().line;
-      const std::array<int, 2> bodies = names_.two_bodies(table);
-      spring.a = bodies[0];
-      spring.b = bodies[1];
-      spring.stiffness = table.number("stiffness", torsional_stiffness_unit(units()), Range::not_negative);
-      spring.free_angle = table.find_number("free_angle", units().angle, Range::finite).value_or(0.0);
-      scene_.torsion_springs.push_back(std::move(spring));
-    }
-  }
-
-  void read_loads() {
-    const std::vector<TomlTable> forces = root_.tables("force");
-    const std::vector<TomlTable> torques = root_.tables("torque");
-    // One family of names, for load.NAME must mean one load.
-    std::vector<TomlTable> loads = forces;
-    loads.insert(loads.end(), torques.begin(), torques.end());
-    std::vector<std::string> defaults = numbered("force", forces.size());
-    for (std::string& name : numbered("torque", torques.size())) defaults.push_back(std::move(name));
-    const std::vector<std::string> names = names_of(loads, defaults, {});
-    for (std::size_t i = 0; i < forces.size(); ++i) read_force(forces[i], names[i]);
-    for (std::size_t i = 0; i < torques.size(); ++i) read_torque(torques[i], names[forces.size() + i]);
-  }
-
-  void read_force(const TomlTable& table, const std::string& name) {
-    table.allow_keys({"name", "at", "vector", "follows"});
-    Force force;
-    force.name = name;
-    force.line = table.place().line;
-    const TomlText at = table.text("at");
-    force.at = names_.point(at);
-    if (force.at.body == 0) at.place.fail("expected a point of a body that can move, found one of the ground");
-    force.vector = table.vector("vector", units().force);
-    if (const auto follows = table.find_text("follows")) force.follows = names_.movable_body(*follows);
-    scene_.forces.push_back(std::move(force));
-  }
-
-  void read_torque(const TomlTable& table, const std::string& name) {
-    table.allow_keys({"name", "on", "value"});
-    Torque torque;
-    torque.name = name;
-    torque.line = table.place().line;
-    torque.body = names_.movable_body(table.text("on"));
-    torque.value = table.number("value", torque_unit(units()), Range::finite);
-    scene_.torques.push_back(std::move(torque));
-  }
-
-  void read_stops() {
-    const std::vector<TomlTable> tables = root_.tables("stop");
-    const std::vector<std::string> names = names_of(tables, numbered("stop", tables.size()), {});
-    for (std::size_t i = 0; i < tables.size(); ++i) {
-      tables[i].allow_keys({"name", "bodies", "points", "slide", "min", "max"});
-      Stop stop = read_stopped(tables[i]);
-      stop.name = names[i];
-      stop.line = tables[i].place().line;
-      read_limits(tables[i], stop);
-      scene_.stops.push_back(std::move(stop));
-    }
-  }
-
-  /// The quantity that a stop limits.
-  Stop read_stopped(const TomlTable& table) const {
-    if (table.has("bodies") + table.has("points") + table.has("slide") != 1) {
-      table.place().fail("expected one of the keys bodies (relative angle), points (distance), slide (travel)");
-    }
-    Stop stop;
-    if (table.has("bodies")) {
-      stop.kind = Stop::Kind::angle;
-      const std::array<int, 2> bodies = names_.two_bodies(table);
-      stop.body_a = bodies[0];
-      stop.body_b = bodies[1];
-    } else if (table.has("points")) {
-      stop.kind = Stop::Kind::distance;
-      std::tie(stop.a, stop.b) = ends(table);
-    } else {
-      stop.kind = Stop::Kind::travel;
-      stop.joint = names_.travelling_joint(table.text("slide"));
-    }
-    return stop;
-  }
-
-  void read_limits(const TomlTable& table, Stop& stop) const {
-    const double unit = stop_unit(stop.kind, units());
-    const Range range = stop_range(stop.kind);
-    stop.min = table.find_number("min", unit, range).value_or(stop.min);
-    stop.max = table.find_number("max", unit, range).value_or(stop.max);
-    if (!table.has("min") && !table.has("max")) {
-      table.place().fail("expected the key min, max or both; add max = NUMBER");
-    }
-    if (!(stop.min <= stop.max)) table.place_of("max").fail("expected max >= min; exchange them");
   }
 
   void read_start() {
@@ -352,12 +214,6 @@ class SceneReader {
       const int body = names_.movable_body({name, table.place_of(name)});
       scene_.start.position[body] = table.vector(name, units().length);
     }
-  }
-
-  /// The key `points` as a tuple to tie.
-  std::pair<PointRef, PointRef> ends(const TomlTable& table) const {
-    const std::array<PointRef, 2> points = names_.two_points(table);
-    return {points[0], points[1]};
   }
 
   Units& units() { return scene_.units; }

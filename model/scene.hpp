@@ -228,12 +228,24 @@ Scene parse_scene(std::string_view text, const std::string& name);
 
 /// Sets one number of the scene, given in the scene's own units, by its path:
 ///   load.NAME             magnitude of force NAME along its direction, or the torque NAME
-///   body.NAME.mass | inertia
+///   gravity.x | y
+///   point.BODY.POINT.x | y   in the body's frame; BODY may be ground
+///   body.NAME.mass | inertia | center.x | center.y
 ///   spring.NAME.stiffness | free_length,  torsion_spring.NAME.stiffness | free_angle
+///   damper.NAME.coefficient,  torsion_damper.NAME.coefficient,  friction.NAME.torque | width
+///   drive.NAME.start | rate | acceleration | amplitude | frequency | phase
 ///   bar.NAME.length
 ///   stop.NAME.min | max
 ///   start.NAME            guess for the angle of a body or the travel of a joint
-/// Throws InputError naming the nearest valid path.
+/// Throws InputError naming the nearest valid path. Takes some 10 ns per number that the scene holds.
 void set_value(Scene& scene, std::string_view path, double value);
+
+/// The number that set_value sets, in the scene's own units: get_value(set_value(x)) = x. The limit that a stop lacks
+/// is infinite, a guess that is absent 0; the start that a drive lacks is not known yet and throws InputError, and so
+/// does a path that set_value does not take.
+double get_value(const Scene& scene, std::string_view path);
+
+/// SI value of one unit of that number: the scene holds get_value(scene, path) value_unit(scene, path).
+double value_unit(const Scene& scene, std::string_view path);
 
 }  // namespace poise

@@ -80,20 +80,20 @@ int SceneNames::travelling_joint(const TomlText& name) const {
                   did_you_mean(name.value, travelling_joint_names()));
 }
 
-std::array<PointRef, 2> SceneNames::two_points(const TomlTable& table) const {
+std::pair<PointRef, PointRef> SceneNames::two_points(const TomlTable& table) const {
   const std::array<TomlText, 2> names = table.two_texts("points");
-  const std::array<PointRef, 2> points{point(names[0]), point(names[1])};
-  if (points[0].body == points[1].body) {
+  const std::pair<PointRef, PointRef> points{point(names[0]), point(names[1])};
+  if (points.first.body == points.second.body) {
     names[1].place.fail("expected points of two different bodies, found two of \"" +
-                        scene_.bodies[points[0].body].name + "\"");
+                        scene_.bodies[points.first.body].name + "\"");
   }
   return points;
 }
 
-std::array<int, 2> SceneNames::two_bodies(const TomlTable& table) const {
+std::pair<int, int> SceneNames::two_bodies(const TomlTable& table) const {
   const std::array<TomlText, 2> names = table.two_texts("bodies");
-  const std::array<int, 2> bodies{body(names[0]), body(names[1])};
-  if (bodies[0] == bodies[1]) {
+  const std::pair<int, int> bodies{body(names[0]), body(names[1])};
+  if (bodies.first == bodies.second) {
     names[1].place.fail("expected two different bodies, found \"" + names[1].value + "\" twice");
   }
   return bodies;

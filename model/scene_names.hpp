@@ -5,6 +5,7 @@
 
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "model/scene.hpp"
@@ -33,8 +34,8 @@ class SceneNames {
   /// The slide or pin in a slot so called.
   int travelling_joint(const TomlText& name) const;
   /// The two ends of something that joins two different bodies: the key `points` (`bodies`) of the table.
-  std::array<PointRef, 2> two_points(const TomlTable& table) const;
-  std::array<int, 2> two_bodies(const TomlTable& table) const;
+  std::pair<PointRef, PointRef> two_points(const TomlTable& table) const;
+  std::pair<int, int> two_bodies(const TomlTable& table) const;
 
   /// The body, or -1; the joint, or -1.
   int index_of_body(const std::string& name) const;

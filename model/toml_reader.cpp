@@ -60,6 +60,15 @@ void TomlPlace::fail(const std::string& message) const {
   throw InputError(text);
 }
 
+std::size_t choose(const TomlText& text, const std::vector<std::string>& words) {
+  std::string shown;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == text.value) return i;
+    shown += (i == 0 ? "" : ", ") + words[i];
+  }
+  text.place.fail("expected one of " + shown + ", found \"" + text.value + "\"" + did_you_mean(text.value, words));
+}
+
 TomlTable::TomlTable(const toml::table& table, TomlPlace place) : table_(&table), place_(std::move(place)) {}
 
 bool TomlTable::holds_table(std::string_view key) const {

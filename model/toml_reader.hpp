@@ -33,6 +33,9 @@ struct TomlText {
   TomlPlace place;
 };
 
+/// Index of the text among the words that are allowed; fails with the nearest.
+std::size_t choose(const TomlText& text, const std::vector<std::string>& words);
+
 /// A table read key by key. Refers to a document that must outlive it.
 class TomlTable {
  public:

@@ -20,11 +20,6 @@ double elapsed(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - since).count();
 }
 
-// "file:line: mechanism: ", without the line where there is none (0).
-std::string where(const StaticModel& model, int line = 0) {
-  return model.scene().file + (line > 0 ? fmt::format(":{}", line) : "") + ": mechanism: ";
-}
-
 // Constraint rows that are independent at x, and all stops: Ipopt refuses more equations than variables. Where all are
 // independent the list is empty, which means all. Mechanisms too large for a dense factor are taken as they are.
 std::vector<int> independent_rows(const StaticModel& model, const std::vector<double>& x) {
@@ -161,11 +156,7 @@ std::vector<double> assemble(const StaticModel& model) {
                      "or a spring");
   }
   const Mobility mobility = analyse_mobility(model);
-  if (!mobility.assembled) {
-    throw InputError(fmt::format(
-        "{}cannot be assembled from its start: {}; check the lengths, or give a [start] nearer to a closed pose",
-        where(model, mobility.gap_line), mobility.gap));
-  }
+  expect_closed(model, mobility);
   if (mobility.freedoms == 0) {
     throw InputError(
         fmt::format("{}no freedom left: {} coordinates, {} independent closure equations; remove a joint, bar or weld",

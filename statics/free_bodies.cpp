@@ -38,7 +38,7 @@ class Statics {
   Statics(const Scene& scene, const std::vector<BodyPose<double>>& poses, double size)
       : scene_(scene), poses_(poses), size_(size), load_(3 * (scene.bodies.size() - 1), 0.0) {}
 
-  void apply_loads() {
+  void apply_loads(const std::vector<BodyLoad>& additions) {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
       if (body.mass != 0) push(static_cast<int>(i), poses_[i].world(body.center), body.mass * scene_.gravity, 0.0);
@@ -48,6 +48,7 @@ class Statics {
       push(f.at.body, world(f.at), force, 0.0);
     }
     for (const Torque& t : scene_.torques) push(t.body, poses_[t.body].origin, {}, t.value);
+    for (const BodyLoad& load : additions) push(load.body, load.at, load.force, load.moment);
     largest_applied_ = largest_load_;
     for (const Spring& s : scene_.springs) {
       const Vec2 a = world(s.a);
@@ -56,6 +57,7 @@ class Statics {
       const double tension = s.stiffness * (r - s.free_length);
       const bool slack =
           (s.acts == Spring::Acts::tension && tension < 0) || (s.acts == Spring::Acts::compression && tension > 0);
+      spring_tension_.push_back(r == 0 || slack ? 0.0 : tension);
       if (r == 0 || slack) continue;
       const Vec2 pull = tension / r * (b - a);
       push(s.a.body, a, pull, 0.0);
@@ -63,6 +65,7 @@ class Statics {
     }
     for (const TorsionSpring& s : scene_.torsion_springs) {
       const double torque = s.stiffness * (poses_[s.b].angle - poses_[s.a].angle - s.free_angle);
+      spring_moment_.push_back(-torque);
       push(s.a, poses_[s.a].origin, {}, torque);
       push(s.b, poses_[s.b].origin, {}, -torque);
     }
@@ -141,6 +144,23 @@ class Statics {
     }
   }
 
+  void add_drive(const Drive& drive) {
+    Item item;
+    item.reaction.name = drive.name;
+    item.reaction.kind = "drive";
+    const int number = static_cast<int>(items_.size());
+    if (drive.kind == Drive::Kind::angle) {
+      item.reaction.at = poses_[drive.body_b].origin;
+      unknowns_.push_back({number, drive.body_a, drive.body_b, item.reaction.at, {}, size_});
+    } else {
+      const Joint& joint = scene_.joints[drive.joint];
+      item.reaction.at = world(joint.b);
+      item.axis = joint.axis * unit(poses_[joint.a.body].angle);
+      unknowns_.push_back({number, joint.a.body, joint.b.body, item.reaction.at, item.axis, 0});
+    }
+    items_.push_back(item);
+  }
+
   // Least-squares reactions, minimum norm where they are not unique (dense sizes). Returns the stop that pulls
   // hardest, or -1.
   int solve(FreeBodies& out) {
@@ -185,6 +205,8 @@ class Statics {
     out.is_moment = worst % 3 == 2;
     out.largest_load = largest_load_;
     out.largest_applied = largest_applied_;
+    out.spring_tension = spring_tension_;
+    out.spring_moment = spring_moment_;
     out.largest_force = std::max(largest_load_, count > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
     int pulling = -1;
     double hardest = 1e-9 * out.largest_force;
@@ -243,6 +265,7 @@ class Statics {
   std::vector<double> load_;  // per moving body: force x, y, moment about its origin / size
   double largest_load_ = 0.0;
   double largest_applied_ = 0.0;
+  std::vector<double> spring_tension_, spring_moment_;
   std::vector<Unknown> unknowns_;
   std::vector<Item> items_;
 };
@@ -250,16 +273,17 @@ class Statics {
 }  // namespace
 
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
-                   double size) {
+                   double size, const Additions& additions) {
   std::vector<int> sides = touching;
   for (;;) {
     FreeBodies out;
     Statics statics(scene, poses, size);
-    statics.apply_loads();
+    statics.apply_loads(additions.loads);
     statics.add_joints();
     for (std::size_t i = 0; i < sides.size(); ++i) {
       if (sides[i] != 0) statics.add_stop(static_cast<int>(i), sides[i]);
     }
+    for (const Drive& drive : additions.drives) statics.add_drive(drive);
     const int pulling = statics.solve(out);
     if (pulling < 0) return out;
     sides[pulling] = 0;

@@ -9,15 +9,33 @@
 
 namespace poise {
 
+/// A load on a body beside those of the scene: force, N, at a point `at` of the world, m, and moment, N m.
+struct BodyLoad {
+  int body = 0;
+  Vec2 at{};
+  Vec2 force{};
+  double moment = 0.0;
+};
+
+/// What acts on a scene beside what it declares.
+struct Additions {
+  std::vector<BodyLoad> loads;
+  /// Drives whose force along a travel, or torque between two bodies, is to be found with the reactions. They come as
+  /// reactions of the kind "drive", after joints and stops.
+  std::vector<Drive> drives;
+};
+
 /// Vector statics of a scene with its bodies at given places: every body cut free. Shares nothing with the phasor
 /// model but the places themselves.
 struct FreeBodies {
   double imbalance = 0.0;  ///< N: largest residual force, or moment / size, of a body
   int worst_body = 0;
-  bool is_moment = false;        ///< the worst residual is a moment
-  double largest_force = 0.0;    ///< N
-  double largest_load = 0.0;     ///< N: without reactions
-  double largest_applied = 0.0;  ///< N: weights, forces and torques only
+  bool is_moment = false;              ///< the worst residual is a moment
+  double largest_force = 0.0;          ///< N
+  double largest_load = 0.0;           ///< N: without reactions
+  double largest_applied = 0.0;        ///< N: weights, forces, torques and additions only
+  std::vector<double> spring_tension;  ///< N: pull of every line spring
+  std::vector<double> spring_moment;   ///< N m: on the second body of every torsion spring
   std::vector<Reaction> reactions;
   std::vector<int> pressing;  ///< stops that press, indices into Scene::stops
   int redundancy = 0;
@@ -26,6 +44,6 @@ struct FreeBodies {
 /// `touching`: stops whose reaction may act, one entry (+1 at max, -1 at min, 2 at both, 0 not touching) per stop. A
 /// stop that would have to pull is left out.
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
-                   double size);
+                   double size, const Additions& additions = {});
 
 }  // namespace poise

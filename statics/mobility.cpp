@@ -10,6 +10,7 @@
 
 #include "solvers/newton.hpp"
 #include "statics/curvature_impl.hpp"
+#include "statics/equilibrium_problem.hpp"
 #include "statics/sparse_least_squares.hpp"
 
 namespace poise {
@@ -40,7 +41,7 @@ int gruebler_count(const Scene& scene) {
 }
 
 // What is widest open at x, a loop or a stop, in words and with its line in the scene file.
-void find_widest_gap(const StaticModel& model, Mobility& out) {
+void find_widest_gap(const ScaledModel& model, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
   const Scene& scene = model.scene();
   std::vector<Planar<double>> pose(m.pose_size());
@@ -78,7 +79,7 @@ void find_widest_gap(const StaticModel& model, Mobility& out) {
 }
 
 // Closures whose row is a combination of the others: those with a part in the left null space of J.
-void find_redundancy(const StaticModel& model, Mobility& out) {
+void find_redundancy(const ScaledModel& model, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
   const int rows = 2 * m.closures();
   if (rows == 0) return;
@@ -117,7 +118,7 @@ void find_redundancy(const StaticModel& model, Mobility& out) {
 
 }  // namespace
 
-Mobility analyse_mobility(const StaticModel& model) {
+Mobility analyse_mobility(const ScaledModel& model) {
   const Mechanism<double>& m = model.mechanism();
   const Layout& layout = model.layout();
   Mobility out;
@@ -127,7 +128,8 @@ Mobility analyse_mobility(const StaticModel& model) {
   out.coordinates = m.coordinates();
   out.closures = 2 * m.closures();
 
-  solvers::Newton newton(model.problem());
+  const EquilibriumProblem problem(m);
+  solvers::Newton newton(problem);
   const std::vector<double> start = model.start();
   const solvers::NewtonResult& closed = newton.close(start.data());
   out.x = closed.x;
@@ -146,6 +148,23 @@ Mobility analyse_mobility(const StaticModel& model) {
   }
   out.dropped.insert(out.dropped.end(), layout.dropped.begin(), layout.dropped.end());
   return out;
+}
+
+std::vector<double> close_loops(const ScaledModel& model) {
+  Mobility mobility = analyse_mobility(model);
+  expect_closed(model, mobility);
+  return std::move(mobility.x);
+}
+
+void expect_closed(const ScaledModel& model, const Mobility& mobility) {
+  if (mobility.assembled) return;
+  throw InputError(fmt::format(
+      "{}cannot be assembled from its start: {}; check the lengths, or give a [start] nearer to a closed pose",
+      where(model, mobility.gap_line), mobility.gap));
+}
+
+std::string where(const ScaledModel& model, int line) {
+  return model.scene().file + (line > 0 ? fmt::format(":{}", line) : "") + ": mechanism: ";
 }
 
 }  // namespace poise

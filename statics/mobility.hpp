@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "statics/static_model.hpp"
+#include "statics/scaled_model.hpp"
 
 namespace poise {
 
@@ -24,6 +24,16 @@ struct Mobility {
   std::vector<std::string> kept, dropped;  ///< of the compiled model, and why
 };
 
-Mobility analyse_mobility(const StaticModel& model);
+Mobility analyse_mobility(const ScaledModel& model);
+
+/// Throws InputError where the loops stay open.
+void expect_closed(const ScaledModel& model, const Mobility& mobility);
+
+/// "file:line: mechanism: ", how messages about a whole mechanism begin; without the line where it is 0.
+std::string where(const ScaledModel& model, int line = 0);
+
+/// Closes the loops from the scene's start: closed scaled coordinates. Throws InputError where that cannot be done,
+/// naming the loop and its gap.
+std::vector<double> close_loops(const ScaledModel& model);
 
 }  // namespace poise

@@ -52,9 +52,9 @@ void Stage::choose_scale() {
     if (!joint.has_travel() || joint.a.body != 0) include(joint.a);
     include(joint.b);
   }
-  for (const Spring& spring : scene.springs) {
-    include(spring.a);
-    include(spring.b);
+  for (const auto& [a, b] : strung()) {
+    include(a);
+    include(b);
   }
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
@@ -80,6 +80,13 @@ void Stage::choose_scale() {
   pin_radius = std::clamp(0.55 * bar_width, 1.6, 4.5);
 }
 
+std::vector<std::pair<PointRef, PointRef>> Stage::strung() const {
+  std::vector<std::pair<PointRef, PointRef>> ends;
+  for (const Spring& spring : scene.springs) ends.emplace_back(spring.a, spring.b);
+  for (const Damper& damper : scene.dampers) ends.emplace_back(damper.a, damper.b);
+  return ends;
+}
+
 std::vector<Vec2> Stage::points_of(int body, const Readings& readings) const {
   std::vector<Vec2> points;
   for (const NamedPoint& p : scene.bodies[body].points) points.push_back(page(readings.poses[body].world(p.at)));
@@ -103,7 +110,7 @@ std::vector<Vec2> Stage::members_at(Vec2 place) const {
     add(page(a), page(b));
     add(page(b), page(a));
   };
-  for (const Spring& spring : scene.springs) add_both(spring.a, spring.b);
+  for (const auto& [a, b] : strung()) add_both(a, b);
   for (const Joint& joint : scene.joints) {
     if (joint.kind == Joint::Kind::bar) add_both(joint.a, joint.b);
   }

@@ -24,6 +24,7 @@ enum class Sign {
   spring,
   slack_spring,
   torsion_spring,
+  damper,
   massless_bar,
   centre_of_mass,
   pressed_stop,
@@ -68,9 +69,11 @@ class Stage {
   /// Direction on the page of a world direction.
   static Vec2 page_direction(Vec2 world) { return conj(world); }
 
+  /// The ends of everything strung between two points: springs, then dampers.
+  std::vector<std::pair<PointRef, PointRef>> strung() const;
   /// Points of a body on the page, at rest or in the starting pose.
   std::vector<Vec2> points_of(int body, const Readings& readings) const;
-  /// Directions in which things leave a place on the page: bodies, bars and springs that have a point there.
+  /// Directions in which things leave a place on the page: bodies, bars, springs and dampers that have a point there.
   std::vector<Vec2> members_at(Vec2 place) const;
   /// Name of a joint fit for a figure: what the scene calls it, or else the point's name.
   std::string short_name(const Joint& joint) const;
@@ -96,6 +99,7 @@ void draw_guides(Stage& stage);
 void draw_supports(Stage& stage);
 void draw_bodies(Stage& stage);
 void draw_springs(Stage& stage);
+void draw_dampers(Stage& stage);
 void draw_pins(Stage& stage);
 void draw_stops(Stage& stage);
 void draw_centres_of_mass(Stage& stage);

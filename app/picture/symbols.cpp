@@ -102,6 +102,23 @@ void draw_spring(Canvas& canvas, Vec2 a, Vec2 b, const Paint& paint) {
   canvas.polyline(points, paint);
 }
 
+void draw_dashpot(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint) {
+  const double length = norm(b - a);
+  const Vec2 along = direction(a, b);
+  const double half_length = std::min(13.0, 0.2 * length);
+  const Vec2 half_width = std::min(6.5, 2.0 + 0.1 * length) * quarter_turn(along);
+  const double corner = norm(shift) > 0 ? std::min(14.0, 0.12 * length) : 0.0;
+  const Vec2 from = a + corner * along;
+  const Vec2 to = b - corner * along;
+  const Vec2 middle = 0.5 * (a + b) + shift;
+  const Vec2 base = middle - half_length * along;
+  const Vec2 mouth = middle + half_length * along;
+  canvas.polyline({mouth + half_width, base + half_width, base - half_width, mouth - half_width}, paint);
+  canvas.line(middle + 0.7 * half_width, middle - 0.7 * half_width, paint);
+  canvas.polyline({a, from, from + shift, base}, paint);
+  canvas.polyline({middle, to + shift, to, b}, paint);
+}
+
 void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint) {
   constexpr double turns = 2.25;
   constexpr int steps = 72;

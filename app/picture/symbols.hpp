@@ -18,6 +18,7 @@ inline constexpr const char* load = "#c8202b";
 inline constexpr const char* reaction = "#1f5fb4";
 inline constexpr const char* spring = "#2f7d4f";
 inline constexpr const char* slack = "#8fa99a";
+inline constexpr const char* damper = "#7a4fa3";
 inline constexpr const char* stop = "#d9730d";  // one that presses
 inline constexpr const char* free_stop = "#a9b0b7";
 inline constexpr const char* faint = "#7b858e";  // remarks
@@ -49,6 +50,8 @@ void draw_slot(Canvas& canvas, Vec2 a, Vec2 b, double width, const Paint& paint)
 
 /// A line spring as a zigzag.
 void draw_spring(Canvas& canvas, Vec2 a, Vec2 b, const Paint& paint);
+/// A damper from a to b: a piston in an open pot, the part between its ends moved sideways by `shift`.
+void draw_dashpot(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint);
 /// A torsion spring as a spiral round `at` that ends in direction `end` at `radius`.
 void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint);
 

@@ -75,6 +75,35 @@ TEST(Picture, LabelKeepsOffALine) {
       << canvas.bounds().low.y << " " << canvas.bounds().high.y;
 }
 
+TEST(Picture, DashpotJoinsItsEndsAndStepsAside) {
+  const Paint paint{.stroke = "black", .width = 1};
+  Canvas straight;
+  draw_dashpot(straight, {0, 0}, {100, 0}, {}, paint);
+  EXPECT_NEAR(straight.bounds().low.x, 0, 1);
+  EXPECT_NEAR(straight.bounds().high.x, 100, 1);
+  EXPECT_NEAR(straight.bounds().low.y, -straight.bounds().high.y, 1e-9);
+  EXPECT_LT(straight.bounds().height(), 20);
+  Canvas aside;
+  draw_dashpot(aside, {0, 0}, {100, 0}, {0, 20}, paint);
+  EXPECT_NEAR(aside.bounds().low.y, 0, 1);
+  EXPECT_NEAR(aside.bounds().high.y, 20 + straight.bounds().high.y, 1e-9);
+  Canvas point;
+  draw_dashpot(point, {5, 5}, {5, 5}, {}, paint);
+  EXPECT_EQ(point.elements().find("nan"), std::string::npos);
+}
+
+TEST(Picture, ShowsDampers) {
+  const auto figure = [](const std::string& more) {
+    const StaticModel model(parse_scene(std::string(app_tests::pendulum) + more, "pendulum.toml"));
+    return draw_svg(model, solve(model), {});
+  };
+  EXPECT_EQ(figure("").find("damper, without force at rest"), std::string::npos);
+  const std::string svg = figure("[[damper]]\nname = 'oil'\npoints = ['ground.O', 'rod.tip']\ncoefficient = 1\n");
+  EXPECT_EQ(app_tests::objection_to_xml(svg), "");
+  EXPECT_NE(svg.find("damper, without force at rest"), std::string::npos);
+  EXPECT_NE(svg.find(">oil<"), std::string::npos);
+}
+
 TEST(Picture, PoseWithoutExtentIsDrawn) {
   const StaticModel model(parse_scene(app_tests::against_the_stop, "stop.toml"));
   const Equilibrium rest = solve(model);

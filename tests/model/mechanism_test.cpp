@@ -470,6 +470,25 @@ TEST(Mechanism, NamesLoadsThatDoNothing) {
   EXPECT_PRED2(contains, joined(layout.dropped), "torque \"twist\"");
 }
 
+TEST(Mechanism, NamesWhatOnlyMotionMeets) {
+  Sketch sketch = chain({0.3});
+  sketch.push(1, {1, 0}, {0, -1});
+  Scene& scene = sketch.scene;
+  scene.dampers.push_back({"oil", scene.add_point(0, "far", {1, 1}), scene.add_point(1, "near", {1, 0}), 1.0});
+  scene.torsion_dampers.push_back({"grease", 0, 1, 1.0});
+  scene.frictions.push_back({"dry", 0, 1, 1.0});
+  Drive motor;
+  motor.name = "motor";
+  motor.body_b = 1;
+  scene.drives.push_back(motor);
+  const std::string dropped = joined(lay_out(scene, Purpose::statics).dropped);
+  EXPECT_PRED2(contains, dropped, "damper \"oil\": nothing moves in statics");
+  EXPECT_PRED2(contains, dropped, "torsion damper \"grease\": nothing moves in statics");
+  EXPECT_PRED2(contains, dropped, "friction \"dry\": nothing moves in statics");
+  EXPECT_PRED2(contains, dropped, "drive \"motor\": statics does not know drives, its coordinate is free");
+  EXPECT_TRUE(lay_out(scene, Purpose::dynamics).dropped.empty());
+}
+
 TEST(Mechanism, WeldedBodiesShareAFrame) {
   Sketch sketch = chain({0.3});
   const int arm = sketch.body("arm", 0.3 + 0.5);

@@ -121,6 +121,45 @@ max = 12
 slide = "ram"
 min = -1
 
+[[damper]]
+points = ["ground.O", "block.D"]
+coefficient = 0.5
+
+[[damper]]
+name = "oil"
+points = ["crank.B", "block.D"]
+coefficient = 0
+
+[[torsion_damper]]
+bodies = ["ground", "crank"]
+coefficient = 0.25
+
+[[friction]]
+bodies = ["crank", "arm.left"]
+torque = 3
+width = 2
+
+[[friction]]
+name = "dry"
+bodies = ["ground", "crank"]
+torque = 0
+
+[[drive]]
+bodies = ["ground", "crank"]
+start = 30
+rate = -360
+acceleration = 12
+amplitude = 5
+frequency = 2.5
+phase = 90
+
+[[drive]]
+name = "feed"
+slide = "ram"
+rate = 1.5
+acceleration = -2
+amplitude = 0.125
+
 [start]
 crank = 30
 ram = 2
@@ -213,6 +252,59 @@ TEST(ReadScene, ReadsSprings) {
   EXPECT_EQ(torsion.b, 1);
   EXPECT_DOUBLE_EQ(torsion.stiffness, 7 * pound_force * inch / degree);
   EXPECT_DOUBLE_EQ(torsion.free_angle, 450 * degree);
+}
+
+TEST(ReadScene, ReadsDampersAndFriction) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  ASSERT_EQ(scene.dampers.size(), 2u);
+  EXPECT_EQ(scene.dampers[0].name, "damper 1");
+  EXPECT_EQ(scene.dampers[0].line, scene.stops[2].line + 4);
+  EXPECT_EQ(scene.name_of(scene.dampers[0].a), "ground.O");
+  EXPECT_EQ(scene.name_of(scene.dampers[0].b), "block.D");
+  EXPECT_DOUBLE_EQ(scene.dampers[0].coefficient, 0.5 * pound_force / inch);
+  EXPECT_EQ(scene.dampers[1].name, "oil");
+  EXPECT_EQ(scene.dampers[1].coefficient, 0.0);
+  ASSERT_EQ(scene.torsion_dampers.size(), 1u);
+  EXPECT_EQ(scene.torsion_dampers[0].name, "torsion damper 1");
+  EXPECT_EQ(scene.torsion_dampers[0].a, 0);
+  EXPECT_EQ(scene.torsion_dampers[0].b, 1);
+  EXPECT_DOUBLE_EQ(scene.torsion_dampers[0].coefficient, 0.25 * pound_force * inch / degree);
+  ASSERT_EQ(scene.frictions.size(), 2u);
+  EXPECT_EQ(scene.frictions[0].name, "friction 1");
+  EXPECT_EQ(scene.frictions[0].a, 1);
+  EXPECT_EQ(scene.frictions[0].b, 3);
+  EXPECT_DOUBLE_EQ(scene.frictions[0].torque, 3 * pound_force * inch);
+  EXPECT_DOUBLE_EQ(scene.frictions[0].width, 2 * degree);
+  EXPECT_EQ(scene.frictions[1].name, "dry");
+  EXPECT_EQ(scene.frictions[1].torque, 0.0);
+  EXPECT_EQ(scene.frictions[1].width, 0.01) << "rad/s, whatever the unit of angles";
+}
+
+TEST(ReadScene, ReadsDrives) {
+  const Scene scene = parse_scene(everything, "all.toml");
+  ASSERT_EQ(scene.drives.size(), 2u);
+  const Drive& turning = scene.drives[0];
+  EXPECT_EQ(turning.kind, Drive::Kind::angle);
+  EXPECT_EQ(turning.name, "drive 1");
+  EXPECT_EQ(turning.body_a, 0);
+  EXPECT_EQ(turning.body_b, 1);
+  EXPECT_DOUBLE_EQ(turning.start.value(), 30 * degree);
+  EXPECT_DOUBLE_EQ(turning.rate, -360 * degree);
+  EXPECT_DOUBLE_EQ(turning.acceleration, 12 * degree);
+  EXPECT_DOUBLE_EQ(turning.amplitude, 5 * degree);
+  EXPECT_EQ(turning.frequency, 2.5);
+  EXPECT_DOUBLE_EQ(turning.phase, 90 * degree);
+  const Drive& feed = scene.drives[1];
+  EXPECT_EQ(feed.kind, Drive::Kind::travel);
+  EXPECT_EQ(feed.name, "feed");
+  EXPECT_EQ(feed.line, turning.line + 9);
+  EXPECT_EQ(feed.joint, 0);
+  EXPECT_FALSE(feed.start.has_value());
+  EXPECT_DOUBLE_EQ(feed.rate, 1.5 * inch);
+  EXPECT_DOUBLE_EQ(feed.acceleration, -2 * inch);
+  EXPECT_DOUBLE_EQ(feed.amplitude, 0.125 * inch);
+  EXPECT_EQ(feed.frequency, 0.0);
+  EXPECT_EQ(feed.phase, 0.0);
 }
 
 TEST(ReadScene, ReadsLoads) {
@@ -427,10 +519,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, pin_in_slot, "
-            "weld, bar, spring, torsion_spring, force, torque, stop, start; did you mean \"body\"?"},
+            "weld, bar, spring, torsion_spring, damper, torsion_damper, friction, drive, force, torque, stop, start; "
+            "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo?dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
-                 "pin_in_slot, weld, bar, spring, torsion_spring, force, torque, stop, start; did you mean \"body\"?"},
+                 "pin_in_slot, weld, bar, spring, torsion_spring, damper, torsion_damper, friction, drive, force, "
+                 "torque, stop, start; did you mean \"body\"?"},
         BadScene{"TitleNotText", "title = 3\n", "1: title: expected a string, found a number"},
         BadScene{"SourceNotText", "source = 2024-01-01\n", "1: source: expected a string, found a date or time"},
         BadScene{"GravityNotVector", "gravity = 9.81\n", "1: gravity: expected two numbers [X, Y], found a number"},
@@ -599,6 +693,76 @@ INSTANTIATE_TEST_SUITE_P(
         after("LoadNameRepeated",
               "[[torque]]\nname = 'P'\non = 'rod'\nvalue = 1\n[[force]]\nname = 'P'\nat = 'rod.B'\nvector = [0, 1]\n",
               "8: torque \"P\".name: expected a name of its own; \"P\" is taken in line 12")),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
+    DampersAndDrives, ReadBadScene,
+    testing::Values(
+        after("DamperKey", "[[damper]]\nstiffness = 1\n",
+              "8: damper 1.stiffness: expected one of the keys name, points, coefficient; "
+              "did you mean \"points\"?"),
+        after("DamperCoefficientMissing", "[[damper]]\nname = 'oil'\npoints = ['ground.O', 'rod.B']\n",
+              "7: damper \"oil\": expected the key coefficient; add coefficient = NUMBER"),
+        after("DamperCoefficientNegative", "[[damper]]\npoints = ['ground.O', 'rod.B']\ncoefficient = -1\n",
+              "9: damper 1.coefficient: expected a finite number >= 0, found -1"),
+        after("DamperPointsMissing", "[[damper]]\ncoefficient = 1\n",
+              "7: damper 1: expected the key points; add points = [\"...\", \"...\"]"),
+        after("DamperInOneBody", "[[damper]]\npoints = ['crank.O', 'crank.B']\ncoefficient = 1\n",
+              "8: damper 1.points: expected points of two different bodies, found two of \"crank\""),
+        after("DamperUnknownPoint", "[[damper]]\npoints = ['ground.O', 'rod.C']\ncoefficient = 1\n",
+              "8: damper 1.points: expected a point of \"rod\", found \"rod.C\"; did you mean \"rod.B\"?"),
+        after("DamperNameRepeated",
+              "[[damper]]\nname = 'oil'\npoints = ['ground.O', 'rod.B']\ncoefficient = 1\n"
+              "[[damper]]\nname = 'oil'\n",
+              "12: damper \"oil\".name: expected a name of its own; \"oil\" is taken in line 8"),
+        after("TorsionDamperKey", "[[torsion_damper]]\npoints = ['ground.O', 'rod.B']\n",
+              "8: torsion_damper 1.points: expected one of the keys name, bodies, coefficient; "
+              "did you mean \"bodies\"?"),
+        after("TorsionDamperCoefficientMissing", "[[torsion_damper]]\nbodies = ['ground', 'rod']\n",
+              "7: torsion_damper 1: expected the key coefficient; add coefficient = NUMBER"),
+        after("TorsionDamperCoefficientNegative", "[[torsion_damper]]\nbodies = ['ground', 'rod']\ncoefficient = -1\n",
+              "9: torsion_damper 1.coefficient: expected a finite number >= 0, found -1"),
+        after("TorsionDamperOneBody", "[[torsion_damper]]\nbodies = ['rod', 'rod']\ncoefficient = 1\n",
+              "8: torsion_damper 1.bodies: expected two different bodies, found \"rod\" twice"),
+        after("TorsionDamperNameRepeated",
+              "[[torsion_damper]]\nname = 'oil'\nbodies = ['ground', 'rod']\ncoefficient = 1\n"
+              "[[torsion_damper]]\nname = 'oil'\n",
+              "12: torsion_damper \"oil\".name: expected a name of its own; \"oil\" is taken in line 8"),
+        after("FrictionKey", "[[friction]]\nvalue = 1\n",
+              "8: friction 1.value: expected one of the keys name, bodies, torque, width; did you mean \"name\"?"),
+        after("FrictionTorqueMissing", "[[friction]]\nbodies = ['ground', 'rod']\n",
+              "7: friction 1: expected the key torque; add torque = NUMBER"),
+        after("FrictionTorqueNegative", "[[friction]]\nbodies = ['ground', 'rod']\ntorque = -1\n",
+              "9: friction 1.torque: expected a finite number >= 0, found -1"),
+        after("FrictionWidthZero", "[[friction]]\nbodies = ['ground', 'rod']\ntorque = 1\nwidth = 0\n",
+              "10: friction 1.width: expected a finite number > 0, found 0"),
+        after("FrictionUnknownBody", "[[friction]]\nbodies = ['gound', 'rod']\ntorque = 1\n",
+              "8: friction 1.bodies: expected the name of a body, found \"gound\"; did you mean \"ground\"?"),
+        after("FrictionNameRepeated",
+              "[[friction]]\nname = 'dry'\nbodies = ['ground', 'rod']\ntorque = 1\n[[friction]]\nname = 'dry'\n",
+              "12: friction \"dry\".name: expected a name of its own; \"dry\" is taken in line 8"),
+        after("DriveKey", "[[drive]]\nspeed = 1\n",
+              "8: drive 1.speed: expected one of the keys name, bodies, slide, start, rate, acceleration, amplitude, "
+              "frequency, phase; did you mean \"slide\"?"),
+        after("DriveOfNothing", "[[drive]]\nrate = 1\n",
+              "7: drive 1: expected one of the keys bodies (relative angle), slide (travel)"),
+        after_slide("DriveOfTwoThings", "[[drive]]\nbodies = ['ground', 'rod']\nslide = 'ram'\n",
+                    "11: drive 1: expected one of the keys bodies (relative angle), slide (travel)"),
+        after_slide("DriveSlideUnknown", "[[drive]]\nslide = 'rma'\n",
+                    "12: drive 1.slide: expected the name of a slide or pin_in_slot, found \"rma\"; "
+                    "did you mean \"ram\"?"),
+        after("DriveOneBody", "[[drive]]\nbodies = ['rod', 'rod']\n",
+              "8: drive 1.bodies: expected two different bodies, found \"rod\" twice"),
+        after("DriveRateNotFinite", "[[drive]]\nbodies = ['ground', 'rod']\nrate = inf\n",
+              "9: drive 1.rate: expected a finite number, found inf"),
+        after("DriveFrequencyNegative", "[[drive]]\nbodies = ['ground', 'rod']\nfrequency = -1\n",
+              "9: drive 1.frequency: expected a finite number >= 0, found -1"),
+        after("DriveStartNotNumber", "[[drive]]\nbodies = ['ground', 'rod']\nstart = 'now'\n",
+              "9: drive 1.start: expected a number, found a string"),
+        after("DriveNameRepeated",
+              "[[drive]]\nname = 'motor'\nbodies = ['ground', 'rod']\n[[drive]]\nname = 'motor'\n"
+              "bodies = ['crank', 'rod']\n",
+              "11: drive \"motor\".name: expected a name of its own; \"motor\" is taken in line 8")),
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,6 +1,8 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -45,6 +47,25 @@ class SetValue : public testing::Test {
     name = "coil"
     bodies = ["ground", "crank"]
     stiffness = 1
+    [[damper]]
+    name = "oil"
+    points = ["ground.O", "rod.1.B"]
+    coefficient = 1
+    [[torsion_damper]]
+    name = "grease"
+    bodies = ["ground", "crank"]
+    coefficient = 1
+    [[friction]]
+    name = "dry"
+    bodies = ["ground", "crank"]
+    torque = 1
+    width = 1
+    [[drive]]
+    name = "motor"
+    bodies = ["ground", "crank"]
+    [[drive]]
+    name = "feed"
+    slide = "ground.S-rod.1.B"
     [[force]]
     name = "P"
     at = "crank.B"
@@ -114,6 +135,53 @@ TEST_F(SetValue, SetsSprings) {
   EXPECT_DOUBLE_EQ(scene.torsion_springs[0].free_angle, -400 * degree);
 }
 
+TEST_F(SetValue, SetsDampersAndFriction) {
+  set_value(scene, "damper.oil.coefficient", 2);
+  set_value(scene, "torsion_damper.grease.coefficient", 3);
+  set_value(scene, "friction.dry.torque", 4);
+  set_value(scene, "friction.dry.width", 5);
+  EXPECT_DOUBLE_EQ(scene.dampers[0].coefficient, 2 * pound_force / inch);
+  EXPECT_DOUBLE_EQ(scene.torsion_dampers[0].coefficient, 3 * pound_force * inch / degree);
+  EXPECT_DOUBLE_EQ(scene.frictions[0].torque, 4 * pound_force * inch);
+  EXPECT_DOUBLE_EQ(scene.frictions[0].width, 5 * degree);
+}
+
+TEST_F(SetValue, SetsDrives) {
+  set_value(scene, "drive.motor.start", 10);
+  set_value(scene, "drive.motor.rate", -20);
+  set_value(scene, "drive.motor.acceleration", 30);
+  set_value(scene, "drive.motor.amplitude", 40);
+  set_value(scene, "drive.motor.frequency", 0.5);
+  set_value(scene, "drive.motor.phase", 60);
+  const Drive& motor = scene.drives[0];
+  EXPECT_DOUBLE_EQ(motor.start.value(), 10 * degree);
+  EXPECT_DOUBLE_EQ(motor.rate, -20 * degree);
+  EXPECT_DOUBLE_EQ(motor.acceleration, 30 * degree);
+  EXPECT_DOUBLE_EQ(motor.amplitude, 40 * degree);
+  EXPECT_EQ(motor.frequency, 0.5);
+  EXPECT_DOUBLE_EQ(motor.phase, 60 * degree);
+  set_value(scene, "drive.feed.rate", 7);
+  set_value(scene, "drive.feed.phase", 8);
+  EXPECT_DOUBLE_EQ(scene.drives[1].rate, 7 * inch);
+  EXPECT_DOUBLE_EQ(scene.drives[1].phase, 8 * degree);
+}
+
+TEST_F(SetValue, SetsPlacesAndGravity) {
+  set_value(scene, "body.crank.center.x", 1);
+  set_value(scene, "body.crank.center.y", -2);
+  set_value(scene, "point.crank.B.x", 3);
+  set_value(scene, "point.crank.B.y", -4);
+  set_value(scene, "point.ground.S.y", 5);
+  set_value(scene, "point.rod.1.B.x", 6);
+  set_value(scene, "gravity.x", 7);
+  set_value(scene, "gravity.y", -386.09);
+  EXPECT_EQ(scene.bodies[1].center, (Vec2{1 * inch, -2 * inch}));
+  EXPECT_EQ(scene.local({1, 1}), (Vec2{3 * inch, -4 * inch}));
+  EXPECT_EQ(scene.local({0, 1}), (Vec2{1 * inch, 5 * inch}));
+  EXPECT_EQ(scene.local({2, 0}), (Vec2{6 * inch, 0}));
+  EXPECT_EQ(scene.gravity, (Vec2{7 * inch, -386.09 * inch}));
+}
+
 TEST_F(SetValue, SetsBars) {
   set_value(scene, "bar.tie.length", 7);
   EXPECT_DOUBLE_EQ(scene.joints[2].length, 7 * inch);
@@ -150,6 +218,17 @@ TEST_F(SetValue, NamesTheNearestPath) {
             "spring.sprong 1.stiffness" + expected + "\"spring.spring 1.stiffness\"?");
   EXPECT_EQ(message("bar.ground.O-crank.O.length", 1),
             "bar.ground.O-crank.O.length" + expected + "\"start.ground.S-rod.1.B\"?");
+  EXPECT_EQ(message("damper.oil.coeficient", 1), "damper.oil.coeficient" + expected + "\"damper.oil.coefficient\"?");
+  EXPECT_EQ(message("torsion_damper.oil.coefficient", 1),
+            "torsion_damper.oil.coefficient" + expected + "\"torsion_damper.grease.coefficient\"?");
+  EXPECT_EQ(message("friction.dry.with", 1), "friction.dry.with" + expected + "\"friction.dry.width\"?");
+  EXPECT_EQ(message("drive.moter.rate", 1), "drive.moter.rate" + expected + "\"drive.motor.rate\"?");
+  EXPECT_EQ(message("gravity", 1), "gravity" + expected + "\"gravity.x\"?");
+  EXPECT_EQ(message("gravity..x", 1), "gravity..x" + expected + "\"gravity.x\"?");
+  EXPECT_EQ(message("body.crank.center", 1), "body.crank.center" + expected + "\"body.crank.center.x\"?");
+  EXPECT_EQ(message("body.ground.mass", 1), "body.ground.mass" + expected + "\"body.crank.mass\"?");
+  EXPECT_EQ(message("point.crank.C.x", 1), "point.crank.C.x" + expected + "\"point.crank.O.x\"?");
+  EXPECT_EQ(message("point.crank.B.z", 1), "point.crank.B.z" + expected + "\"point.crank.B.x\"?");
   EXPECT_EQ(message("start.ground", 1), "start.ground" + expected + "\"start.crank\"?");
   EXPECT_EQ(message("start.ground.O-crank.O", 1), "start.ground.O-crank.O" + expected + "\"start.ground.S-rod.1.B\"?");
 }
@@ -163,6 +242,16 @@ TEST_F(SetValue, RefusesValuesOutOfRangeAndKeepsTheOld) {
   EXPECT_EQ(message("stop.reach.min", -1), "stop.reach.min: expected a finite number >= 0, found -1");
   EXPECT_EQ(message("stop.turn.min", 91), "stop.turn.min: expected min <= max; set the other limit first");
   EXPECT_EQ(message("stop.turn.max", -1), "stop.turn.max: expected min <= max; set the other limit first");
+  EXPECT_EQ(message("damper.oil.coefficient", -1), "damper.oil.coefficient: expected a finite number >= 0, found -1");
+  EXPECT_EQ(message("torsion_damper.grease.coefficient", -1),
+            "torsion_damper.grease.coefficient: expected a finite number >= 0, found -1");
+  EXPECT_EQ(message("friction.dry.torque", -1), "friction.dry.torque: expected a finite number >= 0, found -1");
+  EXPECT_EQ(message("friction.dry.width", 0), "friction.dry.width: expected a finite number > 0, found 0");
+  EXPECT_EQ(message("drive.motor.frequency", -1), "drive.motor.frequency: expected a finite number >= 0, found -1");
+  EXPECT_EQ(message("drive.motor.start", nan), "drive.motor.start: expected a finite number, found nan");
+  EXPECT_EQ(message("point.crank.B.x", nan), "point.crank.B.x: expected a finite number, found nan");
+  EXPECT_DOUBLE_EQ(scene.frictions[0].width, 1 * degree);
+  EXPECT_FALSE(scene.drives[0].start.has_value());
   EXPECT_DOUBLE_EQ(norm(scene.forces[0].vector), 5 * pound_force);
   EXPECT_DOUBLE_EQ(scene.joints[2].length, 1 * inch);
   EXPECT_DOUBLE_EQ(scene.stops[0].min, 0.0);
@@ -172,6 +261,93 @@ TEST_F(SetValue, RefusesValuesOutOfRangeAndKeepsTheOld) {
 TEST_F(SetValue, NeedsADirectionToSetAMagnitude) {
   EXPECT_EQ(message("load.none", 1),
             "load.none: expected a force with a direction, its vector is [0, 0]; give another vector");
+}
+
+/// Every path of the scene, with the SI value of its unit.
+std::vector<std::pair<std::string, double>> every_path() {
+  const double moment = pound_force * inch;
+  std::vector<std::pair<std::string, double>> paths = {
+      {"load.P", pound_force},
+      {"load.T", moment},
+      {"spring.spring 1.stiffness", pound_force / inch},
+      {"spring.spring 1.free_length", inch},
+      {"torsion_spring.coil.stiffness", moment / degree},
+      {"torsion_spring.coil.free_angle", degree},
+      {"damper.oil.coefficient", pound_force / inch},
+      {"torsion_damper.grease.coefficient", moment / degree},
+      {"friction.dry.torque", moment},
+      {"friction.dry.width", degree},
+      {"bar.tie.length", inch},
+      {"stop.turn.min", degree},
+      {"stop.turn.max", degree},
+      {"stop.reach.min", inch},
+      {"stop.reach.max", inch},
+      {"stop.travel.min", inch},
+      {"stop.travel.max", inch},
+      {"start.ground.S-rod.1.B", inch},
+      {"gravity.x", inch},
+      {"gravity.y", inch},
+  };
+  for (const std::string point : {"ground.O", "ground.S", "crank.O", "crank.B", "rod.1.B"}) {
+    for (const std::string axis : {".x", ".y"}) paths.emplace_back("point." + point + axis, inch);
+  }
+  for (const std::string body : {"crank", "rod.1"}) {
+    paths.emplace_back("body." + body + ".mass", pound);
+    paths.emplace_back("body." + body + ".inertia", pound * inch * inch);
+    for (const std::string axis : {".x", ".y"}) paths.emplace_back("body." + body + ".center" + axis, inch);
+    paths.emplace_back("start." + body, degree);
+  }
+  for (const auto& [drive, unit] : {std::pair{"motor", degree}, std::pair{"feed", inch}}) {
+    const std::string path = "drive." + std::string(drive) + ".";
+    for (const char* field : {"start", "rate", "acceleration", "amplitude"}) paths.emplace_back(path + field, unit);
+    paths.emplace_back(path + "frequency", 1.0);
+    paths.emplace_back(path + "phase", degree);
+  }
+  return paths;
+}
+
+TEST_F(SetValue, IsReadBackAtEveryPath) {
+  // Grows along the list, so that no limit of a stop passes the other.
+  double value = 0.75;
+  for (const auto& [path, unit] : every_path()) {
+    value += 0.0625;
+    EXPECT_NEAR(value_unit(scene, path), unit, 1e-15 * unit) << path;
+    set_value(scene, path, value);
+    EXPECT_DOUBLE_EQ(get_value(scene, path), value) << path;
+  }
+  // None of them shares its place with another.
+  value = 0.75;
+  for (const auto& [path, unit] : every_path()) {
+    value += 0.0625;
+    EXPECT_DOUBLE_EQ(get_value(scene, path), value) << path;
+  }
+}
+
+TEST_F(SetValue, ReadsWhatTheSceneFileSays) {
+  EXPECT_DOUBLE_EQ(get_value(scene, "load.P"), 5.0);
+  EXPECT_EQ(get_value(scene, "load.none"), 0.0);
+  EXPECT_DOUBLE_EQ(get_value(scene, "stop.turn.max"), 90.0);
+  EXPECT_DOUBLE_EQ(get_value(scene, "friction.dry.width"), 1.0);
+  EXPECT_EQ(get_value(scene, "start.crank"), 0.0) << "an absent guess";
+  EXPECT_EQ(get_value(scene, "stop.reach.min"), -std::numeric_limits<double>::infinity());
+}
+
+TEST_F(SetValue, NamesTheNearestPathToReadToo) {
+  const auto expect_message = [](const auto& read, const std::string& message) {
+    try {
+      read();
+      ADD_FAILURE() << "no error";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), message);
+    }
+  };
+  const std::string expected = ": expected the path of a number of the scene; did you mean ";
+  expect_message([&] { get_value(scene, "load.Q"); }, "load.Q" + expected + "\"load.P\"?");
+  expect_message([&] { value_unit(scene, "load.Q"); }, "load.Q" + expected + "\"load.P\"?");
+  expect_message([&] { get_value(scene, "drive.motor.start"); },
+                 "drive.motor.start: expected a drive with a start, this one begins where the mechanism stands; "
+                 "give it one");
+  EXPECT_NO_THROW(value_unit(scene, "drive.motor.start"));
 }
 
 TEST_F(SetValue, RefusesTwoValuesOfTheSameName) {

@@ -1,0 +1,37 @@
+#include "app/commands/scene_options.hpp"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+namespace poise::app {
+
+void add_scene_options(CLI::App& command, Request& request) {
+  command.add_option("SCENE", request.scene, "Scene file (TOML)")->required()->type_name("");
+  command
+      .add_option("--set", request.settings,
+                  "Change a number of the scene, in its own units: load.P=40,\n"
+                  "body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;\n"
+                  "can be given several times")
+      ->type_name("PATH=NUMBER")
+      ->allow_extra_args(false);
+}
+
+NamedNumber read_named_number(const std::string& option, const std::string& text, const std::string& example) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos) {
+    throw InputError(fmt::format("{} {}: there is no \"=\"; expected {}", option, text, example));
+  }
+  const char* begin = text.data() + equals + 1;
+  const char* const end = text.data() + text.size();
+  if (begin != end && *begin == '+') ++begin;
+  double value = 0.0;
+  const auto [stopped, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || stopped != end) {
+    throw InputError(fmt::format("{} {}: \"{}\" is not a number; expected {}", option, text, text.substr(equals + 1),
+                                 example));
+  }
+  return {text.substr(0, equals), value};
+}
+
+}  // namespace poise::app

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+namespace poise::app {
+
+/// Whether a gnuplot can be run.
+bool has_gnuplot();
+
+/// What gnuplot writes to its standard output when it reads the script, without anybody's settings. No shell is
+/// involved. Throws std::runtime_error with gnuplot's first complaint where it fails.
+std::string run_gnuplot(const std::string& script);
+
+/// A text for people as a gnuplot string: in single quotes, where nothing but a single quote means something, and with
+/// ’ for that one (gnuplot's own escape for it fails at the beginning of a string).
+std::string gnuplot_string(const std::string& text);
+
+}  // namespace poise::app

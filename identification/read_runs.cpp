@@ -1,0 +1,254 @@
+#include "identification/read_runs.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "identification/run_data.hpp"
+#include "model/nearest_name.hpp"
+
+namespace poise {
+namespace {
+namespace fs = std::filesystem;
+
+/// A [[run]] as written; one whose data file is split becomes many runs.
+struct WrittenRun {
+  Run run;
+  RunSource source;
+};
+
+class RunsReader {
+ public:
+  RunsReader(const ExperimentTable& root, const SceneNames& names, Experiment& experiment)
+      : tables_(root.tables("run")), names_(names), experiment_(experiment) {
+    if (tables_.empty()) root.place().fail("run: expected at least one run; add [[run]]");
+  }
+
+  void read(const fs::path& folder, const fs::path& data) {
+    std::vector<std::string> defaults;
+    for (const ExperimentTable& table : tables_) {
+      defaults.push_back(table.has("split") ? "segment" : "run " + std::to_string(defaults.size() + 1));
+    }
+    const std::vector<std::string> names = names_of({tables_.begin(), tables_.end()}, defaults, {});
+    std::vector<WrittenRun> runs;
+    for (std::size_t i = 0; i < tables_.size(); ++i) {
+      runs.push_back(read_run(tables_[i], folder));
+      runs.back().run.name = names[i];
+    }
+    DataFiles files(experiment_.sensors);
+    if (!data.empty()) take_data_from(data, runs);
+    for (const WrittenRun& written : runs) {
+      if (!written.run.data.empty()) files.want(written.run.data, written.source);
+    }
+    for (WrittenRun& written : runs) add(std::move(written), files);
+  }
+
+ private:
+  WrittenRun read_run(const ExperimentTable& table, const fs::path& folder) {
+    WrittenRun written;
+    Run& run = written.run;
+    run.line = table.place().line;
+    if (table.has("data")) {
+      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "data", "time",
+                        "split", "segments", "every"});
+      written.source = read_source(table);
+      run.data = (folder / table.text("data").value).lexically_normal();
+    } else {
+      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "data", "duration",
+                        "rate", "seed"});
+      read_simulation(table, run);
+    }
+    Scene scene = experiment_.scene;
+    run.changes = read_changes(table, scene);
+    read_labels(table, run);
+    if (const auto rest = table.find_table("rest")) run.rest = read_rest(*rest, scene);
+    read_release(table, "release", false, run);
+    read_release(table, "release_rate", true, run);
+    run.unknown_start = !table.flag("start_known", false);
+    return written;
+  }
+
+  static RunSource read_source(const ExperimentTable& table) {
+    const TomlText data = table.text("data");
+    if (data.value.empty()) data.place.fail("expected the path of a data file, relative to this file");
+    RunSource source{data.place, "time", "", table.texts("segments"), 1};
+    if (const auto time = table.find_text("time")) source.time = time->value;
+    if (const auto split = table.find_text("split")) {
+      if (split->value.empty()) split->place.fail("expected the name of a column");
+      source.split = split->value;
+    }
+    if (table.has("segments")) {
+      if (source.split.empty()) {
+        table.place_of("segments").fail("expected the key split as well, the column that tells the segments");
+      }
+      if (source.segments.empty()) table.place_of("segments").fail("expected a segment; leave the key out for all");
+    }
+    source.every = static_cast<std::size_t>(table.whole_number("every", 1, 1));
+    return source;
+  }
+
+  static void read_simulation(const ExperimentTable& table, Run& run) {
+    constexpr double most_samples = 1e7;
+    for (const char* const key : {"duration", "rate"}) {
+      if (table.has(key)) continue;
+      table.place().fail("expected the key data, or duration and rate of a simulation; add " + std::string(key) +
+                         " = NUMBER");
+    }
+    run.duration = table.number("duration", 1.0, Range::positive);
+    run.sample_rate = table.number("rate", 1.0, Range::positive);
+    run.seed = static_cast<std::uint64_t>(table.whole_number("seed", 0, 0));
+    // Readings at 0, 1/rate, ..., duration: three at least.
+    if (run.duration * run.sample_rate < 2.0) {
+      table.place_of("duration").fail("expected duration rate >= 2, for at least 3 readings; raise one of them");
+    }
+    if (run.duration * run.sample_rate > most_samples) {
+      table.place_of("duration").fail("expected duration rate <= 1e7 readings; lower one of them");
+    }
+  }
+
+  static void read_labels(const ExperimentTable& table, Run& run) {
+    const auto labels = table.find_table("labels");
+    if (!labels) return;
+    for (const std::string& key : labels->keys()) {
+      check_name(key, labels->place_of(key));
+      if (key == "run") labels->place_of(key).fail("expected another label; per = \"run\" means each run by itself");
+      const TomlText value = labels->text(key);
+      check_name(value.value, value.place);
+      run.labels.emplace_back(key, value.value);
+    }
+  }
+
+  Rest read_rest(const ExperimentTable& table, const Scene& scene) const {
+    table.allow_keys({"angle", "travel", "at", "by", "known"});
+    if (table.has("angle") + table.has("travel") != 1) {
+      table.place().fail("expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
+    }
+    Rest rest;
+    rest.line = table.place().line;
+    const bool is_angle = table.has("angle");
+    if (is_angle) {
+      rest.body = names_.movable_body(table.text("angle"));
+    } else {
+      rest.joint = names_.travelling_joint(table.text("travel"));
+    }
+    rest.at = table.number("at", is_angle ? scene.units.angle : scene.units.length, Range::finite);
+    rest.by = read_spring_number(table.text("by"), scene);
+    rest.unknown = !table.flag("known", false);
+    return rest;
+  }
+
+  /// The path of the free length of a line spring, or the free angle of a torsion spring.
+  static std::string read_spring_number(const TomlText& path, const Scene& scene) {
+    std::vector<std::string> valid;
+    for (const Spring& spring : scene.springs) valid.push_back("spring." + spring.name + ".free_length");
+    for (const TorsionSpring& spring : scene.torsion_springs) {
+      valid.push_back("torsion_spring." + spring.name + ".free_angle");
+    }
+    if (std::find(valid.begin(), valid.end(), path.value) == valid.end()) {
+      path.place.fail("expected spring.NAME.free_length or torsion_spring.NAME.free_angle, found \"" + path.value +
+                      "\"" + did_you_mean(path.value, valid));
+    }
+    return path.value;
+  }
+
+  void read_release(const ExperimentTable& owner, std::string_view key, bool rate, Run& run) const {
+    const auto table = owner.find_table(key);
+    if (!table) return;
+    for (const std::string& name : table->keys()) {
+      const TomlPlace place = table->place_of(name);
+      if (table->holds_table(name)) place.fail("expected a number; put a name that holds dots in quotes");
+      Release release;
+      release.rate = rate;
+      release.line = place.line;
+      release.body = names_.index_of_body(name);
+      release.joint = names_.index_of_joint(name);
+      const bool turns = release.body > 0;
+      const bool travels = release.joint >= 0 && experiment_.scene.joints[release.joint].has_travel();
+      if (!turns && !travels) {
+        std::vector<std::string> valid = names_.movable_body_names();
+        for (std::string& other : names_.travelling_joint_names()) valid.push_back(std::move(other));
+        place.fail("expected the name of a body, slide or pin_in_slot" + did_you_mean(name, valid));
+      }
+      const Units& units = experiment_.scene.units;
+      release.value = table->number(name, turns ? units.angle : units.length, Range::finite);
+      run.release.push_back(release);
+    }
+  }
+
+  static void take_data_from(const fs::path& data, std::vector<WrittenRun>& runs) {
+    const fs::path* named = nullptr;
+    for (WrittenRun& written : runs) {
+      if (written.run.data.empty()) continue;
+      if (named != nullptr && written.run.data != *named) {
+        written.source.place.fail("expected all runs to name one data file, for --data to take its place");
+      }
+      named = &written.run.data;
+    }
+    if (named == nullptr) {
+      throw InputError("--data " + data.string() + ": expected an experiment with measured runs; give one a data file");
+    }
+    for (WrittenRun& written : runs) {
+      if (!written.run.data.empty()) written.run.data = data;
+    }
+  }
+
+  void add(WrittenRun written, DataFiles& files) {
+    const RunSource& source = written.source;
+    if (written.run.data.empty()) {
+      add_run(std::move(written.run), {});
+      return;
+    }
+    const CsvTable& table = files.read(written.run.data);
+    if (source.split.empty()) {
+      Record record = record_of(table, source, 0, table.line.size(), experiment_.sensors);
+      add_run(std::move(written.run), std::move(record));
+      return;
+    }
+    for (const CsvPart& part : chosen_parts(table, source)) {
+      Run run = written.run;
+      run.name += " " + part.value;
+      run.segment = part.value;
+      add_run(std::move(run), record_of(table, source, part.first, part.last, experiment_.sensors));
+    }
+  }
+
+  void add_run(Run run, Record record) {
+    // Names of tables are unique, but not always with the segment's value behind.
+    const auto [other, is_new] = taken_.emplace(run.name, run.line);
+    if (!is_new) {
+      TomlPlace{experiment_.file, run.line, "run \"" + run.name + "\""}.fail(
+          "expected a name of its own, it is taken in line " + std::to_string(other->second) + "; rename the run");
+    }
+    experiment_.runs.push_back(std::move(run));
+    experiment_.records.push_back(std::move(record));
+  }
+
+  std::vector<ExperimentTable> tables_;
+  const SceneNames& names_;
+  Experiment& experiment_;
+  NameLines taken_;
+};
+
+}  // namespace
+
+std::vector<Run::Change> read_changes(const ExperimentTable& table, Scene& scene) {
+  std::vector<Run::Change> changes;
+  const auto set = table.find_table("set");
+  if (!set) return changes;
+  for (const std::string& path : set->keys()) {
+    const TomlPlace place = set->place_of(path);
+    if (set->holds_table(path)) place.fail("expected a number; put the path in quotes: \"body.NAME.mass\" = 2");
+    const double value = set->number(path, 1.0, Range::finite);
+    // The message names the path itself.
+    located({place.file, place.line, set->place().item}, [&] { set_value(scene, path, value); });
+    changes.push_back({path, value, place.line});
+  }
+  return changes;
+}
+
+void read_runs(const ExperimentTable& root, const SceneNames& names, const fs::path& folder, const fs::path& data,
+               Experiment& experiment) {
+  RunsReader(root, names, experiment).read(folder, data);
+}
+
+}  // namespace poise

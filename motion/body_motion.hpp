@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "model/layout.hpp"
+#include "model/mechanism.hpp"
+#include "motion/motion_model.hpp"
+
+namespace poise {
+
+/// How a body moves in the world: its frame's place, and the first and second time derivatives of it. SI.
+struct BodyMotion {
+  BodyPose<double> pose;
+  Vec2 velocity{};       ///< of the origin, m/s
+  double rate = 0.0;     ///< rad/s
+  Vec2 acceleration{};   ///< of the origin, m/s^2
+  double spin_up = 0.0;  ///< angular acceleration, rad/s^2
+
+  /// Velocity of a point given in the body's frame, m/s:  v + i w r.
+  Vec2 velocity_of(const Vec2& local) const { return velocity + rate * quarter_turn(local * unit(pose.angle)); }
+  /// Its acceleration, m/s^2:  a + (i alpha - w^2) r.
+  Vec2 acceleration_of(const Vec2& local) const {
+    const Vec2 r = local * unit(pose.angle);
+    return acceleration + spin_up * quarter_turn(r) - (rate * rate) * r;
+  }
+};
+
+/// Motions of all bodies and then of all bars, from scaled coordinates x of the model, their rates v (per s) and
+/// accelerations a (per s^2): the arms of the spanning tree differentiated in time. Dropped coordinates stand still.
+std::vector<BodyMotion> body_motions(const MotionModel& model, const std::vector<double>& x,
+                                     const std::vector<double>& v, const std::vector<double>& a);
+
+/// Rate at which the distance of two points of moving bodies grows, m/s; 0 where the points coincide.
+double distance_rate(const Scene& scene, const std::vector<BodyMotion>& motions, const PointRef& a, const PointRef& b);
+
+}  // namespace poise

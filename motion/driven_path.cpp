@@ -1,0 +1,324 @@
+#include "motion/driven_path.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+namespace poise {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// All in rad or mechanism sizes.
+constexpr double longest_move = 0.05;        // of any coordinate in one step
+constexpr double longest_correction = 1e-4;  // of the predicted pose: keeps the path on its branch
+constexpr double closed_within = 1e-12;
+constexpr double crossing_below = 1e-7;   // closeness to singular that counts as singular
+constexpr double shortest_step = 1e-10;   // of a driven coordinate
+constexpr double farthest_turning = 0.1;  // along the path, where a turning point is looked for
+constexpr double rank_tolerance = 1e-7;
+constexpr double end = 1.0 - 1e-13;
+
+double largest(const VectorXd& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
+
+// Where f, unimodal on a .. b, is least: golden section, down to rounding of the argument.
+template <class F>
+double minimiser(F f, double a, double b) {
+  const double part = 0.5 * (std::sqrt(5.0) - 1.0);
+  double l = b - part * (b - a), r = a + part * (b - a);
+  double at_l = f(l), at_r = f(r);
+  while (b - a > 1e-13) {
+    if (at_l <= at_r) {
+      b = std::exchange(r, l);
+      at_r = at_l;
+      l = b - part * (b - a);
+      at_l = f(l);
+    } else {
+      a = std::exchange(l, r);
+      at_l = at_r;
+      r = a + part * (b - a);
+      at_r = f(r);
+    }
+  }
+  return 0.5 * (a + b);
+}
+
+}  // namespace
+
+// --- closures -------------------------------------------------------------------------------------------------------
+
+SplitClosure::SplitClosure(const MotionModel& model, std::vector<int> driven)
+    : model_(model), driven_(std::move(driven)) {
+  for (int i = 0; i < model.mechanism().coordinates(); ++i) {
+    if (std::find(driven_.begin(), driven_.end(), i) == driven_.end()) free_.push_back(i);
+  }
+}
+
+VectorXd SplitClosure::gap(const VectorXd& x) const {
+  const Mechanism<double>& m = model_.mechanism();
+  std::vector<Planar<double>> pose(m.pose_size());
+  VectorXd c(m.constraints());
+  m.place(x.data(), pose.data());
+  m.constraint(x.data(), pose.data(), c.data());
+  return c.head(2 * m.closures());
+}
+
+MatrixXd SplitClosure::jacobian(const VectorXd& x) const {
+  const Mechanism<double>& m = model_.mechanism();
+  std::vector<Planar<double>> pose(m.pose_size());
+  std::vector<double> values(m.jacobian_row().size());
+  m.place(x.data(), pose.data());
+  m.jacobian(pose.data(), values.data());
+  MatrixXd out = MatrixXd::Zero(2 * m.closures(), m.coordinates());
+  for (std::size_t e = 0; e < values.size(); ++e) {
+    if (m.jacobian_row()[e] < out.rows()) out(m.jacobian_row()[e], m.jacobian_column()[e]) += values[e];
+  }
+  return out;
+}
+
+MatrixXd SplitClosure::free_columns(const MatrixXd& jacobian) const {
+  MatrixXd out(jacobian.rows(), static_cast<Eigen::Index>(free_.size()));
+  for (std::size_t k = 0; k < free_.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = jacobian.col(free_[k]);
+  return out;
+}
+
+VectorXd SplitClosure::curvature(const VectorXd& x, const VectorXd& v) const {
+  const Mechanism<double>& m = model_.mechanism();
+  std::vector<Planar<double>> pose(m.pose_size()), second(m.coordinates());
+  VectorXd out(2 * m.closures());
+  m.place(x.data(), pose.data());
+  m.phasor_second(pose.data(), v.data(), v.data(), second.data());
+  m.closures_of(second.data(), out.data());
+  return out;
+}
+
+bool SplitClosure::close(VectorXd& x) const {
+  VectorXd c = gap(x);
+  double open = largest(c);
+  for (int k = 0; k < 20 && open > 0.0 && !free_.empty(); ++k) {
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
+    factors.setThreshold(rank_tolerance);
+    factors.compute(free_columns(jacobian(x)));
+    const VectorXd step = factors.solve(-c);
+    if (!(largest(step) < 0.5)) return false;
+    VectorXd next = x;
+    for (std::size_t i = 0; i < free_.size(); ++i) next[free_[i]] += step[static_cast<Eigen::Index>(i)];
+    c = gap(next);
+    const double left = largest(c);
+    // Newton falls quadratically until nothing but rounding is left.
+    if (left >= open && open <= closed_within) break;
+    x = next;
+    open = left;
+  }
+  return open <= closed_within;
+}
+
+// --- path -----------------------------------------------------------------------------------------------------------
+
+DrivenPath::DrivenPath(const SplitClosure& closure, VectorXd direction)
+    : closure_(closure), direction_(std::move(direction)) {}
+
+void DrivenPath::measure(PathPose& pose, const MatrixXd& jacobian) const {
+  if (closure_.free().empty()) return;
+  const Eigen::JacobiSVD<MatrixXd> svd(closure_.free_columns(jacobian), Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const VectorXd& values = svd.singularValues();
+  const Eigen::Index last = values.size() - 1;
+  pose.smallest = values[last];
+  pose.closeness = values[last] / values[0];
+  pose.left = svd.matrixU().col(last);
+  pose.right = svd.matrixV().col(last);
+}
+
+PathPose DrivenPath::differentiated(double at, VectorXd x) const {
+  PathPose pose;
+  pose.at = at;
+  pose.x = std::move(x);
+  const MatrixXd jacobian = closure_.jacobian(pose.x);
+  measure(pose, jacobian);
+  pose.v = VectorXd::Zero(pose.x.size());
+  pose.a = pose.v;
+  for (std::size_t k = 0; k < closure_.driven().size(); ++k) {
+    pose.v[closure_.driven()[k]] = direction_[static_cast<Eigen::Index>(k)];
+  }
+  if (closure_.free().empty()) return pose;
+  const Eigen::ColPivHouseholderQR<MatrixXd> factors(closure_.free_columns(jacobian));
+  const auto spread = [&](const VectorXd& of_free, VectorXd& out) {
+    for (std::size_t i = 0; i < closure_.free().size(); ++i) {
+      out[closure_.free()[i]] = of_free[static_cast<Eigen::Index>(i)];
+    }
+  };
+  spread(factors.solve(-(jacobian * pose.v)), pose.v);
+  spread(factors.solve(-closure_.curvature(pose.x, pose.v)), pose.a);
+  return pose;
+}
+
+// Hermite polynomial of degree 5 through values, first and second derivatives of both poses.
+PathPose DrivenPath::interpolated(const PathPose& from, const PathPose& to, double at) const {
+  const double h = to.at - from.at;
+  const double s = (at - from.at) / h;
+  const VectorXd rise = to.x - from.x - h * from.v - 0.5 * h * h * from.a;
+  const VectorXd slope = h * (to.v - from.v) - h * h * from.a;
+  const VectorXd bend = h * h * (to.a - from.a);
+  const VectorXd c3 = 10 * rise - 4 * slope + 0.5 * bend;
+  const VectorXd c4 = -15 * rise + 7 * slope - bend;
+  const VectorXd c5 = 6 * rise - 3 * slope + 0.5 * bend;
+  PathPose pose;
+  pose.at = at;
+  pose.x = from.x + s * (h * from.v + s * (0.5 * h * h * from.a + s * (c3 + s * (c4 + s * c5))));
+  pose.v = from.v + s * (h * from.a + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)) / h);
+  pose.a = from.a + s * (6 * c3 + s * (12 * c4 + s * 20 * c5)) / (h * h);
+  return pose;
+}
+
+PathPose DrivenPath::sampled(const PathPose& from, const PathPose& to, double at) const {
+  if (at == to.at) return to;
+  PathPose limit = interpolated(from, to, at);
+  VectorXd x = limit.x;
+  // Next to a singular pose closing would move x along the direction that the closures leave open.
+  if (!closure_.close(x)) x = limit.x;
+  PathPose pose = differentiated(at, std::move(x));
+  if (pose.closeness >= singular_below) return pose;
+  measure(limit, closure_.jacobian(limit.x));
+  return limit;
+}
+
+// The pose between a and c where the free columns lose rank, if they do.
+std::optional<PathPose> DrivenPath::crossing_between(const PathPose& a, const PathPose& b, const PathPose& c) const {
+  const auto pose_at = [&](double at) {
+    PathPose pose = at < b.at ? interpolated(a, b, at) : interpolated(b, c, at);
+    measure(pose, closure_.jacobian(pose.x));
+    return pose;
+  };
+  PathPose pose = pose_at(minimiser([&](double at) { return pose_at(at).closeness; }, a.at, c.at));
+  if (pose.closeness > crossing_below) return std::nullopt;
+  return pose;
+}
+
+// Along the curve of closed poses z = (free x, t), t a coordinate like the others, to where t turns back.
+std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
+  const Eigen::Index n = static_cast<Eigen::Index>(closure_.free().size());
+  struct OnCurve {
+    VectorXd x, tangent;
+    double at;
+  };
+  const auto matrix = [&](const VectorXd& x) {
+    const MatrixXd jacobian = closure_.jacobian(x);
+    MatrixXd out(jacobian.rows(), n + 1);
+    out.leftCols(n) = closure_.free_columns(jacobian);
+    VectorXd along = VectorXd::Zero(x.size());
+    for (std::size_t k = 0; k < closure_.driven().size(); ++k) {
+      along[closure_.driven()[k]] = direction_[static_cast<Eigen::Index>(k)];
+    }
+    out.col(n) = jacobian * along;
+    return out;
+  };
+  const auto tangent = [&](const VectorXd& x, const VectorXd& like) {
+    const MatrixXd m = matrix(x);
+    const Eigen::JacobiSVD<MatrixXd> svd(m, Eigen::ComputeFullV);
+    const VectorXd t = svd.matrixV().col(n);
+    return VectorXd(t.dot(like) < 0 ? -t : t);
+  };
+  const auto shift = [&](OnCurve& z, const VectorXd& step) {
+    for (Eigen::Index i = 0; i < n; ++i) z.x[closure_.free()[i]] += step[i];
+    for (std::size_t k = 0; k < closure_.driven().size(); ++k) {
+      z.x[closure_.driven()[k]] += step[n] * direction_[static_cast<Eigen::Index>(k)];
+    }
+    z.at += step[n];
+  };
+  OnCurve base{from.x, {}, from.at};
+  base.tangent = tangent(base.x, VectorXd::Unit(n + 1, n));
+  const auto point = [&](double s) {
+    OnCurve z = base;
+    shift(z, s * base.tangent);
+    for (int k = 0; k < 8; ++k) {
+      Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
+      factors.setThreshold(rank_tolerance);
+      factors.compute(matrix(z.x));
+      shift(z, factors.solve(-closure_.gap(z.x)));
+    }
+    z.tangent = tangent(z.x, base.tangent);
+    return z;
+  };
+  double low = 0.0, high = 1e-7;
+  OnCurve beyond = point(high);
+  while (beyond.tangent[n] > 0.0) {
+    low = high;
+    high *= 2.0;
+    if (high > farthest_turning) return std::nullopt;
+    beyond = point(high);
+  }
+  if (largest(closure_.gap(beyond.x)) > closed_within) return std::nullopt;
+  while (high - low > 1e-12) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    (point(middle).tangent[n] > 0.0 ? low : high) = middle;
+  }
+  OnCurve turning = point(low);
+  PathPose pose = from;
+  pose.at = turning.at;
+  pose.x = turning.x;
+  measure(pose, closure_.jacobian(pose.x));
+  return pose;
+}
+
+std::optional<PathPose> DrivenPath::follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
+                                           const std::function<bool()>& stopped) const {
+  std::size_t next_sample = 0;
+  for (; next_sample < samples.size() && samples[next_sample] <= begin.at; ++next_sample) visitor.sample(begin);
+  std::optional<PathPose> before;
+  PathPose here = std::move(begin);
+  double h = 1.0;
+  int overtime = 0;  // steps beyond the end, to see whether a singular pose lies just before it
+  while (here.at < end || (before && here.closeness < before->closeness && here.closeness < 0.05 && overtime++ < 3)) {
+    if (stopped()) return here;
+    h = std::min(h, longest_move / largest(here.v));
+    if (here.at < end) h = std::min(h, 1.0 - here.at);
+    std::optional<PathPose> next;
+    int around = 0;  // tries to step over a singular pose rather than on it
+    while (!next) {
+      const VectorXd predicted = here.x + h * here.v + 0.5 * h * h * here.a;
+      VectorXd x = predicted;
+      for (const int d : closure_.driven()) x[d] = here.x[d] + h * here.v[d];
+      const bool closed = closure_.close(x);
+      double correction = largest(x - predicted);
+      if (closed && correction <= longest_correction) {
+        PathPose pose = differentiated(here.at + h, std::move(x));
+        if (pose.closeness < singular_below && around++ < 6) {
+          h *= 1.4;
+          continue;
+        }
+        correction = std::max(correction, h * largest(pose.v - here.v - h * here.a));
+        if (pose.closeness >= singular_below && correction <= longest_correction) next = std::move(pose);
+      }
+      if (next) {
+        h *= std::clamp(0.9 * std::cbrt(longest_correction / std::max(correction, 1e-30)), 0.5, 2.0);
+      } else {
+        h *= 0.5;
+        if (h * largest(direction_) < shortest_step) break;
+      }
+    }
+    if (!next) {
+      if (here.at >= end) break;
+      std::optional<PathPose> turning = turning_point(here);
+      return turning ? std::move(turning) : here;
+    }
+    if (next->at >= end && next->at < 1.0) next->at = 1.0;
+    for (; next_sample < samples.size() && samples[next_sample] <= next->at; ++next_sample) {
+      visitor.sample(sampled(here, *next, samples[next_sample]));
+    }
+    const bool dips = before && here.closeness <= before->closeness && here.closeness <= next->closeness;
+    if (dips || !before) {
+      const auto crossing = before ? crossing_between(*before, here, *next) : crossing_between(here, here, *next);
+      if (crossing && crossing->at <= 1.0 + 1e-9) visitor.crossing(*crossing);
+    }
+    before = std::exchange(here, std::move(*next));
+  }
+  return std::nullopt;
+}
+
+}  // namespace poise

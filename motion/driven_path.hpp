@@ -1,0 +1,82 @@
+#pragma once
+
+// A path of closed poses with some coordinates driven, followed step by step. Private to the kinematics.
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "motion/motion_model.hpp"
+
+namespace poise {
+
+/// The closures of a mechanism, split into columns of free and of driven coordinates. Scaled coordinates x throughout.
+class SplitClosure {
+ public:
+  SplitClosure(const MotionModel& model, std::vector<int> driven);
+
+  const MotionModel& model() const { return model_; }
+  const std::vector<int>& driven() const { return driven_; }
+  const std::vector<int>& free() const { return free_; }
+
+  /// c(x), two rows per closure.
+  Eigen::VectorXd gap(const Eigen::VectorXd& x) const;
+  /// dc/dx.
+  Eigen::MatrixXd jacobian(const Eigen::VectorXd& x) const;
+  /// Its columns of the free coordinates.
+  Eigen::MatrixXd free_columns(const Eigen::MatrixXd& jacobian) const;
+  /// (C v)' v = sum_ij d2c/dx_i dx_j v_i v_j: the second time derivative of c where nothing accelerates.
+  Eigen::VectorXd curvature(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const;
+  /// Closes the loops by shortest steps of the free coordinates. False where they stay open.
+  bool close(Eigen::VectorXd& x) const;
+
+ private:
+  const MotionModel& model_;
+  std::vector<int> driven_, free_;
+};
+
+/// A pose of the path, with its derivatives by the path's parameter.
+struct PathPose {
+  double at = 0.0;              ///< the parameter
+  Eigen::VectorXd x, v, a;      ///< scaled coordinates, dx/d at, d2x/d at2
+  double smallest = 1.0;        ///< singular value of the free columns
+  double closeness = 1.0;       ///< smallest / largest of them; 1 where nothing is free
+  Eigen::VectorXd left, right;  ///< singular vectors of the smallest: closure rows, free coordinates
+};
+
+/// Follows  d(t) = d0 + t (d1 - d0),  t = 0 .. 1, from a closed pose at t = 0.
+class DrivenPath {
+ public:
+  /// Poses closer to singular than this have no derivatives of their own.
+  static constexpr double singular_below = 1e-5;
+
+  struct Visitor {
+    std::function<void(const PathPose&)> sample;  ///< at each of the parameters asked for
+    std::function<void(const PathPose&)> crossing;
+  };
+
+  DrivenPath(const SplitClosure& closure, Eigen::VectorXd direction);
+
+  /// Singular values and derivatives of a closed pose. Derivatives mean nothing where closeness < singular_below.
+  PathPose differentiated(double at, Eigen::VectorXd x) const;
+
+  /// Runs to t = 1 and calls the visitor along the way; `samples` ascend in 0 .. 1. `begin` must have derivatives.
+  /// Returns nothing where t = 1 was reached, else the pose beyond which there is none: its derivatives are those of
+  /// the last regular pose, its singular vectors its own.
+  std::optional<PathPose> follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
+                                 const std::function<bool()>& stopped) const;
+
+ private:
+  PathPose interpolated(const PathPose& from, const PathPose& to, double at) const;
+  PathPose sampled(const PathPose& from, const PathPose& to, double at) const;
+  std::optional<PathPose> crossing_between(const PathPose& a, const PathPose& b, const PathPose& c) const;
+  std::optional<PathPose> turning_point(const PathPose& from) const;
+  void measure(PathPose& pose, const Eigen::MatrixXd& jacobian) const;
+
+  const SplitClosure& closure_;
+  Eigen::VectorXd direction_;  // d1 - d0, scaled
+};
+
+}  // namespace poise

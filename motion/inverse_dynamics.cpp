@@ -1,0 +1,233 @@
+#include "motion/inverse_dynamics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "model/nearest_name.hpp"
+#include "statics/curvature_impl.hpp"
+#include "statics/free_bodies.hpp"
+
+namespace poise {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// A stop is touched within this, rad or mechanism sizes.
+constexpr double touching = 1e-8;
+// Part of the largest force that rounding may leave unbalanced.
+constexpr double balanced_within = 1e-9;
+
+double rate_of(const Scene& scene, const std::vector<BodyMotion>& motions, const Drive& drive) {
+  if (drive.kind == Drive::Kind::angle) return motions[drive.body_b].rate - motions[drive.body_a].rate;
+  const Joint& joint = scene.joints[drive.joint];
+  const BodyMotion& a = motions[joint.a.body];
+  // The line turns with the first body, so b moves along it with the travel's rate relative to that body.
+  const Vec2 b_in_a =
+      (motions[joint.b.body].pose.world(scene.local(joint.b)) - a.pose.origin) * conj(unit(a.pose.angle));
+  const Vec2 relative = motions[joint.b.body].velocity_of(scene.local(joint.b)) - a.velocity_of(b_in_a);
+  return dot(joint.axis * unit(a.pose.angle), relative);
+}
+
+class InverseDynamics {
+ public:
+  InverseDynamics(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
+                  const std::vector<double>& a, const std::vector<Drive>& drives)
+      : model_(model), scene_(model.scene()), m_(model.mechanism()), x_(x), v_(v), a_(a) {
+    additions_.drives = drives;
+  }
+
+  Forces forces() {
+    out_.motions = body_motions(model_, x_, v_, a_);
+    add_inertia();
+    add_resistance();
+    balance_bodies();
+    look_at_phasors();
+    return out_;
+  }
+
+ private:
+  void add_inertia() {
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      const BodyMotion& motion = out_.motions[i];
+      additions_.loads.push_back({static_cast<int>(i), motion.pose.world(body.center),
+                                  -body.mass * motion.acceleration_of(body.center), -body.inertia * motion.spin_up});
+    }
+  }
+
+  void add_resistance() {
+    const auto world = [&](PointRef p) { return out_.motions[p.body].pose.world(scene_.local(p)); };
+    for (const Damper& d : scene_.dampers) {
+      const Vec2 along = world(d.b) - world(d.a);
+      const double r = norm(along);
+      const double tension = d.coefficient * distance_rate(scene_, out_.motions, d.a, d.b);
+      out_.damper_tension.push_back(tension);
+      if (r == 0.0) continue;
+      const Vec2 pull = tension / r * along;
+      additions_.loads.push_back({d.a.body, world(d.a), pull, 0.0});
+      additions_.loads.push_back({d.b.body, world(d.b), -pull, 0.0});
+    }
+    const auto resist = [&](int a, int b, double moment) {
+      additions_.loads.push_back({b, out_.motions[b].pose.origin, {}, moment});
+      additions_.loads.push_back({a, out_.motions[a].pose.origin, {}, -moment});
+      return moment;
+    };
+    const auto rate = [&](int a, int b) { return out_.motions[b].rate - out_.motions[a].rate; };
+    for (const TorsionDamper& d : scene_.torsion_dampers) {
+      out_.torsion_damper_moment.push_back(resist(d.a, d.b, -d.coefficient * rate(d.a, d.b)));
+    }
+    for (const Friction& f : scene_.frictions) {
+      out_.friction_moment.push_back(resist(f.a, f.b, -f.torque * std::tanh(rate(f.a, f.b) / f.width)));
+    }
+  }
+
+  // Per stop: +1 at its max, -1 at its min, 2 at both, 0 not touching.
+  std::vector<int> touched_stops() const {
+    std::vector<Planar<double>> pose(m_.pose_size());
+    std::vector<double> c(m_.constraints());
+    m_.place(x_.data(), pose.data());
+    m_.constraint(x_.data(), pose.data(), c.data());
+    std::vector<int> sides;
+    for (int s = 0; s < m_.stops(); ++s) {
+      const double g = c[2 * m_.closures() + s];
+      const bool at_max = g >= m_.upper()[s] - touching;
+      const bool at_min = g <= m_.lower()[s] + touching;
+      sides.push_back(at_max && at_min ? 2 : at_max ? 1 : at_min ? -1 : 0);
+    }
+    return sides;
+  }
+
+  void balance_bodies() {
+    std::vector<BodyPose<double>> poses;
+    for (const BodyMotion& motion : out_.motions) poses.push_back(motion.pose);
+    FreeBodies bodies = balance(scene_, poses, touched_stops(), model_.scales().length, additions_);
+    const auto first_drive = bodies.reactions.end() - static_cast<std::ptrdiff_t>(additions_.drives.size());
+    for (std::size_t k = 0; k < additions_.drives.size(); ++k) {
+      const Drive& drive = additions_.drives[k];
+      const Reaction& found = first_drive[static_cast<std::ptrdiff_t>(k)];
+      DriveEffort effort{drive.name, drive.kind, 0.0, rate_of(scene_, out_.motions, drive), 0.0, found.determined};
+      effort.value = drive.kind == Drive::Kind::angle ? found.moment : -found.axial;
+      effort.power = effort.value * effort.rate;
+      out_.drives.push_back(std::move(effort));
+    }
+    out_.reactions.assign(bodies.reactions.begin(), first_drive);
+    out_.spring_tension = std::move(bodies.spring_tension);
+    out_.torsion_spring_moment = std::move(bodies.spring_moment);
+    out_.redundancy = bodies.redundancy;
+    out_.imbalance = bodies.imbalance;
+    out_.worst_body = scene_.bodies.size() > 1 ? scene_.bodies[bodies.worst_body].name : "";
+    out_.largest_force = bodies.largest_force;
+    out_.balanced = out_.imbalance <= balanced_within * out_.largest_force;
+    pressing_ = std::move(bodies.pressing);
+  }
+
+  // The same motion in the phasor model: power, and virtual work along every free direction.
+  void look_at_phasors() {
+    std::vector<int> rows(2 * m_.closures());
+    std::iota(rows.begin(), rows.end(), 0);
+    for (int s : pressing_) rows.push_back(2 * m_.closures() + s);
+    const ReducedHessian<double> free(m_, x_, rows);
+    std::vector<Planar<double>> pose(m_.pose_size());
+    m_.place(x_.data(), pose.data());
+
+    const std::size_t n = x_.size();
+    std::vector<Planar<double>> velocity(n), acceleration(n), bending(n), push(n);
+    m_.phasor_first(pose.data(), v_.data(), velocity.data());
+    m_.phasor_first(pose.data(), a_.data(), acceleration.data());
+    m_.phasor_second(pose.data(), v_.data(), v_.data(), bending.data());
+    for (std::size_t t = 0; t < n; ++t) acceleration[t] += bending[t];
+    out_.loop_error = std::max(opening(velocity), opening(acceleration));
+
+    VectorXd inertia = VectorXd::Zero(static_cast<Index>(n));
+    model_.inertia().weigh(acceleration.data(), push.data());
+    m_.add_projection(pose.data(), push.data(), inertia.data());
+    for (Index k = 0; k < inertia.size(); ++k) inertia[k] += model_.inertia().moment(static_cast<int>(k)) * a_[k];
+    VectorXd loads(inertia.size());
+    m_.negative_force(x_.data(), pose.data(), loads.data());
+    VectorXd resistance = VectorXd::Zero(inertia.size());
+    m_.add_resistance(pose.data(), v_.data(), resistance.data());
+
+    const double energy = model_.scales().energy();
+    const Eigen::Map<const VectorXd> rates(v_.data(), static_cast<Index>(n));
+    PowerBalance& power = out_.power;
+    power.kinetic = energy * inertia.dot(rates);
+    power.potential = energy * loads.dot(rates);
+    power.resisted = energy * resistance.dot(rates);
+    for (const DriveEffort& drive : out_.drives) power.driven += drive.power;
+    const double sum =
+        std::abs(power.kinetic) + std::abs(power.potential) + std::abs(power.resisted) + std::abs(power.driven);
+    if (sum > 0) power.error = std::abs(power.kinetic + power.potential + power.resisted - power.driven) / sum;
+
+    const VectorXd left = energy * free.basis.transpose() * (inertia + loads + resistance);
+    const std::vector<double> none(n, 0.0);
+    for (Index k = 0; k < left.size(); ++k) {
+      const auto direction = free.basis.col(k);
+      const std::vector<BodyMotion> motions = body_motions(model_, x_, {direction.begin(), direction.end()}, none);
+      double work = left[k];
+      for (std::size_t d = 0; d < out_.drives.size(); ++d) {
+        work -= out_.drives[d].value * rate_of(scene_, motions, additions_.drives[d]);
+      }
+      if (out_.largest_force == 0.0) continue;
+      out_.work_error = std::max(out_.work_error, std::abs(work) / (out_.largest_force * model_.scales().length));
+    }
+  }
+
+  // Largest value that phasors' derivatives give the closures' derivatives, over the largest phasor's.
+  double opening(const std::vector<Planar<double>>& derivative) const {
+    double largest = 0.0;
+    for (const Planar<double>& d : derivative) largest = std::max(largest, norm(d));
+    if (largest == 0.0) return 0.0;
+    std::vector<double> c(2 * m_.closures());
+    m_.closures_of(derivative.data(), c.data());
+    double widest = 0.0;
+    for (double value : c) widest = std::max(widest, std::abs(value));
+    return widest / largest;
+  }
+
+  const MotionModel& model_;
+  const Scene& scene_;
+  const Mechanism<double>& m_;
+  const std::vector<double>&x_, &v_, &a_;
+  Additions additions_;
+  std::vector<int> pressing_;
+  Forces out_;
+};
+
+}  // namespace
+
+Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
+                 const std::vector<double>& a, const std::vector<Drive>& drives) {
+  return InverseDynamics(model, x, v, a, drives).forces();
+}
+
+Drive drive_named(const Scene& scene, std::string_view name, const std::string& option) {
+  std::vector<std::string> names;
+  for (const Drive& drive : scene.drives) {
+    if (drive.name == name) return drive;
+    names.push_back(drive.name);
+  }
+  Drive drive;
+  drive.name = name;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    names.push_back(scene.bodies[i].name);
+    if (scene.bodies[i].name != name) continue;
+    drive.body_b = static_cast<int>(i);
+    return drive;
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (!scene.joints[j].has_travel()) continue;
+    names.push_back(scene.joints[j].name);
+    if (scene.joints[j].name != name) continue;
+    drive.kind = Drive::Kind::travel;
+    drive.joint = static_cast<int>(j);
+    return drive;
+  }
+  throw InputError(
+      fmt::format("{}: \"{}\" is no drive, body or joint with a travel{}", option, name, did_you_mean(name, names)));
+}
+
+}  // namespace poise

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "motion/body_motion.hpp"
+#include "motion/motion_model.hpp"
+#include "statics/check.hpp"
+
+namespace poise {
+
+/// What a drive has to give.
+struct DriveEffort {
+  std::string name;
+  Drive::Kind kind = Drive::Kind::angle;
+  double value = 0.0;      ///< torque on its second body, N m, or force along the travel, N; the opposite on the first
+  double rate = 0.0;       ///< of what it drives, rad/s or m/s
+  double power = 0.0;      ///< W: value times rate
+  bool determined = true;  ///< false: shared with other drives or reactions, the set of least norm
+};
+
+/// Power of everything that acts on a moving mechanism, W, from its phasor form.
+struct PowerBalance {
+  double kinetic = 0.0;    ///< d/dt of the kinetic energy
+  double potential = 0.0;  ///< d/dt of the potential of weights, dead loads and springs, less what followers give
+  double resisted = 0.0;   ///< taken by dampers and dry friction
+  double driven = 0.0;     ///< given by the drives
+  /// kinetic + potential + resisted - driven, over the sum of their sizes; 0 where nothing moves
+  double error = 0.0;
+};
+
+/// All forces in a mechanism that moves in a given way. SI.
+struct Forces {
+  std::vector<BodyMotion> motions;  ///< of all bodies, then of all bars
+  std::vector<DriveEffort> drives;
+  std::vector<Reaction> reactions;            ///< of joints, bars and pressing stops
+  std::vector<double> spring_tension;         ///< N
+  std::vector<double> torsion_spring_moment;  ///< N m on the second body
+  std::vector<double> damper_tension;         ///< N: coefficient dr/dt
+  std::vector<double> torsion_damper_moment;  ///< N m on the second body
+  std::vector<double> friction_moment;        ///< N m on the second body
+  int redundancy = 0;                         ///< independent sets of reactions and drive efforts that balance nothing
+
+  double imbalance = 0.0;  ///< N: largest force, or moment / size, that neither reactions nor drives can take up
+  std::string worst_body;
+  double largest_force = 0.0;  ///< N
+  bool balanced = false;       ///< imbalance below 1e-9 of the largest force
+  /// How far the given rates and accelerations open the loops: over the largest rate (acceleration) of a phasor.
+  double loop_error = 0.0;
+  PowerBalance power;
+  /// Largest generalized force, over largest_force times size, that the phasor model says is left along a direction
+  /// in which the mechanism can move. Shares only M(q) and the loads' data with the free bodies.
+  double work_error = 0.0;
+};
+
+/// Inverse dynamics by d'Alembert's principle: every body cut free under its loads, springs, dampers, friction and
+///   -m p''  at its centre of mass,  -I theta''  about it,
+/// for scaled coordinates x of the model, their rates v (per s) and accelerations a (per s^2), which must keep the
+/// loops closed. Reactions and the efforts of `drives` are the least-squares solution of all bodies' 3 equations, the
+/// one of minimum norm where it is not unique. With v = a = 0 this is static force analysis at a given pose. Time laws
+/// of the drives play no part, only what they act on.
+Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
+                 const std::vector<double>& a, const std::vector<Drive>& drives);
+
+/// What can be driven under that name: a drive of the scene, the absolute angle of a body, or the travel of a joint.
+/// Throws InputError, naming `option` and the nearest name, where there is none.
+Drive drive_named(const Scene& scene, std::string_view name, const std::string& option);
+
+}  // namespace poise

@@ -1,0 +1,327 @@
+#include "motion/kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "model/nearest_name.hpp"
+#include "motion/driven_path.hpp"
+#include "motion/rest_pose.hpp"
+#include "motion/singular_words.hpp"
+#include "solvers/newton.hpp"
+#include "statics/equilibrium.hpp"
+#include "statics/mobility.hpp"
+
+namespace poise {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::string where(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
+
+// What a name drives: the absolute angle of a body or the travel of a joint.
+Drive find_drive(const Scene& scene, const std::string& name) {
+  Drive drive;
+  drive.name = name;
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    names.push_back(scene.bodies[i].name);
+    if (names.back() != name) continue;
+    drive.body_b = static_cast<int>(i);
+    return drive;
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (!scene.joints[j].has_travel()) continue;
+    names.push_back(scene.joints[j].name);
+    if (names.back() != name) continue;
+    drive.kind = Drive::Kind::travel;
+    drive.joint = static_cast<int>(j);
+    return drive;
+  }
+  throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",
+                               where(scene), name, did_you_mean(name, names)));
+}
+
+// The scene with the drives in it, so that the compiled model keeps what they move.
+Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
+  if (ranges.empty()) throw InputError(where(scene) + "drive: expected at least one, say crank=0..360");
+  scene.drives.clear();
+  for (const DriveRange& range : ranges) scene.drives.push_back(find_drive(scene, range.name));
+  return scene;
+}
+
+// A driven quantity, from SI to a scaled coordinate:  x = (value - zero) / unit.
+struct DrivenCoordinate {
+  int coordinate = -1;
+  double zero = 0.0, unit = 1.0;
+
+  double scaled(double value) const { return (value - zero) / unit; }
+  double value(double x) const { return zero + unit * x; }
+};
+
+std::vector<DrivenCoordinate> driven_coordinates(const MotionModel& model) {
+  const Scene& scene = model.scene();
+  std::vector<DrivenCoordinate> out;
+  for (const Drive& drive : scene.drives) {
+    const bool is_angle = drive.kind == Drive::Kind::angle;
+    const Link& link = model.layout().links[drive.body_b];
+    const DrivenCoordinate driven =
+        is_angle ? DrivenCoordinate{link.frame, link.turn, 1.0}
+                 : DrivenCoordinate{model.layout().travel[drive.joint], 0.0, model.scales().length};
+    if (driven.coordinate < 0) {
+      throw InputError(
+          fmt::format("{}drive \"{}\": expected a body that can turn, this one keeps its angle; drive the "
+                      "joint along which it moves",
+                      where(scene), drive.name));
+    }
+    for (const DrivenCoordinate& other : out) {
+      if (other.coordinate != driven.coordinate) continue;
+      throw InputError(fmt::format("{}drive \"{}\": another drive moves the same coordinate already; drive one of them",
+                                   where(scene), drive.name));
+    }
+    out.push_back(driven);
+  }
+  return out;
+}
+
+VectorXd assembled(const MotionModel& model) {
+  const StaticModel statics(model.scene());
+  const Mobility mobility = analyse_mobility(statics);
+  if (!mobility.assembled) assemble(statics);  // says why
+  const std::vector<double> x = motion_coordinates(model, statics, mobility.x);
+  return Eigen::Map<const VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+}
+
+Eigen::Index rank_of(const MatrixXd& matrix) {
+  if (matrix.size() == 0) return 0;
+  Eigen::JacobiSVD<MatrixXd> svd(matrix);
+  svd.setThreshold(DrivenPath::singular_below);
+  return svd.rank();
+}
+
+// Whether closures that lose rank at x have more of it in a pose nearby.
+bool is_singular(const SplitClosure& closure, const VectorXd& x) {
+  const EquilibriumProblem problem(closure.model().mechanism());
+  solvers::Newton newton(problem);
+  const Eigen::Index rank = rank_of(closure.jacobian(x));
+  for (int k = 1; k <= 4; ++k) {
+    VectorXd beside = x;
+    for (Eigen::Index i = 0; i < x.size(); ++i) beside[i] += 0.03 * std::sin(k + 2.0 * k * static_cast<double>(i));
+    const solvers::NewtonResult& closed = newton.close(beside.data());
+    if (closed.outcome != solvers::Outcome::converged) continue;
+    if (rank_of(closure.jacobian(Eigen::Map<const VectorXd>(closed.x.data(), x.size()))) > rank) return true;
+  }
+  return false;
+}
+
+// Throws unless the drives decide everything, and no more than that.
+void expect_driven(const SplitClosure& closure, const VectorXd& x) {
+  const Scene& scene = closure.model().scene();
+  const MatrixXd jacobian = closure.jacobian(x);
+  const MatrixXd of_free = closure.free_columns(jacobian);
+  const Eigen::Index freedoms = x.size() - rank_of(jacobian);
+  const Eigen::Index drives = static_cast<Eigen::Index>(closure.driven().size());
+  const Eigen::Index left = of_free.cols() - rank_of(of_free);
+  const auto name_of = [&](int coordinate) { return closure.model().layout().coordinates[coordinate].name; };
+  if (left == 0) {
+    if (drives <= freedoms) return;
+    throw InputError(
+        fmt::format("{}drive: expected {} of them, as many as the mechanism has freedoms, found {}; leave "
+                    "out the others",
+                    where(scene), freedoms, drives));
+  }
+  if (freedoms <= drives || is_singular(closure, x)) {
+    throw InputError(
+        fmt::format("{}drive \"{}\": the start is a singular pose, from which it does not decide the "
+                    "motion; expected a regular one; change [start], say --set start.{}=...",
+                    where(scene), scene.drives.front().name, scene.drives.front().name));
+  }
+  const Eigen::JacobiSVD<MatrixXd> svd(of_free, Eigen::ComputeFullV);
+  const MatrixXd moves =
+      of_free.rows() > 0 ? MatrixXd(svd.matrixV().rightCols(left)) : MatrixXd::Identity(of_free.cols(), of_free.cols());
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < closure.free().size(); ++i) {
+    if (moves.row(static_cast<Eigen::Index>(i)).norm() > 1e-6) names.push_back(name_of(closure.free()[i]));
+  }
+  throw InputError(fmt::format("{}drive: {} {} free; expected as many drives as freedoms; drive {} more, of {}",
+                               where(scene), left, left == 1 ? "freedom is left" : "freedoms are left", left,
+                               fmt::join(names, ", ")));
+}
+
+class Sweep {
+ public:
+  Sweep(const MotionModel& model, const std::vector<DriveRange>& ranges, const SweepOptions& options)
+      : model_(model),
+        ranges_(ranges),
+        options_(options),
+        driven_(driven_coordinates(model)),
+        closure_(model, columns()) {
+    for (int i = 0; i < model.mechanism().coordinates(); ++i) {
+      result_.coordinates.push_back(model.layout().coordinates[i].name);
+      result_.is_angle.push_back(i < model.layout().angles);
+    }
+    for (const DrivenCoordinate& d : driven_)
+      result_.drive_coordinates.push_back(static_cast<std::size_t>(d.coordinate));
+  }
+
+  KinematicsResult run() {
+    const VectorXd start = assembled(model_);
+    expect_driven(closure_, start);
+    const std::optional<PathPose> begin = approach(start);
+    if (begin) traverse(*begin);
+    return std::move(result_);
+  }
+
+ private:
+  std::vector<int> columns() const {
+    std::vector<int> out;
+    for (const DrivenCoordinate& d : driven_) out.push_back(d.coordinate);
+    return out;
+  }
+
+  bool stopped() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
+
+  std::vector<double> drive_values(const VectorXd& x) const {
+    std::vector<double> out;
+    for (const DrivenCoordinate& d : driven_) out.push_back(d.value(x[d.coordinate]));
+    return out;
+  }
+
+  std::vector<double> in_si(const VectorXd& x) const { return model_.to_si({x.data(), x.data() + x.size()}); }
+
+  // From the assembled start to the begin of the range. Derivatives are those per unit of the way that follows.
+  std::optional<PathPose> approach(const VectorXd& start) {
+    const Eigen::Index drives = static_cast<Eigen::Index>(driven_.size());
+    VectorXd ahead(drives), along(drives);
+    for (Eigen::Index k = 0; k < drives; ++k) {
+      const DrivenCoordinate& d = driven_[k];
+      ahead[k] = d.scaled(ranges_[k].from) - start[d.coordinate];
+      along[k] = (ranges_[k].to - ranges_[k].from) / d.unit;
+    }
+    standing_ = along.isZero(0.0);
+    if (standing_) along[0] = 1.0 / driven_[0].unit;
+    direction_ = along;
+    const DrivenPath path(closure_, ahead);
+    std::optional<PathPose> begin = path.differentiated(0.0, start);
+    if (!ahead.isZero(1e-15)) {
+      const PathPose from = *begin;
+      begin.reset();
+      const std::optional<PathPose> last = path.follow(
+          from, {1.0}, {[&](const PathPose& pose) { begin = pose; }, [&](const PathPose& p) { note(p, true); }},
+          [&] { return stopped(); });
+      if (!begin) {
+        give_up(*last, true);
+        return std::nullopt;
+      }
+    }
+    if (begin->closeness >= DrivenPath::singular_below)
+      return DrivenPath(closure_, along).differentiated(0.0, begin->x);
+    if (drives > 1) {
+      result_.why = "the range begins in a singular pose, where several drives do not decide the motion";
+      return std::nullopt;
+    }
+    // The motion goes on, or back, the way it came.
+    const double turn = along[0] / ahead[0];
+    begin->at = 0.0;
+    begin->v *= turn;
+    begin->a *= turn * turn;
+    return begin;
+  }
+
+  void traverse(const PathPose& begin) {
+    const DrivenPath path(closure_, direction_);
+    if (standing_) {
+      add_sample(begin);
+      result_.complete = true;
+      return;
+    }
+    std::vector<double> samples;
+    for (int k = 0; k <= options_.steps; ++k) samples.push_back(static_cast<double>(k) / options_.steps);
+    const std::optional<PathPose> last = path.follow(
+        begin, samples, {[&](const PathPose& p) { add_sample(p); }, [&](const PathPose& p) { note(p, false); }},
+        [&] { return stopped(); });
+    result_.complete = !last.has_value();
+    if (last) give_up(*last, false);
+  }
+
+  void add_sample(const PathPose& pose) {
+    // The first drive that moves sets the pace.
+    std::size_t k = 0;
+    while (k + 1 < driven_.size() && direction_[static_cast<Eigen::Index>(k)] == 0.0) ++k;
+    const double per_second = options_.rate / std::abs(direction_[static_cast<Eigen::Index>(k)] * driven_[k].unit);
+    const VectorXd v = per_second * pose.v, a = per_second * per_second * pose.a;
+    KinematicSample sample;
+    sample.drive = drive_values(pose.x);
+    sample.q = in_si(pose.x);
+    sample.rate = in_si(v);
+    sample.second = in_si(a);
+    const auto list = [](const VectorXd& x) { return std::vector<double>(x.data(), x.data() + x.size()); };
+    sample.bodies = body_motions(model_, list(pose.x), list(v), list(a));
+    sample.bodies.resize(model_.scene().bodies.size());
+    sample.closeness_to_singular = pose.closeness;
+    result_.samples.push_back(std::move(sample));
+  }
+
+  SingularPose singular(const PathPose& pose, SingularPose::Kind kind, bool before_range) const {
+    SingularPose out;
+    out.kind = kind;
+    out.before_range = before_range;
+    out.drive = drive_values(pose.x);
+    out.q = in_si(pose.x);
+    out.text = (kind == SingularPose::Kind::change_point ? "change point" : "dead centre") +
+               describe_singularity(closure_, pose);
+    return out;
+  }
+
+  void note(const PathPose& pose, bool before_range) {
+    SingularPose found = singular(pose, SingularPose::Kind::change_point, before_range);
+    // One at the very begin of the range is met by both parts of the path.
+    auto& list = result_.singular;
+    if (!list.empty() && std::abs(list.back().drive[0] - found.drive[0]) < 1e-7) list.pop_back();
+    list.push_back(std::move(found));
+  }
+
+  void give_up(const PathPose& last, bool before_range) {
+    if (stopped()) {
+      result_.why = "interrupted";
+      return;
+    }
+    const Units& units = model_.scene().units;
+    std::string reached;
+    for (std::size_t k = 0; k < driven_.size(); ++k) {
+      const bool is_angle = result_.is_angle[result_.drive_coordinates[k]];
+      reached += fmt::format("{}{} = {:.10g} {}", k == 0 ? "" : ", ", ranges_[k].name,
+                             driven_[k].value(last.x[driven_[k].coordinate]) / (is_angle ? units.angle : units.length),
+                             is_angle ? units.angle_name : units.length_name);
+    }
+    result_.why = fmt::format("{} cannot be driven beyond {}",
+                              before_range ? "on the way to its range the mechanism" : "the mechanism", reached);
+    if (last.closeness > end_is_singular_below) return;
+    result_.singular.push_back(singular(last, SingularPose::Kind::dead_centre, before_range));
+    result_.why += ": " + result_.singular.back().text;
+  }
+
+  static constexpr double end_is_singular_below = 1e-4;
+
+  const MotionModel& model_;
+  const std::vector<DriveRange>& ranges_;
+  const SweepOptions& options_;
+  std::vector<DrivenCoordinate> driven_;
+  SplitClosure closure_;
+  VectorXd direction_;  // of the range, scaled
+  bool standing_ = false;
+  KinematicsResult result_;
+};
+
+}  // namespace
+
+KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options) {
+  const MotionModel model(driven_scene(scene, drives));
+  return Sweep(model, drives, options).run();
+}
+
+}  // namespace poise

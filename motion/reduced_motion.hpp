@@ -1,0 +1,149 @@
+#pragma once
+
+#include <vector>
+
+#include "model/inertia.hpp"
+#include "model/mechanism.hpp"
+#include "motion/small_lu.hpp"
+
+namespace poise {
+
+/// A number of the scene whose effect on motion is asked for: part of a body's inertia, or an element of force.
+struct Influence {
+  int body =
+      -1;  ///< inertial where >= 0: the change of (m, m x, m y, J about the body's origin) per unit of the number
+  double mass = 0.0;
+  Vec2 first{};
+  double moment = 0.0;
+  Mechanism<double>::Element element{};  ///< else
+  int index = 0;
+  double by = 1.0;
+};
+
+/// The equations of motion of a mechanism in its independent coordinates z, f = freedoms() of the n coordinates q.
+///
+/// Closures and drives c(q, t) = 0 with Jacobian J give the dependent coordinates, their rates and accelerations:
+///   q(z, t),   v = B w + (rates of the drives),   a = B alpha + a0,   J B = 0,   w = z', alpha = w'.
+/// With G = M a + velocity terms + (-Q) + resistances, d'Alembert's principle B^T G = 0 leaves
+///   (B^T M B) alpha = -B^T G(a0).
+/// Redundant closures are left out by complete pivoting, which also chooses z. Units are those of the scene given.
+///
+/// One object per thread: it holds the last state evaluated. Call choose() once (again to move to better coordinates),
+/// then place(), move(), accelerate() and, where derivatives are asked for, linearize() in this order.
+template <class T>
+class ReducedMotion {
+ public:
+  /// All three must outlive this; the mechanism compiled for Purpose::dynamics.
+  ReducedMotion(const Scene& scene, const Mechanism<T>& mechanism, const Inertia<T>& inertia);
+
+  enum class Status {
+    ok,
+    open,       ///< the loops cannot be closed for these z
+    singular,   ///< so near a singular pose that the dependent coordinates are badly determined
+    no_inertia  ///< B^T M B is not positive definite: some freedom has no inertia
+  };
+
+  int coordinates() const { return n_; }
+  int freedoms() const { return static_cast<int>(independent_.size()); }
+  int drives() const { return static_cast<int>(drives_.size()); }
+  const std::vector<int>& independent() const { return independent_; }
+  /// Rank of J when the coordinates were last chosen.
+  int rank() const { return static_cast<int>(dependent_.size()); }
+
+  /// Sets where drives without a start begin: as q stands.
+  void start_drives(const T* q);
+  /// Chooses independent coordinates by complete pivoting of J at (q, t). Once `keep_rank`, a pose of lower rank than
+  /// the first does not change it. Returns singular where the rank has grown.
+  Status choose(const T& t, const T* q, bool keep_rank);
+
+  /// Relative pivot of the dependent columns of J below which a pose counts as singular.
+  void set_singular_limit(const T& limit) { singular_limit_ = limit; }
+  /// Pivot of the last pose.
+  const T& pivot() const { return pivot_; }
+
+  /// The next place() starts from the dependent coordinates of q.
+  void expect(const T* q);
+  /// Closes the loops by Newton's method with q[independent] = z, from where the pose placed last leads to second
+  /// order.
+  Status place(const T& t, const T* z);
+  /// Rates v for the independent ones w.
+  void move(const T* w);
+  /// Accelerations and energies' partners: a, alpha.
+  Status accelerate();
+  /// Multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
+  void linearize();
+  /// The derivative of alpha by a number of the scene, f values.
+  void influence(const Influence& influence, T* alpha) const;
+
+  const T* q() const { return q_.data(); }
+  const T* v() const { return v_.data(); }
+  const T* a() const { return a_.data(); }
+  const T* alpha() const { return alpha_.data(); }
+  /// B, column by column (n values each): also dq/dz and dv/dw.
+  const T* B(int k) const { return &B_[static_cast<std::size_t>(k) * n_]; }
+  /// After linearize(), n values: dv/dz_k, da/dz_k, da/dw_k; f values: dalpha/dz_k, dalpha/dw_k.
+  const T* v_z(int k) const { return &v_z_[static_cast<std::size_t>(k) * n_]; }
+  const T* a_z(int k) const { return &a_z_[static_cast<std::size_t>(k) * n_]; }
+  const T* a_w(int k) const { return &a_w_[static_cast<std::size_t>(k) * n_]; }
+  const T* alpha_z(int k) const { return &alpha_z_[static_cast<std::size_t>(k) * freedoms()]; }
+  const T* alpha_w(int k) const { return &alpha_w_[static_cast<std::size_t>(k) * freedoms()]; }
+
+  T kinetic_energy() const;
+  T potential_energy() const { return mechanism_.energy(q_.data(), pose_.data()); }
+  /// Power of everything without a potential: resistances (negative), follower loads, drives. After accelerate().
+  T power() const;
+  /// What the stops limit, in the pose placed; the mechanism's stops() values.
+  std::vector<T> stop_values() const;
+  /// Force (torque, N m or N in the scene's units) of drive k. After accelerate().
+  T drive_force(int k) const;
+  /// B^T (-Q) of the pose placed: what statics leaves unbalanced in each independent coordinate.
+  void reduced_force(T* f) const;
+  /// -B^T dQ/dp for an element of force, in the pose placed; rates as last moved.
+  void reduced_influence(const Influence& influence, T* f) const;
+
+ private:
+  struct DriveRow {
+    Drive drive;
+    int a = -1, b = -1;  // coordinates: q_b - q_a + constant = value(t)
+    T constant{};
+    T start{};
+  };
+  void predict(const T& dt, const T* z);
+  void residual(const T& t);
+  void fill_jacobian();
+  void solve_rows(const T* rows, T* full) const;  // full[dependent] = -Jd^-1 rows, full[independent] = 0
+  void find_multipliers();
+  void linearize_direction(const T* dq, const T* dv, T* da, T* dalpha);
+  void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
+  T value(const DriveRow& d, const T& t, int derivative) const;
+  void project(const T* full, T* reduced) const;
+  void divide_by_mass(T* reduced) const;
+  T& jacobian(int row, int column) { return J_[static_cast<std::size_t>(row) * n_ + column]; }
+  const T& jacobian(int row, int column) const { return J_[static_cast<std::size_t>(row) * n_ + column]; }
+
+  const Mechanism<T>& mechanism_;
+  const Inertia<T>& inertia_;
+  int n_, rows_;
+  std::vector<DriveRow> drives_;
+  int first_rank_ = -1;
+  std::vector<int> independent_, dependent_, used_rows_;
+  T singular_limit_{};
+  T pivot_{1};
+  T t_{};
+  T reach_{};  // how far predict() went
+  bool known_ = false;  // B and the factors belong to q
+
+  // State, and scratch that is mutable because it carries no meaning between calls.
+  std::vector<T> q_, v_, a_, alpha_, c_, J_, values_, B_, drift_, force_, full_force_, mass_, multipliers_;
+  std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_;
+  std::vector<T> mass_columns_, drive_multipliers_, zero_;
+  std::vector<Planar<T>> weight_columns_;
+  std::vector<Planar<T>> second_, weight_;
+  mutable std::vector<Planar<T>> pose_, work_, work2_;
+  mutable std::vector<T> full_, rows_work_, small_, small_rows_;
+  SmallLu<T> lu_;
+};
+
+extern template class ReducedMotion<double>;
+
+}  // namespace poise

@@ -1,0 +1,471 @@
+#include "motion/simulate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "solvers/runge_kutta.hpp"
+
+namespace poise {
+namespace {
+
+using Reduced = ReducedMotion<double>;
+
+/// Relative pivots below this are avoided: loops badly determined amplify rounding by the inverse square.
+constexpr double comfortable_pivot = 1e-3;
+/// Other independent coordinates are looked for where the pivot has fallen below this.
+constexpr double good_pivot = 0.05;
+
+/// y = z, w, work, then for each sensitivity dz (f), dw (f).
+class ReducedSystem : public solvers::OdeSystem {
+ public:
+  ReducedSystem(Reduced& reduced, const std::vector<Influence>& influences, int columns)
+      : reduced_(reduced),
+        influences_(influences),
+        columns_(columns),
+        freedoms_(reduced.freedoms()),
+        alpha_p_(influences.size() * static_cast<std::size_t>(freedoms_)) {}
+
+  int size() const override { return 2 * freedoms_ + 1 + 2 * freedoms_ * columns_; }
+
+  bool rates(double t, const double* y, double* dydt) override {
+    ++evaluations;
+    const int f = freedoms_;
+    status = reduced_.place(t, y);
+    if (status != Reduced::Status::ok) return false;
+    reduced_.move(y + f);
+    status = reduced_.accelerate();
+    if (status != Reduced::Status::ok) return false;
+    std::copy(y + f, y + 2 * f, dydt);
+    std::copy(reduced_.alpha(), reduced_.alpha() + f, dydt + f);
+    dydt[2 * f] = reduced_.power();
+    if (columns_ == 0) return true;
+    reduced_.linearize();
+    for (std::size_t p = 0; p < influences_.size(); ++p) {
+      reduced_.influence(influences_[p], &alpha_p_[p * static_cast<std::size_t>(f)]);
+    }
+    const double* s = y + 2 * f + 1;
+    double* ds = dydt + 2 * f + 1;
+    for (int c = 0; c < columns_; ++c, s += 2 * f, ds += 2 * f) {
+      std::copy(s + f, s + 2 * f, ds);
+      const double* own = c < 2 * f ? nullptr : &alpha_p_[static_cast<std::size_t>((c - 2 * f) * f)];
+      for (int j = 0; j < f; ++j) {
+        double sum = own != nullptr ? own[j] : 0.0;
+        for (int k = 0; k < f; ++k) sum += reduced_.alpha_z(k)[j] * s[k] + reduced_.alpha_w(k)[j] * s[f + k];
+        ds[f + j] = sum;
+      }
+    }
+    return true;
+  }
+
+  /// The derivative of alpha by influence p, of the state evaluated last.
+  const double* alpha_p(int p) const { return &alpha_p_[static_cast<std::size_t>(p * freedoms_)]; }
+
+  int evaluations = 0;
+  Reduced::Status status = Reduced::Status::ok;
+
+ private:
+  Reduced& reduced_;
+  const std::vector<Influence>& influences_;
+  int columns_;
+  int freedoms_;
+  std::vector<double> alpha_p_;
+};
+
+class Simulation {
+ public:
+  Simulation(const MotionModel& model, const MotionState& start, const MotionOptions& options)
+      : model_(model),
+        options_(options),
+        reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
+        n_(static_cast<std::size_t>(model.mechanism().coordinates())),
+        unit_(n_, 1.0),
+        q_start_(model.from_si(start.q)),
+        reach_(n_, 0.0),
+        speed_(n_, 0.0),
+        overrun_(model.scene().stops.size(), 0) {
+    for (std::size_t i = static_cast<std::size_t>(model.layout().angles); i < n_; ++i) unit_[i] = model.scales().length;
+    reduced_.start_drives(q_start_.data());
+    reduced_.choose(0.0, q_start_.data(), false);
+    out_.freedoms = reduced_.freedoms();
+    out_.independent = reduced_.independent();
+    out_.drive_force.resize(static_cast<std::size_t>(reduced_.drives()));
+    columns_ = options.sensitivities ? 2 * out_.freedoms + static_cast<int>(options.influences.size()) : 0;
+    out_.trajectory.coordinates = static_cast<int>(n_);
+    out_.trajectory.columns = columns_;
+    const std::vector<double> v = model.from_si(start.v);
+    const int f = reduced_.freedoms();
+    y_.assign(static_cast<std::size_t>(2 * f + 1 + 2 * f * columns_), 0.0);
+    for (int k = 0; k < f; ++k) {
+      y_[static_cast<std::size_t>(k)] = q_start_[static_cast<std::size_t>(reduced_.independent()[k])];
+      y_[static_cast<std::size_t>(f + k)] = v[static_cast<std::size_t>(reduced_.independent()[k])];
+    }
+    for (int c = 0; c < std::min(columns_, 2 * f); ++c) y_[static_cast<std::size_t>(2 * f + 1 + 2 * f * c + c)] = 1.0;
+  }
+
+  Motion run() {
+    const auto begun = std::chrono::steady_clock::now();
+    move_along();
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
+    out_.microseconds = took.count();
+    if (system_) out_.evaluations += system_->evaluations;
+    judge_energy();
+    find_singular_poses();
+    return std::move(out_);
+  }
+
+ private:
+  void move_along() {
+    reduced_.set_singular_limit(0.0);
+    reduced_.expect(q_start_.data());
+    remake();
+    if (!system_->rates(0.0, y_.data(), dydt_.data())) return give_up(system_->status, 0.0);
+    limit_ = std::min(comfortable_pivot, 0.1 * reduced_.pivot());
+    const double accuracy = options_.accuracy / 1000;
+    double t = 0.0;
+    double h = first_step();
+    add_node(t);
+    while (t < options_.duration) {
+      if (options_.interrupt != nullptr && options_.interrupt->load()) {
+        return stop(MotionStatus::interrupted, fmt::format("interrupted at t = {:.6g} s", t));
+      }
+      if (out_.steps + out_.rejected >= options_.most_steps) {
+        return stop(MotionStatus::step_limit, fmt::format("{} steps led to t = {:.6g} s only", out_.steps, t));
+      }
+      const double left = options_.duration - t;
+      // A last step that would be a sliver is shared with the one before.
+      const bool last = h >= left * (1 - 1e-12);
+      if (last)
+        h = left;
+      else if (h > 0.5 * left)
+        h = 0.5 * left;
+      if (!step_from(t, h, accuracy)) {
+        if (h > 1e-13 * options_.duration && h > 1e-15 * (1 + t)) continue;
+        return give_up(system_->status, t);
+      }
+      t = last ? options_.duration : t + taken_;
+      ++out_.steps;
+      y_.swap(y_new_);
+      if (!system_->rates(t, y_.data(), dydt_.data())) return give_up(system_->status, t);
+      add_node(t);
+      if (options_.progress) options_.progress(t);
+      if (reduced_.pivot() < good_pivot && reduced_.rank() > 0) choose_anew(t);
+    }
+    out_.status = MotionStatus::completed;
+  }
+
+  /// Tries a step of h; on failure h is made shorter. On success taken_ is the step and h the next one.
+  bool step_from(double t, double& h, double accuracy) {
+    double limit = limit_;
+    for (int attempt = 0; attempt < 12; ++attempt) {
+      reduced_.set_singular_limit(limit);
+      const bool evaluated = stepper_->step(t, y_, dydt_, h, y_new_, error_) && placed_at_end(t + h);
+      reduced_.set_singular_limit(0.0);
+      if (evaluated) {
+        const double error = weigh_error(h) / accuracy;
+        if (error <= 1.0) {
+          taken_ = h;
+          h = solvers::next_step(h, error);
+          return true;
+        }
+        ++out_.rejected;
+        h = std::isfinite(error) ? solvers::next_step(h, error) : h / 5;
+        return false;
+      }
+      ++out_.rejected;
+      const Reduced::Status status = system_->status;
+      // The pose that failed is no place to set out from: the next try leaves the node again.
+      reduced_.expect(node_.data());
+      system_->rates(t, y_.data(), dydt_.data());
+      system_->status = status;
+      if (status != Reduced::Status::singular) {
+        h /= 4;
+        return false;
+      }
+      // Steps that miss the singular pose are about as long; a mechanism that stays near one must be let in.
+      h *= attempt % 2 == 0 ? 0.83 : 1.1;
+      if (attempt >= 5) limit *= 0.1;
+    }
+    h /= 4;
+    return false;
+  }
+
+  bool placed_at_end(double t) {
+    system_->status = reduced_.place(t, y_new_.data());
+    return system_->status == Reduced::Status::ok;
+  }
+
+  double weigh_error(double h) const {
+    const int f = reduced_.freedoms();
+    double far = 0.0;
+    double fast = 0.0;
+    for (int k = 0; k < f; ++k) {
+      far = std::max(far, reach_of(k, h));
+      fast = std::max(fast, speed_of(k, h));
+    }
+    double worst = 0.0;
+    for (int k = 0; k < f; ++k) {
+      const double z = std::max(reach_of(k, h), 1e-3 * far);
+      const double w = std::max(speed_of(k, h), 1e-3 * fast);
+      const double e_z = std::abs(error_[static_cast<std::size_t>(k)]);
+      const double e_w = std::abs(error_[static_cast<std::size_t>(f + k)]);
+      // What rounding leaves cannot be stepped away.
+      worst = std::max({worst, e_z / (z + 1e-6 * std::abs(y_[static_cast<std::size_t>(k)]) + tiny), e_w / (w + tiny)});
+    }
+    return worst;
+  }
+
+  double reach_of(int k, double h) const {
+    const int f = reduced_.freedoms();
+    const double w = std::abs(y_[static_cast<std::size_t>(f + k)]);
+    const double alpha = std::abs(dydt_[static_cast<std::size_t>(f + k)]);
+    return std::max(reach_[static_cast<std::size_t>(reduced_.independent()[k])], h * (w + h * alpha / 2));
+  }
+
+  double speed_of(int k, double h) const {
+    const int f = reduced_.freedoms();
+    return std::max(
+        speed_[static_cast<std::size_t>(reduced_.independent()[k])],
+        std::abs(y_[static_cast<std::size_t>(f + k)]) + h * std::abs(dydt_[static_cast<std::size_t>(f + k)]));
+  }
+
+  double first_step() {
+    double fastest = 0.0;
+    if (reduced_.freedoms() > 0) {
+      reduced_.linearize();
+      for (int k = 0; k < reduced_.freedoms(); ++k) {
+        for (int j = 0; j < reduced_.freedoms(); ++j) {
+          fastest = std::max({fastest, std::sqrt(std::abs(reduced_.alpha_z(k)[j])), std::abs(reduced_.alpha_w(k)[j])});
+        }
+      }
+    }
+    for (const Drive& d : model_.scene().drives) fastest = std::max(fastest, 6.3 * d.frequency);
+    const double natural = fastest > 0 ? 0.05 / fastest : 0.01 * options_.duration;
+    return std::min(natural, options_.duration);
+  }
+
+  void remake() {
+    system_ = std::make_unique<ReducedSystem>(reduced_, options_.influences, columns_);
+    stepper_ = std::make_unique<solvers::RungeKutta78>(*system_);
+    dydt_.resize(y_.size());
+    y_new_.resize(y_.size());
+    error_.resize(y_.size());
+  }
+
+  void choose_anew(double t) {
+    const std::vector<int> old = reduced_.independent();
+    const std::vector<double> q(reduced_.q(), reduced_.q() + n_);
+    const std::vector<double> v(reduced_.v(), reduced_.v() + n_);
+    reduced_.choose(t, q.data(), true);
+    reduced_.expect(q.data());
+    const int f = reduced_.freedoms();
+    if (reduced_.independent() != old) {
+      const Trajectory& path = out_.trajectory;
+      const std::size_t node = path.nodes() - 1;
+      for (int k = 0; k < f; ++k) {
+        const auto i = static_cast<std::size_t>(reduced_.independent()[k]);
+        y_[static_cast<std::size_t>(k)] = q[i];
+        y_[static_cast<std::size_t>(f + k)] = v[i];
+        for (int c = 0; c < columns_; ++c) {
+          const std::size_t from = (node * n_ + i) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c);
+          const std::size_t to = static_cast<std::size_t>(2 * f + 1 + 2 * f * c + k);
+          const double unit = unit_of_column(c) / unit_[i];
+          y_[to] = path.q_p[from] * unit;
+          y_[to + static_cast<std::size_t>(f)] = path.v_p[from] * unit;
+        }
+      }
+      out_.evaluations += system_->evaluations;
+      remake();
+    }
+    system_->rates(t, y_.data(), dydt_.data());
+  }
+
+  /// SI value of the initial coordinate that a column refers to; influences are per the caller's own unit.
+  double unit_of_column(int c) const {
+    const int f = out_.freedoms;
+    return c < 2 * f ? unit_[static_cast<std::size_t>(out_.independent[c % f])] : 1.0;
+  }
+
+  void add_node(double t) {
+    Trajectory& path = out_.trajectory;
+    const double energy = model_.scales().energy();
+    path.t.push_back(t);
+    for (std::size_t i = 0; i < n_; ++i) {
+      path.q.push_back(unit_[i] * reduced_.q()[i]);
+      path.v.push_back(unit_[i] * reduced_.v()[i]);
+      path.a.push_back(unit_[i] * reduced_.a()[i]);
+      reach_[i] = std::max(reach_[i], std::abs(reduced_.q()[i] - q_start_[i]));
+      speed_[i] = std::max(speed_[i], std::abs(reduced_.v()[i]));
+    }
+    node_.assign(reduced_.q(), reduced_.q() + n_);
+    pivot_.push_back(reduced_.pivot());
+    const int f = reduced_.freedoms();
+    out_.kinetic.push_back(energy * reduced_.kinetic_energy());
+    out_.potential.push_back(energy * reduced_.potential_energy());
+    out_.work.push_back(energy * y_[static_cast<std::size_t>(2 * f)]);
+    for (int d = 0; d < reduced_.drives(); ++d) {
+      const bool turns = model_.scene().drives[static_cast<std::size_t>(d)].kind == Drive::Kind::angle;
+      out_.drive_force[static_cast<std::size_t>(d)].push_back(reduced_.drive_force(d) *
+                                                              (turns ? energy : model_.scales().force));
+    }
+    if (columns_ > 0) add_sensitivities();
+    watch_stops(t);
+  }
+
+  void add_sensitivities() {
+    Trajectory& path = out_.trajectory;
+    const int f = reduced_.freedoms();
+    const auto width = static_cast<std::size_t>(columns_);
+    const std::size_t first = path.q_p.size();
+    for (auto* part : {&path.q_p, &path.v_p, &path.a_p}) part->resize(first + n_ * width);
+    for (int c = 0; c < columns_; ++c) {
+      const double* s = &y_[static_cast<std::size_t>(2 * f + 1 + 2 * f * c)];
+      const double per = 1.0 / unit_of_column(c);
+      const double* own = c < 2 * f ? nullptr : system_->alpha_p(c - 2 * f);
+      for (std::size_t i = 0; i < n_; ++i) {
+        double dq = 0.0;
+        double dv = 0.0;
+        double da = 0.0;
+        for (int k = 0; k < f; ++k) {
+          dq += reduced_.B(k)[i] * s[k];
+          dv += reduced_.v_z(k)[i] * s[k] + reduced_.B(k)[i] * s[f + k];
+          da += reduced_.a_z(k)[i] * s[k] + reduced_.a_w(k)[i] * s[f + k];
+          if (own != nullptr) da += reduced_.B(k)[i] * own[k];
+        }
+        const std::size_t at = first + i * width + static_cast<std::size_t>(c);
+        path.q_p[at] = unit_[i] * per * dq;
+        path.v_p[at] = unit_[i] * per * dv;
+        path.a_p[at] = unit_[i] * per * da;
+      }
+    }
+  }
+
+  void watch_stops(double t) {
+    const auto& mechanism = model_.mechanism();
+    if (mechanism.stops() == 0) return;
+    const std::vector<double> g = reduced_.stop_values();
+    for (std::size_t s = 0; s < g.size(); ++s) {
+      const double slack = 1e-9;
+      if (overrun_[s] != 0 || (g[s] >= mechanism.lower()[s] - slack && g[s] <= mechanism.upper()[s] + slack)) continue;
+      overrun_[s] = 1;
+      out_.overrun.push_back(fmt::format("{} at t = {:.4g} s", model_.scene().stops[s].name, t));
+    }
+  }
+
+  // The pivot of the loops falls to zero and rises again, straight as long as that is near: two nodes before and two
+  // behind tell whether it met zero in between, and when.
+  void find_singular_poses() {
+    const std::vector<double>& t = out_.trajectory.t;
+    for (std::size_t i = 2; i + 1 < pivot_.size(); ++i) {
+      const double before = pivot_[i - 1];
+      const double behind = pivot_[i];
+      if (!(pivot_[i - 2] > before && pivot_[i + 1] > behind && std::min(before, behind) < 0.3)) continue;
+      const double across = (before + behind) / (t[i] - t[i - 1]);
+      const double down = (pivot_[i - 2] - before) / (t[i - 1] - t[i - 2]);
+      const double up = (pivot_[i + 1] - behind) / (t[i + 1] - t[i]);
+      const bool straight = std::abs(down - across) < 0.3 * across && std::abs(up - across) < 0.3 * across;
+      if (straight) out_.singular.push_back(t[i - 1] + before / across);
+    }
+  }
+
+  void judge_energy() {
+    if (out_.kinetic.empty()) return;
+    double exchanged = 0.0;
+    double worst = 0.0;
+    const double total = out_.kinetic.front() + out_.potential.front();
+    for (std::size_t i = 0; i < out_.kinetic.size(); ++i) {
+      exchanged = std::max(
+          {exchanged, out_.kinetic[i], std::abs(out_.potential[i] - out_.potential.front()), std::abs(out_.work[i])});
+      worst = std::max(worst, std::abs(out_.kinetic[i] + out_.potential[i] - out_.work[i] - total));
+    }
+    out_.energy_error = exchanged > 0 ? worst / exchanged : 0.0;
+  }
+
+  void stop(MotionStatus status, std::string why) {
+    out_.status = status;
+    out_.why = std::move(why);
+  }
+
+  void give_up(Reduced::Status status, double t) {
+    if (status == Reduced::Status::no_inertia) {
+      return stop(MotionStatus::no_inertia,
+                  "a freedom has no inertia, so its motion is not determined; give the bodies that it moves mass or "
+                  "moment of inertia, or drive it");
+    }
+    const char* what = status == Reduced::Status::singular ? "a singular pose"
+                       : status == Reduced::Status::open   ? "a pose in which its loops open"
+                                                           : "a point where no step is short enough";
+    stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s it came to {}", t, what));
+  }
+
+  static constexpr double tiny = std::numeric_limits<double>::min();
+
+  const MotionModel& model_;
+  const MotionOptions& options_;
+  Reduced reduced_;
+  std::size_t n_;
+  std::vector<double> unit_;  // SI value of each coordinate's unit
+  std::vector<double> q_start_, reach_, speed_;
+  std::vector<char> overrun_;
+  int columns_ = 0;
+  double limit_ = 0.0, taken_ = 0.0;
+  std::vector<double> node_;   // coordinates at the last node
+  std::vector<double> pivot_;  // per node
+  std::vector<double> y_, dydt_, y_new_, error_;
+  std::unique_ptr<ReducedSystem> system_;
+  std::unique_ptr<solvers::RungeKutta78> stepper_;
+  Motion out_;
+};
+
+}  // namespace
+
+std::string to_string(MotionStatus status) {
+  switch (status) {
+    case MotionStatus::not_started:
+      return "not started";
+    case MotionStatus::completed:
+      return "completed";
+    case MotionStatus::interrupted:
+      return "interrupted";
+    case MotionStatus::stuck:
+      return "stuck";
+    case MotionStatus::no_inertia:
+      return "no inertia";
+    case MotionStatus::step_limit:
+      return "step limit";
+  }
+  return "";
+}
+
+Motion simulate(const MotionModel& model, const MotionState& start, const MotionOptions& options) {
+  return Simulation(model, start, options).run();
+}
+
+double difference(const Motion& a, const Motion& b) {
+  const Trajectory& fine = b.trajectory;
+  const Trajectory& coarse = a.trajectory;
+  const std::size_t n = static_cast<std::size_t>(fine.coordinates);
+  if (fine.nodes() < 2 || coarse.nodes() < 2) return 0.0;
+  std::vector<int> all(n);
+  std::vector<double> reach(n, 0.0), apart(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) all[i] = static_cast<int>(i);
+  TrajectoryReader reader(coarse, all);
+  for (std::size_t node = 0; node < fine.nodes() && fine.t[node] <= coarse.t.back(); ++node) {
+    reader.at(fine.t[node]);
+    for (std::size_t i = 0; i < n; ++i) {
+      reach[i] = std::max(reach[i], std::abs(fine.q[node * n + i] - fine.q[i]));
+      apart[i] = std::max(apart[i], std::abs(fine.q[node * n + i] - reader.q(i)));
+    }
+  }
+  const double far = n > 0 ? *std::max_element(reach.begin(), reach.end()) : 0.0;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (far > 0) worst = std::max(worst, apart[i] / std::max(reach[i], 1e-3 * far));
+  }
+  return worst;
+}
+
+}  // namespace poise

@@ -1,0 +1,15 @@
+#pragma once
+
+// Singular poses in words. Private to the kinematics.
+
+#include <string>
+
+#include "motion/driven_path.hpp"
+
+namespace poise {
+
+/// " of the loop closed by "D": coupler and rocker are in line": which closures say the same twice there, and what
+/// could move while the drives are held. Needs the singular vectors of the pose.
+std::string describe_singularity(const SplitClosure& closure, const PathPose& pose);
+
+}  // namespace poise

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "motion/simulate.hpp"
+#include "statics/mobility.hpp"
+
+namespace poise {
+namespace {
+
+using Reduced = ReducedMotion<double>;
+
+/// Changes of the independent coordinates by which the wanted ones change by `change`, of least norm.
+Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValue>& wanted,
+                             const Eigen::VectorXd& change) {
+  Eigen::MatrixXd B(change.size(), reduced.freedoms());
+  for (Eigen::Index row = 0; row < change.size(); ++row) {
+    for (int k = 0; k < reduced.freedoms(); ++k)
+      B(row, k) = reduced.B(k)[wanted[static_cast<std::size_t>(row)].coordinate];
+  }
+  return B.completeOrthogonalDecomposition().solve(change);
+}
+
+[[noreturn]] void fail(const MotionModel& model, const std::vector<StartValue>& wanted, const std::string& what) {
+  std::string names;
+  for (const StartValue& s : wanted) {
+    names += (names.empty() ? "" : ", ") + model.layout().coordinates[static_cast<std::size_t>(s.coordinate)].name;
+  }
+  throw InputError(
+      fmt::format("{}the start of the motion asks {} of {}; expected values that the mechanism can have at "
+                  "once; ask for less, or for fewer coordinates",
+                  where(model), what, names));
+}
+
+}  // namespace
+
+MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted,
+                         const std::vector<double>* q) {
+  std::vector<double> x = q != nullptr ? model.from_si(*q) : close_loops(model);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.start_drives(x.data());
+  reduced.choose(0.0, x.data(), false);
+  const auto unit = [&](int i) { return i < model.layout().angles ? 1.0 : model.scales().length; };
+  std::vector<StartValue> places, rates;
+  for (StartValue s : wanted) {
+    s.value /= unit(s.coordinate);
+    (s.rate ? rates : places).push_back(s);
+  }
+  const int f = reduced.freedoms();
+  const auto independent = [&](const double* full) {
+    std::vector<double> z(static_cast<std::size_t>(f));
+    for (int k = 0; k < f; ++k) z[static_cast<std::size_t>(k)] = full[reduced.independent()[k]];
+    return z;
+  };
+  std::vector<double> z = independent(x.data());
+  reduced.expect(x.data());
+  if (reduced.place(0.0, z.data()) != Reduced::Status::ok) {
+    throw InputError(
+        fmt::format("{}cannot be brought to where its drives begin; expected a [start] near to it, or "
+                    "leave the drives' start out",
+                    where(model)));
+  }
+  // Newton's method on the wanted coordinates, in steps short enough for the loops to follow.
+  for (int iteration = 0;; ++iteration) {
+    Eigen::VectorXd miss(static_cast<Eigen::Index>(places.size()));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      miss[static_cast<Eigen::Index>(i)] = places[i].value - reduced.q()[places[i].coordinate];
+    }
+    if (places.empty() || miss.lpNorm<Eigen::Infinity>() < 1e-14) break;
+    const bool settled = miss.lpNorm<Eigen::Infinity>() < 1e-12 && iteration > 20;
+    if (settled) break;
+    if (iteration == 200) fail(model, places, "places");
+    const double largest = miss.lpNorm<Eigen::Infinity>();
+    Eigen::VectorXd dz = least_change(reduced, places, largest > 0.1 ? Eigen::VectorXd(miss * (0.1 / largest)) : miss);
+    if (!dz.allFinite() || dz.lpNorm<Eigen::Infinity>() > 1.0) fail(model, places, "places");
+    for (int k = 0; k < f; ++k) z[static_cast<std::size_t>(k)] += dz[k];
+    if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail(model, places, "places");
+  }
+  MotionState state;
+  x.assign(reduced.q(), reduced.q() + x.size());
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(f);
+  if (!rates.empty()) {
+    reduced.move(w.data());
+    Eigen::VectorXd miss(static_cast<Eigen::Index>(rates.size()));
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      miss[static_cast<Eigen::Index>(i)] = rates[i].value - reduced.v()[rates[i].coordinate];
+    }
+    w = least_change(reduced, rates, miss);
+  }
+  reduced.move(w.data());
+  for (const StartValue& s : rates) {
+    if (std::abs(reduced.v()[s.coordinate] - s.value) > 1e-9 * (1 + std::abs(s.value))) fail(model, rates, "rates");
+  }
+  state.q = model.to_si(x);
+  state.v = model.to_si({reduced.v(), reduced.v() + x.size()});
+  return state;
+}
+
+}  // namespace poise

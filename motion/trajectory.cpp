@@ -1,0 +1,85 @@
+#include "motion/trajectory.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace poise {
+
+TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates)
+    : trajectory_(trajectory),
+      coordinates_(std::move(coordinates)),
+      stride_(1 + static_cast<std::size_t>(trajectory.columns)),
+      value_(coordinates_.size() * stride_),
+      rate_(value_.size()) {}
+
+// Newton's divided differences with every node met three times: value, rate, half the acceleration.
+void TrajectoryReader::enter(std::size_t interval) {
+  interval_ = interval;
+  const std::size_t nodes = std::min<std::size_t>(4, trajectory_.nodes());
+  const std::size_t first = std::min(interval > 0 ? interval - 1 : 0, trajectory_.nodes() - nodes);
+  origin_ = trajectory_.t[interval];
+  scale_ = trajectory_.t[interval + 1] - origin_;
+  const std::size_t conditions = 3 * nodes;
+  const std::size_t width = value_.size();
+  node_.resize(conditions);
+  newton_.resize(conditions * width);
+  const std::size_t n = static_cast<std::size_t>(trajectory_.coordinates);
+  const std::size_t columns = stride_ - 1;
+  // Rows hold, for every condition, the value of its node to begin with.
+  const auto fill = [&](const std::vector<double>& main, const std::vector<double>& by, std::size_t k, double factor,
+                        double* row) {
+    for (const int i : coordinates_) {
+      *row++ = factor * main[k * n + i];
+      for (std::size_t c = 0; c < columns; ++c) *row++ = factor * by[(k * n + i) * columns + c];
+    }
+  };
+  for (std::size_t m = 0; m < conditions; ++m) {
+    const std::size_t k = first + m / 3;
+    node_[m] = (trajectory_.t[k] - origin_) / scale_;
+    fill(trajectory_.q, trajectory_.q_p, k, 1.0, &newton_[m * width]);
+  }
+  for (std::size_t order = 1; order < conditions; ++order) {
+    for (std::size_t m = conditions - 1; m >= order; --m) {
+      double* row = &newton_[m * width];
+      const double apart = node_[m] - node_[m - order];
+      if (apart != 0.0) {
+        const double* before = row - width;
+        const double inverse = 1.0 / apart;
+        for (std::size_t i = 0; i < width; ++i) row[i] = (row[i] - before[i]) * inverse;
+      } else if (order == 1) {
+        fill(trajectory_.v, trajectory_.v_p, first + m / 3, scale_, row);
+      } else {
+        fill(trajectory_.a, trajectory_.a_p, first + m / 3, scale_ * scale_ / 2, row);
+      }
+    }
+  }
+}
+
+void TrajectoryReader::at(double t) {
+  const std::vector<double>& times = trajectory_.t;
+  const std::size_t last = times.size() - 2;
+  std::size_t interval = interval_ <= last && t >= times[interval_] ? interval_ : 0;
+  if (interval + 1 < times.size() && t > times[interval + 1]) {
+    const auto after = std::upper_bound(times.begin() + static_cast<std::ptrdiff_t>(interval), times.end(), t);
+    interval = std::min(last, static_cast<std::size_t>(after - times.begin()) - 1);
+  }
+  if (interval != interval_) enter(interval);
+  const double s = (t - origin_) / scale_;
+  const std::size_t width = value_.size();
+  const std::size_t conditions = node_.size();
+  // Horner's scheme for the polynomial and its derivative.
+  const double* top = &newton_[(conditions - 1) * width];
+  std::copy(top, top + width, value_.begin());
+  std::fill(rate_.begin(), rate_.end(), 0.0);
+  for (std::size_t m = conditions - 1; m-- > 0;) {
+    const double* row = &newton_[m * width];
+    const double from = s - node_[m];
+    for (std::size_t i = 0; i < width; ++i) {
+      rate_[i] = rate_[i] * from + value_[i];
+      value_[i] = value_[i] * from + row[i];
+    }
+  }
+  for (double& r : rate_) r /= scale_;
+}
+
+}  // namespace poise

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace poise {
+
+/// A motion kept at the nodes that an integrator stepped on; SI (rad, m, s). Between nodes it is the polynomial of
+/// degree 11 that meets values, rates and accelerations of the four nodes around (fewer at a short motion), so that
+/// samples have the accuracy of the steps.
+struct Trajectory {
+  int coordinates = 0;  ///< n
+  int columns = 0;      ///< sensitivities of each coordinate
+  std::vector<double> t;
+  std::vector<double> q, v, a;        ///< n values per node
+  std::vector<double> q_p, v_p, a_p;  ///< n x columns values per node, row by row: d/dp of the above
+
+  std::size_t nodes() const { return t.size(); }
+};
+
+/// Reads some coordinates of a trajectory, and their sensitivities, at ascending times.
+class TrajectoryReader {
+ public:
+  /// `trajectory` must outlive this and have at least two nodes. Only `coordinates` are read.
+  TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates);
+
+  /// Interpolates at time t, which need not lie between the nodes around the last one, but is quickest there.
+  void at(double t);
+  /// Of coordinate number i of those asked for; valid until the next at().
+  double q(std::size_t i) const { return value_[i * stride_]; }
+  double v(std::size_t i) const { return rate_[i * stride_]; }
+  /// `columns` sensitivities of the same.
+  const double* q_p(std::size_t i) const { return &value_[i * stride_ + 1]; }
+  const double* v_p(std::size_t i) const { return &rate_[i * stride_ + 1]; }
+
+ private:
+  void enter(std::size_t interval);
+
+  const Trajectory& trajectory_;
+  std::vector<int> coordinates_;
+  std::size_t stride_;  // 1 + columns
+  std::size_t interval_ = static_cast<std::size_t>(-1);
+  double origin_ = 0.0, scale_ = 1.0;  // s = (t - origin) / scale
+  std::vector<double> node_;           // s of each condition, every node three times
+  std::vector<double> newton_;         // divided differences, one row per condition
+  std::vector<double> value_, rate_;
+};
+
+}  // namespace poise
