@@ -52,10 +52,13 @@ constexpr const char* band_colour = "#eef3f8";
 constexpr const char* font_name = "poise-chart";
 constexpr const char* fonts = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
-/// Colour of a curve: the inks of the pictures first. Those that follow each other differ in lightness too.
+constexpr std::size_t curve_colours = 8;
+
+/// Colour of a curve: the inks of the pictures first. Those that follow each other differ in lightness too. From the
+/// ninth on they come again, with another dash.
 const char* curve_colour(std::size_t i) {
-  static constexpr std::array<const char*, 8> colours = {ink::reaction, ink::stop, ink::spring, "#7a4a9e",
-                                                         ink::load,     "#1a9aa8", "#8a5a3c",   ink::faint};
+  static constexpr std::array<const char*, curve_colours> colours = {ink::reaction, ink::stop, ink::spring, "#7a4a9e",
+                                                                     ink::load,     "#1a9aa8", "#8a5a3c",   ink::faint};
   return colours[i % colours.size()];
 }
 
@@ -235,10 +238,14 @@ class Script {
     auto name = chart.names.begin();
     std::size_t turn = 0;
     for (const Curve& curve : panel.curves) {
-      const char* colour = curve_colour(curve.colour >= 0 ? static_cast<std::size_t>(curve.colour) : turn++);
+      const std::size_t number = curve.colour >= 0 ? static_cast<std::size_t>(curve.colour) : turn++;
+      const char* colour = curve_colour(number);
       const bool dots = curve.style == Curve::Style::points;
       const std::string line = fmt::format("with lines lt 1 lw {} {} lc rgb '{}'", dots ? 2.8 : 1.7,
-                                           curve.style == Curve::Style::dashed ? "dt (5,4)" : "", colour);
+                                           curve.style == Curve::Style::dashed ? "dt (5,4)"
+                                           : number >= curve_colours           ? "dt (9,3)"
+                                                                               : "",
+                                           colour);
       const std::string sample = dots ? fmt::format("with points pt 7 ps 0.35 lc rgb '{}'", colour) : line;
       legend.push_back(fmt::format("keyentry {} {}", sample, titled(*name++)));
       if (add_data(curve, chart, frame)) shapes.push_back(fmt::format("$data{} using 1:2 {} notitle", data_++, line));

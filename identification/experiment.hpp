@@ -42,9 +42,9 @@ struct Unknown {
   std::string name;   ///< for tables; the path where none was given
   std::string per;    ///< "" one value for all runs; "run" one for each; else a label: one for each of its values
   double unit = 1.0;  ///< SI value of the unit in which the file gives it
-  double includes =
-      0.0;  ///< shown value = value in the scene + includes: a lump that other bodies hold in part already
-  std::optional<double> start;  ///< absent: the scene's value
+  double includes = 0.0;  ///< shown value = value in the scene + includes: a lump that others hold in part already
+  // The following are about the shown value.
+  std::optional<double> start;  ///< absent: the scene's value + includes
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   std::optional<double> prior;  ///< known beforehand: mean, with the standard deviation prior_deviation
@@ -105,8 +105,8 @@ struct Experiment {
 };
 
 struct ExperimentOptions {
-  std::filesystem::path data;           ///< takes the place of the data file that the runs name
-  std::vector<std::string> settings{};  ///< PATH=NUMBER changes of the scene
+  std::filesystem::path data{};         ///< takes the place of the data file that the runs name
+  std::vector<std::string> settings{};  ///< PATH=NUMBER changes of the scene, after those of the file
 };
 
 /// Reads an experiment file (TOML; grammar in docs/experiment-files.md), its scene and its data. Throws InputError

@@ -188,13 +188,13 @@ class ExperimentReader {
     unknown.min = table.find_number("min", unknown.unit, Range::finite).value_or(unknown.min);
     unknown.max = table.find_number("max", unknown.unit, Range::finite).value_or(unknown.max);
     if (!(unknown.min < unknown.max)) {
-      table.place_of("max").fail(fmt::format("expected max > min = {}; exchange them", unknown.min / unknown.unit));
+      table.place_of("max").fail(fmt::format("expected max > min = {:.12g}; exchange them", unknown.min / unknown.unit));
     }
     unknown.start = table.find_number("start", unknown.unit, Range::finite);
     const double first = unknown.start.value_or(value * unknown.unit + unknown.includes);
     if (first < unknown.min || first > unknown.max) {
       table.place_of("start").fail(
-          fmt::format("expected a start from {} to {}, found {}{}", unknown.min / unknown.unit,
+          fmt::format("expected a start from {:.12g} to {:.12g}, found {:.12g}{}", unknown.min / unknown.unit,
                       unknown.max / unknown.unit, first / unknown.unit,
                       unknown.start ? "; change one of the three" : ", the scene's value; add start = NUMBER"));
     }

@@ -16,7 +16,8 @@ namespace {
 
 constexpr int search_positions = 25;
 constexpr int final_positions = 201;
-constexpr double to_spare = 0.98;      // of each limit, while searching
+// Of each limit: positions between those looked at may be a little worse.
+constexpr double search_part = 0.95;
 constexpr double not_closed = 100.0;   // misfit beyond that of any closed candidate
 constexpr double least_travel = 1e-3;  // of the shape as searched: below, it only rotates
 
@@ -155,18 +156,17 @@ DesignFacts DesignModel::facts(const double* values, const std::vector<int>& sig
   return out;
 }
 
-double DesignModel::misfit(const DesignFacts& facts) const {
+double DesignModel::misfit(const DesignFacts& facts, double part) const {
   if (facts.gap > 0.0) return not_closed * (1.0 + facts.gap);
   constexpr double tiny = 1e-12;
-  double sum = excess(facts.drift, to_spare * problem_.drift) +
-               excess(facts.inclination, to_spare * problem_.inclination) +
-               excess(problem_.shortest, to_spare * std::max(facts.shortest, tiny)) +
-               excess(facts.longest, to_spare * problem_.longest);
-  for (const double t : facts.transmission) sum += excess(problem_.transmission, to_spare * std::max(t, tiny));
+  double sum = excess(facts.drift, part * problem_.drift) + excess(facts.inclination, part * problem_.inclination) +
+               excess(problem_.shortest, part * std::max(facts.shortest, tiny)) +
+               excess(facts.longest, part * problem_.longest);
+  for (const double t : facts.transmission) sum += excess(problem_.transmission, part * std::max(t, tiny));
   for (std::size_t i = 0; i < facts.strokes.size(); ++i) {
     const DesignFacts::Stroke& stroke = facts.strokes[i];
-    sum += excess(stroke.longest, to_spare * problem_.actuators[i].ratio * std::max(stroke.shortest, tiny));
-    sum += excess(problem_.actuators[i].lever, to_spare * std::max(stroke.least_lever, 1e-3));
+    sum += excess(stroke.longest, part * problem_.actuators[i].ratio * std::max(stroke.shortest, tiny));
+    sum += excess(problem_.actuators[i].lever, part * std::max(stroke.least_lever, 1e-3));
   }
   return sum;
 }
@@ -191,10 +191,10 @@ Scene DesignModel::scene_of(const double* values, const std::vector<int>& signs,
   chain_.place(points.data(), values[problem_.variables.size()], signs.data(), poses.data(), cosines.data());
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     std::optional<double>& angle = scene.start.angle[i];
-    const Vec2 d = poses[i].direction;
-    angle =
-        chain_.places(static_cast<int>(i)) ? std::atan2(d.y, d.x) + facts.turned : angle.value_or(0.0) + facts.turned;
+    if (chain_.places(static_cast<int>(i))) angle = std::atan2(poses[i].direction.y, poses[i].direction.x);
+    if (angle) *angle += facts.turned;
   }
+  // The driver's is unwrapped: its range begins there.
   scene.start.angle[static_cast<std::size_t>(problem_.driver)] = values[problem_.variables.size()] + facts.turned;
   start_jacks(scene, points, poses, facts);
   return scene;
@@ -242,7 +242,7 @@ DesignResult design(const DesignProblem& problem, const DesignOptions& options) 
     for (int k = 0; k < options.draws; ++k) {
       for (std::size_t i = 0; i < x.size(); ++i) drawn[i] = lower[i] + uniform(random) * (upper[i] - lower[i]);
       for (int& sign : drawn_signs) sign = uniform(random) < 0.5 ? -1 : 1;
-      const double misfit = model.misfit(model.facts(drawn.data(), drawn_signs, search_positions));
+      const double misfit = model.misfit(model.facts(drawn.data(), drawn_signs, search_positions), search_part);
       if (misfit >= least) continue;
       least = misfit;
       x = drawn;
@@ -252,15 +252,16 @@ DesignResult design(const DesignProblem& problem, const DesignOptions& options) 
     settings.evaluations = options.evaluations;
     settings.interrupt = options.interrupt;
     const solvers::NloptResult found = solvers::minimise_with_nlopt(
-        [&](const double* values) { return model.misfit(model.facts(values, signs, search_positions)); }, lower, upper,
-        x, settings);
+        [&](const double* values) { return model.misfit(model.facts(values, signs, search_positions), search_part); },
+        lower, upper, x, settings);
     best.evaluations += options.draws + found.evaluations;
     ++best.starts;
-    if (found.value < best.misfit) {
-      best.misfit = found.value;
+    const double misfit = model.misfit(model.facts(found.x.data(), signs, final_positions));
+    if (misfit < best.misfit) {
+      best.misfit = misfit;
       best.values = found.x;
       best.signs = signs;
-      best.met = found.good_enough;
+      best.met = misfit == 0.0;
     }
     if (options.progress) options.progress(best.starts, best.misfit);
   }

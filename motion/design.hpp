@@ -109,9 +109,9 @@ class DesignModel {
 
   /// `values` as DesignResult::values, at `positions` angles of the driver spread evenly.
   DesignFacts facts(const double* values, const std::vector<int>& signs, int positions) const;
-  /// 0 where all goals are met with 2 per cent to spare, else the sum of log(value / limit) of those missed; far more
-  /// where the dyads do not close.
-  double misfit(const DesignFacts& facts) const;
+  /// 0 where all goals are met, else the sum of log(value / limit) of those missed; far more where the dyads do not
+  /// close. All limits are tightened to `part` of what is allowed.
+  double misfit(const DesignFacts& facts, double part = 1.0) const;
   /// The scene with these dimensions after the similarity, started at the begin of its range.
   Scene scene_of(const double* values, const std::vector<int>& signs, const DesignFacts& facts) const;
 
@@ -126,6 +126,17 @@ class DesignModel {
 
 /// Searches from random starts, with random signs of the dyads, by SBPLX until all goals are met.
 DesignResult design(const DesignProblem& problem, const DesignOptions& options = {});
+
+/// What the general kinematics (motion/kinematics.hpp) say of a design's scene, driven through its range: the loops
+/// are closed by Newton's method, nothing is taken from the dyads.
+struct DesignCheck {
+  bool met = false;        ///< the range is completed, without a singular pose, and all goals are met (travel: to 1e-6)
+  std::string why;         ///< what is missed
+  DesignFacts facts;       ///< along and across are the world's y and x; scale and turned mean nothing
+  double closeness = 0.0;  ///< least closeness to singular (KinematicSample) on the way
+};
+
+DesignCheck check_design(const DesignProblem& problem, const DesignResult& result);
 
 /// A scene's geometry as a scene file: ground, bodies with their points, pins, slides, welds, bars and start. Masses,
 /// springs and loads of a scene do not fit new dimensions, and are left out.

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include <fmt/format.h>
-
-#include "model/nearest_name.hpp"
 #include "statics/curvature_impl.hpp"
 #include "statics/free_bodies.hpp"
 
@@ -158,9 +155,9 @@ class InverseDynamics {
     power.potential = energy * loads.dot(rates);
     power.resisted = energy * resistance.dot(rates);
     for (const DriveEffort& drive : out_.drives) power.driven += drive.power;
-    const double sum =
-        std::abs(power.kinetic) + std::abs(power.potential) + std::abs(power.resisted) + std::abs(power.driven);
-    if (sum > 0) power.error = std::abs(power.kinetic + power.potential + power.resisted - power.driven) / sum;
+    const double fastest = rates.size() > 0 ? rates.cwiseAbs().maxCoeff() : 0.0;
+    const double size = out_.largest_force * model_.scales().length * fastest + std::abs(power.driven);
+    if (size > 0) power.error = std::abs(power.kinetic + power.potential + power.resisted - power.driven) / size;
 
     const VectorXd left = energy * free.basis.transpose() * (inertia + loads + resistance);
     const std::vector<double> none(n, 0.0);
@@ -202,32 +199,6 @@ class InverseDynamics {
 Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                  const std::vector<double>& a, const std::vector<Drive>& drives) {
   return InverseDynamics(model, x, v, a, drives).forces();
-}
-
-Drive drive_named(const Scene& scene, std::string_view name, const std::string& option) {
-  std::vector<std::string> names;
-  for (const Drive& drive : scene.drives) {
-    if (drive.name == name) return drive;
-    names.push_back(drive.name);
-  }
-  Drive drive;
-  drive.name = name;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    names.push_back(scene.bodies[i].name);
-    if (scene.bodies[i].name != name) continue;
-    drive.body_b = static_cast<int>(i);
-    return drive;
-  }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (!scene.joints[j].has_travel()) continue;
-    names.push_back(scene.joints[j].name);
-    if (scene.joints[j].name != name) continue;
-    drive.kind = Drive::Kind::travel;
-    drive.joint = static_cast<int>(j);
-    return drive;
-  }
-  throw InputError(
-      fmt::format("{}: \"{}\" is no drive, body or joint with a travel{}", option, name, did_you_mean(name, names)));
 }
 
 }  // namespace poise

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "motion/body_motion.hpp"
@@ -26,7 +25,8 @@ struct PowerBalance {
   double potential = 0.0;  ///< d/dt of the potential of weights, dead loads and springs, less what followers give
   double resisted = 0.0;   ///< taken by dampers and dry friction
   double driven = 0.0;     ///< given by the drives
-  /// kinetic + potential + resisted - driven, over the sum of their sizes; 0 where nothing moves
+  /// |kinetic + potential + resisted - driven| over driven power plus largest force times the fastest rate; 0 where
+  /// nothing moves.
   double error = 0.0;
 };
 
@@ -62,9 +62,5 @@ struct Forces {
 /// of the drives play no part, only what they act on.
 Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                  const std::vector<double>& a, const std::vector<Drive>& drives);
-
-/// What can be driven under that name: a drive of the scene, the absolute angle of a body, or the travel of a joint.
-/// Throws InputError, naming `option` and the nearest name, where there is none.
-Drive drive_named(const Scene& scene, std::string_view name, const std::string& option);
 
 }  // namespace poise

@@ -23,29 +23,6 @@ using Eigen::VectorXd;
 
 std::string where(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
 
-// What a name drives: the absolute angle of a body or the travel of a joint.
-Drive find_drive(const Scene& scene, const std::string& name) {
-  Drive drive;
-  drive.name = name;
-  std::vector<std::string> names;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    names.push_back(scene.bodies[i].name);
-    if (names.back() != name) continue;
-    drive.body_b = static_cast<int>(i);
-    return drive;
-  }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (!scene.joints[j].has_travel()) continue;
-    names.push_back(scene.joints[j].name);
-    if (names.back() != name) continue;
-    drive.kind = Drive::Kind::travel;
-    drive.joint = static_cast<int>(j);
-    return drive;
-  }
-  throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",
-                               where(scene), name, did_you_mean(name, names)));
-}
-
 // The scene with the drives in it, so that the compiled model keeps what they move.
 Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
   if (ranges.empty()) throw InputError(where(scene) + "drive: expected at least one, say crank=0..360");
@@ -163,6 +140,10 @@ class Sweep {
     for (int i = 0; i < model.mechanism().coordinates(); ++i) {
       result_.coordinates.push_back(model.layout().coordinates[i].name);
       result_.is_angle.push_back(i < model.layout().angles);
+    }
+    for (std::size_t i = 0; i < model.scene().bodies.size(); ++i) {
+      const int frame = model.layout().links[i].frame;
+      result_.turns.push_back(frame >= 0 && frame < model.layout().kept);
     }
     for (const DrivenCoordinate& d : driven_)
       result_.drive_coordinates.push_back(static_cast<std::size_t>(d.coordinate));
@@ -318,6 +299,28 @@ class Sweep {
 };
 
 }  // namespace
+
+Drive find_drive(const Scene& scene, const std::string& name) {
+  Drive drive;
+  drive.name = name;
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    names.push_back(scene.bodies[i].name);
+    if (names.back() != name) continue;
+    drive.body_b = static_cast<int>(i);
+    return drive;
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (!scene.joints[j].has_travel()) continue;
+    names.push_back(scene.joints[j].name);
+    if (names.back() != name) continue;
+    drive.kind = Drive::Kind::travel;
+    drive.joint = static_cast<int>(j);
+    return drive;
+  }
+  throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",
+                               where(scene), name, did_you_mean(name, names)));
+}
 
 KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options) {
   const MotionModel model(driven_scene(scene, drives));

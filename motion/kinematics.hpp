@@ -15,6 +15,9 @@ struct DriveRange {
   double from = 0.0, to = 0.0;
 };
 
+/// What a name drives. Throws InputError, with the nearest name, where it is no body, slide or pin in a slot.
+Drive find_drive(const Scene& scene, const std::string& name);
+
 struct SweepOptions {
   int steps = 72;     ///< equal parts of the range: steps + 1 samples; one where no range has a length
   double rate = 1.0;  ///< of the first drive that moves, towards its end, rad/s or m/s; the others keep pace with it
@@ -50,6 +53,7 @@ struct KinematicsResult {
   bool complete = false;
   std::string why;                             ///< where not complete
   std::vector<std::string> coordinates;        ///< names of q
+  std::vector<bool> turns;                     ///< per body of the scene: whether it can turn
   std::vector<bool> is_angle;                  ///< which of q are angles; the others are lengths
   std::vector<std::size_t> drive_coordinates;  ///< the driven one of each drive
   std::vector<KinematicSample> samples;

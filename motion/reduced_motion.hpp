@@ -54,7 +54,8 @@ class ReducedMotion {
   void start_drives(const T* q);
   /// Chooses independent coordinates by complete pivoting of J at (q, t). Once `keep_rank`, a pose of lower rank than
   /// the first does not change it. Returns singular where the rank has grown.
-  Status choose(const T& t, const T* q, bool keep_rank);
+  /// With `fixed`, these are the independent coordinates and only the rows are chosen.
+  Status choose(const T& t, const T* q, bool keep_rank, const std::vector<int>* fixed = nullptr);
 
   /// Relative pivot of the dependent columns of J below which a pose counts as singular.
   void set_singular_limit(const T& limit) { singular_limit_ = limit; }

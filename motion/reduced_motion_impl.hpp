@@ -89,7 +89,8 @@ void ReducedMotion<T>::residual(const T& t) {
 }
 
 template <class T>
-typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* q, bool keep_rank) {
+typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* q, bool keep_rank,
+                                                           const std::vector<int>* fixed) {
   using std::abs;
   t_ = t;
   known_ = false;
@@ -99,16 +100,22 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   std::vector<int> rows(rows_), columns(n_);
   for (int i = 0; i < rows_; ++i) rows[i] = i;
   for (int j = 0; j < n_; ++j) columns[j] = j;
+  if (fixed != nullptr) {
+    // The fixed ones are put last, and pivots are looked for before them only.
+    std::stable_partition(columns.begin(), columns.end(),
+                          [&](int j) { return std::find(fixed->begin(), fixed->end(), j) == fixed->end(); });
+  }
+  const int searched = fixed != nullptr ? n_ - static_cast<int>(fixed->size()) : n_;
   T first(0);
   int rank = 0;
-  const int most = keep_rank && first_rank_ >= 0 ? first_rank_ : std::min(rows_, n_);
+  const int most = keep_rank && first_rank_ >= 0 ? first_rank_ : std::min(rows_, searched);
   // Rounding in pivots of exactly singular poses stays below this; a mechanism as badly determined cannot be moved.
   const T zero = static_cast<T>(1e-9);
   bool grown = false;
-  for (; rank < std::min(rows_, n_); ++rank) {
+  for (; rank < std::min(rows_, searched); ++rank) {
     int p = rank, c = rank;
     for (int i = rank; i < rows_; ++i) {
-      for (int j = rank; j < n_; ++j) {
+      for (int j = rank; j < searched; ++j) {
         if (abs(jacobian(rows[i], columns[j])) > abs(jacobian(rows[p], columns[c]))) {
           p = i;
           c = j;
@@ -420,8 +427,9 @@ void ReducedMotion<T>::linearize() {
 template <class T>
 void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const {
   if (influence.body < 0) {
-    mechanism_.add_force_derivative(influence.element, influence.index, static_cast<T>(influence.by), q_.data(),
-                                    pose_.data(), v_.data(), g);
+    const auto element = static_cast<typename Mechanism<T>::Element>(influence.element);
+    mechanism_.add_force_derivative(element, influence.index, static_cast<T>(influence.by), q_.data(), pose_.data(),
+                                    v_.data(), g);
     return;
   }
   inertia_.add_body(influence.body,

@@ -89,7 +89,7 @@ class Simulation {
         overrun_(model.scene().stops.size(), 0) {
     for (std::size_t i = static_cast<std::size_t>(model.layout().angles); i < n_; ++i) unit_[i] = model.scales().length;
     reduced_.start_drives(q_start_.data());
-    reduced_.choose(0.0, q_start_.data(), false);
+    reduced_.choose(0.0, q_start_.data(), false, options.independent.empty() ? nullptr : &options.independent);
     out_.freedoms = reduced_.freedoms();
     out_.independent = reduced_.independent();
     out_.drive_force.resize(static_cast<std::size_t>(reduced_.drives()));

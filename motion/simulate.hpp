@@ -37,6 +37,8 @@ struct MotionOptions {
   double accuracy = 1e-10;
   /// Sensitivities wanted: of the f initial independent coordinates, the f initial independent rates, then these.
   bool sensitivities = false;
+  /// Independent coordinates to begin with, where these are to be the same in several motions; empty: chosen.
+  std::vector<int> independent{};
   std::vector<Influence> influences{};  ///< in the units of the scaled scene, per unit of the caller's number
   int most_steps = 10'000'000;
   const std::atomic<bool>* interrupt = nullptr;

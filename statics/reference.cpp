@@ -4,42 +4,18 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Core>
-#include <boost/multiprecision/cpp_bin_float.hpp>
-
-namespace poise::detail {
-using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-}  // namespace poise::detail
-
-// What Eigen wants to know of a scalar. (The traits that Boost 1.74 ships lack members that Eigen 3.4 asks for.)
-template <>
-struct Eigen::NumTraits<poise::detail::Real> : Eigen::GenericNumTraits<poise::detail::Real> {
-  // NOLINTBEGIN(readability-identifier-naming): Eigen's names
-  enum {
-    IsComplex = 0,
-    IsInteger = 0,
-    IsSigned = 1,
-    RequireInitialization = 1,
-    ReadCost = 8,
-    AddCost = 8,
-    MulCost = 16
-  };
-  // NOLINTEND(readability-identifier-naming)
-  static poise::detail::Real dummy_precision() { return 1000 * epsilon(); }
-  static int digits10() { return std::numeric_limits<poise::detail::Real>::digits10; }
-};
-
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 
 #include "model/mechanism_impl.hpp"
 #include "statics/curvature_impl.hpp"
+#include "statics/real50.hpp"
 
 namespace poise {
 namespace {
 
-using detail::Real;
+using Real = Real50;
 using Vector = DensePoint<Real>::Vector;
 using Matrix = DensePoint<Real>::Matrix;
 

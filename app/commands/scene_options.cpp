@@ -28,8 +28,8 @@ NamedNumber read_named_number(const std::string& option, const std::string& text
   double value = 0.0;
   const auto [stopped, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stopped != end) {
-    throw InputError(fmt::format("{} {}: \"{}\" is not a number; expected {}", option, text, text.substr(equals + 1),
-                                 example));
+    throw InputError(
+        fmt::format("{} {}: \"{}\" is not a number; expected {}", option, text, text.substr(equals + 1), example));
   }
   return {text.substr(0, equals), value};
 }

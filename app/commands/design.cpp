@@ -1,0 +1,82 @@
+#include "app/commands/design.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "app/commands/session.hpp"
+#include "app/interrupt.hpp"
+#include "app/report/design_report.hpp"
+
+namespace poise::app {
+namespace {
+
+struct DesignRequest {
+  Request common;  // `scene` is the design file
+  std::string found;
+  std::uint64_t seed = 1;
+  int starts = 300;
+};
+
+int run_design(const DesignRequest& request, const Palette& palette) {
+  if (request.starts < 1) throw InputError(fmt::format("--starts: expected a number > 0, found {}", request.starts));
+  Progress progress;
+  progress.now("reading the design");
+  const DesignProblem problem = read_design(request.common.scene);
+  OutputFiles files(request.common);
+  std::optional<OutputFile> found;
+  if (!request.found.empty()) {
+    for (const std::string& other : {request.common.scene, request.common.json, problem.scene.file}) {
+      std::error_code unknown;
+      if (other != request.found && !std::filesystem::equivalent(other, request.found, unknown)) continue;
+      throw InputError(fmt::format("--scene: \"{}\" is in use already; expected another file", request.found));
+    }
+    found.emplace(request.found, "--scene");
+  }
+  DesignOptions options;
+  options.seed = request.seed;
+  options.starts = request.starts;
+  options.interrupt = &watch_for_interrupt();
+  options.progress = [&](int start, double misfit) {
+    progress.now(fmt::format("searching: start {} of {}, best misfit {:.3g}", start, request.starts, misfit));
+  };
+  progress.now("searching");
+  const auto begin = std::chrono::steady_clock::now();
+  DesignResult result = design(problem, options);
+  const double microseconds =
+      std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+  const DesignCheck check = result.values.empty() ? DesignCheck{} : check_design(problem, result);
+
+  progress.now("writing the result");
+  std::string written =
+      files.write(files.wants_json() ? design_json(problem, result, check, request.seed) : "", "", "");
+  if (found && !result.values.empty()) {
+    result.scene.title = problem.title;
+    result.scene.source = fmt::format("poise design {} --seed {}", problem.file, request.seed);
+    found->prepare(geometry_text(result.scene));
+    found->commit();
+    written += "wrote " + found->path().string() + "\n";
+  }
+  progress.done();
+  print(design_report(problem, result, check, microseconds, palette) + (written.empty() ? "" : "\n" + written));
+  return result.met && check.met ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_design(CLI::App& app) {
+  const auto request = std::make_shared<DesignRequest>();
+  CLI::App& command = *app.add_subcommand("design", "Find dimensions that meet the goals of a design file");
+  command.add_option("DESIGN", request->common.scene, "Design file (TOML)")->required()->type_name("");
+  command.add_option("--seed", request->seed, "Of the random starts (1)")->type_name("N");
+  command.add_option("--starts", request->starts, "Searches before it gives up (300)")->type_name("N");
+  command.add_option("--scene", request->found, "Write the geometry found to FILE, as a scene")->type_name("FILE");
+  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
+  return {&command, [request](const Palette& palette) { return run_design(*request, palette); }};
+}
+
+}  // namespace poise::app

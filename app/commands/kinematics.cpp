@@ -1,0 +1,123 @@
+#include "app/commands/kinematics.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/commands/scene_options.hpp"
+#include "app/commands/session.hpp"
+#include "app/interrupt.hpp"
+#include "app/kinematics_files.hpp"
+#include "app/report/kinematics_report.hpp"
+
+namespace poise::app {
+namespace {
+
+struct KinematicsRequest {
+  Request common;
+  std::vector<std::string> drives, points;
+  int steps = 72;
+  std::optional<double> rate;
+};
+
+constexpr int most_steps = 1000000;
+
+Quantity quantity_of(const Scene& scene, const std::string& drive) {
+  return find_drive(scene, drive).kind == Drive::Kind::angle ? Quantity::angle : Quantity::length;
+}
+
+std::optional<double> number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [stopped, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stopped != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// "crank=0..360", or "crank=30" for one place.
+DriveRange read_drive(const std::string& text, const Scene& scene) {
+  const std::size_t equals = text.rfind('=');
+  const std::string expected = "; expected NAME=FROM..TO, say crank=0..360";
+  if (equals == std::string::npos) throw InputError(fmt::format("--drive {}: there is no \"=\"{}", text, expected));
+  const std::string_view range = std::string_view(text).substr(equals + 1);
+  const std::size_t dots = range.find("..");
+  const auto from = number(range.substr(0, dots));
+  const auto to = dots == std::string_view::npos ? from : number(range.substr(dots + 2));
+  if (!from || !to) throw InputError(fmt::format("--drive {}: \"{}\" is no range of numbers{}", text, range, expected));
+  DriveRange out{text.substr(0, equals), 0.0, 0.0};
+  const double unit = unit_value(quantity_of(scene, out.name), scene.units);
+  out.from = *from * unit;
+  out.to = *to * unit;
+  return out;
+}
+
+int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
+  if (request.steps < 1 || request.steps > most_steps) {
+    throw InputError(fmt::format("--steps: expected a number from 1 to {}, found {}", most_steps, request.steps));
+  }
+  if (!request.common.svg.empty()) expect_plotter();
+  Progress progress;
+  progress.now("reading the scene");
+  const Scene scene = load_scene(request.common);
+  std::vector<DriveRange> ranges;
+  for (const std::string& text : request.drives) ranges.push_back(read_drive(text, scene));
+  OutputFiles files(request.common);
+  SweepOptions options;
+  options.steps = request.steps;
+  options.interrupt = &watch_for_interrupt();
+  if (request.rate) {
+    if (!(*request.rate > 0.0) || !std::isfinite(*request.rate)) {
+      throw InputError(fmt::format("--rate: expected a number > 0, found {}", *request.rate));
+    }
+    options.rate = *request.rate * unit_value(quantity_of(scene, ranges.front().name), scene.units);
+  }
+  progress.now("driving the mechanism");
+  const KinematicsResult result = sweep(scene, ranges, options);
+  const std::string report = kinematics_report(scene, result, ranges, options.rate, request.points, palette);
+
+  progress.now("writing the result");
+  const bool any = !result.samples.empty();
+  const std::string written =
+      files.write(files.wants_json() ? kinematics_json(scene, result, ranges, request.common.settings) : "",
+                  files.wants_svg() && any ? draw_plot(kinematics_panels(scene, result, ranges), 1) : "",
+                  files.wants_csv() && any ? kinematics_csv(scene, result, ranges) : "");
+  progress.done();
+  print(report + (written.empty() ? "" : "\n" + written));
+  return result.complete ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_kinematics(CLI::App& app) {
+  const auto request = std::make_shared<KinematicsRequest>();
+  CLI::App& command = *app.add_subcommand("kinematics", "Drive it over a range: positions, velocities, accelerations");
+  add_scene_options(command, request->common);
+  command
+      .add_option(
+          "--drive", request->drives,
+          "Drive the angle of a body, or the travel of a joint, in the\nscene's units: crank=0..360; as many as "
+          "it has freedoms")
+      ->required()
+      ->type_name("NAME=FROM..TO")
+      ->allow_extra_args(false);
+  command.add_option("--steps", request->steps, "Equal parts of the range (72)")->type_name("N");
+  command
+      .add_option("--rate", request->rate,
+                  "Speed of the first drive that moves, scene's units per second\n(1 rad/s or 1 m/s)")
+      ->type_name("NUMBER");
+  command.add_option("--point", request->points, "Show this point too: crank.B; several times")
+      ->type_name("BODY.POINT")
+      ->allow_extra_args(false);
+  command.add_option("--csv", request->common.csv, "Write all samples, one line each, to FILE")->type_name("FILE");
+  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
+  command.add_option("--svg", request->common.svg, "Draw coordinates and their derivatives into FILE")
+      ->type_name("FILE");
+  return {&command, [request](const Palette& palette) { return run_kinematics(*request, palette); }};
+}
+
+}  // namespace poise::app

@@ -1,0 +1,69 @@
+#include "app/commands/modes.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/commands/scene_options.hpp"
+#include "app/commands/session.hpp"
+#include "app/interrupt.hpp"
+#include "app/report/modes_report.hpp"
+#include "model/nearest_name.hpp"
+#include "motion/rest_pose.hpp"
+
+namespace poise::app {
+namespace {
+
+struct ModesRequest {
+  Request common;
+  std::string seek = "nearest";
+};
+
+int run_modes(const ModesRequest& request, const Palette& palette) {
+  if (request.seek != "nearest" && request.seek != "stable") {
+    throw InputError(fmt::format("--seek: expected nearest or stable, found \"{}\"{}", request.seek,
+                                 did_you_mean(request.seek, {"nearest", "stable"})));
+  }
+  Progress progress;
+  progress.now("reading the scene");
+  const StaticModel statics(load_scene(request.common));
+  const MotionModel model(statics.scene());
+  OutputFiles files(request.common);
+  SolveOptions options;
+  options.seek = request.seek == "stable" ? Seek::stable : Seek::nearest;
+  options.interrupt = &watch_for_interrupt();
+
+  progress.now("looking for rest");
+  ModesAnswer answer;
+  answer.rest = solve(statics, options);
+  if (answer.rest.found()) {
+    progress.now("looking at its small motions");
+    answer.x = motion_coordinates(model, statics, answer.rest.x);
+    answer.modes = modes_of(model, answer.x);
+  }
+  progress.now("writing the result");
+  const std::string written =
+      files.write(files.wants_json() ? modes_json(model, answer, request.common.settings) : "", "");
+  progress.done();
+  print(modes_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
+  return answer.modes.known ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_modes(CLI::App& app) {
+  const auto request = std::make_shared<ModesRequest>();
+  CLI::App& command = *app.add_subcommand("modes", "Tell how it swings about rest: frequencies, shapes, damping");
+  add_scene_options(command, request->common);
+  command
+      .add_option("--seek", request->seek,
+                  "nearest: any equilibrium near the start (the default);\nstable: minima only")
+      ->type_name("WHAT");
+  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
+  return {&command, [request](const Palette& palette) { return run_modes(*request, palette); }};
+}
+
+}  // namespace poise::app

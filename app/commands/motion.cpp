@@ -1,0 +1,221 @@
+#include "app/commands/motion.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/commands/scene_options.hpp"
+#include "app/commands/session.hpp"
+#include "app/interrupt.hpp"
+#include "app/motion_files.hpp"
+#include "app/motion_record.hpp"
+#include "app/report/motion_report.hpp"
+#include "app/report/parts.hpp"
+#include "model/nearest_name.hpp"
+#include "motion/rest_pose.hpp"
+
+namespace poise::app {
+namespace {
+
+/// What was asked for.
+struct MotionRequest {
+  Request common;
+  double duration = 0.0;
+  double rate = 1000.0;
+  std::vector<std::string> release, release_rate;
+  std::string from;
+  double noise = 0.0;
+  std::uint64_t seed = 1;
+  double accuracy = 1e-10;
+};
+
+// Numbers of a record, all columns together: beyond them a file is no use to anybody.
+constexpr double most_numbers = 2e8;
+
+void expect_number(const std::string& option, double value, bool fits, const std::string& expected) {
+  if (fits && std::isfinite(value)) return;
+  throw InputError(fmt::format("{}: expected {}, found {}", option, expected, value));
+}
+
+void check(const MotionRequest& request) {
+  expect_number("--duration", request.duration, request.duration > 0, "seconds > 0");
+  expect_number("--rate", request.rate, request.rate > 0, "samples per second > 0");
+  expect_number("--accuracy", request.accuracy, request.accuracy >= 1e-13 && request.accuracy <= 1e-2,
+                "a number from 1e-13 to 1e-2");
+  expect_number("--noise", request.noise, request.noise >= 0, "a standard deviation >= 0");
+  if (request.noise > 0 && request.common.csv.empty()) {
+    throw InputError("--noise: there is no record to add it to; expected --csv FILE too");
+  }
+  if (!request.from.empty() && request.from != "rest" && request.from != "start") {
+    throw InputError(fmt::format("--from: expected rest or start, found \"{}\"{}", request.from,
+                                 did_you_mean(request.from, {"rest", "start"})));
+  }
+}
+
+void expect_record_of_a_size(const MotionRequest& request, const MotionModel& model) {
+  const double numbers = request.duration * request.rate * (2.0 * static_cast<double>(channels_of(model).size()) + 3);
+  if (numbers <= most_numbers) return;
+  throw InputError(fmt::format("--rate: {} samples per second for {} s make {:.2g} numbers; expected {:.2g} at most",
+                               request.rate, request.duration, numbers, most_numbers));
+}
+
+/// The channel so named. Throws InputError with the nearest name.
+const Channel& channel_named(const std::string& name, const std::string& option, const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels) {
+    if (channel.name == name) return channel;
+    names.push_back(channel.name);
+  }
+  throw InputError(fmt::format("{} {}: expected a body that turns or a joint that slides{}", option, name,
+                               did_you_mean(name, names)));
+}
+
+/// Where a motion begins before it is released.
+struct Origin {
+  std::string words;
+  std::optional<std::vector<double>> q;  // SI; none: the scene's start
+  bool found = true;
+};
+
+Origin find_origin(const MotionRequest& request, const MotionModel& model, const std::atomic<bool>& interrupt) {
+  const Scene& scene = model.scene();
+  if (request.from == "start" || (request.from.empty() && !scene.drives.empty())) return {"as assembled", {}, true};
+  const StaticModel statics(scene);
+  if (statics.mechanism().coordinates() == 0) return {"as assembled, which nothing loads", {}, true};
+  SolveOptions options;
+  options.interrupt = &interrupt;
+  const Equilibrium rest = solve(statics, options);
+  if (!rest.found()) return {rest.why, {}, false};
+  return {fmt::format("rest ({})", to_string(rest.check.stability)),
+          model.to_si(motion_coordinates(model, statics, rest.x)), true};
+}
+
+/// The state from which the motion starts, and it in words.
+MotionState release(const MotionRequest& request, const MotionModel& model, Origin& origin) {
+  const Units& units = model.scene().units;
+  const std::vector<Channel> channels = channels_of(model);
+  // Displacements count from the pose that the scene, or rest, and the drives give.
+  const MotionState still = start_motion(model, {}, origin.q ? &*origin.q : nullptr);
+  std::vector<StartValue> wanted;
+  const auto add = [&](const std::string& option, const std::string& text, bool rate) {
+    const NamedNumber given = read_named_number(option, text, "NAME=NUMBER, say boom=0.5");
+    const Channel& channel = channel_named(given.name, option, channels);
+    expect_number(option + " " + text, given.value, true, "a finite number");
+    const double value = given.value * unit_value(channel.quantity, units);
+    const auto i = static_cast<std::size_t>(channel.coordinate);
+    wanted.push_back({channel.coordinate, rate, rate ? value : still.q[i] + value});
+    origin.words += fmt::format(", {} {} by {} {}{}", given.name, rate ? "moving" : "released", given.value,
+                                unit_name(channel.quantity, units), rate ? "/s" : "");
+  };
+  for (const std::string& text : request.release) add("--release", text, false);
+  for (const std::string& text : request.release_rate) add("--release-rate", text, true);
+  if (wanted.empty() && origin.q && model.scene().drives.empty())
+    origin.words += "; it stays, nothing lets it go: --release";
+  return wanted.empty() ? still : start_motion(model, wanted, &still.q);
+}
+
+/// Tells how far a motion has come, a few times a second.
+std::function<void(double)> teller(Progress& progress, const std::string& doing, double duration) {
+  using Clock = std::chrono::steady_clock;
+  return [&progress, doing, duration, last = Clock::time_point{}](double t) mutable {
+    const auto now = Clock::now();
+    if (now - last < std::chrono::milliseconds(100)) return;
+    last = now;
+    progress.now(fmt::format("{}: {:.4g} s of {:.4g} s", doing, t, duration));
+  };
+}
+
+int run_motion(const MotionRequest& request, const Palette& palette) {
+  check(request);
+  if (!request.common.svg.empty()) expect_plotter();
+  Progress progress;
+  progress.now("reading the scene");
+  const MotionModel model(load_scene(request.common));
+  expect_record_of_a_size(request, model);
+  OutputFiles files(request.common);
+  const std::atomic<bool>& interrupt = watch_for_interrupt();
+
+  progress.now("looking for rest");
+  Origin origin = find_origin(request, model, interrupt);
+  if (!origin.found) {
+    progress.done();
+    print(heading(model, palette) + palette.paint(Tone::bad, "No rest to start from") + "\n" +
+          fact("why", origin.words, palette) + fact("", "--from start begins where the scene is assembled", palette));
+    return not_solved;
+  }
+  MotionAnswer answer;
+  const MotionState start = release(request, model, origin);
+  answer.start = origin.words;
+  answer.duration = request.duration;
+  answer.accuracy = request.accuracy;
+  MotionOptions options;
+  options.duration = request.duration;
+  options.accuracy = request.accuracy;
+  options.interrupt = &interrupt;
+  options.progress = teller(progress, "moving", request.duration);
+  answer.motion = simulate(model, start, options);
+  if (answer.motion.completed()) {
+    options.accuracy = request.accuracy / 10;
+    options.progress = teller(progress, "estimating the error", request.duration);
+    const Motion stricter = simulate(model, start, options);
+    if (stricter.completed()) answer.error = difference(answer.motion, stricter);
+  }
+
+  progress.now("writing the result");
+  answer.record = record(model, answer.motion, request.rate);
+  const std::string json = files.wants_json() ? motion_json(model, answer, request.common.settings) : "";
+  const std::string svg = files.wants_svg() ? draw_plot(motion_panels(model, answer.record)) : "";
+  std::string csv;
+  if (files.wants_csv()) {
+    MotionRecord measured = answer.record;
+    if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
+    csv = motion_csv(model, measured);
+  }
+  const std::string written = files.write(json, svg, csv);
+  progress.done();
+  print(motion_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
+  return answer.confirmed() ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_motion(CLI::App& app) {
+  const auto request = std::make_shared<MotionRequest>();
+  CLI::App& command = *app.add_subcommand("motion", "Move it, free or driven, from rest or from where it is let go");
+  add_scene_options(command, request->common);
+  command.add_option("--duration", request->duration, "How long it moves, s")->required()->type_name("S");
+  command.add_option("--rate", request->rate, "Samples per second of the record (1000)")->type_name("HZ");
+  const auto add_list = [&](const std::string& name, std::vector<std::string>& list, const std::string& text) {
+    command.add_option(name, list, text)->type_name("NAME=NUMBER")->allow_extra_args(false);
+  };
+  add_list("--release", request->release,
+           "Let it go with this body turned, or joint moved, by so much from\nwhere it would stand, in the scene's "
+           "units; several times");
+  add_list("--release-rate", request->release_rate, "The same with a speed, per second");
+  command
+      .add_option("--from", request->from,
+                  "rest: the equilibrium near the start (the default without\ndrives); start: as it is assembled (the "
+                  "default with drives)")
+      ->type_name("WHAT");
+  command
+      .add_option(
+          "--noise", request->noise,
+          "Standard deviation of Gaussian noise added to the angles and\ntravels of --csv, in the scene's units")
+      ->type_name("SIGMA");
+  command.add_option("--seed", request->seed, "Of the noise (1)")->type_name("N");
+  command.add_option("--accuracy", request->accuracy, "Relative accuracy of the motion (1e-10)")->type_name("NUMBER");
+  command.add_option("--csv", request->common.csv, "Write the record, one line for each sample, to FILE")
+      ->type_name("FILE");
+  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
+  command.add_option("--svg", request->common.svg, "Draw angles, travels and energies over time into FILE")
+      ->type_name("FILE");
+  return {&command, [request](const Palette& palette) { return run_motion(*request, palette); }};
+}
+
+}  // namespace poise::app

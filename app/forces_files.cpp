@@ -1,0 +1,177 @@
+#include "app/forces_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "app/csv_file.hpp"
+#include "app/json_parts.hpp"
+#include "app/report/parts.hpp"
+
+namespace poise::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t most_curves = 12;
+
+std::vector<double> shown(const ForceCourse& course, const Units& units) {
+  std::vector<double> out = course.value;
+  for (double& v : out) v = in_unit(v, course.quantity, units);
+  return out;
+}
+
+std::vector<double> places(const ForcesAnswer& answer, const Units& units) {
+  std::vector<double> out = answer.at;
+  for (double& v : out) {
+    if (answer.measure) v = in_unit(v, *answer.measure, units);
+  }
+  return out;
+}
+
+/// What a stop carries in one pose: 0 where it does not press.
+double stop_force(const Stop& stop, const Forces& forces) {
+  for (const Reaction& r : forces.reactions) {
+    if (r.kind == "stop" && r.name == stop.name) return stop.kind == Stop::Kind::angle ? r.moment : r.axial;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+bool ForcesAnswer::balanced() const {
+  return std::all_of(poses.begin(), poses.end(),
+                     [&](const Forces& f) { return f.imbalance <= tolerance * f.largest_force; });
+}
+
+std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAnswer& answer) {
+  std::vector<ForceCourse> out;
+  const auto add = [&](const std::string& name, Quantity quantity, auto value) {
+    ForceCourse course{name, quantity, {}};
+    for (const Forces& forces : answer.poses) course.value.push_back(value(forces));
+    out.push_back(std::move(course));
+  };
+  if (answer.poses.empty()) return out;
+  const std::vector<DriveEffort>& drives = answer.poses.front().drives;
+  for (std::size_t k = 0; k < drives.size(); ++k) {
+    const bool turns = drives[k].kind == Drive::Kind::angle;
+    add("effort." + drives[k].name, turns ? Quantity::moment : Quantity::force,
+        [k](const Forces& f) { return f.drives[k].value; });
+    add("power." + drives[k].name, Quantity::energy, [k](const Forces& f) { return f.drives[k].power; });
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const std::string name = "reaction." + scene.joints[j].name;
+    add(name + ".x", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.x; });
+    add(name + ".y", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.y; });
+    if (!scene.joints[j].keeps_angle()) continue;
+    add(name + ".moment", Quantity::moment, [j](const Forces& f) { return f.reactions[j].moment; });
+  }
+  for (const Stop& stop : scene.stops) {
+    add("stop." + stop.name, stop.kind == Stop::Kind::angle ? Quantity::moment : Quantity::force,
+        [&stop](const Forces& f) { return stop_force(stop, f); });
+  }
+  const auto add_list = [&](const std::string& kind, const auto& items, Quantity quantity,
+                            std::vector<double> Forces::* values) {
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      add(kind + items[i].name, quantity, [i, values](const Forces& f) { return (f.*values)[i]; });
+    }
+  };
+  add_list("spring.", scene.springs, Quantity::force, &Forces::spring_tension);
+  add_list("torsion_spring.", scene.torsion_springs, Quantity::moment, &Forces::torsion_spring_moment);
+  add_list("damper.", scene.dampers, Quantity::force, &Forces::damper_tension);
+  add_list("torsion_damper.", scene.torsion_dampers, Quantity::moment, &Forces::torsion_damper_moment);
+  add_list("friction.", scene.frictions, Quantity::moment, &Forces::friction_moment);
+  add("imbalance", Quantity::force, [](const Forces& f) { return f.imbalance; });
+  return out;
+}
+
+std::string forces_csv(const Scene& scene, const ForcesAnswer& answer) {
+  std::vector<std::string> header;
+  std::vector<std::vector<double>> columns;
+  if (!answer.at.empty()) {
+    header.push_back(answer.along);
+    columns.push_back(places(answer, scene.units));
+  }
+  for (const ForceCourse& course : force_courses(scene, answer)) {
+    header.push_back(course.name);
+    columns.push_back(shown(course, scene.units));
+  }
+  return csv_text(header, columns);
+}
+
+std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const std::vector<std::string>& settings) {
+  const auto numbers = [](const std::vector<double>& values) {
+    json out = json::array();
+    for (double v : values) out.push_back(json_number(v));
+    return out;
+  };
+  json out = {{"poise", POISE_VERSION},
+              {"scene", json_scene(scene, settings)},
+              {"units", json_units(scene.units)},
+              {"how", answer.how},
+              {"complete", answer.complete},
+              {"why", answer.why},
+              {"balanced", answer.balanced()},
+              {"along", answer.along},
+              {"at", numbers(places(answer, scene.units))},
+              {"forces", json::object()}};
+  for (const ForceCourse& course : force_courses(scene, answer)) {
+    out["forces"][course.name] = numbers(shown(course, scene.units));
+  }
+  std::set<std::string> undetermined;
+  double work = 0.0, power = 0.0;
+  for (const Forces& forces : answer.poses) {
+    for (const Reaction& r : forces.reactions) {
+      if (!r.determined) undetermined.insert(r.name);
+    }
+    for (const DriveEffort& d : forces.drives) {
+      if (!d.determined) undetermined.insert(d.name);
+    }
+    work = std::max(work, forces.work_error);
+    power = std::max(power, forces.power.error);
+  }
+  out["undetermined"] = undetermined;
+  out["work_error"] = work;
+  out["power_error"] = power;
+  return json_text(out, scene);
+}
+
+std::vector<Panel> forces_panels(const Scene& scene, const ForcesAnswer& answer) {
+  const std::vector<double> x = places(answer, scene.units);
+  const std::string x_label =
+      answer.measure ? with_unit(answer.along, *answer.measure, scene.units) : answer.along + " (s)";
+  std::vector<Panel> panels;
+  const auto panel = [&](const std::string& title, Quantity quantity) -> Panel& {
+    for (Panel& p : panels) {
+      if (p.title == title) return p;
+    }
+    panels.push_back({.title = title, .x_label = x_label, .y_label = with_unit("", quantity, scene.units)});
+    return panels.back();
+  };
+  for (const ForceCourse& course : force_courses(scene, answer)) {
+    if (!course.name.starts_with("effort.")) continue;
+    const bool turns = course.quantity == Quantity::moment;
+    panel(turns ? "torques of drives" : "forces of drives", course.quantity)
+        .curves.push_back({.name = course.name.substr(7), .x = x, .y = shown(course, scene.units)});
+  }
+  std::vector<Curve> sizes;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    Curve curve{.name = scene.joints[j].name, .x = x};
+    for (const Forces& f : answer.poses) {
+      curve.y.push_back(in_unit(norm(f.reactions[j].force), Quantity::force, scene.units));
+    }
+    sizes.push_back(std::move(curve));
+  }
+  const auto largest = [](const Curve& c) { return *std::max_element(c.y.begin(), c.y.end()); };
+  if (sizes.size() > most_curves) {
+    std::stable_sort(sizes.begin(), sizes.end(),
+                     [&](const Curve& a, const Curve& b) { return largest(a) > largest(b); });
+    sizes.resize(most_curves);
+  }
+  if (!sizes.empty()) panel("reactions of joints, their size", Quantity::force).curves = std::move(sizes);
+  return panels;
+}
+
+}  // namespace poise::app

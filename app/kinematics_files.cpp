@@ -1,0 +1,209 @@
+#include "app/kinematics_files.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "app/csv_file.hpp"
+#include "app/json_parts.hpp"
+
+namespace poise::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t most_curves = 12;
+
+Quantity quantity_of(const Scene& scene, const DriveRange& range) {
+  return find_drive(scene, range.name).kind == Drive::Kind::angle ? Quantity::angle : Quantity::length;
+}
+
+json in_json(Vec2 si, const Units& units) {
+  return {json_number(in_unit(si.x, Quantity::length, units)), json_number(in_unit(si.y, Quantity::length, units))};
+}
+
+json points(const Scene& scene, const KinematicSample& sample) {
+  json out = json::object();
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    for (const NamedPoint& p : scene.bodies[i].points) {
+      const BodyMotion& body = sample.bodies[i];
+      out[scene.bodies[i].name + "." + p.name] = {{"position", in_json(body.pose.world(p.at), scene.units)},
+                                                  {"velocity", in_json(body.velocity_of(p.at), scene.units)},
+                                                  {"acceleration", in_json(body.acceleration_of(p.at), scene.units)}};
+    }
+  }
+  return out;
+}
+
+json drive_values(const Scene& scene, const std::vector<DriveRange>& ranges, const std::vector<double>& values) {
+  json out = json::object();
+  for (std::size_t k = 0; k < ranges.size(); ++k) {
+    out[ranges[k].name] = json_number(in_unit(values[k], quantity_of(scene, ranges[k]), scene.units));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> in_units(const std::vector<double>& values, Quantity quantity, const Units& units) {
+  std::vector<double> out = values;
+  for (double& v : out) v = in_unit(v, quantity, units);
+  return out;
+}
+
+Course drive_course(const Scene& scene, const KinematicsResult& result, std::size_t drive,
+                    const std::vector<DriveRange>& ranges) {
+  Course out{ranges[drive].name, quantity_of(scene, ranges[drive]), {}, {}, {}};
+  for (const KinematicSample& sample : result.samples) {
+    out.value.push_back(sample.drive[drive]);
+    out.rate.push_back(sample.rate[result.drive_coordinates[drive]]);
+    out.second.push_back(0.0);
+  }
+  return out;
+}
+
+std::vector<Course> coordinate_courses(const Scene& scene, const KinematicsResult& result) {
+  std::vector<Course> out;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (!result.turns[i]) continue;
+    Course course{scene.bodies[i].name, Quantity::angle, {}, {}, {}};
+    for (const KinematicSample& sample : result.samples) {
+      course.value.push_back(sample.bodies[i].pose.angle);
+      course.rate.push_back(sample.bodies[i].rate);
+      course.second.push_back(sample.bodies[i].spin_up);
+    }
+    out.push_back(std::move(course));
+  }
+  for (std::size_t t = 0; t < result.coordinates.size(); ++t) {
+    if (result.is_angle[t]) continue;
+    Course course{result.coordinates[t], Quantity::length, {}, {}, {}};
+    for (const KinematicSample& sample : result.samples) {
+      course.value.push_back(sample.q[t]);
+      course.rate.push_back(sample.rate[t]);
+      course.second.push_back(sample.second[t]);
+    }
+    out.push_back(std::move(course));
+  }
+  return out;
+}
+
+std::vector<Course> point_courses(const Scene& scene, const KinematicsResult& result) {
+  std::vector<Course> out;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    for (const NamedPoint& p : scene.bodies[i].points) {
+      const std::string name = scene.bodies[i].name + "." + p.name;
+      Course x{name + ".x", Quantity::length, {}, {}, {}};
+      Course y{name + ".y", Quantity::length, {}, {}, {}};
+      for (const KinematicSample& sample : result.samples) {
+        const BodyMotion& body = sample.bodies[i];
+        const Vec2 at = body.pose.world(p.at), v = body.velocity_of(p.at), a = body.acceleration_of(p.at);
+        x.value.push_back(at.x);
+        y.value.push_back(at.y);
+        x.rate.push_back(v.x);
+        y.rate.push_back(v.y);
+        x.second.push_back(a.x);
+        y.second.push_back(a.y);
+      }
+      out.push_back(std::move(x));
+      out.push_back(std::move(y));
+    }
+  }
+  return out;
+}
+
+std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges) {
+  std::vector<std::string> header;
+  std::vector<std::vector<double>> columns;
+  for (std::size_t k = 0; k < ranges.size(); ++k) {
+    const Course course = drive_course(scene, result, k, ranges);
+    header.push_back("drive." + course.name);
+    columns.push_back(in_units(course.value, course.quantity, scene.units));
+  }
+  std::vector<Course> courses = coordinate_courses(scene, result);
+  for (Course& course : point_courses(scene, result)) courses.push_back(std::move(course));
+  for (const Course& course : courses) {
+    header.insert(header.end(), {course.name, course.name + ".rate", course.name + ".second"});
+    for (const auto* values : {&course.value, &course.rate, &course.second}) {
+      columns.push_back(in_units(*values, course.quantity, scene.units));
+    }
+  }
+  header.emplace_back("closeness_to_singular");
+  columns.emplace_back();
+  for (const KinematicSample& sample : result.samples) columns.back().push_back(sample.closeness_to_singular);
+  return csv_text(header, columns);
+}
+
+std::string kinematics_json(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges,
+                            const std::vector<std::string>& settings) {
+  json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
+  out["complete"] = result.complete;
+  out["why"] = result.why;
+  out["drives"] = json::array();
+  for (const DriveRange& range : ranges) {
+    const Quantity quantity = quantity_of(scene, range);
+    out["drives"].push_back({{"name", range.name},
+                             {"from", json_number(in_unit(range.from, quantity, scene.units))},
+                             {"to", json_number(in_unit(range.to, quantity, scene.units))}});
+  }
+  const std::vector<Course> courses = coordinate_courses(scene, result);
+  out["samples"] = json::array();
+  for (std::size_t s = 0; s < result.samples.size(); ++s) {
+    const KinematicSample& sample = result.samples[s];
+    json row = {{"drive", drive_values(scene, ranges, sample.drive)},
+                {"angles", json::object()},
+                {"lengths", json::object()},
+                {"points", points(scene, sample)},
+                {"closeness_to_singular", json_number(sample.closeness_to_singular)}};
+    for (const Course& course : courses) {
+      json& values = row[course.quantity == Quantity::angle ? "angles" : "lengths"][course.name];
+      for (const double si : {course.value[s], course.rate[s], course.second[s]}) {
+        values.push_back(json_number(in_unit(si, course.quantity, scene.units)));
+      }
+    }
+    out["samples"].push_back(std::move(row));
+  }
+  out["singular"] = json::array();
+  for (const SingularPose& pose : result.singular) {
+    out["singular"].push_back({{"kind", pose.kind == SingularPose::Kind::change_point ? "change point" : "dead centre"},
+                               {"before_range", pose.before_range},
+                               {"drive", drive_values(scene, ranges, pose.drive)},
+                               {"text", pose.text}});
+  }
+  return json_text(out, scene);
+}
+
+std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& result,
+                                     const std::vector<DriveRange>& ranges) {
+  struct Sight {
+    const char* angles;
+    const char* lengths;
+    const char* per;
+    std::vector<double> Course::*values;
+  };
+  static constexpr std::array<Sight, 3> sights = {
+      {{"Angles", "Lengths", "", &Course::value},
+       {"Angular velocities", "Speeds", "/s", &Course::rate},
+       {"Angular accelerations", "Accelerations along the joints", "/s²", &Course::second}}};
+  const std::vector<Course> courses = coordinate_courses(scene, result);
+  const Course drive = drive_course(scene, result, 0, ranges);
+  const std::vector<double> x = in_units(drive.value, drive.quantity, scene.units);
+  const std::string label = fmt::format("{} ({})", drive.name, unit_name(drive.quantity, scene.units));
+  std::vector<Panel> panels;
+  for (const Quantity quantity : {Quantity::angle, Quantity::length}) {
+    for (const Sight& sight : sights) {
+      Panel panel{.title = quantity == Quantity::angle ? sight.angles : sight.lengths,
+                  .x_label = label,
+                  .y_label = unit_name(quantity, scene.units) + sight.per};
+      for (const Course& course : courses) {
+        if (course.quantity != quantity || panel.curves.size() == most_curves) continue;
+        panel.curves.push_back(
+            {.name = course.name, .x = x, .y = in_units(course.*sight.values, quantity, scene.units)});
+      }
+      if (!panel.curves.empty()) panels.push_back(std::move(panel));
+    }
+  }
+  return panels;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/plot.hpp"
+#include "app/quantity.hpp"
+#include "motion/kinematics.hpp"
+
+namespace poise::app {
+
+// What `poise kinematics` writes. All values in the units of the scene, rates per second.
+
+/// Something that changes over the range: the angle of a body, a length (travel of a joint, place of a body that no
+/// chain of joints ties to the ground) or a coordinate of a point. SI, one entry per sample.
+struct Course {
+  std::string name;
+  Quantity quantity = Quantity::angle;
+  std::vector<double> value, rate, second;
+};
+
+/// A drive's values over the range, SI.
+Course drive_course(const Scene& scene, const KinematicsResult& result, std::size_t drive,
+                    const std::vector<DriveRange>& ranges);
+/// Every body that turns, then every length.
+std::vector<Course> coordinate_courses(const Scene& scene, const KinematicsResult& result);
+/// x and y of every point of every moving body: "crank.B.x".
+std::vector<Course> point_courses(const Scene& scene, const KinematicsResult& result);
+
+/// Values in the scene's units.
+std::vector<double> in_units(const std::vector<double>& values, Quantity quantity, const Units& units);
+
+/// Columns: drive.NAME of each drive; NAME, NAME.rate, NAME.second of all courses; closeness_to_singular.
+std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges);
+
+/// A JSON object: poise, scene {file, title, source, set}, units {...}, complete, why, steps, drives [{name, from,
+/// to}], samples [{drive {name: value}, angles, lengths {name: [value, rate, second]}, points {body.point: {position,
+/// velocity, acceleration: [x, y]}}, closeness_to_singular}], singular [{kind, before_range, drive {name: value},
+/// text}].
+std::string kinematics_json(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges,
+                            const std::vector<std::string>& settings);
+
+/// Values, rates and second derivatives of angles and of lengths over the first drive.
+std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& result,
+                                     const std::vector<DriveRange>& ranges);
+
+}  // namespace poise::app

@@ -1,0 +1,106 @@
+#include "app/motion_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace poise::app {
+namespace {
+
+/// Kinetic and potential energy of states of a model.
+class Energies {
+ public:
+  explicit Energies(const MotionModel& model)
+      : model_(model),
+        n_(static_cast<std::size_t>(model.mechanism().coordinates())),
+        pose_(static_cast<std::size_t>(model.mechanism().pose_size())),
+        mass_(n_ * n_) {}
+
+  void add(const std::vector<double>& q, const std::vector<double>& v, MotionRecord& record) {
+    const std::vector<double> x = model_.from_si(q);
+    const std::vector<double> w = model_.from_si(v);
+    model_.mechanism().place(x.data(), pose_.data());
+    model_.inertia().mass_matrix(pose_.data(), mass_.data());
+    double twice = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      twice += w[i] * std::inner_product(w.begin(), w.end(), &mass_[i * n_], 0.0);
+    }
+    record.kinetic.push_back(model_.scales().energy() * twice / 2);
+    record.potential.push_back(model_.scales().energy() * model_.mechanism().energy(x.data(), pose_.data()));
+  }
+
+ private:
+  const MotionModel& model_;
+  std::size_t n_;
+  std::vector<Planar<double>> pose_;
+  std::vector<double> mass_;
+};
+
+}  // namespace
+
+std::vector<Channel> channels_of(const MotionModel& model) {
+  const Scene& scene = model.scene();
+  const Layout& layout = model.layout();
+  std::vector<Channel> channels;
+  std::vector<bool> named(layout.coordinates.size(), false);
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Link& link = layout.links[i];
+    if (link.frame < 0 || link.frame >= layout.kept) continue;
+    channels.push_back({scene.bodies[i].name, Quantity::angle, link.frame, link.turn});
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const int travel = layout.travel[j];
+    if (travel < 0 || travel >= layout.kept) continue;
+    named[static_cast<std::size_t>(travel)] = true;
+    channels.push_back({scene.joints[j].name, Quantity::length, travel, 0.0});
+  }
+  for (int t = layout.angles; t < layout.kept; ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    if (!named[i]) channels.push_back({layout.coordinates[i].name, Quantity::length, t, 0.0});
+  }
+  return channels;
+}
+
+MotionRecord record(const MotionModel& model, const Motion& motion, double rate) {
+  MotionRecord out;
+  out.channels = channels_of(model);
+  out.value.resize(out.channels.size());
+  out.rate.resize(out.channels.size());
+  if (motion.trajectory.nodes() < 2) return out;
+  std::vector<int> all(static_cast<std::size_t>(motion.trajectory.coordinates));
+  std::iota(all.begin(), all.end(), 0);
+  TrajectoryReader reader(motion.trajectory, all);
+  Energies energies(model);
+  std::vector<double> q(all.size()), v(all.size());
+  // A sample that rounding puts behind the end belongs to it.
+  const auto samples = static_cast<std::size_t>(std::floor(motion.trajectory.t.back() * rate * (1 + 1e-12))) + 1;
+  for (std::size_t k = 0; k < samples; ++k) {
+    const double t = std::min(static_cast<double>(k) / rate, motion.trajectory.t.back());
+    reader.at(t);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      q[i] = reader.q(i);
+      v[i] = reader.v(i);
+    }
+    out.time.push_back(t);
+    for (std::size_t c = 0; c < out.channels.size(); ++c) {
+      const Channel& channel = out.channels[c];
+      out.value[c].push_back(q[static_cast<std::size_t>(channel.coordinate)] + channel.offset);
+      out.rate[c].push_back(v[static_cast<std::size_t>(channel.coordinate)]);
+    }
+    energies.add(q, v, out);
+  }
+  return out;
+}
+
+void add_noise(MotionRecord& record, const Units& units, double sigma, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise;
+  for (std::size_t k = 0; k < record.time.size(); ++k) {
+    for (std::size_t c = 0; c < record.channels.size(); ++c) {
+      record.value[c][k] += sigma * unit_value(record.channels[c].quantity, units) * noise(random);
+    }
+  }
+}
+
+}  // namespace poise::app

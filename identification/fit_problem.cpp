@@ -1,0 +1,182 @@
+#include "identification/fit_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <stdexcept>
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+namespace poise {
+namespace {
+
+/// Which of an unknown's values a run has: "" where all runs share one.
+std::string group_of(const Unknown& unknown, const Run& run) {
+  if (unknown.per.empty()) return "";
+  if (unknown.per == "run") return run.name;
+  for (const auto& [label, value] : run.labels) {
+    if (label == unknown.per) return value;
+  }
+  return run.name;
+}
+
+}  // namespace
+
+FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
+  std::map<std::pair<std::size_t, std::string>, int> known;
+  for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
+    const Run& run = experiment.runs[r];
+    std::vector<SceneNumber> numbers;
+    used_.emplace_back();
+    for (std::size_t u = 0; u < experiment.unknowns.size(); ++u) {
+      const Unknown& unknown = experiment.unknowns[u];
+      const std::optional<SceneNumber> number = SceneNumber::find(experiment.scene, unknown.path);
+      if (!number) {
+        throw InputError(fmt::format(
+            "{}:{}: unknown \"{}\": expected a number that leaves the geometry as it is (a mass, centre, inertia, "
+            "stiffness, free length, damping, friction or load); fix it with set",
+            experiment.file, unknown.line, unknown.path));
+      }
+      const std::string group = group_of(unknown, run);
+      const auto [at, fresh] = known.try_emplace({u, group}, static_cast<int>(parameters_.size()));
+      if (fresh) {
+        Parameter p;
+        p.unknown = static_cast<int>(u);
+        p.name = group.empty() ? unknown.name : unknown.name + " (" + group + ")";
+        p.min = unknown.min - unknown.includes;
+        p.max = unknown.max - unknown.includes;
+        p.truth = number->get(experiment.scene);
+        p.start = unknown.start ? *unknown.start - unknown.includes : p.truth;
+        const double shown = p.start + unknown.includes;
+        p.scale = shown != 0 ? std::abs(shown) : 1.0;
+        parameters_.push_back(p);
+      }
+      used_.back().push_back(at->second);
+      numbers.push_back(*number);
+    }
+    models_.emplace_back(experiment, r, std::move(numbers));
+  }
+  for (const RunModel& model : models_) {
+    double noise = INFINITY;
+    for (const Sensor& sensor : experiment.sensors) noise = std::min(noise, sensor.noise);
+    const std::vector<double> start = model.released();
+    // A motion's error is about its accuracy times how far it travels; radians and metres are both of order one.
+    double amplitude = 1.0;
+    if (model.has_rest() && !model.run().release.empty()) {
+      amplitude = 0.0;
+      for (const Release& release : model.run().release) amplitude = std::max(amplitude, std::abs(release.value));
+    }
+    accuracy_.push_back(std::clamp(1e-4 * noise / std::max(amplitude, 1e-12), 1e-10, 1e-6));
+  }
+}
+
+const SceneNumber& FitProblem::number(int parameter) const {
+  for (std::size_t r = 0; r < models_.size(); ++r) {
+    const auto at = std::find(used_[r].begin(), used_[r].end(), parameter);
+    if (at != used_[r].end()) return models_[r].numbers()[static_cast<std::size_t>(at - used_[r].begin())];
+  }
+  throw std::logic_error("a parameter without a run");
+}
+
+std::vector<double> FitProblem::starts() const {
+  std::vector<double> values;
+  for (const Parameter& p : parameters_) values.push_back(p.start);
+  return values;
+}
+
+std::vector<double> FitProblem::truths() const {
+  std::vector<double> values;
+  for (const Parameter& p : parameters_) values.push_back(p.truth);
+  return values;
+}
+
+Record FitProblem::ideal_record(std::size_t r) const {
+  const RunModel& model = models_[r];
+  Prediction prediction;
+  model.predict(model.scene_values().data(), model.released().data(), model.times().size(), 1e-10, false, prediction);
+  if (!prediction.ok) {
+    throw std::runtime_error(fmt::format("run \"{}\" cannot be simulated: {}", model.run().name, prediction.why));
+  }
+  Record record;
+  record.time = model.times();
+  const std::size_t sensors = experiment_.sensors.size();
+  record.reading.assign(sensors, std::vector<double>(record.time.size()));
+  for (std::size_t s = 0; s < record.time.size(); ++s) {
+    for (std::size_t k = 0; k < sensors; ++k) record.reading[k][s] = prediction.reading[s * sensors + k];
+  }
+  return record;
+}
+
+void FitProblem::add_noise(Record& record, std::uint64_t seed) const {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  for (std::size_t k = 0; k < record.reading.size(); ++k) {
+    for (double& reading : record.reading[k]) reading += experiment_.sensors[k].noise * normal(random);
+  }
+}
+
+std::vector<Record> FitProblem::records() const {
+  std::vector<Record> out;
+  for (std::size_t r = 0; r < models_.size(); ++r) {
+    if (!models_[r].run().data.empty()) {
+      out.push_back(experiment_.records[r]);
+      continue;
+    }
+    out.push_back(ideal_record(r));
+    // Runs of one seed are to have different noise.
+    add_noise(out.back(), models_[r].run().seed * 1'000'003 + r);
+  }
+  return out;
+}
+
+Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& parameters,
+                                     const std::vector<double>& nuisances, const Record* record, std::size_t count,
+                                     double accuracy) const {
+  const RunModel& model = models_[r];
+  std::vector<double> unknowns;
+  for (const int p : used_[r]) unknowns.push_back(parameters[static_cast<std::size_t>(p)]);
+  Prediction prediction;
+  model.predict(unknowns.data(), nuisances.data(), count, accuracy, true, prediction);
+  if (!prediction.ok) return {};
+  const Eigen::Index rows = static_cast<Eigen::Index>(prediction.reading.size());
+  const Eigen::Index p = model.unknowns();
+  const Eigen::Index m = model.columns();
+  const std::size_t sensors = experiment_.sensors.size();
+  Eigen::MatrixXd whole(std::max(rows, m + 1), m + 1);
+  whole.bottomRows(whole.rows() - rows).setZero();
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const auto k = static_cast<std::size_t>(row) % sensors;
+    const auto s = static_cast<std::size_t>(row) / sensors;
+    const double per_noise = 1.0 / experiment_.sensors[k].noise;
+    const double* jacobian = &prediction.jacobian[static_cast<std::size_t>(row * m)];
+    for (Eigen::Index c = p; c < m; ++c) whole(row, c - p) = per_noise * jacobian[c];
+    for (Eigen::Index c = 0; c < p; ++c) whole(row, m - p + c) = per_noise * jacobian[c];
+    whole(row, m) = record != nullptr
+                        ? per_noise * (prediction.reading[static_cast<std::size_t>(row)] - record->reading[k][s])
+                        : 0.0;
+  }
+  if (!whole.allFinite()) return {};
+  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(whole);
+  return whole.topRows(m + 1).triangularView<Eigen::Upper>();
+}
+
+bool FitProblem::residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
+                           const Record& record, std::size_t count, std::vector<double>& e) const {
+  const RunModel& model = models_[r];
+  std::vector<double> unknowns;
+  for (const int p : used_[r]) unknowns.push_back(parameters[static_cast<std::size_t>(p)]);
+  Prediction prediction;
+  model.predict(unknowns.data(), nuisances.data(), count, accuracy_[r], false, prediction);
+  if (!prediction.ok) return false;
+  const std::size_t sensors = experiment_.sensors.size();
+  e.resize(prediction.reading.size());
+  for (std::size_t row = 0; row < e.size(); ++row) {
+    const std::size_t k = row % sensors;
+    e[row] = (prediction.reading[row] - record.reading[k][row / sensors]) / experiment_.sensors[k].noise;
+  }
+  return true;
+}
+
+}  // namespace poise

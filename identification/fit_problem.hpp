@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identification/run_model.hpp"
+
+namespace poise {
+
+/// One value to be found: an unknown of the experiment, or, where it is found once per run or label, one of its values.
+struct Parameter {
+  int unknown = 0;   ///< index into Experiment::unknowns
+  std::string name;  ///< "k", or "k (low)"
+  double start = 0;  ///< value in the scene, SI, from which a fit sets out
+  double truth = 0;  ///< value of the scene as it is written
+  double scale = 1;  ///< |start|, or 1 where it is 0
+  double min, max;   ///< of the value in the scene
+};
+
+/// An experiment as a least-squares problem:  minimise 1/2 sum ((predicted - read) / noise)^2  over the parameters and,
+/// for every run, its nuisances. Const after construction: runs can be evaluated on several threads.
+class FitProblem {
+ public:
+  /// `experiment` must outlive this. Throws InputError where a run cannot be set up.
+  explicit FitProblem(const Experiment& experiment);
+
+  const Experiment& experiment() const { return experiment_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  std::size_t runs() const { return models_.size(); }
+  const RunModel& run(std::size_t r) const { return models_[r]; }
+  /// Parameters that run r depends on, in the order of its unknowns.
+  const std::vector<int>& parameters_of(std::size_t r) const { return used_[r]; }
+  const SceneNumber& number(int parameter) const;
+
+  /// Accuracy of simulate() at which its error is far below what the noise of run r lets tell.
+  double accuracy(std::size_t r) const { return accuracy_[r]; }
+  /// Readings of a run without noise, and with it, at the scene's own values. Throws std::runtime_error where the
+  /// motion fails.
+  Record ideal_record(std::size_t r) const;
+  void add_noise(Record& record, std::uint64_t seed) const;
+  /// The records of the experiment: measured, or simulated with the runs' seeds.
+  std::vector<Record> records() const;
+
+  /// The triangle R of  Q R = [d e/d nuisances, d e/d unknowns, e]  with e = (predicted - read) / noise of run r over
+  /// its first `count` times: everything that least squares needs to know of a run, (columns + 1) square. Without
+  /// `record` e is 0. Empty where the motion fails.
+  Eigen::MatrixXd triangle(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
+                           const Record* record, std::size_t count, double accuracy) const;
+  /// e itself.
+  bool residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
+                 const Record& record, std::size_t count, std::vector<double>& e) const;
+
+  std::vector<double> starts() const;
+  std::vector<double> truths() const;
+
+ private:
+  const Experiment& experiment_;
+  std::vector<Parameter> parameters_;
+  std::vector<RunModel> models_;
+  std::vector<std::vector<int>> used_;
+  std::vector<double> accuracy_;
+};
+
+}  // namespace poise

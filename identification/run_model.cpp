@@ -1,0 +1,333 @@
+#include "identification/run_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "identification/sensor_reader.hpp"
+
+namespace poise {
+namespace {
+
+using Reduced = ReducedMotion<double>;
+
+std::string at(const Experiment& experiment, int line) { return fmt::format("{}:{}: ", experiment.file, line); }
+
+}  // namespace
+
+std::pair<int, double> RunModel::coordinate_of(const Scene& scene, const Layout& layout, int body, int joint,
+                                               int line) {
+  if (joint >= 0) return {layout.travel[static_cast<std::size_t>(joint)], 0.0};
+  const Link& link = layout.links[static_cast<std::size_t>(body)];
+  if (link.frame < 0 || link.frame >= layout.kept) {
+    throw InputError(fmt::format("{}:{}: {}: expected a body that turns and has inertia; name another", scene.file,
+                                 line, scene.bodies[static_cast<std::size_t>(body)].name));
+  }
+  return {link.frame, link.turn};
+}
+
+RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneNumber> numbers)
+    : experiment_(experiment), run_(experiment.runs[run]), scene_(experiment.scene), numbers_(std::move(numbers)) {
+  for (const Run::Change& change : run_.changes) set_value(scene_, change.path, change.value);
+  start_unknown_ = run_.unknown_start;
+  rest_unknown_ = run_.rest && run_.rest->unknown;
+  const MotionModel model(scene_);
+  scales_ = model.scales();
+  const Layout& layout = model.layout();
+  std::vector<StartValue> wanted;
+  if (run_.rest) {
+    set_by_rest_ = SceneNumber::find(scene_, run_.rest->by);
+    if (!set_by_rest_ || set_by_rest_->scales_with_force()) {
+      throw InputError(at(experiment, run_.rest->line) +
+                       "rest.by: expected the free length of a spring or the free angle "
+                       "of a torsion spring, found \"" +
+                       run_.rest->by + "\"; give spring.NAME.free_length");
+    }
+    std::tie(rest_coordinate_, rest_turn_) =
+        coordinate_of(scene_, layout, run_.rest->body, run_.rest->joint, run_.rest->line);
+    wanted.push_back({rest_coordinate_, false, run_.rest->at - rest_turn_});
+  }
+  closed_ = start_motion(model, wanted).q;
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  const std::vector<double> x = model.from_si(closed_);
+  reduced.start_drives(x.data());
+  reduced.choose(0.0, x.data(), false);
+  freedoms_ = reduced.freedoms();
+  independent_ = reduced.independent();
+  if (run_.rest && freedoms_ != 1) {
+    throw InputError(
+        at(experiment, run_.rest->line) +
+        fmt::format("rest: expected a mechanism of one freedom, found {}; make {} an unknown per run instead",
+                    freedoms_, run_.rest->by));
+  }
+  std::vector<StartValue> release;
+  for (const Release& r : run_.release) {
+    const auto [coordinate, turn] = coordinate_of(scene_, layout, r.body, r.joint, r.line);
+    const double base = run_.rest && !r.rate ? closed_[static_cast<std::size_t>(coordinate)] : r.rate ? 0.0 : -turn;
+    release.push_back({coordinate, r.rate, base + r.value});
+  }
+  const MotionState state = start_motion(model, release, &closed_);
+  for (const int i : independent_) released_.push_back(state.q[static_cast<std::size_t>(i)]);
+  for (const int i : independent_) released_.push_back(state.v[static_cast<std::size_t>(i)]);
+  if (run_.data.empty()) {
+    const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
+    for (std::size_t i = 0; i < count; ++i) times_.push_back(static_cast<double>(i) / run_.sample_rate);
+  } else {
+    times_ = experiment.records[run].time;
+  }
+}
+
+std::vector<std::string> RunModel::nuisance_names() const {
+  std::vector<std::string> names;
+  if (rest_unknown_) names.emplace_back("rest");
+  if (!start_unknown_) return names;
+  const Layout layout = lay_out(scene_, Purpose::dynamics);
+  for (const char* what : {"start ", "start rate "}) {
+    for (const int i : independent_) names.push_back(what + layout.coordinates[static_cast<std::size_t>(i)].name);
+  }
+  return names;
+}
+
+std::vector<double> RunModel::scene_values() const {
+  std::vector<double> values;
+  for (const SceneNumber& number : numbers_) values.push_back(number.get(scene_));
+  return values;
+}
+
+std::vector<double> RunModel::released() const {
+  std::vector<double> values;
+  if (rest_unknown_) values.push_back(run_.rest->at);
+  if (start_unknown_) values.insert(values.end(), released_.begin(), released_.end());
+  return values;
+}
+
+const double* RunModel::start_of(const double* nuisances) const {
+  return start_unknown_ ? nuisances + (rest_unknown_ ? 1 : 0) : released_.data();
+}
+
+// At rest alpha(z_r, L, p) = 0. It is linear in L, so one step finds L.
+RunModel::Built RunModel::build(const double* unknowns, double rest, bool derivatives) const {
+  Built out;
+  Scene scene = scene_;
+  for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i].set(scene, unknowns[i]);
+  if (run_.rest) {
+    MotionModel model(scene, scales_);
+    out.q_rest = start_motion(model, {{rest_coordinate_, false, rest - rest_turn_}}, &closed_).q;
+    const std::vector<double> x = model.from_si(out.q_rest);
+    Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+    reduced.choose(0.0, x.data(), false, &independent_);
+    const double still = 0.0;
+    const auto stand = [&](Reduced& at_rest) {
+      at_rest.expect(x.data());
+      const double z = x[static_cast<std::size_t>(independent_[0])];
+      if (at_rest.place(0.0, &z) != Reduced::Status::ok) return false;
+      at_rest.move(&still);
+      return at_rest.accelerate() == Reduced::Status::ok;
+    };
+    const Influence set = set_by_rest_->influence(scene, scales_);
+    double by_set = 0.0;
+    if (stand(reduced)) reduced.influence(set, &by_set);
+    if (by_set != 0) set_by_rest_->set(scene, set_by_rest_->get(scene) - reduced.alpha()[0] / by_set);
+    out.set_value = set_by_rest_->get(scene);
+    if (derivatives) {
+      MotionModel balanced(scene, scales_);
+      Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
+      again.choose(0.0, x.data(), false, &independent_);
+      if (stand(again)) {
+        again.linearize();
+        again.influence(set, &by_set);
+        const double at_per_z = again.B(0)[rest_coordinate_];
+        const double z_unit = rest_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
+        out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
+        for (const SceneNumber& number : numbers_) {
+          double alpha = 0.0;
+          again.influence(number.influence(scene, scales_), &alpha);
+          out.set_by.push_back(-alpha / by_set);
+        }
+      }
+    }
+  }
+  out.model = std::make_unique<MotionModel>(scene, scales_);
+  for (const SceneNumber& number : numbers_) out.influences.push_back(number.influence(scene, scales_));
+  if (set_by_rest_) out.influences.push_back(set_by_rest_->influence(scene, scales_));
+  return out;
+}
+
+MotionState RunModel::begin(const Built& built, const double* nuisances) const {
+  MotionState state;
+  state.q = built.q_rest.empty() ? closed_ : built.q_rest;
+  state.v.assign(state.q.size(), 0.0);
+  const double* start = start_of(nuisances);
+  for (int k = 0; k < freedoms_; ++k) {
+    const auto i = static_cast<std::size_t>(independent_[static_cast<std::size_t>(k)]);
+    state.q[i] = start[k];
+    state.v[i] = start[freedoms_ + k];
+  }
+  return state;
+}
+
+Motion RunModel::move(const double* unknowns, const double* nuisances, double duration, double accuracy,
+                      bool sensitivities) const {
+  const Built built = build(unknowns, rest_unknown_ ? nuisances[0] : rest_at(), false);
+  MotionOptions options;
+  options.duration = duration;
+  options.accuracy = accuracy;
+  options.independent = independent_;
+  options.sensitivities = sensitivities;
+  if (sensitivities) options.influences = built.influences;
+  return simulate(*built.model, begin(built, nuisances), options);
+}
+
+void RunModel::predict(const double* unknowns, const double* nuisances, std::size_t count, double accuracy,
+                       bool jacobian, Prediction& out) const {
+  out.ok = false;
+  const int p = static_cast<int>(numbers_.size());
+  const int f = freedoms_;
+  const Built built = build(unknowns, rest_unknown_ ? nuisances[0] : rest_at(), jacobian);
+  MotionOptions options;
+  options.duration = std::max(times_[count - 1], 1e-9);
+  options.accuracy = accuracy;
+  options.independent = independent_;
+  options.sensitivities = jacobian;
+  options.most_steps = 200'000;
+  if (jacobian) options.influences = built.influences;
+  const Motion motion = simulate(*built.model, begin(built, nuisances), options);
+  if (!motion.completed()) {
+    out.why = motion.why;
+    return;
+  }
+  const Layout& layout = built.model->layout();
+  std::vector<SensorReader> readers;
+  std::vector<int> coordinates;
+  std::vector<std::vector<std::size_t>> places;
+  for (const Sensor& sensor : experiment_.sensors) {
+    readers.emplace_back(built.model->scene(), layout, sensor);
+    places.emplace_back();
+    for (const int i : readers.back().coordinates()) {
+      const auto known = std::find(coordinates.begin(), coordinates.end(), i);
+      places.back().push_back(static_cast<std::size_t>(known - coordinates.begin()));
+      if (known == coordinates.end()) coordinates.push_back(i);
+    }
+  }
+  TrajectoryReader trajectory(motion.trajectory, coordinates);
+  const std::size_t width = static_cast<std::size_t>(columns());
+  out.reading.resize(count * readers.size());
+  if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
+  // Columns of the trajectory: f starts, f start rates, the numbers, the one that the rest sets.
+  std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
+  std::vector<double> column(static_cast<std::size_t>(motion.trajectory.columns));
+  for (std::size_t s = 0; s < count; ++s) {
+    trajectory.at(times_[s]);
+    for (std::size_t k = 0; k < readers.size(); ++k) {
+      SensorReader& reader = readers[k];
+      const Sensor& sensor = experiment_.sensors[k];
+      const std::size_t n = reader.coordinates().size();
+      for (std::size_t i = 0; i < n; ++i) {
+        q[i] = trajectory.q(places[k][i]);
+        v[i] = trajectory.v(places[k][i]);
+      }
+      const Spring* spring = sensor.kind == Sensor::Kind::spring_force
+                                 ? &built.model->scene().springs[static_cast<std::size_t>(sensor.item)]
+                                 : nullptr;
+      const std::size_t row = s * readers.size() + k;
+      out.reading[row] = reader.read(q.data(), v.data(), spring != nullptr ? spring->stiffness : 0.0,
+                                     spring != nullptr ? spring->free_length : 0.0, by_q.data(), by_v.data());
+      if (!jacobian) continue;
+      std::fill(column.begin(), column.end(), 0.0);
+      for (std::size_t i = 0; i < n; ++i) {
+        const double* q_p = trajectory.q_p(places[k][i]);
+        const double* v_p = trajectory.v_p(places[k][i]);
+        const double on_q = by_q[i];
+        const double on_v = by_v[i];
+        for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_q * q_p[c];
+        if (on_v == 0) continue;
+        for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
+      }
+      double* numbers = column.data() + 2 * f;
+      if (spring != nullptr) {
+        for (int i = 0; i <= p; ++i) {
+          if (i == p && !set_by_rest_) break;
+          const SceneNumber& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_rest_;
+          if (number.spring_stiffness() == sensor.item) numbers[i] += reader.length() - spring->free_length;
+          if (number.spring_free_length() == sensor.item) numbers[i] -= spring->stiffness;
+        }
+      }
+      double* to = &out.jacobian[row * width];
+      for (int i = 0; i < p; ++i) {
+        *to++ = numbers[i] + (set_by_rest_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0);
+      }
+      if (rest_unknown_) *to++ = numbers[p] * built.set_by_at;
+      if (start_unknown_) std::copy(column.begin(), column.begin() + 2 * f, to);
+    }
+  }
+  out.ok = true;
+}
+
+RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) const {
+  Oscillator out;
+  const Built built = build(unknowns, rest, false);
+  const MotionModel& model = *built.model;
+  const std::vector<double> x = model.from_si(built.q_rest.empty() ? closed_ : built.q_rest);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.choose(0.0, x.data(), false, &independent_);
+  reduced.expect(x.data());
+  const double z = x[static_cast<std::size_t>(independent_[0])];
+  const double still = 0.0;
+  if (reduced.place(0.0, &z) != Reduced::Status::ok) return out;
+  const double one = 1.0;
+  reduced.move(&one);
+  const double energy = model.scales().energy();
+  out.mass = energy * 2 * reduced.kinetic_energy();
+  reduced.move(&still);
+  if (reduced.accelerate() != Reduced::Status::ok) return out;
+  reduced.linearize();
+  out.stiffness = -out.mass * reduced.alpha_z(0)[0];
+  out.damping = -out.mass * reduced.alpha_w(0)[0];
+  SensorReader reader(model.scene(), model.layout(), experiment_.sensors.front());
+  const std::vector<double> q = model.to_si(x);
+  const std::size_t n = reader.coordinates().size();
+  std::vector<double> own(n), rate(n, 0.0), by_q(n), by_v(n);
+  for (std::size_t i = 0; i < n; ++i) own[i] = q[static_cast<std::size_t>(reader.coordinates()[i])];
+  reader.read(own.data(), rate.data(), 1.0, 0.0, by_q.data(), by_v.data());
+  for (std::size_t i = 0; i < n; ++i) out.sensor_gain += by_q[i] * reduced.B(0)[reader.coordinates()[i]];
+  return out;
+}
+
+std::vector<double> RunModel::start_from_readings(const Record& record) const {
+  // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
+  const std::size_t count = std::min<std::size_t>(record.time.size(), 16);
+  Eigen::MatrixXd powers(static_cast<Eigen::Index>(count), 3);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = record.time[i];
+    powers.row(static_cast<Eigen::Index>(i)) << 1.0, t, t * t;
+  }
+  const auto qr = powers.householderQr();
+  const MotionModel model(scene_, scales_);
+  std::vector<StartValue> wanted;
+  for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+    const Sensor& sensor = experiment_.sensors[k];
+    if (sensor.rate || (sensor.kind != Sensor::Kind::angle && sensor.kind != Sensor::Kind::travel)) continue;
+    // More readings than freedoms would contradict each other by their noise.
+    if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
+    const SensorReader reader(model.scene(), model.layout(), sensor);
+    if (reader.coordinates().size() != 1) continue;
+    const std::vector<double> one{0.0};
+    double by_q = 0.0;
+    double by_v = 0.0;
+    const double zero = SensorReader(reader).read(one.data(), one.data(), 0.0, 0.0, &by_q, &by_v);
+    const Eigen::VectorXd fit =
+        qr.solve(Eigen::Map<const Eigen::VectorXd>(record.reading[k].data(), static_cast<Eigen::Index>(count)));
+    wanted.push_back({reader.coordinates()[0], false, fit[0] - zero});
+    wanted.push_back({reader.coordinates()[0], true, fit[1]});
+  }
+  const MotionState state = start_motion(model, wanted, &closed_);
+  std::vector<double> start;
+  for (const int i : independent_) start.push_back(state.q[static_cast<std::size_t>(i)]);
+  for (const int i : independent_) start.push_back(state.v[static_cast<std::size_t>(i)]);
+  return start;
+}
+
+}  // namespace poise

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "identification/experiment.hpp"
+#include "identification/scene_number.hpp"
+#include "motion/simulate.hpp"
+
+namespace poise {
+
+/// What a run's sensors would read, and how that changes with what is unknown.
+struct Prediction {
+  bool ok = false;
+  std::string why;               ///< where the motion could not be computed
+  std::vector<double> reading;   ///< sensors() values per time, SI
+  std::vector<double> jacobian;  ///< columns() values per reading: d reading / d(unknowns, nuisances), SI
+};
+
+/// One run of an experiment as a function of what is unknown:
+///   the numbers of the scene that this run depends on, then its nuisances: the rest pose where the run has an unknown
+///   one, the f initial independent coordinates, the f initial independent rates (all SI).
+///
+/// A rest pose z_r fixes one more number of the scene, a free length L say, by equilibrium  alpha(z_r, L, p) = 0 at
+/// rest; its derivatives are  dL/dz_r = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
+class RunModel {
+ public:
+  /// `numbers`: those that are unknown in this run. Throws InputError where the run cannot be set up.
+  RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneNumber> numbers);
+
+  int unknowns() const { return static_cast<int>(numbers_.size()); }
+  int nuisances() const { return (rest_unknown_ ? 1 : 0) + (start_unknown_ ? 2 * freedoms_ : 0); }
+  int columns() const { return unknowns() + nuisances(); }
+  int sensors() const { return static_cast<int>(experiment_.sensors.size()); }
+  int freedoms() const { return freedoms_; }
+  const Run& run() const { return run_; }
+  const std::vector<SceneNumber>& numbers() const { return numbers_; }
+  /// The scene of this run with its known changes, SI.
+  const Scene& scene() const { return scene_; }
+  /// Names of the nuisances: "rest obd", "start obd", "start rate obd".
+  std::vector<std::string> nuisance_names() const;
+
+  /// Values of the scene as it is written, and nuisances as the run is released.
+  std::vector<double> scene_values() const;
+  std::vector<double> released() const;
+  /// Times of a simulated run, or of its record.
+  const std::vector<double>& times() const { return times_; }
+
+  /// Predicts the readings at the first `count` times; with the Jacobian where asked. `accuracy` as of simulate().
+  void predict(const double* unknowns, const double* nuisances, std::size_t count, double accuracy, bool jacobian,
+               Prediction& out) const;
+  /// The motion behind a prediction.
+  Motion move(const double* unknowns, const double* nuisances, double duration, double accuracy,
+              bool sensitivities) const;
+
+  /// Reduced mass M, stiffness K and damping C at the rest pose for one freedom: small swings obey M z'' + C z' + K z =
+  /// 0.
+  struct Oscillator {
+    double mass = 0.0, stiffness = 0.0, damping = 0.0;
+    double sensor_gain = 0.0;  ///< d(first sensor)/dz
+  };
+  Oscillator oscillator(const double* unknowns, double rest) const;
+  /// Where the run rests as it is written: value of the coordinate of its Rest, SI.
+  double rest_at() const { return run_.rest ? run_.rest->at : 0.0; }
+  bool has_rest() const { return run_.rest.has_value(); }
+  bool rest_is_unknown() const { return rest_unknown_; }
+  bool start_is_unknown() const { return start_unknown_; }
+  /// Coordinate index of the independent ones, and of the rest's coordinate.
+  const std::vector<int>& independent() const { return independent_; }
+  /// Initial independent coordinates and rates guessed from the first readings; the release where the sensors cannot
+  /// tell.
+  std::vector<double> start_from_readings(const Record& record) const;
+
+ private:
+  struct Built {  // the run's model at given values
+    std::unique_ptr<MotionModel> model;
+    std::vector<double> q_rest;         // SI; empty without a rest
+    std::vector<Influence> influences;  // of the numbers, then of the one set by the rest
+    double set_value = 0.0;             // the one set by the rest
+    double set_by_at = 0.0;             // its derivative by the rest's value
+    std::vector<double> set_by;         // and by the numbers
+  };
+  Built build(const double* unknowns, double rest, bool derivatives) const;
+  MotionState begin(const Built& built, const double* nuisances) const;
+  const double* start_of(const double* nuisances) const;
+  static std::pair<int, double> coordinate_of(const Scene& scene, const Layout& layout, int body, int joint, int line);
+
+  const Experiment& experiment_;
+  const Run& run_;
+  Scene scene_;
+  std::vector<SceneNumber> numbers_;
+  std::optional<SceneNumber> set_by_rest_;
+  Scales scales_;
+  std::vector<double> closed_;  // a closed pose, SI
+  std::vector<int> independent_;
+  int freedoms_ = 0;
+  bool rest_unknown_ = false, start_unknown_ = true;
+  int rest_coordinate_ = -1;
+  double rest_turn_ = 0.0;  // value of the rest = coordinate + turn
+  std::vector<double> times_;
+  std::vector<double> released_;
+};
+
+}  // namespace poise

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include "identification/experiment.hpp"
+#include "model/layout.hpp"
+#include "motion/trajectory.hpp"
+
+namespace poise {
+
+/// A sensor compiled for one layout: reads its quantity, SI, and the derivatives off coordinates and rates.
+class SensorReader {
+ public:
+  SensorReader(const Scene& scene, const Layout& layout, const Sensor& sensor);
+
+  /// Coordinates that the sensor depends on.
+  const std::vector<int>& coordinates() const { return coordinates_; }
+  /// What it reads where coordinates()[i] = q[i] with the rates v[i]; stiffness and free length are those of its spring
+  /// (tension positive). Fills d/dq and d/dv over coordinates().
+  double read(const double* q, const double* v, double stiffness, double free_length, double* by_q, double* by_v);
+  /// Of a force sensor: length of the spring as last read.
+  double length() const { return length_; }
+
+ private:
+  struct Term {
+    int own = 0, frame = -1;  // places in coordinates_
+    bool is_angle = true;
+    Planar<double> coefficient{};
+  };
+  void sum_up(const double* q, const double* v);
+
+  Sensor::Kind kind_;
+  bool rate_;
+  std::vector<int> coordinates_;
+  // angle and travel: sum of sign_ q + constant_
+  std::vector<double> sign_;
+  double constant_ = 0.0;
+  // others: d = constant + sum of phasors; its derivatives over coordinates_
+  std::vector<Term> terms_;
+  Planar<double> offset_{};
+  Planar<double> d_{}, d_rate_{};
+  std::vector<Planar<double>> d_q_, d_rate_q_;
+  double length_ = 0.0;
+};
+
+}  // namespace poise

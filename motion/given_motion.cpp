@@ -1,0 +1,166 @@
+#include "motion/given_motion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "motion/driven_path.hpp"
+
+namespace poise {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double rank_tolerance = 1e-9;
+constexpr double closed_within = 1e-13;
+constexpr double open_beyond = 1e-9;
+constexpr int closing_steps = 50;
+
+// Rate and second derivative at t[at] of the polynomial that meets the values, and the rates where there are any, of
+// the samples first .. last-1: Newton's divided differences, each sample with a rate counted twice.
+std::array<double, 2> derivatives(const std::vector<double>& t, const SampledCoordinate& samples, std::size_t first,
+                                  std::size_t last, std::size_t at) {
+  const double width = t[last - 1] - t[first];
+  const bool twice = !samples.rate.empty();
+  std::vector<double> node, difference, slope;
+  for (std::size_t k = first; k < last; ++k) {
+    for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
+      node.push_back((t[k] - t[at]) / width);
+      difference.push_back(samples.value[k]);
+      slope.push_back(twice ? samples.rate[k] * width : 0.0);
+    }
+  }
+  const std::size_t count = node.size();
+  for (std::size_t order = 1; order < count; ++order) {
+    for (std::size_t k = count - 1; k >= order; --k) {
+      const double step = node[k] - node[k - order];
+      difference[k] = step == 0.0 ? slope[k] : (difference[k] - difference[k - 1]) / step;
+    }
+  }
+  double value = 0.0, rate = 0.0, second = 0.0;
+  for (std::size_t k = count; k-- > 0;) {
+    second = 2 * rate - node[k] * second;
+    rate = value - node[k] * rate;
+    value = difference[k] - node[k] * value;
+  }
+  return {rate / width, second / (width * width)};
+}
+
+class Completion {
+ public:
+  Completion(const MotionModel& model, const std::vector<SampledCoordinate>& samples)
+      : model_(model), closure_(model, sampled(samples)) {}
+
+  // Closes the loops by Gauss-Newton steps, of the coordinates not sampled and then of all.
+  void close(VectorXd& x, GivenMotion& out) const {
+    const VectorXd before = x;
+    for (const bool all : {false, true}) {
+      for (int k = 0; k < closing_steps && gap(x) > closed_within; ++k) {
+        const VectorXd step = change(x, closure_.gap(x), all);
+        x += step;
+        if (step.cwiseAbs().maxCoeff() <= closed_within) break;
+      }
+    }
+    for (int i : closure_.driven()) out.closing = std::max(out.closing, std::abs(x[i] - before[i]));
+  }
+
+  double gap(const VectorXd& x) const {
+    const VectorXd c = closure_.gap(x);
+    return c.size() > 0 ? c.cwiseAbs().maxCoeff() : 0.0;
+  }
+
+  // `derivative` changed so that J derivative + rest = 0.
+  void fit(const VectorXd& x, const VectorXd& rest, VectorXd& derivative) const {
+    const MatrixXd jacobian = closure_.jacobian(x);
+    for (const bool all : {false, true}) derivative += change(x, jacobian * derivative + rest, all);
+  }
+
+  VectorXd curvature(const VectorXd& x, const VectorXd& v) const { return closure_.curvature(x, v); }
+
+  // Throws InputError where some coordinate follows from nothing.
+  void expect_decided(const VectorXd& x) const {
+    if (closure_.free().empty()) return;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr;
+    qr.setThreshold(rank_tolerance);
+    qr.compute(closure_.free_columns(closure_.jacobian(x)));
+    if (qr.rank() == qr.cols()) return;
+    const int open = closure_.free()[static_cast<std::size_t>(qr.colsPermutation().indices()[qr.rank()])];
+    throw InputError(fmt::format("{}: motion: it does not say how \"{}\" moves; expected a column of that name",
+                                 model_.scene().file,
+                                 model_.layout().coordinates[static_cast<std::size_t>(open)].name));
+  }
+
+ private:
+  static std::vector<int> sampled(const std::vector<SampledCoordinate>& samples) {
+    std::vector<int> out;
+    for (const SampledCoordinate& s : samples) out.push_back(s.coordinate);
+    return out;
+  }
+
+  // The least change of all coordinates, or of those not sampled, that takes `open` away to first order.
+  VectorXd change(const VectorXd& x, const VectorXd& open, bool all) const {
+    VectorXd out = VectorXd::Zero(x.size());
+    const MatrixXd jacobian = closure_.jacobian(x);
+    if (jacobian.rows() == 0) return out;
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+    decomposition.setThreshold(rank_tolerance);
+    if (all) {
+      decomposition.compute(jacobian);
+      return -decomposition.solve(open);
+    }
+    if (closure_.free().empty()) return out;
+    decomposition.compute(closure_.free_columns(jacobian));
+    const VectorXd step = decomposition.solve(open);
+    for (Index k = 0; k < step.size(); ++k) out[closure_.free()[static_cast<std::size_t>(k)]] = -step[k];
+    return out;
+  }
+
+  const MotionModel& model_;
+  SplitClosure closure_;
+};
+
+}  // namespace
+
+GivenMotion complete_motion(const MotionModel& model, const std::vector<double>& time,
+                            const std::vector<SampledCoordinate>& samples) {
+  const Completion completion(model, samples);
+  const auto n = static_cast<Index>(model.start().size());
+  const auto unit = [&](int coordinate) { return coordinate < model.layout().angles ? 1.0 : model.scales().length; };
+  const std::vector<double> start = model.start();
+  VectorXd x = VectorXd::Map(start.data(), n);
+  GivenMotion out;
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    VectorXd v = VectorXd::Zero(n);
+    VectorXd a = VectorXd::Zero(n);
+    for (const SampledCoordinate& s : samples) {
+      const std::size_t window = std::min<std::size_t>(s.rate.empty() ? 7 : 5, time.size());
+      const std::size_t first = std::min(k - std::min(k, window / 2), time.size() - window);
+      const auto [rate, second] = derivatives(time, s, first, first + window, k);
+      x[s.coordinate] = s.value[k] / unit(s.coordinate);
+      v[s.coordinate] = (s.rate.empty() ? rate : s.rate[k]) / unit(s.coordinate);
+      a[s.coordinate] = second / unit(s.coordinate);
+    }
+    completion.close(x, out);
+    if (completion.gap(x) > open_beyond) {
+      throw InputError(
+          fmt::format("{}: motion: at {} s the loops stay open by {:.3g} of the mechanism's size; expected "
+                      "samples of a motion of this scene",
+                      model.scene().file, time[k], completion.gap(x)));
+    }
+    if (k == 0) completion.expect_decided(x);
+    completion.fit(x, VectorXd::Zero(completion.curvature(x, v).size()), v);
+    completion.fit(x, completion.curvature(x, v), a);
+    out.x.emplace_back(x.begin(), x.end());
+    out.v.emplace_back(v.begin(), v.end());
+    out.a.emplace_back(a.begin(), a.end());
+  }
+  return out;
+}
+
+}  // namespace poise

@@ -1,0 +1,263 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <numeric>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "app/plot/gnuplot.hpp"
+#include "identification/record.hpp"
+#include "tests/app/run_poise.hpp"
+#include "tests/app/scenes.hpp"
+
+namespace poise::app_tests {
+namespace {
+
+using nlohmann::json;
+
+/// A block of 2 kg on a rail in millimetres, with a spring of 0.2 N/mm and a damper of 0.004 N s/mm that rest at
+/// 100 mm: w0 = 10 /s, decay 1 /s.
+constexpr const char* oscillator = R"(title = "Oscillator"
+[units]
+length = "mm"
+angle = "deg"
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+mass = 2
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+[[spring]]
+name = "S"
+points = ["ground.O", "block.C"]
+stiffness = 0.2
+free_length = 100
+[[damper]]
+name = "D"
+points = ["ground.O", "block.C"]
+coefficient = 0.004
+[start]
+rail = 95
+)";
+
+/// A flywheel of 3 kg m2 without any load.
+constexpr const char* flywheel = R"([units]
+angle = "deg"
+[ground]
+points = { O = [0, 0] }
+[body.wheel]
+points = { O = [0, 0] }
+mass = 1
+inertia = 3
+[[pin]]
+points = ["ground.O", "wheel.O"]
+)";
+
+constexpr const char* motor = R"(
+[[drive]]
+name = "motor"
+bodies = ["ground", "wheel"]
+start = 10
+rate = 20
+acceleration = 60
+)";
+
+std::vector<std::string> words(const std::string& scene, const std::vector<std::string>& further) {
+  std::vector<std::string> all = {"motion", scene};
+  all.insert(all.end(), further.begin(), further.end());
+  return all;
+}
+
+TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
+  const TempFolder folder;
+  const std::string csv = folder.path("a.csv").string();
+  const Outcome run = run_poise(words(folder.write("a.toml", oscillator),
+                                      {"--duration", "2", "--rate", "500", "--release", "rail=7", "--csv", csv}));
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const CsvTable table = read_csv(csv, {"time", "rail", "rail.rate", "energy.kinetic"});
+  ASSERT_EQ(table.values[0].size(), 1001U);
+  const double decay = 1.0;
+  const double w = std::sqrt(100.0 - decay * decay);
+  for (std::size_t i = 0; i < table.values[0].size(); ++i) {
+    const double t = table.values[0][i];
+    EXPECT_DOUBLE_EQ(t, static_cast<double>(i) / 500);
+    const double swing = 7 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
+    const double rate = -7 * std::exp(-decay * t) * (w + decay * decay / w) * std::sin(w * t);
+    ASSERT_NEAR(table.values[1][i], 100 + swing, 1e-8) << "mm, from rest at 100 mm";
+    ASSERT_NEAR(table.values[2][i], rate, 1e-7) << "mm/s";
+    ASSERT_NEAR(table.values[3][i], 0.5 * 2 * rate * rate * 1e-6 * 1e3, 1e-9) << "N mm";
+  }
+  EXPECT_NE(run.out.find("rest (stable), rail released by 7 mm"), std::string::npos) << run.out;
+}
+
+TEST(MotionCommand, StartsWhereAssembledIfToldSo) {
+  const TempFolder folder;
+  const std::string file = folder.path("a.json").string();
+  const Outcome run =
+      run_poise(words(folder.write("a.toml", oscillator), {"--duration", "0.1", "--from", "start", "--json", file}));
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_NEAR(json::parse(contents(file))["slides"]["rail"]["start"], 95.0, 1e-10);
+}
+
+TEST(MotionCommand, FlywheelKeepsItsRate) {
+  const TempFolder folder;
+  const std::string file = folder.path("a.json").string();
+  const Outcome run = run_poise(
+      words(folder.write("a.toml", flywheel), {"--duration", "3", "--release-rate", "wheel=30", "--json", file}));
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const json r = json::parse(contents(file));
+  EXPECT_NEAR(r["angles"]["wheel"]["end"], 90.0, 1e-9) << "degrees";
+  EXPECT_NEAR(r["angles"]["wheel"]["rate_end"], 30.0, 1e-9);
+  EXPECT_NEAR(r["energies"]["end"]["kinetic"], 0.5 * 3 * std::pow(M_PI / 6, 2), 1e-12);
+  EXPECT_EQ(r["confirmed"], true);
+  EXPECT_LT(r["error"], 1e-10);
+}
+
+TEST(MotionCommand, DriveDoesTheWorkThatTheWheelGains) {
+  const TempFolder folder;
+  const std::string file = folder.path("a.json").string();
+  const std::string scene = folder.write("a.toml", std::string(flywheel) + motor);
+  const Outcome run = run_poise(words(scene, {"--duration", "2", "--json", file}));
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const json r = json::parse(contents(file));
+  EXPECT_EQ(r["freedoms"], 0);
+  EXPECT_NEAR(r["angles"]["wheel"]["start"], 10.0, 1e-10);
+  EXPECT_NEAR(r["angles"]["wheel"]["end"], 10 + 40 + 120, 1e-9);
+  const double degree = M_PI / 180;
+  EXPECT_NEAR(r["drives"][0]["largest"], 3 * 60 * degree, 1e-9) << "inertia times acceleration";
+  EXPECT_NEAR(r["energies"]["end"]["work"], 0.5 * 3 * (140.0 * 140 - 20 * 20) * degree * degree, 1e-9);
+}
+
+TEST(MotionCommand, NoiseHasTheSizeAskedForAndFollowsTheSeed) {
+  const TempFolder folder;
+  const std::string scene = folder.write("a.toml", oscillator);
+  const auto record = [&](const std::string& name, const std::vector<std::string>& further) {
+    std::vector<std::string> all = words(scene, {"--duration", "4", "--release", "rail=7", "--csv", folder.path(name)});
+    all.insert(all.end(), further.begin(), further.end());
+    EXPECT_EQ(run_poise(all).exit_code, 0);
+    return contents(folder.path(name));
+  };
+  const std::string exact = record("exact.csv", {});
+  const std::string noisy = record("noisy.csv", {"--noise", "0.03", "--seed", "5"});
+  EXPECT_EQ(record("again.csv", {"--noise", "0.03", "--seed", "5"}), noisy);
+  EXPECT_NE(record("other.csv", {"--noise", "0.03", "--seed", "6"}), noisy);
+  const CsvTable a = read_csv(folder.path("exact.csv"), {"rail", "rail.rate"});
+  const CsvTable b = read_csv(folder.path("noisy.csv"), {"rail", "rail.rate"});
+  double sum = 0.0;
+  double squares = 0.0;
+  const auto n = static_cast<double>(a.values[0].size());
+  for (std::size_t i = 0; i < a.values[0].size(); ++i) {
+    const double e = b.values[0][i] - a.values[0][i];
+    sum += e;
+    squares += e * e;
+    EXPECT_EQ(b.values[1][i], a.values[1][i]) << "rates are not measured";
+  }
+  EXPECT_NEAR(std::sqrt(squares / n), 0.03, 4 * 0.03 / std::sqrt(2 * n)) << "mm";
+  EXPECT_NEAR(sum / n, 0.0, 4 * 0.03 / std::sqrt(n));
+}
+
+TEST(MotionCommand, ReportsWhatItCannotMove) {
+  const TempFolder folder;
+  const std::string massless = folder.write("a.toml", std::string(workshop_pendulum));
+  const Outcome run = run_poise(words(massless, {"--duration", "1", "--release", "a<b=5"}));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.out.find("no inertia"), std::string::npos) << run.out;
+  const Outcome nowhere = run_poise(words(folder.write("b.toml", runaway), {"--duration", "1"}));
+  EXPECT_EQ(nowhere.exit_code, 1);
+  EXPECT_NE(nowhere.out.find("No rest to start from"), std::string::npos) << nowhere.out;
+}
+
+TEST(MotionCommand, BadWordsAreNamed) {
+  const TempFolder folder;
+  const std::string scene = folder.write("a.toml", oscillator);
+  const std::string csv = folder.path("a.csv").string();
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{}, "--duration"},
+      {{"--duration", "0"}, "--duration: expected seconds > 0"},
+      {{"--duration", "nan"}, "--duration: expected seconds > 0"},
+      {{"--duration", "1", "--rate", "-5"}, "--rate: expected samples"},
+      {{"--duration", "1e6", "--rate", "1e6"}, "--rate: "},
+      {{"--duration", "1", "--accuracy", "0"}, "--accuracy: expected"},
+      {{"--duration", "1", "--noise", "0.1"}, "--noise: there is no record"},
+      {{"--duration", "1", "--noise", "-1", "--csv", csv}, "--noise: expected"},
+      {{"--duration", "1", "--from", "rets"}, "did you mean \"rest\"?"},
+      {{"--duration", "1", "--release", "rial=1"}, "did you mean \"rail\"?"},
+      {{"--duration", "1", "--release", "rail"}, "there is no \"=\""},
+      {{"--duration", "1", "--release-rate", "rail=fast"}, "is not a number"},
+      {{"--duration", "1", "--release", "rail=inf"}, "expected a finite number"},
+      {{"--duration", "1", "--csv", scene}, "is the scene too"},
+      {{"--duration", "1", "--csv", csv, "--json", csv}, "--csv"}};
+  const std::vector<std::string> before = folder.names();
+  for (const auto& [further, says] : cases) {
+    const Outcome run = run_poise(words(scene, further));
+    EXPECT_EQ(run.exit_code, 2) << says;
+    EXPECT_EQ(run.out, "") << says;
+    EXPECT_NE(run.err.find(says), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
+  EXPECT_EQ(folder.names(), before);
+}
+
+TEST(MotionCommand, DrawsWhatMoves) {
+  if (!app::has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  const TempFolder folder;
+  const std::string svg = folder.path("a.svg").string();
+  ASSERT_EQ(run_poise(words(dataset("lift"), {"--duration", "1", "--release", "obd=0.005", "--svg", svg})).exit_code,
+            0);
+  const std::string text = contents(svg);
+  EXPECT_EQ(objection_to_xml(text), "");
+  EXPECT_LT(text.size(), 300000U);
+  for (const char* part : {"Lifting linkage", "from where they start", "angle (rad)", "travel (m)", "energy (J)", "obd",
+                           "stroke", "cylinder, rod", "kinetic", "time (s)"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+  }
+}
+
+TEST(MotionCommand, MissingGnuplotIsFoundBeforeAnyWork) {
+  const TempFolder folder;
+  const Outcome run = run_poise(words(folder.path("no_such_scene.toml"), {"--duration", "1", "--svg", "a.svg"}),
+                                {"PATH=" + folder.path("").string()});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("gnuplot was not found"), std::string::npos) << run.err;
+}
+
+TEST(MotionCommand, InterruptKeepsWhatWasReached) {
+  const TempFolder folder;
+  const std::string scene = folder.write("a.toml", std::string(oscillator));
+  const std::string csv = folder.path("a.csv").string();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int out = ::open(folder.path("out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    ::dup2(out, STDOUT_FILENO);
+    ::execl(POISE_EXECUTABLE, POISE_EXECUTABLE, "motion", scene.c_str(), "--duration", "100000", "--rate", "10",
+            "--release", "rail=7", "--set", "damper.D.coefficient=0", "--csv", csv.c_str(), nullptr);
+    ::_exit(127);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  const std::string out = contents(folder.path("out"));
+  EXPECT_NE(out.find("of 100000 s only: interrupted"), std::string::npos) << out;
+  const CsvTable table = read_csv(csv, {"time", "rail"});
+  ASSERT_GT(table.values[0].size(), 10U);
+  EXPECT_LT(table.values[0].back(), 99999.0);
+  EXPECT_NEAR(table.values[1][5], 100 + 7 * std::cos(10 * table.values[0][5]), 1e-8);
+}
+
+}  // namespace
+}  // namespace poise::app_tests

@@ -1,0 +1,295 @@
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "identification/experiment.hpp"
+#include "tests/app/run_poise.hpp"
+#include "tests/identification/bench.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+using app_tests::TempFolder;
+using test::Bench;
+using test::degree;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+const std::string& header = test::bench_header;
+const std::string& sensor = test::bench_sensor;
+const std::string& run = test::bench_run;
+
+std::string refusal(const std::string& experiment, const std::string& data = "") {
+  return Bench(experiment, data).refusal();
+}
+
+std::string refused_sensor(const std::string& keys) { return refusal(header + "[[sensor]]\n" + keys + run); }
+
+std::string refused_unknown(const std::string& keys) { return refusal(header + sensor + "[[unknown]]\n" + keys + run); }
+
+TEST(ReadExperiment, ReadsHeaderSceneAndKnownChanges) {
+  const Bench bench("title = \"T\"\nsource = \"S\"\nset = { \"body.block.mass\" = 900, \"load.P\" = 7 }\n" + header +
+                    sensor + run);
+  const Experiment experiment = bench.read();
+  EXPECT_EQ(experiment.title, "T");
+  EXPECT_EQ(experiment.source, "S");
+  EXPECT_EQ(std::filesystem::path(experiment.file).filename(), "experiment.toml");
+  EXPECT_EQ(experiment.scene.title, "Crank and block");
+  EXPECT_DOUBLE_EQ(experiment.scene.bodies[3].mass, 0.9);
+  EXPECT_DOUBLE_EQ(experiment.scene.forces[0].vector.x, -7);
+  // The command line has the last word.
+  EXPECT_DOUBLE_EQ(bench.read({.settings = {"body.block.mass=1000"}}).scene.bodies[3].mass, 1.0);
+  EXPECT_EQ(bench.refusal({.settings = {"body.block.mas=1000"}}),
+            "--set body.block.mas: expected the path of a number of the scene; did you mean \"body.block.mass\"?");
+}
+
+TEST(ReadExperiment, ReadsEveryKindOfSensorInSi) {
+  const std::string tail = "\nnoise = 0.5\n";
+  const Experiment experiment =
+      Bench(header + "[[sensor]]\nangle = \"crank\"\nzero = 90\nfactor = -2" + tail +
+            "[[sensor]]\nname = \"knee\"\nangle = [\"crank\", \"rod\"]\ncolumn = \"phi\"\nrate = true" + tail +
+            "[[sensor]]\ntravel = \"rail\"\nzero = 10" + tail + "[[sensor]]\ndistance = [\"ground.O\", \"rod.C\"]" +
+            tail + "[[sensor]]\nx = \"rod.B\"\nfactor = 1000" + tail + "[[sensor]]\ny = \"rod.B\"" + tail +
+            "[[sensor]]\nforce = \"coil\"" + tail + run)
+          .read();
+  const std::vector<Sensor>& sensors = experiment.sensors;
+  ASSERT_EQ(sensors.size(), 7u);
+  EXPECT_EQ(sensors[0].kind, Sensor::Kind::angle);
+  EXPECT_EQ(sensors[0].name, "sensor 1");
+  EXPECT_EQ(sensors[0].column, "sensor 1");
+  EXPECT_EQ(sensors[0].line, 2);
+  EXPECT_EQ(sensors[0].body_a, 0);
+  EXPECT_EQ(sensors[0].body_b, 1);
+  EXPECT_FALSE(sensors[0].rate);
+  EXPECT_DOUBLE_EQ(sensors[0].noise, 0.5 * degree);
+  EXPECT_DOUBLE_EQ(sensors[0].zero, 90 * degree);
+  EXPECT_DOUBLE_EQ(sensors[0].unit, -2 * degree);
+  EXPECT_EQ(sensors[1].kind, Sensor::Kind::angle);
+  EXPECT_EQ(sensors[1].name, "knee");
+  EXPECT_EQ(sensors[1].column, "phi");
+  EXPECT_EQ(sensors[1].body_a, 1);
+  EXPECT_EQ(sensors[1].body_b, 2);
+  EXPECT_TRUE(sensors[1].rate);
+  EXPECT_DOUBLE_EQ(sensors[1].unit, degree);
+  EXPECT_EQ(sensors[2].kind, Sensor::Kind::travel);
+  EXPECT_EQ(sensors[2].item, 3);
+  EXPECT_DOUBLE_EQ(sensors[2].zero, 0.01);
+  EXPECT_DOUBLE_EQ(sensors[2].unit, 1e-3);
+  EXPECT_EQ(sensors[3].kind, Sensor::Kind::distance);
+  EXPECT_EQ(experiment.scene.name_of(sensors[3].a), "ground.O");
+  EXPECT_EQ(experiment.scene.name_of(sensors[3].b), "rod.C");
+  EXPECT_EQ(sensors[4].kind, Sensor::Kind::x);
+  EXPECT_EQ(experiment.scene.name_of(sensors[4].b), "rod.B");
+  EXPECT_DOUBLE_EQ(sensors[4].unit, 1.0);
+  EXPECT_EQ(sensors[5].kind, Sensor::Kind::y);
+  EXPECT_EQ(sensors[6].kind, Sensor::Kind::spring_force);
+  EXPECT_EQ(sensors[6].item, 0);
+  EXPECT_DOUBLE_EQ(sensors[6].noise, 0.5);
+}
+
+TEST(ReadExperiment, ReadsUnknownsInSi) {
+  const std::vector<Unknown> unknowns =
+      Bench(header + sensor +
+            "[[unknown]]\npath = \"body.block.mass\"\nname = \"m\"\nincludes = 50\nstart = 400\nmin = 60\nmax = 2000\n"
+            "prior = [700, 100]\nper = \"load\"\n"
+            "[[unknown]]\npath = \"spring.coil.stiffness\"\n[[unknown]]\npath = \"body.crank.inertia\"\nper = \"run\"\n"
+            "[[unknown]]\npath = \"body.crank.center.x\"\n[[unknown]]\npath = \"torsion_damper.grease.coefficient\"\n" +
+            run + "labels = { load = \"low\" }\n")
+          .read()
+          .unknowns;
+  ASSERT_EQ(unknowns.size(), 5u);
+  EXPECT_EQ(unknowns[0].path, "body.block.mass");
+  EXPECT_EQ(unknowns[0].name, "m");
+  EXPECT_EQ(unknowns[0].per, "load");
+  EXPECT_EQ(unknowns[0].line, 6);
+  EXPECT_DOUBLE_EQ(unknowns[0].unit, 1e-3);
+  EXPECT_DOUBLE_EQ(unknowns[0].includes, 0.05);
+  EXPECT_DOUBLE_EQ(unknowns[0].start.value(), 0.4);
+  EXPECT_DOUBLE_EQ(unknowns[0].min, 0.06);
+  EXPECT_DOUBLE_EQ(unknowns[0].max, 2.0);
+  EXPECT_DOUBLE_EQ(unknowns[0].prior.value(), 0.7);
+  EXPECT_DOUBLE_EQ(unknowns[0].prior_deviation, 0.1);
+  EXPECT_EQ(unknowns[1].name, "spring.coil.stiffness");
+  EXPECT_EQ(unknowns[1].per, "");
+  EXPECT_DOUBLE_EQ(unknowns[1].unit, 1e3);
+  EXPECT_EQ(unknowns[1].min, 0.0);
+  EXPECT_EQ(unknowns[1].max, infinity);
+  EXPECT_FALSE(unknowns[1].start);
+  EXPECT_FALSE(unknowns[1].prior);
+  EXPECT_DOUBLE_EQ(unknowns[2].unit, 1e-9);
+  EXPECT_EQ(unknowns[2].min, 0.0);
+  EXPECT_EQ(unknowns[2].per, "run");
+  EXPECT_EQ(unknowns[3].min, -infinity) << "a centre may lie on either side";
+  EXPECT_EQ(unknowns[4].min, 0.0);
+}
+
+TEST(ReadExperiment, RefusesTheFile) {
+  EXPECT_EQ(refusal("scene = 'scene.toml"),
+            "experiment.toml:1: TOML syntax: Error while parsing literal string: "
+            "encountered end-of-file");
+  EXPECT_EQ(refusal(sensor + run), "experiment.toml:1: expected the key scene; add scene = \"...\"");
+  EXPECT_EQ(refusal("scene = \"s.toml\"\n" + sensor + run),
+            "experiment.toml:1: scene: expected a scene file, relative to this file; there is no \"s.toml\"");
+  EXPECT_EQ(refusal("sensors = 1\n" + header),
+            "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, sensor, unknown, run; did "
+            "you mean \"sensor\"?");
+  EXPECT_EQ(refusal(header + run), "experiment.toml:1: sensor: expected at least one sensor; add [[sensor]]");
+  EXPECT_EQ(refusal(header + sensor), "experiment.toml:1: run: expected at least one run; add [[run]]");
+  EXPECT_EQ(refusal("set = { \"body.block.mas\" = 1 }\n" + header + sensor + run),
+            "experiment.toml:1: set: body.block.mas: expected the path of a number of the scene; did you mean "
+            "\"body.block.mass\"?");
+  EXPECT_EQ(refusal("set = { \"body.block.mass\" = -1 }\n" + header + sensor + run),
+            "experiment.toml:1: set: body.block.mass: expected a finite number >= 0, found -1");
+  EXPECT_EQ(refusal("set.body.block.mass = 1\n" + header + sensor + run),
+            "experiment.toml:1: set.body: expected a number; put the path in quotes: \"body.NAME.mass\" = 2");
+  const TempFolder folder;
+  try {
+    read_experiment(folder.path("none.toml"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              folder.path("none.toml").string() + ": cannot be read: No such file or directory; check the path");
+  }
+}
+
+TEST(ReadExperiment, RefusesSensors) {
+  const std::string place = "experiment.toml:2: sensor 1: ";
+  const std::string kinds = "expected one of the keys angle, travel, distance, x, y, force";
+  EXPECT_EQ(refused_sensor("noise = 1\n"), place + kinds);
+  EXPECT_EQ(refused_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"), place + kinds);
+  EXPECT_EQ(refused_sensor("angle = \"crank\"\n"), place + "expected the key noise; add noise = NUMBER");
+  const std::string third = "experiment.toml:3: sensor 1.";
+  EXPECT_EQ(refused_sensor("angles = \"crank\"\n"),
+            third +
+                "angles: expected one of the keys name, angle, travel, distance, x, y, force, rate, column, noise, "
+                "zero, factor; did you mean \"angle\"?");
+  EXPECT_EQ(refused_sensor("angle = \"crnk\"\n"),
+            third + "angle: expected the name of a body other than ground, found \"crnk\"; did you mean \"crank\"?");
+  EXPECT_EQ(refused_sensor("angle = [\"rod\", \"rod\"]\n"), third + "angle: expected two different bodies");
+  EXPECT_EQ(refused_sensor("angle = [\"rod\"]\n"),
+            third + "angle: expected two names [\"...\", \"...\"], found a list of 1");
+  EXPECT_EQ(refused_sensor("travel = \"rial\"\n"),
+            third + "travel: expected the name of a slide or pin_in_slot, found \"rial\"; did you mean \"rail\"?");
+  EXPECT_EQ(refused_sensor("distance = [\"rod.B\", \"rod.C\"]\n"),
+            third + "distance: expected points of two different bodies, the distance of these never changes");
+  EXPECT_EQ(refused_sensor("x = \"rod.X\"\n"),
+            third + "x: expected a point of \"rod\", found \"rod.X\"; did you mean \"rod.B\"?");
+  EXPECT_EQ(refused_sensor("y = \"ground.O\"\n"),
+            third + "y: expected a point of a body that can move, found one of the ground");
+  EXPECT_EQ(refused_sensor("force = \"wrap\"\n"),
+            third + "force: expected the name of a line spring, found \"wrap\"; did you mean \"coil\"?");
+  EXPECT_EQ(refused_sensor("rate = true\nforce = \"coil\"\n"),
+            third + "rate: expected the rate of a position or angle; that of a force is not known");
+  EXPECT_EQ(refused_sensor("rate = \"yes\"\nangle = \"rod\"\n"),
+            third + "rate: expected true or false, without quotes");
+  EXPECT_EQ(refused_sensor("noise = 0\nangle = \"rod\"\n"), third + "noise: expected a finite number > 0, found 0");
+  EXPECT_EQ(refused_sensor("factor = 0\nangle = \"rod\"\nnoise = 1\n"),
+            third + "factor: expected a number other than 0; leave it out for 1");
+  EXPECT_EQ(refused_sensor("column = \"\"\nangle = \"rod\"\nnoise = 1\n"),
+            third + "column: expected the name of a column");
+  EXPECT_EQ(refusal(header + sensor + sensor + run),
+            "experiment.toml:7: sensor \"a\".name: expected a name of its own; \"a\" is taken in line 3");
+}
+
+TEST(ReadExperiment, RefusesUnknowns) {
+  const std::string path = "path = \"body.block.mass\"\n";
+  EXPECT_EQ(refused_unknown("name = \"m\"\n"),
+            "experiment.toml:6: unknown \"m\": expected the key path; add path = \"...\"");
+  const std::string seventh = "experiment.toml:7: unknown 1.";
+  EXPECT_EQ(refused_unknown("path = \"body.block.mas\"\n"),
+            seventh +
+                "path: body.block.mas: expected the path of a number of the scene; did you mean "
+                "\"body.block.mass\"?");
+  for (const std::string guess : {"start.crank", "start.rail"}) {
+    EXPECT_EQ(refused_unknown("path = \"" + guess + "\"\n"),
+              seventh +
+                  "path: expected a number that the motion depends on; start values of a run are unknown by "
+                  "themselves");
+  }
+  const std::string eighth = "experiment.toml:8: unknown 1.";
+  EXPECT_EQ(refused_unknown(path + "from = 1\n"), eighth +
+                                                      "from: expected one of the keys path, name, per, start, min, "
+                                                      "max, includes, prior; did you mean \"prior\"?");
+  EXPECT_EQ(refused_unknown(path + "min = 5\nmax = 5\n"),
+            "experiment.toml:9: unknown 1.max: expected max > min = 5; exchange them");
+  EXPECT_EQ(refused_unknown(path + "max = -5\n"), eighth + "max: expected max > min = 0; exchange them");
+  EXPECT_EQ(refused_unknown(path + "start = -5\n"),
+            eighth + "start: expected a start from 0 to inf, found -5; change one of the three");
+  EXPECT_EQ(refused_unknown(path + "max = 700\n"),
+            "experiment.toml:6: unknown 1.start: expected a start from 0 to 700, found 800, the scene's value; add "
+            "start = NUMBER");
+  EXPECT_EQ(refused_unknown(path + "max = 820\nincludes = 50\n"),
+            "experiment.toml:6: unknown 1.start: expected a start from 0 to 820, found 850, the scene's value; add "
+            "start = NUMBER");
+  EXPECT_EQ(refused_unknown(path + "prior = [1, 0]\n"),
+            eighth + "prior: expected [MEAN, STANDARD DEVIATION], the second > 0");
+  EXPECT_EQ(refused_unknown(path + "per = \"\"\n"),
+            eighth + "per: expected \"run\" or a label of the runs; leave it out for one value");
+  EXPECT_EQ(refused_unknown(path + "[[unknown]]\n" + path),
+            "experiment.toml:9: unknown 2.path: expected another path, it is unknown in line 7");
+  EXPECT_EQ(refused_unknown(path + "name = \"m\"\n[[unknown]]\npath = \"body.rod.mass\"\nname = \"m\"\n"),
+            "experiment.toml:11: unknown \"m\".name: expected a name of its own; \"m\" is taken in line 8");
+}
+
+TEST(ReadExperiment, RefusesUnknownsThatARunContradicts) {
+  const std::string unknown = header + sensor + "[[unknown]]\npath = \"body.block.mass\"\nname = \"m\"\n";
+  EXPECT_EQ(
+      refusal(unknown + "per = \"hight\"\n" + run + "labels = { height = \"low\" }\n"),
+      "experiment.toml:6: unknown \"m\".per: expected \"run\" or a label that all runs have, run \"run 1\" has no "
+      "\"hight\"; did you mean \"height\"?");
+  EXPECT_EQ(
+      refusal(unknown + "per = \"h\"\n" + run + "labels = { h = \"low\" }\n" + run),
+      "experiment.toml:6: unknown \"m\".per: expected \"run\" or a label that all runs have, run \"run 2\" has no "
+      "\"h\"; did you mean \"run\"?");
+  EXPECT_EQ(refusal(unknown + run + "set = { \"body.block.mass\" = 3 }\n"),
+            "experiment.toml:6: unknown \"m\".path: expected a number that no run sets, run \"run 1\" does in line 12; "
+            "take it out of one");
+  EXPECT_EQ(
+      refusal(header + sensor + "[[unknown]]\npath = \"spring.coil.free_length\"\n" + run +
+              "rest = { angle = \"crank\", at = 3, by = \"spring.coil.free_length\" }\n"),
+      "experiment.toml:6: unknown \"spring.coil.free_length\".path: expected a number that follows from no rest "
+      "pose, but by that of run \"run 1\" in line 11 it does; take it out, what the rest leaves unknown is found");
+}
+
+TEST(ReadExperiment, ReadsTheExampleOfItsPage) {
+  const std::string page =
+      app_tests::contents(std::filesystem::path(POISE_SOURCE_DIR) / "docs" / "experiment-files.md");
+  const std::size_t begin = page.find("```toml\n") + 8;
+  const TempFolder folder;
+  folder.write("lift.toml", app_tests::contents(test::dataset("lift.toml")));
+  folder.write("middle_loaded.csv", "t,angle\n0,0.37\n0.1,0.38\n0.2,0.37\n");
+  const std::string example = page.substr(begin, page.find("```", begin) - begin);
+  const Experiment experiment = read_experiment(folder.write("lift_experiment.toml", example));
+  EXPECT_EQ(experiment.runs.size(), 2u);
+  EXPECT_EQ(experiment.unknowns[0].includes, 19.68);
+  EXPECT_EQ(experiment.records[1].time.size(), 3u);
+}
+
+TEST(ReadExperiment, ReadsTheMeasuredDoublePendulum) {
+  const std::filesystem::path data =
+      std::filesystem::path(POISE_SOURCE_DIR) / "../shared/data/multi_arm_pendulum/double.csv";
+  if (!std::filesystem::exists(data)) GTEST_SKIP() << data << " is not there";
+  for (const std::string name : {"double_pendulum_experiment.toml", "double_pendulum_dry_experiment.toml"}) {
+    SCOPED_TRACE(name);
+    const Experiment experiment = read_experiment(test::dataset(name), {.data = data});
+    ASSERT_EQ(experiment.runs.size(), 26u);
+    EXPECT_EQ(experiment.runs[25].name, "segment 25");
+    for (const Record& record : experiment.records) {
+      ASSERT_EQ(record.time.size(), 2667u);
+      EXPECT_EQ(record.time.front(), 0.0);
+      // What the authors call pi, hanging, is -pi/2 of the scene's arms; no arm goes over the top.
+      for (const std::vector<double>& angles : record.reading) {
+        double mean = 0.0;
+        for (const double angle : angles) mean += angle / static_cast<double>(angles.size());
+        EXPECT_NEAR(mean, -std::numbers::pi / 2, 0.5);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace poise

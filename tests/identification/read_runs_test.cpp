@@ -1,0 +1,245 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "identification/experiment.hpp"
+#include "tests/identification/bench.hpp"
+
+namespace poise {
+namespace {
+
+using test::Bench;
+using test::degree;
+using Numbers = std::vector<double>;
+
+const std::string& header = test::bench_header;
+const std::string& sensor = test::bench_sensor;
+const std::string& run = test::bench_run;
+const std::string& measured = test::bench_measured;
+
+const char* const segments = "part,t,a\nx,0,1\nx,1,2\nx,2,3\nx,3,4\nx,4,5\ny,7,6\ny,8,7\ny,9,8\ny,10,9\ny,11,10\n";
+
+/// Run 1 begins in line 6.
+std::string refused_run(const std::string& keys, const std::string& data = "") {
+  return Bench(header + sensor + "[[run]]\n" + keys, data).refusal();
+}
+
+TEST(ReadRuns, ReadsSimulatedRunsInSi) {
+  const std::vector<poise::Run> runs =
+      Bench(
+          header + sensor + run +
+          "seed = 7\nset = { \"body.block.mass\" = 0, \"load.P\" = 3 }\nlabels = { load = \"none\", place = \"low\" }\n"
+          "rest = { angle = \"crank\", at = 30, by = \"spring.coil.free_length\" }\n"
+          "release = { crank = 5, rail = 2 }\nrelease_rate = { crank = -10 }\n" +
+          "[[run]]\nname = \"other\"\nduration = 0.5\nrate = 4\nstart_known = true\n"
+          "rest = { travel = \"rail\", at = 380, by = \"torsion_spring.wrap.free_angle\", known = true }\n")
+          .read()
+          .runs;
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].name, "run 1");
+  EXPECT_EQ(runs[0].line, 6);
+  EXPECT_DOUBLE_EQ(runs[0].duration, 2.0);
+  EXPECT_DOUBLE_EQ(runs[0].sample_rate, 100.0);
+  EXPECT_EQ(runs[0].seed, 7u);
+  EXPECT_TRUE(runs[0].data.empty());
+  ASSERT_EQ(runs[0].changes.size(), 2u);
+  EXPECT_EQ(runs[0].changes[0].path, "body.block.mass");
+  EXPECT_EQ(runs[0].changes[0].value, 0.0);
+  EXPECT_EQ(runs[0].changes[1].path, "load.P");
+  EXPECT_EQ(runs[0].changes[1].value, 3.0) << "as --set: in the scene's units";
+  EXPECT_EQ(runs[0].changes[1].line, 10);
+  using Label = std::pair<std::string, std::string>;
+  EXPECT_EQ(runs[0].labels, (std::vector<Label>{{"load", "none"}, {"place", "low"}}));
+  ASSERT_TRUE(runs[0].rest);
+  EXPECT_EQ(runs[0].rest->body, 1);
+  EXPECT_EQ(runs[0].rest->joint, -1);
+  EXPECT_DOUBLE_EQ(runs[0].rest->at, 30 * degree);
+  EXPECT_EQ(runs[0].rest->by, "spring.coil.free_length");
+  EXPECT_TRUE(runs[0].rest->unknown);
+  ASSERT_EQ(runs[0].release.size(), 3u);
+  EXPECT_EQ(runs[0].release[0].body, 1);
+  EXPECT_EQ(runs[0].release[0].joint, -1);
+  EXPECT_FALSE(runs[0].release[0].rate);
+  EXPECT_DOUBLE_EQ(runs[0].release[0].value, 5 * degree);
+  EXPECT_EQ(runs[0].release[1].joint, 3);
+  EXPECT_EQ(runs[0].release[1].body, -1);
+  EXPECT_DOUBLE_EQ(runs[0].release[1].value, 2e-3);
+  EXPECT_TRUE(runs[0].release[2].rate);
+  EXPECT_DOUBLE_EQ(runs[0].release[2].value, -10 * degree);
+  EXPECT_TRUE(runs[0].unknown_start);
+  EXPECT_EQ(runs[1].name, "other");
+  EXPECT_EQ(runs[1].rest->joint, 3);
+  EXPECT_DOUBLE_EQ(runs[1].rest->at, 0.38);
+  EXPECT_FALSE(runs[1].rest->unknown);
+  EXPECT_FALSE(runs[1].unknown_start);
+}
+
+TEST(ReadRuns, SimulatedRunsHaveEmptyRecords) {
+  const Experiment experiment = Bench(header + sensor + run + run).read();
+  ASSERT_EQ(experiment.records.size(), 2u);
+  EXPECT_TRUE(experiment.records[0].empty());
+  EXPECT_TRUE(experiment.records[1].empty());
+}
+
+TEST(ReadRuns, ReadsAMeasuredRunFromTimeZero) {
+  const Experiment experiment =
+      Bench(header + sensor + "zero = 90\nfactor = -2\n" + measured, "time,a\n5,0\n5.5,10\n7,20\n").read();
+  ASSERT_EQ(experiment.records.size(), 1u);
+  EXPECT_EQ(experiment.records[0].time, (Numbers{0, 0.5, 2}));
+  ASSERT_EQ(experiment.records[0].reading.size(), 1u);
+  const double expected[] = {90 * degree, 70 * degree, 50 * degree};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(experiment.records[0].reading[0][i], expected[i], 1e-15);
+  EXPECT_EQ(experiment.runs[0].name, "run 1");
+  EXPECT_FALSE(experiment.runs[0].segment);
+}
+
+TEST(ReadRuns, MakesARunOfEachSegment) {
+  const std::string keys = "time = \"t\"\nsplit = \"part\"\n";
+  const Experiment experiment =
+      Bench(header + sensor + measured + keys + "labels = { load = \"none\" }\n", segments).read();
+  ASSERT_EQ(experiment.runs.size(), 2u);
+  EXPECT_EQ(experiment.runs[0].name, "segment x");
+  EXPECT_EQ(experiment.runs[0].segment, "x");
+  EXPECT_EQ(experiment.runs[1].name, "segment y");
+  EXPECT_EQ(experiment.runs[1].labels.size(), 1u);
+  EXPECT_EQ(experiment.records[1].time, (Numbers{0, 1, 2, 3, 4}));
+  EXPECT_DOUBLE_EQ(experiment.records[1].reading[0][0], 6 * degree);
+
+  const Experiment chosen = Bench(header + sensor + measured + keys +
+                                      "name = \"late\"\nsegments = [\"y\"]\nevery = 2\n[[run]]\ndata = \"data.csv\"\n"
+                                      "segments = [\"y\", \"x\"]\n" +
+                                      keys,
+                                  segments)
+                                .read();
+  ASSERT_EQ(chosen.runs.size(), 3u);
+  EXPECT_EQ(chosen.runs[0].name, "late y");
+  EXPECT_EQ(chosen.records[0].time, (Numbers{0, 2, 4}));
+  EXPECT_DOUBLE_EQ(chosen.records[0].reading[0][2], 10 * degree);
+  EXPECT_EQ(chosen.runs[1].name, "segment y");
+  EXPECT_EQ(chosen.runs[2].name, "segment x");
+}
+
+TEST(ReadRuns, TakesAnotherDataFile) {
+  const Bench bench(header + sensor + measured);
+  EXPECT_EQ(bench.refusal(),
+            "experiment.toml:7: run 1.data: expected a data file, there is no \"data.csv\"; give it with --data FILE");
+  const std::string other = bench.folder().write("other.csv", "time,a\n0,1\n1,2\n2,3\n");
+  const Experiment experiment = bench.read({.data = other});
+  EXPECT_EQ(experiment.runs[0].data, other);
+  EXPECT_DOUBLE_EQ(experiment.records[0].reading[0][2], 3 * degree);
+  EXPECT_EQ(bench.refusal({.data = bench.folder().path("none.csv")}),
+            "experiment.toml:7: run 1.data: expected a data file, there is no \"none.csv\"; give it with --data FILE");
+  EXPECT_EQ(Bench(header + sensor + run).refusal({.data = "d.csv"}),
+            "--data d.csv: expected an experiment with measured runs; give one a data file");
+  EXPECT_EQ(Bench(header + sensor + measured + "[[run]]\ndata = \"b.csv\"\n").refusal({.data = other}),
+            "experiment.toml:9: run 2.data: expected all runs to name one data file, for --data to take its place");
+}
+
+TEST(ReadRuns, RefusesRuns) {
+  EXPECT_EQ(refused_run("rate = 100\n"),
+            "experiment.toml:6: run 1: expected the key data, or duration and rate of a simulation; add duration = "
+            "NUMBER");
+  EXPECT_EQ(refused_run("duration = 1\n"),
+            "experiment.toml:6: run 1: expected the key data, or duration and rate of a simulation; add rate = NUMBER");
+  EXPECT_EQ(
+      refused_run("duration = 1\nrate = 1\n"),
+      "experiment.toml:7: run 1.duration: expected duration rate >= 2, for at least 3 readings; raise one of them");
+  EXPECT_EQ(refused_run("duration = 1e9\nrate = 1\n"),
+            "experiment.toml:7: run 1.duration: expected duration rate <= 1e7 readings; lower one of them");
+  EXPECT_EQ(refused_run("duration = 0\nrate = 1\n"),
+            "experiment.toml:7: run 1.duration: expected a finite number > 0, found 0");
+  const std::string given = "duration = 2\nrate = 100\n";
+  for (const std::string seed : {"-1", "0.5", "1e16"}) {
+    EXPECT_EQ(refused_run(given + "seed = " + seed + "\n"),
+              "experiment.toml:9: run 1.seed: expected a whole number from 0 to 2^53");
+  }
+  EXPECT_EQ(refused_run(given + "split = \"s\"\n"),
+            "experiment.toml:9: run 1.split: expected one of the keys name, set, labels, rest, release, release_rate, "
+            "start_known, data, duration, rate, seed; did you mean \"set\"?");
+  EXPECT_EQ(refused_run(given + "labels = { run = \"a\" }\n"),
+            "experiment.toml:9: run 1.labels.run: expected another label; per = \"run\" means each run by itself");
+  EXPECT_EQ(refused_run(given + "labels = { h = \"\" }\n"),
+            "experiment.toml:9: run 1.labels.h: expected a name that is not empty");
+  EXPECT_EQ(refused_run(given + "labels = { \"\" = \"a\" }\n"),
+            "experiment.toml:9: run 1.labels.: expected a name that is not empty");
+  EXPECT_EQ(
+      refused_run(given + "set = { \"load.Q\" = 1 }\n"),
+      "experiment.toml:9: run 1.set: load.Q: expected the path of a number of the scene; did you mean \"load.P\"?");
+  EXPECT_EQ(refused_run(given + "release = { ground = 1 }\n"),
+            "experiment.toml:9: run 1.release.ground: expected the name of a body, slide or pin_in_slot; did you mean "
+            "\"rod\"?");
+  EXPECT_EQ(refused_run(given + "release_rate.arm.left = 1\n"),
+            "experiment.toml:9: run 1.release_rate.arm: expected a number; put a name that holds dots in quotes");
+  EXPECT_EQ(refused_run(given + "start_known = 1\n"),
+            "experiment.toml:9: run 1.start_known: expected true or false, without quotes");
+  EXPECT_EQ(refused_run(given + "name = \"a\"\n[[run]]\nname = \"a\"\n"),
+            "experiment.toml:11: run \"a\".name: expected a name of its own; \"a\" is taken in line 9");
+}
+
+TEST(ReadRuns, RefusesPosesOfRest) {
+  const auto refused_rest = [](const std::string& keys) {
+    return refused_run("duration = 2\nrate = 100\nrest = { " + keys + " }\n");
+  };
+  const std::string place = "experiment.toml:9: run 1.rest";
+  const std::string by = ", by = \"spring.coil.free_length\"";
+  EXPECT_EQ(refused_rest("at = 1" + by), place + ": expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
+  EXPECT_EQ(refused_rest("angle = \"rod\", travel = \"rail\", at = 1" + by),
+            place + ": expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
+  EXPECT_EQ(refused_rest("angle = \"rod\"" + by), place + ": expected the key at; add at = NUMBER");
+  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1"), place + ": expected the key by; add by = \"...\"");
+  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, fixed = true" + by),
+            place + ".fixed: expected one of the keys angle, travel, at, by, known; did you mean \"angle\"?");
+  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, known = 0" + by),
+            place + ".known: expected true or false, without quotes");
+  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, by = \"spring.coil.stiffness\""),
+            place +
+                ".by: expected spring.NAME.free_length or torsion_spring.NAME.free_angle, found "
+                "\"spring.coil.stiffness\"; did you mean \"spring.coil.free_length\"?");
+}
+
+TEST(ReadRuns, RefusesMeasuredRuns) {
+  const std::string data = "data = \"data.csv\"\n";
+  const std::string good = "time,a\n0,1\n1,2\n2,3\n";
+  EXPECT_EQ(refused_run("data = \"\"\n"),
+            "experiment.toml:7: run 1.data: expected the path of a data file, relative to this file");
+  EXPECT_EQ(refused_run(data + "duration = 2\n", good),
+            "experiment.toml:8: run 1.duration: expected one of the keys name, set, labels, rest, release, "
+            "release_rate, start_known, data, time, split, segments, every; did you mean \"data\"?");
+  EXPECT_EQ(refused_run(data + "every = 0\n", good),
+            "experiment.toml:8: run 1.every: expected a whole number from 1 to 2^53");
+  EXPECT_EQ(refused_run(data + "every = 2\n", good),
+            "data.csv:2: time: expected at least 3 rows, found 2 after thinning; take more of them");
+  EXPECT_EQ(refused_run(data + "split = \"\"\n", good),
+            "experiment.toml:8: run 1.split: expected the name of a column");
+  EXPECT_EQ(refused_run(data + "segments = [\"x\"]\n", good),
+            "experiment.toml:8: run 1.segments: expected the key split as well, the column that tells the segments");
+  const std::string split = data + "time = \"t\"\nsplit = \"part\"\n";
+  EXPECT_EQ(refused_run(split + "segments = []\n", segments),
+            "experiment.toml:10: run 1.segments: expected a segment; leave the key out for all");
+  EXPECT_EQ(refused_run(split + "segments = [1]\n", segments),
+            "experiment.toml:10: run 1.segments: expected a list of strings [\"...\", ...]");
+  EXPECT_EQ(refused_run(split + "segments = \"x\"\n", segments),
+            "experiment.toml:10: run 1.segments: expected a list of strings [\"...\", ...]");
+  EXPECT_EQ(refused_run(split + "segments = [\"x\", \"z\"]\n", segments),
+            "experiment.toml:10: run 1.segments: expected a value of the column \"part\", found \"z\"; did you mean "
+            "\"x\"?");
+  EXPECT_EQ(refused_run(split, "part,t,a\n"),
+            "experiment.toml:7: run 1.data: expected a data file with rows, \"data.csv\" has only a header");
+  EXPECT_EQ(refused_run(split + "[[run]]\nname = \"segment x\"\n" + data + "time = \"t\"\n", segments),
+            "experiment.toml:10: run \"segment x\": expected a name of its own, it is taken in line 6; rename the run")
+      << "rows of both segments ascend";
+  EXPECT_EQ(refused_run(data, "t,a\n0,1\n"),
+            "data.csv:1: time: expected a column of this name in the header; did you mean \"t\"?");
+  EXPECT_EQ(refused_run(data, "time,phi\n0,1\n"),
+            "data.csv:1: a: expected a column of this name in the header; did you mean \"phi\"?");
+  EXPECT_EQ(refused_run(data, "time,a\n0,1\n1,\n2,3\n"),
+            "data.csv:3: a: expected a value, found a gap; fill it or leave the row out");
+  EXPECT_EQ(refused_run(data, "time,a\n0,1\n2,3\n1,2\n"),
+            "data.csv:4: time: expected a time after that of the row before; sort the rows, or part the file by a "
+            "column that tells its segments");
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,306 @@
+#include "motion/inverse_dynamics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "motion/kinematics.hpp"
+#include "motion/reduced_motion.hpp"
+#include "motion/rest_pose.hpp"
+#include "statics/equilibrium.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/random_mechanism.hpp"
+
+namespace poise {
+namespace {
+
+using nlohmann::json;
+
+constexpr double gravity = 9.81;
+
+// Forces for coordinates, rates and accelerations in SI.
+Forces forces_at(const MotionModel& model, const std::vector<double>& q, const std::vector<double>& v,
+                 const std::vector<double>& a, const std::vector<Drive>& drives = {}) {
+  return forces_of(model, model.from_si(q), model.from_si(v), model.from_si(a), drives);
+}
+
+const Reaction& reaction(const Forces& forces, const std::string& name) {
+  const auto found =
+      std::find_if(forces.reactions.begin(), forces.reactions.end(), [&](const Reaction& r) { return r.name == name; });
+  if (found == forces.reactions.end()) throw std::out_of_range(name);
+  return *found;
+}
+
+void expect_consistent(const Forces& forces) {
+  EXPECT_TRUE(forces.balanced) << forces.worst_body << " is out of balance by " << forces.imbalance << " of "
+                               << forces.largest_force;
+  EXPECT_LT(forces.work_error, 1e-10);
+  EXPECT_LT(forces.power.error, 1e-10);
+  EXPECT_LT(forces.loop_error, 1e-10);
+}
+
+// m at 0.4 out, I about it, on ground.O.
+Scene pendulum(double m, double inertia) {
+  Scene scene;
+  scene.gravity = {0, -gravity};
+  scene.bodies[0].points.push_back({"O", {0, 0}});
+  test::add_link(scene, "arm", 1.0, m);
+  scene.bodies[1].center = {0.4, 0};
+  scene.bodies[1].inertia = inertia;
+  test::add_pin(scene, "ground.O", "arm.a", "O");
+  return scene;
+}
+
+// The pin pulls along the rod with m g cos + m L w^2 and across it with what gravity's moment leaves.
+TEST(InverseDynamics, SwingingPendulumPullsAtItsPin) {
+  constexpr double m = 3.0, l = 0.4, inertia = 0.2, below = 0.7, w = 2.3;
+  const double about_pin = inertia + m * l * l;
+  const double spin_up = -m * gravity * l * std::sin(below) / about_pin;
+  const MotionModel model(pendulum(m, inertia));
+  const Forces forces = forces_at(model, {below - M_PI / 2}, {w}, {spin_up});
+  expect_consistent(forces);
+  const Vec2 outward = unit(below - M_PI / 2);
+  const Vec2 force = reaction(forces, "O").force;
+  EXPECT_NEAR(-dot(force, outward), m * gravity * std::cos(below) + m * l * w * w, 1e-12);
+  EXPECT_NEAR(cross(outward, force), m * l * spin_up + m * gravity * std::sin(below), 1e-12);
+}
+
+TEST(InverseDynamics, MotorGivesTheMomentThatTheMotionTakes) {
+  constexpr double m = 3.0, inertia = 0.2, q = 0.9, w = -1.7, spin_up = 40.0;
+  Scene scene = pendulum(m, inertia);
+  scene.torsion_dampers.push_back({"oil", 0, 1, 0.6, 0});
+  scene.frictions.push_back({"rub", 0, 1, 1.5, 0.1, 0});
+  test::add_torsion_spring(scene, 0, 1, 7.0, 0.2);
+  const MotionModel model(scene);
+  const Forces forces = forces_at(model, {q}, {w}, {spin_up}, {find_drive(scene, "arm")});
+  expect_consistent(forces);
+  const double friction = 1.5 * std::tanh(w / 0.1);
+  ASSERT_EQ(forces.drives.size(), 1u);
+  EXPECT_NEAR(forces.drives[0].value,
+              (inertia + m * 0.16) * spin_up + m * gravity * 0.4 * std::cos(q) + 7.0 * (q - 0.2) + 0.6 * w + friction,
+              1e-11);
+  EXPECT_NEAR(forces.drives[0].power, forces.drives[0].value * w, 1e-12);
+  EXPECT_NEAR(forces.torsion_damper_moment[0], -0.6 * w, 1e-15);
+  EXPECT_NEAR(forces.friction_moment[0], -friction, 1e-15);
+  EXPECT_NEAR(forces.torsion_spring_moment[0], -7.0 * (q - 0.2), 1e-15);
+}
+
+TEST(InverseDynamics, SaysWhatNothingTakesUp) {
+  const MotionModel model(pendulum(3.0, 0.2));
+  const Forces forces = forces_at(model, {0.0}, {0.0}, {0.0});
+  EXPECT_FALSE(forces.balanced);
+  EXPECT_EQ(forces.worst_body, "arm");
+  EXPECT_GT(forces.work_error, 1e-3);
+}
+
+// A block on a turning rod: along it m (s'' - s w^2 + g sin q), about O (I + m s^2) w' + 2 m s s' w + m g s cos q.
+TEST(InverseDynamics, BlockOnATurningRodFeelsCoriolis) {
+  constexpr double m = 2.0, s = 0.8, s1 = 1.1, s2 = -3.0, q = 0.6, w = 2.5, w1 = -4.0, c = 9.0;
+  Scene scene;
+  scene.gravity = {0, -gravity};
+  scene.bodies[0].points.push_back({"O", {0, 0}});
+  test::add_link(scene, "rod", 2.0);
+  scene.bodies[1].inertia = 0.3;
+  test::add_link(scene, "block", 0.1, m);
+  scene.bodies[2].center = {0, 0};
+  scene.bodies[2].inertia = 0.02;
+  test::add_pin(scene, "ground.O", "rod.a", "O");
+  test::add_slide(scene, "rod.a", "block.a", {1, 0}, "run");
+  scene.dampers.push_back({"drag", test::point(scene, "ground.O"), test::point(scene, "block.a"), c, 0});
+  const MotionModel model(scene);
+  const std::vector<Drive> drives = {find_drive(scene, "rod"), find_drive(scene, "run")};
+  const Forces forces = forces_at(model, {q, s}, {w, s1}, {w1, s2}, drives);
+  expect_consistent(forces);
+  EXPECT_NEAR(forces.drives[0].value, (0.32 + m * s * s) * w1 + 2 * m * s * s1 * w + m * gravity * s * std::cos(q),
+              1e-12);
+  EXPECT_NEAR(forces.drives[1].value, m * (s2 - s * w * w + gravity * std::sin(q)) + c * s1, 1e-12);
+  EXPECT_NEAR(forces.drives[1].rate, s1, 1e-15);
+  EXPECT_NEAR(forces.damper_tension[0], c * s1, 1e-14);
+}
+
+// Thesis eqs. 44-46: the pose that hangs in balance takes no torque at the first bar, and its pins carry the weights
+// below them and the pull.
+TEST(InverseDynamics, ThesisChainHangsWithoutTorque) {
+  const Scene scene = read_scene(test::dataset("pendulum_chain.toml"));
+  const MotionModel model(scene);
+  const std::vector<double> below = {0.31143065331515225247, 0.59688848705719631498, 1.1827696789057091057};
+  std::vector<double> q;
+  for (double angle : below) q.push_back(angle - M_PI / 2);
+  const std::vector<double> still(3, 0.0);
+  const Forces forces = forces_at(model, q, still, still, {find_drive(scene, "upper")});
+  expect_consistent(forces);
+  EXPECT_NEAR(forces.drives[0].value, 0.0, 1e-13);
+  double carried = 0.0;
+  for (int bar = 3; bar >= 1; --bar) {
+    carried += scene.bodies[static_cast<std::size_t>(bar)].mass * gravity;
+    const Vec2 force = forces.reactions[static_cast<std::size_t>(bar - 1)].force;
+    EXPECT_NEAR(force.x, -6.0, 1e-12);
+    EXPECT_NEAR(force.y, carried, 1e-12);
+  }
+}
+
+// Turned away from it the torque is the moment of all loads about O.
+TEST(InverseDynamics, TorqueHoldsTheThesisChainElsewhere) {
+  Scene scene = read_scene(test::dataset("pendulum_chain.toml"));
+  // Welded in a line, so that one torque can hold it.
+  for (int i : {1, 2}) scene.joints[static_cast<std::size_t>(i)].kind = Joint::Kind::weld;
+  const MotionModel model(scene);
+  const Forces forces = forces_at(model, {0.3}, {0.0}, {0.0}, {find_drive(scene, "upper")});
+  expect_consistent(forces);
+  const double arm = 1.2 * 0.2 + 0.8 * 0.55 + 0.5 * 0.95;
+  EXPECT_NEAR(forces.drives[0].value, gravity * arm * std::cos(0.3) + 6.0 * 1.2 * std::sin(0.3), 1e-12);
+}
+
+// Newton's law for every body of a driven four-bar, with momenta from the places of the bodies alone.
+TEST(InverseDynamics, FourBarReactionsChangeTheMomenta) {
+  const Scene scene = read_scene(test::dataset("four_bar_gravity.toml"));
+  const MotionModel model(scene);
+  constexpr double rate = 4.0, q = 1.1, h = 1e-3;
+  SweepOptions options;
+  options.rate = rate;
+  options.steps = 4;
+  const KinematicsResult path = sweep(scene, {{"crank", q - 2 * h * rate, q + 2 * h * rate}}, options);
+  ASSERT_TRUE(path.complete);
+  const KinematicSample& at = path.samples[2];
+  const Forces forces = forces_at(model, at.q, at.rate, at.second, {find_drive(scene, "crank")});
+  expect_consistent(forces);
+  // Second differences of fourth order of a quantity of the samples.
+  const auto second = [&](auto quantity) {
+    const auto f = [&](std::size_t k) { return quantity(path.samples[k]); };
+    return (-f(0) + 16 * f(1) - 30 * f(2) + 16 * f(3) - f(4)) / (12 * h * h);
+  };
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const auto center = [&](const KinematicSample& s) { return s.bodies[i].pose.world(body.center); };
+    Vec2 force = body.mass * scene.gravity;
+    double moment = i == 1 ? forces.drives[0].value : 0.0;
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      const Joint& joint = scene.joints[j];
+      const double sign = joint.b.body == static_cast<int>(i) ? 1.0 : joint.a.body == static_cast<int>(i) ? -1.0 : 0.0;
+      const Reaction& r = reaction(forces, joint.name);
+      force += sign * r.force;
+      moment += sign * cross(r.at - center(at), r.force);
+    }
+    EXPECT_NEAR(force.x, body.mass * second([&](const KinematicSample& s) { return center(s).x; }), 1e-6) << body.name;
+    EXPECT_NEAR(force.y, body.mass * second([&](const KinematicSample& s) { return center(s).y; }), 1e-6) << body.name;
+    EXPECT_NEAR(moment, body.inertia * second([&](const KinematicSample& s) { return s.bodies[i].pose.angle; }), 1e-6)
+        << body.name;
+  }
+}
+
+// Power of the motor over a full turn of the crank is what the damper took: the energies come back to themselves.
+TEST(InverseDynamics, MotorPaysForTheDamperOverATurn) {
+  Scene scene = read_scene(test::dataset("four_bar_gravity.toml"));
+  scene.torsion_dampers.push_back({"oil", 0, 3, 0.8, 0});
+  const MotionModel model(scene);
+  SweepOptions options;
+  options.rate = 3.0;
+  options.steps = 720;
+  const KinematicsResult path = sweep(scene, {{"crank", 0.0, 2 * M_PI}}, options);
+  ASSERT_TRUE(path.complete);
+  double given = 0.0, taken = 0.0;
+  for (std::size_t k = 0; k + 1 < path.samples.size(); ++k) {
+    const KinematicSample& at = path.samples[k];
+    const Forces forces = forces_at(model, at.q, at.rate, at.second, {find_drive(scene, "crank")});
+    given += forces.drives[0].power;
+    taken += 0.8 * std::pow(at.bodies[3].rate, 2);
+    ASSERT_LT(forces.power.error, 1e-10);
+    ASSERT_LT(forces.work_error, 1e-10);
+  }
+  EXPECT_NEAR(given, taken, 1e-9 * taken);
+}
+
+// The force in the shut cylinder that lift_dynamics.json knows, with the cylinder as a drive instead of a spring.
+TEST(InverseDynamics, CylinderHoldsTheLift) {
+  const json answers = test::read_json(test::dataset("lift_dynamics.json"));
+  for (const json& known : answers.at("entries")) {
+    SCOPED_TRACE(known.dump());
+    Scene scene = read_scene(test::dataset("lift.toml"));
+    scene.springs.clear();
+    set_value(scene, "body.payload.mass", known.at("payload"));
+    const MotionModel model(scene);
+    const double q = known.at("q");
+    SweepOptions options;
+    options.rate = 0.3;
+    const KinematicSample at = sweep(scene, {{"obd", q, q + 0.01}}, options).samples.front();
+    const std::vector<double> still(at.q.size(), 0.0);
+    const std::vector<Drive> cylinder = {find_drive(scene, "stroke")};
+    const Forces holds = forces_at(model, at.q, still, still, cylinder);
+    expect_consistent(holds);
+    const double exact = known.at("cyl_force_N");
+    EXPECT_NEAR(holds.drives[0].value, exact, 1e-10 * exact);
+    const Forces moves = forces_at(model, at.q, at.rate, at.second, cylinder);
+    expect_consistent(moves);
+    const double rate = 0.3 * known.at("dl_dq").get<double>();
+    EXPECT_NEAR(moves.drives[0].rate, rate, 1e-10 * rate);
+    EXPECT_NEAR(moves.damper_tension[0], 4000 * rate, 1e-6 * rate);
+  }
+}
+
+// Free motions need no drive: what the reduced equations of motion give is balanced body by body.
+TEST(InverseDynamics, FreeMotionsOfRandomMechanismsAreInBalance) {
+  int moved = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    test::Wish wish;
+    wish.loops = static_cast<int>(seed % 3);
+    wish.followers = seed % 5 == 0;
+    Scene scene = test::plant_mechanism(seed, wish).at_rest;
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      scene.bodies[i].mass += 0.5;
+      scene.bodies[i].inertia += 0.1;
+    }
+    const int last = static_cast<int>(scene.bodies.size()) - 1;
+    scene.torsion_dampers.push_back({"oil", 1, last, 0.4, 0});
+    scene.frictions.push_back({"rub", 0, last, 0.7, 0.5, 0});
+    const StaticModel statics(scene);
+    const MotionModel model(scene);
+    const std::vector<double> x = motion_coordinates(model, statics, assemble(statics));
+    ReducedMotion<double> motion(model.scaled_scene(), model.mechanism(), model.inertia());
+    using Status = ReducedMotion<double>::Status;
+    if (motion.choose(0.0, x.data(), false) != Status::ok) continue;
+    std::vector<double> z, w;
+    test::Random random(seed);
+    for (int k : motion.independent()) {
+      z.push_back(x[static_cast<std::size_t>(k)]);
+      w.push_back(random.uniform(-2.0, 2.0));
+    }
+    motion.expect(x.data());
+    if (motion.place(0.0, z.data()) != Status::ok) continue;
+    motion.move(w.data());
+    if (motion.accelerate() != Status::ok) continue;
+    const auto n = static_cast<std::size_t>(motion.coordinates());
+    const Forces forces =
+        forces_of(model, {motion.q(), motion.q() + n}, {motion.v(), motion.v() + n}, {motion.a(), motion.a() + n}, {});
+    expect_consistent(forces);
+    ++moved;
+  }
+  EXPECT_GT(moved, 45);
+}
+
+// Two motors on one crank share the torque, which is undetermined; together they give what one would.
+TEST(InverseDynamics, RedundantDrivesAreMarked) {
+  const Scene scene = pendulum(3.0, 0.2);
+  const MotionModel model(scene);
+  Drive second = find_drive(scene, "arm");
+  second.name = "second";
+  const Forces forces = forces_at(model, {0.0}, {0.0}, {0.0}, {find_drive(scene, "arm"), second});
+  expect_consistent(forces);
+  EXPECT_EQ(forces.redundancy, 1);
+  EXPECT_FALSE(forces.drives[0].determined);
+  EXPECT_TRUE(reaction(forces, "O").determined);
+  EXPECT_NEAR(forces.drives[0].value + forces.drives[1].value, 3.0 * gravity * 0.4, 1e-12);
+}
+
+TEST(InverseDynamics, MeasuresRatesThatOpenALoop) {
+  const Scene scene = read_scene(test::dataset("four_bar_gravity.toml"));
+  const MotionModel model(scene);
+  KinematicSample at = sweep(scene, {{"crank", 1.0, 1.2}}).samples.front();
+  at.rate[1] += 1e-3;
+  EXPECT_GT(forces_at(model, at.q, at.rate, at.second).loop_error, 1e-5);
+}
+
+}  // namespace
+}  // namespace poise

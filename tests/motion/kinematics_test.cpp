@@ -1,0 +1,412 @@
+// Driven kinematics against closed forms of textbook linkages, finite differences, and the facts of the lift.
+
+#include "motion/kinematics.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <Eigen/SVD>
+#include <gtest/gtest.h>
+
+#include "motion/driven_path.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double degree = pi / 180;
+
+// Four-bar a (crank), b (coupler), c (rocker) on a ground d long, without any load: O = (0, 0), C = (d, 0).
+Scene four_bar(double a, double b, double c, double d, double crank, double coupler, double rocker) {
+  Scene scene;
+  scene.file = "four_bar.toml";
+  scene.add_point(0, "O", {0, 0});
+  scene.add_point(0, "C", {d, 0});
+  test::add_link(scene, "crank", a);
+  test::add_link(scene, "coupler", b);
+  test::add_link(scene, "rocker", c);
+  test::add_pin(scene, "ground.O", "crank.a", "O");
+  test::add_pin(scene, "crank.b", "coupler.a", "A");
+  test::add_pin(scene, "coupler.b", "rocker.b", "B");
+  test::add_pin(scene, "ground.C", "rocker.a", "C");
+  scene.start.angle = {0.0, crank, coupler, rocker};
+  return scene;
+}
+
+// Slider-crank r, l with the slide "rail" along x through the crank's pivot.
+Scene slider_crank(double r, double l, double crank) {
+  Scene scene;
+  scene.file = "slider_crank.toml";
+  scene.add_point(0, "O", {0, 0});
+  test::add_link(scene, "crank", r);
+  test::add_link(scene, "rod", l);
+  const int slider = scene.add_body("slider");
+  scene.add_point(slider, "D", {0, 0});
+  test::add_pin(scene, "ground.O", "crank.a");
+  test::add_pin(scene, "crank.b", "rod.a");
+  test::add_pin(scene, "rod.b", "slider.D", "D");
+  test::add_slide(scene, "ground.O", "slider.D", {1, 0}, "rail");
+  const double rod = std::asin(-r * std::sin(crank) / l);
+  scene.start.angle = {0.0, crank, rod, 0.0};
+  scene.start.travel.back() = r * std::cos(crank) + l * std::cos(rod);
+  return scene;
+}
+
+int body_of(const Scene& scene, const std::string& name) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].name == name) return static_cast<int>(i);
+  }
+  throw std::out_of_range(name);
+}
+
+std::size_t coordinate_of(const KinematicsResult& result, const std::string& name) {
+  const auto found = std::find(result.coordinates.begin(), result.coordinates.end(), name);
+  if (found == result.coordinates.end()) throw std::out_of_range(name);
+  return static_cast<std::size_t>(found - result.coordinates.begin());
+}
+
+Vec2 place_in(const Scene& scene, const KinematicSample& at, const std::string& point) {
+  const PointRef p = test::point(scene, point);
+  return at.bodies[p.body].pose.world(scene.local(p));
+}
+
+std::string refusal(const Scene& scene, const std::vector<DriveRange>& drives) {
+  try {
+    sweep(scene, drives);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Kinematics, FourBarMovesByTheClosedForm) {
+  const double a = 1.0, b = 3.2, c = 2.5, d = 3.0, w = 2.5;
+  const Scene scene = four_bar(a, b, c, d, 1.0, 0.4, 1.6);
+  SweepOptions options;
+  options.steps = 90;
+  options.rate = w;
+  const KinematicsResult result = sweep(scene, {{"crank", 0.3, 0.3 + 2 * pi}}, options);
+  ASSERT_TRUE(result.complete) << result.why;
+  EXPECT_TRUE(result.singular.empty());
+  ASSERT_EQ(result.samples.size(), 91u);
+  for (const KinematicSample& at : result.samples) {
+    const double t2 = at.bodies[1].pose.angle;
+    // Intersection of two circles about A and C, the upper one.
+    const Vec2 from_a = Vec2{d, 0} - a * unit(t2);
+    const double e = norm(from_a);
+    const double t3 = std::atan2(from_a.y, from_a.x) + std::acos((b * b + e * e - c * c) / (2 * b * e));
+    const Vec2 tip = a * unit(t2) + b * unit(t3) - Vec2{d, 0};
+    const double t4 = std::atan2(tip.y, tip.x);
+    const double w3 = a * w * std::sin(t4 - t2) / (b * std::sin(t3 - t4));
+    const double w4 = a * w * std::sin(t2 - t3) / (c * std::sin(t4 - t3));
+    const double a3 =
+        (c * w4 * w4 - a * w * w * std::cos(t2 - t4) - b * w3 * w3 * std::cos(t3 - t4)) / (b * std::sin(t3 - t4));
+    const double a4 =
+        (a * w * w * std::cos(t2 - t3) + b * w3 * w3 - c * w4 * w4 * std::cos(t4 - t3)) / (c * std::sin(t4 - t3));
+    EXPECT_NEAR(at.drive[0], t2, 1e-13);
+    EXPECT_NEAR(at.bodies[2].pose.angle, t3, 1e-13);
+    EXPECT_NEAR(at.bodies[3].pose.angle, t4, 1e-13);
+    EXPECT_NEAR(at.bodies[2].rate, w3, 1e-12);
+    EXPECT_NEAR(at.bodies[3].rate, w4, 1e-12);
+    EXPECT_NEAR(at.bodies[2].spin_up, a3, 1e-11);
+    EXPECT_NEAR(at.bodies[3].spin_up, a4, 1e-11);
+    const Vec2 middle{b / 2, 0};
+    const Vec2 velocity = a * w * quarter_turn(unit(t2)) + w3 * quarter_turn(middle * unit(t3));
+    const Vec2 acceleration = -a * w * w * unit(t2) + Vec2{-w3 * w3, a3} * (middle * unit(t3));
+    EXPECT_NEAR(norm(at.bodies[2].velocity_of(middle) - velocity), 0.0, 1e-12);
+    EXPECT_NEAR(norm(at.bodies[2].acceleration_of(middle) - acceleration), 0.0, 1e-11);
+  }
+}
+
+TEST(Kinematics, SliderCrankMovesByTheClosedForm) {
+  const double r = 0.05, l = 0.17, w = 300.0;
+  const Scene scene = slider_crank(r, l, 0.7);
+  SweepOptions options;
+  options.rate = w;
+  const KinematicsResult result = sweep(scene, {{"crank", 0.0, 2 * pi}}, options);
+  ASSERT_TRUE(result.complete) << result.why;
+  const std::size_t rail = coordinate_of(result, "rail");
+  for (const KinematicSample& at : result.samples) {
+    const double s = r * std::sin(at.drive[0]), c = r * std::cos(at.drive[0]);
+    const double root = std::sqrt(l * l - s * s);
+    EXPECT_NEAR(at.q[rail], c + root, 1e-14);
+    EXPECT_NEAR(at.rate[rail], w * (-s - s * c / root), 1e-11);
+    EXPECT_NEAR(at.second[rail], w * w * (-c - (c * c - s * s) / root - s * s * c * c / (root * root * root)), 1e-8);
+  }
+}
+
+TEST(Kinematics, TwoDrivesKeepPace) {
+  Scene scene;
+  scene.add_point(0, "O", {0, 0});
+  test::add_link(scene, "upper", 1.0);
+  test::add_link(scene, "lower", 0.7);
+  test::add_pin(scene, "ground.O", "upper.a");
+  test::add_pin(scene, "upper.b", "lower.a");
+  const KinematicsResult result = sweep(scene, {{"upper", 0.0, 1.0}, {"lower", 0.5, -2.5}});
+  ASSERT_TRUE(result.complete) << result.why;
+  for (const KinematicSample& at : result.samples) {
+    EXPECT_NEAR(at.drive[1], 0.5 - 3 * at.drive[0], 1e-13);
+    const Vec2 upper = unit(at.drive[0]), lower = 0.7 * unit(at.drive[1]);
+    const Vec2 tip{0.7, 0};
+    EXPECT_NEAR(norm(at.bodies[2].velocity_of(tip) - quarter_turn(upper - 3.0 * lower)), 0.0, 1e-12);
+    EXPECT_NEAR(norm(at.bodies[2].acceleration_of(tip) + upper + 9.0 * lower), 0.0, 1e-12);
+  }
+}
+
+// Derivatives of the whole lift against differences of its positions, and of its rates.
+TEST(Kinematics, DerivativesAreThoseOfThePositions) {
+  const Scene scene = read_scene(test::dataset("lift.toml"));
+  SweepOptions options;
+  options.steps = 2000;
+  const KinematicsResult result = sweep(scene, {{"obd", -0.1, 0.9}}, options);
+  ASSERT_TRUE(result.complete) << result.why;
+  const double h = 1.0 / options.steps;
+  for (std::size_t k = 100; k + 2 < result.samples.size(); k += 190) {
+    const auto& s = result.samples;
+    for (std::size_t i = 0; i < result.coordinates.size(); ++i) {
+      const auto slope = [&](auto f) {
+        return (8 * (f(s[k + 1]) - f(s[k - 1])) - (f(s[k + 2]) - f(s[k - 2]))) / (12 * h);
+      };
+      EXPECT_NEAR(s[k].rate[i], slope([&](const auto& at) { return at.q[i]; }), 1e-10);
+      EXPECT_NEAR(s[k].second[i], slope([&](const auto& at) { return at.rate[i]; }), 1e-9);
+    }
+  }
+}
+
+TEST(Kinematics, RockerStopsAtItsDeadCentre) {
+  const double a = 1.0, b = 3.2, c = 2.5, d = 3.0;
+  const Scene scene = four_bar(a, b, c, d, 1.0, 0.4, 1.6);
+  // Crank and coupler in line, stretched: a triangle of a + b, c and d.
+  const double end = pi - std::acos((c * c + d * d - (a + b) * (a + b)) / (2 * c * d));
+  const KinematicsResult result = sweep(scene, {{"rocker", 2.0, 1.0}});
+  EXPECT_FALSE(result.complete);
+  ASSERT_EQ(result.singular.size(), 1u);
+  const SingularPose& dead = result.singular.front();
+  EXPECT_EQ(dead.kind, SingularPose::Kind::dead_centre);
+  EXPECT_NEAR(dead.drive[0], end, 1e-10);
+  EXPECT_NE(dead.text.find("crank and coupler are in line"), std::string::npos) << dead.text;
+  EXPECT_NE(result.why.find("cannot be driven beyond rocker = "), std::string::npos) << result.why;
+  ASSERT_FALSE(result.samples.empty());
+  EXPECT_GT(result.samples.back().drive[0], dead.drive[0]);
+  EXPECT_LT(result.samples.back().drive[0], dead.drive[0] + 1.0 / 72);
+  for (const KinematicSample& at : result.samples) {
+    EXPECT_TRUE(std::all_of(at.second.begin(), at.second.end(), [](double v) { return std::isfinite(v); }));
+  }
+}
+
+TEST(Kinematics, SliderStopsWhereCrankAndRodStretch) {
+  const Scene scene = slider_crank(0.05, 0.17, 0.7);
+  const KinematicsResult result = sweep(scene, {{"rail", 0.15, 0.3}});
+  EXPECT_FALSE(result.complete);
+  ASSERT_EQ(result.singular.size(), 1u);
+  EXPECT_NEAR(result.singular.front().drive[0], 0.22, 1e-11);
+  EXPECT_NE(result.why.find("cannot be driven beyond rail = 0.22 m: dead centre"), std::string::npos) << result.why;
+}
+
+TEST(Kinematics, AnUnreachableRangeEndsOnTheWay) {
+  const Scene scene = slider_crank(0.05, 0.17, 0.7);
+  const KinematicsResult result = sweep(scene, {{"rail", 0.3, 0.4}});
+  EXPECT_FALSE(result.complete);
+  EXPECT_TRUE(result.samples.empty());
+  ASSERT_EQ(result.singular.size(), 1u);
+  EXPECT_TRUE(result.singular.front().before_range);
+}
+
+TEST(Kinematics, ParallelogramKeepsItsBranchThroughItsChangePoints) {
+  const Scene scene = four_bar(1, 3, 1, 3, 0.8, 0.0, 0.8);
+  SweepOptions options;
+  options.steps = 8;  // samples stand on the change points
+  const KinematicsResult result = sweep(scene, {{"crank", 0.0, 4 * pi}}, options);
+  ASSERT_TRUE(result.complete) << result.why;
+  ASSERT_EQ(result.samples.size(), 9u);
+  for (const KinematicSample& at : result.samples) {
+    EXPECT_NEAR(at.bodies[3].pose.angle, at.drive[0], 1e-9);
+    EXPECT_NEAR(at.bodies[3].rate, 1.0, 1e-7);
+    EXPECT_NEAR(at.bodies[2].pose.angle, 0.0, 1e-9);
+    EXPECT_NEAR(at.bodies[2].rate, 0.0, 1e-7);
+    EXPECT_NEAR(at.bodies[3].spin_up, 0.0, 1e-5);
+  }
+  ASSERT_EQ(result.singular.size(), 5u);
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(result.singular[k].kind, SingularPose::Kind::change_point);
+    EXPECT_NEAR(result.singular[k].drive[0], pi * static_cast<double>(k), 1e-10);
+    EXPECT_NE(result.singular[k].text.find("change point of the loop closed by"), std::string::npos);
+    EXPECT_NE(result.singular[k].text.find("coupler and rocker are in line"), std::string::npos)
+        << result.singular[k].text;
+  }
+}
+
+TEST(Kinematics, AnAlmostParallelogramHasNoChangePoint) {
+  const Scene scene = four_bar(1, 3, 1.001, 3, 0.8, 0.0, 0.8);
+  const KinematicsResult result = sweep(scene, {{"crank", 0.5, 2.5}});
+  ASSERT_TRUE(result.complete) << result.why;
+  EXPECT_TRUE(result.singular.empty());
+}
+
+TEST(Kinematics, RedundantClosuresDoNoHarm) {
+  const Scene scene = read_scene(test::dataset("redundant_parallelogram.toml"));
+  const KinematicsResult result = sweep(scene, {{"crank1", 0.0, 2 * pi}});
+  ASSERT_TRUE(result.complete) << result.why;
+  const int third = body_of(scene, "crank3");
+  for (const KinematicSample& at : result.samples) {
+    EXPECT_NEAR(at.bodies[third].pose.angle, at.drive[0], 1e-9);
+    EXPECT_NEAR(at.bodies[third].rate, 1.0, 1e-7);
+  }
+  ASSERT_EQ(result.singular.size(), 3u);
+  EXPECT_NEAR(result.singular[1].drive[0], pi, 1e-10);
+  EXPECT_NE(result.singular[1].text.find("are in line"), std::string::npos) << result.singular[1].text;
+}
+
+TEST(Kinematics, OnePlaceIsOneSample) {
+  const Scene scene = slider_crank(0.05, 0.17, 0.7);
+  const KinematicsResult result = sweep(scene, {{"crank", 0.4, 0.4}});
+  ASSERT_TRUE(result.complete) << result.why;
+  ASSERT_EQ(result.samples.size(), 1u);
+  EXPECT_NEAR(result.samples[0].bodies[1].pose.angle, 0.4, 1e-15);
+  EXPECT_NEAR(result.samples[0].bodies[1].rate, 1.0, 1e-15);
+}
+
+TEST(Kinematics, SaysWhatElseMustBeDriven) {
+  const Scene scene = test::chain(3, 1.0, 1.0);
+  const std::string said = refusal(scene, {{"1", 0, 1}});
+  EXPECT_NE(said.find("2 freedoms are left"), std::string::npos) << said;
+  EXPECT_NE(said.find("drive 2 more, of 2, 3"), std::string::npos) << said;
+}
+
+TEST(Kinematics, RefusesDrivesThatContradictEachOther) {
+  const Scene scene = slider_crank(0.05, 0.17, 0.7);
+  const std::string said = refusal(scene, {{"crank", 0, 1}, {"rod", 0, 1}});
+  EXPECT_NE(said.find("expected 1 of them"), std::string::npos) << said;
+  EXPECT_NE(refusal(scene, {{"crank", 0, 1}, {"crank", 0, 1}}).find("already"), std::string::npos);
+  EXPECT_NE(refusal(scene, {{"slider", 0, 1}}).find("keeps its angle"), std::string::npos);
+  EXPECT_NE(refusal(scene, {{"cranc", 0, 1}}).find("did you mean \"crank\"?"), std::string::npos);
+}
+
+TEST(Kinematics, RefusesASingularStart) {
+  const std::string said = refusal(four_bar(1, 3, 1, 3, 0.0, 0.0, 0.0), {{"crank", 0.0, 2 * pi}});
+  EXPECT_NE(said.find("the start is a singular pose"), std::string::npos) << said;
+}
+
+TEST(Kinematics, CanBeInterrupted) {
+  const std::atomic<bool> interrupt = true;
+  SweepOptions options;
+  options.interrupt = &interrupt;
+  const KinematicsResult result = sweep(slider_crank(0.05, 0.17, 0.7), {{"crank", 0.0, 1.0}}, options);
+  EXPECT_FALSE(result.complete);
+  EXPECT_EQ(result.why, "interrupted");
+}
+
+// --- the lift -------------------------------------------------------------------------------------------------------
+
+class Lift : public testing::Test {
+ protected:
+  Lift() : facts_(test::read_json(test::dataset("lift_facts.json"))), scene_(read_scene(test::dataset("lift.toml"))) {
+    from_ = facts_["angle_of_obd"][0];
+    to_ = facts_["angle_of_obd"][1];
+    SweepOptions options;
+    options.steps = 120;  // as the facts were sampled
+    result_ = sweep(scene_, {{"obd", from_, to_}}, options);
+  }
+
+  struct Extent {
+    double min = 1e300, max = -1e300;
+  };
+  template <class F>
+  Extent extent(F f) const {
+    Extent out;
+    for (const KinematicSample& at : result_.samples) {
+      out.min = std::min(out.min, f(at));
+      out.max = std::max(out.max, f(at));
+    }
+    return out;
+  }
+
+  nlohmann::json facts_;
+  Scene scene_;
+  double from_, to_;
+  KinematicsResult result_;
+};
+
+TEST_F(Lift, TravelsAsStraightAndLevelAsItsFacts) {
+  ASSERT_TRUE(result_.complete) << result_.why;
+  EXPECT_TRUE(result_.singular.empty());
+  for (const std::string point : {"P", "Q"}) {
+    const Extent x = extent([&](const auto& at) { return place_in(scene_, at, "platform." + point).x; });
+    const Extent y = extent([&](const auto& at) { return place_in(scene_, at, "platform." + point).y; });
+    EXPECT_NEAR(y.max - y.min, facts_["travel_" + point].get<double>(), 1e-10);
+    EXPECT_NEAR((x.max - x.min) / 2, facts_["half_drift_" + point].get<double>(), 1e-10);
+  }
+  // The facts count the inclination from the mean of the sampled angles.
+  const int platform = body_of(scene_, "platform");
+  double mean = 0.0;
+  for (const KinematicSample& at : result_.samples) {
+    mean += at.bodies[platform].pose.angle / static_cast<double>(result_.samples.size());
+  }
+  const Extent angle = extent([&](const auto& at) { return at.bodies[platform].pose.angle; });
+  EXPECT_NEAR((angle.max - angle.min) / degree,
+              facts_["inclination_deg"][1].get<double>() - facts_["inclination_deg"][0].get<double>(), 1e-8);
+  EXPECT_LT(std::max(angle.max - mean, mean - angle.min), 0.6 * degree);
+}
+
+TEST_F(Lift, PushesItsCylinderAsItsFacts) {
+  const std::size_t stroke = coordinate_of(result_, "stroke");
+  const Extent length = extent([&](const auto& at) { return at.q[stroke]; });
+  EXPECT_NEAR(length.min, facts_["cylinder"][0].get<double>(), 1e-10);
+  EXPECT_NEAR(length.max, facts_["cylinder"][1].get<double>(), 1e-10);
+  const Extent lever = extent([&](const auto& at) { return at.rate[stroke]; });  // driven at 1 rad/s
+  EXPECT_NEAR(lever.min, facts_["lever_arm"][0].get<double>(), 1e-9);
+  EXPECT_NEAR(lever.max, facts_["lever_arm"][1].get<double>(), 1e-9);
+  for (const auto& fact : facts_["stroke"]) {
+    const double q = fact["q"];
+    const KinematicsResult there = sweep(scene_, {{"obd", q, q}});
+    ASSERT_EQ(there.samples.size(), 1u) << there.why;
+    EXPECT_NEAR(place_in(scene_, there.samples[0], "platform.Q").y, fact["yQ"].get<double>(), 1e-12);
+    EXPECT_NEAR(there.samples[0].q[stroke], fact["l"].get<double>(), 1e-12);
+    EXPECT_NEAR(there.samples[0].rate[stroke], fact["dl_dq"].get<double>(), 1e-9);
+  }
+}
+
+TEST_F(Lift, KeepsItsTransmissionAnglesAndItsBranches) {
+  struct Corner {
+    const char *pin, *tip, *one, *other;
+  };
+  for (const Corner& corner : {Corner{"F", "def.F", "def.D", "fa.A"}, Corner{"C", "bpc.C", "bpc.B", "ecg.E"},
+                               Corner{"L", "platform.L", "platform.P", "gl.G"}}) {
+    const Extent angle = extent([&](const auto& at) {
+      const Vec2 tip = place_in(scene_, at, corner.tip);
+      const Vec2 one = place_in(scene_, at, corner.one) - tip, other = place_in(scene_, at, corner.other) - tip;
+      return std::atan2(std::abs(cross(one, other)), std::abs(dot(one, other))) / degree;
+    });
+    EXPECT_NEAR(angle.min, facts_["least_transmission_deg"][corner.pin].get<double>(), 1e-8) << corner.pin;
+  }
+}
+
+// Condition of the loops in m and rad with the driven angle held.
+TEST_F(Lift, KeepsAwayFromSingularPosesAsItsFacts) {
+  Scene driven = scene_;
+  const MotionModel model(driven);
+  const SplitClosure closure(model, {static_cast<int>(result_.drive_coordinates[0])});
+  std::vector<double> conditions;
+  for (const KinematicSample& at : result_.samples) {
+    const std::vector<double> x = model.from_si(at.q);
+    Eigen::MatrixXd jacobian =
+        closure.jacobian(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
+    for (int k = 0; k < model.layout().angles; ++k) jacobian.col(k) *= model.scales().length;
+    const Eigen::VectorXd values = closure.free_columns(jacobian).jacobiSvd().singularValues();
+    conditions.push_back(values[0] / values[values.size() - 1]);
+  }
+  std::sort(conditions.begin(), conditions.end());
+  EXPECT_NEAR(conditions.front(), facts_["condition"]["least"].get<double>(), 1e-6);
+  EXPECT_NEAR(conditions[conditions.size() / 2], facts_["condition"]["median"].get<double>(), 1e-6);
+  EXPECT_NEAR(conditions.back(), facts_["condition"]["largest"].get<double>(), 1e-6);
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,415 @@
+// Equations of motion against mechanics that does not know them, and their derivatives against differences in 50
+// digits.
+
+#include "motion/reduced_motion.hpp"
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "model/inertia_impl.hpp"
+#include "model/mechanism_impl.hpp"
+#include "motion/inverse_dynamics.hpp"
+#include "motion/motion_model.hpp"
+#include "motion/reduced_motion_impl.hpp"
+#include "statics/mobility.hpp"
+#include "statics/real50.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/moving_scenes.hpp"
+#include "tests/support/random_mechanism.hpp"
+
+namespace poise {
+namespace {
+
+using Real = Real50;
+using Element = Mechanism<double>::Element;
+
+// A scene compiled in T, SI, placed and moved. Templates of 50 digits are slow to compile: they are met here only.
+template <class T>
+struct Compiled {
+  explicit Compiled(const Scene& given)
+      : scene(given),
+        mechanism(scene, Purpose::dynamics),
+        inertia(scene, mechanism),
+        motion(scene, mechanism, inertia) {}
+
+  Scene scene;
+  Mechanism<T> mechanism;
+  Inertia<T> inertia;
+  ReducedMotion<T> motion;
+};
+
+// Where a mechanism is: the time, a closed pose near by, independent coordinates and their rates.
+template <class T>
+struct State {
+  T t{};
+  std::vector<T> q, z, w;
+};
+
+template <class T>
+void start(Compiled<T>& m, const std::vector<double>& drives_start, const State<T>& state) {
+  const std::vector<T> q0(drives_start.begin(), drives_start.end());
+  m.motion.start_drives(q0.data());
+  ASSERT_EQ(m.motion.choose(state.t, state.q.data(), false), ReducedMotion<T>::Status::ok);
+  m.motion.expect(state.q.data());
+}
+
+template <class T>
+bool evaluate(Compiled<T>& m, const State<T>& state) {
+  using Status = typename ReducedMotion<T>::Status;
+  if (m.motion.place(state.t, state.z.data()) != Status::ok) return false;
+  m.motion.move(state.w.data());
+  return m.motion.accelerate() == Status::ok;
+}
+
+std::vector<double> closed_pose(const Scene& scene) {
+  const MotionModel model(scene);
+  return model.to_si(close_loops(model));
+}
+
+// A state some tenths of rad and m from the closed pose q0, in which the loops still close well.
+State<double> random_state(const Scene& scene, const std::vector<double>& q0, test::Random& random) {
+  Compiled<double> m(scene);
+  for (double reach = 0.4;; reach *= 0.9) {
+    State<double> state{random.uniform(0.0, 0.5), q0, {}, {}};
+    start(m, q0, state);
+    for (int i : m.motion.independent()) {
+      state.z.push_back(q0[i] + random.uniform(-reach, reach));
+      state.w.push_back(random.uniform(-2.0, 2.0));
+    }
+    if (!evaluate(m, state) || (m.motion.rank() > 0 && m.motion.pivot() < 0.02)) continue;
+    state.q.assign(m.motion.q(), m.motion.q() + q0.size());
+    return state;
+  }
+}
+
+State<Real> in_50_digits(const State<double>& s) {
+  return {Real(s.t), {s.q.begin(), s.q.end()}, {s.z.begin(), s.z.end()}, {s.w.begin(), s.w.end()}};
+}
+
+using Values = std::vector<Real>;
+
+// Largest difference over the largest value.
+double apart(const Values& a, const Values& b) {
+  Real difference = 0;
+  Real size = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference = std::max<Real>(difference, abs(a[i] - b[i]));
+    size = std::max<Real>({size, Real(abs(a[i])), Real(abs(b[i]))});
+  }
+  return size > 0 ? static_cast<double>(difference / size) : 0.0;
+}
+
+Values difference(const Values& ahead, const Values& behind, const Real& step) {
+  Values out(ahead.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = (ahead[i] - behind[i]) / step;
+  return out;
+}
+
+Values part(const Real* begin, std::size_t count) { return {begin, begin + count}; }
+
+// Truncation of central differences is about 1e-24 here, rounding far less.
+const Real step = Real(1e-12);
+constexpr double same = 1e-18;
+
+Scene friction_pendulum() {
+  Scene scene = read_scene(test::dataset("double_pendulum.toml"));
+  for (Friction& f : scene.frictions) {
+    f.torque = 2e-2;
+    f.width = 0.9;
+  }
+  return scene;
+}
+
+struct Case {
+  std::string name;
+  std::function<Scene()> scene;
+};
+
+std::vector<Case> cases() {
+  return {{"DoublePendulum", friction_pendulum},
+          {"FourBar", test::four_bar_with_everything},
+          {"Follower", test::four_bar_with_follower},
+          {"QuickReturn", test::quick_return},
+          {"Driven", test::driven_five_bar},
+          {"Lift", [] { return read_scene(test::dataset("lift.toml")); }},
+          {"Andrews", [] { return read_scene(test::dataset("andrews.toml")); }}};
+}
+
+class MovingMechanism : public testing::TestWithParam<Case> {
+ protected:
+  void SetUp() override {
+    scene_ = GetParam().scene();
+    q0_ = closed_pose(scene_);
+  }
+
+  Scene scene_;
+  std::vector<double> q0_;
+};
+
+TEST_P(MovingMechanism, LinearizesAsDifferencesDo) {
+  test::Random random(7);
+  for (int trial = 0; trial < 3; ++trial) {
+    const State<Real> state = in_50_digits(random_state(scene_, q0_, random));
+    Compiled<Real> at(scene_);
+    start(at, q0_, state);
+    ASSERT_TRUE(evaluate(at, state));
+    at.motion.linearize();
+    Compiled<Real> near(scene_);
+    start(near, q0_, state);
+    const auto n = static_cast<std::size_t>(at.motion.coordinates());
+    const auto f = static_cast<std::size_t>(at.motion.freedoms());
+    ASSERT_EQ(near.motion.independent(), at.motion.independent());
+    struct Sides {
+      Values q, v, a, alpha;
+    };
+    const auto side = [&](bool of_rate, std::size_t k, const Real& shift) {
+      State<Real> moved = state;
+      (of_rate ? moved.w : moved.z)[k] += shift;
+      EXPECT_TRUE(evaluate(near, moved));
+      const auto& m = near.motion;
+      return Sides{part(m.q(), n), part(m.v(), n), part(m.a(), n), part(m.alpha(), f)};
+    };
+    for (std::size_t k = 0; k < f; ++k) {
+      SCOPED_TRACE(k);
+      const int column = static_cast<int>(k);
+      const Sides up = side(false, k, step);
+      const Sides down = side(false, k, -step);
+      EXPECT_LT(apart(difference(up.q, down.q, 2 * step), part(at.motion.B(column), n)), same);
+      EXPECT_LT(apart(difference(up.v, down.v, 2 * step), part(at.motion.v_z(column), n)), same);
+      EXPECT_LT(apart(difference(up.a, down.a, 2 * step), part(at.motion.a_z(column), n)), same);
+      EXPECT_LT(apart(difference(up.alpha, down.alpha, 2 * step), part(at.motion.alpha_z(column), f)), same);
+      const Sides faster = side(true, k, step);
+      const Sides slower = side(true, k, -step);
+      EXPECT_LT(apart(difference(faster.v, slower.v, 2 * step), part(at.motion.B(column), n)), same);
+      EXPECT_LT(apart(difference(faster.a, slower.a, 2 * step), part(at.motion.a_w(column), n)), same);
+      EXPECT_LT(apart(difference(faster.alpha, slower.alpha, 2 * step), part(at.motion.alpha_w(column), f)), same);
+    }
+  }
+}
+
+TEST_P(MovingMechanism, EvaluatesInDoubleWhat50DigitsSay) {
+  test::Random random(11);
+  const State<double> state = random_state(scene_, q0_, random);
+  Compiled<double> rough(scene_);
+  start(rough, q0_, state);
+  ASSERT_TRUE(evaluate(rough, state));
+  rough.motion.linearize();
+  Compiled<Real> fine(scene_);
+  start(fine, q0_, in_50_digits(state));
+  ASSERT_TRUE(evaluate(fine, in_50_digits(state)));
+  fine.motion.linearize();
+  const auto n = static_cast<std::size_t>(fine.motion.coordinates());
+  for (int k = 0; k < fine.motion.freedoms(); ++k) {
+    const double* rough_columns[] = {rough.motion.B(k), rough.motion.v_z(k), rough.motion.a_z(k), rough.motion.a_w(k)};
+    const Real* fine_columns[] = {fine.motion.B(k), fine.motion.v_z(k), fine.motion.a_z(k), fine.motion.a_w(k)};
+    for (int c = 0; c < 4; ++c) {
+      EXPECT_LT(apart({rough_columns[c], rough_columns[c] + n}, part(fine_columns[c], n)), 1e-11) << c;
+    }
+  }
+}
+
+// A number of the scene: how the equations of motion depend on it, and the scene in which it is `by` larger.
+struct Number {
+  std::string name;
+  Influence influence;
+  std::function<void(Scene&, double by)> add;
+};
+
+// A body of that mass, centre and inertia welded to the origin of another.
+void burden(Scene& scene, int body, double mass, Vec2 center, double inertia) {
+  const std::string name = "burden" + std::to_string(scene.bodies.size());
+  const int extra = scene.add_body(name);
+  scene.bodies[extra].mass = mass;
+  scene.bodies[extra].center = center;
+  scene.bodies[extra].inertia = inertia;
+  const PointRef a = scene.add_point(body, name, {0, 0});
+  const PointRef b = scene.add_point(extra, "o", {0, 0});
+  Joint weld;
+  weld.kind = Joint::Kind::weld;
+  weld.name = name;
+  weld.a = a;
+  weld.b = b;
+  scene.add_joint(weld);
+}
+
+Influence inertial(int body, double mass, Vec2 first, double moment) {
+  Influence influence;
+  influence.body = body;
+  influence.mass = mass;
+  influence.first = first;
+  influence.moment = moment;
+  return influence;
+}
+
+Influence forceful(Element element, int index) {
+  Influence influence;
+  influence.element = element;
+  influence.index = index;
+  return influence;
+}
+
+std::vector<Number> inertias_of(const Scene& scene) {
+  std::vector<Number> numbers;
+  for (int body = 1; body < static_cast<int>(scene.bodies.size()); ++body) {
+    const std::string name = scene.bodies[body].name;
+    numbers.push_back({name + ".m", inertial(body, 1, {0, 0}, 0), [=](Scene& s, double by) {
+                         burden(s, body, by, {0, 0}, 0);
+                       }});
+    numbers.push_back({name + ".mx", inertial(body, 0, {1, 0}, 0), [=](Scene& s, double by) {
+                         burden(s, body, by, {1, 0}, -by);
+                         burden(s, body, -by, {0, 0}, 0);
+                       }});
+    numbers.push_back({name + ".my", inertial(body, 0, {0, 1}, 0), [=](Scene& s, double by) {
+                         burden(s, body, by, {0, 1}, -by);
+                         burden(s, body, -by, {0, 0}, 0);
+                       }});
+    numbers.push_back({name + ".J", inertial(body, 0, {0, 0}, 1), [=](Scene& s, double by) {
+                         burden(s, body, 0, {0, 0}, by);
+                       }});
+  }
+  return numbers;
+}
+
+// Items of one list of the scene, each with one number on which forces depend linearly.
+template <class Item>
+void list(std::vector<Number>& numbers, const std::vector<Item>& items, std::vector<Item> Scene::*where,
+          double Item::*number, Element element) {
+  for (int i = 0; i < static_cast<int>(items.size()); ++i) {
+    numbers.push_back({"element " + std::to_string(static_cast<int>(element)) + " of " + std::to_string(i),
+                       forceful(element, i), [=](Scene& s, double by) { (s.*where)[i].*number += by; }});
+  }
+}
+
+std::vector<Number> elements_of(const Scene& s) {
+  std::vector<Number> numbers;
+  list(numbers, s.springs, &Scene::springs, &Spring::stiffness, Element::stiffness);
+  list(numbers, s.springs, &Scene::springs, &Spring::free_length, Element::free_length);
+  list(numbers, s.torsion_springs, &Scene::torsion_springs, &TorsionSpring::stiffness, Element::torsion_stiffness);
+  list(numbers, s.torsion_springs, &Scene::torsion_springs, &TorsionSpring::free_angle, Element::free_angle);
+  list(numbers, s.dampers, &Scene::dampers, &Damper::coefficient, Element::damping);
+  list(numbers, s.torsion_dampers, &Scene::torsion_dampers, &TorsionDamper::coefficient, Element::torsion_damping);
+  list(numbers, s.frictions, &Scene::frictions, &Friction::torque, Element::friction);
+  list(numbers, s.torques, &Scene::torques, &Torque::value, Element::torque);
+  for (int i = 0; i < static_cast<int>(s.forces.size()); ++i) {
+    if (s.forces[i].follows >= 0) continue;
+    const Vec2 along = (1 / norm(s.forces[i].vector)) * s.forces[i].vector;
+    numbers.push_back({"force " + s.forces[i].name, forceful(Element::force, i),
+                       [=](Scene& scene, double by) { scene.forces[i].vector += by * along; }});
+  }
+  return numbers;
+}
+
+// alpha and B^T(-Q) of the scene with a number changed, in the same state.
+struct Answer {
+  Values alpha, force;
+};
+
+Answer changed(const Scene& scene, const Number& number, double by, const std::vector<double>& q0,
+               const State<Real>& state) {
+  Scene other = scene;
+  number.add(other, by);
+  Compiled<Real> m(other);
+  start(m, q0, state);
+  EXPECT_TRUE(evaluate(m, state));
+  Answer answer{part(m.motion.alpha(), state.z.size()), Values(state.z.size())};
+  m.motion.reduced_force(answer.force.data());
+  return answer;
+}
+
+TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
+  // The least inertia here is 1e-7 kg m^2; forces are linear in their numbers, so that only rounding of these counts.
+  struct Group {
+    std::vector<Number> numbers;
+    double step, tolerance;
+  };
+  test::Random random(23);
+  const State<Real> state = in_50_digits(random_state(scene_, q0_, random));
+  Compiled<Real> at(scene_);
+  start(at, q0_, state);
+  ASSERT_TRUE(evaluate(at, state));
+  const std::size_t f = state.z.size();
+  for (const auto& [numbers, by, tolerance] :
+       {Group{inertias_of(scene_), 0x1p-70, 1e-18}, Group{elements_of(scene_), 0x1p-3, 1e-12}}) {
+    for (const Number& number : numbers) {
+      SCOPED_TRACE(number.name);
+      const Answer more = changed(scene_, number, by, q0_, state);
+      const Answer less = changed(scene_, number, -by, q0_, state);
+      Values alpha(f);
+      at.motion.influence(number.influence, alpha.data());
+      EXPECT_LT(apart(difference(more.alpha, less.alpha, Real(2 * by)), alpha), tolerance);
+      const bool resists = number.influence.body < 0 && (number.influence.element == Element::damping ||
+                                                         number.influence.element == Element::torsion_damping ||
+                                                         number.influence.element == Element::friction);
+      if (resists) continue;  // no part of Q
+      Values force(f);
+      at.motion.reduced_influence(number.influence, force.data());
+      EXPECT_LT(apart(difference(more.force, less.force, Real(2 * by)), force), tolerance);
+    }
+  }
+}
+
+// Newton and Euler's equations of every body cut free, by motion/inverse_dynamics, which shares no formula with the
+// reduced equations.
+TEST_P(MovingMechanism, BalancesEveryBodyCutFree) {
+  test::Random random(3);
+  const MotionModel model(scene_);
+  for (int trial = 0; trial < 10; ++trial) {
+    const State<double> state = random_state(scene_, q0_, random);
+    Compiled<double> m(scene_);
+    start(m, q0_, state);
+    ASSERT_TRUE(evaluate(m, state));
+    const auto n = static_cast<std::size_t>(m.motion.coordinates());
+    const auto all = [&](const double* values) { return model.from_si({values, values + n}); };
+    const Forces forces = forces_of(model, all(m.motion.q()), all(m.motion.v()), all(m.motion.a()), scene_.drives);
+    EXPECT_LT(forces.imbalance, 1e-12 * forces.largest_force) << forces.worst_body;
+    EXPECT_LT(forces.power.error, 1e-12);
+    for (int k = 0; k < m.motion.drives(); ++k) {
+      const double value = forces.drives[static_cast<std::size_t>(k)].value;
+      EXPECT_NEAR(m.motion.drive_force(k), value, 1e-11 * forces.largest_force);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, MovingMechanism, testing::ValuesIn(cases()),
+                         [](const auto& mechanism) { return mechanism.param.name; });
+
+// The textbook's equations of two pinned bodies with masses m, centres r along their axes and moments I about them:
+//   (I1 + m1 r1^2 + m2 l^2) a1 + m2 l r2 cos(d) a2 = -m2 l r2 sin(d) w2^2 - (m1 r1 + m2 l) g cos(q1),   d = q1 - q2
+//   (I2 + m2 r2^2) a2 + m2 l r2 cos(d) a1 = m2 l r2 sin(d) w1^2 - m2 r2 g cos(q2).
+TEST(ReducedMotion, DoublePendulumAcceleratesAsInTheTextbook) {
+  constexpr double m1 = 1.3, m2 = 0.8, r1 = 0.3, r2 = 0.45, l = 0.7, i1 = 0.04, i2 = 0.03, g = 9.81;
+  Scene scene = test::chain(2, l, 1.0);
+  scene.gravity = {0, -g};
+  scene.bodies[1].mass = m1;
+  scene.bodies[1].center = {r1, 0};
+  scene.bodies[1].inertia = i1;
+  scene.bodies[2].mass = m2;
+  scene.bodies[2].center = {r2, 0};
+  scene.bodies[2].inertia = i2;
+  test::Random random(5);
+  Compiled<double> m(scene);
+  for (int trial = 0; trial < 100; ++trial) {
+    State<double> state;
+    for (auto* values : {&state.z, &state.w}) *values = {random.uniform(-4.0, 4.0), random.uniform(-4.0, 4.0)};
+    state.q = state.z;
+    start(m, state.q, state);
+    ASSERT_TRUE(evaluate(m, state));
+    const double d = state.z[0] - state.z[1];
+    const double m11 = i1 + m1 * r1 * r1 + m2 * l * l, m12 = m2 * l * r2 * std::cos(d), m22 = i2 + m2 * r2 * r2;
+    const double f1 =
+        -m2 * l * r2 * std::sin(d) * state.w[1] * state.w[1] - (m1 * r1 + m2 * l) * g * std::cos(state.z[0]);
+    const double f2 = m2 * l * r2 * std::sin(d) * state.w[0] * state.w[0] - m2 * r2 * g * std::cos(state.z[1]);
+    const double det = m11 * m22 - m12 * m12;
+    const double a1 = (m22 * f1 - m12 * f2) / det, a2 = (m11 * f2 - m12 * f1) / det;
+    EXPECT_NEAR(m.motion.alpha()[0], a1, 1e-13 * (std::abs(a1) + std::abs(a2)));
+    EXPECT_NEAR(m.motion.alpha()[1], a2, 1e-13 * (std::abs(a1) + std::abs(a2)));
+  }
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "model/scene.hpp"
+
+namespace poise::test {
+
+// Made-up mechanisms that between them have everything that acts in motion.
+
+/// A weighty four-bar with a spring and a damper on its coupler, a torsion spring, a torsion damper, dry friction, a
+/// dead force and a torque: one freedom.
+Scene four_bar_with_everything();
+
+/// The same, its coupler also pushed by a force of constant direction in the frame of the rocker.
+Scene four_bar_with_follower();
+
+/// A crank whose pin runs in the slot of a rocker, and a block that slides across the rocker on a spring, damped
+/// against the ground: two freedoms, two travels in a frame that turns.
+Scene quick_return();
+
+/// A five-bar on a driven crank and on a carriage that is driven along the ground: one freedom is left.
+Scene driven_five_bar();
+
+}  // namespace poise::test
