@@ -18,17 +18,11 @@ using nlohmann::json;
 constexpr std::size_t most_curves = 12;
 
 std::vector<double> shown(const ForceCourse& course, const Units& units) {
-  std::vector<double> out = course.value;
-  for (double& v : out) v = in_unit(v, course.quantity, units);
-  return out;
+  return in_unit(course.value, course.quantity, units);
 }
 
 std::vector<double> places(const ForcesAnswer& answer, const Units& units) {
-  std::vector<double> out = answer.at;
-  for (double& v : out) {
-    if (answer.measure) v = in_unit(v, *answer.measure, units);
-  }
-  return out;
+  return answer.measure ? in_unit(answer.at, *answer.measure, units) : answer.at;
 }
 
 /// What a stop carries in one pose: 0 where it does not press.
@@ -73,7 +67,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAnswer& a
         [&stop](const Forces& f) { return stop_force(stop, f); });
   }
   const auto add_list = [&](const std::string& kind, const auto& items, Quantity quantity,
-                            std::vector<double> Forces::* values) {
+                            std::vector<double> Forces::*values) {
     for (std::size_t i = 0; i < items.size(); ++i) {
       add(kind + items[i].name, quantity, [i, values](const Forces& f) { return (f.*values)[i]; });
     }
@@ -147,7 +141,9 @@ std::vector<Panel> forces_panels(const Scene& scene, const ForcesAnswer& answer)
     for (Panel& p : panels) {
       if (p.title == title) return p;
     }
-    panels.push_back({.title = title, .x_label = x_label, .y_label = with_unit("", quantity, scene.units)});
+    panels.push_back({.title = title,
+                      .x_label = x_label,
+                      .y_label = with_unit(quantity == Quantity::moment ? "torque" : "force", quantity, scene.units)});
     return panels.back();
   };
   for (const ForceCourse& course : force_courses(scene, answer)) {

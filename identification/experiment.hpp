@@ -38,10 +38,10 @@ struct Sensor {
 
 /// A number of the scene that is to be found, by its path (see model/set_value): SI throughout.
 struct Unknown {
-  std::string path;   ///< "spring.oil.stiffness"
-  std::string name;   ///< for tables; the path where none was given
-  std::string per;    ///< "" one value for all runs; "run" one for each; else a label: one for each of its values
-  double unit = 1.0;  ///< SI value of the unit in which the file gives it
+  std::string path;       ///< "spring.oil.stiffness"
+  std::string name;       ///< for tables; the path where none was given
+  std::string per;        ///< "" one value for all runs; "run" one for each; else a label: one for each of its values
+  double unit = 1.0;      ///< SI value of the unit in which the file gives it
   double includes = 0.0;  ///< shown value = value in the scene + includes: a lump that others hold in part already
   // The following are about the shown value.
   std::optional<double> start;  ///< absent: the scene's value + includes

@@ -188,7 +188,8 @@ class ExperimentReader {
     unknown.min = table.find_number("min", unknown.unit, Range::finite).value_or(unknown.min);
     unknown.max = table.find_number("max", unknown.unit, Range::finite).value_or(unknown.max);
     if (!(unknown.min < unknown.max)) {
-      table.place_of("max").fail(fmt::format("expected max > min = {:.12g}; exchange them", unknown.min / unknown.unit));
+      table.place_of("max").fail(
+          fmt::format("expected max > min = {:.12g}; exchange them", unknown.min / unknown.unit));
     }
     unknown.start = table.find_number("start", unknown.unit, Range::finite);
     const double first = unknown.start.value_or(value * unknown.unit + unknown.includes);

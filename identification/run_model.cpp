@@ -279,8 +279,9 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) c
   if (reduced.place(0.0, &z) != Reduced::Status::ok) return out;
   const double one = 1.0;
   reduced.move(&one);
-  const double energy = model.scales().energy();
-  out.mass = energy * 2 * reduced.kinetic_energy();
+  // SI: energies per square of the independent coordinate's unit.
+  const double z_unit = independent_[0] < model.layout().angles ? 1.0 : scales_.length;
+  out.mass = model.scales().energy() / (z_unit * z_unit) * 2 * reduced.kinetic_energy();
   reduced.move(&still);
   if (reduced.accelerate() != Reduced::Status::ok) return out;
   reduced.linearize();
@@ -291,8 +292,14 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) c
   const std::size_t n = reader.coordinates().size();
   std::vector<double> own(n), rate(n, 0.0), by_q(n), by_v(n);
   for (std::size_t i = 0; i < n; ++i) own[i] = q[static_cast<std::size_t>(reader.coordinates()[i])];
-  reader.read(own.data(), rate.data(), 1.0, 0.0, by_q.data(), by_v.data());
-  for (std::size_t i = 0; i < n; ++i) out.sensor_gain += by_q[i] * reduced.B(0)[reader.coordinates()[i]];
+  out.reading = reader.read(own.data(), rate.data(), 0.0, 0.0, by_q.data(), by_v.data());
+  const auto by_z = [&](int i) {
+    const double unit = i < model.layout().angles ? 1.0 : scales_.length;
+    return reduced.B(0)[i] * unit / z_unit;
+  };
+  for (std::size_t i = 0; i < n; ++i) out.reading_by_z += by_q[i] * by_z(reader.coordinates()[i]);
+  out.z = q[static_cast<std::size_t>(independent_[0])];
+  if (rest_coordinate_ >= 0) out.rest_by_z = by_z(rest_coordinate_);
   return out;
 }
 

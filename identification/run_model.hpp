@@ -57,7 +57,9 @@ class RunModel {
   /// 0.
   struct Oscillator {
     double mass = 0.0, stiffness = 0.0, damping = 0.0;
-    double sensor_gain = 0.0;  ///< d(first sensor)/dz
+    double z = 0.0;        ///< the independent coordinate there
+    double reading = 0.0;  ///< of the first sensor there
+    double reading_by_z = 0.0, rest_by_z = 0.0;
   };
   Oscillator oscillator(const double* unknowns, double rest) const;
   /// Where the run rests as it is written: value of the coordinate of its Rest, SI.

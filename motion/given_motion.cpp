@@ -20,6 +20,8 @@ using Eigen::VectorXd;
 constexpr double rank_tolerance = 1e-9;
 constexpr double closed_within = 1e-13;
 constexpr double open_beyond = 1e-9;
+// Samples that have to change by more than this, rad or mechanism sizes, are not of this mechanism.
+constexpr double not_ours = 0.1;
 constexpr int closing_steps = 50;
 
 // Rate and second derivative at t[at] of the polynomial that meets the values, and the rates where there are any, of
@@ -146,12 +148,13 @@ GivenMotion complete_motion(const MotionModel& model, const std::vector<double>&
       v[s.coordinate] = (s.rate.empty() ? rate : s.rate[k]) / unit(s.coordinate);
       a[s.coordinate] = second / unit(s.coordinate);
     }
+    const double gap = completion.gap(x);
     completion.close(x, out);
-    if (completion.gap(x) > open_beyond) {
+    if (completion.gap(x) > open_beyond || out.closing > not_ours) {
       throw InputError(
-          fmt::format("{}: motion: at {} s the loops stay open by {:.3g} of the mechanism's size; expected "
-                      "samples of a motion of this scene",
-                      model.scene().file, time[k], completion.gap(x)));
+          fmt::format("{}: motion: at {} s its samples do not close the loops, which gape by {:.3g} of the "
+                      "mechanism's size; expected a motion of this scene",
+                      model.scene().file, time[k], gap));
     }
     if (k == 0) completion.expect_decided(x);
     completion.fit(x, VectorXd::Zero(completion.curvature(x, v).size()), v);

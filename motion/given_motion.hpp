@@ -22,8 +22,9 @@ struct GivenMotion {
 /// Completes a sampled motion. Rates not sampled and accelerations are those of the polynomial through the samples
 /// around (values of seven, or values and rates of five); coordinates not sampled follow from the loops,
 ///   c(x) = 0,   J v = 0,   J a = -(J v)' v,
-/// and what is left open then is closed by the least change of all of them. `time` ascends.
-/// Throws InputError where the samples do not decide a coordinate, or where the loops cannot be closed.
+/// and what is left open then is closed by the least change of all of them. `time` ascends, two at least.
+/// Throws InputError where the samples do not decide a coordinate, or where loops cannot be closed,
+/// or only by changing a sample by more than 0.1 rad (mechanism sizes).
 GivenMotion complete_motion(const MotionModel& model, const std::vector<double>& time,
                             const std::vector<SampledCoordinate>& samples);
 

@@ -117,9 +117,10 @@ void expect_driven(const SplitClosure& closure, const VectorXd& x) {
                     "motion; expected a regular one; change [start], say --set start.{}=...",
                     where(scene), scene.drives.front().name, scene.drives.front().name));
   }
-  const Eigen::JacobiSVD<MatrixXd> svd(of_free, Eigen::ComputeFullV);
-  const MatrixXd moves =
-      of_free.rows() > 0 ? MatrixXd(svd.matrixV().rightCols(left)) : MatrixXd::Identity(of_free.cols(), of_free.cols());
+  MatrixXd moves = MatrixXd::Identity(of_free.cols(), of_free.cols());
+  if (of_free.rows() > 0) {
+    moves = Eigen::JacobiSVD<MatrixXd>(of_free, Eigen::ComputeFullV).matrixV().rightCols(left);
+  }
   std::vector<std::string> names;
   for (std::size_t i = 0; i < closure.free().size(); ++i) {
     if (moves.row(static_cast<Eigen::Index>(i)).norm() > 1e-6) names.push_back(name_of(closure.free()[i]));

@@ -97,10 +97,10 @@ class ReducedMotion {
   std::vector<T> stop_values() const;
   /// Force (torque, N m or N in the scene's units) of drive k. After accelerate().
   T drive_force(int k) const;
-  /// B^T (-Q) of the pose placed: what statics leaves unbalanced in each independent coordinate.
-  void reduced_force(T* f) const;
-  /// -B^T dQ/dp for an element of force, in the pose placed; rates as last moved.
-  void reduced_influence(const Influence& influence, T* f) const;
+  /// Sets the accelerations that alpha, whatever causes it, means for all coordinates.
+  void accelerate_as(const T* alpha);
+  /// B^T of what moving and holding one more body inertia takes at the accelerations last set: f values.
+  void reduced_inertia(int body, const typename Inertia<T>::BodyInertia& part, T* f) const;
 
  private:
   struct DriveRow {
@@ -113,6 +113,7 @@ class ReducedMotion {
   void residual(const T& t);
   void fill_jacobian();
   void solve_rows(const T* rows, T* full) const;  // full[dependent] = -Jd^-1 rows, full[independent] = 0
+  void place_accelerations();
   void find_multipliers();
   void linearize_direction(const T* dq, const T* dv, T* da, T* dalpha);
   void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
@@ -131,7 +132,7 @@ class ReducedMotion {
   T singular_limit_{};
   T pivot_{1};
   T t_{};
-  T reach_{};  // how far predict() went
+  T reach_{};           // how far predict() went
   bool known_ = false;  // B and the factors belong to q
 
   // State, and scratch that is mutable because it carries no meaning between calls.

@@ -288,11 +288,9 @@ void ReducedMotion<T>::divide_by_mass(T* b) const {
   }
 }
 
+// a0: what the accelerations must be where alpha is zero.
 template <class T>
-typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
-  using std::sqrt;
-  const int f = freedoms();
-  // a0: what the accelerations must be where alpha is zero.
+void ReducedMotion<T>::place_accelerations() {
   mechanism_.phasor_second(pose_.data(), v_.data(), v_.data(), second_.data());
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
   mechanism_.closures_of(second_.data(), rows_work_.data());
@@ -300,6 +298,13 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   solve_rows(rows_work_.data(), a_.data());
   mechanism_.phasor_first(pose_.data(), a_.data(), work_.data());
   for (int t = 0; t < n_; ++t) second_[t] += work_[t];
+}
+
+template <class T>
+typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
+  using std::sqrt;
+  const int f = freedoms();
+  place_accelerations();
   inertia_.weigh(second_.data(), weight_.data());
   mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
   mechanism_.add_resistance(pose_.data(), v_.data(), full_force_.data());
@@ -447,16 +452,21 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) const {
 }
 
 template <class T>
-void ReducedMotion<T>::reduced_force(T* f) const {
-  mechanism_.negative_force(q_.data(), pose_.data(), full_.data());
-  project(full_.data(), f);
+void ReducedMotion<T>::accelerate_as(const T* alpha) {
+  place_accelerations();
+  for (int k = 0; k < freedoms(); ++k) {
+    mechanism_.phasor_first(pose_.data(), B(k), work_.data());
+    for (int i = 0; i < n_; ++i) {
+      a_[i] += alpha[k] * B(k)[i];
+      second_[i] += alpha[k] * work_[i];
+    }
+  }
 }
 
 template <class T>
-void ReducedMotion<T>::reduced_influence(const Influence& influence, T* f) const {
+void ReducedMotion<T>::reduced_inertia(int body, const typename Inertia<T>::BodyInertia& part, T* f) const {
   std::fill(full_.begin(), full_.end(), T(0));
-  std::fill(work_.begin(), work_.end(), Planar<T>{});
-  add_influence(influence, zero_.data(), work_.data(), full_.data());
+  inertia_.add_body(body, part, pose_.data(), a_.data(), second_.data(), full_.data());
   project(full_.data(), f);
 }
 

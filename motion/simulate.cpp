@@ -1,6 +1,7 @@
 #include "motion/simulate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -356,18 +357,40 @@ class Simulation {
   }
 
   // The pivot of the loops falls to zero and rises again, straight as long as that is near: two nodes before and two
-  // behind tell whether it met zero in between, and when.
+  // behind tell whether it met zero in between, and when. A node next to the pose makes two intervals look so; it lies
+  // in the one where the pivot, made negative behind, bends less.
   void find_singular_poses() {
     const std::vector<double>& t = out_.trajectory.t;
+    std::size_t last = 0;
+    double last_bend = 0.0;
     for (std::size_t i = 2; i + 1 < pivot_.size(); ++i) {
-      const double before = pivot_[i - 1];
-      const double behind = pivot_[i];
-      if (!(pivot_[i - 2] > before && pivot_[i + 1] > behind && std::min(before, behind) < 0.3)) continue;
-      const double across = (before + behind) / (t[i] - t[i - 1]);
-      const double down = (pivot_[i - 2] - before) / (t[i - 1] - t[i - 2]);
-      const double up = (pivot_[i + 1] - behind) / (t[i + 1] - t[i]);
-      const bool straight = std::abs(down - across) < 0.3 * across && std::abs(up - across) < 0.3 * across;
-      if (straight) out_.singular.push_back(t[i - 1] + before / across);
+      const std::array<double, 4> time{t[i - 2], t[i - 1], t[i], t[i + 1]};
+      const std::array<double, 4> pivot{pivot_[i - 2], pivot_[i - 1], -pivot_[i], -pivot_[i + 1]};
+      if (!(pivot[0] > pivot[1] && pivot[2] > pivot[3] && std::min(pivot[1], -pivot[2]) < 0.3)) continue;
+      const auto slope = [&](std::size_t k) { return (pivot[k] - pivot[k + 1]) / (time[k + 1] - time[k]); };
+      const bool straight =
+          std::abs(slope(0) - slope(1)) < 0.3 * slope(1) && std::abs(slope(2) - slope(1)) < 0.3 * slope(1);
+      if (!straight) continue;
+      // t as a cubic of the pivot, at zero; and how far the times are from a parabola of it.
+      double zero = 0.0;
+      double bend = 0.0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        double weight = 1.0;
+        double spread = 1.0;
+        for (std::size_t j = 0; j < 4; ++j) {
+          if (j == k) continue;
+          weight *= pivot[j] / (pivot[j] - pivot[k]);
+          spread *= pivot[j] - pivot[k];
+        }
+        zero += weight * (time[k] - time[1]);
+        bend += (time[k] - time[1]) / spread;
+      }
+      bend = std::abs(bend);
+      if (last == i - 1 && bend >= last_bend) continue;
+      if (last == i - 1) out_.singular.pop_back();
+      out_.singular.push_back(time[1] + zero);
+      last = i;
+      last_bend = bend;
     }
   }
 

@@ -38,7 +38,7 @@ const char* name_of(Kind kind) {
   return "";
 }
 
-Tone tone_of(Kind kind) {
+Tone tone_of_kind(Kind kind) {
   if (kind == Kind::diverges || kind == Kind::flutters) return Tone::bad;
   return kind == Kind::neutral ? Tone::doubtful : Tone::plain;
 }
@@ -96,7 +96,7 @@ std::string facts(const MotionModel& model, const ModesAnswer& answer, const Pal
   out += fact("statics", palette.paint(tone_of(answer.rest.check.stability), in_words(answer.rest.check)), palette);
   std::string freedoms = fmt::format("{}, of {}", modes.freedoms,
                                      count(model.layout().kept, "coordinate that moves", "coordinates that move"));
-  if (modes.massless > 0) freedoms += fmt::format("; {} without inertia follow the others", modes.massless);
+  if (modes.known && modes.massless > 0) freedoms += fmt::format("; {} without inertia follow the others", modes.massless);
   if (modes.held > 0) freedoms += "; held by " + count(modes.held, "stop that presses", "stops that press");
   out += fact("freedoms", freedoms, palette);
   if (!modes.known) return out + fact("why", modes.why, palette);
@@ -114,7 +114,7 @@ std::string mode_section(const MotionModel& model, const Modes& modes, const Pal
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   for (const Vibration& mode : modes.vibrations) {
     const bool comes_back = mode.kind == Kind::swings || mode.kind == Kind::decays || mode.kind == Kind::flutters;
-    kinds.push_back({name_of(mode.kind), tone_of(mode.kind)});
+    kinds.push_back({name_of(mode.kind), tone_of_kind(mode.kind)});
     frequencies.push_back(mode.kind == Kind::diverges ? unknown : mode.frequency);
     ratios.push_back(comes_back ? mode.damping_ratio : unknown);
     damped.push_back(comes_back ? mode.damped_frequency : unknown);

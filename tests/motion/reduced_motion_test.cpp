@@ -334,7 +334,7 @@ TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
   ASSERT_TRUE(evaluate(at, state));
   const std::size_t f = state.z.size();
   for (const auto& [numbers, by, tolerance] :
-       {Group{inertias_of(scene_), 0x1p-70, 1e-18}, Group{elements_of(scene_), 0x1p-3, 1e-12}}) {
+       {Group{inertias_of(scene_), 0x1p-70, 1e-15}, Group{elements_of(scene_), 0x1p-3, 1e-12}}) {
     for (const Number& number : numbers) {
       SCOPED_TRACE(number.name);
       const Answer more = changed(scene_, number, by, q0_, state);

@@ -1,0 +1,133 @@
+#include "identification/base_parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "motion/simulate.hpp"
+
+namespace poise {
+namespace {
+
+constexpr const char* part_names[] = {"m", "m x", "m y", "J"};
+
+Inertia<double>::BodyInertia unit_part(int which) {
+  Inertia<double>::BodyInertia part;
+  if (which == 0) part.mass = 1.0;
+  if (which == 1) part.first = {1.0, 0.0};
+  if (which == 2) part.first = {0.0, 1.0};
+  if (which == 3) part.moment = 1.0;
+  return part;
+}
+
+/// Y at random states reached from the closed start by random steps.
+Eigen::MatrixXd regressor(const MotionModel& model, const std::vector<int>& bodies, int states) {
+  const std::vector<double> x = model.from_si(start_motion(model, {}).q);
+  ReducedMotion<double> reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.start_drives(x.data());
+  reduced.choose(0.0, x.data(), false);
+  reduced.expect(x.data());
+  const int f = reduced.freedoms();
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  std::vector<double> z0, z(static_cast<std::size_t>(f)), w(z), alpha(z), force(z);
+  for (const int i : reduced.independent()) z0.push_back(x[static_cast<std::size_t>(i)]);
+  Eigen::MatrixXd Y =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(states) * f, 4 * static_cast<Eigen::Index>(bodies.size()));
+  std::vector<double> here(x);
+  double reach = 0.5;
+  for (int s = 0, tries = 0; s < states && tries < 20 * states; ++tries) {
+    for (int k = 0; k < f; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      z[at] = z0[at] + reach * any(random);
+      w[at] = any(random);
+      alpha[at] = any(random);
+    }
+    if (reduced.place(0.0, z.data()) != ReducedMotion<double>::Status::ok || reduced.pivot() < 1e-3) {
+      reduced.expect(x.data());
+      reach = std::max(0.02, 0.9 * reach);
+      continue;
+    }
+    reduced.move(w.data());
+    reduced.accelerate_as(alpha.data());
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      for (int part = 0; part < 4; ++part) {
+        reduced.reduced_inertia(bodies[b], unit_part(part), force.data());
+        for (int k = 0; k < f; ++k)
+          Y(s * f + k, 4 * static_cast<Eigen::Index>(b) + part) = force[static_cast<std::size_t>(k)];
+      }
+    }
+    ++s;
+  }
+  return Y;
+}
+
+}  // namespace
+
+BaseParameters base_parameters(const Scene& scene) {
+  std::vector<int> bodies;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].mass != 0 || scene.bodies[i].inertia != 0) bodies.push_back(static_cast<int>(i));
+  }
+  BaseParameters out;
+  out.parameters = 4 * static_cast<int>(bodies.size());
+  if (bodies.empty()) return out;
+  const MotionModel model(scene);
+  Eigen::MatrixXd Y = regressor(model, bodies, 8 * out.parameters);
+  const auto name = [&](Eigen::Index column) {
+    return scene.bodies[static_cast<std::size_t>(bodies[static_cast<std::size_t>(column / 4)])].name + "." +
+           part_names[column % 4];
+  };
+  // Columns of length one, so that kilograms and kg m^2 compare.
+  Eigen::VectorXd length = Y.colwise().norm();
+  const double longest = length.maxCoeff();
+  for (Eigen::Index c = 0; c < Y.cols(); ++c) {
+    if (length[c] <= 1e-11 * longest) {
+      out.without.push_back(name(c));
+      Y.col(c).setZero();
+      length[c] = 1.0;
+    } else {
+      Y.col(c) /= length[c];
+    }
+  }
+  const Eigen::VectorXd s = Eigen::BDCSVD<Eigen::MatrixXd>(Y).singularValues();
+  // The rank is where the singular values fall most.
+  double widest = 1e3;
+  out.rank = static_cast<int>(Y.cols());
+  for (Eigen::Index i = 1; i < s.size(); ++i) {
+    const double fall = s[i - 1] / std::max(s[i], 1e-18 * s[0]);
+    if (s[i] < 1e-8 * s[0] && fall > widest) {
+      widest = fall;
+      out.rank = static_cast<int>(i);
+      out.gap = fall;
+    }
+  }
+  // R = [R1 R2]: the columns pivoted last are R1^-1 R2 of the first.
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Y);
+  const Eigen::MatrixXd R = qr.matrixR().topRows(out.rank).triangularView<Eigen::Upper>();
+  const Eigen::Index rest = Y.cols() - out.rank;
+  const Eigen::MatrixXd shares = R.leftCols(out.rank).triangularView<Eigen::Upper>().solve(R.rightCols(rest)).eval();
+  const auto& order = qr.colsPermutation().indices();
+  const double unit[] = {1.0, model.scales().length, model.scales().length,
+                         model.scales().length * model.scales().length};
+  for (int b = 0; b < out.rank; ++b) {
+    const Eigen::Index column = order[b];
+    std::string words = name(column);
+    for (Eigen::Index d = 0; d < rest; ++d) {
+      const Eigen::Index other = order[out.rank + d];
+      // Per unit of the other parameter, in SI; both columns were scaled.
+      const double share = shares(b, d) * length[other] / length[column] * unit[column % 4] / unit[other % 4];
+      if (std::abs(shares(b, d)) > 1e-7)
+        words += fmt::format(" {} {:.6g} {}", share < 0 ? '-' : '+', std::abs(share), name(other));
+    }
+    out.base.push_back(words);
+  }
+  std::sort(out.base.begin(), out.base.end());
+  return out;
+}
+
+}  // namespace poise

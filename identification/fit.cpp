@@ -1,0 +1,379 @@
+#include "identification/fit.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include <ceres/ceres.h>
+#include <fmt/format.h>
+
+#include "identification/swing_start.hpp"
+
+namespace poise {
+namespace {
+
+/// A misfit beyond this speaks of a local minimum, or of a model that misses something.
+constexpr double suspicious = 1.3;
+
+/// Where a fit stands: everything in SI.
+struct Point {
+  std::vector<double> parameters;
+  std::vector<std::vector<double>> nuisances;
+};
+
+/// One run for Ceres: its triangle in place of its thousands of residuals. Blocks: its parameters, one value each, in
+/// units of their scale; then all nuisances, in units of `nuisance_scale` from where they began.
+class RunCost : public ceres::CostFunction {
+ public:
+  RunCost(const FitProblem& problem, std::size_t run, const Record& record, std::size_t count,
+          std::vector<double> nuisances, int& evaluations)
+      : problem_(problem),
+        run_(run),
+        record_(record),
+        count_(count),
+        from_(std::move(nuisances)),
+        evaluations_(evaluations) {
+    const RunModel& model = problem.run(run);
+    for (int i = 0; i < model.unknowns(); ++i) mutable_parameter_block_sizes()->push_back(1);
+    if (model.nuisances() > 0) mutable_parameter_block_sizes()->push_back(model.nuisances());
+    set_num_residuals(model.columns() + 1);
+  }
+
+  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
+    const RunModel& model = problem_.run(run_);
+    const int p = model.unknowns();
+    const int m = model.nuisances();
+    std::vector<double> at;
+    for (int i = 0; i < p; ++i) at.push_back(*blocks[i]);
+    for (int i = 0; i < m; ++i) at.push_back(blocks[p][i]);
+    // Ceres asks for a point's value first and, where it stays, for its Jacobian: one motion answers both.
+    if (at != at_) {
+      std::vector<double> parameters(problem_.parameters().size());
+      for (int i = 0; i < p; ++i) {
+        const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
+        parameters[k] = *blocks[i] * problem_.parameters()[k].scale;
+      }
+      std::vector<double> nuisances = from_;
+      for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
+      triangle_ = problem_.triangle(run_, parameters, nuisances, &record_, count_, problem_.accuracy(run_));
+      if (run_ == 0) ++evaluations_;
+      at_ = std::move(at);
+    }
+    if (triangle_.size() == 0) return false;
+    const Eigen::Index columns = p + m;
+    Eigen::Map<Eigen::VectorXd>(residuals, columns + 1) = triangle_.col(columns);
+    if (jacobians == nullptr) return true;
+    for (int i = 0; i < p; ++i) {
+      if (jacobians[i] == nullptr) continue;
+      const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
+      Eigen::Map<Eigen::VectorXd>(jacobians[i], columns + 1) = problem_.parameters()[k].scale * triangle_.col(m + i);
+    }
+    if (m > 0 && jacobians[p] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[p], columns + 1, m) =
+          triangle_.leftCols(m);
+    }
+    return true;
+  }
+
+ private:
+  const FitProblem& problem_;
+  std::size_t run_;
+  const Record& record_;
+  std::size_t count_;
+  std::vector<double> from_;
+  int& evaluations_;
+  mutable std::vector<double> at_;
+  mutable Eigen::MatrixXd triangle_;
+};
+
+/// (value - mean) / deviation of one parameter.
+class PriorCost : public ceres::SizedCostFunction<1, 1> {
+ public:
+  PriorCost(double mean, double deviation, double scale) : mean_(mean), deviation_(deviation), scale_(scale) {}
+  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
+    residuals[0] = (*blocks[0] * scale_ - mean_) / deviation_;
+    if (jacobians != nullptr && jacobians[0] != nullptr) jacobians[0][0] = scale_ / deviation_;
+    return true;
+  }
+
+ private:
+  double mean_, deviation_, scale_;
+};
+
+class Interruption : public ceres::IterationCallback {
+ public:
+  explicit Interruption(const std::atomic<bool>* flag) : flag_(flag) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return flag_ != nullptr && flag_->load() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::atomic<bool>* flag_;
+};
+
+class Fitting {
+ public:
+  Fitting(const FitProblem& problem, const std::vector<Record>& records, const FitOptions& options)
+      : problem_(problem), records_(records), options_(options) {}
+
+  Fit run() {
+    const auto begun = std::chrono::steady_clock::now();
+    search();
+    if (best_cost_ < INFINITY) judge();
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
+    out_.microseconds = took.count();
+    return std::move(out_);
+  }
+
+ private:
+  void search() {
+    for (const Record& record : records_) out_.readings += static_cast<int>(record.time.size() * record.reading.size());
+    int found = static_cast<int>(problem_.parameters().size());
+    for (std::size_t r = 0; r < problem_.runs(); ++r) found += problem_.run(r).nuisances();
+    out_.degrees = out_.readings - found;
+    if (out_.degrees <= 0) {
+      out_.status = FitStatus::failed;
+      out_.why = fmt::format("{} readings cannot tell {} values; add readings", out_.readings, found);
+      return;
+    }
+    std::optional<SwingStart> swings;
+    if (!options_.use_starts) {
+      say("fitting a damped sine to every record");
+      swings = start_from_swings(problem_, records_);
+    }
+    if (swings) {
+      out_.start = "found from damped sines and linear least squares, no guess needed";
+      attempt({swings->parameters, swings->nuisances}, {1.0});
+    } else {
+      out_.start = "as given, led through growing windows";
+      attempt(given(0), {0.05, 0.2, 0.5, 1.0});
+    }
+    for (int retry = 1; retry <= options_.retries && !stopped() && misfit_of(best_cost_) > suspicious; ++retry) {
+      // Residuals that have a white remainder of the size of the noise would need no retry.
+      say(fmt::format("residuals are {:.3g} times the noise: trying another start, {} of {}", misfit_of(best_cost_),
+                      retry, options_.retries));
+      const double before = best_cost_;
+      attempt(given(retry), {0.03, 0.08, 0.2, 0.45, 1.0});
+      // The same minimum from somewhere else: it is the model that misses something.
+      if (std::abs(best_cost_ - before) < 1e-3 * before && last_cost_ < 1.001 * before) break;
+    }
+    if (stopped()) {
+      out_.status = FitStatus::interrupted;
+      out_.why = "interrupted; what had been reached is shown";
+    } else if (!(best_cost_ < INFINITY)) {
+      out_.status = FitStatus::failed;
+      out_.why = failure_.empty() ? "no minimum was reached from any start" : failure_;
+    }
+  }
+
+  /// The experiment's starts, from the first retry on changed at random by up to 30 %.
+  Point given(int retry) {
+    Point point;
+    point.parameters = problem_.starts();
+    std::mt19937_64 random(static_cast<std::uint64_t>(retry));
+    std::uniform_real_distribution<double> change(-0.3, 0.3);
+    for (std::size_t i = 0; retry > 0 && i < point.parameters.size(); ++i) {
+      const Parameter& p = problem_.parameters()[i];
+      point.parameters[i] = std::clamp(point.parameters[i] + p.scale * change(random), p.min, p.max);
+    }
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      const RunModel& run = problem_.run(r);
+      std::vector<double> nuisances = run.released();
+      if (run.start_is_unknown() && run.run().release.empty()) {
+        const std::vector<double> start = run.start_from_readings(records_[r]);
+        std::copy(start.begin(), start.end(), nuisances.begin() + (run.rest_is_unknown() ? 1 : 0));
+      }
+      point.nuisances.push_back(std::move(nuisances));
+    }
+    return point;
+  }
+
+  void attempt(Point point, const std::vector<double>& windows) {
+    ++out_.tries;
+    double cost = INFINITY;
+    for (const double window : windows) {
+      if (stopped()) break;
+      if (windows.size() > 1) say(fmt::format("fitting the first {:.0f} % of every record", 100 * window));
+      // A window that fails is skipped: a longer one may still succeed.
+      const double reached = minimise(point, window);
+      if (window == 1.0) cost = reached;
+    }
+    last_cost_ = cost;
+    if (cost < best_cost_) {
+      best_cost_ = cost;
+      best_ = std::move(point);
+    }
+  }
+
+  std::size_t count(std::size_t r, double window) const {
+    const std::size_t all = records_[r].time.size();
+    const auto least = static_cast<std::size_t>(problem_.run(r).columns()) + 4;
+    return std::min(all, std::max(least, static_cast<std::size_t>(window * static_cast<double>(all))));
+  }
+
+  double minimise(Point& point, double window) {
+    const std::vector<Parameter>& parameters = problem_.parameters();
+    std::vector<double> scaled;
+    for (std::size_t i = 0; i < parameters.size(); ++i) scaled.push_back(point.parameters[i] / parameters[i].scale);
+    std::vector<std::vector<double>> shifts;
+    for (const auto& nuisances : point.nuisances) shifts.emplace_back(nuisances.size(), 0.0);
+    ceres::Problem problem;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      std::vector<double*> blocks;
+      for (const int p : problem_.parameters_of(r)) blocks.push_back(&scaled[static_cast<std::size_t>(p)]);
+      if (!shifts[r].empty()) blocks.push_back(shifts[r].data());
+      problem.AddResidualBlock(
+          new RunCost(problem_, r, records_[r], count(r, window), point.nuisances[r], out_.evaluations), nullptr,
+          blocks);
+    }
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Unknown& unknown = problem_.experiment().unknowns[static_cast<std::size_t>(parameters[i].unknown)];
+      if (std::isfinite(parameters[i].min))
+        problem.SetParameterLowerBound(&scaled[i], 0, parameters[i].min / parameters[i].scale);
+      if (std::isfinite(parameters[i].max))
+        problem.SetParameterUpperBound(&scaled[i], 0, parameters[i].max / parameters[i].scale);
+      if (unknown.prior) {
+        problem.AddResidualBlock(
+            new PriorCost(*unknown.prior - unknown.includes, unknown.prior_deviation, parameters[i].scale), nullptr,
+            &scaled[i]);
+      }
+    }
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 60;
+    options.function_tolerance = window < 1.0 ? 1e-4 : options_.function_tolerance;
+    options.parameter_tolerance = 1e-14;
+    options.gradient_tolerance = 1e-12;
+    // From far away full steps are tried first: swings are nearly linear in what is asked.
+    options.initial_trust_region_radius = 1e8;
+    Interruption interruption(options_.interrupt);
+    options.callbacks.push_back(&interruption);
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    out_.iterations += static_cast<int>(summary.iterations.size());
+    if (!summary.IsSolutionUsable()) {
+      failure_ = "the motion could not be computed at the start, or no step led on";
+      return INFINITY;
+    }
+    for (std::size_t i = 0; i < parameters.size(); ++i) point.parameters[i] = scaled[i] * parameters[i].scale;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      for (std::size_t i = 0; i < shifts[r].size(); ++i) point.nuisances[r][i] += shifts[r][i];
+    }
+    return summary.final_cost;
+  }
+
+  double misfit_of(double cost) const { return std::sqrt(2 * cost / out_.degrees); }
+  bool stopped() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
+  void say(const std::string& what) const {
+    if (options_.progress) options_.progress(what);
+  }
+
+  /// Everything that is said of the answer.
+  void judge() {
+    out_.parameters = best_.parameters;
+    out_.misfit = misfit_of(best_cost_);
+    out_.expected = std::sqrt(0.5 / out_.degrees);
+    if (out_.status == FitStatus::not_run) {
+      const bool explained = out_.misfit < 1 + std::max(5 * out_.expected, 0.02);
+      out_.status = explained ? FitStatus::converged : FitStatus::misfit;
+      if (!explained) {
+        out_.why = fmt::format(
+            "the residuals are {:.3g} times the noise of the sensors: the model misses something, or the noise is "
+            "larger "
+            "than stated; deviations are enlarged by that factor",
+            out_.misfit);
+      }
+    }
+    std::vector<Eigen::MatrixXd> triangles;
+    const std::size_t sensors = problem_.experiment().sensors.size();
+    std::vector<double> squares(sensors, 0.0);
+    std::size_t samples = 0;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      triangles.push_back(problem_.triangle(r, best_.parameters, best_.nuisances[r], nullptr, records_[r].time.size(),
+                                            problem_.accuracy(r)));
+      out_.runs.push_back(judge_run(r, squares));
+      samples += records_[r].time.size();
+    }
+    for (const double square : squares) out_.rms.push_back(std::sqrt(square / static_cast<double>(samples)));
+    out_.identifiability = assess(problem_, best_.parameters, triangles);
+    const double enlarged = std::max(1.0, out_.misfit);
+    for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
+      const Parameter& p = problem_.parameters()[i];
+      const Unknown& unknown = problem_.experiment().unknowns[static_cast<std::size_t>(p.unknown)];
+      Estimate estimate;
+      estimate.name = p.name;
+      estimate.unit = unknown.unit;
+      estimate.value = best_.parameters[i] + unknown.includes;
+      estimate.truth = p.truth + unknown.includes;
+      if (out_.identifiability.ok) {
+        estimate.deviation = enlarged * out_.identifiability.deviation[i];
+        if (!out_.identifiability.told[i]) estimate.why = "the data do not tell it";
+      }
+      const double near = 1e-9 * p.scale;
+      if (best_.parameters[i] <= p.min + near || best_.parameters[i] >= p.max - near) {
+        estimate.why = fmt::format("it is at the bound {:.6g}", estimate.value / estimate.unit);
+      }
+      estimate.withheld = !estimate.why.empty();
+      out_.estimates.push_back(std::move(estimate));
+    }
+  }
+
+  RunFit judge_run(std::size_t r, std::vector<double>& squares) const {
+    RunFit out;
+    out.name = problem_.run(r).run().name;
+    out.nuisances = best_.nuisances[r];
+    std::vector<double> e;
+    const std::size_t sensors = squares.size();
+    const std::size_t samples = records_[r].time.size();
+    if (!problem_.residuals(r, best_.parameters, best_.nuisances[r], records_[r], samples, e)) return out;
+    for (std::size_t k = 0; k < sensors; ++k) {
+      double square = 0.0;
+      double lagged = 0.0;
+      for (std::size_t s = 0; s < samples; ++s) {
+        const double here = e[s * sensors + k];
+        square += here * here;
+        if (s > 0) lagged += here * e[(s - 1) * sensors + k];
+      }
+      const double noise = problem_.experiment().sensors[k].noise;
+      squares[k] += square * noise * noise;
+      out.rms.push_back(noise * std::sqrt(square / static_cast<double>(samples)));
+      out.autocorrelation.push_back(square > 0 ? lagged / square : 0.0);
+      out.white = out.white && std::abs(out.autocorrelation.back()) < 4 / std::sqrt(static_cast<double>(samples));
+    }
+    return out;
+  }
+
+  const FitProblem& problem_;
+  const std::vector<Record>& records_;
+  const FitOptions& options_;
+  Fit out_;
+  Point best_;
+  double best_cost_ = INFINITY, last_cost_ = INFINITY;
+  std::string failure_;
+};
+
+}  // namespace
+
+std::string to_string(FitStatus status) {
+  switch (status) {
+    case FitStatus::not_run:
+      return "not run";
+    case FitStatus::converged:
+      return "converged";
+    case FitStatus::misfit:
+      return "misfit";
+    case FitStatus::failed:
+      return "failed";
+    case FitStatus::interrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+Fit fit(const FitProblem& problem, const std::vector<Record>& records, const FitOptions& options) {
+  return Fitting(problem, records, options).run();
+}
+
+}  // namespace poise
