@@ -1,9 +1,8 @@
 #include "app/json_report.hpp"
 
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
+#include "app/json_parts.hpp"
 #include "app/quantity.hpp"
 #include "app/shown_values.hpp"
 
@@ -12,28 +11,10 @@ namespace {
 
 using nlohmann::json;
 
-// JSON knows no NaN and no infinity.
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
 /// Writes SI values in the units of a scene.
 class Writer {
  public:
   explicit Writer(const StaticModel& model) : model_(model), scene_(model.scene()), units_(scene_.units) {}
-
-  json scene(const std::vector<std::string>& settings) const {
-    return {{"file", scene_.file}, {"title", scene_.title}, {"source", scene_.source}, {"set", settings}};
-  }
-
-  json units() const {
-    json out;
-    out["length"] = unit_name(Quantity::length, units_);
-    out["force"] = unit_name(Quantity::force, units_);
-    out["mass"] = unit_name(Quantity::mass, units_);
-    out["angle"] = unit_name(Quantity::angle, units_);
-    out["moment"] = unit_name(Quantity::moment, units_);
-    out["energy"] = unit_name(Quantity::energy, units_);
-    return out;
-  }
 
   json answer(const Answer& answer) const {
     const Equilibrium& rest = answer.rest;
@@ -44,8 +25,8 @@ class Writer {
     out["why"] = rest.why;
     out["iterations"] = rest.iterations;
     out["evaluations"] = rest.evaluations;
-    out["microseconds"] = number(rest.microseconds);
-    out["error"] = number(error_of(answer));
+    out["microseconds"] = json_number(rest.microseconds);
+    out["error"] = json_number(error_of(answer));
     out["reference"] = reference(answer);
     // A method that refused has no pose, so nothing can be said of one.
     for (const char* key :
@@ -55,7 +36,7 @@ class Writer {
     }
     if (!answer.readings) return out;
     const Check& check = rest.check;
-    out["energy"] = number(in_unit(rest.energy, Quantity::energy, units_));
+    out["energy"] = json_number(in_unit(rest.energy, Quantity::energy, units_));
     out["stability"] = to_string(check.stability);
     out["stability_note"] = check.stability_note;
     out["descent_directions"] = check.descent_directions;
@@ -74,7 +55,7 @@ class Writer {
   }
 
  private:
-  json shown(double si, Quantity quantity) const { return number(in_unit(si, quantity, units_)); }
+  json shown(double si, Quantity quantity) const { return json_number(in_unit(si, quantity, units_)); }
   json shown(Vec2 si, Quantity quantity) const { return {shown(si.x, quantity), shown(si.y, quantity)}; }
 
   json reference(const Answer& answer) const {
@@ -95,7 +76,7 @@ class Writer {
     json out = json::array();
     for (const Mode& mode : check.modes) {
       json moves = json::object();
-      for (const auto& [name, part] : mode.moves) moves[name] = number(part);
+      for (const auto& [name, part] : mode.moves) moves[name] = json_number(part);
       out.push_back({{"curvature", shown(mode.curvature, Quantity::energy)}, {"moves", moves}});
     }
     return out;
@@ -185,7 +166,7 @@ class Writer {
             {"imbalance", shown(check.imbalance, Quantity::force)},
             {"worst_body", check.worst_body},
             {"largest_force", shown(check.largest_force, Quantity::force)},
-            {"stop_violation", number(check.stop_violation)},
+            {"stop_violation", json_number(check.stop_violation)},
             {"worst_stop", check.worst_stop},
             {"objection", check.objection}};
   }
@@ -195,35 +176,31 @@ class Writer {
   const Units& units_;
 };
 
-// Indented for people, but for mechanisms that no person reads through.
-std::string text_of(const json& document, const Scene& scene) {
-  const int indent = scene.bodies.size() <= 1000 ? 2 : -1;
-  return document.dump(indent, ' ', false, json::error_handler_t::replace) + "\n";
-}
-
 }  // namespace
 
 std::string solve_json(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings) {
   const Writer writer(model);
   json document = writer.answer(answer);
   document["poise"] = POISE_VERSION;
-  document["scene"] = writer.scene(settings);
-  document["units"] = writer.units();
-  return text_of(document, model.scene());
+  document["scene"] = json_scene(model.scene(), settings);
+  document["units"] = json_units(model.scene().units);
+  return json_text(document, model.scene());
 }
 
 std::string compare_json(const StaticModel& model, const std::vector<Answer>& answers,
                          const std::vector<std::string>& settings) {
   const Writer writer(model);
-  json document = {{"poise", POISE_VERSION}, {"scene", writer.scene(settings)}, {"units", writer.units()}};
+  json document = {{"poise", POISE_VERSION},
+                   {"scene", json_scene(model.scene(), settings)},
+                   {"units", json_units(model.scene().units)}};
   document["methods"] = json::array();
   for (const Answer& answer : answers) document["methods"].push_back(writer.answer(answer));
   const Agreement agreement = compare_answers(model, answers);
   if (agreement.confirmed < 2)
     document["agreement"] = nullptr;
   else
-    document["agreement"] = {{"same", agreement.same}, {"largest_difference", number(agreement.difference)}};
-  return text_of(document, model.scene());
+    document["agreement"] = {{"same", agreement.same}, {"largest_difference", json_number(agreement.difference)}};
+  return json_text(document, model.scene());
 }
 
 }  // namespace poise::app

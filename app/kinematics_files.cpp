@@ -46,12 +46,6 @@ json drive_values(const Scene& scene, const std::vector<DriveRange>& ranges, con
 
 }  // namespace
 
-std::vector<double> in_units(const std::vector<double>& values, Quantity quantity, const Units& units) {
-  std::vector<double> out = values;
-  for (double& v : out) v = in_unit(v, quantity, units);
-  return out;
-}
-
 Course drive_course(const Scene& scene, const KinematicsResult& result, std::size_t drive,
                     const std::vector<DriveRange>& ranges) {
   Course out{ranges[drive].name, quantity_of(scene, ranges[drive]), {}, {}, {}};
@@ -118,14 +112,14 @@ std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, c
   for (std::size_t k = 0; k < ranges.size(); ++k) {
     const Course course = drive_course(scene, result, k, ranges);
     header.push_back("drive." + course.name);
-    columns.push_back(in_units(course.value, course.quantity, scene.units));
+    columns.push_back(in_unit(course.value, course.quantity, scene.units));
   }
   std::vector<Course> courses = coordinate_courses(scene, result);
   for (Course& course : point_courses(scene, result)) courses.push_back(std::move(course));
   for (const Course& course : courses) {
     header.insert(header.end(), {course.name, course.name + ".rate", course.name + ".second"});
     for (const auto* values : {&course.value, &course.rate, &course.second}) {
-      columns.push_back(in_units(*values, course.quantity, scene.units));
+      columns.push_back(in_unit(*values, course.quantity, scene.units));
     }
   }
   header.emplace_back("closeness_to_singular");
@@ -187,7 +181,7 @@ std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult&
        {"Angular accelerations", "Accelerations along the joints", "/s²", &Course::second}}};
   const std::vector<Course> courses = coordinate_courses(scene, result);
   const Course drive = drive_course(scene, result, 0, ranges);
-  const std::vector<double> x = in_units(drive.value, drive.quantity, scene.units);
+  const std::vector<double> x = in_unit(drive.value, drive.quantity, scene.units);
   const std::string label = fmt::format("{} ({})", drive.name, unit_name(drive.quantity, scene.units));
   std::vector<Panel> panels;
   for (const Quantity quantity : {Quantity::angle, Quantity::length}) {
@@ -198,7 +192,7 @@ std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult&
       for (const Course& course : courses) {
         if (course.quantity != quantity || panel.curves.size() == most_curves) continue;
         panel.curves.push_back(
-            {.name = course.name, .x = x, .y = in_units(course.*sight.values, quantity, scene.units)});
+            {.name = course.name, .x = x, .y = in_unit(course.*sight.values, quantity, scene.units)});
       }
       if (!panel.curves.empty()) panels.push_back(std::move(panel));
     }

@@ -27,9 +27,6 @@ std::vector<Course> coordinate_courses(const Scene& scene, const KinematicsResul
 /// x and y of every point of every moving body: "crank.B.x".
 std::vector<Course> point_courses(const Scene& scene, const KinematicsResult& result);
 
-/// Values in the scene's units.
-std::vector<double> in_units(const std::vector<double>& values, Quantity quantity, const Units& units);
-
 /// Columns: drive.NAME of each drive; NAME, NAME.rate, NAME.second of all courses; closeness_to_singular.
 std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges);
 

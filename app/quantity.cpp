@@ -58,6 +58,11 @@ std::string unit_name(Quantity quantity, const Units& units) {
   return "";
 }
 
+std::vector<double> in_unit(std::vector<double> si, Quantity quantity, const Units& units) {
+  for (double& value : si) value = in_unit(value, quantity, units);
+  return si;
+}
+
 std::string significant(double value, int digits) {
   if (std::isnan(value)) return "-";
   if (value == 0.0) return "0";

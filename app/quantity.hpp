@@ -21,6 +21,8 @@ std::string unit_name(Quantity quantity, const Units& units);
 
 /// SI value -> number in the scene's unit.
 inline double in_unit(double si, Quantity quantity, const Units& units) { return si / unit_value(quantity, units); }
+/// The same for a row of values.
+std::vector<double> in_unit(std::vector<double> si, Quantity quantity, const Units& units);
 
 /// `value` to so many significant digits: "0.1234", "12340", "1.234e-07" outside 1e-4 .. 1e7; zeros at the end cut.
 /// Not a number is "-".

@@ -34,7 +34,7 @@ std::vector<NamedValue> lengths_of(const StaticModel& model, const Readings& rea
   return shown;
 }
 
-double rounding_of(const StaticModel& model, Quantity quantity) {
+double rounding_of(const ScaledModel& model, Quantity quantity) {
   constexpr double part = 1e-13;
   switch (quantity) {
     case Quantity::length:
@@ -49,7 +49,7 @@ double rounding_of(const StaticModel& model, Quantity quantity) {
   }
 }
 
-std::vector<double> in_units(const StaticModel& model, Quantity quantity, std::vector<double> values) {
+std::vector<double> in_units(const ScaledModel& model, Quantity quantity, std::vector<double> values) {
   for (double& value : values) {
     value = std::abs(value) < rounding_of(model, quantity) ? 0.0 : in_unit(value, quantity, model.scene().units);
   }

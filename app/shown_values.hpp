@@ -24,9 +24,9 @@ std::vector<NamedValue> lengths_of(const StaticModel& model, const Readings& rea
 
 /// Size below which a value of this mechanism is rounding and is shown as zero, SI: 1e-13 of the scale of its lengths,
 /// forces or work.
-double rounding_of(const StaticModel& model, Quantity quantity);
+double rounding_of(const ScaledModel& model, Quantity quantity);
 
 /// SI values in the scene's unit, rounding put to zero.
-std::vector<double> in_units(const StaticModel& model, Quantity quantity, std::vector<double> values);
+std::vector<double> in_units(const ScaledModel& model, Quantity quantity, std::vector<double> values);
 
 }  // namespace poise::app

@@ -15,6 +15,8 @@ namespace {
 
 /// A misfit beyond this speaks of a local minimum, or of a model that misses something.
 constexpr double suspicious = 1.3;
+/// Swings count as lost where this part of them is left over.
+constexpr double lost_from = 0.1;
 
 /// Where a fit stands: everything in SI.
 struct Point {
@@ -128,7 +130,15 @@ class Fitting {
 
  private:
   void search() {
-    for (const Record& record : records_) out_.readings += static_cast<int>(record.time.size() * record.reading.size());
+    for (const Record& record : records_) {
+      out_.readings += static_cast<int>(record.time.size() * record.reading.size());
+      for (std::size_t k = 0; k < record.reading.size(); ++k) {
+        const Eigen::Map<const Eigen::ArrayXd> reading(record.reading[k].data(),
+                                                       static_cast<Eigen::Index>(record.time.size()));
+        const double noise = problem_.experiment().sensors[k].noise;
+        signal_ += (reading - reading.mean()).square().sum() / (noise * noise);
+      }
+    }
     int found = static_cast<int>(problem_.parameters().size());
     for (std::size_t r = 0; r < problem_.runs(); ++r) found += problem_.run(r).nuisances();
     out_.degrees = out_.readings - found;
@@ -147,10 +157,9 @@ class Fitting {
       attempt({swings->parameters, swings->nuisances}, {1.0});
     } else {
       out_.start = "as given, led through growing windows";
-      attempt(given(0), {0.05, 0.2, 0.5, 1.0});
+      attempt(given(0), {0.1, 0.35, 1.0});
     }
-    for (int retry = 1; retry <= options_.retries && !stopped() && misfit_of(best_cost_) > suspicious; ++retry) {
-      // Residuals that have a white remainder of the size of the noise would need no retry.
+    for (int retry = 1; retry <= options_.retries && !stopped() && is_suspicious(); ++retry) {
       say(fmt::format("residuals are {:.3g} times the noise: trying another start, {} of {}", misfit_of(best_cost_),
                       retry, options_.retries));
       const double before = best_cost_;
@@ -167,10 +176,15 @@ class Fitting {
     }
   }
 
+  /// In a local minimum the model has lost the swings: what it leaves is a good part of what was read.
+  bool is_suspicious() const {
+    return misfit_of(best_cost_) > suspicious && 2 * best_cost_ > lost_from * lost_from * signal_;
+  }
+
   /// The experiment's starts, from the first retry on changed at random by up to 30 %.
   Point given(int retry) {
     Point point;
-    point.parameters = problem_.starts();
+    point.parameters = options_.starts.empty() ? problem_.starts() : options_.starts;
     std::mt19937_64 random(static_cast<std::uint64_t>(retry));
     std::uniform_real_distribution<double> change(-0.3, 0.3);
     for (std::size_t i = 0; retry > 0 && i < point.parameters.size(); ++i) {
@@ -229,10 +243,6 @@ class Fitting {
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Unknown& unknown = problem_.experiment().unknowns[static_cast<std::size_t>(parameters[i].unknown)];
-      if (std::isfinite(parameters[i].min))
-        problem.SetParameterLowerBound(&scaled[i], 0, parameters[i].min / parameters[i].scale);
-      if (std::isfinite(parameters[i].max))
-        problem.SetParameterUpperBound(&scaled[i], 0, parameters[i].max / parameters[i].scale);
       if (unknown.prior) {
         problem.AddResidualBlock(
             new PriorCost(*unknown.prior - unknown.includes, unknown.prior_deviation, parameters[i].scale), nullptr,
@@ -247,13 +257,11 @@ class Fitting {
     options.parameter_tolerance = 1e-14;
     options.gradient_tolerance = 1e-12;
     // From far away full steps are tried first: swings are nearly linear in what is asked.
-    options.initial_trust_region_radius = 1e8;
+    options.initial_trust_region_radius = 1e6;
     Interruption interruption(options_.interrupt);
     options.callbacks.push_back(&interruption);
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    out_.iterations += static_cast<int>(summary.iterations.size());
-    if (!summary.IsSolutionUsable()) {
+    const std::optional<double> cost = minimise_within_ranges(problem, options, scaled);
+    if (!cost) {
       failure_ = "the motion could not be computed at the start, or no step led on";
       return INFINITY;
     }
@@ -261,7 +269,57 @@ class Fitting {
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       for (std::size_t i = 0; i < shifts[r].size(); ++i) point.nuisances[r][i] += shifts[r][i];
     }
-    return summary.final_cost;
+    return *cost;
+  }
+
+  /// Ceres' own bounds cost a line search in every step, so ranges are kept by an active set: a parameter that leaves
+  /// its range is held at the bound, and let go where its gradient points inside again.
+  std::optional<double> minimise_within_ranges(ceres::Problem& problem, const ceres::Solver::Options& options,
+                                               std::vector<double>& scaled) {
+    const std::vector<Parameter>& parameters = problem_.parameters();
+    std::vector<char> held(parameters.size(), 0);
+    for (std::size_t i = 0; i < parameters.size() && out_.iterations > 0; ++i) {
+      // What a shorter window left at a bound stays there to begin with.
+      if (scaled[i] * parameters[i].scale > parameters[i].min && scaled[i] * parameters[i].scale < parameters[i].max) {
+        continue;
+      }
+      held[i] = 1;
+      problem.SetParameterBlockConstant(&scaled[i]);
+    }
+    for (std::size_t round = 0;; ++round) {
+      ceres::Solver::Summary summary;
+      ceres::Solve(options, &problem, &summary);
+      out_.iterations += static_cast<int>(summary.iterations.size());
+      if (!summary.IsSolutionUsable()) return std::nullopt;
+      if (stopped() || round > 2 * parameters.size()) return summary.final_cost;
+      bool changed = false;
+      for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const double kept =
+            std::clamp(scaled[i], parameters[i].min / parameters[i].scale, parameters[i].max / parameters[i].scale);
+        if (kept == scaled[i]) continue;
+        scaled[i] = kept;
+        held[i] = 1;
+        problem.SetParameterBlockConstant(&scaled[i]);
+        changed = true;
+      }
+      if (changed) continue;
+      for (std::size_t i = 0; i < parameters.size() && round <= parameters.size(); ++i) {
+        if (held[i] == 0) continue;
+        problem.SetParameterBlockVariable(&scaled[i]);
+        ceres::Problem::EvaluateOptions only;
+        only.parameter_blocks = {&scaled[i]};
+        std::vector<double> gradient;
+        problem.Evaluate(only, nullptr, nullptr, &gradient, nullptr);
+        const bool at_min = scaled[i] * parameters[i].scale <= parameters[i].min;
+        if (!gradient.empty() && (at_min ? gradient[0] < 0 : gradient[0] > 0)) {
+          held[i] = 0;
+          changed = true;
+        } else {
+          problem.SetParameterBlockConstant(&scaled[i]);
+        }
+      }
+      if (!changed) return summary.final_cost;
+    }
   }
 
   double misfit_of(double cost) const { return std::sqrt(2 * cost / out_.degrees); }
@@ -351,6 +409,7 @@ class Fitting {
   Fit out_;
   Point best_;
   double best_cost_ = INFINITY, last_cost_ = INFINITY;
+  double signal_ = 0.0;  // sum of squared readings about their means, over noise
   std::string failure_;
 };
 

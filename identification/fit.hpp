@@ -41,9 +41,10 @@ enum class FitStatus {
 std::string to_string(FitStatus status);
 
 struct FitOptions {
-  bool use_starts = false;  ///< set out from the experiment's starts even where swings would tell better ones
-  int retries = 3;          ///< other starts that are tried where the residuals speak of a local minimum
-  double function_tolerance = 1e-9;
+  bool use_starts = false;           ///< set out from the experiment's starts even where swings would tell better ones
+  std::vector<double> starts{};      ///< in place of the experiment's: values in the scene, SI, one per parameter
+  int retries = 3;                   ///< other starts that are tried where the residuals speak of a local minimum
+  double function_tolerance = 1e-7;  ///< ends where the sum of squares falls by less than this part of it
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string&)> progress{};
 };

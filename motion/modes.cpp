@@ -130,7 +130,8 @@ std::vector<Root> roots_of(const MatrixXd& k, const MatrixXd& c) {
 
 // Fills in what follows from both roots.
 void describe_roots(Vibration& vibration, Complex a, Complex b) {
-  vibration.roots = {a, b};
+  const Complex plus_zero{0.0, 0.0};  // -0 is no rate
+  vibration.roots = {a + plus_zero, b + plus_zero};
   vibration.growth = std::max(a.real(), b.real());
   vibration.damped_frequency = std::abs(a.imag()) / (2 * M_PI);
   const bool comes_back = vibration.kind != Vibration::Kind::neutral && vibration.kind != Vibration::Kind::diverges;

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "motion/judge_motion.hpp"
+#include "motion/reduced_system.hpp"
 #include "solvers/runge_kutta.hpp"
 
 namespace poise {
@@ -15,66 +17,10 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Relative pivots below this are avoided: loops badly determined amplify rounding by the inverse square.
+/// Relative pivots below this are avoided: loops badly determined amplify rounding by its inverse cube.
 constexpr double comfortable_pivot = 1e-3;
 /// Other independent coordinates are looked for where the pivot has fallen below this.
 constexpr double good_pivot = 0.05;
-
-/// y = z, w, work, then for each sensitivity dz (f), dw (f).
-class ReducedSystem : public solvers::OdeSystem {
- public:
-  ReducedSystem(Reduced& reduced, const std::vector<Influence>& influences, int columns)
-      : reduced_(reduced),
-        influences_(influences),
-        columns_(columns),
-        freedoms_(reduced.freedoms()),
-        alpha_p_(influences.size() * static_cast<std::size_t>(freedoms_)) {}
-
-  int size() const override { return 2 * freedoms_ + 1 + 2 * freedoms_ * columns_; }
-
-  bool rates(double t, const double* y, double* dydt) override {
-    ++evaluations;
-    const int f = freedoms_;
-    status = reduced_.place(t, y);
-    if (status != Reduced::Status::ok) return false;
-    reduced_.move(y + f);
-    status = reduced_.accelerate();
-    if (status != Reduced::Status::ok) return false;
-    std::copy(y + f, y + 2 * f, dydt);
-    std::copy(reduced_.alpha(), reduced_.alpha() + f, dydt + f);
-    dydt[2 * f] = reduced_.power();
-    if (columns_ == 0) return true;
-    reduced_.linearize();
-    for (std::size_t p = 0; p < influences_.size(); ++p) {
-      reduced_.influence(influences_[p], &alpha_p_[p * static_cast<std::size_t>(f)]);
-    }
-    const double* s = y + 2 * f + 1;
-    double* ds = dydt + 2 * f + 1;
-    for (int c = 0; c < columns_; ++c, s += 2 * f, ds += 2 * f) {
-      std::copy(s + f, s + 2 * f, ds);
-      const double* own = c < 2 * f ? nullptr : &alpha_p_[static_cast<std::size_t>((c - 2 * f) * f)];
-      for (int j = 0; j < f; ++j) {
-        double sum = own != nullptr ? own[j] : 0.0;
-        for (int k = 0; k < f; ++k) sum += reduced_.alpha_z(k)[j] * s[k] + reduced_.alpha_w(k)[j] * s[f + k];
-        ds[f + j] = sum;
-      }
-    }
-    return true;
-  }
-
-  /// The derivative of alpha by influence p, of the state evaluated last.
-  const double* alpha_p(int p) const { return &alpha_p_[static_cast<std::size_t>(p * freedoms_)]; }
-
-  int evaluations = 0;
-  Reduced::Status status = Reduced::Status::ok;
-
- private:
-  Reduced& reduced_;
-  const std::vector<Influence>& influences_;
-  int columns_;
-  int freedoms_;
-  std::vector<double> alpha_p_;
-};
 
 class Simulation {
  public:
@@ -113,8 +59,8 @@ class Simulation {
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
     out_.microseconds = took.count();
     if (system_) out_.evaluations += system_->evaluations;
-    judge_energy();
-    find_singular_poses();
+    out_.energy_error = energy_error(out_);
+    out_.singular = zero_crossings(out_.trajectory.t, pivot_);
     return std::move(out_);
   }
 
@@ -147,10 +93,10 @@ class Simulation {
         if (h > 1e-13 * options_.duration && h > 1e-15 * (1 + t)) continue;
         return give_up(system_->status, t);
       }
-      t = last ? options_.duration : t + taken_;
+      t = last && taken_ == left ? options_.duration : t + taken_;
       ++out_.steps;
       y_.swap(y_new_);
-      if (!system_->rates(t, y_.data(), dydt_.data())) return give_up(system_->status, t);
+      dydt_.swap(dydt_new_);
       add_node(t);
       if (options_.progress) options_.progress(t);
       if (reduced_.pivot() < good_pivot && reduced_.rank() > 0) choose_anew(t);
@@ -158,15 +104,39 @@ class Simulation {
     out_.status = MotionStatus::completed;
   }
 
+  /// A step of about h that keeps away from a singular pose ahead, where the pivots of the last nodes tend to zero: the
+  /// pose comes to lie midway between two stages of the method, or well behind the end.
+  double steered(double h) const {
+    const std::size_t last = pivot_.size() - 1;
+    if (reduced_.rank() == 0 || last < 2 || !(pivot_[last] < pivot_[last - 1] && pivot_[last] < 0.5)) return h;
+    const std::vector<double>& t = out_.trajectory.t;
+    // The inverse function t(pivot) as a parabola, at zero.
+    const double p0 = pivot_[last], p1 = pivot_[last - 1], p2 = pivot_[last - 2];
+    const double slope = (t[last] - t[last - 1]) / (p1 - p0);
+    double ahead = p0 * slope;
+    if (p2 > p1) {
+      const double bend = ((t[last - 1] - t[last - 2]) / (p2 - p1) - slope) / (p2 - p0);
+      const double better = ahead - bend * p0 * p1;
+      if (better > 0.5 * ahead && better < 2 * ahead) ahead = better;
+    }
+    if (ahead > 1.25 * h || ahead < 0.06 * h) return h;
+    for (const double place : solvers::RungeKutta78::gaps) {
+      if (ahead <= 1.05 * h * place) return ahead / place;
+    }
+    return ahead / 1.25;
+  }
+
   /// Tries a step of h; on failure h is made shorter. On success taken_ is the step and h the next one.
   bool step_from(double t, double& h, double accuracy) {
+    h = std::min(steered(h), options_.duration - t);
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);
-      const bool evaluated = stepper_->step(t, y_, dydt_, h, y_new_, error_) && placed_at_end(t + h);
+      const bool evaluated =
+          stepper_->step(t, y_, dydt_, h, y_new_, error_) && system_->rates(t + h, y_new_.data(), dydt_new_.data());
       reduced_.set_singular_limit(0.0);
       if (evaluated) {
-        const double error = weigh_error(h) / accuracy;
+        const double error = std::max(weigh_error(h, accuracy), weigh_reading(t, h) / (1000 * accuracy));
         if (error <= 1.0) {
           taken_ = h;
           h = solvers::next_step(h, error);
@@ -194,12 +164,17 @@ class Simulation {
     return false;
   }
 
-  bool placed_at_end(double t) {
-    system_->status = reduced_.place(t, y_new_.data());
-    return system_->status == Reduced::Status::ok;
+  /// What rounding of the loops' closure, eps, leaves uncertain of accelerations: eps rate^2 / pivot^3.
+  double uncertain_acceleration() const {
+    if (reduced_.rank() == 0) return 0.0;
+    double fastest = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) fastest = std::max(fastest, std::abs(reduced_.v()[i]));
+    const double pivot = std::min(pivot_.back(), reduced_.pivot());
+    return eps * fastest * fastest / (pivot * pivot * pivot + eps);
   }
 
-  double weigh_error(double h) const {
+  /// Error of the step over what is allowed. What rounding leaves cannot be stepped away.
+  double weigh_error(double h, double accuracy) const {
     const int f = reduced_.freedoms();
     double far = 0.0;
     double fast = 0.0;
@@ -207,14 +182,43 @@ class Simulation {
       far = std::max(far, reach_of(k, h));
       fast = std::max(fast, speed_of(k, h));
     }
+    const double uncertain = h * uncertain_acceleration();
     double worst = 0.0;
     for (int k = 0; k < f; ++k) {
-      const double z = std::max(reach_of(k, h), 1e-3 * far);
-      const double w = std::max(speed_of(k, h), 1e-3 * fast);
+      const double z = accuracy * std::max(reach_of(k, h), 1e-3 * far) + h * uncertain;
+      const double w = accuracy * std::max(speed_of(k, h), 1e-3 * fast) + uncertain;
       const double e_z = std::abs(error_[static_cast<std::size_t>(k)]);
       const double e_w = std::abs(error_[static_cast<std::size_t>(f + k)]);
-      // What rounding leaves cannot be stepped away.
-      worst = std::max({worst, e_z / (z + 1e-6 * std::abs(y_[static_cast<std::size_t>(k)]) + tiny), e_w / (w + tiny)});
+      const double rounding = eps * std::abs(y_[static_cast<std::size_t>(k)]) / 100;
+      worst = std::max({worst, e_z / (z + rounding + tiny), e_w / (w + tiny)});
+    }
+    return worst;
+  }
+
+  /// Error of reading the step between its ends, relative to how far each coordinate travels. It also sees the steps
+  /// whose own estimate is blind: that of the method vanishes by chance, and for what depends on time alone always.
+  /// Steps are not shortened twentyfold on its account.
+  double weigh_reading(double t, double h) const {
+    if (h < taken_ / 20) return 0.0;
+    const Trajectory& path = out_.trajectory;
+    const std::size_t known = std::min<std::size_t>(3, path.nodes());
+    const std::size_t first = path.nodes() - known;
+    double far = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) far = std::max({far, reach_[i], std::abs(reduced_.q()[i] - q_start_[i])});
+    // Rounding of the nodes, and of the loops that give the dependent coordinates.
+    const double pivot = std::min(pivot_.back(), reduced_.pivot());
+    const double loops = reduced_.rank() > 0 ? 2e3 * eps / (pivot + eps) + h * h * uncertain_acceleration() : 0.0;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      std::array<NodeValues, 4> nodes;
+      for (std::size_t k = 0; k < known; ++k) {
+        const std::size_t at = (first + k) * n_ + i;
+        nodes[k] = {path.t[first + k], path.q[at] / unit_[i], path.v[at] / unit_[i], path.a[at] / unit_[i]};
+      }
+      nodes[known] = {t + h, reduced_.q()[i], reduced_.v()[i], reduced_.a()[i]};
+      const double reach = std::max({reach_[i], std::abs(nodes[known].q - q_start_[i]), 1e-3 * far});
+      const double rounding = 1e4 * eps * std::abs(nodes[known].q) + loops;
+      worst = std::max(worst, (reading_error(nodes.data(), known + 1, t + h / 2) - rounding) / (reach + tiny));
     }
     return worst;
   }
@@ -243,7 +247,9 @@ class Simulation {
         }
       }
     }
-    for (const Drive& d : model_.scene().drives) fastest = std::max(fastest, 6.3 * d.frequency);
+    for (const Drive& d : model_.scaled_scene().drives) {
+      fastest = std::max({fastest, 6.3 * d.frequency, std::abs(d.rate), std::sqrt(std::abs(d.acceleration))});
+    }
     const double natural = fastest > 0 ? 0.05 / fastest : 0.01 * options_.duration;
     return std::min(natural, options_.duration);
   }
@@ -252,6 +258,7 @@ class Simulation {
     system_ = std::make_unique<ReducedSystem>(reduced_, options_.influences, columns_);
     stepper_ = std::make_unique<solvers::RungeKutta78>(*system_);
     dydt_.resize(y_.size());
+    dydt_new_.resize(y_.size());
     y_new_.resize(y_.size());
     error_.resize(y_.size());
   }
@@ -356,57 +363,6 @@ class Simulation {
     }
   }
 
-  // The pivot of the loops falls to zero and rises again, straight as long as that is near: two nodes before and two
-  // behind tell whether it met zero in between, and when. A node next to the pose makes two intervals look so; it lies
-  // in the one where the pivot, made negative behind, bends less.
-  void find_singular_poses() {
-    const std::vector<double>& t = out_.trajectory.t;
-    std::size_t last = 0;
-    double last_bend = 0.0;
-    for (std::size_t i = 2; i + 1 < pivot_.size(); ++i) {
-      const std::array<double, 4> time{t[i - 2], t[i - 1], t[i], t[i + 1]};
-      const std::array<double, 4> pivot{pivot_[i - 2], pivot_[i - 1], -pivot_[i], -pivot_[i + 1]};
-      if (!(pivot[0] > pivot[1] && pivot[2] > pivot[3] && std::min(pivot[1], -pivot[2]) < 0.3)) continue;
-      const auto slope = [&](std::size_t k) { return (pivot[k] - pivot[k + 1]) / (time[k + 1] - time[k]); };
-      const bool straight =
-          std::abs(slope(0) - slope(1)) < 0.3 * slope(1) && std::abs(slope(2) - slope(1)) < 0.3 * slope(1);
-      if (!straight) continue;
-      // t as a cubic of the pivot, at zero; and how far the times are from a parabola of it.
-      double zero = 0.0;
-      double bend = 0.0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        double weight = 1.0;
-        double spread = 1.0;
-        for (std::size_t j = 0; j < 4; ++j) {
-          if (j == k) continue;
-          weight *= pivot[j] / (pivot[j] - pivot[k]);
-          spread *= pivot[j] - pivot[k];
-        }
-        zero += weight * (time[k] - time[1]);
-        bend += (time[k] - time[1]) / spread;
-      }
-      bend = std::abs(bend);
-      if (last == i - 1 && bend >= last_bend) continue;
-      if (last == i - 1) out_.singular.pop_back();
-      out_.singular.push_back(time[1] + zero);
-      last = i;
-      last_bend = bend;
-    }
-  }
-
-  void judge_energy() {
-    if (out_.kinetic.empty()) return;
-    double exchanged = 0.0;
-    double worst = 0.0;
-    const double total = out_.kinetic.front() + out_.potential.front();
-    for (std::size_t i = 0; i < out_.kinetic.size(); ++i) {
-      exchanged = std::max(
-          {exchanged, out_.kinetic[i], std::abs(out_.potential[i] - out_.potential.front()), std::abs(out_.work[i])});
-      worst = std::max(worst, std::abs(out_.kinetic[i] + out_.potential[i] - out_.work[i] - total));
-    }
-    out_.energy_error = exchanged > 0 ? worst / exchanged : 0.0;
-  }
-
   void stop(MotionStatus status, std::string why) {
     out_.status = status;
     out_.why = std::move(why);
@@ -424,6 +380,7 @@ class Simulation {
     stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s it came to {}", t, what));
   }
 
+  static constexpr double eps = std::numeric_limits<double>::epsilon();
   static constexpr double tiny = std::numeric_limits<double>::min();
 
   const MotionModel& model_;
@@ -435,9 +392,10 @@ class Simulation {
   std::vector<char> overrun_;
   int columns_ = 0;
   double limit_ = 0.0, taken_ = 0.0;
+  int rejections_ = 0;         // since the last node
   std::vector<double> node_;   // coordinates at the last node
   std::vector<double> pivot_;  // per node
-  std::vector<double> y_, dydt_, y_new_, error_;
+  std::vector<double> y_, dydt_, y_new_, dydt_new_, error_;
   std::unique_ptr<ReducedSystem> system_;
   std::unique_ptr<solvers::RungeKutta78> stepper_;
   Motion out_;
@@ -465,30 +423,6 @@ std::string to_string(MotionStatus status) {
 
 Motion simulate(const MotionModel& model, const MotionState& start, const MotionOptions& options) {
   return Simulation(model, start, options).run();
-}
-
-double difference(const Motion& a, const Motion& b) {
-  const Trajectory& fine = b.trajectory;
-  const Trajectory& coarse = a.trajectory;
-  const std::size_t n = static_cast<std::size_t>(fine.coordinates);
-  if (fine.nodes() < 2 || coarse.nodes() < 2) return 0.0;
-  std::vector<int> all(n);
-  std::vector<double> reach(n, 0.0), apart(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) all[i] = static_cast<int>(i);
-  TrajectoryReader reader(coarse, all);
-  for (std::size_t node = 0; node < fine.nodes() && fine.t[node] <= coarse.t.back(); ++node) {
-    reader.at(fine.t[node]);
-    for (std::size_t i = 0; i < n; ++i) {
-      reach[i] = std::max(reach[i], std::abs(fine.q[node * n + i] - fine.q[i]));
-      apart[i] = std::max(apart[i], std::abs(fine.q[node * n + i] - reader.q(i)));
-    }
-  }
-  const double far = n > 0 ? *std::max_element(reach.begin(), reach.end()) : 0.0;
-  double worst = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (far > 0) worst = std::max(worst, apart[i] / std::max(reach[i], 1e-3 * far));
-  }
-  return worst;
 }
 
 }  // namespace poise

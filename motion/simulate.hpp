@@ -33,7 +33,7 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
 struct MotionOptions {
   double duration = 1.0;  ///< s
   /// Relative to how far each coordinate travels and how fast it goes: steps keep their error estimate below a
-  /// thousandth of it.
+  /// thousandth of it, and what they read between their ends below itself.
   double accuracy = 1e-10;
   /// Sensitivities wanted: of the f initial independent coordinates, the f initial independent rates, then these.
   bool sensitivities = false;

@@ -1,9 +1,34 @@
 #include "motion/trajectory.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace poise {
+
+double reading_error(const NodeValues* nodes, std::size_t count, double t) {
+  const double scale = nodes[count - 1].t - nodes[0].t;
+  std::array<double, 12> s{}, row{};
+  for (std::size_t m = 0; m < 3 * count; ++m) {
+    s[m] = (nodes[m / 3].t - nodes[0].t) / scale;
+    row[m] = nodes[m / 3].q - nodes[0].q;
+  }
+  for (std::size_t order = 1; order < 3 * count; ++order) {
+    for (std::size_t m = 3 * count - 1; m >= order; --m) {
+      const NodeValues& node = nodes[m / 3];
+      const double apart = s[m] - s[m - order];
+      if (apart != 0.0)
+        row[m] = (row[m] - row[m - 1]) / apart;
+      else
+        row[m] = order == 1 ? scale * node.v : scale * scale * node.a / 2;
+    }
+  }
+  double term = row[3 * count - 1];
+  for (std::size_t m = 0; m + 1 < 3 * count; ++m) term *= (t - nodes[0].t) / scale - s[m];
+  return std::abs(term);
+}
 
 TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates)
     : trajectory_(trajectory),
@@ -12,11 +37,36 @@ TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int
       value_(coordinates_.size() * stride_),
       rate_(value_.size()) {}
 
+TrajectoryReader::Nodes TrajectoryReader::best_nodes(std::size_t interval) const {
+  const std::size_t n = static_cast<std::size_t>(trajectory_.coordinates);
+  const double middle = (trajectory_.t[interval] + trajectory_.t[interval + 1]) / 2;
+  Nodes best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t count = 4; count >= 2; --count) {
+    for (std::size_t first = interval + 2 > count ? interval + 2 - count : 0; first <= interval; ++first) {
+      if (first + count > trajectory_.nodes()) break;
+      double error = 0.0;
+      for (const int i : coordinates_) {
+        std::array<NodeValues, 4> values;
+        for (std::size_t k = 0; k < count; ++k) {
+          const std::size_t at = (first + k) * n + static_cast<std::size_t>(i);
+          values[k] = {trajectory_.t[first + k], trajectory_.q[at], trajectory_.v[at], trajectory_.a[at]};
+        }
+        error += reading_error(values.data(), count, middle);
+      }
+      if (error < least) {
+        least = error;
+        best = {first, count};
+      }
+    }
+  }
+  return best;
+}
+
 // Newton's divided differences with every node met three times: value, rate, half the acceleration.
 void TrajectoryReader::enter(std::size_t interval) {
   interval_ = interval;
-  const std::size_t nodes = std::min<std::size_t>(4, trajectory_.nodes());
-  const std::size_t first = std::min(interval > 0 ? interval - 1 : 0, trajectory_.nodes() - nodes);
+  const auto [first, nodes] = best_nodes(interval);
   origin_ = trajectory_.t[interval];
   scale_ = trajectory_.t[interval + 1] - origin_;
   const std::size_t conditions = 3 * nodes;

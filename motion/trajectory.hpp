@@ -5,9 +5,9 @@
 
 namespace poise {
 
-/// A motion kept at the nodes that an integrator stepped on; SI (rad, m, s). Between nodes it is the polynomial of
-/// degree 11 that meets values, rates and accelerations of the four nodes around (fewer at a short motion), so that
-/// samples have the accuracy of the steps.
+/// A motion kept at the nodes that an integrator stepped on; SI (rad, m, s). Between nodes it is the polynomial
+/// that meets values, rates and accelerations of four neighbours (degree 11), or of fewer where those tell more: beside
+/// a corner they lie on one side of it.
 struct Trajectory {
   int coordinates = 0;  ///< n
   int columns = 0;      ///< sensitivities of each coordinate
@@ -17,6 +17,15 @@ struct Trajectory {
 
   std::size_t nodes() const { return t.size(); }
 };
+
+/// One coordinate at one node.
+struct NodeValues {
+  double t = 0.0, q = 0.0, v = 0.0, a = 0.0;
+};
+
+/// What the last of the 3 `count` conditions adds at time t to the polynomial that meets all others: about its error
+/// there. At most four nodes.
+double reading_error(const NodeValues* nodes, std::size_t count, double t);
 
 /// Reads some coordinates of a trajectory, and their sensitivities, at ascending times.
 class TrajectoryReader {
@@ -35,6 +44,11 @@ class TrajectoryReader {
 
  private:
   void enter(std::size_t interval);
+  struct Nodes {
+    std::size_t first = 0, count = 0;
+  };
+  /// Those from which the interval is read with the least error.
+  Nodes best_nodes(std::size_t interval) const;
 
   const Trajectory& trajectory_;
   std::vector<int> coordinates_;

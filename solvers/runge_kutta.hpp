@@ -24,6 +24,9 @@ class RungeKutta78 {
   RungeKutta78(const RungeKutta78&) = delete;
   RungeKutta78& operator=(const RungeKutta78&) = delete;
 
+  /// Middles of the widest gaps between the places, as parts of a step, at which stages are evaluated; ascending.
+  static constexpr double gaps[] = {0.25, 7.0 / 12, 0.75, 11.0 / 12};
+
   /// From y with the rates dydt at t to y_new at t + h, with the estimated error of each component. False where a stage
   /// could not be evaluated.
   bool step(double t, const std::vector<double>& y, const std::vector<double>& dydt, double h,

@@ -1,7 +1,13 @@
+#include "app/commands/check.hpp"
+
+#include <memory>
+
+#include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
 #include "app/report/report.hpp"
 
 namespace poise::app {
+namespace {
 
 int run_check(const Request& request, const Palette& palette) {
   Progress progress;
@@ -14,6 +20,16 @@ int run_check(const Request& request, const Palette& palette) {
   // Where solve would refuse the scene, its sentence ends the check too. A scene without loads is fine to look at.
   if (model.mechanism().coordinates() > 0) assemble(model);
   return solved;
+}
+
+}  // namespace
+
+Command add_check(CLI::App& app) {
+  const auto request = std::make_shared<Request>();
+  CLI::App& command =
+      *app.add_subcommand("check", "Tell what a scene is: bodies, joints, mobility, what the model keeps");
+  add_scene_options(command, *request);
+  return {&command, [request](const Palette& palette) { return run_check(*request, palette); }};
 }
 
 }  // namespace poise::app

@@ -1,6 +1,11 @@
+#include "app/commands/compare.hpp"
+
 #include <algorithm>
+#include <memory>
+#include <string>
 
 #include "app/commands/session.hpp"
+#include "app/commands/solve_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/json_report.hpp"
 #include "app/report/report.hpp"
@@ -19,11 +24,15 @@ const Answer* best_of(const std::vector<Answer>& answers) {
   return best;
 }
 
-}  // namespace
+struct CompareRequest {
+  Request common;
+  std::string seek = "nearest";
+};
 
-int run_compare(const Request& request, const Palette& palette) {
+int run_compare(const CompareRequest& words, const Palette& palette) {
+  const Request& request = words.common;
   SolveOptions options;
-  options.seek = request.seek;
+  options.seek = read_seek(words.seek);
 
   Progress progress;
   progress.now("reading the scene");
@@ -50,6 +59,15 @@ int run_compare(const Request& request, const Palette& palette) {
     return answer.rest.found() || answer.rest.status == Status::refused;
   });
   return all ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_compare(CLI::App& app) {
+  const auto request = std::make_shared<CompareRequest>();
+  CLI::App& command = *app.add_subcommand("compare", "Find where it rests, by all methods side by side");
+  add_solve_options(command, request->common, request->seek);
+  return {&command, [request](const Palette& palette) { return run_compare(*request, palette); }};
 }
 
 }  // namespace poise::app

@@ -1,6 +1,5 @@
 #include "app/commands/kinematics.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "app/commands/drive_option.hpp"
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
 #include "app/interrupt.hpp"
@@ -26,35 +26,6 @@ struct KinematicsRequest {
 };
 
 constexpr int most_steps = 1000000;
-
-Quantity quantity_of(const Scene& scene, const std::string& drive) {
-  return find_drive(scene, drive).kind == Drive::Kind::angle ? Quantity::angle : Quantity::length;
-}
-
-std::optional<double> number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0.0;
-  const auto [stopped, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || stopped != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-/// "crank=0..360", or "crank=30" for one place.
-DriveRange read_drive(const std::string& text, const Scene& scene) {
-  const std::size_t equals = text.rfind('=');
-  const std::string expected = "; expected NAME=FROM..TO, say crank=0..360";
-  if (equals == std::string::npos) throw InputError(fmt::format("--drive {}: there is no \"=\"{}", text, expected));
-  const std::string_view range = std::string_view(text).substr(equals + 1);
-  const std::size_t dots = range.find("..");
-  const auto from = number(range.substr(0, dots));
-  const auto to = dots == std::string_view::npos ? from : number(range.substr(dots + 2));
-  if (!from || !to) throw InputError(fmt::format("--drive {}: \"{}\" is no range of numbers{}", text, range, expected));
-  DriveRange out{text.substr(0, equals), 0.0, 0.0};
-  const double unit = unit_value(quantity_of(scene, out.name), scene.units);
-  out.from = *from * unit;
-  out.to = *to * unit;
-  return out;
-}
 
 int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   if (request.steps < 1 || request.steps > most_steps) {
@@ -74,7 +45,7 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
     if (!(*request.rate > 0.0) || !std::isfinite(*request.rate)) {
       throw InputError(fmt::format("--rate: expected a number > 0, found {}", *request.rate));
     }
-    options.rate = *request.rate * unit_value(quantity_of(scene, ranges.front().name), scene.units);
+    options.rate = *request.rate * unit_value(quantity_of(find_drive(scene, ranges.front().name)), scene.units);
   }
   progress.now("driving the mechanism");
   const KinematicsResult result = sweep(scene, ranges, options);

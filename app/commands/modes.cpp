@@ -5,13 +5,11 @@
 #include <string>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
+#include "app/commands/solve_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/report/modes_report.hpp"
-#include "model/nearest_name.hpp"
 #include "motion/rest_pose.hpp"
 
 namespace poise::app {
@@ -23,17 +21,13 @@ struct ModesRequest {
 };
 
 int run_modes(const ModesRequest& request, const Palette& palette) {
-  if (request.seek != "nearest" && request.seek != "stable") {
-    throw InputError(fmt::format("--seek: expected nearest or stable, found \"{}\"{}", request.seek,
-                                 did_you_mean(request.seek, {"nearest", "stable"})));
-  }
+  SolveOptions options;
+  options.seek = read_seek(request.seek);
   Progress progress;
   progress.now("reading the scene");
   const StaticModel statics(load_scene(request.common));
   const MotionModel model(statics.scene());
   OutputFiles files(request.common);
-  SolveOptions options;
-  options.seek = request.seek == "stable" ? Seek::stable : Seek::nearest;
   options.interrupt = &watch_for_interrupt();
 
   progress.now("looking for rest");

@@ -1,13 +1,20 @@
 #include "app/commands/scene_options.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
+
+#include "model/nearest_name.hpp"
 
 namespace poise::app {
 
 void add_scene_options(CLI::App& command, Request& request) {
   command.add_option("SCENE", request.scene, "Scene file (TOML)")->required()->type_name("");
+  add_settings(command, request);
+}
+
+void add_settings(CLI::App& command, Request& request) {
   command
       .add_option("--set", request.settings,
                   "Change a number of the scene, in its own units: load.P=40,\n"
@@ -15,6 +22,13 @@ void add_scene_options(CLI::App& command, Request& request) {
                   "can be given several times")
       ->type_name("PATH=NUMBER")
       ->allow_extra_args(false);
+}
+
+std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+  throw InputError(fmt::format("{}: expected {}, found \"{}\"{}", option, fmt::join(words, " or "), word,
+                               did_you_mean(word, words)));
 }
 
 NamedNumber read_named_number(const std::string& option, const std::string& text, const std::string& example) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -10,6 +12,11 @@ namespace poise::app {
 
 /// What every command that reads a scene takes: SCENE and --set. `request` must outlive the command.
 void add_scene_options(CLI::App& command, Request& request);
+/// --set alone, for commands that read a scene through another file.
+void add_settings(CLI::App& command, Request& request);
+
+/// The place of a word among those that an option knows. Throws InputError naming them, with the nearest.
+std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words);
 
 /// A number given to a name: "boom=0.5".
 struct NamedNumber {

@@ -1,35 +1,16 @@
 #include "app/commands/session.hpp"
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "app/svg.hpp"
+#include "identification/setting.hpp"
 
 namespace poise::app {
 namespace fs = std::filesystem;
 namespace {
-
-void apply(const std::string& setting, Scene& scene) {
-  const std::size_t equals = setting.rfind('=');
-  const std::string example = "; expected PATH=NUMBER, say load.P=40";
-  if (equals == std::string::npos) throw InputError(fmt::format("--set {}: there is no \"=\"{}", setting, example));
-  const char* begin = setting.data() + equals + 1;
-  const char* end = setting.data() + setting.size();
-  if (begin != end && *begin == '+') ++begin;
-  double value = 0.0;
-  const auto [stopped, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || stopped != end) {
-    throw InputError(fmt::format("--set {}: \"{}\" is not a number{}", setting, setting.substr(equals + 1), example));
-  }
-  try {
-    set_value(scene, std::string_view(setting).substr(0, equals), value);
-  } catch (const InputError& e) {
-    throw InputError(fmt::format("--set {}", e.what()));
-  }
-}
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code unknown;
@@ -46,7 +27,7 @@ void expect_different(const std::string& a, const std::string& name_a, const std
 
 Scene load_scene(const Request& request) {
   Scene scene = read_scene(request.scene);
-  for (const std::string& setting : request.settings) apply(setting, scene);
+  for (const std::string& setting : request.settings) apply_setting(scene, setting);
   return scene;
 }
 
@@ -54,21 +35,28 @@ OutputFiles::OutputFiles(const Request& request) {
   expect_different(request.json, "--json", request.scene, "the scene");
   expect_different(request.svg, "--svg", request.scene, "the scene");
   expect_different(request.svg, "--svg", request.json, "the --json file");
+  expect_different(request.csv, "--csv", request.scene, "the scene");
+  expect_different(request.csv, "--csv", request.json, "the --json file");
+  expect_different(request.csv, "--csv", request.svg, "the --svg file");
   if (!request.json.empty()) json_.emplace(request.json, "--json");
   if (!request.svg.empty()) svg_.emplace(request.svg, "--svg");
+  if (!request.csv.empty()) csv_.emplace(request.csv, "--csv");
 }
 
-std::string OutputFiles::write(const std::string& json, const std::string& svg) {
-  if (json_ && !json.empty()) json_->prepare(json);
-  if (svg_ && !svg.empty()) svg_->prepare(svg);
+std::string OutputFiles::write(const std::string& json, const std::string& svg, const std::string& csv) {
+  std::vector<OutputFile*> prepared;
+  const auto prepare = [&](std::optional<OutputFile>& file, const std::string& text) {
+    if (!file || text.empty()) return;
+    file->prepare(text);
+    prepared.push_back(&*file);
+  };
+  prepare(json_, json);
+  prepare(svg_, svg);
+  prepare(csv_, csv);
   std::string lines;
-  if (json_ && !json.empty()) {
-    json_->commit();
-    lines += "wrote " + json_->path().string() + "\n";
-  }
-  if (svg_ && !svg.empty()) {
-    svg_->commit();
-    lines += "wrote " + svg_->path().string() + "\n";
+  for (OutputFile* file : prepared) {
+    file->commit();
+    lines += "wrote " + file->path().string() + "\n";
   }
   return lines;
 }

@@ -1,14 +1,29 @@
+#include "app/commands/solve.hpp"
+
+#include <memory>
+#include <string>
+
+#include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
+#include "app/commands/solve_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/json_report.hpp"
 #include "app/report/report.hpp"
 
 namespace poise::app {
+namespace {
 
-int run_solve(const Request& request, const Palette& palette) {
+struct SolveRequest {
+  Request common;
+  std::string method = "virtual-work", seek = "nearest";
+};
+
+int run_solve(const SolveRequest& words, const Palette& palette) {
+  const Request& request = words.common;
   SolveOptions options;
-  options.method = request.method;
-  options.seek = request.seek;
+  options.method =
+      chosen("--method", words.method, {"virtual-work", "energy"}) == 0 ? Method::virtual_work : Method::energy;
+  options.seek = read_seek(words.seek);
 
   Progress progress;
   progress.now("reading the scene");
@@ -27,6 +42,20 @@ int run_solve(const Request& request, const Palette& palette) {
   progress.done();
   print(solve_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
   return answer.rest.found() ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_solve(CLI::App& app) {
+  const auto request = std::make_shared<SolveRequest>();
+  CLI::App& command = *app.add_subcommand("solve", "Find where it rests, by one method");
+  add_solve_options(command, request->common, request->seek);
+  command
+      .add_option("--method", request->method,
+                  "virtual-work: Newton-Raphson on the equations of virtual\nwork (the default); energy: least energy, "
+                  "by Ipopt")
+      ->type_name("METHOD");
+  return {&command, [request](const Palette& palette) { return run_solve(*request, palette); }};
 }
 
 }  // namespace poise::app

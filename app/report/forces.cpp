@@ -77,7 +77,8 @@ std::string spring_sections(const StaticModel& model, const Readings& readings, 
   return line_spring_section(model, readings, palette) + torsion_spring_section(model, readings, palette);
 }
 
-std::string reaction_section(const StaticModel& model, const Check& check, const Palette& palette) {
+std::string reaction_section(const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
+                             const Palette& palette) {
   const Units& units = model.scene().units;
   const ReactionBodies bodies(model.scene());
   std::vector<std::string> names, kinds, on;
@@ -85,7 +86,7 @@ std::string reaction_section(const StaticModel& model, const Check& check, const
   std::vector<double> forces, moments, axials;  // forces: x, y and magnitude of each in turn
   bool any_moment = false;
   bool any_axial = false;
-  for (const Reaction& r : check.reactions) {
+  for (const Reaction& r : reactions) {
     names.push_back(r.name);
     kinds.push_back(r.kind);
     on.push_back(bodies.of(r));
@@ -120,8 +121,8 @@ std::string reaction_section(const StaticModel& model, const Check& check, const
   }
   table.add_text_column("", notes);
   std::string body = table.print(palette);
-  if (check.redundancy > 0) {
-    const std::string states = count(check.redundancy, "state of self-stress", "states of self-stress");
+  if (redundancy > 0) {
+    const std::string states = count(redundancy, "state of self-stress", "states of self-stress");
     body += palette.paint(Tone::doubtful, "  " + states +
                                               ": statics leaves the marked reactions open; shown are those "
                                               "of minimum norm.") +

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int value_digits = 8;
 constexpr int rate_digits = 6;
-constexpr double nothing = 1e-13;  // of the largest value of a column: rounding, shown as 0
+constexpr double nothing = 1e-12;  // of the largest value of a table: rounding, shown as 0
 
 /// Every how many samples one is shown.
 std::size_t stride_of(const KinematicsResult& result) {
@@ -30,13 +30,18 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t strid
   return out;
 }
 
+/// `largest` of all that stands beside it says what is rounding.
 std::vector<std::string> column(const std::vector<double>& values, Quantity quantity, int digits, const Units& units,
-                                std::size_t stride) {
-  std::vector<double> shown = thinned(in_units(values, quantity, units), stride);
-  double largest = 0.0;
-  for (const double v : shown) largest = std::max(largest, std::abs(v));
+                                std::size_t stride, double largest) {
+  std::vector<double> shown = thinned(values, stride);
   for (double& v : shown) v = std::abs(v) <= nothing * largest ? 0.0 : v;
-  return aligned(shown, digits);
+  return aligned(in_unit(shown, quantity, units), digits);
+}
+
+double largest_of(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double v : values) largest = std::max(largest, std::abs(v));
+  return largest;
 }
 
 /// One table: a row for each place of the range, a column for each course.
@@ -46,10 +51,13 @@ std::string course_section(const std::string& title, const std::vector<Course>& 
   if (courses.empty()) return "";
   Table table;
   table.add_number_column(with_unit(drive.name, drive.quantity, units),
-                          column(drive.value, drive.quantity, value_digits, units, stride));
+                          column(drive.value, drive.quantity, value_digits, units, stride, largest_of(drive.value)));
+  // Second derivatives of what turns evenly are nothing against the square of its speed, not against themselves.
+  double largest = values == &Course::second ? std::pow(largest_of(drive.rate), 2) : 0.0;
+  for (const Course& course : courses) largest = std::max(largest, largest_of(course.*values));
   for (const Course& course : courses) {
     if (values == &Course::value && course.name == drive.name) continue;
-    table.add_number_column(course.name, column(course.*values, course.quantity, digits, units, stride));
+    table.add_number_column(course.name, column(course.*values, course.quantity, digits, units, stride, largest));
   }
   return section(title, table.print(palette), palette);
 }

@@ -96,7 +96,8 @@ std::string facts(const MotionModel& model, const ModesAnswer& answer, const Pal
   out += fact("statics", palette.paint(tone_of(answer.rest.check.stability), in_words(answer.rest.check)), palette);
   std::string freedoms = fmt::format("{}, of {}", modes.freedoms,
                                      count(model.layout().kept, "coordinate that moves", "coordinates that move"));
-  if (modes.known && modes.massless > 0) freedoms += fmt::format("; {} without inertia follow the others", modes.massless);
+  if (modes.known && modes.massless > 0)
+    freedoms += fmt::format("; {} without inertia follow the others", modes.massless);
   if (modes.held > 0) freedoms += "; held by " + count(modes.held, "stop that presses", "stops that press");
   out += fact("freedoms", freedoms, palette);
   if (!modes.known) return out + fact("why", modes.why, palette);

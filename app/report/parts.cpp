@@ -41,11 +41,15 @@ std::string with_unit(const std::string& title, Quantity quantity, const Units& 
   return fmt::format("{} ({})", title, unit_name(quantity, units));
 }
 
-std::string heading(const StaticModel& model, const Palette& palette) {
-  const Scene& scene = model.scene();
-  std::string out = palette.paint(Tone::strong, one_line(scene.title.empty() ? scene.file : scene.title)) + "\n";
-  if (!scene.source.empty()) out += palette.paint(Tone::faint, "source: " + one_line(scene.source)) + "\n";
+std::string heading(const std::string& title, const std::string& source, const Palette& palette) {
+  std::string out = palette.paint(Tone::strong, one_line(title)) + "\n";
+  if (!source.empty()) out += palette.paint(Tone::faint, "source: " + one_line(source)) + "\n";
   return out + "\n";
+}
+
+std::string heading(const ScaledModel& model, const Palette& palette) {
+  const Scene& scene = model.scene();
+  return heading(scene.title.empty() ? scene.file : scene.title, scene.source, palette);
 }
 
 std::string fact(const std::string& name, const std::string& text, const Palette& palette) {

@@ -17,8 +17,10 @@ inline constexpr int force_digits = 6;
 /// "force (N)".
 std::string with_unit(const std::string& title, Quantity quantity, const Units& units);
 
-/// Title and source of the scene, and an empty line.
-std::string heading(const StaticModel& model, const Palette& palette);
+/// A title, its source where there is one, and an empty line.
+std::string heading(const std::string& title, const std::string& source, const Palette& palette);
+/// Those of the scene.
+std::string heading(const ScaledModel& model, const Palette& palette);
 
 /// One line "  name   text" of a list whose names are aligned.
 std::string fact(const std::string& name, const std::string& text, const Palette& palette);
@@ -41,6 +43,7 @@ std::string coordinate_sections(const StaticModel& model, const std::vector<cons
 std::string spring_sections(const StaticModel& model, const Readings& readings, const Palette& palette);
 
 /// What every joint, bar and pressing stop carries; reactions that statics leaves open are marked.
-std::string reaction_section(const StaticModel& model, const Check& check, const Palette& palette);
+std::string reaction_section(const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
+                             const Palette& palette);
 
 }  // namespace poise::app

@@ -118,7 +118,7 @@ std::string solve_report(const StaticModel& model, const Answer& answer, const P
   const std::string title = answer.rest.found() ? "at rest" : "reached, not at rest";
   out += coordinate_sections(model, {&answer}, {title}, palette);
   out += spring_sections(model, *answer.readings, palette);
-  out += reaction_section(model, answer.rest.check, palette);
+  out += reaction_section(model, answer.rest.check.reactions, answer.rest.check.redundancy, palette);
   return out;
 }
 

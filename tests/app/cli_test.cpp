@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -7,6 +6,7 @@
 
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
+#include "tests/support/known_answers.hpp"
 
 namespace poise::app_tests {
 namespace {
@@ -244,11 +244,10 @@ TEST(CommandLine, ColoursOnlyOnATerminalThatWantsThem) {
 
 TEST(CommandLine, EveryDatasetIsComparedAndDrawn) {
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(POISE_SOURCE_DIR) / "datasets")) {
-    if (entry.path().extension() != ".toml") continue;
-    SCOPED_TRACE(entry.path().filename().string());
+  for (const std::string& name : test::scene_names()) {
+    SCOPED_TRACE(name);
     const TempFolder folder;
-    const Outcome run = run_poise({"compare", entry.path().string(), "--svg", folder.path("a.svg").string()});
+    const Outcome run = run_poise({"compare", test::dataset(name).string(), "--svg", folder.path("a.svg").string()});
     EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
     EXPECT_EQ(objection_to_xml(contents(folder.path("a.svg"))), "");
     ++scenes;

@@ -118,13 +118,17 @@ class XmlReader {
     for (skip_blanks(); !rest_.starts_with('>') && !rest_.starts_with("/>"); skip_blanks()) {
       const std::string attribute = read_name();
       if (!attributes.insert(attribute).second) throw std::runtime_error("attribute " + attribute + " twice");
-      expect("=\"");
-      const std::size_t end = rest_.find('"');
+      skip_blanks();
+      expect("=");
+      skip_blanks();
+      const std::string_view quote = rest_.starts_with('\'') ? "'" : "\"";
+      expect(quote);
+      const std::size_t end = rest_.find(quote);
       const std::string_view value = rest_.substr(0, end);
       if (value.find('<') != std::string_view::npos) throw std::runtime_error("< in attribute " + attribute);
       check_text(value);
       rest_.remove_prefix(value.size());
-      expect("\"");
+      expect(quote);
     }
     if (rest_.starts_with('>')) open_.push_back(name);
     expect(rest_.starts_with('>') ? ">" : "/>");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <numeric>
 #include <string>
@@ -14,6 +13,7 @@
 #include "model/scene.hpp"
 #include "statics/curvature_impl.hpp"
 #include "statics/static_model.hpp"
+#include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
@@ -113,11 +113,10 @@ void for_random_mechanisms(int of_each, const std::function<void(const PlantedMe
 
 void for_data_sets(const std::function<void(const Scene&, Random&)>& expect) {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(POISE_SOURCE_DIR) + "/datasets")) {
-    if (entry.path().extension() != ".toml") continue;
-    SCOPED_TRACE(entry.path().filename().string());
+  for (const std::string& name : test::scene_names()) {
+    SCOPED_TRACE(name);
     Random random(7);
-    expect(read_scene(entry.path()), random);
+    expect(read_scene(test::dataset(name)), random);
     ++count;
   }
   EXPECT_GT(count, 10);

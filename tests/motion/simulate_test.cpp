@@ -261,6 +261,7 @@ TEST(Simulate, StopsAfterTheStepsAllowed) {
 TEST(Simulate, SaysThatAFreedomHasNoInertia) {
   Scene scene = test::chain(2, 1.0, 1.0);
   scene.bodies[2].mass = 0.0;
+  test::add_torsion_spring(scene, 1, 2, 3.0);
   scene.gravity = {0, -9.81};
   const MotionModel model(scene);
   const Motion motion = simulate(model, test::released(model, {}), {});

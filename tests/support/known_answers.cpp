@@ -40,6 +40,14 @@ nlohmann::json read_json(const std::filesystem::path& file) {
   return nlohmann::json::parse(in);
 }
 
+std::vector<std::string> scene_names() {
+  const nlohmann::json answers = read_json(dataset("answers.json"));
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : answers.items()) names.push_back(name);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 double number(const nlohmann::json& value) {
   if (value.is_number()) return value.get<double>();
   const std::string text = value.get<std::string>();

@@ -16,6 +16,9 @@ namespace poise::test {
 /// datasets/NAME of this repository.
 std::filesystem::path dataset(const std::string& name);
 
+/// The scenes whose equilibria are known: the entries of datasets/answers.json, sorted.
+std::vector<std::string> scene_names();
+
 nlohmann::json read_json(const std::filesystem::path& file);
 
 /// A number given as such, as a decimal string, or as a fraction "7/2".

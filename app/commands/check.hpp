@@ -1,0 +1,11 @@
+#pragma once
+
+#include "app/commands/command.hpp"
+
+namespace poise::app {
+
+/// `poise check SCENE`: what the scene is: bodies, joints, mobility, what the model keeps. bad_input where it cannot be
+/// assembled.
+Command add_check(CLI::App& app);
+
+}  // namespace poise::app

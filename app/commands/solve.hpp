@@ -1,0 +1,10 @@
+#pragma once
+
+#include "app/commands/command.hpp"
+
+namespace poise::app {
+
+/// `poise solve SCENE`: where it rests, by one method.
+Command add_solve(CLI::App& app);
+
+}  // namespace poise::app

@@ -1,0 +1,96 @@
+// `poise kinematics` and `poise design` as a person runs them.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/run_poise.hpp"
+
+namespace poise::app_tests {
+namespace {
+
+using nlohmann::json;
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(KinematicsCommand, WritesTheSameNumbersEverywhere) {
+  const TempFolder folder;
+  const std::string table = folder.path("k.csv"), result = folder.path("k.json"), chart = folder.path("k.svg");
+  const Outcome outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", "crank=-100..-20", "--steps", "8",
+                                     "--rate", "10", "--csv", table, "--json", result, "--svg", chart});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "Driven through the whole range."));
+  const json answer = json::parse(contents(result));
+  ASSERT_EQ(answer["samples"].size(), 9u);
+  EXPECT_EQ(answer["units"]["angle"], "deg");
+  const json& middle = answer["samples"][4];
+  EXPECT_NEAR(middle["drive"]["crank"].get<double>(), -60.0, 1e-12);
+  EXPECT_NEAR(middle["angles"]["crank"][1].get<double>(), 10.0, 1e-12);
+  // The crank's end runs on a circle of 2 in at 10 deg/s.
+  const json& end = middle["points"]["crank.A"];
+  const double w = 10 * std::numbers::pi / 180;
+  EXPECT_NEAR(end["position"][0].get<double>(), 1.0, 1e-12);
+  EXPECT_NEAR(end["velocity"][0].get<double>(), 2 * w * std::sin(std::numbers::pi / 3), 1e-12);
+  EXPECT_NEAR(end["acceleration"][0].get<double>(), -w * w, 1e-12);
+  const std::string lines = contents(table);
+  EXPECT_TRUE(lines.starts_with("drive.crank,crank,crank.rate,crank.second,coupler"));
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 10);
+  EXPECT_EQ(objection_to_xml(contents(chart)), "");
+}
+
+TEST(KinematicsCommand, NamesTheDeadCentreAndSaysNoByItsExitCode) {
+  const Outcome outcome = run_poise({"kinematics", dataset("thesis_four_bar"), "--drive", "link4=0..360"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(contains(outcome.out, "cannot be driven beyond link4 = 102.79")) << outcome.out;
+  EXPECT_TRUE(contains(outcome.out, "link6 and link7 are in line")) << outcome.out;
+}
+
+TEST(KinematicsCommand, RefusesWhatItCannotRead) {
+  const auto complaint = [](const std::string& drive) {
+    const Outcome outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", drive});
+    EXPECT_EQ(outcome.exit_code, 2);
+    return outcome.err;
+  };
+  EXPECT_TRUE(contains(complaint("cranc=0..1"), "did you mean \"crank\"?"));
+  EXPECT_TRUE(contains(complaint("crank=0..x"), "is no range of numbers"));
+  EXPECT_TRUE(contains(complaint("crank"), "there is no \"=\""));
+  const Outcome chain = run_poise({"kinematics", dataset("thesis_chain"), "--drive", "link2=0..1"});
+  EXPECT_EQ(chain.exit_code, 2);
+  EXPECT_TRUE(contains(chain.err, "drive 1 more, of link1, link3, link4")) << chain.err;
+}
+
+TEST(DesignCommand, WritesASceneThatMovesAsItSays) {
+  const TempFolder folder;
+  const std::string found = folder.path("found.toml"), result = folder.path("d.json");
+  const Outcome outcome =
+      run_poise({"design", dataset("lift_design"), "--seed", "16", "--scene", found, "--json", result});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "confirmed by the general kinematics"));
+  const json answer = json::parse(contents(result));
+  EXPECT_TRUE(answer["met"].get<bool>());
+  const std::string range = "obd=" + answer["drive"]["from"].dump() + ".." + answer["drive"]["to"].dump();
+  const std::string swept = folder.path("k.json");
+  const Outcome moved = run_poise({"kinematics", found, "--drive", range, "--json", swept});
+  ASSERT_EQ(moved.exit_code, 0) << moved.out << moved.err;
+  double low = 1e300, high = -1e300;
+  const json motion = json::parse(contents(swept));
+  for (const json& sample : motion["samples"]) {
+    const double y = sample["points"]["platform.Q"]["position"][1];
+    low = std::min(low, y);
+    high = std::max(high, y);
+  }
+  EXPECT_NEAR(high - low, 1.5, 1e-6);
+}
+
+TEST(DesignCommand, SaysNoByItsExitCodeWhereItGivesUp) {
+  const Outcome outcome = run_poise({"design", dataset("lift_design"), "--starts", "1"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(contains(outcome.out, "No dimensions meet all goals yet")) << outcome.out;
+}
+
+}  // namespace
+}  // namespace poise::app_tests

@@ -1,0 +1,206 @@
+// Sensitivities of whole motions against differences of simulations.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "motion/simulate.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/motions.hpp"
+#include "tests/support/moving_scenes.hpp"
+#include "tests/support/random_mechanism.hpp"
+
+namespace poise {
+namespace {
+
+using Element = Mechanism<double>::Element;
+
+// A number of the scene, SI, and what the equations of motion depend on where it grows by one unit.
+struct Number {
+  std::string name;
+  std::function<double&(Scene&)> in;
+  std::function<Influence(const Scales&)> influence;
+};
+
+Number force_number(const std::string& name, Element element, int index, std::function<double&(Scene&)> in,
+                    std::function<double(const Scales&)> by) {
+  return {name, std::move(in), [=](const Scales& scales) {
+            Influence influence;
+            influence.element = element;
+            influence.index = index;
+            influence.by = by(scales);
+            return influence;
+          }};
+}
+
+double stiffness_unit(const Scales& s) { return s.length / s.force; }
+double length_unit(const Scales& s) { return 1 / s.length; }
+double torque_unit(const Scales& s) { return 1 / s.energy(); }
+
+// Of body 1: its mass at a fixed centre r, which is (1, r, |r|^2) in (m, m r, J), and its inertia.
+std::vector<Number> body_numbers(Vec2 center) {
+  const auto body = [](const Scales& s, double mass, Vec2 first, double moment) {
+    Influence influence;
+    influence.body = 1;
+    influence.mass = mass * s.length / s.force;
+    influence.first = (1 / s.force) * first;
+    influence.moment = moment / s.energy();
+    return influence;
+  };
+  return {{"mass", [](Scene& s) -> double& { return s.bodies[1].mass; },
+           [=](const Scales& s) { return body(s, 1, center, dot(center, center)); }},
+          {"inertia", [](Scene& s) -> double& { return s.bodies[1].inertia; },
+           [=](const Scales& s) {
+             return body(s, 0, {0, 0}, 1);
+           }}};
+}
+
+struct Case {
+  std::string name;
+  std::function<Scene()> scene;
+  test::Release release;
+  std::vector<Number> numbers;
+  double duration;
+};
+
+std::vector<Number> line_numbers() {
+  return {force_number(
+              "stiffness", Element::stiffness, 0, [](Scene& s) -> double& { return s.springs[0].stiffness; },
+              stiffness_unit),
+          force_number(
+              "free length", Element::free_length, 0, [](Scene& s) -> double& { return s.springs[0].free_length; },
+              length_unit),
+          force_number(
+              "damping", Element::damping, 0, [](Scene& s) -> double& { return s.dampers[0].coefficient; },
+              stiffness_unit)};
+}
+
+std::vector<Number> four_bar_numbers() {
+  std::vector<Number> numbers = line_numbers();
+  numbers.push_back(force_number(
+      "torsion", Element::torsion_stiffness, 0, [](Scene& s) -> double& { return s.torsion_springs[0].stiffness; },
+      torque_unit));
+  numbers.push_back(force_number(
+      "friction", Element::friction, 0, [](Scene& s) -> double& { return s.frictions[0].torque; }, torque_unit));
+  numbers.push_back(force_number(
+      "torque", Element::torque, 0, [](Scene& s) -> double& { return s.torques[0].value; }, torque_unit));
+  return numbers;
+}
+
+std::vector<Case> cases() {
+  return {{"FourBar", test::four_bar_with_everything, {{}, {{"crank", 3.0}}}, four_bar_numbers(), 2.0},
+          {"Follower", test::four_bar_with_follower, {}, four_bar_numbers(), 1.5},
+          {"QuickReturn", test::quick_return, {{}, {{"crank", 4.0}}}, line_numbers(), 1.5},
+          {"Driven", test::driven_five_bar, {}, line_numbers(), 1.5},
+          {"Lift", [] { return read_scene(test::dataset("lift.toml")); }, {{{"obd", 0.39}}, {}}, line_numbers(), 1.0}};
+}
+
+class Sensitivities : public testing::TestWithParam<Case> {
+ protected:
+  // By a central difference of fourth order:  (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
+  using Readings = std::vector<test::Reading>;
+  static Readings derivative(const std::function<Readings(double)>& at, double h) {
+    const Readings far_down = at(-2 * h), down = at(-h), up = at(h), far_up = at(2 * h);
+    Readings out = up;
+    const auto combine = [&](auto part) {
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        for (std::size_t c = 0; c < (out[i].*part).size(); ++c) {
+          (out[i].*part)[c] =
+              (8 * ((up[i].*part)[c] - (down[i].*part)[c]) - ((far_up[i].*part)[c] - (far_down[i].*part)[c])) /
+              (12 * h);
+        }
+      }
+    };
+    combine(&test::Reading::q);
+    combine(&test::Reading::v);
+    return out;
+  }
+
+  static std::vector<double> random_times(double end) {
+    test::Random random(17);
+    std::vector<double> t;
+    for (int k = 0; k < 40; ++k) t.push_back(random.uniform(0.0, end));
+    std::sort(t.begin(), t.end());
+    return t;
+  }
+
+  // Column c of a motion with sensitivities against differences.
+  static void expect_column(const Motion& motion, const std::vector<double>& t, std::size_t column,
+                            const Readings& differences) {
+    const auto n = static_cast<std::size_t>(motion.trajectory.coordinates);
+    std::vector<int> all;
+    for (std::size_t i = 0; i < n; ++i) all.push_back(static_cast<int>(i));
+    TrajectoryReader reader(motion.trajectory, all);
+    double q_size = 0.0, v_size = 0.0, q_apart = 0.0, v_apart = 0.0;
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      reader.at(t[k]);
+      for (std::size_t i = 0; i < n; ++i) {
+        q_size = std::max(q_size, std::abs(differences[k].q[i]));
+        v_size = std::max(v_size, std::abs(differences[k].v[i]));
+        q_apart = std::max(q_apart, std::abs(reader.q_p(i)[column] - differences[k].q[i]));
+        v_apart = std::max(v_apart, std::abs(reader.v_p(i)[column] - differences[k].v[i]));
+      }
+    }
+    EXPECT_GT(q_size, 0.0);
+    EXPECT_LT(q_apart, 1e-7 * q_size);
+    EXPECT_LT(v_apart, 1e-7 * v_size);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, Sensitivities, testing::ValuesIn(cases()),
+                         [](const auto& mechanism) { return mechanism.param.name; });
+
+TEST_P(Sensitivities, AreThoseOfDifferences) {
+  const Scene scene = GetParam().scene();
+  std::vector<Number> numbers = GetParam().numbers;
+  for (Number& number : body_numbers(scene.bodies[1].center)) numbers.push_back(std::move(number));
+  const double end = GetParam().duration;
+  const MotionModel model(scene);
+  const MotionState start = test::released(model, GetParam().release);
+  MotionOptions options;
+  options.duration = end;
+  options.sensitivities = true;
+  for (const Number& number : numbers) options.influences.push_back(number.influence(model.scales()));
+  const Motion motion = simulate(model, start, options);
+  ASSERT_TRUE(motion.completed()) << motion.why;
+  const auto f = static_cast<std::size_t>(motion.freedoms);
+  ASSERT_EQ(motion.trajectory.columns, static_cast<int>(2 * f + options.influences.size()));
+  const std::vector<double> t = random_times(end);
+  // The initial independent coordinates and rates.
+  for (std::size_t k = 0; k < 2 * f; ++k) {
+    SCOPED_TRACE(k < f ? "initial coordinate" : "initial rate");
+    const int moved = motion.independent[k % f];
+    const auto at = [&](double by) {
+      std::vector<StartValue> wanted;
+      for (int i : motion.independent) {
+        wanted.push_back({i, false, start.q[static_cast<std::size_t>(i)]});
+        wanted.push_back({i, true, start.v[static_cast<std::size_t>(i)]});
+      }
+      for (StartValue& value : wanted) {
+        if (value.coordinate == moved && value.rate == (k >= f)) value.value += by;
+      }
+      return test::read_at(test::moved(model, start_motion(model, wanted, &start.q), end, 1e-13), t);
+    };
+    expect_column(motion, t, k, derivative(at, 1e-4));
+  }
+  for (std::size_t p = 0; p < options.influences.size(); ++p) {
+    const Number& number = numbers[p];
+    SCOPED_TRACE(number.name);
+    Scene given = scene;
+    const double value = number.in(given);
+    const auto at = [&](double by) {
+      Scene other = scene;
+      number.in(other) += by;
+      const MotionModel changed(other, model.scales());
+      return test::read_at(test::moved(changed, start, end, 1e-13), t);
+    };
+    expect_column(motion, t, 2 * f + p, derivative(at, 1e-3 * std::abs(value)));
+  }
+}
+
+}  // namespace
+}  // namespace poise
