@@ -16,8 +16,11 @@
 #include "app/commands/compare.hpp"
 #include "app/commands/design.hpp"
 #include "app/commands/forces.hpp"
+#include "app/commands/identifiability.hpp"
+#include "app/commands/identify.hpp"
 #include "app/commands/kinematics.hpp"
 #include "app/commands/modes.hpp"
+#include "app/commands/montecarlo.hpp"
 #include "app/commands/motion.hpp"
 #include "app/commands/solve.hpp"
 #include "app/quantity.hpp"
@@ -43,6 +46,9 @@ std::vector<Entry> add_commands(CLI::App& app) {
       {add_modes(app), "datasets/lift.toml"},
       {add_forces(app), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg"},
       {add_design(app), "datasets/lift_design.toml --scene found.toml"},
+      {add_identify(app), "datasets/lift_experiment.toml --svg fit.svg"},
+      {add_identifiability(app), "datasets/lift_experiment_empty.toml"},
+      {add_montecarlo(app), "datasets/lift_experiment.toml --trials 300"},
   };
 }
 

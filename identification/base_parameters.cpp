@@ -38,7 +38,6 @@ Eigen::MatrixXd regressor(const MotionModel& model, const std::vector<int>& bodi
   for (const int i : reduced.independent()) z0.push_back(x[static_cast<std::size_t>(i)]);
   Eigen::MatrixXd Y =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(states) * f, 4 * static_cast<Eigen::Index>(bodies.size()));
-  std::vector<double> here(x);
   double reach = 0.5;
   for (int s = 0, tries = 0; s < states && tries < 20 * states; ++tries) {
     for (int k = 0; k < f; ++k) {

@@ -103,15 +103,27 @@ class PriorCost : public ceres::SizedCostFunction<1, 1> {
   double mean_, deviation_, scale_;
 };
 
-class Interruption : public ceres::IterationCallback {
+/// Stops Ceres where it is asked to, and where steps fail only because the motions' own errors, small as they are, are
+/// larger than what is left to gain.
+class Watch : public ceres::IterationCallback {
  public:
-  explicit Interruption(const std::atomic<bool>* flag) : flag_(flag) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return flag_ != nullptr && flag_->load() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  explicit Watch(const std::atomic<bool>* interrupt) : interrupt_(interrupt) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    if (interrupt_ != nullptr && interrupt_->load()) return ceres::SOLVER_ABORT;
+    const bool idle = !step.step_is_successful && std::abs(step.cost_change) < noise_of_cost * step.cost;
+    idle_ = idle ? idle_ + 1 : 0;
+    const double promised =
+        step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
+    const bool done = idle && (idle_ >= 3 || promised < worth_a_step * step.cost);
+    return done ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
-  const std::atomic<bool>* flag_;
+  static constexpr double noise_of_cost = 1e-4;
+  static constexpr double worth_a_step = 1e-6;
+
+  const std::atomic<bool>* interrupt_;
+  int idle_ = 0;
 };
 
 class Fitting {
@@ -258,8 +270,8 @@ class Fitting {
     options.gradient_tolerance = 1e-12;
     // From far away full steps are tried first: swings are nearly linear in what is asked.
     options.initial_trust_region_radius = 1e6;
-    Interruption interruption(options_.interrupt);
-    options.callbacks.push_back(&interruption);
+    Watch watch(options_.interrupt);
+    options.callbacks.push_back(&watch);
     const std::optional<double> cost = minimise_within_ranges(problem, options, scaled);
     if (!cost) {
       failure_ = "the motion could not be computed at the start, or no step led on";
@@ -354,6 +366,7 @@ class Fitting {
       out_.runs.push_back(judge_run(r, squares));
       samples += records_[r].time.size();
     }
+    judge_colour();
     for (const double square : squares) out_.rms.push_back(std::sqrt(square / static_cast<double>(samples)));
     out_.identifiability = assess(problem_, best_.parameters, triangles);
     const double enlarged = std::max(1.0, out_.misfit);
@@ -376,6 +389,21 @@ class Fitting {
       estimate.withheld = !estimate.why.empty();
       out_.estimates.push_back(std::move(estimate));
     }
+  }
+
+  void judge_colour() {
+    double mean = 0.0;
+    int count = 0;
+    bool white = true;
+    for (const RunFit& run : out_.runs) {
+      white = white && run.white;
+      for (const double r : run.autocorrelation) {
+        mean += r;
+        ++count;
+      }
+    }
+    const double r = count > 0 ? std::clamp(mean / count, 0.0, 0.9999) : 0.0;
+    if (!white) out_.colour = std::sqrt((1 + r) / (1 - r));
   }
 
   RunFit judge_run(std::size_t r, std::vector<double>& squares) const {

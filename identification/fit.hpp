@@ -59,7 +59,10 @@ struct Fit {
   Identifiability identifiability;
   double misfit =
       0.0;  ///< sqrt(sum of squared residuals / noise over degrees of freedom): 1 where the noise explains all
-  double expected = 0.0;    ///< its own standard deviation around 1
+  double expected = 0.0;  ///< its own standard deviation around 1
+  /// How many times larger deviations are where residuals one sample apart have the correlation r that was found,
+  /// sqrt((1 + r) / (1 - r)) for a first-order process: 1 for white residuals. Deviations do not contain it.
+  double colour = 1.0;
   std::vector<double> rms;  ///< per sensor over all runs, SI
   int readings = 0;
   int degrees = 0;  ///< of freedom

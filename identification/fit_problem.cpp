@@ -68,7 +68,7 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
       amplitude = 0.0;
       for (const Release& release : model.run().release) amplitude = std::max(amplitude, std::abs(release.value));
     }
-    accuracy_.push_back(std::clamp(1e-3 * noise / std::max(amplitude, 1e-12), 1e-10, 1e-5));
+    accuracy_.push_back(std::clamp(1e-3 * noise / std::max(amplitude, 1e-12), 1e-10, 1e-6));
   }
 }
 

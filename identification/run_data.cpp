@@ -31,7 +31,7 @@ const CsvTable& DataFiles::read(const std::filesystem::path& file) {
 }
 
 std::vector<CsvPart> chosen_parts(const CsvTable& table, const RunSource& source) {
-  const std::vector<CsvPart> parts = parts_of(table, source.split);
+  std::vector<CsvPart> parts = parts_of(table, source.split);
   if (parts.empty()) source.place.fail("expected a data file with rows, \"" + table.file + "\" has only a header");
   if (source.segments.empty()) return parts;
   std::vector<std::string> values;

@@ -115,7 +115,12 @@ RunModel::Built RunModel::build(const double* unknowns, double rest, bool deriva
   for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i].set(scene, unknowns[i]);
   if (run_.rest) {
     MotionModel model(scene, scales_);
-    out.q_rest = start_motion(model, {{rest_coordinate_, false, rest - rest_turn_}}, &closed_).q;
+    try {
+      out.q_rest = start_motion(model, {{rest_coordinate_, false, rest - rest_turn_}}, &closed_).q;
+    } catch (const InputError&) {
+      out.why = "it cannot have the pose in which it is to rest";
+      return out;
+    }
     const std::vector<double> x = model.from_si(out.q_rest);
     Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
     reduced.choose(0.0, x.data(), false, &independent_);
@@ -130,23 +135,29 @@ RunModel::Built RunModel::build(const double* unknowns, double rest, bool deriva
     const Influence set = set_by_rest_->influence(scene, scales_);
     double by_set = 0.0;
     if (stand(reduced)) reduced.influence(set, &by_set);
-    if (by_set != 0) set_by_rest_->set(scene, set_by_rest_->get(scene) - reduced.alpha()[0] / by_set);
+    if (by_set == 0 || !std::isfinite(by_set)) {
+      out.why = fmt::format("{} cannot hold it in the pose in which it is to rest", run_.rest->by);
+      return out;
+    }
+    set_by_rest_->set(scene, set_by_rest_->get(scene) - reduced.alpha()[0] / by_set);
     out.set_value = set_by_rest_->get(scene);
     if (derivatives) {
       MotionModel balanced(scene, scales_);
       Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
       again.choose(0.0, x.data(), false, &independent_);
-      if (stand(again)) {
-        again.linearize();
-        again.influence(set, &by_set);
-        const double at_per_z = again.B(0)[rest_coordinate_];
-        const double z_unit = rest_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
-        out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
-        for (const SceneNumber& number : numbers_) {
-          double alpha = 0.0;
-          again.influence(number.influence(scene, scales_), &alpha);
-          out.set_by.push_back(-alpha / by_set);
-        }
+      if (!stand(again)) {
+        out.why = "its motion cannot be computed in the pose in which it is to rest";
+        return out;
+      }
+      again.linearize();
+      again.influence(set, &by_set);
+      const double at_per_z = again.B(0)[rest_coordinate_];
+      const double z_unit = rest_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
+      out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
+      for (const SceneNumber& number : numbers_) {
+        double alpha = 0.0;
+        again.influence(number.influence(scene, scales_), &alpha);
+        out.set_by.push_back(-alpha / by_set);
       }
     }
   }
@@ -172,6 +183,11 @@ MotionState RunModel::begin(const Built& built, const double* nuisances) const {
 Motion RunModel::move(const double* unknowns, const double* nuisances, double duration, double accuracy,
                       bool sensitivities) const {
   const Built built = build(unknowns, rest_unknown_ ? nuisances[0] : rest_at(), false);
+  if (!built.model) {
+    Motion none;
+    none.why = built.why;
+    return none;
+  }
   MotionOptions options;
   options.duration = duration;
   options.accuracy = accuracy;
@@ -187,6 +203,10 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
   const int p = static_cast<int>(numbers_.size());
   const int f = freedoms_;
   const Built built = build(unknowns, rest_unknown_ ? nuisances[0] : rest_at(), jacobian);
+  if (!built.model) {
+    out.why = built.why;
+    return;
+  }
   MotionOptions options;
   options.duration = std::max(times_[count - 1], 1e-9);
   options.accuracy = accuracy;
@@ -199,12 +219,11 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
     out.why = motion.why;
     return;
   }
-  const Layout& layout = built.model->layout();
   std::vector<SensorReader> readers;
   std::vector<int> coordinates;
   std::vector<std::vector<std::size_t>> places;
   for (const Sensor& sensor : experiment_.sensors) {
-    readers.emplace_back(built.model->scene(), layout, sensor);
+    readers.emplace_back(*built.model, sensor);
     places.emplace_back();
     for (const int i : readers.back().coordinates()) {
       const auto known = std::find(coordinates.begin(), coordinates.end(), i);
@@ -247,7 +266,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
         for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
       }
       double* numbers = column.data() + 2 * f;
-      if (spring != nullptr) {
+      if (spring != nullptr && !reader.slack()) {
         for (int i = 0; i <= p; ++i) {
           if (i == p && !set_by_rest_) break;
           const SceneNumber& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_rest_;
@@ -269,6 +288,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
 RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) const {
   Oscillator out;
   const Built built = build(unknowns, rest, false);
+  if (!built.model) return out;
   const MotionModel& model = *built.model;
   const std::vector<double> x = model.from_si(built.q_rest.empty() ? closed_ : built.q_rest);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
@@ -287,7 +307,7 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) c
   reduced.linearize();
   out.stiffness = -out.mass * reduced.alpha_z(0)[0];
   out.damping = -out.mass * reduced.alpha_w(0)[0];
-  SensorReader reader(model.scene(), model.layout(), experiment_.sensors.front());
+  SensorReader reader(model, experiment_.sensors.front());
   const std::vector<double> q = model.to_si(x);
   const std::size_t n = reader.coordinates().size();
   std::vector<double> own(n), rate(n, 0.0), by_q(n), by_v(n);
@@ -319,7 +339,7 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     if (sensor.rate || (sensor.kind != Sensor::Kind::angle && sensor.kind != Sensor::Kind::travel)) continue;
     // More readings than freedoms would contradict each other by their noise.
     if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
-    const SensorReader reader(model.scene(), model.layout(), sensor);
+    const SensorReader reader(model, sensor);
     if (reader.coordinates().size() != 1) continue;
     const std::vector<double> one{0.0};
     double by_q = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "identification/experiment.hpp"
@@ -61,6 +62,7 @@ class RunModel {
     double reading = 0.0;  ///< of the first sensor there
     double reading_by_z = 0.0, rest_by_z = 0.0;
   };
+  /// Of mass 0 where it cannot rest there.
   Oscillator oscillator(const double* unknowns, double rest) const;
   /// Where the run rests as it is written: value of the coordinate of its Rest, SI.
   double rest_at() const { return run_.rest ? run_.rest->at : 0.0; }
@@ -74,8 +76,9 @@ class RunModel {
   std::vector<double> start_from_readings(const Record& record) const;
 
  private:
-  struct Built {  // the run's model at given values
-    std::unique_ptr<MotionModel> model;
+  struct Built {                         // the run's model at given values
+    std::unique_ptr<MotionModel> model;  // none where it cannot rest so
+    std::string why;
     std::vector<double> q_rest;         // SI; empty without a rest
     std::vector<Influence> influences;  // of the numbers, then of the one set by the rest
     double set_value = 0.0;             // the one set by the rest

@@ -7,8 +7,14 @@
 
 namespace poise {
 
-SensorReader::SensorReader(const Scene& scene, const Layout& layout, const Sensor& sensor)
-    : kind_(sensor.kind), rate_(sensor.rate) {
+SensorReader::SensorReader(const ScaledModel& model, const Sensor& sensor) : kind_(sensor.kind), rate_(sensor.rate) {
+  // The layout is that of the scaled scene.
+  const Scene& scaled = model.scaled_scene();
+  const Layout& layout = model.layout();
+  const double size = model.scales().length;
+  const auto coordinate_at = [&](int i) -> const Coordinate& {
+    return layout.coordinates[static_cast<std::size_t>(i)];
+  };
   const auto place_of = [&](int coordinate) {
     const auto at = std::find(coordinates_.begin(), coordinates_.end(), coordinate);
     if (at != coordinates_.end()) return static_cast<int>(at - coordinates_.begin());
@@ -18,7 +24,8 @@ SensorReader::SensorReader(const Scene& scene, const Layout& layout, const Senso
   const auto add = [&](int coordinate, double sign) {
     if (coordinate < 0) return;
     if (coordinate >= layout.kept) {
-      constant_ += sign * layout.coordinates[static_cast<std::size_t>(coordinate)].start;
+      const Coordinate& c = coordinate_at(coordinate);
+      constant_ += sign * (c.kind == Coordinate::Kind::angle ? 1.0 : size) * c.start;
       return;
     }
     place_of(coordinate);
@@ -41,28 +48,35 @@ SensorReader::SensorReader(const Scene& scene, const Layout& layout, const Senso
   PointRef to = sensor.b;
   if (kind_ == Sensor::Kind::distance) from = sensor.a;
   if (kind_ == Sensor::Kind::spring_force) {
-    from = scene.springs[static_cast<std::size_t>(sensor.item)].a;
-    to = scene.springs[static_cast<std::size_t>(sensor.item)].b;
+    const Spring& spring = model.scene().springs[static_cast<std::size_t>(sensor.item)];
+    from = spring.a;
+    to = spring.b;
+    acts_ = spring.acts;
   }
   const bool from_world = kind_ == Sensor::Kind::x || kind_ == Sensor::Kind::y;
   for (const Arm& arm :
-       layout.path(from_world ? 0 : from.body, from_world ? Vec2{} : scene.local(from), to.body, scene.local(to))) {
-    const Planar<double> c = coefficient<double>(arm);
-    if (arm.coordinate < 0) {
+       layout.path(from_world ? 0 : from.body, from_world ? Vec2{} : scaled.local(from), to.body, scaled.local(to))) {
+    Planar<double> c = coefficient<double>(arm);
+    int frame = arm.coordinate;
+    bool slides = false;
+    if (arm.coordinate >= 0 && coordinate_at(arm.coordinate).kind == Coordinate::Kind::length) {
+      frame = coordinate_at(arm.coordinate).frame;
+      slides = arm.coordinate < layout.kept;
+      // What the model dropped stays where the scene's start puts it.
+      if (!slides) c = coordinate_at(arm.coordinate).start * c;
+    }
+    if (!slides) c = size * c;
+    if (frame >= layout.kept) c = c * unit(coordinate_at(frame).start);
+    const bool turns = frame >= 0 && frame < layout.kept;
+    if (!slides && !turns) {
       offset_ += c;
       continue;
     }
-    const Coordinate& coordinate = layout.coordinates[static_cast<std::size_t>(arm.coordinate)];
-    if (arm.coordinate >= layout.kept) {
-      // It stays where the scene's start puts it.
-      if (coordinate.kind == Coordinate::Kind::angle) offset_ += c * unit(coordinate.start);
-      continue;
-    }
     Term term;
-    term.is_angle = coordinate.kind == Coordinate::Kind::angle;
+    term.is_angle = !slides;
     term.coefficient = c;
-    term.own = place_of(arm.coordinate);
-    if (!term.is_angle && coordinate.frame >= 0) term.frame = place_of(coordinate.frame);
+    term.own = place_of(slides ? arm.coordinate : frame);
+    if (slides && turns) term.frame = place_of(frame);
     terms_.push_back(term);
   }
   d_q_.resize(coordinates_.size());
@@ -133,8 +147,14 @@ double SensorReader::read(const double* q, const double* v, double stiffness, do
   }
   const double r = length_;
   if (kind_ == Sensor::Kind::spring_force) {
+    const double excess = r - free_length;
+    slack_ = (acts_ == Spring::Acts::tension && excess < 0) || (acts_ == Spring::Acts::compression && excess > 0);
+    if (slack_) {
+      std::fill(by_q, by_q + n, 0.0);
+      return 0.0;
+    }
     for (std::size_t i = 0; i < n; ++i) by_q[i] = stiffness * dot(d_, d_q_[i]) / r;
-    return stiffness * (r - free_length);
+    return stiffness * excess;
   }
   const double r_rate = dot(d_, d_rate_) / r;
   for (std::size_t i = 0; i < n; ++i) {

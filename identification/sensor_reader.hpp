@@ -3,23 +3,23 @@
 #include <vector>
 
 #include "identification/experiment.hpp"
-#include "model/layout.hpp"
-#include "motion/trajectory.hpp"
+#include "statics/scaled_model.hpp"
 
 namespace poise {
 
-/// A sensor compiled for one layout: reads its quantity, SI, and the derivatives off coordinates and rates.
+/// A sensor compiled for one model: reads its quantity and the derivatives off coordinates and rates, all SI.
 class SensorReader {
  public:
-  SensorReader(const Scene& scene, const Layout& layout, const Sensor& sensor);
+  SensorReader(const ScaledModel& model, const Sensor& sensor);
 
   /// Coordinates that the sensor depends on.
   const std::vector<int>& coordinates() const { return coordinates_; }
   /// What it reads where coordinates()[i] = q[i] with the rates v[i]; stiffness and free length are those of its spring
   /// (tension positive). Fills d/dq and d/dv over coordinates().
   double read(const double* q, const double* v, double stiffness, double free_length, double* by_q, double* by_v);
-  /// Of a force sensor: length of the spring as last read.
+  /// Of a force sensor: length of the spring as last read, and whether it is slack there: without force.
   double length() const { return length_; }
+  bool slack() const { return slack_; }
 
  private:
   struct Term {
@@ -40,7 +40,9 @@ class SensorReader {
   Planar<double> offset_{};
   Planar<double> d_{}, d_rate_{};
   std::vector<Planar<double>> d_q_, d_rate_q_;
+  Spring::Acts acts_ = Spring::Acts::both;
   double length_ = 0.0;
+  bool slack_ = false;
 };
 
 }  // namespace poise

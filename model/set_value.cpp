@@ -102,6 +102,17 @@ struct DriveStart {
   void write(double value, const ValuePath&) const { start = value; }
 };
 
+template <class Number>
+Plain(Number&) -> Plain<Number>;
+template <class AnyForce>
+Magnitude(AnyForce&) -> Magnitude<AnyForce>;
+template <class AnyStop>
+Limit(AnyStop&, bool) -> Limit<AnyStop>;
+template <class Optional>
+Guess(Optional&) -> Guess<Optional>;
+template <class Optional>
+DriveStart(Optional&) -> DriveStart<Optional>;
+
 /// Calls visit(path, unit, range, number) for every number of the scene that has a path, with one of the above.
 template <class AnyScene, class Visit>
 void visit_values(AnyScene& scene, Visit visit) {

@@ -56,6 +56,9 @@ class ReducedMotion {
   /// the first does not change it. Returns singular where the rank has grown.
   /// With `fixed`, these are the independent coordinates and only the rows are chosen.
   Status choose(const T& t, const T* q, bool keep_rank, const std::vector<int>* fixed = nullptr);
+  /// Takes the choice of coordinates, and where the drives begin, over from another of the same scene.
+  template <class S>
+  void take_over(const ReducedMotion<S>& other);
 
   /// Relative pivot of the dependent columns of J below which a pose counts as singular.
   void set_singular_limit(const T& limit) { singular_limit_ = limit; }
@@ -109,6 +112,9 @@ class ReducedMotion {
     T constant{};
     T start{};
   };
+  template <class S>
+  friend class ReducedMotion;
+  void make_room();
   void predict(const T& dt, const T* z);
   void residual(const T& t);
   void fill_jacobian();

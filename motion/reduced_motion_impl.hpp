@@ -145,7 +145,26 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   std::sort(independent_.begin(), independent_.end());
   std::sort(dependent_.begin(), dependent_.end());
   std::sort(used_rows_.begin(), used_rows_.end());
-  lu_.resize(rank);
+  make_room();
+  return grown ? Status::singular : Status::ok;
+}
+
+template <class T>
+template <class S>
+void ReducedMotion<T>::take_over(const ReducedMotion<S>& other) {
+  known_ = false;
+  first_rank_ = other.first_rank_;
+  used_rows_ = other.used_rows_;
+  dependent_ = other.dependent_;
+  independent_ = other.independent_;
+  for (std::size_t k = 0; k < drives_.size(); ++k) drives_[k].start = static_cast<T>(other.drives_[k].start);
+  make_room();
+}
+
+// Of what depends on the choice of coordinates.
+template <class T>
+void ReducedMotion<T>::make_room() {
+  lu_.resize(rank());
   small_rows_.assign(dependent_.size(), T(0));
   const std::size_t f = independent_.size();
   const std::size_t n = static_cast<std::size_t>(n_);
@@ -153,7 +172,6 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   for (auto* square : {&alpha_z_, &alpha_w_, &mass_}) square->assign(f * f, T(0));
   weight_columns_.resize(f * n);
   for (auto* few : {&alpha_, &small_}) few->assign(f, T(0));
-  return grown ? Status::singular : Status::ok;
 }
 
 // full[dependent] = -Jd^-1 rows, full[independent] = 0.

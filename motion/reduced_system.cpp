@@ -2,32 +2,93 @@
 
 #include <algorithm>
 
+#include "model/inertia_impl.hpp"
+#include "model/mechanism_impl.hpp"
+#include "motion/reduced_motion_impl.hpp"
+
 namespace poise {
 
 using Status = ReducedMotion<double>::Status;
+using Long = long double;
 
-ReducedSystem::ReducedSystem(ReducedMotion<double>& reduced, const std::vector<Influence>& influences, int columns)
-    : reduced_(reduced),
+namespace {
+
+/// Below this relative pivot long double is called for: 1e-12 rate^2 of an acceleration is uncertain in double.
+constexpr double small_pivot = 0.05;
+
+}  // namespace
+
+/// The same motion in long double.
+class ReducedSystem::Fine {
+ public:
+  Fine(const Scene& scene, const ReducedMotion<double>& reduced)
+      : mechanism_(scene, Purpose::dynamics), inertia_(scene, mechanism_), motion_(scene, mechanism_, inertia_) {
+    motion_.take_over(reduced);
+    motion_.set_singular_limit(0.0L);
+  }
+
+  /// From the pose that `reduced` was placed in.
+  bool evaluate(double t, const double* y, const ReducedMotion<double>& reduced) {
+    const std::vector<Long> q(reduced.q(), reduced.q() + reduced.coordinates());
+    const std::vector<Long> state(y, y + 2 * reduced.freedoms());
+    motion_.expect(q.data());
+    if (motion_.place(t, state.data()) != ReducedMotion<Long>::Status::ok) return false;
+    motion_.move(state.data() + reduced.freedoms());
+    return motion_.accelerate() == ReducedMotion<Long>::Status::ok;
+  }
+
+  ReducedMotion<Long>& motion() { return motion_; }
+
+ private:
+  Mechanism<Long> mechanism_;
+  Inertia<Long> inertia_;
+  ReducedMotion<Long> motion_;
+};
+
+ReducedSystem::ReducedSystem(const Scene& scene, ReducedMotion<double>& reduced,
+                             const std::vector<Influence>& influences, int columns)
+    : scene_(scene),
+      reduced_(reduced),
       influences_(influences),
       columns_(columns),
       freedoms_(reduced.freedoms()),
       alpha_p_(influences.size() * static_cast<std::size_t>(freedoms_)) {}
 
+ReducedSystem::~ReducedSystem() = default;
+
 bool ReducedSystem::rates(double t, const double* y, double* dydt) {
   ++evaluations;
-  const int f = freedoms_;
   status = reduced_.place(t, y);
   if (status != Status::ok) return false;
-  reduced_.move(y + f);
+  reduced_.move(y + freedoms_);
   status = reduced_.accelerate();
   if (status != Status::ok) return false;
+  if (columns_ > 0) reduced_.linearize();
+  if (reduced_.rank() > 0 && reduced_.pivot() < small_pivot) {
+    if (!fine_) fine_ = std::make_unique<Fine>(scene_, reduced_);
+    if (fine_->evaluate(t, y, reduced_)) {
+      if (columns_ > 0) fine_->motion().linearize();
+      fill(fine_->motion(), y, dydt);
+      return true;
+    }
+  }
+  fill(reduced_, y, dydt);
+  return true;
+}
+
+template <class T>
+void ReducedSystem::fill(const ReducedMotion<T>& motion, const double* y, double* dydt) {
+  const int f = freedoms_;
+  const auto alpha = [&](const T* values, int j) { return static_cast<double>(values[j]); };
   std::copy(y + f, y + 2 * f, dydt);
-  std::copy(reduced_.alpha(), reduced_.alpha() + f, dydt + f);
-  dydt[2 * f] = reduced_.power();
-  if (columns_ == 0) return true;
-  reduced_.linearize();
+  for (int j = 0; j < f; ++j) dydt[f + j] = alpha(motion.alpha(), j);
+  dydt[2 * f] = static_cast<double>(motion.power());
+  if (columns_ == 0) return;
+  std::vector<T> by(static_cast<std::size_t>(f));
   for (std::size_t p = 0; p < influences_.size(); ++p) {
-    reduced_.influence(influences_[p], &alpha_p_[p * static_cast<std::size_t>(f)]);
+    motion.influence(influences_[p], by.data());
+    for (int j = 0; j < f; ++j)
+      alpha_p_[p * static_cast<std::size_t>(f) + static_cast<std::size_t>(j)] = alpha(by.data(), j);
   }
   const double* s = y + 2 * f + 1;
   double* ds = dydt + 2 * f + 1;
@@ -36,11 +97,10 @@ bool ReducedSystem::rates(double t, const double* y, double* dydt) {
     const double* own = c < 2 * f ? nullptr : &alpha_p_[static_cast<std::size_t>((c - 2 * f) * f)];
     for (int j = 0; j < f; ++j) {
       double sum = own != nullptr ? own[j] : 0.0;
-      for (int k = 0; k < f; ++k) sum += reduced_.alpha_z(k)[j] * s[k] + reduced_.alpha_w(k)[j] * s[f + k];
+      for (int k = 0; k < f; ++k) sum += alpha(motion.alpha_z(k), j) * s[k] + alpha(motion.alpha_w(k), j) * s[f + k];
       ds[f + j] = sum;
     }
   }
-  return true;
 }
 
 }  // namespace poise

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "motion/reduced_motion.hpp"
@@ -11,10 +12,15 @@ namespace poise {
 ///   y = z, w, work, then for each sensitivity  dz (f), dw (f)
 ///   y' = w, alpha, power,                      dw, alpha_z dz + alpha_w dw + alpha_p.
 /// The first 2 f sensitivities are those of the initial z and w, the others those of the influences.
+///
+/// Rounding eps of the loops' closure makes alpha uncertain by eps rate^2 / pivot^3. Next to singular poses it is
+/// therefore evaluated in long double, which where that is no longer than double changes nothing.
 class ReducedSystem : public solvers::OdeSystem {
  public:
-  /// Both must outlive this; `columns` sensitivities, 0 or 2 f and one per influence.
-  ReducedSystem(ReducedMotion<double>& reduced, const std::vector<Influence>& influences, int columns);
+  /// All must outlive this; `scene` is that of `reduced`, `columns` sensitivities are 0 or 2 f and one per influence.
+  ReducedSystem(const Scene& scene, ReducedMotion<double>& reduced, const std::vector<Influence>& influences,
+                int columns);
+  ~ReducedSystem() override;
 
   int size() const override { return 2 * freedoms_ + 1 + 2 * freedoms_ * columns_; }
   bool rates(double t, const double* y, double* dydt) override;
@@ -27,11 +33,17 @@ class ReducedSystem : public solvers::OdeSystem {
   ReducedMotion<double>::Status status = ReducedMotion<double>::Status::ok;
 
  private:
+  class Fine;
+  template <class T>
+  void fill(const ReducedMotion<T>& motion, const double* y, double* dydt);
+
+  const Scene& scene_;
   ReducedMotion<double>& reduced_;
   const std::vector<Influence>& influences_;
   int columns_;
   int freedoms_;
   std::vector<double> alpha_p_;
+  std::unique_ptr<Fine> fine_;  // made when first wanted
 };
 
 }  // namespace poise

@@ -10,6 +10,7 @@
 
 #include "motion/judge_motion.hpp"
 #include "motion/reduced_system.hpp"
+#include "motion/singular_passage.hpp"
 #include "solvers/runge_kutta.hpp"
 
 namespace poise {
@@ -104,31 +105,9 @@ class Simulation {
     out_.status = MotionStatus::completed;
   }
 
-  /// A step of about h that keeps away from a singular pose ahead, where the pivots of the last nodes tend to zero: the
-  /// pose comes to lie midway between two stages of the method, or well behind the end.
-  double steered(double h) const {
-    const std::size_t last = pivot_.size() - 1;
-    if (reduced_.rank() == 0 || last < 2 || !(pivot_[last] < pivot_[last - 1] && pivot_[last] < 0.5)) return h;
-    const std::vector<double>& t = out_.trajectory.t;
-    // The inverse function t(pivot) as a parabola, at zero.
-    const double p0 = pivot_[last], p1 = pivot_[last - 1], p2 = pivot_[last - 2];
-    const double slope = (t[last] - t[last - 1]) / (p1 - p0);
-    double ahead = p0 * slope;
-    if (p2 > p1) {
-      const double bend = ((t[last - 1] - t[last - 2]) / (p2 - p1) - slope) / (p2 - p0);
-      const double better = ahead - bend * p0 * p1;
-      if (better > 0.5 * ahead && better < 2 * ahead) ahead = better;
-    }
-    if (ahead > 1.25 * h || ahead < 0.06 * h) return h;
-    for (const double place : solvers::RungeKutta78::gaps) {
-      if (ahead <= 1.05 * h * place) return ahead / place;
-    }
-    return ahead / 1.25;
-  }
-
   /// Tries a step of h; on failure h is made shorter. On success taken_ is the step and h the next one.
   bool step_from(double t, double& h, double accuracy) {
-    h = std::min(steered(h), options_.duration - t);
+    if (reduced_.rank() > 0) h = std::min(steered_step(out_.trajectory.t, pivot_, h), options_.duration - t);
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);
@@ -255,7 +234,7 @@ class Simulation {
   }
 
   void remake() {
-    system_ = std::make_unique<ReducedSystem>(reduced_, options_.influences, columns_);
+    system_ = std::make_unique<ReducedSystem>(model_.scaled_scene(), reduced_, options_.influences, columns_);
     stepper_ = std::make_unique<solvers::RungeKutta78>(*system_);
     dydt_.resize(y_.size());
     dydt_new_.resize(y_.size());

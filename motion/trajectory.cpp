@@ -25,9 +25,11 @@ double reading_error(const NodeValues* nodes, std::size_t count, double t) {
         row[m] = order == 1 ? scale * node.v : scale * scale * node.a / 2;
     }
   }
-  double term = row[3 * count - 1];
-  for (std::size_t m = 0; m + 1 < 3 * count; ++m) term *= (t - nodes[0].t) / scale - s[m];
-  return std::abs(term);
+  const double at = (t - nodes[0].t) / scale;
+  const std::size_t last = 3 * count - 1;
+  double others = 1.0;
+  for (std::size_t m = 0; m + 1 < last; ++m) others *= at - s[m];
+  return std::abs(others) * (std::abs(row[last - 1]) + std::abs(row[last] * (at - s[last - 1])));
 }
 
 TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates)

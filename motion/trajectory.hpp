@@ -23,8 +23,8 @@ struct NodeValues {
   double t = 0.0, q = 0.0, v = 0.0, a = 0.0;
 };
 
-/// What the last of the 3 `count` conditions adds at time t to the polynomial that meets all others: about its error
-/// there. At most four nodes.
+/// What the last two of the 3 `count` conditions add at time t to the polynomial that meets all others, by size: some
+/// more than its error there. Two to four nodes.
 double reading_error(const NodeValues* nodes, std::size_t count, double t);
 
 /// Reads some coordinates of a trajectory, and their sensitivities, at ascending times.

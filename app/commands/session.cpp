@@ -31,11 +31,15 @@ Scene load_scene(const Request& request) {
   return scene;
 }
 
-OutputFiles::OutputFiles(const Request& request) {
-  expect_different(request.json, "--json", request.scene, "the scene");
-  expect_different(request.svg, "--svg", request.scene, "the scene");
+OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>& read) {
+  const auto expect_not_read = [&](const std::string& file, const std::string& option) {
+    expect_different(file, option, request.scene, "the " + request.kind);
+    for (const std::string& other : read) expect_different(file, option, other, "a file that is read");
+  };
+  expect_not_read(request.json, "--json");
+  expect_not_read(request.svg, "--svg");
+  expect_not_read(request.csv, "--csv");
   expect_different(request.svg, "--svg", request.json, "the --json file");
-  expect_different(request.csv, "--csv", request.scene, "the scene");
   expect_different(request.csv, "--csv", request.json, "the --json file");
   expect_different(request.csv, "--csv", request.svg, "the --svg file");
   if (!request.json.empty()) json_.emplace(request.json, "--json");

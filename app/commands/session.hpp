@@ -17,10 +17,10 @@ namespace poise::app {
 Scene load_scene(const Request& request);
 
 /// The files of a request; they are tried out here, before any work is done. Throws InputError where one cannot be
-/// written, or where two are the same.
+/// written, where two are the same, or where one is a file that is `read`.
 class OutputFiles {
  public:
-  explicit OutputFiles(const Request& request);
+  explicit OutputFiles(const Request& request, const std::vector<std::string>& read = {});
 
   bool wants_json() const { return json_.has_value(); }
   bool wants_svg() const { return svg_.has_value(); }

@@ -34,6 +34,10 @@ TEST(CsvFile, LeavesTheCellOfWhatIsNoNumberEmpty) {
   EXPECT_EQ(csv_text({"a", "b", "c"}, {{1, NAN}, {-infinity, 2}, {3, infinity}}), "a,b,c\n1,,3\n,2,\n");
 }
 
+TEST(CsvFile, PutsWordsFirst) {
+  EXPECT_EQ(csv_text({"run", "time"}, {{0, 1}}, {"low", "low, empty"}), "run,time\nlow,0\n\"low, empty\",1\n");
+}
+
 TEST(CsvFile, WithoutColumnsIsEmpty) { EXPECT_EQ(csv_text({}, {}), ""); }
 
 TEST(CsvFile, EveryNumberReadsBackAsTheSameDouble) {

@@ -10,13 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "model/inertia_impl.hpp"
-#include "model/mechanism_impl.hpp"
 #include "motion/inverse_dynamics.hpp"
 #include "motion/motion_model.hpp"
-#include "motion/reduced_motion_impl.hpp"
-#include "statics/mobility.hpp"
 #include "statics/real50.hpp"
+#include "tests/motion/compiled_motion.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
@@ -26,66 +23,13 @@ namespace poise {
 namespace {
 
 using Real = Real50;
+using test::closed_pose;
+using test::Compiled;
+using test::evaluate;
+using test::random_state;
+using test::start;
+using test::State;
 using Element = Mechanism<double>::Element;
-
-// A scene compiled in T, SI, placed and moved. Templates of 50 digits are slow to compile: they are met here only.
-template <class T>
-struct Compiled {
-  explicit Compiled(const Scene& given)
-      : scene(given),
-        mechanism(scene, Purpose::dynamics),
-        inertia(scene, mechanism),
-        motion(scene, mechanism, inertia) {}
-
-  Scene scene;
-  Mechanism<T> mechanism;
-  Inertia<T> inertia;
-  ReducedMotion<T> motion;
-};
-
-// Where a mechanism is: the time, a closed pose near by, independent coordinates and their rates.
-template <class T>
-struct State {
-  T t{};
-  std::vector<T> q, z, w;
-};
-
-template <class T>
-void start(Compiled<T>& m, const std::vector<double>& drives_start, const State<T>& state) {
-  const std::vector<T> q0(drives_start.begin(), drives_start.end());
-  m.motion.start_drives(q0.data());
-  ASSERT_EQ(m.motion.choose(state.t, state.q.data(), false), ReducedMotion<T>::Status::ok);
-  m.motion.expect(state.q.data());
-}
-
-template <class T>
-bool evaluate(Compiled<T>& m, const State<T>& state) {
-  using Status = typename ReducedMotion<T>::Status;
-  if (m.motion.place(state.t, state.z.data()) != Status::ok) return false;
-  m.motion.move(state.w.data());
-  return m.motion.accelerate() == Status::ok;
-}
-
-std::vector<double> closed_pose(const Scene& scene) {
-  const MotionModel model(scene);
-  return model.to_si(close_loops(model));
-}
-
-// A state some tenths of rad and m from the closed pose q0, in which the loops still close well.
-State<double> random_state(const Scene& scene, const std::vector<double>& q0, test::Random& random) {
-  Compiled<double> m(scene);
-  for (double reach = 0.4;; reach *= 0.9) {
-    State<double> state{random.uniform(0.0, 0.5), q0, {}, {}};
-    start(m, q0, state);
-    for (int i : m.motion.independent()) {
-      state.z.push_back(q0[i] + random.uniform(-reach, reach));
-      state.w.push_back(random.uniform(-2.0, 2.0));
-    }
-    if (!evaluate(m, state) || (m.motion.rank() > 0 && m.motion.pivot() < 0.02)) continue;
-    state.q.assign(m.motion.q(), m.motion.q() + q0.size());
-    return state;
-  }
-}
 
 State<Real> in_50_digits(const State<double>& s) {
   return {Real(s.t), {s.q.begin(), s.q.end()}, {s.z.begin(), s.z.end()}, {s.w.begin(), s.w.end()}};
@@ -304,21 +248,15 @@ std::vector<Number> elements_of(const Scene& s) {
   return numbers;
 }
 
-// alpha and B^T(-Q) of the scene with a number changed, in the same state.
-struct Answer {
-  Values alpha, force;
-};
-
-Answer changed(const Scene& scene, const Number& number, double by, const std::vector<double>& q0,
+// alpha of the scene with a number changed, in the same state.
+Values changed(const Scene& scene, const Number& number, double by, const std::vector<double>& q0,
                const State<Real>& state) {
   Scene other = scene;
   number.add(other, by);
   Compiled<Real> m(other);
   start(m, q0, state);
   EXPECT_TRUE(evaluate(m, state));
-  Answer answer{part(m.motion.alpha(), state.z.size()), Values(state.z.size())};
-  m.motion.reduced_force(answer.force.data());
-  return answer;
+  return part(m.motion.alpha(), state.z.size());
 }
 
 TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
@@ -332,25 +270,73 @@ TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
   Compiled<Real> at(scene_);
   start(at, q0_, state);
   ASSERT_TRUE(evaluate(at, state));
-  const std::size_t f = state.z.size();
   for (const auto& [numbers, by, tolerance] :
        {Group{inertias_of(scene_), 0x1p-70, 1e-15}, Group{elements_of(scene_), 0x1p-3, 1e-12}}) {
     for (const Number& number : numbers) {
       SCOPED_TRACE(number.name);
-      const Answer more = changed(scene_, number, by, q0_, state);
-      const Answer less = changed(scene_, number, -by, q0_, state);
-      Values alpha(f);
+      const Values more = changed(scene_, number, by, q0_, state);
+      const Values less = changed(scene_, number, -by, q0_, state);
+      Values alpha(state.z.size());
       at.motion.influence(number.influence, alpha.data());
-      EXPECT_LT(apart(difference(more.alpha, less.alpha, Real(2 * by)), alpha), tolerance);
-      const bool resists = number.influence.body < 0 && (number.influence.element == Element::damping ||
-                                                         number.influence.element == Element::torsion_damping ||
-                                                         number.influence.element == Element::friction);
-      if (resists) continue;  // no part of Q
-      Values force(f);
-      at.motion.reduced_influence(number.influence, force.data());
-      EXPECT_LT(apart(difference(more.force, less.force, Real(2 * by)), force), tolerance);
+      EXPECT_LT(apart(difference(more, less, Real(2 * by)), alpha), tolerance);
     }
   }
+}
+
+// M of the independent coordinates by the kinetic energy:  T(e_j + e_k) - T(e_j) - T(e_k) + T(0).
+Values mass_times(Compiled<Real>& m, const Values& alpha) {
+  const std::size_t f = alpha.size();
+  const auto energy = [&](std::size_t j, std::size_t k) {
+    Values w(f, Real(0));
+    if (j < f) w[j] += 1;
+    if (k < f) w[k] += 1;
+    m.motion.move(w.data());
+    return m.motion.kinetic_energy();
+  };
+  Values product(f, Real(0));
+  for (std::size_t j = 0; j < f; ++j) {
+    for (std::size_t k = 0; k < f; ++k) {
+      product[j] += (energy(j, k) - energy(j, f) - energy(k, f) + energy(f, f)) * alpha[k];
+    }
+  }
+  return product;
+}
+
+// What all bodies take together grows by M with the accelerations; the accelerations answer one body's part by -M^-1.
+TEST_P(MovingMechanism, TakesForItsBodiesWhatTheKineticEnergySays) {
+  test::Random random(29);
+  const State<Real> state = in_50_digits(random_state(scene_, q0_, random));
+  Compiled<Real> m(scene_);
+  start(m, q0_, state);
+  ASSERT_TRUE(evaluate(m, state));
+  const std::size_t f = state.z.size();
+  const Values alpha = part(m.motion.alpha(), f);
+  Values more(f);
+  for (Real& a : more) a = random.uniform(-3.0, 3.0);
+  Values influence(f), answered(f);
+  m.motion.influence(inertial(1, 0.3, {0.1, -0.2}, 0.7), influence.data());
+  m.motion.reduced_inertia(1, {Real(0.3), {Real(0.1), Real(-0.2)}, Real(0.7)}, answered.data());
+  const auto taken = [&](const Values& accelerations) {
+    m.motion.accelerate_as(accelerations.data());
+    Values sum(f, Real(0));
+    for (std::size_t b = 1; b < scene_.bodies.size(); ++b) {
+      const Body& body = scene_.bodies[b];
+      const Real mass = body.mass;
+      const Planar<Real> first = mass * planar_cast<Real>(body.center);
+      Values own(f);
+      m.motion.reduced_inertia(static_cast<int>(b),
+                               {mass, first, body.inertia + dot(first, planar_cast<Real>(body.center))}, own.data());
+      for (std::size_t j = 0; j < f; ++j) sum[j] += own[j];
+    }
+    return sum;
+  };
+  const Values low = taken(alpha);
+  const Values high = taken(more);
+  Values rise(f);
+  for (std::size_t j = 0; j < f; ++j) rise[j] = more[j] - alpha[j];
+  EXPECT_LT(apart(difference(high, low, Real(1)), mass_times(m, rise)), 1e-30);
+  for (Real& x : answered) x = -x;
+  EXPECT_LT(apart(answered, mass_times(m, influence)), 1e-30);
 }
 
 // Newton and Euler's equations of every body cut free, by motion/inverse_dynamics, which shares no formula with the

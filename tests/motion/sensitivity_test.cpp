@@ -41,19 +41,19 @@ double stiffness_unit(const Scales& s) { return s.length / s.force; }
 double length_unit(const Scales& s) { return 1 / s.length; }
 double torque_unit(const Scales& s) { return 1 / s.energy(); }
 
-// Of body 1: its mass at a fixed centre r, which is (1, r, |r|^2) in (m, m r, J), and its inertia.
-std::vector<Number> body_numbers(Vec2 center) {
-  const auto body = [](const Scales& s, double mass, Vec2 first, double moment) {
+// Of a body: its mass at a fixed centre r, which is (1, r, |r|^2) in (m, m r, J), and its inertia.
+std::vector<Number> body_numbers(int of, Vec2 center) {
+  const auto body = [of](const Scales& s, double mass, Vec2 first, double moment) {
     Influence influence;
-    influence.body = 1;
+    influence.body = of;
     influence.mass = mass * s.length / s.force;
     influence.first = (1 / s.force) * first;
     influence.moment = moment / s.energy();
     return influence;
   };
-  return {{"mass", [](Scene& s) -> double& { return s.bodies[1].mass; },
+  return {{"mass", [of](Scene& s) -> double& { return s.bodies[of].mass; },
            [=](const Scales& s) { return body(s, 1, center, dot(center, center)); }},
-          {"inertia", [](Scene& s) -> double& { return s.bodies[1].inertia; },
+          {"inertia", [of](Scene& s) -> double& { return s.bodies[of].inertia; },
            [=](const Scales& s) {
              return body(s, 0, {0, 0}, 1);
            }}};
@@ -65,6 +65,7 @@ struct Case {
   test::Release release;
   std::vector<Number> numbers;
   double duration;
+  int body;  // whose inertia is asked about
 };
 
 std::vector<Number> line_numbers() {
@@ -92,11 +93,12 @@ std::vector<Number> four_bar_numbers() {
 }
 
 std::vector<Case> cases() {
-  return {{"FourBar", test::four_bar_with_everything, {{}, {{"crank", 3.0}}}, four_bar_numbers(), 2.0},
-          {"Follower", test::four_bar_with_follower, {}, four_bar_numbers(), 1.5},
-          {"QuickReturn", test::quick_return, {{}, {{"crank", 4.0}}}, line_numbers(), 1.5},
-          {"Driven", test::driven_five_bar, {}, line_numbers(), 1.5},
-          {"Lift", [] { return read_scene(test::dataset("lift.toml")); }, {{{"obd", 0.39}}, {}}, line_numbers(), 1.0}};
+  return {
+      {"FourBar", test::four_bar_with_everything, {{}, {{"crank", 3.0}}}, four_bar_numbers(), 1.0, 2},
+      {"Follower", test::four_bar_with_follower, {}, four_bar_numbers(), 1.5, 3},
+      {"QuickReturn", test::quick_return, {{}, {{"crank", 4.0}}}, line_numbers(), 0.6, 2},
+      {"Driven", test::driven_five_bar, {}, line_numbers(), 0.6, 3},
+      {"Lift", [] { return read_scene(test::dataset("lift.toml")); }, {{{"obd", 0.39}}, {}}, line_numbers(), 1.0, 6}};
 }
 
 class Sensitivities : public testing::TestWithParam<Case> {
@@ -128,9 +130,9 @@ class Sensitivities : public testing::TestWithParam<Case> {
     return t;
   }
 
-  // Column c of a motion with sensitivities against differences.
-  static void expect_column(const Motion& motion, const std::vector<double>& t, std::size_t column,
-                            const Readings& differences) {
+  // How far column c of a motion with sensitivities is from differences, over the largest of them.
+  static double apart(const Motion& motion, const std::vector<double>& t, std::size_t column,
+                      const Readings& differences) {
     const auto n = static_cast<std::size_t>(motion.trajectory.coordinates);
     std::vector<int> all;
     for (std::size_t i = 0; i < n; ++i) all.push_back(static_cast<int>(i));
@@ -145,9 +147,17 @@ class Sensitivities : public testing::TestWithParam<Case> {
         v_apart = std::max(v_apart, std::abs(reader.v_p(i)[column] - differences[k].v[i]));
       }
     }
-    EXPECT_GT(q_size, 0.0);
-    EXPECT_LT(q_apart, 1e-7 * q_size);
-    EXPECT_LT(v_apart, 1e-7 * v_size);
+    return q_size > 0 ? std::max(q_apart / q_size, v_apart / v_size) : 1.0;
+  }
+
+  // Of the steps tried, some are too long for how crooked the motion is, and some drown in its rounding.
+  static void expect_column(const Motion& motion, const std::vector<double>& t, std::size_t column,
+                            const std::function<Readings(double)>& at, double size) {
+    double least = 1.0;
+    for (double step : {1e-2, 1e-3, 1e-4, 2e-5}) {
+      least = std::min(least, apart(motion, t, column, derivative(at, step * size)));
+    }
+    EXPECT_LT(least, 1e-7);
   }
 };
 
@@ -157,7 +167,8 @@ INSTANTIATE_TEST_SUITE_P(Each, Sensitivities, testing::ValuesIn(cases()),
 TEST_P(Sensitivities, AreThoseOfDifferences) {
   const Scene scene = GetParam().scene();
   std::vector<Number> numbers = GetParam().numbers;
-  for (Number& number : body_numbers(scene.bodies[1].center)) numbers.push_back(std::move(number));
+  for (Number& number : body_numbers(GetParam().body, scene.bodies[GetParam().body].center))
+    numbers.push_back(std::move(number));
   const double end = GetParam().duration;
   const MotionModel model(scene);
   const MotionState start = test::released(model, GetParam().release);
@@ -185,7 +196,7 @@ TEST_P(Sensitivities, AreThoseOfDifferences) {
       }
       return test::read_at(test::moved(model, start_motion(model, wanted, &start.q), end, 1e-13), t);
     };
-    expect_column(motion, t, k, derivative(at, 1e-4));
+    expect_column(motion, t, k, at, 1.0);
   }
   for (std::size_t p = 0; p < options.influences.size(); ++p) {
     const Number& number = numbers[p];
@@ -198,7 +209,7 @@ TEST_P(Sensitivities, AreThoseOfDifferences) {
       const MotionModel changed(other, model.scales());
       return test::read_at(test::moved(changed, start, end, 1e-13), t);
     };
-    expect_column(motion, t, 2 * f + p, derivative(at, 1e-3 * std::abs(value)));
+    expect_column(motion, t, 2 * f + p, at, std::abs(value));
   }
 }
 

@@ -1,0 +1,36 @@
+#include "app/commands/experiment_options.hpp"
+
+#include "app/commands/scene_options.hpp"
+
+namespace poise::app {
+
+void add_experiment_options(CLI::App& command, ExperimentRequest& request) {
+  request.common.kind = "experiment";
+  command.add_option("EXPERIMENT", request.common.scene, "Experiment file (TOML)")->required()->type_name("");
+  command
+      .add_option("--data", request.data,
+                  "Read this CSV file in place of the one that the experiment's\nruns name (all the same)")
+      ->type_name("FILE");
+  add_settings(command, request.common);
+  command.add_option("--json", request.common.json, "Write the result to FILE as JSON")->type_name("FILE");
+}
+
+Experiment load_experiment(const ExperimentRequest& request) {
+  Experiment experiment =
+      read_experiment(request.common.scene, {.data = request.data, .settings = request.common.settings});
+  if (experiment.unknowns.empty()) {
+    throw InputError(experiment.file +
+                     ": nothing is asked; expected at least one [[unknown]] with a path, say \"body.arm.mass\"");
+  }
+  return experiment;
+}
+
+std::vector<std::string> files_read(const Experiment& experiment) {
+  std::vector<std::string> files = {experiment.scene.file};
+  for (const Run& run : experiment.runs) {
+    if (!run.data.empty() && run.data.string() != files.back()) files.push_back(run.data.string());
+  }
+  return files;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "app/commands/commands.hpp"
+#include "identification/fit_problem.hpp"
+
+namespace poise::app {
+
+/// What was asked of an experiment.
+struct ExperimentRequest {
+  Request common;    ///< its `scene` is the experiment's file
+  std::string data;  ///< file that takes the place of the runs' own
+};
+
+/// What every command that reads an experiment takes: EXPERIMENT, --data, --set and --json. `request` must outlive the
+/// command.
+void add_experiment_options(CLI::App& command, ExperimentRequest& request);
+
+/// Throws InputError, also where nothing is unknown.
+Experiment load_experiment(const ExperimentRequest& request);
+
+/// All files that an experiment was read from.
+std::vector<std::string> files_read(const Experiment& experiment);
+
+}  // namespace poise::app

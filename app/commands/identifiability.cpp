@@ -1,0 +1,53 @@
+#include "app/commands/identifiability.hpp"
+
+#include <memory>
+
+#include "app/commands/experiment_options.hpp"
+#include "app/commands/session.hpp"
+#include "app/report/identifiability_report.hpp"
+#include "identification/first_readings.hpp"
+
+namespace poise::app {
+namespace {
+
+struct IdentifiabilityRequest {
+  ExperimentRequest experiment;
+  bool base = false;
+};
+
+int run_identifiability(const IdentifiabilityRequest& request, const Palette& palette) {
+  const Request& common = request.experiment.common;
+  Progress progress;
+  progress.now("reading the experiment");
+  const Experiment experiment = load_experiment(request.experiment);
+  const FitProblem problem(experiment);
+  OutputFiles files(common, files_read(experiment));
+
+  progress.now("looking at what the runs tell");
+  std::vector<std::vector<double>> nuisances;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    nuisances.push_back(first_guess(problem.run(r), experiment.records[r]));
+  }
+  IdentifiabilityAnswer answer;
+  answer.known = assess(problem, problem.truths(), nuisances);
+  progress.now("looking for base parameters");
+  answer.base = base_parameters(problem.run(0).scene());
+  answer.list_base = request.base;
+  const std::string written =
+      files.write(files.wants_json() ? identifiability_json(problem, answer, common.settings) : "", "");
+  progress.done();
+  print(identifiability_report(problem, answer, palette) + (written.empty() ? "" : "\n" + written));
+  return answer.known.ok ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_identifiability(CLI::App& app) {
+  const auto request = std::make_shared<IdentifiabilityRequest>();
+  CLI::App& command = *app.add_subcommand("identifiability", "Tell, before any data, what an experiment can tell");
+  add_experiment_options(command, request->experiment);
+  command.add_flag("--base", request->base, "List the base parameters of the mechanism, too");
+  return {&command, [request](const Palette& palette) { return run_identifiability(*request, palette); }};
+}
+
+}  // namespace poise::app

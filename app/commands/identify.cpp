@@ -1,0 +1,78 @@
+#include "app/commands/identify.hpp"
+
+#include <memory>
+#include <string>
+
+#include "app/commands/experiment_options.hpp"
+#include "app/commands/scene_options.hpp"
+#include "app/commands/session.hpp"
+#include "app/interrupt.hpp"
+#include "app/report/experiment_parts.hpp"
+#include "app/report/identify_report.hpp"
+#include "identification/first_readings.hpp"
+
+namespace poise::app {
+namespace {
+
+struct IdentifyRequest {
+  ExperimentRequest experiment;
+  std::string start = "auto";
+};
+
+int run_identify(const IdentifyRequest& request, const Palette& palette) {
+  const Request& common = request.experiment.common;
+  FitOptions options;
+  options.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
+  if (!common.svg.empty()) expect_plotter();
+  Progress progress;
+  progress.now("reading the experiment");
+  const Experiment experiment = load_experiment(request.experiment);
+  const FitProblem problem(experiment);
+  OutputFiles files(common, files_read(experiment));
+  options.interrupt = &watch_for_interrupt();
+  options.progress = [&](const std::string& doing) { progress.now(doing); };
+
+  FitAnswer answer;
+  progress.now("simulating the runs");
+  answer.records = problem.records();
+  progress.now("fitting");
+  answer.fit = fit(problem, answer.records, options);
+  if (answer.fit.usable() && !is_simulated(experiment)) {
+    progress.now("moving the runs from their first readings");
+    answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
+  }
+
+  progress.now("writing the result");
+  const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
+  const std::string written = files.write(files.wants_json() ? fit_json(problem, answer, common.settings) : "",
+                                          drawn ? draw_plot(fit_panels(problem, answer), plot_columns(experiment)) : "",
+                                          files.wants_csv() ? residuals_csv(problem, answer) : "");
+  progress.done();
+  print(identify_report(problem, answer, palette) + (written.empty() ? "" : "\n" + written));
+  return answer.fit.usable() ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_identify(CLI::App& app) {
+  const auto request = std::make_shared<IdentifyRequest>();
+  CLI::App& command =
+      *app.add_subcommand("identify", "Find masses, inertias, stiffnesses and damping from records of motions");
+  add_experiment_options(command, request->experiment);
+  command
+      .add_option("--start", request->start,
+                  "auto: from damped sines where the records swing so, else from\nthe experiment's starts (the "
+                  "default); given: from those always")
+      ->type_name("WHAT");
+  command
+      .add_option("--csv", request->experiment.common.csv,
+                  "Write readings, predictions and residuals to FILE, one line\nfor each run and time")
+      ->type_name("FILE");
+  command
+      .add_option("--svg", request->experiment.common.svg,
+                  "Draw the worst runs' readings, residuals and sensitivities into\nFILE")
+      ->type_name("FILE");
+  return {&command, [request](const Palette& palette) { return run_identify(*request, palette); }};
+}
+
+}  // namespace poise::app

@@ -1,0 +1,89 @@
+#include "app/commands/montecarlo.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "app/commands/experiment_options.hpp"
+#include "app/commands/scene_options.hpp"
+#include "app/commands/session.hpp"
+#include "app/interrupt.hpp"
+#include "app/report/monte_carlo_report.hpp"
+
+namespace poise::app {
+namespace {
+
+struct MonteCarloRequest {
+  ExperimentRequest experiment;
+  int trials = 300;
+  std::uint64_t seed = 1;
+  double off = 0.5;
+  int jobs = 0;
+  std::string start = "given";
+};
+
+void check(const MonteCarloRequest& request) {
+  constexpr int most_trials = 1'000'000;
+  constexpr int most_jobs = 1024;
+  if (request.trials < 1 || request.trials > most_trials) {
+    throw InputError(fmt::format("--trials: expected a number from 1 to {}, found {}", most_trials, request.trials));
+  }
+  if (request.jobs < 0 || request.jobs > most_jobs) {
+    throw InputError(
+        fmt::format("--jobs: expected a number from 0 (all cores) to {}, found {}", most_jobs, request.jobs));
+  }
+  if (!(request.off >= 0 && request.off < 1)) {
+    throw InputError(fmt::format("--off: expected a part of the truth, 0 <= off < 1, found {}", request.off));
+  }
+}
+
+int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
+  check(request);
+  MonteCarloOptions options;
+  options.trials = request.trials;
+  options.seed = request.seed;
+  options.off = request.off;
+  options.threads = request.jobs;
+  options.use_starts = chosen("--start", request.start, {"given", "auto"}) == 0;
+  const Request& common = request.experiment.common;
+  Progress progress;
+  progress.now("reading the experiment");
+  const Experiment experiment = load_experiment(request.experiment);
+  const FitProblem problem(experiment);
+  OutputFiles files(common, files_read(experiment));
+  options.interrupt = &watch_for_interrupt();
+  const auto tell = [&](int done) { progress.now(fmt::format("{} of {} trials", done, options.trials)); };
+  tell(0);
+  options.progress = tell;
+  const MonteCarlo answer = monte_carlo(problem, options);
+  const std::string written =
+      files.write(files.wants_json() ? monte_carlo_json(problem, options, answer, common.settings) : "", "");
+  progress.done();
+  print(monte_carlo_report(problem, options, answer, palette) + (written.empty() ? "" : "\n" + written));
+  return !answer.interrupted && answer.converged > 0 ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_montecarlo(CLI::App& app) {
+  const auto request = std::make_shared<MonteCarloRequest>();
+  CLI::App& command = *app.add_subcommand("montecarlo", "Simulate and fit many times: are the estimates that sure?");
+  add_experiment_options(command, request->experiment);
+  command.add_option("--trials", request->trials, "Simulations to fit (300)")->type_name("N");
+  command.add_option("--seed", request->seed, "Of the noise and the starts (1)")->type_name("N");
+  command
+      .add_option("--off", request->off,
+                  "Every fit starts from parameters off the truth by up to this\npart of it, each its own way (0.5)")
+      ->type_name("PART");
+  command
+      .add_option("--start", request->start,
+                  "given: from those (the default); auto: the fits find their\nown starts where they can")
+      ->type_name("WHAT");
+  command.add_option("--jobs", request->jobs, "Threads (all cores)")->type_name("N");
+  return {&command, [request](const Palette& palette) { return run_montecarlo(*request, palette); }};
+}
+
+}  // namespace poise::app

@@ -1,0 +1,262 @@
+#include "app/fit_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "app/csv_file.hpp"
+#include "app/experiment_units.hpp"
+#include "app/identifiability_json.hpp"
+#include "app/json_parts.hpp"
+#include "app/report/experiment_parts.hpp"
+
+namespace poise::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t most_sensors_drawn = 3;
+constexpr std::size_t most_runs_drawn = 4;
+constexpr std::size_t most_parameters_drawn = 8;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Residuals of a run, reading - prediction, SI: per sensor, per time. Not numbers where it cannot be moved.
+std::vector<std::vector<double>> residuals_of(const FitProblem& problem, const FitAnswer& answer, std::size_t r) {
+  const std::vector<Sensor>& sensors = problem.experiment().sensors;
+  const Record& record = answer.records[r];
+  std::vector<std::vector<double>> out(sensors.size(), std::vector<double>(record.time.size(), nan));
+  std::vector<double> e;
+  const Fit& fitted = answer.fit;
+  if (!problem.residuals(r, fitted.parameters, fitted.runs[r].nuisances, record, record.time.size(), e)) return out;
+  for (std::size_t i = 0; i < e.size(); ++i) {
+    const std::size_t k = i % sensors.size();
+    out[k][i / sensors.size()] = -sensors[k].noise * e[i];
+  }
+  return out;
+}
+
+std::vector<double> shown(std::vector<double> si, const Sensor& sensor, const Units& units) {
+  return in_unit(std::move(si), quantity_of(sensor), units);
+}
+
+std::string axis(const std::string& what, const Sensor& sensor, const Units& units) {
+  return fmt::format("{} ({})", what, unit_name(sensor, units));
+}
+
+Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size_t r, std::size_t k) {
+  const Sensor& sensor = problem.experiment().sensors[k];
+  const Units& units = problem.experiment().scene.units;
+  const Record& record = answer.records[r];
+  std::vector<double> predicted = record.reading[k];
+  const std::vector<double> residual = residuals_of(problem, answer, r)[k];
+  for (std::size_t s = 0; s < predicted.size(); ++s) predicted[s] -= residual[s];
+  Panel panel{.title = fmt::format("{} of run {}, the worst", sensor.name, problem.run(r).run().name),
+              .y_label = axis("reading", sensor, units)};
+  panel.curves = {
+      {.name = "read", .x = record.time, .y = shown(record.reading[k], sensor, units), .style = Curve::Style::points},
+      {.name = "fitted", .x = record.time, .y = shown(std::move(predicted), sensor, units)}};
+  return panel;
+}
+
+Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::size_t>& worst,
+                     std::size_t k) {
+  const Sensor& sensor = problem.experiment().sensors[k];
+  const Units& units = problem.experiment().scene.units;
+  Panel panel{.title = fmt::format("{}: residuals of the {}", sensor.name, worst.size() > 1 ? "worst runs" : "run"),
+              .y_label = axis("read - fitted", sensor, units)};
+  for (std::size_t i = 0; i < std::min(most_runs_drawn, worst.size()); ++i) {
+    panel.curves.push_back({.name = problem.run(worst[i]).run().name,
+                            .x = answer.records[worst[i]].time,
+                            .y = shown(residuals_of(problem, answer, worst[i])[k], sensor, units),
+                            .style = answer.fit.runs[worst[i]].white ? Curve::Style::points : Curve::Style::line});
+  }
+  const double two = 2 * in_unit(sensor.noise, sensor, units);
+  panel.bands = {{.low = -two, .high = two, .name = "2 deviations of the noise"}};
+  return panel;
+}
+
+/// p dy/dp over the noise, how many deviations a reading would move if a parameter grew by 100 %, each curve over its
+/// largest value, which its name tells: parameters whose curves are alike cannot be told apart.
+std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer& answer, std::size_t r,
+                                      std::size_t sensors) {
+  const RunModel& model = problem.run(r);
+  const Record& record = answer.records[r];
+  std::vector<double> unknowns;
+  for (const int p : problem.parameters_of(r)) unknowns.push_back(answer.fit.parameters[static_cast<std::size_t>(p)]);
+  Prediction prediction;
+  model.predict(unknowns.data(), answer.fit.runs[r].nuisances.data(), record.time.size(), problem.accuracy(r), true,
+                prediction);
+  std::vector<Panel> panels;
+  for (std::size_t k = 0; k < sensors; ++k) {
+    const Sensor& sensor = problem.experiment().sensors[k];
+    panels.push_back({.title = fmt::format("{} of run {}: what the parameters do", sensor.name, model.run().name),
+                      .x_label = "time (s)",
+                      .y_label = "effect over its largest"});
+    const auto count = std::min(most_parameters_drawn, unknowns.size());
+    for (std::size_t c = 0; prediction.ok && c < count; ++c) {
+      const auto p = static_cast<std::size_t>(problem.parameters_of(r)[c]);
+      const double value = unknowns[c] + unknown_of(problem, p).includes;
+      Curve curve{.name = problem.parameters()[p].name, .x = record.time};
+      for (std::size_t s = 0; s < record.time.size(); ++s) {
+        const std::size_t row = s * problem.experiment().sensors.size() + k;
+        curve.y.push_back(value * prediction.jacobian[row * static_cast<std::size_t>(model.columns()) + c] /
+                          sensor.noise);
+      }
+      const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
+      const double largest = std::abs(*std::max_element(curve.y.begin(), curve.y.end(), size));
+      for (double& y : curve.y) y = largest > 0 ? y / largest : 0.0;
+      curve.name += fmt::format(", up to {} σ", significant(largest, 2));
+      panels.back().curves.push_back(std::move(curve));
+    }
+  }
+  return panels;
+}
+
+json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
+  const Fit& fitted = answer.fit;
+  const std::vector<std::string> units = parameter_units(problem);
+  const bool simulated = is_simulated(problem.experiment());
+  json out = json::array();
+  for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
+    const Estimate& e = fitted.estimates[i];
+    const auto number = [&](double si, bool known) {
+      return known && !e.withheld ? json_number(si / e.unit) : json(nullptr);
+    };
+    out.push_back({{"name", e.name},
+                   {"path", unknown_of(problem, i).path},
+                   {"unit", units[i]},
+                   {"value", number(e.value, true)},
+                   {"deviation", number(e.deviation, fitted.identifiability.ok)},
+                   {"truth", number(e.truth, simulated)},
+                   {"withheld", e.withheld ? json(e.why) : json(nullptr)}});
+  }
+  return out;
+}
+
+json json_rms(const std::vector<double>& rms, const Experiment& experiment) {
+  json out = json::array();
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    out.push_back(json_number(in_unit(rms[k], experiment.sensors[k], experiment.scene.units)));
+  }
+  return out;
+}
+
+json json_runs(const FitProblem& problem, const Fit& fitted) {
+  const Units& units = problem.experiment().scene.units;
+  json out = json::array();
+  for (std::size_t r = 0; r < fitted.runs.size(); ++r) {
+    const RunFit& run = fitted.runs[r];
+    const std::vector<std::string> names = problem.run(r).nuisance_names();
+    const std::vector<Quantity> quantities = nuisance_quantities(problem.run(r));
+    json found = json::object();
+    for (std::size_t i = 0; i < run.nuisances.size(); ++i) {
+      found[names[i]] = json_number(in_unit(run.nuisances[i], quantities[i], units));
+    }
+    json lagged = json::array();
+    for (const double a : run.autocorrelation) lagged.push_back(json_number(a));
+    out.push_back({{"name", run.name},
+                   {"rms", json_rms(run.rms, problem.experiment())},
+                   {"rms_over_noise", json_number(rms_over_noise(problem, run))},
+                   {"autocorrelation", lagged},
+                   {"white", run.white},
+                   {"nuisances", found}});
+  }
+  return out;
+}
+
+}  // namespace
+
+double rms_over_noise(const FitProblem& problem, const RunFit& run) {
+  if (run.rms.empty()) return nan;
+  double squares = 0.0;
+  for (std::size_t k = 0; k < run.rms.size(); ++k) {
+    squares += std::pow(run.rms[k] / problem.experiment().sensors[k].noise, 2);
+  }
+  return std::sqrt(squares / static_cast<double>(run.rms.size()));
+}
+
+std::vector<std::size_t> worst_first(const FitProblem& problem, const Fit& fitted) {
+  std::vector<std::size_t> order(fitted.runs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto badness = [&](std::size_t r) {
+    const double rms = rms_over_noise(problem, fitted.runs[r]);
+    return std::isnan(rms) ? std::numeric_limits<double>::infinity() : rms;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return badness(a) > badness(b); });
+  return order;
+}
+
+std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings) {
+  const Fit& fitted = answer.fit;
+  const Experiment& experiment = problem.experiment();
+  json out = json_experiment(problem, settings);
+  out["status"] = to_string(fitted.status);
+  out["why"] = fitted.why;
+  out["start"] = fitted.start;
+  out["degrees_of_freedom"] = fitted.degrees;
+  out["misfit"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.misfit);
+  out["misfit_deviation"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.expected);
+  out["iterations"] = fitted.iterations;
+  out["evaluations"] = fitted.evaluations;
+  out["tries"] = fitted.tries;
+  out["microseconds"] = json_number(fitted.microseconds);
+  out["estimates"] = json_estimates(problem, answer);
+  out["identifiability"] = json_identifiability(problem, fitted.identifiability);
+  out["sensors"] = json::array();
+  for (const Sensor& sensor : experiment.sensors) {
+    out["sensors"].push_back({{"name", sensor.name},
+                              {"unit", unit_name(sensor, experiment.scene.units)},
+                              {"noise", json_number(in_unit(sensor.noise, sensor, experiment.scene.units))}});
+  }
+  out["rms"] = json_rms(fitted.rms, experiment);
+  out["rms_from_first_readings"] =
+      answer.rms_from_readings.empty() ? json(nullptr) : json_rms(answer.rms_from_readings, experiment);
+  out["residuals"] = json_runs(problem, fitted);
+  return json_text(out, experiment.scene);
+}
+
+std::string residuals_csv(const FitProblem& problem, const FitAnswer& answer) {
+  if (answer.fit.runs.empty()) return "";
+  const Experiment& experiment = problem.experiment();
+  std::vector<std::string> header = {"run", "time"};
+  for (const Sensor& sensor : experiment.sensors) {
+    header.insert(header.end(), {sensor.name, sensor.name + ".prediction", sensor.name + ".residual"});
+  }
+  std::vector<std::vector<double>> columns(header.size() - 1);
+  std::vector<std::string> runs;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const Record& record = answer.records[r];
+    runs.insert(runs.end(), record.time.size(), problem.run(r).run().name);
+    columns[0].insert(columns[0].end(), record.time.begin(), record.time.end());
+    const std::vector<std::vector<double>> residuals = residuals_of(problem, answer, r);
+    for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+      for (std::size_t s = 0; s < record.time.size(); ++s) {
+        const double values[] = {record.reading[k][s], record.reading[k][s] - residuals[k][s], residuals[k][s]};
+        for (std::size_t c = 0; c < 3; ++c) {
+          columns[1 + 3 * k + c].push_back(in_unit(values[c], experiment.sensors[k], experiment.scene.units));
+        }
+      }
+    }
+  }
+  return csv_text(header, columns, runs);
+}
+
+int plot_columns(const Experiment& experiment) {
+  return static_cast<int>(std::min(most_sensors_drawn, experiment.sensors.size()));
+}
+
+std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer) {
+  if (answer.fit.runs.empty()) return {};
+  const std::vector<std::size_t> worst = worst_first(problem, answer.fit);
+  const auto sensors = static_cast<std::size_t>(plot_columns(problem.experiment()));
+  std::vector<Panel> panels;
+  for (std::size_t k = 0; k < sensors; ++k) panels.push_back(fitted_panel(problem, answer, worst.front(), k));
+  for (std::size_t k = 0; k < sensors; ++k) panels.push_back(residual_panel(problem, answer, worst, k));
+  for (Panel& panel : sensitivity_panels(problem, answer, worst.front(), sensors)) panels.push_back(std::move(panel));
+  return panels;
+}
+
+}  // namespace poise::app

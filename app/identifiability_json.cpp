@@ -1,0 +1,59 @@
+#include "app/identifiability_json.hpp"
+
+#include "app/json_parts.hpp"
+#include "app/report/experiment_parts.hpp"
+
+namespace poise::app {
+
+using nlohmann::json;
+
+json json_experiment(const FitProblem& problem, const std::vector<std::string>& settings) {
+  const Experiment& experiment = problem.experiment();
+  std::size_t readings = 0;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    readings += problem.run(r).times().size() * experiment.sensors.size();
+  }
+  return {{"poise", POISE_VERSION},
+          {"experiment",
+           {{"file", experiment.file},
+            {"title", experiment.title},
+            {"source", experiment.source},
+            {"scene", experiment.scene.file},
+            {"set", settings},
+            {"simulated", is_simulated(experiment)}}},
+          {"units", json_units(experiment.scene.units)},
+          {"runs", problem.runs()},
+          {"readings", readings},
+          {"parameters", problem.parameters().size()},
+          {"nuisances", nuisances(problem)}};
+}
+
+json json_identifiability(const FitProblem& problem, const Identifiability& known) {
+  json out = {{"ok", known.ok}, {"why", known.why}, {"rank", known.rank}, {"gap", json_number(known.gap)}};
+  out["singular_values"] = json::array();
+  for (const double s : known.singular_values) out["singular_values"].push_back(json_number(s));
+  const std::vector<Parameter>& parameters = problem.parameters();
+  out["correlation"] = json::array();
+  for (Eigen::Index i = 0; i < known.correlation.rows(); ++i) {
+    json row = json::array();
+    for (Eigen::Index j = 0; j < known.correlation.cols(); ++j) {
+      const bool told = known.told[static_cast<std::size_t>(i)] && known.told[static_cast<std::size_t>(j)];
+      row.push_back(told ? json_number(known.correlation(i, j)) : json(nullptr));
+    }
+    out["correlation"].push_back(std::move(row));
+  }
+  out["untold"] = json::array();
+  for (const Identifiability::Direction& direction : known.untold) {
+    json part = json::object();
+    for (std::size_t i = 0; i < direction.part.size(); ++i) part[parameters[i].name] = json_number(direction.part[i]);
+    out["untold"].push_back({{"words", direction.words},
+                             {"remedy", direction.remedy},
+                             {"exact", direction.exact},
+                             {"scale", direction.scale},
+                             {"singular_value", json_number(direction.singular_value)},
+                             {"part", part}});
+  }
+  return out;
+}
+
+}  // namespace poise::app

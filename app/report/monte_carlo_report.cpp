@@ -1,0 +1,147 @@
+#include "app/report/monte_carlo_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/identifiability_json.hpp"
+#include "app/json_parts.hpp"
+#include "app/report/experiment_parts.hpp"
+#include "app/report/parts.hpp"
+#include "app/table.hpp"
+
+namespace poise::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr double nominal_coverage = 0.95;
+// A statistic farther than so many of its own deviations from what it should be is no accident.
+constexpr double remarkable = 4.0;
+
+/// A statistic of n trials with its standard deviation.
+struct Statistic {
+  double value, deviation, expected;
+  bool as_expected() const { return std::abs(value - expected) <= remarkable * deviation; }
+};
+
+struct Statistics {
+  Statistic bias, rmse, coverage;
+};
+
+Statistics statistics_of(const TrialStatistics& s, int trials) {
+  const double n = std::max(1, trials);
+  return {{s.bias / s.bound, 1 / std::sqrt(n), 0.0},
+          {s.rmse / s.bound, 1 / std::sqrt(2 * n), 1.0},
+          {s.coverage, std::sqrt(nominal_coverage * (1 - nominal_coverage) / n), nominal_coverage}};
+}
+
+bool is_told(const TrialStatistics& s) { return std::isfinite(s.bound) && s.bound > 0; }
+
+std::string verdict(const MonteCarloOptions& options, const MonteCarlo& answer, const Palette& palette) {
+  if (answer.trials == 0) return palette.paint(Tone::bad, "Interrupted before the first trial had ended.");
+  const std::string done = answer.interrupted
+                               ? fmt::format("Interrupted after {} of {} trials", answer.trials, options.trials)
+                               : fmt::format("{} simulated and fitted", count(answer.trials, "trial", "trials"));
+  if (answer.converged == 0) return palette.paint(Tone::bad, done + ": no fit converged.");
+  std::string deviates;
+  for (const TrialStatistics& s : answer.parameters) {
+    const Statistics all = statistics_of(s, answer.converged);
+    const bool fits = is_told(s) && all.bias.as_expected() && all.rmse.as_expected() && all.coverage.as_expected();
+    if (!fits) deviates += (deviates.empty() ? "" : ", ") + s.name;
+  }
+  const Tone good = answer.interrupted ? Tone::doubtful : Tone::good;
+  if (answer.converged < answer.trials) {
+    return palette.paint(Tone::bad, fmt::format("{}: {} did not converge.", done,
+                                                count(answer.trials - answer.converged, "fit", "fits")));
+  }
+  if (!deviates.empty()) return palette.paint(Tone::doubtful, done + "; not as sure as it says: " + deviates + ".");
+  return palette.paint(good, done + ": estimates are as sure as they say.");
+}
+
+std::string facts(const FitProblem& problem, const MonteCarloOptions& options, const MonteCarlo& answer,
+                  const Palette& palette) {
+  std::string out = fact("data", what_is_read(problem), palette) + fact("asked", what_is_asked(problem), palette);
+  out += fact("start",
+              options.use_starts ? fmt::format("off the truth by up to {} % each", significant(100 * options.off, 3))
+                                 : "found by the fits themselves",
+              palette);
+  out += fact("fits",
+              fmt::format("{} of {} converged, {} of them within 6 deviations of the truth", answer.converged,
+                          answer.trials, answer.arrived),
+              palette);
+  if (answer.converged > 0)
+    out += fact("residuals", fmt::format("{} times the noise on average", significant(answer.misfit, 4)), palette);
+  return out + fact("effort",
+                    fmt::format("{}; {} evaluations a fit, {} a trial", duration(1e6 * answer.seconds),
+                                significant(answer.evaluations, 3),
+                                duration(1e6 * answer.seconds / std::max(1, answer.trials))),
+                    palette);
+}
+
+}  // namespace
+
+std::string monte_carlo_report(const FitProblem& problem, const MonteCarloOptions& options, const MonteCarlo& answer,
+                               const Palette& palette) {
+  std::string out = heading(problem.experiment(), palette) + verdict(options, answer, palette) + "\n" +
+                    facts(problem, options, answer, palette);
+  if (answer.converged == 0) return out;
+  std::vector<std::string> names, truths, bounds;
+  std::vector<std::vector<Cell>> columns(3);
+  for (const TrialStatistics& s : answer.parameters) {
+    names.push_back(s.name);
+    truths.push_back(significant(s.truth / s.unit, 6));
+    bounds.push_back(is_told(s) ? per_cent(s.bound, s.truth) : "not told");
+    const Statistics all = statistics_of(s, answer.converged);
+    const auto add = [&](std::size_t column, const Statistic& statistic, std::string text) {
+      if (!is_told(s)) text = "-";
+      columns[column].push_back({text, statistic.as_expected() || !is_told(s) ? Tone::plain : Tone::bad});
+    };
+    add(0, all.bias, fmt::format("{:+.3f} ± {:.3f}", all.bias.value, all.bias.deviation));
+    add(1, all.rmse, fmt::format("{:.3f} ± {:.3f}", all.rmse.value, all.rmse.deviation));
+    add(2, all.coverage, fmt::format("{:.1f} ± {:.1f} %", 100 * all.coverage.value, 100 * all.coverage.deviation));
+  }
+  Table table;
+  table.add_text_column("parameter", names);
+  table.add_number_column("truth", truths);
+  table.add_text_column("unit", parameter_units(problem));
+  table.add_number_column("bound, per cent", bounds);
+  table.add_text_column("bias/bound", columns[0]);
+  table.add_text_column("rms error/bound", columns[1]);
+  table.add_text_column("95 % intervals that cover", columns[2]);
+  return out + section("Estimates against the Cramer-Rao bound", table.print(palette), palette);
+}
+
+std::string monte_carlo_json(const FitProblem& problem, const MonteCarloOptions& options, const MonteCarlo& answer,
+                             const std::vector<std::string>& settings) {
+  json out = json_experiment(problem, settings);
+  out["trials_asked"] = options.trials;
+  out["trials"] = answer.trials;
+  out["converged"] = answer.converged;
+  out["arrived"] = answer.arrived;
+  out["interrupted"] = answer.interrupted;
+  out["seed"] = options.seed;
+  out["off"] = options.use_starts ? json(options.off) : json(nullptr);
+  out["misfit"] = json_number(answer.misfit);
+  out["evaluations"] = json_number(answer.evaluations);
+  out["seconds"] = json_number(answer.seconds);
+  const std::vector<std::string> units = parameter_units(problem);
+  out["estimates"] = json::array();
+  for (std::size_t i = 0; answer.converged > 0 && i < answer.parameters.size(); ++i) {
+    const TrialStatistics& s = answer.parameters[i];
+    const Statistics all = statistics_of(s, answer.converged);
+    out["estimates"].push_back({{"name", s.name},
+                                {"unit", units[i]},
+                                {"truth", json_number(s.truth / s.unit)},
+                                {"bound", is_told(s) ? json_number(s.bound / s.unit) : json(nullptr)},
+                                {"bias", json_number(s.bias / s.unit)},
+                                {"rmse", json_number(s.rmse / s.unit)},
+                                {"rmse_over_bound", is_told(s) ? json_number(all.rmse.value) : json(nullptr)},
+                                {"coverage", json_number(s.coverage)},
+                                {"coverage_deviation", json_number(all.coverage.deviation)}});
+  }
+  return json_text(out, problem.experiment().scene);
+}
+
+}  // namespace poise::app

@@ -1,0 +1,44 @@
+#include "identification/first_readings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poise {
+
+std::vector<double> started_from_readings(const RunModel& run, std::vector<double> nuisances, const Record& record) {
+  if (!run.start_is_unknown()) return nuisances;
+  const std::vector<double> start = run.start_from_readings(record);
+  std::copy(start.begin(), start.end(), nuisances.begin() + (run.rest_is_unknown() ? 1 : 0));
+  return nuisances;
+}
+
+std::vector<double> first_guess(const RunModel& run, const Record& record) {
+  if (record.empty() || !run.run().release.empty()) return run.released();
+  return started_from_readings(run, run.released(), record);
+}
+
+std::vector<double> rms_from_first_readings(const FitProblem& problem, const Fit& fitted,
+                                            const std::vector<Record>& records) {
+  const std::vector<Sensor>& sensors = problem.experiment().sensors;
+  std::vector<double> squares(sensors.size(), 0.0);
+  std::size_t samples = 0;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    std::vector<double> nuisances;
+    try {
+      nuisances = started_from_readings(problem.run(r), fitted.runs[r].nuisances, records[r]);
+    } catch (const InputError&) {
+      return {};  // no pose has these readings and closes the loops
+    }
+    std::vector<double> e;
+    const std::size_t count = records[r].time.size();
+    if (!problem.residuals(r, fitted.parameters, nuisances, records[r], count, e)) return {};
+    for (std::size_t i = 0; i < e.size(); ++i) squares[i % sensors.size()] += e[i] * e[i];
+    samples += count;
+  }
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    squares[k] = sensors[k].noise * std::sqrt(squares[k] / static_cast<double>(samples));
+  }
+  return squares;
+}
+
+}  // namespace poise

@@ -1,0 +1,92 @@
+#include "tests/identification/experiments.hpp"
+
+#include <stdexcept>
+
+#include "tests/support/known_answers.hpp"
+
+namespace poise::test {
+
+Experiment experiment(const std::string& name, const std::vector<std::string>& settings) {
+  return read_experiment(dataset(name + ".toml"), {{}, settings});
+}
+
+Sensor angle_of(const Scene& scene, const std::string& body, double noise) {
+  Sensor sensor;
+  sensor.name = sensor.column = body;
+  sensor.noise = noise;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].name == body) sensor.body_b = static_cast<int>(i);
+  }
+  return sensor;
+}
+
+Unknown unknown(const std::string& path) {
+  Unknown unknown;
+  unknown.path = unknown.name = path;
+  return unknown;
+}
+
+Run simulated(double rate, int count, std::vector<Release> release) {
+  Run run;
+  run.name = "run";
+  run.sample_rate = rate;
+  run.duration = count / rate;
+  run.release = std::move(release);
+  run.seed = 1;
+  return run;
+}
+
+std::size_t parameter(const FitProblem& problem, const std::string& name) {
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    if (problem.parameters()[i].name == name) return i;
+  }
+  throw std::out_of_range("no parameter is called \"" + name + "\"");
+}
+
+std::vector<std::vector<double>> released(const FitProblem& problem) {
+  std::vector<std::vector<double>> nuisances;
+  for (std::size_t r = 0; r < problem.runs(); ++r) nuisances.push_back(problem.run(r).released());
+  return nuisances;
+}
+
+Eigen::MatrixXd whole_jacobian(const FitProblem& problem) {
+  const auto parameters = static_cast<Eigen::Index>(problem.parameters().size());
+  const auto sensors = problem.experiment().sensors.size();
+  Eigen::Index rows = 0;
+  Eigen::Index columns = parameters;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    rows += static_cast<Eigen::Index>(problem.run(r).times().size() * sensors);
+    columns += problem.run(r).nuisances();
+  }
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, columns);
+  Eigen::Index row = 0;
+  Eigen::Index column = parameters;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const RunModel& run = problem.run(r);
+    Prediction prediction;
+    run.predict(run.scene_values().data(), run.released().data(), run.times().size(), 1e-11, true, prediction);
+    if (!prediction.ok) throw std::runtime_error(prediction.why);
+    const auto width = static_cast<std::size_t>(run.columns());
+    for (std::size_t i = 0; i < prediction.reading.size(); ++i, ++row) {
+      const double noise = problem.experiment().sensors[i % sensors].noise;
+      for (std::size_t c = 0; c < width; ++c) {
+        const auto u = static_cast<int>(c);
+        const Eigen::Index to = u < run.unknowns() ? problem.parameters_of(r)[c] : column + u - run.unknowns();
+        J(row, to) = prediction.jacobian[i * width + c] / noise;
+      }
+    }
+    column += run.nuisances();
+  }
+  return J;
+}
+
+std::vector<double> derivative(const std::function<std::vector<double>(double)>& f, double h) {
+  const std::vector<double> far_down = f(-2 * h), down = f(-h), up = f(h), far_up = f(2 * h);
+  std::vector<double> out(up.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = (8 * (up[i] - down[i]) - (far_up[i] - far_down[i])) / (12 * h);
+  }
+  return out;
+}
+
+}  // namespace poise::test

@@ -1,0 +1,160 @@
+#include "identification/fit_problem.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include "tests/identification/experiments.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+// Half the sum of squares of one run, straight from the residuals.
+double cost(const FitProblem& problem, std::size_t r, const Record& record, const std::vector<double>& parameters,
+            const std::vector<double>& nuisances) {
+  std::vector<double> e;
+  EXPECT_TRUE(problem.residuals(r, parameters, nuisances, record, record.time.size(), e));
+  double sum = 0.0;
+  for (const double residual : e) sum += residual * residual / 2;
+  return sum;
+}
+
+// A little off the truth in everything, so that no gradient vanishes.
+struct Off {
+  std::vector<double> parameters;
+  std::vector<std::vector<double>> nuisances;
+};
+
+Off off(const FitProblem& problem) {
+  Off out{problem.truths(), test::released(problem)};
+  double by = 0.01;
+  for (std::size_t i = 0; i < out.parameters.size(); ++i)
+    out.parameters[i] += (by = -by) * problem.parameters()[i].scale;
+  for (std::vector<double>& nuisances : out.nuisances) {
+    for (double& value : nuisances) value += (by = -by) / 100;
+  }
+  return out;
+}
+
+TEST(FitProblem, TrianglesHoldCostAndGradient) {
+  Experiment e = test::experiment("lift_experiment_heights");
+  for (poise::Run& run : e.runs) run.sample_rate = 200;
+  const FitProblem problem(e);
+  const std::vector<Record> records = problem.records();
+  const Off here = off(problem);
+  for (const std::size_t r : {0U, 3U}) {
+    const RunModel& run = problem.run(r);
+    SCOPED_TRACE(run.run().name);
+    const int columns = run.columns();
+    const Eigen::MatrixXd R =
+        problem.triangle(r, here.parameters, here.nuisances[r], &records[r], records[r].time.size(), 1e-10);
+    ASSERT_EQ(R.rows(), columns + 1);
+    ASSERT_EQ(R.cols(), columns + 1);
+    EXPECT_NEAR(R.col(columns).squaredNorm() / 2 / cost(problem, r, records[r], here.parameters, here.nuisances[r]),
+                1.0, 1e-6);
+    const Eigen::VectorXd gradient = R.leftCols(columns).transpose() * R.col(columns);
+    for (int c = 0; c < columns; ++c) {
+      // Nuisances first.
+      const bool is_nuisance = c < run.nuisances();
+      const auto own = static_cast<std::size_t>(is_nuisance ? c : problem.parameters_of(r)[c - run.nuisances()]);
+      SCOPED_TRACE(is_nuisance ? run.nuisance_names()[own] : problem.parameters()[own].name);
+      const auto at = [&](double by) {
+        Off moved = here;
+        (is_nuisance ? moved.nuisances[r][own] : moved.parameters[own]) += by;
+        return std::vector<double>{cost(problem, r, records[r], moved.parameters, moved.nuisances[r])};
+      };
+      const double step = is_nuisance ? 1e-5 : 1e-3 * problem.parameters()[own].scale;
+      EXPECT_NEAR(step * gradient[c], step * test::derivative(at, step)[0], 2e-4 * std::abs(step * gradient[c]) + 1e-5);
+    }
+  }
+}
+
+// One value for all runs, one for each height, or one for each run.
+TEST(FitProblem, SharesParametersAsToldTo) {
+  Experiment e = test::experiment("lift_experiment_heights");
+  const auto names = [&] {
+    std::vector<std::string> out;
+    const FitProblem problem(e);
+    for (const Parameter& p : problem.parameters()) out.push_back(p.name);
+    return out;
+  };
+  EXPECT_EQ(names(), (std::vector<std::string>{"mP", "J_O", "k (low)", "c", "k (middle)", "k (high)"}));
+  e.unknowns[2].per = "run";
+  EXPECT_EQ(names().size(), 9U);
+  EXPECT_EQ(names()[2], "k (low, empty)");
+  e.unknowns[2].per = "";
+  EXPECT_EQ(names().size(), 4U);
+}
+
+TEST(FitProblem, RefusesUnknownsThatChangeTheGeometry) {
+  Experiment e = test::experiment("lift_experiment");
+  e.unknowns[0].path = "point.obd.D.x";
+  e.unknowns[0].line = 17;
+  try {
+    const FitProblem problem(e);
+    FAIL() << "taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(":17: unknown \"point.obd.D.x\": expected"), std::string::npos)
+        << error.what();
+  }
+}
+
+// Ranges, starts and truths are of the number in the scene: less what the shown value includes.
+TEST(FitProblem, CountsWithoutWhatIsIncluded) {
+  const Experiment e = test::experiment("lift_experiment");
+  const FitProblem problem(e);
+  const Parameter& lump = problem.parameters()[test::parameter(problem, "mP")];
+  EXPECT_DOUBLE_EQ(lump.truth, 0.0);
+  EXPECT_NEAR(lump.start, 40 - 64.6823847579, 1e-12);
+  EXPECT_DOUBLE_EQ(lump.scale, 40.0);
+}
+
+TEST(FitProblem, NoiseIsAsLargeAsStatedAndItsOwnForEachRun) {
+  const Experiment e = test::experiment("lift_experiment");
+  const FitProblem problem(e);
+  const std::vector<Record> records = problem.records();
+  const std::vector<Record> again = problem.records();
+  std::vector<Eigen::VectorXd> noise;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const Record ideal = problem.ideal_record(r);
+    ASSERT_EQ(records[r].time.size(), 2000U);
+    EXPECT_EQ(records[r].reading, again[r].reading);
+    const auto as_vector = [](const std::vector<double>& v) {
+      return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+    };
+    noise.emplace_back(as_vector(records[r].reading[0]) - as_vector(ideal.reading[0]));
+    EXPECT_NEAR(std::sqrt(noise.back().squaredNorm() / 2000), 1e-4, 4e-6);
+    EXPECT_NEAR(noise.back().mean(), 0.0, 4e-4 / std::sqrt(2000.0));
+  }
+  for (std::size_t a = 0; a < noise.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      EXPECT_LT(std::abs(noise[a].normalized().dot(noise[b].normalized())), 4 / std::sqrt(2000.0));
+    }
+  }
+}
+
+// The accuracy that fits compute with: its error is lost in the noise.
+TEST(FitProblem, AccuracyOfARunIsFarBelowItsNoise) {
+  const Experiment e = test::experiment("lift_experiment");
+  const FitProblem problem(e);
+  for (const std::size_t r : {0U, 5U}) {
+    const RunModel& run = problem.run(r);
+    const Record ideal = problem.ideal_record(r);
+    Prediction rough;
+    run.predict(run.scene_values().data(), run.released().data(), run.times().size(), problem.accuracy(r), true, rough);
+    ASSERT_TRUE(rough.ok);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < rough.reading.size(); ++i) {
+      worst = std::max(worst, std::abs(rough.reading[i] - ideal.reading[0][i]));
+    }
+    EXPECT_LT(worst, 0.01 * e.sensors[0].noise);
+  }
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,359 @@
+#include "identification/identifiability.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <gtest/gtest.h>
+
+#include "tests/identification/experiments.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+nlohmann::json answers() { return test::read_json(test::dataset("identification_answers.json")); }
+
+Identifiability assess_at_truth(const FitProblem& problem) {
+  return assess(problem, problem.truths(), test::released(problem));
+}
+
+// d(reading)/d(unknowns, nuisances) of run 0 at the truth, SI.
+Eigen::MatrixXd jacobian(const RunModel& run) {
+  Prediction p;
+  run.predict(run.scene_values().data(), run.released().data(), run.times().size(), 1e-12, true, p);
+  EXPECT_TRUE(p.ok) << p.why;
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      p.jacobian.data(), static_cast<Eigen::Index>(p.reading.size()), run.columns());
+}
+
+// A sprung mass on a level rail, damped: m x'' + c x' + k x = 0.
+Experiment oscillator() {
+  Experiment e;
+  e.scene = parse_scene(R"(
+[ground]
+points = { O = [0, 0], S = [-1, 0] }
+[body.block]
+points = { c = [0, 0] }
+mass = 2
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.c"]
+axis = [1, 0]
+[[spring]]
+name = "coil"
+points = ["ground.S", "block.c"]
+stiffness = 80
+free_length = 1
+[[damper]]
+name = "pot"
+points = ["ground.S", "block.c"]
+coefficient = 0.6
+[start]
+rail = 0.02
+)",
+                        "oscillator");
+  Sensor travel;
+  travel.name = "x";
+  travel.kind = Sensor::Kind::travel;
+  travel.item = 0;
+  travel.noise = 1e-5;
+  e.sensors = {travel};
+  e.unknowns = {test::unknown("body.block.mass"), test::unknown("spring.coil.stiffness"),
+                test::unknown("damper.pot.coefficient")};
+  Release pull;
+  pull.joint = 0;
+  pull.value = 0.02;
+  e.runs = {test::simulated(100, 300, {pull})};
+  return e;
+}
+
+// The table of ../shared/lift/README.md, computed apart from Poise: per cent of what is shown.
+TEST(Identifiability, CramerRaoBoundsOfTheLift) {
+  const nlohmann::json table = answers().at("lift_cramer_rao");
+  int compared = 0;
+  for (const auto& [name, row] : table.at("experiments").items()) {
+    SCOPED_TRACE(name);
+    const Experiment e = test::experiment(name);
+    const FitProblem problem(e);
+    const Identifiability told = assess_at_truth(problem);
+    ASSERT_TRUE(told.ok) << told.why;
+    EXPECT_EQ(told.rank, static_cast<int>(problem.parameters().size()));
+    EXPECT_TRUE(told.untold.empty());
+    for (const auto& [parameter, cell] : row.items()) {
+      const std::size_t i = test::parameter(problem, parameter);
+      const Parameter& p = problem.parameters()[i];
+      const double shown = p.truth + e.unknowns[static_cast<std::size_t>(p.unknown)].includes;
+      const double percent = cell.at("percent");
+      EXPECT_NEAR(100 * told.deviation[i] / shown, percent, cell.at("digit").get<double>() * 0.55) << parameter;
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, 14);
+}
+
+// Eliminating nuisances run by run is the same as inverting everything at once.
+TEST(Identifiability, CovarianceIsTheInverseOfTheWholeInformation) {
+  for (const char* name : {"lift_experiment_heights", "lift_experiment_four_runs"}) {
+    const Experiment e = test::experiment(name);
+    const FitProblem problem(e);
+    const Identifiability told = assess_at_truth(problem);
+    ASSERT_TRUE(told.ok);
+    Eigen::MatrixXd J = test::whole_jacobian(problem);
+    const Eigen::VectorXd size = J.colwise().norm();
+    J *= size.cwiseInverse().asDiagonal();
+    const Eigen::MatrixXd inverse = (J.transpose() * J).fullPivLu().inverse();
+    const Eigen::MatrixXd covariance = size.cwiseInverse().asDiagonal() * inverse * size.cwiseInverse().asDiagonal();
+    for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      const double deviation = std::sqrt(covariance(at, at));
+      EXPECT_NEAR(told.deviation[i] / deviation, 1.0, 1e-5) << problem.parameters()[i].name;
+      for (Eigen::Index j = 0; j < at; ++j) {
+        EXPECT_NEAR(told.correlation(at, j), covariance(at, j) / (deviation * std::sqrt(covariance(j, j))), 1e-5);
+      }
+    }
+  }
+}
+
+TEST(Identifiability, APriorAddsItsInformation) {
+  Experiment e = test::experiment("lift_experiment");
+  const FitProblem plain(e);
+  const double before = assess_at_truth(plain).deviation[2];
+  e.unknowns[2].prior = 2e6;
+  e.unknowns[2].prior_deviation = before;
+  const FitProblem known(e);
+  EXPECT_NEAR(assess_at_truth(known).deviation[2], before / std::sqrt(2.0), 1e-6 * before);
+}
+
+// Sampled pendulum theta'' = -a sin(theta): a torque a on the ground's side of a wheel of unit inertia.
+Experiment pendulum() {
+  Experiment e;
+  e.scene = parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.arm]
+points = { O = [0, 0], B = [1, 0] }
+inertia = 1
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[force]]
+name = "a"
+at = "arm.B"
+vector = [9.81, 0]
+[start]
+arm = 1
+)",
+                        "pendulum");
+  e.sensors = {test::angle_of(e.scene, "arm", 0.01)};
+  e.unknowns = {test::unknown("load.a")};
+  Release lift;
+  lift.body = 1;
+  lift.value = 1.0;
+  e.runs = {test::simulated(20, 201, {lift})};
+  return e;
+}
+
+TEST(Identifiability, PendulumReachesItsReference) {
+  const nlohmann::json reference = answers().at("pendulum_crb");
+  Experiment e = pendulum();
+  const FitProblem problem(e);
+  EXPECT_NEAR(problem.ideal_record(0).reading[0].back(), test::number(reference.at("theta_at_10")), 1e-9);
+  // The reference knows that it starts at rest: of the start only the angle is unknown beside a.
+  const Eigen::MatrixXd J = jacobian(problem.run(0)).leftCols(2) / 0.01;
+  const Eigen::Matrix2d covariance = (J.transpose() * J).inverse();
+  const double of_a = std::sqrt(covariance(0, 0)), of_theta = std::sqrt(covariance(1, 1));
+  EXPECT_NEAR(of_a / test::number(reference.at("crb_std_a_joint")), 1.0, 1e-8);
+  EXPECT_NEAR(of_theta / test::number(reference.at("crb_std_theta0_joint")), 1.0, 1e-8);
+  EXPECT_NEAR(covariance(0, 1) / (of_a * of_theta), test::number(reference.at("corr")), 1e-8);
+  // With the start known.
+  e.runs[0].unknown_start = false;
+  const FitProblem known(e);
+  const Identifiability told = assess_at_truth(known);
+  ASSERT_TRUE(told.ok);
+  EXPECT_NEAR(told.deviation[0] / test::number(reference.at("crb_std_a_theta0_known")), 1.0, 1e-7);
+}
+
+// A free double pendulum of two uniform unit rods. Its motion depends on A = I1 + m1/4 + m2, B = I2 + m2/4, C = m2/2,
+// D = m1/2 + m2 alone, and not on their common scale.
+Experiment double_pendulum() {
+  Experiment e;
+  e.scene.gravity = {0, -9.81};
+  e.scene.bodies[0].points.push_back({"O", {0, 0}});
+  for (const char* name : {"one", "two"}) {
+    const int link = test::add_link(e.scene, name, 1.0, 1.0);
+    e.scene.bodies[static_cast<std::size_t>(link)].center = {0.5, 0};
+    e.scene.bodies[static_cast<std::size_t>(link)].inertia = 1.0 / 12;
+  }
+  test::add_pin(e.scene, "ground.O", "one.a");
+  test::add_pin(e.scene, "one.b", "two.a");
+  e.sensors = {test::angle_of(e.scene, "one", 1e-3), test::angle_of(e.scene, "two", 1e-3)};
+  Release first, second;
+  first.body = 1;
+  second.body = 2;
+  first.value = 1.0 - M_PI / 2;  // the reference counts from hanging
+  second.value = -0.5 - M_PI / 2;
+  e.scene.start.angle[1] = first.value;
+  e.scene.start.angle[2] = second.value;
+  e.runs = {test::simulated(50, 251, {first, second})};
+  e.runs[0].unknown_start = false;
+  return e;
+}
+
+TEST(Identifiability, FreeDoublePendulumDoesNotTellItsScale) {
+  const nlohmann::json reference = answers().at("double_pendulum_free");
+  Experiment e = double_pendulum();
+  e.unknowns = {test::unknown("body.one.inertia"), test::unknown("body.two.inertia"), test::unknown("body.one.mass"),
+                test::unknown("body.two.mass")};
+  const FitProblem problem(e);
+  const Record record = problem.ideal_record(0);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(record.reading[k].back() + M_PI / 2, test::number(reference.at("state_T")[k]), 1e-9);
+  }
+  const Identifiability told = assess_at_truth(problem);
+  ASSERT_TRUE(told.ok);
+  EXPECT_EQ(told.rank, 3);
+  EXPECT_GT(told.gap, 1e6);
+  ASSERT_EQ(told.untold.size(), 1U);
+  EXPECT_TRUE(told.untold[0].exact);
+  EXPECT_TRUE(told.untold[0].scale);
+  EXPECT_NE(told.untold[0].words.find("overall scale"), std::string::npos) << told.untold[0].words;
+  EXPECT_FALSE(told.untold[0].remedy.empty());
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(told.untold[0].part[i], 1.0, 1e-6);
+    EXPECT_FALSE(told.told[i]);
+    EXPECT_TRUE(std::isinf(told.deviation[i]));
+  }
+  // In A, B, C, D, as the reference: the sensitivities by the four numbers above, times d(numbers)/d(A, B, C, D).
+  Eigen::Matrix4d by_numbers;
+  by_numbers << 1, 0, 0.25, 1,  //
+      0, 1, 0, 0.25,            //
+      0, 0, 0, 0.5,             //
+      0, 0, 0.5, 1;
+  const Eigen::Vector4d abcd = by_numbers * Eigen::Vector4d(1.0 / 12, 1.0 / 12, 1.0, 1.0);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(abcd[i], reference.at("params_ABCD")[static_cast<std::size_t>(i)], 1e-14);
+  const Eigen::MatrixXd J = jacobian(problem.run(0)) * by_numbers.inverse() * abcd.asDiagonal();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinV);
+  const nlohmann::json& singular = reference.at("rel_singular_values");
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(svd.singularValues()[i] / test::number(singular[static_cast<std::size_t>(i)]), 1.0, 1e-8);
+  }
+  EXPECT_LT(svd.singularValues()[3], 1e-7);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(std::abs(svd.matrixV()(i, 3)), 0.5, 1e-7);
+}
+
+// With the masses and the first arm's centre known, D is; then inertia one, inertia two and the second centre are A, B
+// and C but for constants:  dC = da2,  dB = dI2 + 2 a2 da2.
+TEST(Identifiability, FreeDoublePendulumWithOneLumpKnown) {
+  const nlohmann::json reference = answers().at("double_pendulum_free");
+  Experiment e = double_pendulum();
+  e.unknowns = {test::unknown("body.one.inertia"), test::unknown("body.two.inertia"),
+                test::unknown("body.two.center.x")};
+  const FitProblem problem(e);
+  const Identifiability told = assess_at_truth(problem);
+  ASSERT_TRUE(told.ok);
+  ASSERT_EQ(told.rank, 3);
+  const Eigen::Map<const Eigen::Vector3d> deviation(told.deviation.data());
+  const Eigen::Matrix3d covariance = deviation.asDiagonal() * told.correlation * deviation.asDiagonal();
+  Eigen::Matrix3d lumps;
+  lumps << 1, 0, 0,  //
+      0, 1, 1,       //
+      0, 0, 1;
+  const Eigen::Matrix3d of_lumps = lumps * covariance * lumps.transpose();
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double size = reference.at("params_ABCD")[at];
+    EXPECT_NEAR(std::sqrt(of_lumps(i, i)) / size / test::number(reference.at("rel_std_D_known")[at]), 1.0, 1e-6);
+  }
+}
+
+TEST(Identifiability, AnOscillatorDoesNotTellItsScale) {
+  const Experiment e = oscillator();
+  const FitProblem problem(e);
+  const Identifiability told = assess_at_truth(problem);
+  ASSERT_TRUE(told.ok) << told.why;
+  EXPECT_EQ(told.rank, 2);
+  ASSERT_EQ(told.untold.size(), 1U);
+  const auto& scale = told.untold[0];
+  EXPECT_TRUE(scale.exact);
+  EXPECT_TRUE(scale.scale);
+  for (const double part : scale.part) EXPECT_NEAR(part, 1.0, 1e-5);
+  for (const char* name : {"body.block.mass", "spring.coil.stiffness", "damper.pot.coefficient"}) {
+    EXPECT_NE(scale.words.find(name), std::string::npos) << scale.words;
+  }
+  EXPECT_NE(scale.remedy.find("payload"), std::string::npos) << scale.remedy;
+}
+
+// What the remedy says helps: another run with a payload that is known.
+TEST(Identifiability, AKnownPayloadTellsTheScale) {
+  Experiment e = oscillator();
+  const int payload = e.scene.add_body("payload");
+  e.scene.add_point(payload, "c", {0, 0});
+  Joint weld;
+  weld.kind = Joint::Kind::weld;
+  weld.name = "weld";
+  weld.a = test::point(e.scene, "block.c");
+  weld.b = test::point(e.scene, "payload.c");
+  e.scene.add_joint(weld);
+  e.runs.push_back(e.runs[0]);
+  e.runs[1].name = "loaded";
+  e.runs[1].changes.push_back({"body.payload.mass", 1.0, 0});
+  const FitProblem problem(e);
+  const Identifiability told = assess_at_truth(problem);
+  ASSERT_TRUE(told.ok) << told.why;
+  EXPECT_EQ(told.rank, 3);
+  EXPECT_TRUE(told.untold.empty());
+}
+
+// On a level table mass and inertia of a link matter only as the inertia about its pin: dI = -a^2 dm.
+TEST(Identifiability, MassAndInertiaOfOneLink) {
+  Experiment e;
+  e.scene = test::chain(1, 1.0, 2.0);
+  e.scene.gravity = {0, 0};
+  e.scene.bodies[1].center = {0.3, 0};
+  e.scene.bodies[1].inertia = 0.2;
+  test::add_torsion_spring(e.scene, 0, 1, 5.0);
+  e.scene.torsion_springs[0].name = "coil";
+  e.sensors = {test::angle_of(e.scene, "1", 1e-4)};
+  e.unknowns = {test::unknown("body.1.mass"), test::unknown("body.1.inertia")};
+  Release turn;
+  turn.body = 1;
+  turn.value = 0.3;
+  e.runs = {test::simulated(100, 300, {turn})};
+  const FitProblem problem(e);
+  const Identifiability told = assess_at_truth(problem);
+  ASSERT_TRUE(told.ok) << told.why;
+  EXPECT_EQ(told.rank, 1);
+  ASSERT_EQ(told.untold.size(), 1U);
+  const auto& direction = told.untold[0];
+  EXPECT_TRUE(direction.exact);
+  EXPECT_FALSE(direction.scale);
+  // Relative changes: dI / I over dm / m is -a^2 m / I.
+  EXPECT_NEAR(direction.part[1] / direction.part[0], -0.09 * 2.0 / 0.2, 1e-6);
+  EXPECT_NE(direction.words.find("body.1.mass"), std::string::npos) << direction.words;
+  EXPECT_NE(direction.words.find("leave all readings as they are"), std::string::npos) << direction.words;
+  EXPECT_FALSE(direction.remedy.empty());
+}
+
+TEST(Identifiability, TheLiftWithoutPayloadDoesNotTellItsScale) {
+  const Experiment e = test::experiment("lift_experiment_empty");
+  const FitProblem problem(e);
+  const Identifiability told = assess_at_truth(problem);
+  ASSERT_TRUE(told.ok) << told.why;
+  ASSERT_FALSE(told.untold.empty());
+  EXPECT_TRUE(told.untold.back().scale) << told.untold.back().words;
+  EXPECT_FALSE(told.untold.back().remedy.empty());
+}
+
+TEST(Identifiability, SaysWhichRunCannotBeComputed) {
+  Experiment e = pendulum();
+  const FitProblem problem(e);
+  const Identifiability told = assess(problem, {std::nan("")}, test::released(problem));
+  EXPECT_FALSE(told.ok);
+  EXPECT_NE(told.why.find("run \"run\""), std::string::npos) << told.why;
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,245 @@
+// Predictions of runs and their Jacobians, the poses they rest at, and their small swings.
+
+#include "identification/run_model.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/identification/experiments.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/moving_scenes.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double fine = 1e-13;  // accuracy of the motions that differences are taken of
+
+Prediction predict(const RunModel& run, const std::vector<double>& unknowns, const std::vector<double>& nuisances,
+                   double accuracy, bool jacobian) {
+  Prediction out;
+  run.predict(unknowns.data(), nuisances.data(), run.times().size(), accuracy, jacobian, out);
+  EXPECT_TRUE(out.ok) << out.why;
+  return out;
+}
+
+// Every column of predict()'s Jacobian against differences of predict(). `steps` are for unknowns, relative to their
+// size, and for nuisances.
+void expect_jacobian(const RunModel& run, double unknown_step, double nuisance_step, double tolerance) {
+  const std::vector<double> unknowns = run.scene_values();
+  const std::vector<double> nuisances = run.released();
+  ASSERT_EQ(static_cast<int>(nuisances.size()), run.nuisances());
+  const Prediction analytic = predict(run, unknowns, nuisances, 1e-11, true);
+  const auto width = static_cast<std::size_t>(run.columns());
+  const auto sensors = static_cast<std::size_t>(run.sensors());
+  ASSERT_EQ(analytic.jacobian.size(), analytic.reading.size() * width);
+  for (std::size_t c = 0; c < width; ++c) {
+    const bool is_unknown = c < unknowns.size();
+    SCOPED_TRACE(is_unknown ? run.numbers()[c].path() : run.nuisance_names()[c - unknowns.size()]);
+    const double size = is_unknown && unknowns[c] != 0 ? std::abs(unknowns[c]) : 0.1;
+    const auto at = [&](double by) {
+      std::vector<double> p = unknowns, n = nuisances;
+      (is_unknown ? p[c] : n[c - p.size()]) += by;
+      return predict(run, p, n, fine, false).reading;
+    };
+    const std::vector<double> expected = test::derivative(at, is_unknown ? unknown_step * size : nuisance_step);
+    for (std::size_t k = 0; k < sensors; ++k) {
+      double largest = 0.0, apart = 0.0;
+      for (std::size_t i = k; i < expected.size(); i += sensors) {
+        largest = std::max(largest, std::abs(expected[i]));
+        apart = std::max(apart, std::abs(expected[i] - analytic.jacobian[i * width + c]));
+      }
+      EXPECT_LT(apart, tolerance * largest + 1e-9) << "sensor " << k;
+    }
+  }
+}
+
+Sensor with(Sensor::Kind kind, bool rate, int item = -1) {
+  Sensor sensor;
+  sensor.kind = kind;
+  sensor.rate = rate;
+  sensor.item = item;
+  sensor.noise = 1e-3;
+  return sensor;
+}
+
+// A four-bar with one of everything, seen by one of every sensor it can have.
+Experiment everything() {
+  Experiment e;
+  e.scene = test::four_bar_with_everything();
+  const Scene& s = e.scene;
+  for (const bool rate : {false, true}) {
+    e.sensors.push_back(with(Sensor::Kind::angle, rate));
+    e.sensors.back().body_a = 1;
+    e.sensors.back().body_b = 3;
+    e.sensors.push_back(with(Sensor::Kind::distance, rate));
+    e.sensors.back().a = test::point(s, "ground.S");
+    e.sensors.back().b = test::point(s, "coupler.P");
+    e.sensors.push_back(with(Sensor::Kind::y, rate));
+    e.sensors.back().b = test::point(s, "coupler.P");
+  }
+  e.sensors.push_back(with(Sensor::Kind::spring_force, false, 0));
+  for (const char* path : {"body.coupler.mass", "body.rocker.inertia", "body.crank.center.x", "body.coupler.center.y",
+                           "load.F", "load.T"}) {
+    e.unknowns.push_back(test::unknown(path));
+  }
+  const std::string spring = "spring." + s.springs[0].name, coil = "torsion_spring." + s.torsion_springs[0].name;
+  for (const std::string& path :
+       {spring + ".stiffness", spring + ".free_length", coil + ".stiffness", coil + ".free_angle",
+        "damper." + s.dampers[0].name + ".coefficient", "torsion_damper." + s.torsion_dampers[0].name + ".coefficient",
+        "friction." + s.frictions[0].name + ".torque"}) {
+    e.unknowns.push_back(test::unknown(path));
+  }
+  Release turn;
+  turn.body = 1;
+  turn.rate = true;
+  turn.value = 3.0;
+  e.runs.push_back(test::simulated(40, 41, {turn}));
+  return e;
+}
+
+TEST(RunModel, JacobianByEveryKindOfNumberAndTheStart) {
+  const Experiment e = everything();
+  const FitProblem problem(e);
+  const RunModel& run = problem.run(0);
+  EXPECT_EQ(run.unknowns(), 13);
+  EXPECT_EQ(run.nuisances(), 2);
+  expect_jacobian(run, 1e-4, 1e-4, 1e-7);
+}
+
+// The rest pose is held by a free length: every unknown moves that length, too, and so does the rest pose.
+TEST(RunModel, JacobianOfARunThatRests) {
+  Experiment e = test::experiment("lift_experiment");
+  e.unknowns.push_back(test::unknown("body.platform.center.y"));
+  e.sensors.push_back(with(Sensor::Kind::spring_force, false, 0));
+  e.sensors.push_back(with(Sensor::Kind::angle, true));
+  e.sensors.back().body_b = 1;
+  e.sensors.push_back(with(Sensor::Kind::y, false));
+  e.sensors.back().b = test::point(e.scene, "platform.Q");
+  for (poise::Run& run : e.runs) run.sample_rate = 100;
+  const FitProblem problem(e);
+  for (const std::size_t r : {0U, 3U}) {
+    SCOPED_TRACE(e.runs[r].name);
+    EXPECT_EQ(problem.run(r).nuisances(), 3);
+    expect_jacobian(problem.run(r), 1e-3, 1e-4, 2e-6);
+  }
+}
+
+// A rest that is known, and a start that is known, leave no nuisances, and the unknowns still move the free length.
+TEST(RunModel, JacobianWhereRestAndStartAreKnown) {
+  Experiment e = test::experiment("lift_experiment");
+  e.runs.resize(1);
+  e.runs[0].sample_rate = 100;
+  e.runs[0].rest->unknown = false;
+  e.runs[0].unknown_start = false;
+  const FitProblem problem(e);
+  EXPECT_EQ(problem.run(0).nuisances(), 0);
+  expect_jacobian(problem.run(0), 1e-3, 1e-4, 2e-6);
+}
+
+TEST(RunModel, JacobianOfADoublePendulumWithDryFriction) {
+  Experiment e;
+  e.scene = read_scene(test::dataset("double_pendulum.toml"));
+  set_value(e.scene, "friction.shoulder dry.torque", 2e-4);
+  set_value(e.scene, "friction.elbow dry.torque", 1e-4);
+  e.sensors = {test::angle_of(e.scene, "arm1", 1e-3), test::angle_of(e.scene, "arm2", 1e-3)};
+  for (const char* path :
+       {"body.arm1.inertia", "body.arm2.mass", "body.arm2.inertia", "body.arm2.center.x", "body.arm2.center.y",
+        "torsion_damper.shoulder.coefficient", "torsion_damper.elbow.coefficient", "friction.shoulder dry.torque",
+        "friction.elbow dry.torque"}) {
+    e.unknowns.push_back(test::unknown(path));
+  }
+  Release lift;
+  lift.body = 1;
+  lift.value = 0.4;
+  Release turn = lift;
+  turn.body = 2;
+  turn.rate = true;
+  turn.value = -3.0;
+  e.runs.push_back(test::simulated(50, 100, {lift, turn}));
+  const FitProblem problem(e);
+  EXPECT_EQ(problem.run(0).freedoms(), 2);
+  EXPECT_EQ(problem.run(0).nuisances(), 4);
+  expect_jacobian(problem.run(0), 6e-4, 3e-5, 4e-6);
+}
+
+// Released at rest the lift stays there, whatever is unknown.
+TEST(RunModel, RestsWhereItIsToRest) {
+  Experiment e = test::experiment("lift_experiment");
+  for (poise::Run& run : e.runs) run.release.clear();
+  const FitProblem problem(e);
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const RunModel& run = problem.run(r);
+    std::vector<double> unknowns = run.scene_values();
+    unknowns[0] += 13.0;
+    unknowns[2] *= 0.7;
+    const double rest = e.runs[r].rest->at + 0.01;
+    const Prediction there = predict(run, unknowns, {rest, rest, 0.0}, 1e-10, false);
+    for (const double reading : there.reading) ASSERT_NEAR(reading, rest, 1e-9) << e.runs[r].name;
+  }
+}
+
+// A search may ask for a pose that the loops cannot have: that is an answer, not an exception.
+TEST(RunModel, SaysThatItCannotRestThere) {
+  const Experiment e = test::experiment("lift_experiment");
+  const FitProblem problem(e);
+  const RunModel& run = problem.run(0);
+  const std::vector<double> unknowns = run.scene_values(), nuisances{3.0, 3.0, 0.0};
+  for (const bool jacobian : {false, true}) {
+    Prediction out;
+    run.predict(unknowns.data(), nuisances.data(), run.times().size(), 1e-8, jacobian, out);
+    EXPECT_FALSE(out.ok);
+    EXPECT_NE(out.why.find("rest"), std::string::npos) << out.why;
+  }
+  EXPECT_FALSE(run.move(unknowns.data(), nuisances.data(), 1.0, 1e-8, false).completed());
+  EXPECT_EQ(run.oscillator(unknowns.data(), 3.0).mass, 0.0);
+}
+
+// Inertia, stiffness and damping of small swings per square of obd's angle, against figures computed apart from Poise.
+TEST(RunModel, OscillatorOfTheLift) {
+  const nlohmann::json facts = test::read_json(test::dataset("lift_dynamics.json"));
+  int compared = 0;
+  for (const nlohmann::json& entry : facts.at("entries")) {
+    Experiment e = test::experiment("lift_experiment");
+    e.runs.resize(1);
+    e.runs[0].changes[0].value = entry.at("payload");
+    e.runs[0].rest->at = entry.at("q");
+    const FitProblem problem(e);
+    const RunModel& run = problem.run(0);
+    const RunModel::Oscillator o = run.oscillator(run.scene_values().data(), run.rest_at());
+    ASSERT_NE(o.rest_by_z, 0.0);
+    const double square = o.rest_by_z * o.rest_by_z;
+    const double M = entry.at("M"), V2 = entry.at("V2"), l_q = entry.at("dl_dq");
+    EXPECT_NEAR(o.mass / square / M, 1.0, 1e-10);
+    EXPECT_NEAR(o.stiffness / square / V2, 1.0, 1e-6);
+    EXPECT_NEAR(o.damping / square / (4000 * l_q * l_q), 1.0, 1e-10);
+    EXPECT_NEAR(o.reading, e.runs[0].rest->at, 1e-12);
+    EXPECT_NEAR(o.reading_by_z, o.rest_by_z, 1e-12);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 15);
+}
+
+// The start that the first readings tell: value and slope of a parabola through 15 ms of a swing.
+TEST(RunModel, StartsFromReadings) {
+  Experiment e;
+  e.scene = read_scene(test::dataset("double_pendulum.toml"));
+  e.sensors = {test::angle_of(e.scene, "arm1", 1e-6), test::angle_of(e.scene, "arm2", 1e-6)};
+  Release turn;
+  turn.body = 1;
+  turn.rate = true;
+  turn.value = 2.0;
+  e.runs.push_back(test::simulated(1000, 200, {turn}));
+  const FitProblem problem(e);
+  const std::vector<double> truth = problem.run(0).released();
+  const std::vector<double> told = problem.run(0).start_from_readings(problem.ideal_record(0));
+  ASSERT_EQ(told.size(), truth.size());
+  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_NEAR(told[i], truth[i], i < 2 ? 2e-5 : 1e-2);
+}
+
+}  // namespace
+}  // namespace poise

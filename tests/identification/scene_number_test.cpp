@@ -1,0 +1,100 @@
+#include "identification/scene_number.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "motion/simulate.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/moving_scenes.hpp"
+
+namespace poise {
+namespace {
+
+// All numbers of the four-bar with one of everything.
+std::vector<std::string> all_paths(const Scene& scene) {
+  std::vector<std::string> paths;
+  for (const char* body : {"crank", "coupler", "rocker"}) {
+    for (const char* part : {"mass", "inertia", "center.x", "center.y"}) {
+      paths.push_back("body." + std::string(body) + "." + part);
+    }
+  }
+  paths.push_back("spring." + scene.springs[0].name + ".stiffness");
+  paths.push_back("spring." + scene.springs[0].name + ".free_length");
+  paths.push_back("torsion_spring." + scene.torsion_springs[0].name + ".stiffness");
+  paths.push_back("torsion_spring." + scene.torsion_springs[0].name + ".free_angle");
+  paths.push_back("damper." + scene.dampers[0].name + ".coefficient");
+  paths.push_back("torsion_damper." + scene.torsion_dampers[0].name + ".coefficient");
+  paths.push_back("friction." + scene.frictions[0].name + ".torque");
+  paths.push_back("load.F");
+  paths.push_back("load.T");
+  return paths;
+}
+
+// The same numbers as --set, whose scene is in SI here.
+TEST(SceneNumber, IsWhatItsPathSays) {
+  const Scene scene = test::four_bar_with_everything();
+  for (const std::string& path : all_paths(scene)) {
+    const auto number = SceneNumber::find(scene, path);
+    ASSERT_TRUE(number) << path;
+    EXPECT_EQ(number->path(), path);
+    EXPECT_DOUBLE_EQ(number->get(scene), get_value(scene, path)) << path;
+    Scene changed = scene;
+    number->set(changed, 0.37);
+    EXPECT_NEAR(get_value(changed, path), 0.37, 1e-15) << path;
+    EXPECT_NEAR(number->get(changed), 0.37, 1e-15) << path;
+  }
+}
+
+TEST(SceneNumber, IsNoneWhereGeometryWouldChange) {
+  const Scene scene = test::four_bar_with_everything();
+  for (const char* path : {"point.crank.B.x", "gravity.y", "start.crank", "body.crank", "body.nobody.mass",
+                           "body.ground.mass", "friction.ground-crank.width", "load.G", ""}) {
+    EXPECT_FALSE(SceneNumber::find(scene, path)) << path;
+  }
+}
+
+TEST(SceneNumber, ALumpBesideOtherMassesMayBeNegative) {
+  Scene scene = test::four_bar_with_everything();
+  const auto number = SceneNumber::find(scene, "body.coupler.mass");
+  ASSERT_TRUE(number);
+  number->set(scene, -0.5);
+  EXPECT_EQ(scene.bodies[2].mass, -0.5);
+}
+
+TEST(SceneNumber, TurningALoadRoundKeepsItsLine) {
+  Scene scene = test::four_bar_with_everything();
+  const Vec2 before = scene.forces[0].vector;
+  const auto number = SceneNumber::find(scene, "load.F");
+  ASSERT_TRUE(number);
+  number->set(scene, 2 * number->get(scene));
+  EXPECT_NEAR(norm(scene.forces[0].vector - 2 * before), 0.0, 1e-15);
+}
+
+// Masses, inertias, stiffnesses, damping, friction and loads times one factor: the same motion.
+TEST(SceneNumber, ThoseThatScaleWithForceLeaveMotionAlone) {
+  const Scene scene = test::four_bar_with_everything();
+  Scene other = scene;
+  int scaled_up = 0;
+  for (const std::string& path : all_paths(scene)) {
+    const auto number = SceneNumber::find(scene, path);
+    ASSERT_TRUE(number);
+    if (!number->scales_with_force()) continue;
+    number->set(other, 1.7 * number->get(scene));
+    ++scaled_up;
+  }
+  EXPECT_EQ(scaled_up, 13);
+  const auto end_of = [](const Scene& given) {
+    const MotionModel model(given);
+    const Motion motion = simulate(model, start_motion(model, {}), {});
+    EXPECT_TRUE(motion.completed()) << motion.why;
+    return std::vector<double>(motion.trajectory.q.end() - motion.trajectory.coordinates, motion.trajectory.q.end());
+  };
+  const std::vector<double> a = end_of(scene), b = end_of(other);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-9);
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,288 @@
+// What sensors read, against the places and velocities of the bodies.
+
+#include "identification/sensor_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "motion/body_motion.hpp"
+#include "motion/simulate.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/moving_scenes.hpp"
+#include "tests/support/random_mechanism.hpp"
+
+namespace poise {
+namespace {
+
+struct State {
+  std::vector<double> q, v;
+};
+
+// States of a motion, loops closed.
+std::vector<State> moving_states(const MotionModel& model) {
+  MotionOptions options;
+  options.duration = 0.5;
+  const Motion motion = simulate(model, start_motion(model, {}), options);
+  EXPECT_TRUE(motion.completed()) << motion.why;
+  const auto n = static_cast<std::ptrdiff_t>(motion.trajectory.coordinates);
+  std::vector<State> states;
+  for (int part = 1; part <= 4; ++part) {
+    const auto first =
+        static_cast<std::ptrdiff_t>((motion.trajectory.nodes() - 1) * static_cast<std::size_t>(part) / 4) * n;
+    const auto of = [&](const std::vector<double>& all) {
+      return std::vector<double>(all.begin() + first, all.begin() + first + n);
+    };
+    states.push_back({of(motion.trajectory.q), of(motion.trajectory.v)});
+  }
+  return states;
+}
+
+// Derivatives do not ask whether loops are closed.
+State random_state(const MotionModel& model, std::uint64_t seed) {
+  test::Random random(seed);
+  State state;
+  for (int i = 0; i < model.layout().kept; ++i) {
+    state.q.push_back(random.uniform(-2.0, 2.0));
+    state.v.push_back(random.uniform(-3.0, 3.0));
+  }
+  return state;
+}
+
+struct Taken {
+  double value = 0.0;
+  std::vector<double> by_q, by_v;  // over all coordinates of the layout
+};
+
+Taken take(const MotionModel& model, const Sensor& sensor, const State& state) {
+  SensorReader reader(model, sensor);
+  const std::vector<int>& own = reader.coordinates();
+  std::vector<double> q, v, by_q(own.size()), by_v(own.size());
+  for (const int i : own) {
+    q.push_back(state.q[static_cast<std::size_t>(i)]);
+    v.push_back(state.v[static_cast<std::size_t>(i)]);
+  }
+  Taken out{0.0, std::vector<double>(state.q.size(), 0.0), std::vector<double>(state.q.size(), 0.0)};
+  const Spring spring = sensor.kind == Sensor::Kind::spring_force
+                            ? model.scene().springs[static_cast<std::size_t>(sensor.item)]
+                            : Spring{};
+  out.value = reader.read(q.data(), v.data(), spring.stiffness, spring.free_length, by_q.data(), by_v.data());
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    out.by_q[static_cast<std::size_t>(own[i])] = by_q[i];
+    out.by_v[static_cast<std::size_t>(own[i])] = by_v[i];
+  }
+  return out;
+}
+
+// The definition of every kind, by vectors.
+double expected(const MotionModel& model, const Sensor& sensor, const State& state) {
+  const Scene& scene = model.scene();
+  const std::vector<double> x = model.from_si(state.q);
+  const std::vector<BodyMotion> bodies =
+      body_motions(model, x, model.from_si(state.v), std::vector<double>(x.size(), 0.0));
+  const auto place = [&](PointRef p) { return bodies[static_cast<std::size_t>(p.body)].pose.world(scene.local(p)); };
+  const auto velocity = [&](PointRef p) {
+    return bodies[static_cast<std::size_t>(p.body)].velocity_of(scene.local(p));
+  };
+  const auto apart = [&](PointRef a, PointRef b) {
+    const Vec2 d = place(b) - place(a);
+    return sensor.rate ? dot(d, velocity(b) - velocity(a)) / norm(d) : norm(d);
+  };
+  const BodyMotion& a = bodies[static_cast<std::size_t>(sensor.body_a)];
+  const BodyMotion& b = bodies[static_cast<std::size_t>(sensor.body_b)];
+  switch (sensor.kind) {
+    case Sensor::Kind::angle:
+      return sensor.rate ? b.rate - a.rate : b.pose.angle - a.pose.angle;
+    case Sensor::Kind::travel: {
+      // Along the axis, which turns with the body of the joint's first point.
+      const Joint& joint = scene.joints[static_cast<std::size_t>(sensor.item)];
+      const BodyMotion& rail = bodies[static_cast<std::size_t>(joint.a.body)];
+      const Vec2 axis = joint.axis * unit(rail.pose.angle);
+      const Vec2 d = place(joint.b) - place(joint.a);
+      if (!sensor.rate) return dot(axis, d);
+      return dot(axis, velocity(joint.b) - velocity(joint.a)) + rail.rate * dot(quarter_turn(axis), d);
+    }
+    case Sensor::Kind::distance:
+      return apart(sensor.a, sensor.b);
+    case Sensor::Kind::x:
+      return sensor.rate ? velocity(sensor.b).x : place(sensor.b).x;
+    case Sensor::Kind::y:
+      return sensor.rate ? velocity(sensor.b).y : place(sensor.b).y;
+    case Sensor::Kind::spring_force: {
+      const Spring& spring = scene.springs[static_cast<std::size_t>(sensor.item)];
+      const double excess = apart(spring.a, spring.b) - spring.free_length;
+      if (spring.acts == Spring::Acts::tension) return spring.stiffness * std::max(0.0, excess);
+      if (spring.acts == Spring::Acts::compression) return spring.stiffness * std::min(0.0, excess);
+      return spring.stiffness * excess;
+    }
+  }
+  return 0.0;
+}
+
+struct Case {
+  std::string name;
+  Scene scene;
+  std::vector<Sensor> sensors;
+};
+
+Sensor angle(int a, int b) {
+  Sensor s;
+  s.name = "angle";
+  s.body_a = a;
+  s.body_b = b;
+  return s;
+}
+
+Sensor item(Sensor::Kind kind, int which) {
+  Sensor s;
+  s.name = kind == Sensor::Kind::travel ? "travel" : "force";
+  s.kind = kind;
+  s.item = which;
+  return s;
+}
+
+Sensor of_points(Sensor::Kind kind, const Scene& scene, const std::string& a, const std::string& b) {
+  Sensor s;
+  s.name = a + " " + b;
+  s.kind = kind;
+  s.a = test::point(scene, a);
+  s.b = test::point(scene, b);
+  return s;
+}
+
+// Every quantity also as a rate, but a force.
+Case both_ways(std::string name, Scene scene, std::vector<Sensor> sensors) {
+  const std::size_t count = sensors.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (sensors[i].kind == Sensor::Kind::spring_force) continue;
+    sensors.push_back(sensors[i]);
+    sensors.back().rate = true;
+    sensors.back().name += " rate";
+  }
+  return {std::move(name), std::move(scene), std::move(sensors)};
+}
+
+std::vector<Case> cases() {
+  using Kind = Sensor::Kind;
+  // A block on a rail that turns with the rocker; both share one angle.
+  const Scene turning = test::quick_return();
+  const int crank = 1, rocker = 2, block = 3;
+  Case on_rail = both_ways(
+      "QuickReturn", turning,
+      {angle(0, crank), angle(crank, rocker), angle(0, block), angle(rocker, block), angle(block, crank),
+       item(Kind::travel, 2), item(Kind::travel, 3), of_points(Kind::distance, turning, "ground.E", "block.c"),
+       of_points(Kind::distance, turning, "crank.B", "block.c"), of_points(Kind::x, turning, "block.c", "block.c"),
+       of_points(Kind::y, turning, "block.c", "block.c"), item(Kind::spring_force, 0)});
+  // A carriage on a rail that stands still.
+  const Scene still = test::driven_five_bar();
+  const auto track =
+      std::find_if(still.joints.begin(), still.joints.end(), [](const Joint& j) { return j.has_travel(); });
+  Case on_track = both_ways(
+      "FiveBar", still,
+      {item(Kind::travel, static_cast<int>(track - still.joints.begin())),
+       of_points(Kind::distance, still, "ground.A", "swing.D"),
+       of_points(Kind::distance, still, "carriage.E", "left.C"), of_points(Kind::x, still, "carriage.E", "carriage.E"),
+       of_points(Kind::y, still, "swing.D", "swing.D"), item(Kind::spring_force, 0)});
+  // Springs that take only pull or only push, one of each slack and taut as the states go.
+  Case one_sided{"OneSided", turning, {item(Kind::spring_force, 0), item(Kind::spring_force, 1)}};
+  one_sided.scene.springs.push_back(one_sided.scene.springs[0]);
+  one_sided.scene.springs[0].acts = Spring::Acts::tension;
+  one_sided.scene.springs[1].acts = Spring::Acts::compression;
+  return {std::move(on_rail), std::move(on_track), std::move(one_sided)};
+}
+
+class SensorReaders : public testing::TestWithParam<Case> {};
+
+INSTANTIATE_TEST_SUITE_P(Each, SensorReaders, testing::ValuesIn(cases()),
+                         [](const auto& mechanism) { return mechanism.param.name; });
+
+TEST_P(SensorReaders, ReadWhatTheBodiesDo) {
+  const MotionModel model(GetParam().scene);
+  for (const Sensor& sensor : GetParam().sensors) {
+    for (const State& state : moving_states(model)) {
+      EXPECT_NEAR(take(model, sensor, state).value, expected(model, sensor, state),
+                  sensor.kind == Sensor::Kind::spring_force ? 1e-10 : 1e-12)
+          << sensor.name;
+    }
+  }
+}
+
+TEST_P(SensorReaders, KnowTheirDerivatives) {
+  const MotionModel model(GetParam().scene);
+  const double h = 1e-5;
+  for (const Sensor& sensor : GetParam().sensors) {
+    SCOPED_TRACE(sensor.name);
+    const State state = random_state(model, 9);
+    const Taken here = take(model, sensor, state);
+    double size = 1.0;
+    for (const double d : here.by_q) size = std::max(size, std::abs(d));
+    for (std::size_t i = 0; i < state.q.size(); ++i) {
+      const auto difference = [&](std::vector<double> State::*which) {
+        State up = state, down = state;
+        (up.*which)[i] += h;
+        (down.*which)[i] -= h;
+        return (take(model, sensor, up).value - take(model, sensor, down).value) / (2 * h);
+      };
+      EXPECT_NEAR(here.by_q[i], difference(&State::q), 1e-8 * size);
+      EXPECT_NEAR(here.by_v[i], difference(&State::v), 1e-8 * size);
+    }
+  }
+}
+
+// A rate is the time derivative of its quantity, whatever the coordinates do.
+TEST_P(SensorReaders, RatesAreTimeDerivatives) {
+  const MotionModel model(GetParam().scene);
+  const double h = 1e-5;
+  const State state = random_state(model, 21);
+  for (const Sensor& rate : GetParam().sensors) {
+    if (!rate.rate) continue;
+    Sensor sensor = rate;
+    sensor.rate = false;
+    const auto after = [&](double t) {
+      State moved = state;
+      for (std::size_t i = 0; i < moved.q.size(); ++i) moved.q[i] += t * moved.v[i];
+      return take(model, sensor, moved).value;
+    };
+    EXPECT_NEAR(take(model, rate, state).value, (after(h) - after(-h)) / (2 * h), 1e-8) << rate.name;
+  }
+}
+
+// A weightless bead on a link: its place along the link bears nothing, but turns with the link.
+TEST(SensorReader, WhatTheModelDropsIsCarriedAlong) {
+  Scene scene = test::chain(1, 4.0, 1.0);
+  const int bead = scene.add_body("bead");
+  scene.add_point(bead, "c", {0, 0});
+  test::add_slide(scene, "1.a", "bead.c", {0.6, 0.8}, "wire");
+  scene.start.travel[1] = 2.5;
+  const MotionModel model(scene);
+  ASSERT_EQ(model.layout().kept, 1);
+  const State state{{0.3}, {2.0}};
+  const Vec2 at = 2.5 * (Vec2{0.6, 0.8} * unit(0.3));
+  Sensor y = of_points(Sensor::Kind::y, scene, "bead.c", "bead.c");
+  EXPECT_NEAR(take(model, y, state).value, at.y, 1e-14);
+  y.rate = true;
+  EXPECT_NEAR(take(model, y, state).value, 2.0 * at.x, 1e-14);
+  EXPECT_DOUBLE_EQ(take(model, item(Sensor::Kind::travel, 1), state).value, 2.5);
+}
+
+TEST(SensorReader, BodiesThatNothingMovesStandAtTheirStart) {
+  Scene scene = test::chain(1, 1.0, 1.0);
+  scene.gravity = {0, -9.81};
+  test::add_link(scene, "pointer", 0.5);
+  test::add_pin(scene, "ground.O", "pointer.a");
+  scene.start.angle[2] = 0.7;
+  const MotionModel model(scene);
+  ASSERT_EQ(model.layout().kept, 1);
+  const State state{{0.3}, {2.0}};
+  EXPECT_DOUBLE_EQ(take(model, angle(0, 2), state).value, 0.7);
+  EXPECT_DOUBLE_EQ(take(model, angle(1, 2), state).value, 0.4);
+  EXPECT_NEAR(take(model, of_points(Sensor::Kind::x, scene, "pointer.b", "pointer.b"), state).value,
+              0.5 * std::cos(0.7), 1e-15);
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,93 @@
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "motion/simulate.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/motions.hpp"
+#include "tests/support/moving_scenes.hpp"
+#include "tests/support/vector_mechanics.hpp"
+
+namespace poise {
+namespace {
+
+std::string complaint(const MotionModel& model, const test::Release& release) {
+  try {
+    test::released(model, release);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+double value(const MotionModel& model, const std::vector<double>& values, const std::string& name) {
+  return values[static_cast<std::size_t>(test::coordinate_of(model, name))];
+}
+
+void expect_closed(const MotionModel& model, const std::vector<double>& q) {
+  const auto poses = model.poses(model.from_si(q));
+  for (std::size_t j = 0; j < model.scene().joints.size(); ++j) {
+    const int travel = model.layout().travel[j];
+    const double along = travel < 0 ? 0.0 : q[static_cast<std::size_t>(travel)];
+    EXPECT_LT(norm(test::gap(model.scene(), static_cast<int>(j), along, poses)), 1e-14);
+  }
+}
+
+TEST(StartMotion, BringsAnyCoordinateToItsPlaceAndRate) {
+  const MotionModel model(test::four_bar_with_everything());
+  // The rocker is no independent coordinate; 2.3 rad is half a radian from the assembled start.
+  const MotionState start = test::released(model, {{{"rocker", 2.3}}, {{"coupler", -0.7}}});
+  expect_closed(model, start.q);
+  EXPECT_NEAR(value(model, start.q, "rocker"), 2.3, 1e-13);
+  EXPECT_NEAR(value(model, start.v, "coupler"), -0.7, 1e-13);
+}
+
+TEST(StartMotion, LeavesOtherFreedomsAlone) {
+  const MotionModel model(test::quick_return());
+  const MotionState plain = test::released(model, {});
+  const MotionState start = test::released(model, {{{"rail", 0.31}}, {{"rail", 0.2}}});
+  expect_closed(model, start.q);
+  EXPECT_NEAR(value(model, start.q, "rail"), 0.31, 1e-14);
+  EXPECT_NEAR(value(model, start.q, "crank"), value(model, plain.q, "crank"), 1e-14);
+  EXPECT_NEAR(value(model, start.v, "rail"), 0.2, 1e-14);
+  EXPECT_NEAR(value(model, start.v, "crank"), 0.0, 1e-14);
+  for (double v : plain.v) EXPECT_EQ(v, 0.0);
+}
+
+TEST(StartMotion, GivesDrivesTheirStartAndRate) {
+  const MotionModel model(test::driven_five_bar());
+  const MotionState start = test::released(model, {});
+  expect_closed(model, start.q);
+  // rate + amplitude 2 pi frequency cos(phase)
+  EXPECT_NEAR(value(model, start.v, "crank"), 2 + 0.3 * 2 * M_PI * 0.8 * std::cos(0.4), 1e-13);
+  EXPECT_NEAR(value(model, start.v, "track"), 0.08 * 2 * M_PI * 0.7, 1e-13);
+  Scene scene = test::driven_five_bar();
+  scene.drives[0].start = 0.65;
+  const MotionModel moved(scene);
+  EXPECT_NEAR(value(moved, test::released(moved, {}).q, "crank"), 0.65, 1e-14);
+}
+
+TEST(StartMotion, RefusesWhatTheMechanismCannotHave) {
+  const MotionModel four_bar(test::four_bar_with_everything());
+  // The rocker of this crank-rocker swings between 1.41 and 2.36 rad only.
+  EXPECT_NE(complaint(four_bar, {{{"rocker", 3.5}}, {}}).find("asks places of rocker"), std::string::npos)
+      << complaint(four_bar, {{{"rocker", 3.5}}, {}});
+  EXPECT_NE(complaint(four_bar, {{{"crank", 1.2}, {"rocker", 1.5}}, {}}).find("places of crank, rocker"),
+            std::string::npos);
+  EXPECT_NE(complaint(four_bar, {{}, {{"crank", 1.0}, {"rocker", 1.0}}}).find("asks rates of crank, rocker"),
+            std::string::npos);
+  const MotionModel driven(test::driven_five_bar());
+  EXPECT_NE(complaint(driven, {{}, {{"crank", 0.0}}}).find("rates of crank"), std::string::npos);
+}
+
+TEST(StartMotion, RefusesDrivesThatCannotBegin) {
+  Scene scene = test::driven_five_bar();
+  scene.drives[1].start = 9.0;
+  const MotionModel model(scene);
+  EXPECT_NE(complaint(model, {}).find("drives"), std::string::npos) << complaint(model, {});
+}
+
+}  // namespace
+}  // namespace poise
