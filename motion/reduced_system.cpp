@@ -1,6 +1,7 @@
 #include "motion/reduced_system.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "model/inertia_impl.hpp"
 #include "model/mechanism_impl.hpp"
@@ -84,11 +85,15 @@ void ReducedSystem::fill(const ReducedMotion<T>& motion, const double* y, double
   for (int j = 0; j < f; ++j) dydt[f + j] = alpha(motion.alpha(), j);
   dydt[2 * f] = static_cast<double>(motion.power());
   if (columns_ == 0) return;
-  std::vector<T> by(static_cast<std::size_t>(f));
   for (std::size_t p = 0; p < influences_.size(); ++p) {
-    motion.influence(influences_[p], by.data());
-    for (int j = 0; j < f; ++j)
-      alpha_p_[p * static_cast<std::size_t>(f) + static_cast<std::size_t>(j)] = alpha(by.data(), j);
+    double* own = &alpha_p_[p * static_cast<std::size_t>(f)];
+    if constexpr (std::is_same_v<T, double>) {
+      motion.influence(influences_[p], own);
+    } else {
+      std::vector<T> by(static_cast<std::size_t>(f));
+      motion.influence(influences_[p], by.data());
+      for (int j = 0; j < f; ++j) own[j] = alpha(by.data(), j);
+    }
   }
   const double* s = y + 2 * f + 1;
   double* ds = dydt + 2 * f + 1;

@@ -29,8 +29,8 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
     names += (names.empty() ? "" : ", ") + model.layout().coordinates[static_cast<std::size_t>(s.coordinate)].name;
   }
   throw InputError(
-      fmt::format("{}the start of the motion asks {} of {}; expected values that the mechanism can have at "
-                  "once; ask for less, or for fewer coordinates",
+      fmt::format("{}the start of the motion: expected {} of {} that the mechanism can have at once; ask for "
+                  "less, or for fewer coordinates",
                   where(model), what, names));
 }
 

@@ -61,6 +61,7 @@ TEST(MonteCarlo, DoesNotDependOnTheThreads) {
   const FitProblem problem(e);
   MonteCarloOptions options;
   options.trials = 6;
+  options.use_starts = false;
   options.threads = 1;
   const MonteCarlo alone = monte_carlo(problem, options);
   options.threads = 3;
@@ -84,6 +85,7 @@ TEST(MonteCarlo, KeepsWhatItHasWhenInterrupted) {
   std::atomic<bool> stop{false};
   MonteCarloOptions options;
   options.trials = 50;
+  options.use_starts = false;
   options.threads = 2;
   options.interrupt = &stop;
   int told = 0;

@@ -188,7 +188,7 @@ TEST(RunModel, SaysThatItCannotRestThere) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   const RunModel& run = problem.run(0);
-  const std::vector<double> unknowns = run.scene_values(), nuisances{3.0, 3.0, 0.0};
+  const std::vector<double> unknowns = run.scene_values(), nuisances{-2.0, -2.0, 0.0};
   for (const bool jacobian : {false, true}) {
     Prediction out;
     run.predict(unknowns.data(), nuisances.data(), run.times().size(), 1e-8, jacobian, out);
@@ -196,7 +196,7 @@ TEST(RunModel, SaysThatItCannotRestThere) {
     EXPECT_NE(out.why.find("rest"), std::string::npos) << out.why;
   }
   EXPECT_FALSE(run.move(unknowns.data(), nuisances.data(), 1.0, 1e-8, false).completed());
-  EXPECT_EQ(run.oscillator(unknowns.data(), 3.0).mass, 0.0);
+  EXPECT_EQ(run.oscillator(unknowns.data(), -2.0).mass, 0.0);
 }
 
 // Inertia, stiffness and damping of small swings per square of obd's angle, against figures computed apart from Poise.

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "solvers/runge_kutta.hpp"
+
+namespace poise::benchmarks {
+
+/// Counts evaluations of the system it hands on.
+class CountedSystem : public solvers::OdeSystem {
+ public:
+  explicit CountedSystem(solvers::OdeSystem& system) : system_(system) {}
+  int size() const override { return system_.size(); }
+  bool rates(double t, const double* y, double* dydt) override {
+    ++evaluations;
+    return system_.rates(t, y, dydt);
+  }
+
+  long evaluations = 0;
+
+ private:
+  solvers::OdeSystem& system_;
+};
+
+/// A way from y at t = 0 to y at `end`, all components of order one, each step's error estimate below `tolerance` (the
+/// step itself of the method with fixed steps). Empty where it fails.
+struct Integrator {
+  std::string name;
+  bool fixed_steps = false;
+  std::function<std::vector<double>(solvers::OdeSystem&, std::vector<double> y, double end, double tolerance)> run;
+};
+
+/// RungeKutta78 of solvers/, the steps by next_step(), as simulate() has it.
+Integrator poise_integrator();
+/// Boost.Odeint: fixed RK4, and Bulirsch-Stoer.
+std::vector<Integrator> odeint_integrators();
+/// CVODES (Adams), ARKODE (Verner 8(5,6), Fehlberg 13(7,8)); none where Poise was configured without SUNDIALS.
+std::vector<Integrator> sundials_integrators();
+
+}  // namespace poise::benchmarks

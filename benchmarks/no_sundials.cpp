@@ -1,0 +1,7 @@
+#include "benchmarks/integrators.hpp"
+
+namespace poise::benchmarks {
+
+std::vector<Integrator> sundials_integrators() { return {}; }
+
+}  // namespace poise::benchmarks
