@@ -16,6 +16,7 @@
 #include "benchmarks/hand_four_bar.hpp"
 #include "benchmarks/known_answers.hpp"
 #include "benchmarks/scenes.hpp"
+#include "benchmarks/timing.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/newton.hpp"
 
@@ -45,17 +46,6 @@ struct Race {
   Answer our_answer, their_answer;
 };
 
-double seconds_of(const std::function<void()>& solve, int times) {
-  const auto begin = std::chrono::steady_clock::now();
-  for (int k = 0; k < times; ++k) solve();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / times;
-}
-
-double median(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
-
 int solutions_per_turn(const Contender& contender) {
   contender.solve();  // warm caches
   return std::max(1, static_cast<int>(shortest_turn / seconds_of(contender.solve, 1)));
@@ -76,12 +66,6 @@ Race race(const Contender& ours, const Contender& theirs) {
     if (turn % 2 == 1) our_seconds.push_back(seconds_of(ours.solve, our_times));
   }
   return {median(our_seconds), median(their_seconds), ours.answer(), theirs.answer()};
-}
-
-std::string in_units(double seconds) {
-  if (seconds < 1e-5) return fmt::format("{:.3g} us", 1e6 * seconds);
-  if (seconds < 1e-3) return fmt::format("{:.1f} us", 1e6 * seconds);
-  return fmt::format("{:.2f} ms", 1e3 * seconds);
 }
 
 class Table {

@@ -224,12 +224,20 @@ TEST(CommandLine, VersionAndHelpExitZero) {
   const Outcome version = run_poise({"--version"});
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_TRUE(version.out.starts_with("poise ")) << version.out;
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--help"}, {"check", "--help"}, {"solve", "--help"}, {"compare", "--help"}}) {
-    const Outcome help = run_poise(words);
+  const Outcome all = run_poise({"--help"});
+  EXPECT_EQ(all.exit_code, 0);
+  EXPECT_EQ(all.err, "");
+  for (const char* name : {"check", "solve", "compare", "kinematics", "motion", "modes", "forces", "design", "identify",
+                           "identifiability", "montecarlo"}) {
+    const std::string example = std::string("poise ") + name + " datasets/";
+    EXPECT_TRUE(contains(all.out, example)) << all.out;
+    const Outcome help = run_poise({name, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_EQ(help.err, "");
-    EXPECT_TRUE(contains(help.out, "Examples:")) << help.out;
+    EXPECT_TRUE(contains(help.out, "Example:\n  " + example)) << help.out;
+    const std::size_t begin = help.out.find(example) + example.size();
+    const std::string file = help.out.substr(begin, help.out.find_first_of(" \n", begin) - begin);
+    EXPECT_TRUE(std::filesystem::exists(test::dataset(file))) << file;
   }
 }
 

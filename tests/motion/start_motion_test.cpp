@@ -72,7 +72,9 @@ TEST(StartMotion, GivesDrivesTheirStartAndRate) {
 TEST(StartMotion, RefusesWhatTheMechanismCannotHave) {
   const MotionModel four_bar(test::four_bar_with_everything());
   // The rocker of this crank-rocker swings between 1.41 and 2.36 rad only.
-  EXPECT_NE(complaint(four_bar, {{{"rocker", 3.5}}, {}}).find("asks places of rocker"), std::string::npos)
+  EXPECT_NE(complaint(four_bar, {{{"rocker", 3.5}}, {}})
+                .find("expected places of rocker that the mechanism can have at once"),
+            std::string::npos)
       << complaint(four_bar, {{{"rocker", 3.5}}, {}});
   EXPECT_NE(complaint(four_bar, {{{"crank", 1.2}, {"rocker", 1.5}}, {}}).find("places of crank, rocker"),
             std::string::npos);

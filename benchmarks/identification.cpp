@@ -1,0 +1,207 @@
+// poise_identification_ratios [DATA.csv]: the speed that identification promises, as one table. Every ratio is of
+// contenders measured in this run, turn by turn, medians over the turns; no time is printed whose answer is wrong. Exit
+// code 1 where an answer is wrong: how fast a machine is today passes or fails nothing. DATA.csv: the measured double
+// pendulum (datasets/double_pendulum_experiment.toml says where it comes from); without it these rows are left out.
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "benchmarks/numeric_fit.hpp"
+#include "benchmarks/timing.hpp"
+#include "identification/fit.hpp"
+#include "identification/swing_start.hpp"
+
+namespace poise::benchmarks {
+namespace {
+
+constexpr double sensitivity_limit = 3.0;  // motion with the sensitivities of 4 parameters over the motion alone
+constexpr double fit_limit = 8.0;          // six-run fit over one simulation of the six runs
+constexpr double numeric_limit = 10.0;     // at least: the fit by numeric differentiation over ours
+constexpr double slowest_fit = 0.230;      // s
+constexpr double measured_limit = 5.0;     // s
+constexpr double start_off = 0.3;
+constexpr int turns = 7;
+
+std::filesystem::path dataset(const std::string& name) {
+  return std::filesystem::path(POISE_SOURCE_DIR) / "datasets" / name;
+}
+
+/// Median seconds of each contender, all of whom have a turn after the other.
+std::vector<double> race(const std::vector<std::function<void()>>& contenders, int rounds) {
+  std::vector<std::vector<double>> seconds(contenders.size());
+  for (const auto& contender : contenders) contender();  // warm caches
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < contenders.size(); ++i) {
+      const std::size_t who = round % 2 == 0 ? i : contenders.size() - 1 - i;
+      seconds[who].push_back(seconds_of(contenders[who], 1));
+    }
+  }
+  std::vector<double> out;
+  for (const auto& own : seconds) out.push_back(median(own));
+  return out;
+}
+
+class Table {
+ public:
+  void head() const { fmt::print("{:<46}{:>12}{:>12}{:>9}{:>8}\n", "", "Poise", "yardstick", "ratio", "limit"); }
+
+  void ratio(const std::string& name, double ours, double theirs, double limit, bool right, const std::string& note) {
+    row(name, ours, in_units(theirs), fmt::format("{:.2f}", ours / theirs), fmt::format("{:.3g}", limit),
+        ours <= limit * theirs, right, note);
+  }
+
+  /// How many times slower the yardstick is.
+  void speedup(const std::string& name, double ours, double theirs, double least, bool right, const std::string& note) {
+    row(name, ours, in_units(theirs), fmt::format("{:.1f} x", theirs / ours), fmt::format(">= {:.3g}", least),
+        theirs >= least * ours, right, note);
+  }
+
+  void time(const std::string& name, double seconds, double limit, bool right, const std::string& note) {
+    row(name, seconds, "", "", limit < 1 ? fmt::format("{:.0f} ms", 1e3 * limit) : fmt::format("{:.3g} s", limit),
+        seconds <= limit, right, note);
+  }
+
+  bool all_right() const { return all_right_; }
+
+ private:
+  void row(const std::string& name, double ours, const std::string& theirs, const std::string& ratio,
+           const std::string& limit, bool met, bool right, const std::string& note) {
+    all_right_ = all_right_ && right;
+    if (!right) {
+      fmt::print("{:<46}{:>41}  WRONG   {}\n", name, "", note);
+      return;
+    }
+    fmt::print("{:<46}{:>12}{:>12}{:>9}{:>8}  {:<8}{}\n", name, in_units(ours), theirs, ratio, limit,
+               met ? "met" : "MISSED", note);
+  }
+
+  bool all_right_ = true;
+};
+
+/// Both by the same model, from the same state; default accuracy.
+void race_sensitivities(Table& table, const FitProblem& problem) {
+  const RunModel& run = problem.run(3);  // middle, 200 kg
+  const MotionModel model(run.scene());
+  const MotionState start = start_motion(model, {{run.independent()[0], false, run.released()[1]}});
+  MotionOptions alone;
+  alone.duration = 2.0;
+  MotionOptions with = alone;
+  with.sensitivities = true;
+  for (const SceneNumber& number : run.numbers())
+    with.influences.push_back(number.influence(run.scene(), model.scales()));
+  Motion motion, sensitive;
+  const std::vector<double> seconds =
+      race({[&] { sensitive = simulate(model, start, with); }, [&] { motion = simulate(model, start, alone); }}, 41);
+  const bool right = motion.completed() && sensitive.completed() && difference(motion, sensitive) < 1e-9;
+  table.ratio("motion with sensitivities / motion", seconds[0], seconds[1], sensitivity_limit, right,
+              fmt::format("{} columns, {}/{} steps", sensitive.trajectory.columns, sensitive.steps, motion.steps));
+}
+
+/// Largest difference in standard deviations.
+double apart(const Fit& reference, const std::vector<double>& parameters) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    worst = std::max(worst, std::abs(parameters[i] - reference.parameters[i]) / reference.estimates[i].deviation);
+  }
+  return worst;
+}
+
+void race_fits(Table& table, const FitProblem& problem) {
+  const std::vector<Record> records = problem.records();
+  FitOptions by_starts;
+  by_starts.use_starts = true;
+  double sign = 1.0;
+  for (const Parameter& p : problem.parameters()) {
+    const Unknown& unknown = problem.experiment().unknowns[static_cast<std::size_t>(p.unknown)];
+    by_starts.starts.push_back(p.truth + (sign = -sign) * start_off * (p.truth + unknown.includes));
+  }
+  Fit automatic, from_starts;
+  const std::vector<double> seconds =
+      race({[&] { automatic = fit(problem, records); }, [&] { from_starts = fit(problem, records, by_starts); },
+            [&] {
+              for (std::size_t r = 0; r < problem.runs(); ++r) problem.ideal_record(r);
+            }},
+           turns);
+  FitOptions strict;
+  strict.function_tolerance = 1e-12;
+  const Fit reference = fit(problem, records, strict);
+  const auto right = [&](const Fit& found) {
+    return found.status == FitStatus::converged && apart(reference, found.parameters) < 0.1;
+  };
+  const auto evaluations = [](const Fit& found) { return fmt::format("{} evaluations", found.evaluations); };
+  table.ratio("six-run fit, no start / six simulations", seconds[0], seconds[2], fit_limit, right(automatic),
+              evaluations(automatic));
+  table.ratio("six-run fit, starts off by 30 % / the same", seconds[1], seconds[2], fit_limit, right(from_starts),
+              evaluations(from_starts));
+  // Numeric differentiation as it comes, and with motions only as accurate as in our fit and steps to match.
+  const double coarse = problem.accuracy(0);
+  for (const auto& [setting, how] :
+       {std::pair{"", NumericFitOptions{}}, std::pair{", tuned", NumericFitOptions{1e-3, coarse, 1e-7}}}) {
+    const auto against = [&](const std::string& name, const Fit& ours, double our_seconds,
+                             const std::function<NumericFit()>& theirs) {
+      NumericFit numeric;
+      const double their_seconds = seconds_of([&] { numeric = theirs(); }, 1);
+      const double off = apart(reference, numeric.parameters);
+      // What they find passes or fails nothing here, but is told.
+      table.speedup(name + setting, our_seconds, their_seconds, numeric_limit, right(ours),
+                    fmt::format("{} iterations, {:.1e} deviations off", numeric.iterations, off));
+    };
+    against("numeric fit / fit, no start", automatic, seconds[0], [&] {
+      const auto start = start_from_swings(problem, records);
+      return fit_numerically(problem, records, start->parameters, start->nuisances, how);
+    });
+    against("numeric fit / fit, starts off by 30 %", from_starts, seconds[1], [&] {
+      std::vector<std::vector<double>> nuisances;
+      for (std::size_t r = 0; r < problem.runs(); ++r) nuisances.push_back(problem.run(r).released());
+      return fit_numerically(problem, records, by_starts.starts, nuisances, how);
+    });
+  }
+  table.time("six-run fit, no start", seconds[0], slowest_fit, right(automatic), "");
+  table.time("six-run fit, starts off by 30 %", seconds[1], slowest_fit, right(from_starts), "");
+}
+
+void measure_double_pendulum(Table& table, const std::string& name, const std::string& file, double rms_limit,
+                             const std::filesystem::path& data) {
+  const Experiment experiment = read_experiment(dataset(file), {data, {}});
+  const FitProblem problem(experiment);
+  const std::vector<Record> records = problem.records();
+  Fit found;
+  const std::vector<double> seconds = race({[&] { found = fit(problem, records); }}, 1);
+  const double rms =
+      found.usable() ? std::sqrt((found.rms[0] * found.rms[0] + found.rms[1] * found.rms[1]) / 2) : INFINITY;
+  table.time(name, seconds[0], measured_limit, rms <= rms_limit,
+             fmt::format("rms {:.5f} rad of at most {}, {} evaluations", rms, rms_limit, found.evaluations));
+}
+
+bool measure(const std::filesystem::path& data) {
+  Table table;
+  table.head();
+  const Experiment experiment = read_experiment(dataset("lift_experiment.toml"));
+  const FitProblem problem(experiment);
+  race_sensitivities(table, problem);
+  race_fits(table, problem);
+  if (data.empty() || !std::filesystem::exists(data)) {
+    fmt::print("{:<46}left out: give its CSV file\n", "measured double pendulum");
+  } else {
+    measure_double_pendulum(table, "double pendulum, viscous", "double_pendulum_experiment.toml", 0.0036, data);
+    measure_double_pendulum(table, "double pendulum, viscous and dry", "double_pendulum_dry_experiment.toml", 0.0031,
+                            data);
+  }
+  fmt::print(
+      "\nYardsticks: the same motion without sensitivities; one simulation of the six runs at accuracy 1e-10; the "
+      "same\n"
+      "fit with Jacobians by Ceres' central differences.\n");
+  return table.all_right();
+}
+
+}  // namespace
+}  // namespace poise::benchmarks
+
+int main(int argc, char** argv) { return poise::benchmarks::measure(argc > 1 ? argv[1] : "") ? 0 : 1; }

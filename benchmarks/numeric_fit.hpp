@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "identification/fit_problem.hpp"
+#include "identification/record.hpp"
+
+namespace poise::benchmarks {
+
+/// What a fit by Ceres' own numeric differentiation came to.
+struct NumericFit {
+  bool converged = false;
+  std::vector<double> parameters;  ///< values in the scene, SI
+  int iterations = 0;
+};
+
+struct NumericFitOptions {
+  double relative_step = 1e-6;  ///< of a number in its unit; Ceres' default
+  double accuracy = 1e-10;      ///< of the motions, see simulate(); its default
+  double function_tolerance = 1e-7;
+};
+
+/// The fit that Poise is measured against: the same residuals, parameters, nuisances and tolerances, but Jacobians by
+/// ceres::DynamicNumericDiffCostFunction (central differences). Every number is given to Ceres in a unit of its own
+/// size, so that one relative step suits all. Ranges are not kept.
+NumericFit fit_numerically(const FitProblem& problem, const std::vector<Record>& records,
+                           const std::vector<double>& parameters, const std::vector<std::vector<double>>& nuisances,
+                           const NumericFitOptions& options);
+
+}  // namespace poise::benchmarks
