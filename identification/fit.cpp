@@ -8,6 +8,7 @@
 #include <ceres/ceres.h>
 #include <fmt/format.h>
 
+#include "identification/ceres_costs.hpp"
 #include "identification/swing_start.hpp"
 
 namespace poise {
@@ -22,108 +23,6 @@ constexpr double lost_from = 0.1;
 struct Point {
   std::vector<double> parameters;
   std::vector<std::vector<double>> nuisances;
-};
-
-/// One run for Ceres: its triangle in place of its thousands of residuals. Blocks: its parameters, one value each, in
-/// units of their scale; then all nuisances, in units of `nuisance_scale` from where they began.
-class RunCost : public ceres::CostFunction {
- public:
-  RunCost(const FitProblem& problem, std::size_t run, const Record& record, std::size_t count,
-          std::vector<double> nuisances, int& evaluations)
-      : problem_(problem),
-        run_(run),
-        record_(record),
-        count_(count),
-        from_(std::move(nuisances)),
-        evaluations_(evaluations) {
-    const RunModel& model = problem.run(run);
-    for (int i = 0; i < model.unknowns(); ++i) mutable_parameter_block_sizes()->push_back(1);
-    if (model.nuisances() > 0) mutable_parameter_block_sizes()->push_back(model.nuisances());
-    set_num_residuals(model.columns() + 1);
-  }
-
-  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
-    const RunModel& model = problem_.run(run_);
-    const int p = model.unknowns();
-    const int m = model.nuisances();
-    std::vector<double> at;
-    for (int i = 0; i < p; ++i) at.push_back(*blocks[i]);
-    for (int i = 0; i < m; ++i) at.push_back(blocks[p][i]);
-    // Ceres asks for a point's value first and, where it stays, for its Jacobian: one motion answers both.
-    if (at != at_) {
-      std::vector<double> parameters(problem_.parameters().size());
-      for (int i = 0; i < p; ++i) {
-        const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
-        parameters[k] = *blocks[i] * problem_.parameters()[k].scale;
-      }
-      std::vector<double> nuisances = from_;
-      for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
-      triangle_ = problem_.triangle(run_, parameters, nuisances, &record_, count_, problem_.accuracy(run_));
-      if (run_ == 0) ++evaluations_;
-      at_ = std::move(at);
-    }
-    if (triangle_.size() == 0) return false;
-    const Eigen::Index columns = p + m;
-    Eigen::Map<Eigen::VectorXd>(residuals, columns + 1) = triangle_.col(columns);
-    if (jacobians == nullptr) return true;
-    for (int i = 0; i < p; ++i) {
-      if (jacobians[i] == nullptr) continue;
-      const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
-      Eigen::Map<Eigen::VectorXd>(jacobians[i], columns + 1) = problem_.parameters()[k].scale * triangle_.col(m + i);
-    }
-    if (m > 0 && jacobians[p] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[p], columns + 1, m) =
-          triangle_.leftCols(m);
-    }
-    return true;
-  }
-
- private:
-  const FitProblem& problem_;
-  std::size_t run_;
-  const Record& record_;
-  std::size_t count_;
-  std::vector<double> from_;
-  int& evaluations_;
-  mutable std::vector<double> at_;
-  mutable Eigen::MatrixXd triangle_;
-};
-
-/// (value - mean) / deviation of one parameter.
-class PriorCost : public ceres::SizedCostFunction<1, 1> {
- public:
-  PriorCost(double mean, double deviation, double scale) : mean_(mean), deviation_(deviation), scale_(scale) {}
-  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
-    residuals[0] = (*blocks[0] * scale_ - mean_) / deviation_;
-    if (jacobians != nullptr && jacobians[0] != nullptr) jacobians[0][0] = scale_ / deviation_;
-    return true;
-  }
-
- private:
-  double mean_, deviation_, scale_;
-};
-
-/// Stops Ceres where it is asked to, and where steps fail only because the motions' own errors, small as they are, are
-/// larger than what is left to gain.
-class Watch : public ceres::IterationCallback {
- public:
-  explicit Watch(const std::atomic<bool>* interrupt) : interrupt_(interrupt) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
-    if (interrupt_ != nullptr && interrupt_->load()) return ceres::SOLVER_ABORT;
-    const bool idle = !step.step_is_successful && std::abs(step.cost_change) < noise_of_cost * step.cost;
-    idle_ = idle ? idle_ + 1 : 0;
-    const double promised =
-        step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
-    const bool done = idle && (idle_ >= 3 || promised < worth_a_step * step.cost);
-    return done ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  static constexpr double noise_of_cost = 1e-4;
-  static constexpr double worth_a_step = 1e-6;
-
-  const std::atomic<bool>* interrupt_;
-  int idle_ = 0;
 };
 
 class Fitting {

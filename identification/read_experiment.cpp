@@ -8,7 +8,7 @@
 #include "identification/experiment_table.hpp"
 #include "identification/read_runs.hpp"
 #include "identification/setting.hpp"
-#include "identification/text_file.hpp"
+#include "model/text_file.hpp"
 #include "model/nearest_name.hpp"
 #include "model/scene_names.hpp"
 

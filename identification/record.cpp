@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "identification/text_file.hpp"
+#include "model/text_file.hpp"
 #include "model/nearest_name.hpp"
 #include "model/toml_reader.hpp"
 

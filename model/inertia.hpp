@@ -38,8 +38,6 @@ class Inertia {
 
   /// M(q), n x n, row by row: kg m^2 between angles, kg m with one length, kg between lengths. `pose` from place().
   void mass_matrix(const Planar<T>* pose, T* m) const;
-  /// dM/dq_k, n x n, row by row.
-  void mass_matrix_derivative(const Planar<T>* pose, int k, T* dm) const;
 
  private:
   // Partial derivatives of one phasor: at most its own coordinate and the angle of its line's frame.
@@ -48,7 +46,6 @@ class Inertia {
     Planar<T> value{};
   };
   std::array<Partial, 2> first(const Planar<T>* pose, int t) const;
-  std::array<Partial, 2> second(const Planar<T>* pose, int t, int k) const;
 
   const Mechanism<T>& mechanism_;
   int n_;

@@ -50,21 +50,6 @@ std::array<typename Inertia<T>::Partial, 2> Inertia<T>::first(const Planar<T>* p
   return {{along, {c.frame, quarter_turn(pose[t])}}};
 }
 
-// d2 phi_t / (dq_k dq_a) for the a where it is not zero.
-template <class T>
-std::array<typename Inertia<T>::Partial, 2> Inertia<T>::second(const Planar<T>* pose, int t, int k) const {
-  const Coordinate& c = mechanism_.layout().coordinates[t];
-  if (c.kind == Coordinate::Kind::angle) {
-    if (k != t) return {};
-    return {{{t, -pose[t]}, {}}};
-  }
-  if (c.frame < 0) return {};
-  const Planar<T> across = quarter_turn(mechanism_.line_direction(pose, t));
-  if (k == t) return {{{c.frame, across}, {}}};
-  if (k == c.frame) return {{{t, across}, {c.frame, -pose[t]}}};
-  return {};
-}
-
 template <class T>
 void Inertia<T>::weigh(const Planar<T>* f, Planar<T>* out) const {
   const Planar<T>* w = w_.data();
@@ -121,26 +106,6 @@ void Inertia<T>::mass_matrix(const Planar<T>* pose, T* m) const {
         if (a.coordinate < 0) continue;
         for (const Partial& b : first(pose, u)) {
           if (b.coordinate >= 0) m[a.coordinate * n_ + b.coordinate] += dot(a.value, w * b.value);
-        }
-      }
-    }
-  }
-}
-
-template <class T>
-void Inertia<T>::mass_matrix_derivative(const Planar<T>* pose, int k, T* dm) const {
-  std::fill(dm, dm + static_cast<std::size_t>(n_) * n_, T(0));
-  for (int t = 0; t < n_; ++t) {
-    for (const Partial& a : second(pose, t, k)) {
-      if (a.coordinate < 0) continue;
-      for (int u = 0; u < n_; ++u) {
-        const Planar<T>& w = w_[t * n_ + u];
-        if (w.x == 0 && w.y == 0) continue;
-        for (const Partial& b : first(pose, u)) {
-          if (b.coordinate < 0) continue;
-          const T part = dot(a.value, w * b.value);
-          dm[a.coordinate * n_ + b.coordinate] += part;
-          dm[b.coordinate * n_ + a.coordinate] += part;
         }
       }
     }

@@ -1,8 +1,4 @@
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -11,6 +7,7 @@
 #include "model/read_elements.hpp"
 #include "model/scene.hpp"
 #include "model/scene_names.hpp"
+#include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
 
 namespace poise {
@@ -224,10 +221,6 @@ class SceneReader {
   SceneNames names_;
 };
 
-[[noreturn]] void fail_to_read(const std::filesystem::path& file, int error) {
-  throw InputError(file.string() + ": cannot be read: " + std::generic_category().message(error) + "; check the path");
-}
-
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::string& name) {
@@ -235,14 +228,6 @@ Scene parse_scene(std::string_view text, const std::string& name) {
   return SceneReader(TomlTable(document, {name, 1, ""}), name).read();
 }
 
-Scene read_scene(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) fail_to_read(file, EISDIR);
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail_to_read(file, errno);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  return parse_scene(text, file.string());
-}
+Scene read_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file), file.string()); }
 
 }  // namespace poise

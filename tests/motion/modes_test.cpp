@@ -245,7 +245,8 @@ TEST(Modes, FollowerLoadFluttersBeyondZieglersLoad) {
 TEST(Modes, LittleDampingLowersZieglersLoad) {
   const auto damped = [](double load) {
     Scene scene = ziegler(load);
-    for (int i = 1; i <= 2; ++i) scene.torsion_dampers.push_back({"c" + std::to_string(i), i - 1, i, 1e-3, 0});
+    for (int i = 1; i <= 2; ++i)
+      scene.torsion_dampers.push_back({std::string("c").append(std::to_string(i)), i - 1, i, 1e-3, 0});
     return modes_at_rest(scene);
   };
   EXPECT_EQ(damped(41.0 / 28 - 1e-3).vibrations[0].kind, Kind::swings);

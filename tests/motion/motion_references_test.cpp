@@ -79,7 +79,8 @@ TEST(MotionReferences, AndrewsSqueezer) {
   const auto relative = [&](const std::vector<double>& q) {
     std::vector<double> k(8);
     for (int i = 1; i <= 7; ++i) {
-      k[static_cast<std::size_t>(i)] = q[static_cast<std::size_t>(test::coordinate_of(model, "k" + std::to_string(i)))];
+      k[static_cast<std::size_t>(i)] =
+          q[static_cast<std::size_t>(test::coordinate_of(model, std::string("k").append(std::to_string(i))))];
     }
     return std::vector<double>{k[1], k[2] - k[1], k[3], k[4] - k[5], k[5], k[6] - k[7], k[7]};
   };

@@ -1,4 +1,4 @@
-#include "identification/text_file.hpp"
+#include "model/text_file.hpp"
 
 #include <cerrno>
 #include <fstream>

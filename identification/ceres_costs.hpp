@@ -1,0 +1,58 @@
+#pragma once
+
+// What Ceres is given by identification/fit.cpp. Private to this folder.
+
+#include <atomic>
+#include <vector>
+
+#include <Eigen/Core>
+#include <ceres/ceres.h>
+
+#include "identification/fit_problem.hpp"
+
+namespace poise {
+
+/// One run for Ceres: its triangle in place of its thousands of residuals. Blocks: its parameters, one value each, in
+/// units of their scale; then all nuisances, SI, as differences from where they began.
+class RunCost : public ceres::CostFunction {
+ public:
+  /// The record is fitted over its first `count` times. `evaluations` counts those of the first run.
+  RunCost(const FitProblem& problem, std::size_t run, const Record& record, std::size_t count,
+          std::vector<double> nuisances, int& evaluations);
+
+  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
+
+ private:
+  const FitProblem& problem_;
+  std::size_t run_;
+  const Record& record_;
+  std::size_t count_;
+  std::vector<double> from_;
+  int& evaluations_;
+  mutable std::vector<double> at_;
+  mutable Eigen::MatrixXd triangle_;
+};
+
+/// (value - mean) / deviation of one parameter.
+class PriorCost : public ceres::SizedCostFunction<1, 1> {
+ public:
+  PriorCost(double mean, double deviation, double scale) : mean_(mean), deviation_(deviation), scale_(scale) {}
+  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
+
+ private:
+  double mean_, deviation_, scale_;
+};
+
+/// Stops Ceres where it is asked to, and where steps fail only because the motions' own errors, small as they are, are
+/// larger than what is left to gain.
+class Watch : public ceres::IterationCallback {
+ public:
+  explicit Watch(const std::atomic<bool>* interrupt) : interrupt_(interrupt) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override;
+
+ private:
+  const std::atomic<bool>* interrupt_;
+  int idle_ = 0;  // steps in a row that failed by so little
+};
+
+}  // namespace poise

@@ -1,0 +1,55 @@
+#include "identification/first_readings.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/identification/experiments.hpp"
+
+namespace poise {
+namespace {
+
+TEST(FirstReadings, TellTheStartButNotTheRest) {
+  const Experiment lift = test::experiment("lift_experiment");
+  const FitProblem problem(lift);
+  const RunModel& run = problem.run(2);
+  std::vector<double> off = run.released();
+  off[0] += 0.001;
+  off[1] += 1.0;
+  const std::vector<double> started = started_from_readings(run, off, problem.ideal_record(2));
+  ASSERT_EQ(started.size(), 3U);
+  EXPECT_EQ(started[0], off[0]) << "where it would rest, the first readings do not tell";
+  // A quarter of a swing takes 46 ms: over 15 ms a parabola follows it to about 1 % of its 5 mrad.
+  EXPECT_NEAR(started[1], run.released()[1], 5e-5) << "rad";
+  EXPECT_NEAR(started[2], 0.0, 0.02) << "rad/s";
+}
+
+TEST(FirstReadings, AreTheGuessOnlyWhereNoReleaseIsGiven) {
+  Experiment lift = test::experiment("lift_experiment");
+  {
+    const FitProblem problem(lift);
+    EXPECT_EQ(first_guess(problem.run(0), problem.ideal_record(3)), problem.run(0).released());
+  }
+  const Record record = FitProblem(lift).ideal_record(0);
+  lift.runs[0].release.clear();
+  const FitProblem problem(lift);
+  EXPECT_EQ(first_guess(problem.run(0), Record{}), problem.run(0).released());
+  const std::vector<double> guess = first_guess(problem.run(0), record);
+  EXPECT_NEAR(guess[1], record.reading[0][0], 5e-5) << "rad: obd itself is read";
+}
+
+TEST(FirstReadings, StartWorseThanTheFit) {
+  const Experiment lift = test::experiment("lift_experiment");
+  const FitProblem problem(lift);
+  const std::vector<Record> records = problem.records();
+  const Fit fitted = fit(problem, records);
+  ASSERT_TRUE(fitted.usable()) << fitted.why;
+  const std::vector<double> rms = rms_from_first_readings(problem, fitted, records);
+  ASSERT_EQ(rms.size(), 1U);
+  // With the fitted starts it is the noise; noise and curvature of the first 16 readings add a swing of their own.
+  EXPECT_GT(rms[0], 1.05 * fitted.rms[0]);
+  EXPECT_LT(rms[0], 20 * fitted.rms[0]);
+}
+
+}  // namespace
+}  // namespace poise
