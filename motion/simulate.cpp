@@ -161,9 +161,12 @@ class Simulation {
       far = std::max(far, reach_of(k, h));
       fast = std::max(fast, speed_of(k, h));
     }
-    const double uncertain = h * uncertain_acceleration();
+    const double singular = uncertain_acceleration();
     double worst = 0.0;
     for (int k = 0; k < f; ++k) {
+      // Forces that balance leave accelerations of about the rounding of a coordinate times stiffness over inertia.
+      const double balanced = eps * fastest_ * fastest_ * (1 + std::abs(y_[static_cast<std::size_t>(k)]));
+      const double uncertain = h * (singular + balanced);
       const double z = accuracy * std::max(reach_of(k, h), 1e-3 * far) + h * uncertain;
       const double w = accuracy * std::max(speed_of(k, h), 1e-3 * fast) + uncertain;
       const double e_z = std::abs(error_[static_cast<std::size_t>(k)]);
@@ -229,6 +232,7 @@ class Simulation {
     for (const Drive& d : model_.scaled_scene().drives) {
       fastest = std::max({fastest, 6.3 * d.frequency, std::abs(d.rate), std::sqrt(std::abs(d.acceleration))});
     }
+    fastest_ = fastest;
     const double natural = fastest > 0 ? 0.05 / fastest : 0.01 * options_.duration;
     return std::min(natural, options_.duration);
   }
@@ -371,6 +375,7 @@ class Simulation {
   std::vector<char> overrun_;
   int columns_ = 0;
   double limit_ = 0.0, taken_ = 0.0;
+  double fastest_ = 0.0;       // rate of change at the start, 1/s
   int rejections_ = 0;         // since the last node
   std::vector<double> node_;   // coordinates at the last node
   std::vector<double> pivot_;  // per node

@@ -1,0 +1,146 @@
+// `poise identifiability` and `poise montecarlo` as a person runs them; bad input of all that read experiments.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/wheel_experiment.hpp"
+
+namespace poise::app_tests {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* inertia_too = R"([[unknown]]
+path = "body.wheel.inertia"
+name = "J"
+)";
+
+std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(IdentifiabilityCommand, PredictsTheLiftBeforeAnyData) {
+  const TempFolder folder;
+  const json r = run_json(folder, {"identifiability", dataset("lift_experiment")}, 0);
+  EXPECT_EQ(r["identifiability"]["rank"], 4);
+  EXPECT_EQ(r["nuisances"], 18);
+  EXPECT_EQ(r["readings"], 12000);
+  EXPECT_NEAR(r["predicted"][0]["value"], 64.6824, 1e-4);
+  EXPECT_NEAR(100 * r["predicted"][0]["deviation"].get<double>() / 64.6824, 0.037, 0.0006) << "per cent";
+  EXPECT_EQ(r["base_parameters"]["rank"], 23);
+  EXPECT_EQ(r["base_parameters"]["parameters"], 36);
+}
+
+TEST(IdentifiabilityCommand, NamesTheScaleAndTheRemedy) {
+  const Outcome run = run_poise({"identifiability", dataset("lift_experiment_empty"), "--base"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(has(run.out, "4 of 4 parameters cannot be told")) << run.out;
+  EXPECT_TRUE(has(run.out, "overall scale")) << run.out;
+  EXPECT_TRUE(has(run.out, "remedy: add a run with a known payload")) << run.out;
+  EXPECT_TRUE(has(run.out, "cylinder.J + 1 rod.J")) << run.out;
+}
+
+TEST(IdentifiabilityCommand, NamesAnExactNullDirection) {
+  // Inertia, stiffness and damping of a free wheel: only their ratios matter.
+  const TempFolder folder;
+  const json r =
+      run_json(folder, {"identifiability", experiment(folder, std::string(swing) + inertia_too + one_run)}, 0);
+  EXPECT_EQ(r["identifiability"]["rank"], 2);
+  ASSERT_EQ(r["identifiability"]["untold"].size(), 1U);
+  const json& direction = r["identifiability"]["untold"][0];
+  EXPECT_EQ(direction["exact"], true);
+  for (const char* name : {"k", "c", "J"}) EXPECT_NEAR(direction["part"][name], 1.0, 1e-6) << "all by the same part";
+  for (const json& p : r["predicted"]) EXPECT_TRUE(p["deviation"].is_null()) << p;
+}
+
+TEST(MonteCarloCommand, ReachesTheBoundOfAWheel) {
+  const TempFolder folder;
+  const json r = run_json(
+      folder, {"montecarlo", experiment(folder, std::string(swing) + one_run), "--trials", "60", "--jobs", "2"}, 0);
+  EXPECT_EQ(r["trials"], 60);
+  EXPECT_EQ(r["converged"], 60);
+  EXPECT_EQ(r["arrived"], 60);
+  for (const json& e : r["estimates"]) {
+    EXPECT_NEAR(e["rmse_over_bound"], 1.0, 4 / std::sqrt(2 * 60.0)) << e;
+    EXPECT_NEAR(e["coverage"], 0.95, 4 * e["coverage_deviation"].get<double>()) << e;
+  }
+}
+
+TEST(MonteCarloCommand, FollowsItsSeed) {
+  const TempFolder folder;
+  const std::string file = experiment(folder, std::string(swing) + one_run);
+  const auto bias = [&](const char* seed, const char* jobs) {
+    return run_json(folder, {"montecarlo", file, "--trials", "4", "--seed", seed, "--jobs", jobs},
+                    0)["estimates"][0]["bias"]
+        .get<double>();
+  };
+  const double first = bias("1", "1");
+  EXPECT_EQ(first, bias("1", "3")) << "threads do not matter";
+  EXPECT_NE(first, bias("2", "1"));
+}
+
+TEST(MonteCarloCommand, InterruptKeepsTheTrialsThatEnded) {
+  const TempFolder folder;
+  const std::string out = folder.path("out").string();
+  const std::string file = folder.path("a.json").string();
+  const int code = interrupt_poise({"montecarlo", experiment(folder, std::string(swing) + one_run), "--trials",
+                                    "100000", "--jobs", "2", "--json", file},
+                                   out, std::chrono::milliseconds(1500));
+  EXPECT_EQ(code, 1);
+  EXPECT_TRUE(has(contents(out), "Interrupted after")) << contents(out);
+  const json r = json::parse(contents(file));
+  EXPECT_EQ(r["interrupted"], true);
+  EXPECT_GT(r["trials"], 0);
+  EXPECT_LT(r["trials"], 100000);
+  EXPECT_EQ(r["converged"], r["trials"]);
+}
+
+TEST(ExperimentCommands, BadWordsAreNamed) {
+  const TempFolder folder;
+  const std::string good = experiment(folder, std::string(swing) + one_run);
+  const std::string scene = folder.path("wheel.toml").string();
+  const std::string nothing =
+      folder.write("nothing.toml", std::string(swing).substr(0, std::string(swing).find("[[unknown]]")) + one_run);
+  std::string lost_text = std::string(swing) + one_run;
+  lost_text.replace(lost_text.find("S.stiffness"), 11, "S.stifness");
+  const std::string lost = folder.write("lost.toml", lost_text);
+  const std::string measured = folder.write("measured.toml", std::string(swing) + "[[run]]\ndata = \"d.csv\"\n");
+  folder.write("d.csv", "time,turn\n0,1\n0.1,2\n0.2,3\n0.3,2\n");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"identify"}, "EXPERIMENT is required"},
+      {{"identify", good, "b.toml"}, "expected one experiment"},
+      {{"identify", folder.path("none.toml").string()}, "none.toml"},
+      {{"identify", scene}, "wheel.toml:5: body: expected one of the keys"},
+      {{"identify", lost}, "did you mean"},
+      {{"identify", nothing}, "expected at least one [[unknown]]"},
+      {{"identifiability", nothing}, "expected at least one [[unknown]]"},
+      {{"identify", good, "--start", "gvien"}, "did you mean \"given\"?"},
+      {{"identify", good, "--set", "body.wheel.mas=2"}, "did you mean"},
+      {{"identify", good, "--json", good}, "is the experiment too"},
+      {{"identify", good, "--csv", scene}, "is a file that is read too"},
+      {{"identify", measured, "--csv", folder.path("d.csv").string()}, "is a file that is read too"},
+      {{"identify", good, "--data", folder.path("d.csv").string()}, "--data"},
+      {{"montecarlo", measured}, "expected simulated runs only"},
+      {{"montecarlo", good, "--trials", "0"}, "--trials: expected"},
+      {{"montecarlo", good, "--off", "1"}, "--off: expected"},
+      {{"montecarlo", good, "--jobs", "-1"}, "--jobs: expected"}};
+  const std::vector<std::string> before = folder.names();
+  for (const auto& [words, says] : cases) {
+    const Outcome run = run_poise(words);
+    EXPECT_EQ(run.exit_code, 2) << says;
+    EXPECT_EQ(run.out, "") << says;
+    EXPECT_TRUE(has(run.err, says)) << says << "\n" << run.err;
+    EXPECT_EQ(lines(run.err), 1U) << run.err;
+  }
+  EXPECT_EQ(folder.names(), before);
+}
+
+}  // namespace
+}  // namespace poise::app_tests
