@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace poise {
 
 double energy_error(const Motion& motion) {
   if (motion.kinetic.empty()) return 0.0;
-  double exchanged = 0.0;
+  // What rounding makes of the potential is no error: a mechanism at rest exchanges nothing else.
+  const double rounding = 32 * std::numeric_limits<double>::epsilon() * std::abs(motion.potential.front());
+  double exchanged = rounding;
   double worst = 0.0;
   const double total = motion.kinetic.front() + motion.potential.front();
   for (std::size_t i = 0; i < motion.kinetic.size(); ++i) {
@@ -15,7 +18,7 @@ double energy_error(const Motion& motion) {
                           std::abs(motion.work[i])});
     worst = std::max(worst, std::abs(motion.kinetic[i] + motion.potential[i] - motion.work[i] - total));
   }
-  return exchanged > 0 ? worst / exchanged : 0.0;
+  return worst > rounding ? worst / exchanged : 0.0;
 }
 
 double difference(const Motion& a, const Motion& b) {
