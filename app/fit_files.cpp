@@ -198,6 +198,7 @@ std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const s
   out["start"] = fitted.start;
   out["degrees_of_freedom"] = fitted.degrees;
   out["misfit"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.misfit);
+  out["colour"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.colour);
   out["misfit_deviation"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.expected);
   out["iterations"] = fitted.iterations;
   out["evaluations"] = fitted.evaluations;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "identification/ceres_costs.hpp"
+#include "identification/first_readings.hpp"
 #include "identification/swing_start.hpp"
 
 namespace poise {
@@ -104,12 +105,7 @@ class Fitting {
     }
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       const RunModel& run = problem_.run(r);
-      std::vector<double> nuisances = run.released();
-      if (run.start_is_unknown() && run.run().release.empty()) {
-        const std::vector<double> start = run.start_from_readings(records_[r]);
-        std::copy(start.begin(), start.end(), nuisances.begin() + (run.rest_is_unknown() ? 1 : 0));
-      }
-      point.nuisances.push_back(std::move(nuisances));
+      point.nuisances.push_back(first_guess(run, records_[r]));
     }
     return point;
   }

@@ -72,6 +72,10 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
                        const std::vector<Eigen::MatrixXd>& triangles) {
   Identifiability out;
   const auto count = static_cast<Eigen::Index>(problem.parameters().size());
+  if (count == 0) {
+    out.why = "nothing is asked";
+    return out;
+  }
   Eigen::Index rows = count;
   for (std::size_t r = 0; r < problem.runs(); ++r) rows += problem.run(r).unknowns();
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows, count);

@@ -8,9 +8,9 @@
 #include "identification/experiment_table.hpp"
 #include "identification/read_runs.hpp"
 #include "identification/setting.hpp"
-#include "model/text_file.hpp"
 #include "model/nearest_name.hpp"
 #include "model/scene_names.hpp"
+#include "model/text_file.hpp"
 
 namespace poise {
 namespace {

@@ -11,8 +11,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "model/text_file.hpp"
 #include "model/nearest_name.hpp"
+#include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
 
 namespace poise {

@@ -57,8 +57,9 @@ std::string verdict(const Fit& fitted, const Palette& palette) {
   if (most_lagged(fitted) > not_independent) {
     out += palette.paint(Tone::doubtful,
                          fmt::format("Residuals resemble the ones before them (autocorrelation up to {:.3f}): readings "
-                                     "say less than as many independent ones, deviations are larger than shown.",
-                                     most_lagged(fitted))) +
+                                     "say less than as many independent ones, deviations are larger than shown, by "
+                                     "rule of thumb {} times.",
+                                     most_lagged(fitted), significant(fitted.colour, 2))) +
            "\n";
   }
   if (!fitted.identifiability.ok) {
