@@ -19,9 +19,10 @@ test: all
 	ctest --preset $(PRESET) -j $(JOBS)
 
 bench: configure
-	cmake --build --preset $(PRESET) -j $(JOBS) --target poise_benchmarks poise_ratios poise_identification_ratios
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise_benchmarks poise_ratios poise_integrators poise_identification_ratios
 	$(BUILD)/benchmarks/poise_benchmarks $(ARGS)
 	$(BUILD)/benchmarks/poise_ratios
+	$(BUILD)/benchmarks/poise_integrators
 	$(BUILD)/benchmarks/poise_identification_ratios $(wildcard ../shared/data/multi_arm_pendulum/double.csv)
 
 lint: configure

@@ -7,6 +7,7 @@
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
+#include <glog/logging.h>
 
 #include "identification/ceres_costs.hpp"
 #include "identification/first_readings.hpp"
@@ -256,9 +257,10 @@ class Fitting {
     std::vector<double> squares(sensors, 0.0);
     std::size_t samples = 0;
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
-      triangles.push_back(problem_.triangle(r, best_.parameters, best_.nuisances[r], nullptr, records_[r].time.size(),
-                                            problem_.accuracy(r)));
-      out_.runs.push_back(judge_run(r, squares));
+      std::vector<double> e;
+      triangles.push_back(problem_.triangle(r, best_.parameters, best_.nuisances[r], &records_[r],
+                                            records_[r].time.size(), problem_.accuracy(r), &e));
+      out_.runs.push_back(judge_run(r, e, squares));
       samples += records_[r].time.size();
     }
     judge_colour();
@@ -301,14 +303,13 @@ class Fitting {
     if (!white) out_.colour = std::sqrt((1 + r) / (1 - r));
   }
 
-  RunFit judge_run(std::size_t r, std::vector<double>& squares) const {
+  RunFit judge_run(std::size_t r, const std::vector<double>& e, std::vector<double>& squares) const {
     RunFit out;
     out.name = problem_.run(r).run().name;
     out.nuisances = best_.nuisances[r];
-    std::vector<double> e;
+    if (e.empty()) return out;
     const std::size_t sensors = squares.size();
     const std::size_t samples = records_[r].time.size();
-    if (!problem_.residuals(r, best_.parameters, best_.nuisances[r], records_[r], samples, e)) return out;
     for (std::size_t k = 0; k < sensors; ++k) {
       double square = 0.0;
       double lagged = 0.0;
@@ -357,5 +358,7 @@ std::string to_string(FitStatus status) {
 Fit fit(const FitProblem& problem, const std::vector<Record>& records, const FitOptions& options) {
   return Fitting(problem, records, options).run();
 }
+
+void quiet_ceres() { FLAGS_minloglevel = google::GLOG_FATAL; }
 
 }  // namespace poise

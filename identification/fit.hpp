@@ -81,4 +81,7 @@ struct Fit {
 /// says, other starts are tried and the best answer kept.
 Fit fit(const FitProblem& problem, const std::vector<Record>& records, const FitOptions& options = {});
 
+/// Keeps Ceres' own warnings off standard error, for the whole program: a fit tells in its result what went wrong.
+void quiet_ceres();
+
 }  // namespace poise

@@ -133,7 +133,7 @@ std::vector<Record> FitProblem::records() const {
 
 Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& parameters,
                                      const std::vector<double>& nuisances, const Record* record, std::size_t count,
-                                     double accuracy) const {
+                                     double accuracy, std::vector<double>* residuals) const {
   const RunModel& model = models_[r];
   std::vector<double> unknowns;
   for (const int p : used_[r]) unknowns.push_back(parameters[static_cast<std::size_t>(p)]);
@@ -158,6 +158,10 @@ Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& p
                         : 0.0;
   }
   if (!whole.allFinite()) return {};
+  if (residuals != nullptr) {
+    residuals->resize(static_cast<std::size_t>(rows));
+    Eigen::Map<Eigen::VectorXd>(residuals->data(), rows) = whole.col(m).head(rows);
+  }
   const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(whole);
   return whole.topRows(m + 1).triangularView<Eigen::Upper>();
 }

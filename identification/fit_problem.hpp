@@ -47,10 +47,11 @@ class FitProblem {
 
   /// The triangle R of  Q R = [d e/d nuisances, d e/d unknowns, e]  with e = (predicted - read) / noise of run r over
   /// its first `count` times: everything that least squares needs to know of a run, (columns + 1) square. Without
-  /// `record` e is 0. Empty where the motion fails.
+  /// `record` e is 0. Empty where the motion fails. Fills `residuals` with e, where given.
   Eigen::MatrixXd triangle(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
-                           const Record* record, std::size_t count, double accuracy) const;
-  /// e itself.
+                           const Record* record, std::size_t count, double accuracy,
+                           std::vector<double>* residuals = nullptr) const;
+  /// e itself, without derivatives.
   bool residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                  const Record& record, std::size_t count, std::vector<double>& e) const;
 

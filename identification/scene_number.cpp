@@ -156,6 +156,4 @@ bool SceneNumber::scales_with_force() const {
   }
 }
 
-bool SceneNumber::is_linear() const { return scales_with_force(); }
-
 }  // namespace poise

@@ -28,8 +28,6 @@ class SceneNumber {
 
   /// True for masses, inertias, stiffnesses, damping and loads: multiplying all of these leaves a motion as it is.
   bool scales_with_force() const;
-  /// True where the equations of motion are linear in it.
-  bool is_linear() const;
   /// The line spring whose stiffness or free length it is, or -1.
   int spring_stiffness() const { return kind_ == Kind::stiffness ? item_ : -1; }
   int spring_free_length() const { return kind_ == Kind::free_length ? item_ : -1; }

@@ -1,6 +1,7 @@
 #include "app/commands/experiment_options.hpp"
 
 #include "app/commands/scene_options.hpp"
+#include "identification/fit.hpp"
 
 namespace poise::app {
 
@@ -16,6 +17,7 @@ void add_experiment_options(CLI::App& command, ExperimentRequest& request) {
 }
 
 Experiment load_experiment(const ExperimentRequest& request) {
+  quiet_ceres();
   Experiment experiment =
       read_experiment(request.common.scene, {.data = request.data, .settings = request.common.settings});
   if (experiment.unknowns.empty()) {
