@@ -21,7 +21,7 @@ Quantity quantity_of_load(const Unknown& unknown, const Scene& scene) {
 std::string unit_name(const Unknown& unknown, const Scene& scene) {
   const Units& u = scene.units;
   const std::string_view path = unknown.path;
-  const std::string moment = unit_name(Quantity::moment, u);
+  std::string moment = unit_name(Quantity::moment, u);
   const bool turning = path.starts_with("torsion_");
   if (path.starts_with("load.")) return unit_name(quantity_of_load(unknown, scene), u);
   if (path.ends_with(".mass")) return u.mass_name;

@@ -8,9 +8,7 @@ namespace poise {
 
 double energy_error(const Motion& motion) {
   if (motion.kinetic.empty()) return 0.0;
-  // What rounding makes of the potential is no error: a mechanism at rest exchanges nothing else.
-  const double rounding = 32 * std::numeric_limits<double>::epsilon() * std::abs(motion.potential.front());
-  double exchanged = rounding;
+  double exchanged = 0.0;
   double worst = 0.0;
   const double total = motion.kinetic.front() + motion.potential.front();
   for (std::size_t i = 0; i < motion.kinetic.size(); ++i) {
@@ -18,7 +16,10 @@ double energy_error(const Motion& motion) {
                           std::abs(motion.work[i])});
     worst = std::max(worst, std::abs(motion.kinetic[i] + motion.potential[i] - motion.work[i] - total));
   }
-  return worst > rounding ? worst / exchanged : 0.0;
+  // A mechanism at rest exchanges nothing, and what rounding makes of its potential is no error.
+  const double potential = std::abs(motion.potential.front());
+  const bool at_rest = exchanged < 1e-8 * potential && worst < 1e3 * std::numeric_limits<double>::epsilon() * potential;
+  return exchanged > 0 && !at_rest ? worst / exchanged : 0.0;
 }
 
 double difference(const Motion& a, const Motion& b) {

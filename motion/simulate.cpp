@@ -376,7 +376,6 @@ class Simulation {
   int columns_ = 0;
   double limit_ = 0.0, taken_ = 0.0;
   double fastest_ = 0.0;       // rate of change at the start, 1/s
-  int rejections_ = 0;         // since the last node
   std::vector<double> node_;   // coordinates at the last node
   std::vector<double> pivot_;  // per node
   std::vector<double> y_, dydt_, y_new_, dydt_new_, error_;

@@ -64,7 +64,7 @@ struct Motion {
   std::vector<int> independent;                  ///< coordinates whose start values the sensitivities refer to
   std::vector<double> kinetic, potential, work;  ///< per node, J; work: done by drives, follower loads, resistances
   std::vector<std::vector<double>> drive_force;  ///< per drive, per node: N m or N
-  double energy_error = 0.0;  ///< largest |T + V - work - (T + V at start)| / largest energy exchanged
+  double energy_error = 0.0;  ///< largest |T + V - work - (T + V at start)| / largest energy exchanged; 0 at rest
   int freedoms = 0;
   int steps = 0, rejected = 0, evaluations = 0;
   double microseconds = 0.0;
