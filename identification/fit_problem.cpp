@@ -22,6 +22,13 @@ std::string group_of(const Unknown& unknown, const Run& run) {
   return run.name;
 }
 
+/// The values at some places.
+std::vector<double> chosen(const std::vector<double>& values, const std::vector<int>& places) {
+  std::vector<double> out;
+  for (const int p : places) out.push_back(values[static_cast<std::size_t>(p)]);
+  return out;
+}
+
 }  // namespace
 
 FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
@@ -135,8 +142,7 @@ Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& p
                                      const std::vector<double>& nuisances, const Record* record, std::size_t count,
                                      double accuracy, std::vector<double>* residuals) const {
   const RunModel& model = models_[r];
-  std::vector<double> unknowns;
-  for (const int p : used_[r]) unknowns.push_back(parameters[static_cast<std::size_t>(p)]);
+  const std::vector<double> unknowns = chosen(parameters, used_[r]);
   Prediction prediction;
   model.predict(unknowns.data(), nuisances.data(), count, accuracy, true, prediction);
   if (!prediction.ok) return {};
@@ -169,8 +175,7 @@ Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& p
 bool FitProblem::residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                            const Record& record, std::size_t count, std::vector<double>& e) const {
   const RunModel& model = models_[r];
-  std::vector<double> unknowns;
-  for (const int p : used_[r]) unknowns.push_back(parameters[static_cast<std::size_t>(p)]);
+  const std::vector<double> unknowns = chosen(parameters, used_[r]);
   Prediction prediction;
   model.predict(unknowns.data(), nuisances.data(), count, accuracy_[r], false, prediction);
   if (!prediction.ok) return false;

@@ -180,6 +180,18 @@ MotionState RunModel::begin(const Built& built, const double* nuisances) const {
   return state;
 }
 
+Motion RunModel::move(const Built& built, const double* nuisances, double duration, double accuracy,
+                      bool sensitivities) const {
+  MotionOptions options;
+  options.duration = duration;
+  options.accuracy = accuracy;
+  options.independent = independent_;
+  options.sensitivities = sensitivities;
+  options.most_steps = 200'000;
+  if (sensitivities) options.influences = built.influences;
+  return simulate(*built.model, begin(built, nuisances), options);
+}
+
 Motion RunModel::move(const double* unknowns, const double* nuisances, double duration, double accuracy,
                       bool sensitivities) const {
   const Built built = build(unknowns, rest_unknown_ ? nuisances[0] : rest_at(), false);
@@ -188,13 +200,7 @@ Motion RunModel::move(const double* unknowns, const double* nuisances, double du
     none.why = built.why;
     return none;
   }
-  MotionOptions options;
-  options.duration = duration;
-  options.accuracy = accuracy;
-  options.independent = independent_;
-  options.sensitivities = sensitivities;
-  if (sensitivities) options.influences = built.influences;
-  return simulate(*built.model, begin(built, nuisances), options);
+  return move(built, nuisances, duration, accuracy, sensitivities);
 }
 
 void RunModel::predict(const double* unknowns, const double* nuisances, std::size_t count, double accuracy,
@@ -207,14 +213,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
     out.why = built.why;
     return;
   }
-  MotionOptions options;
-  options.duration = std::max(times_[count - 1], 1e-9);
-  options.accuracy = accuracy;
-  options.independent = independent_;
-  options.sensitivities = jacobian;
-  options.most_steps = 200'000;
-  if (jacobian) options.influences = built.influences;
-  const Motion motion = simulate(*built.model, begin(built, nuisances), options);
+  const Motion motion = move(built, nuisances, std::max(times_[count - 1], 1e-9), accuracy, jacobian);
   if (!motion.completed()) {
     out.why = motion.why;
     return;

@@ -87,6 +87,7 @@ class RunModel {
   };
   Built build(const double* unknowns, double rest, bool derivatives) const;
   MotionState begin(const Built& built, const double* nuisances) const;
+  Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities) const;
   const double* start_of(const double* nuisances) const;
   static std::pair<int, double> coordinate_of(const Scene& scene, const Layout& layout, int body, int joint, int line);
 
