@@ -6,7 +6,7 @@
 #include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
 
-#include "benchmarks/hand_chain.hpp"
+#include "comparison/series.hpp"
 
 namespace poise::benchmarks {
 namespace {
@@ -167,7 +167,7 @@ BareIpoptResult bare_ipopt_chain(const std::vector<double>& start, const BareUni
   Ipopt::SmartPtr<BareProgram> program = new BareProgram;
   program->start = start;
   program->length.assign(n, 1.0 / (n * units.length));
-  program->span = chain_span / units.length;
+  program->span = comparison::chain_span / units.length;
   program->a.assign(n, 0.0);
   const int left = (n + 1) / 2;  // links that hang from the left end
   for (int i = 0; i < n; ++i) program->b.push_back((left - i - 0.5) / n / (n * units.length * units.force));

@@ -6,7 +6,7 @@
 #include "benchmarks/contenders.hpp"
 #include "benchmarks/hand_chain.hpp"
 #include "benchmarks/known_answers.hpp"
-#include "benchmarks/scenes.hpp"
+#include "comparison/series.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/newton.hpp"
 
@@ -27,13 +27,13 @@ int links_of(const benchmark::State& state) { return static_cast<int>(state.rang
 
 void by_hand(benchmark::State& state) {
   HandChain chain(links_of(state));
-  const std::vector<double> start = arc_start(links_of(state));
+  const std::vector<double> start = comparison::arc_start(links_of(state));
   for (auto _ : state) benchmark::DoNotOptimize(chain.solve(start));
   report(state, chain.iterations(), chain.angles());
 }
 
 void virtual_work(benchmark::State& state, solvers::Goal goal) {
-  const StaticModel model(hanging_chain_scene(links_of(state)));
+  const StaticModel model(comparison::hanging_chain_scene(links_of(state)));
   solvers::Newton newton(model.problem(), {.goal = goal});
   const std::vector<double> start = model.start();
   for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start.data()));
@@ -42,7 +42,7 @@ void virtual_work(benchmark::State& state, solvers::Goal goal) {
 }
 
 void bare_energy(benchmark::State& state) {
-  const StaticModel model(hanging_chain_scene(links_of(state)));
+  const StaticModel model(comparison::hanging_chain_scene(links_of(state)));
   const std::vector<double> start = model.start();
   BareIpoptResult result;
   for (auto _ : state) result = bare_ipopt_chain(start, chain_units(model));
@@ -50,15 +50,15 @@ void bare_energy(benchmark::State& state) {
 }
 
 void energy(benchmark::State& state) {
-  const StaticModel model(hanging_chain_scene(links_of(state)));
+  const StaticModel model(comparison::hanging_chain_scene(links_of(state)));
   const std::vector<double> start = model.start();
-  solvers::IpoptResult result;
+  solvers::SearchResult result;
   for (auto _ : state) result = solvers::solve_with_ipopt(model.problem(), start);
   report(state, result.iterations, result.x);
 }
 
 void ladder(benchmark::State& state) {
-  const StaticModel model(window_ladder_scene(links_of(state)));
+  const StaticModel model(comparison::window_ladder_scene(links_of(state)));
   solvers::Newton newton(model.problem(), {.goal = solvers::Goal::minimum});
   const std::vector<double> start = model.start();
   for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start.data()));

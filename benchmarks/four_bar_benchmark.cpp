@@ -43,7 +43,7 @@ void bare_energy(benchmark::State& state) {
 void energy(benchmark::State& state) {
   const StaticModel model(thesis_four_bar());
   const std::vector<double> start = model.start();
-  solvers::IpoptResult result;
+  solvers::SearchResult result;
   for (auto _ : state) result = solvers::solve_with_ipopt(model.problem(), start);
   state.counters["iterations"] = result.iterations;
   state.counters["error"] = four_bar_error(result.x.data());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparison/series.hpp"
+
 namespace poise::benchmarks {
 namespace {
 
@@ -17,19 +19,6 @@ void solve_two(double a, double b, double d, double p, double q, double& x, doub
 }
 
 }  // namespace
-
-std::vector<double> arc_start(int links) {
-  // The span falls as the arc closes, from 1 at phi = 0 to 0 at a full circle.
-  double low = 0.0, high = 2.0 * M_PI / links;
-  for (int k = 0; k < 200; ++k) {
-    const double phi = 0.5 * (low + high);
-    const double span = std::sin(0.5 * links * phi) / (links * std::sin(0.5 * phi));
-    (span > chain_span ? low : high) = phi;
-  }
-  std::vector<double> angles(links);
-  for (int i = 0; i < links; ++i) angles[i] = (i - 0.5 * (links - 1)) * low;
-  return angles;
-}
 
 HandChain::HandChain(int links)
     : links_(links), length_(1.0 / links), angle_(links), cos_(links), sin_(links), inverse_(links) {}
@@ -63,7 +52,7 @@ void HandChain::guess_multipliers() {
 
 // One Newton step; returns max |d|. Everything is divided by the link length, which drops out of d.
 double HandChain::step() {
-  double gap_x = -links_ * chain_span, gap_y = 0.0;
+  double gap_x = -links_ * comparison::chain_span, gap_y = 0.0;
   double a = 0.0, b = 0.0, d = 0.0, p = 0.0, q = 0.0;
   for (int i = 0; i < links_; ++i) {
     const double c = cos_[i], s = sin_[i];

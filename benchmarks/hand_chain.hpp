@@ -4,16 +4,9 @@
 
 namespace poise::benchmarks {
 
-/// The hanging chain of the references (static.hanging_chain_span06): n equal uniform links, together 1 m long and 1 N
-/// heavy, between two pins on one level chain_span apart.
-inline constexpr double chain_span = 0.6;  ///< m
-
-/// Angles, rad, of the n links laid as chords of the circular arc that hangs between the two pins:
-/// t_i = (i - (n - 1)/2) phi,  sin(n phi/2) / (n sin(phi/2)) = chain_span.
-std::vector<double> arc_start(int links);
-
-/// Rest of the chain by a Newton that costs O(n) per step: the yardstick for Poise on long chains. With link length l,
-/// the weight w_i = 1 - (i + 1/2)/n that link i and all after it hang on its far side, and multipliers x, y:
+/// Rest of the hanging chain (comparison/series.hpp) by a Newton that costs O(n) per step: the yardstick for Poise on
+/// long chains. With link length l, the weight w_i = 1 - (i + 1/2)/n that link i and all after it hang on its far side,
+/// and multipliers x, y:
 ///
 ///   energy   sum l w_i sin t_i,  closure  sum l cos t_i = span,  sum l sin t_i = 0
 ///   Hessian  h_i = -l ((w_i + y) sin t_i + x cos t_i),  diagonal

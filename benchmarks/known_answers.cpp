@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "benchmarks/hand_chain.hpp"
+#include "comparison/series.hpp"
 
 namespace poise::benchmarks {
 namespace {
@@ -51,8 +51,8 @@ double chain_error(const std::vector<double>& angles) {
     lowest = std::min(lowest, height);
   }
   const double pull = 0.5 * (1.0 - length) / std::tan(std::abs(angles.front()));
-  return std::max(
-      {std::abs(-lowest - known.sag), std::abs(pull - known.pull), std::abs(reach - chain_span), std::abs(height)});
+  return std::max({std::abs(-lowest - known.sag), std::abs(pull - known.pull), std::abs(reach - comparison::chain_span),
+                   std::abs(height)});
 }
 
 }  // namespace poise::benchmarks

@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/contenders.hpp"
-#include "benchmarks/scenes.hpp"
+#include "comparison/series.hpp"
 #include "solvers/newton.hpp"
 #include "statics/check.hpp"
 #include "statics/reference.hpp"
@@ -18,9 +18,9 @@ namespace {
 
 using Make = Scene (*)();
 
-Scene chain_100() { return hanging_chain_scene(100); }
-Scene chain_1000() { return hanging_chain_scene(1000); }
-Scene ladder_100() { return window_ladder_scene(100); }
+Scene chain_100() { return comparison::hanging_chain_scene(100); }
+Scene chain_1000() { return comparison::hanging_chain_scene(1000); }
+Scene ladder_100() { return comparison::window_ladder_scene(100); }
 
 std::string text_of(const std::string& dataset) {
   std::ifstream file(POISE_SOURCE_DIR "/datasets/" + dataset);

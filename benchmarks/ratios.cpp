@@ -15,8 +15,8 @@
 #include "benchmarks/hand_chain.hpp"
 #include "benchmarks/hand_four_bar.hpp"
 #include "benchmarks/known_answers.hpp"
-#include "benchmarks/scenes.hpp"
 #include "benchmarks/timing.hpp"
+#include "comparison/series.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/newton.hpp"
 
@@ -135,7 +135,7 @@ void race_four_bars(Table& table) {
                   }}),
             hand_limit, virtual_work_error);
 
-  solvers::IpoptResult ipopt;
+  solvers::SearchResult ipopt;
   BareIpoptResult bare;
   table.row("four-bar, energy",
             race({[&] { ipopt = solvers::solve_with_ipopt(model.problem(), x); },
@@ -150,7 +150,7 @@ void race_four_bars(Table& table) {
 }
 
 Race race_chains(Table& table, int links) {
-  const StaticModel model(hanging_chain_scene(links));
+  const StaticModel model(comparison::hanging_chain_scene(links));
   const std::vector<double> start = model.start();
   solvers::Newton newton(model.problem());
   HandChain by_hand(links);
@@ -168,9 +168,9 @@ Race race_chains(Table& table, int links) {
 }
 
 void race_chain_energies(Table& table, int links) {
-  const StaticModel model(hanging_chain_scene(links));
+  const StaticModel model(comparison::hanging_chain_scene(links));
   const std::vector<double> start = model.start();
-  solvers::IpoptResult ipopt;
+  solvers::SearchResult ipopt;
   BareIpoptResult bare;
   table.row(fmt::format("chain of {} links, energy", links),
             race({[&] { ipopt = solvers::solve_with_ipopt(model.problem(), start); },

@@ -48,8 +48,8 @@ std::string in_words(Ipopt::ApplicationReturnStatus status) {
 // Ipopt's callbacks over a Problem. Every new point is evaluated once, whole.
 class Adapter final : public Ipopt::TNLP {
  public:
-  Adapter(const Problem& problem, const std::vector<double>& start, const IpoptOptions& options,
-          const std::vector<int>& rows, IpoptResult& result)
+  Adapter(const Problem& problem, const std::vector<double>& start, const SearchOptions& options,
+          const std::vector<int>& rows, SearchResult& result)
       : problem_(problem),
         start_(start),
         options_(options),
@@ -178,9 +178,9 @@ class Adapter final : public Ipopt::TNLP {
 
   const Problem& problem_;
   const std::vector<double>& start_;
-  const IpoptOptions& options_;
+  const SearchOptions& options_;
   std::vector<int> rows_;
-  IpoptResult& result_;
+  SearchResult& result_;
   Evaluation at_;
   std::vector<double> multipliers_, objective_part_;
   std::vector<int> entry_, row_, column_;
@@ -188,9 +188,9 @@ class Adapter final : public Ipopt::TNLP {
 
 }  // namespace
 
-IpoptResult solve_with_ipopt(const Problem& problem, const std::vector<double>& start, const IpoptOptions& options,
-                             const std::vector<int>& rows) {
-  IpoptResult result;
+SearchResult solve_with_ipopt(const Problem& problem, const std::vector<double>& start, const SearchOptions& options,
+                              const std::vector<int>& rows) {
+  SearchResult result;
   result.x = start;
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
   auto settings = application->Options();

@@ -29,8 +29,18 @@ enum class Outcome {
 /// One sentence for a person.
 std::string describe(Outcome outcome);
 
+/// What keeps Newton's method from failing where it is left to itself. Each can be switched off to show its worth;
+/// docs/method.md says what each does.
+struct Safeguards {
+  bool inertia_correction = true;  ///< minimum: the tangent is shifted until it is positive on the null space of J
+  bool line_search = true;         ///< steps are bounded and halved on the filter or the Lagrangian's fall
+  bool rank_revealing = true;      ///< dependent rows of J are left out, multipliers are of minimum norm
+  bool load_stepping = true;       ///< where all else stalls: released step by step from a load that holds the start
+};
+
 struct NewtonOptions {
   Goal goal = Goal::stationary;
+  Safeguards safeguards{};
   double step_tolerance = 1e-9;     ///< converged when max |d| is below it; d is then still applied, leaving |d|^2
   double rounding = 2e-15;          ///< or when max |c| and max |F + J^T y| / (1 + max |F|) are below it
   double longest_step = 0.5;        ///< bound on max |d|, rad or mechanism sizes

@@ -8,8 +8,12 @@
 #include <Eigen/QR>
 #include <fmt/format.h>
 
+#include "solvers/augmented_lagrangian.hpp"
+#include "solvers/dynamic_relaxation.hpp"
 #include "solvers/ipopt.hpp"
+#include "solvers/least_squares.hpp"
 #include "solvers/newton.hpp"
+#include "solvers/nlopt_program.hpp"
 #include "statics/curvature_impl.hpp"
 #include "statics/mobility.hpp"
 
@@ -41,9 +45,11 @@ std::vector<int> independent_rows(const StaticModel& model, const std::vector<do
 }
 
 void search_by_virtual_work(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options,
-                            Equilibrium& out, bool& claimed) {
+                            Equilibrium& out) {
   solvers::NewtonOptions settings;
   settings.goal = options.seek == Seek::stable ? solvers::Goal::minimum : solvers::Goal::stationary;
+  settings.safeguards = options.safeguards;
+  settings.step_tolerance = options.tolerance.value_or(settings.step_tolerance);
   settings.interrupt = options.interrupt;
   solvers::Newton newton(model.problem(), settings);
   const auto begin = std::chrono::steady_clock::now();
@@ -55,33 +61,79 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   out.why = "Newton: " + solvers::describe(result.outcome);
   if (result.descended) out.why += " (by descending the energy, after plain Newton stalled)";
   if (result.outcome == solvers::Outcome::interrupted) out.status = Status::interrupted;
-  claimed = result.outcome == solvers::Outcome::converged;
+  out.claimed = result.outcome == solvers::Outcome::converged;
 }
 
-void search_by_energy(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options,
-                      Equilibrium& out, bool& claimed) {
+using Program = solvers::SearchResult (*)(const solvers::Problem&, const std::vector<double>&,
+                                          const solvers::SearchOptions&, const std::vector<int>&);
+
+template <solvers::Tangent tangent>
+solvers::SearchResult augmented_with(const solvers::Problem& problem, const std::vector<double>& start,
+                                     const solvers::SearchOptions& options, const std::vector<int>& rows) {
+  const solvers::AugmentedLagrangianOptions all{options, tangent};
+  return solvers::solve_with_augmented_lagrangian(problem, start, all, rows);
+}
+
+template <solvers::NloptAlgorithm algorithm>
+solvers::SearchResult nlopt_with(const solvers::Problem& problem, const std::vector<double>& start,
+                                 const solvers::SearchOptions& options, const std::vector<int>& rows) {
+  return solvers::solve_with_nlopt(algorithm, problem, start, options, rows);
+}
+
+Program program_of(Method method) {
+  switch (method) {
+    case Method::augmented_lagrangian:
+      return augmented_with<solvers::Tangent::newton>;
+    case Method::augmented_lagrangian_modified:
+      return augmented_with<solvers::Tangent::modified>;
+    case Method::slsqp:
+      return nlopt_with<solvers::NloptAlgorithm::slsqp>;
+    case Method::auglag_lbfgs:
+      return nlopt_with<solvers::NloptAlgorithm::auglag_lbfgs>;
+    case Method::cobyla:
+      return nlopt_with<solvers::NloptAlgorithm::cobyla>;
+    case Method::dynamic_relaxation:
+      return solvers::solve_with_dynamic_relaxation;
+    case Method::least_squares:
+      return solvers::solve_with_least_squares;
+    default:
+      return solvers::solve_with_ipopt;
+  }
+}
+
+void search_by_program(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options,
+                       Equilibrium& out) {
   const Mechanism<double>& m = model.mechanism();
-  if (m.has_follower_loads()) {
+  const MethodTraits& method = traits(options.method);
+  if (method.needs_potential && m.has_follower_loads()) {
     out.status = Status::refused;
     out.why = fmt::format("force \"{}\" follows a body and has no potential, so there is no energy to minimise",
                           m.follower_names().front());
     return;
   }
+  if (m.coordinates() > method.coordinates) {
+    out.status = Status::refused;
+    out.why = fmt::format("{} coordinates are beyond this method, which is not tried above {}", m.coordinates(),
+                          method.coordinates);
+    return;
+  }
   // From closed loops: which closures repeat each other shows only where they hold.
   solvers::Newton closing(model.problem());
   const std::vector<double> closed = closing.close(x.data()).x;
-  solvers::IpoptOptions settings;
-  settings.interrupt = options.interrupt;
+  const solvers::SearchOptions settings{.tolerance = options.tolerance.value_or(method.tolerance),
+                                        .iterations = method.iterations,
+                                        .interrupt = options.interrupt};
   const std::vector<int> rows = independent_rows(model, closed);
+  const Program program = program_of(options.method);
   const auto begin = std::chrono::steady_clock::now();
-  const solvers::IpoptResult result = solvers::solve_with_ipopt(model.problem(), closed, settings, rows);
+  const solvers::SearchResult result = program(model.problem(), closed, settings, rows);
   out.microseconds = elapsed(begin);
   out.x = result.x;
   out.iterations = result.iterations;
   out.evaluations = result.evaluations;
   out.why = result.status;
   if (result.interrupted) out.status = Status::interrupted;
-  claimed = result.claims_success;
+  out.claimed = result.claims_success;
 }
 
 double energy_at(const StaticModel& model, const std::vector<double>& x) {
@@ -93,7 +145,7 @@ double energy_at(const StaticModel& model, const std::vector<double>& x) {
 }
 
 // The check decides, whatever the solver said of itself.
-void judge(const StaticModel& model, const SolveOptions& options, bool claimed, Equilibrium& out) {
+void judge(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
   out.check = check(model, out.x, options.check);
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;
@@ -102,14 +154,12 @@ void judge(const StaticModel& model, const SolveOptions& options, bool claimed, 
     out.status = Status::confirmed;
     return;
   }
-  out.status = claimed && !out.check.is_equilibrium() ? Status::refuted : Status::not_found;
+  out.status = out.claimed && !out.check.is_equilibrium() ? Status::refuted : Status::not_found;
   out.why += wrong_kind && out.check.is_equilibrium() ? "; what it reached is an unstable equilibrium"
                                                       : "; " + out.check.objection;
 }
 
 }  // namespace
-
-std::string to_string(Method method) { return method == Method::virtual_work ? "virtual-work" : "energy"; }
 
 std::string to_string(Status status) {
   switch (status) {
@@ -134,12 +184,11 @@ Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const 
   out.method = options.method;
   out.seek = options.seek;
   out.x = x;
-  bool claimed = false;
   if (options.method == Method::virtual_work)
-    search_by_virtual_work(model, x, options, out, claimed);
+    search_by_virtual_work(model, x, options, out);
   else
-    search_by_energy(model, x, options, out, claimed);
-  if (out.status != Status::refused) judge(model, options, claimed, out);
+    search_by_program(model, x, options, out);
+  if (out.status != Status::refused) judge(model, options, out);
   return out;
 }
 

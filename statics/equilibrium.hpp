@@ -1,19 +1,17 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "model/scene.hpp"
+#include "solvers/newton.hpp"
 #include "statics/check.hpp"
+#include "statics/method.hpp"
 #include "statics/static_model.hpp"
 
 namespace poise {
-
-enum class Method {
-  virtual_work,  ///< Newton-Raphson on c(q) = 0, N^T Q(q) = 0
-  energy         ///< min V(q) subject to c(q) = 0 and stops, by Ipopt; finds stable rest only
-};
 
 enum class Seek {
   nearest,  ///< any equilibrium near the start
@@ -29,14 +27,15 @@ enum class Status {
   interrupted
 };
 
-/// "virtual-work", "energy"; "confirmed", "not found", ...
-std::string to_string(Method method);
+/// "confirmed", "not found", ...
 std::string to_string(Status status);
 
 struct SolveOptions {
   Method method = Method::virtual_work;
   Seek seek = Seek::nearest;
+  std::optional<double> tolerance{};  ///< of the method; its own (MethodTraits) where not given
   CheckTolerances check{};
+  solvers::Safeguards safeguards{};  ///< of virtual work
   const std::atomic<bool>* interrupt = nullptr;
 };
 
@@ -45,7 +44,8 @@ struct Equilibrium {
   Method method = Method::virtual_work;
   Seek seek = Seek::nearest;
   Status status = Status::not_solved;
-  std::string why;  ///< one sentence: the solver's own word, and the objection where there is one
+  bool claimed = false;  ///< the solver's own word
+  std::string why;       ///< one sentence: the solver's own word, and the objection where there is one
   int iterations = 0;
   int evaluations = 0;
   double microseconds = 0.0;  ///< of the search alone: reading, compiling, closing loops and check left out

@@ -1,11 +1,11 @@
-#include "benchmarks/scenes.hpp"
+#include "comparison/series.hpp"
 
 #include <cmath>
 #include <string>
 
-#include "benchmarks/hand_chain.hpp"
+#include <fmt/format.h>
 
-namespace poise::benchmarks {
+namespace poise::comparison {
 namespace {
 
 // A uniform bar from point a, its origin, to point b.
@@ -27,6 +27,19 @@ void pin(Scene& scene, PointRef a, PointRef b) {
 }
 
 }  // namespace
+
+std::vector<double> arc_start(int links) {
+  // The span falls as the arc closes, from 1 at phi = 0 to 0 at a full circle.
+  double low = 0.0, high = 2.0 * M_PI / links;
+  for (int k = 0; k < 200; ++k) {
+    const double phi = 0.5 * (low + high);
+    const double span = std::sin(0.5 * links * phi) / (links * std::sin(0.5 * phi));
+    (span > chain_span ? low : high) = phi;
+  }
+  std::vector<double> angles(links);
+  for (int i = 0; i < links; ++i) angles[i] = (i - 0.5 * (links - 1)) * low;
+  return angles;
+}
 
 Scene hanging_chain_scene(int links) {
   Scene scene;
@@ -69,4 +82,10 @@ Scene window_ladder_scene(int windows) {
   return scene;
 }
 
-}  // namespace poise::benchmarks
+Scene series_scene(const std::string& name, int size) {
+  if (name == "hanging chain") return hanging_chain_scene(size);
+  if (name == "window ladder") return window_ladder_scene(size);
+  throw InputError(fmt::format("series: expected \"hanging chain\" or \"window ladder\", found \"{}\"", name));
+}
+
+}  // namespace poise::comparison

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/scene.hpp"
+
+namespace poise::comparison {
+
+// Scenes whose size is a parameter, built in code.
+
+/// The hanging chain of the references (static.hanging_chain_span06): n equal uniform links, together 1 m long and 1 N
+/// heavy, between two pins on one level chain_span apart.
+inline constexpr double chain_span = 0.6;  ///< m
+
+/// Angles, rad, of the n links laid as chords of the circular arc that hangs between the two pins:
+/// t_i = (i - (n - 1)/2) phi,  sin(n phi/2) / (n sin(phi/2)) = chain_span.
+std::vector<double> arc_start(int links);
+
+/// The hanging chain as a scene: `links` pinned bars under gravity, started on the arc.
+Scene hanging_chain_scene(int links);
+
+/// A ladder of `windows` rhombi hung one below the other from the ground: four bars of 1 m and 1 kg each, the lower
+/// corner of one carries the upper corner of the next. Gravity pulls the windows shut; in each a spring of
+/// 50 windows N/m and free length 1.2 m between its side corners holds it open. The start is closed, its windows
+/// tilted to and fro. Four angles, one loop and one spring per window; it rests upright and symmetric, stable.
+Scene window_ladder_scene(int windows);
+
+/// "hanging chain", "window ladder". Throws InputError for any other name.
+Scene series_scene(const std::string& name, int size);
+
+}  // namespace poise::comparison

@@ -1,0 +1,13 @@
+#include "solvers/nlopt_program.hpp"
+
+namespace poise::solvers {
+
+SearchResult solve_with_nlopt(NloptAlgorithm, const Problem&, const std::vector<double>& start, const SearchOptions&,
+                              const std::vector<int>&) {
+  SearchResult result;
+  result.x = start;
+  result.status = "not built yet";
+  return result;
+}
+
+}  // namespace poise::solvers

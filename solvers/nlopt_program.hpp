@@ -1,0 +1,20 @@
+#pragma once
+
+#include "solvers/search.hpp"
+
+namespace poise::solvers {
+
+enum class NloptAlgorithm {
+  slsqp,         ///< sequential quadratic programming (Kraft), exact gradients
+  auglag_lbfgs,  ///< augmented Lagrangian (Birgin, Martinez) around L-BFGS, exact gradients
+  cobyla         ///< linear approximations (Powell), no derivatives
+};
+
+/// min f(x) subject to the problem's constraints, by NLopt. The problem must have an objective. NLopt gives no
+/// multipliers: those returned are recovered from F + J^T y = 0 by least squares over the rows that hold.
+/// The tolerance is that on steps (relative and absolute) and on constraints. Iterations are evaluations.
+/// `rows` lists the constraint rows to keep, all of them when empty.
+SearchResult solve_with_nlopt(NloptAlgorithm algorithm, const Problem& problem, const std::vector<double>& start,
+                              const SearchOptions& options = {}, const std::vector<int>& rows = {});
+
+}  // namespace poise::solvers

@@ -1,0 +1,32 @@
+#include "statics/method.hpp"
+
+#include <limits>
+
+namespace poise {
+
+const std::vector<MethodTraits>& all_methods() {
+  constexpr int any = std::numeric_limits<int>::max();
+  static const std::vector<MethodTraits> all = {
+      {Method::virtual_work, "virtual-work", "Newton-Raphson on the equations of virtual work", false, false, 1e-9, 500,
+       any},
+      {Method::energy, "energy", "least energy, by Ipopt", true, true, 1e-14, 1000, any},
+      {Method::augmented_lagrangian, "augmented-lagrangian", "Newton on the augmented Lagrangian", false, false, 1e-12,
+       200, 2000},
+      {Method::augmented_lagrangian_modified, "augmented-lagrangian-modified",
+       "the same without the curvature of the constraints, as in MECANO", false, false, 1e-12, 1000, 2000},
+      {Method::slsqp, "slsqp", "least energy by sequential quadratic programming (NLopt)", true, true, 1e-12, 1000,
+       300},
+      {Method::auglag_lbfgs, "auglag-lbfgs", "least energy by an augmented Lagrangian around L-BFGS (NLopt)", true,
+       true, 1e-10, 20000, 2000},
+      {Method::cobyla, "cobyla", "least energy without derivatives (NLopt)", true, true, 1e-10, 20000, 30},
+      {Method::dynamic_relaxation, "dynamic-relaxation", "damped motion to rest", false, true, 1e-10, 20000, 2000},
+      {Method::least_squares, "least-squares", "residuals of all equations, by Ceres", false, false, 1e-12, 500, 20000},
+  };
+  return all;
+}
+
+const MethodTraits& traits(Method method) { return all_methods()[static_cast<std::size_t>(method)]; }
+
+std::string to_string(Method method) { return traits(method).name; }
+
+}  // namespace poise
