@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "solvers/kkt.hpp"
@@ -23,6 +25,8 @@ constexpr std::size_t modes = 6;
 // Part of the largest force that the rounding of stiff springs may leave unbalanced without a further look, and at all.
 constexpr double rounding_forgiven = 1e-6;
 constexpr double worst_reactions = 1e-3;
+// Rounding of the forces on a coordinate, scaled to order one: some units in the last place.
+constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
 
 // Gap of a joint between the places of its two bodies, m.
 double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses, double size) {
@@ -188,6 +192,7 @@ class Judge {
     const Reference exact = refine(model_, x_);
     if (exact.refined && exact.error < 1e-6) return;
     out_.balanced = false;
+    out_.locked = true;
     object("no finite reactions hold it: here its joints lock (reactions of more than a million times the loads)");
   }
 
@@ -210,6 +215,7 @@ class Judge {
     const ReducedHessian<double> reduced(m, x_, rows);
     if (reduced.matrix.size() == 0) {
       settle(0, 0);
+      out_.accuracy = force_rounding;
       out_.stability_note = "the stops that press leave no freedom";
     } else if (m.has_follower_loads()) {
       judge_followers(reduced);
@@ -231,6 +237,9 @@ class Judge {
         out_.stability_note = "a curvature is so small that its sign was taken from 50 digits";
       }
     }
+    double smallest = std::numeric_limits<double>::infinity();
+    for (double c : curvature) smallest = std::min(smallest, std::abs(c));
+    out_.accuracy = force_rounding / smallest;
     const Eigen::MatrixXd directions = reduced.basis * eigen.eigenvectors();
     for (std::size_t k = 0; k < std::min(modes, curvature.size()); ++k) {
       out_.modes.push_back(mode(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
@@ -266,6 +275,7 @@ class Judge {
   // coordinates, is the sign of its determinant: negative means divergence. With more than one freedom a positive one
   // does not exclude flutter, which only masses can decide.
   void judge_followers(const ReducedHessian<double>& reduced) {
+    out_.accuracy = force_rounding / reduced.matrix.jacobiSvd().singularValues().minCoeff();
     const double scale = std::max(1.0, reduced.largest);
     const double determinant = (reduced.matrix / scale).determinant();
     const bool neutral = std::abs(determinant) <= 1e-12;

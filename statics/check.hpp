@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,6 +64,13 @@ struct Check {
   int neutral_directions = 0;
   std::vector<Mode> modes;  ///< lowest curvatures first, at most six
   std::string stability_note;
+
+  /// The joints lock here: no finite forces in them hold the loads, because the closures lose rank.
+  bool locked = false;
+  /// How far rounding of the scene's numbers and of their evaluation may move this equilibrium, rad or mechanism
+  /// sizes: 64 eps / |smallest curvature|, both scaled. Next to a fold, where equilibria merge, it is far more than
+  /// eps. Not a number where curvatures are unknown.
+  double accuracy = std::numeric_limits<double>::quiet_NaN();
 
   /// Closed, balanced and within its stops.
   bool is_equilibrium() const { return closed && balanced && stops_kept; }

@@ -67,7 +67,7 @@ Pose shifted(const Pose& pose, double reach, unsigned seed) {
 void expect_at(const StaticModel& model, const Equilibrium& found, const Pose& known, Stability stability,
                double tolerance, const Search& search) {
   ASSERT_EQ(found.status, Status::confirmed) << found.why;
-  const double rounding = search.near_fold ? test::allowed_by_condition(model, found.check) : 0.0;
+  const double rounding = search.near_fold ? found.check.accuracy : 0.0;
   ASSERT_LE(test::error_of(model, found.x, known), std::max(tolerance, rounding));
   EXPECT_EQ(to_string(found.check.stability), to_string(stability));
   if (search.falling >= 0) {

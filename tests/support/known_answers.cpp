@@ -123,11 +123,4 @@ const Reaction& reaction_of(const Check& check, std::string_view name) {
   throw std::out_of_range("no reaction is called \"" + std::string(name) + "\"");
 }
 
-double allowed_by_condition(const StaticModel& model, const Check& check) {
-  if (check.modes.empty()) return 0.0;
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Mode& mode : check.modes) smallest = std::min(smallest, std::abs(mode.curvature));
-  return 64 * std::numeric_limits<double>::epsilon() * model.scales().energy() / smallest;
-}
-
 }  // namespace poise::test

@@ -45,9 +45,4 @@ SolveOptions by(Method method, Seek seek = Seek::nearest);
 /// The reaction of that name. Throws std::out_of_range where there is none.
 const Reaction& reaction_of(const Check& check, std::string_view name);
 
-/// How far rounding of the numbers of a scene, and of their evaluation, may move its equilibrium, rad or mechanism
-/// sizes: some units in the last place of a force over the smallest curvature, both scaled. Next to a fold, where
-/// equilibria merge, this is far more than rounding itself.
-double allowed_by_condition(const StaticModel& model, const Check& check);
-
 }  // namespace poise::test
