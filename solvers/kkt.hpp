@@ -47,8 +47,9 @@ class Kkt {
   virtual void restore(const double* c, double* d) = 0;
 };
 
-/// Null space by coordinate partitioning; see null_space.cpp.
-std::unique_ptr<Kkt> make_null_space(const Problem& problem);
+/// Null space by coordinate partitioning; see null_space.cpp. Unless `rank_revealing`, every row is taken for
+/// independent, as where a program counts equations instead.
+std::unique_ptr<Kkt> make_null_space(const Problem& problem, bool rank_revealing = true);
 
 /// Sparse LDL^T analysed once; see sparse_kkt.cpp. The problem must have an objective (symmetric tangent).
 std::unique_ptr<Kkt> make_sparse_kkt(const Problem& problem);

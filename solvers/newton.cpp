@@ -17,14 +17,16 @@ constexpr int halvings = 30;    // of one step
 constexpr int pull_backs = 20;  // chord steps back to the constraints after one trial step
 constexpr int kicks = 20;       // away from points where branches of motion cross
 constexpr int tries_per_kick = 30;
-constexpr int restarts = 30;           // perturbed starts for closing loops
-constexpr int releases = 4;            // of one inequality, against cycling
-constexpr double run_away = 100.0;     // distance from the start, rad or mechanism sizes, that counts as unbounded
-constexpr int stationary_steps = 80;   // before descent is tried instead
-constexpr double touching = 1e-9;      // an inequality this far violated counts as met
-constexpr double loose_gap = 0.05;     // gap over step length above which loops are closed before descending
-constexpr double locked_beyond = 1e6;  // multipliers of so many times the loads say that J loses rank
-constexpr double next_to_fold = 1e-5;  // step that rounded residuals may still leave
+constexpr int restarts = 30;            // perturbed starts for closing loops
+constexpr int releases = 4;             // of one inequality, against cycling
+constexpr double run_away = 100.0;      // distance from the start, rad or mechanism sizes, that counts as unbounded
+constexpr int stationary_steps = 80;    // before descent is tried instead
+constexpr double touching = 1e-9;       // an inequality this far violated counts as met
+constexpr double loose_gap = 0.05;      // gap over step length above which loops are closed before descending
+constexpr double locked_beyond = 1e6;   // multipliers of so many times the loads say that J loses rank
+constexpr double next_to_fold = 1e-5;   // step that rounded residuals may still leave
+constexpr double first_release = 0.25;  // share of the holding load that load stepping lets go at once
+constexpr double least_release = 1e-3;
 
 double largest(const std::vector<double>& v) {
   double worst = 0.0;
@@ -50,6 +52,8 @@ std::string describe(Outcome outcome) {
       return "the loops could not be closed from this start";
     case Outcome::stalled:
       return "no step led any further";
+    case Outcome::locked:
+      return "the joints lock: no finite forces in them hold the loads here";
     case Outcome::unbounded:
       return "the energy falls without end: the mechanism runs away";
     case Outcome::iteration_limit:
@@ -70,12 +74,12 @@ class Newton::Run {
         equalities_(problem.equalities()) {
     const bool dense =
         !problem.has_objective() || (n_ <= options.dense_limit && n_ * (n_ - equalities_) <= options.dense_work);
-    kkt_ = dense ? make_null_space(problem) : make_sparse_kkt(problem);
+    kkt_ = dense ? make_null_space(problem, options.safeguards.rank_revealing) : make_sparse_kkt(problem);
     restarts_ = dense ? restarts : 3;
     now_ = problem.make_evaluation();
     trial_ = problem.make_evaluation();
     tangent_.resize(problem.tangent_pattern().size());
-    for (auto* v : {&step_, &residual_, &start_, &pull_, &kicked_from_}) v->resize(n_);
+    for (auto* v : {&step_, &residual_, &start_, &pull_, &kicked_from_, &hold_}) v->resize(n_);
     for (auto* v : {&y_, &y_next_, &y_before_, &gap_, &trial_gap_}) v->resize(m_);
     side_.resize(m_);
     releases_.resize(m_);
@@ -90,20 +94,21 @@ class Newton::Run {
     if (options.goal == Goal::stationary || !problem_.has_objective()) {
       gap(now_, gap_);
       const bool open = largest(gap_) > touching;
-      result.outcome = seek_stationary();
+      note(seek_stationary());
       if (gave_up() && open) {
         // From an open start redundant constraints cannot be told from independent ones.
         restart_from(start_);
-        if (close_loops()) result.outcome = seek_stationary();
+        if (close_loops()) note(seek_stationary());
       }
       if (gave_up() && problem_.has_objective()) {
         restart_from(start_);
         result.descended = true;
-        result.outcome = seek_minimum();
+        note(seek_minimum());
       }
     } else {
-      result.outcome = seek_minimum();
+      note(seek_minimum());
     }
+    if (gave_up() && options.safeguards.load_stepping) step_loads();
     finish();
   }
 
@@ -123,8 +128,14 @@ class Newton::Run {
     result.outcome = Outcome::not_solved;
     result.iterations = result.evaluations = result.factorizations = 0;
     result.constraint_error = result.force_error = result.last_step = 0.0;
-    result.descended = false;
+    result.descended = result.load_stepped = result.met_lock = false;
+    held_ = 0.0;
     restart_from(start_);
+  }
+
+  void note(Outcome outcome) {
+    result.outcome = outcome;
+    result.met_lock = result.met_lock || outcome == Outcome::locked;
   }
 
   void restart_from(const std::vector<double>& x) {
@@ -139,7 +150,10 @@ class Newton::Run {
     activate_touched();
   }
 
-  bool gave_up() const { return result.outcome == Outcome::stalled || result.outcome == Outcome::iteration_limit; }
+  bool gave_up() const {
+    return result.outcome == Outcome::stalled || result.outcome == Outcome::locked ||
+           result.outcome == Outcome::iteration_limit;
+  }
 
   void finish() {
     result.x = now_.x;
@@ -153,6 +167,9 @@ class Newton::Run {
   void evaluate(Evaluation& at) {
     problem_.evaluate(at);
     ++result.evaluations;
+    if (held_ == 0.0) return;
+    for (int i = 0; i < n_; ++i) at.gradient[i] -= held_ * hold_[i];
+    at.objective -= held_ * dot(hold_, at.x);
   }
 
   // --- inequalities -------------------------------------------------------------------------------------------------
@@ -360,7 +377,8 @@ class Newton::Run {
       last = length;
       if (length <= options.step_tolerance || (no_shorter && at_rest())) {
         const Pulling pulling = release_pulling(y_next_, 0.0);
-        if (pulling == Pulling::cycling || locked()) return Outcome::stalled;
+        if (locked()) return Outcome::locked;
+        if (pulling == Pulling::cycling) return Outcome::stalled;
         if (pulling == Pulling::released) {
           filter_.clear();
           linearize();
@@ -370,8 +388,8 @@ class Newton::Run {
         return Outcome::converged;
       }
       if (!std::isfinite(length)) return Outcome::stalled;
-      if (!shorten_until_new(std::min(1.0, options.longest_step / length))) {
-        return at_rest() && !locked() ? Outcome::converged : Outcome::stalled;
+      if (!shorten_until_new(options.safeguards.line_search ? std::min(1.0, options.longest_step / length) : 1.0)) {
+        return locked() ? Outcome::locked : at_rest() ? Outcome::converged : Outcome::stalled;
       }
       if (activate_violated(now_)) {
         filter_.clear();
@@ -412,7 +430,7 @@ class Newton::Run {
       std::swap(now_, trial_);
       for (int r = 0; r < m_; ++r) y_[r] = y_before_[r] + alpha * (y_next_[r] - y_before_[r]);
       linearize();
-      if (is_new()) return true;
+      if (is_new() || !options.safeguards.line_search) return true;
     }
     std::copy(pull_.begin(), pull_.end(), now_.x.begin());
     std::copy(y_before_.begin(), y_before_.end(), y_.begin());
@@ -426,7 +444,10 @@ class Newton::Run {
   Outcome seek_minimum() {
     if (!close_loops()) return interrupted() ? Outcome::interrupted : Outcome::not_closed;
     Outcome outcome = descend_to_rest();
-    for (int k = 0; k < kicks && outcome == Outcome::stalled && kick(); ++k) outcome = descend_to_rest();
+    for (int k = 0; k < kicks && (outcome == Outcome::stalled || outcome == Outcome::locked) && kick(); ++k) {
+      note(outcome);
+      outcome = descend_to_rest();
+    }
     return outcome;
   }
 
@@ -463,7 +484,8 @@ class Newton::Run {
         return pulling == Pulling::none ? Outcome::converged : Outcome::stalled;
       }
       const bool bowl = factors == Kkt::Factors::positive;
-      if (!bowl) shift_to_bowl();
+      const bool corrects = options.safeguards.inertia_correction;
+      if (!bowl && corrects) shift_to_bowl();
       solve_for_step();
       const double length = largest(step_);
       result.last_step = length;
@@ -483,14 +505,14 @@ class Newton::Run {
       const bool rounded = at_rest() && length <= next_to_fold && length > 0.25 * last;
       last = length;
       if (bowl && (length <= options.step_tolerance || rounded)) {
-        if (locked()) return Outcome::stalled;
+        if (locked()) return Outcome::locked;
         apply_last_step();
         return Outcome::converged;
       }
-      const bool saddle = !bowl && length < 0.01;
+      const bool saddle = !bowl && corrects && length < 0.01;
       if (saddle && leave_saddle()) continue;
-      if (!descend(std::min(1.0, options.longest_step / length))) {
-        return bowl && at_rest() && !locked() ? Outcome::converged : Outcome::stalled;
+      if (!descend(options.safeguards.line_search ? std::min(1.0, options.longest_step / length) : 1.0)) {
+        return locked() ? Outcome::locked : bowl && at_rest() ? Outcome::converged : Outcome::stalled;
       }
       if (std::any_of(now_.x.begin(), now_.x.end(), [](double x) { return !std::isfinite(x); })) {
         return Outcome::stalled;
@@ -550,7 +572,7 @@ class Newton::Run {
           if (alpha * longest > 1e-15) continue;
         }
         const bool fell = lagrangian(trial_, trial_gap_, y_next_) <= before + armijo * alpha * slope + noise;
-        if (fell || (alpha == 1.0 && -slope < noise)) {
+        if (fell || (alpha == 1.0 && -slope < noise) || !options.safeguards.line_search) {
           if (met >= 0)
             activate(met, violation_side(met));
           else
@@ -581,6 +603,38 @@ class Newton::Run {
     return left <= tolerance;
   }
 
+  // --- load stepping ------------------------------------------------------------------------------------------------
+
+  // Release (1 - held_) grows from 0 to 1; a step that gives up goes back and lets go of less.
+  void step_loads() {
+    restart_from(start_);
+    if (!close_loops()) return;
+    linearize();
+    std::copy(residual_.begin(), residual_.end(), hold_.begin());
+    kicked_from_ = now_.x;
+    const bool down = options.goal == Goal::minimum && problem_.has_objective();
+    double release = first_release;
+    for (double let_go = 0.0; let_go < 1.0;) {
+      const double next = std::min(1.0, let_go + release);
+      held_ = 1.0 - next;
+      restart_from(kicked_from_);
+      const Outcome outcome = down ? descend_to_rest() : seek_stationary();
+      note(outcome);
+      if (outcome == Outcome::interrupted || outcome == Outcome::unbounded) break;
+      if (outcome == Outcome::converged) {
+        let_go = next;
+        kicked_from_ = now_.x;
+        release *= 2.0;
+      } else {
+        release *= 0.25;
+        if (release < least_release) break;
+      }
+    }
+    held_ = 0.0;
+    result.load_stepped = result.outcome == Outcome::converged;
+    evaluate(now_);
+  }
+
   // Where between now_ (0) and trial_ (1) the first inequality not yet active is met; 1 when it lies within touching
   // of trial_ (then `met` names it) or none is met.
   double first_crossing(int& met) const {
@@ -608,6 +662,8 @@ class Newton::Run {
   int restarts_ = restarts;
   std::unique_ptr<Kkt> kkt_;
   Evaluation now_, trial_;
+  std::vector<double> hold_;  // artificial load that balances the closed start, and the share of it not let go
+  double held_ = 0.0;
   std::vector<double> tangent_, step_, residual_, start_, pull_, kicked_from_, y_, y_next_, y_before_, gap_, trial_gap_;
   std::vector<signed char> side_;
   std::vector<int> releases_;

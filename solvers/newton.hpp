@@ -21,6 +21,7 @@ enum class Outcome {
   converged,        ///< the last step, or what rounding leaves of residuals, met the tolerances
   not_closed,       ///< no point with c(x) = 0 was found from the start
   stalled,          ///< no step led any further
+  locked,           ///< it closed in on a pose where J loses rank and only infinite multipliers would balance F
   unbounded,        ///< the objective falls without end, or x runs away
   iteration_limit,  ///< NewtonOptions::iterations used up
   interrupted       ///< NewtonOptions::interrupt was set
@@ -65,6 +66,8 @@ struct NewtonResult {
   double force_error = 0.0;       ///< max |F + J^T y|
   double last_step = 0.0;         ///< max |d| of the last step: what Newton itself believes of its error
   bool descended = false;         ///< Goal::stationary fell back on descending the objective
+  bool load_stepped = false;      ///< it took load stepping to get there
+  bool met_lock = false;          ///< some stage ended as Outcome::locked, even if a later one went on
 };
 
 /// Newton's method for a Problem, made to arrive from anywhere.
@@ -78,6 +81,8 @@ struct NewtonResult {
 ///   at a saddle or maximum it follows a direction of negative curvature. The Lagrangian falls from step to step, so
 ///   the run can only end in a minimum, run away, or be cut off.
 /// Inequalities are held by an active set: a step ends where it meets one; one whose multiplier pulls is released.
+/// load stepping: where all this stalls, the closed start is held in balance by the artificial load F + J^T y that it
+///   lacks, and that load is let go by steps, each solved from the last.
 ///
 /// All buffers are sized in the constructor; solve() allocates nothing.
 class Newton {

@@ -38,8 +38,9 @@ constexpr double singular_below = 1e-15;
 
 class NullSpace final : public Kkt {
  public:
-  explicit NullSpace(const Problem& problem)
-      : n_(problem.variables()),
+  NullSpace(const Problem& problem, bool rank_revealing)
+      : rank_revealing_(rank_revealing),
+        n_(problem.variables()),
         m_(problem.constraints()),
         equalities_(problem.equalities()),
         symmetric_(problem.has_objective()),
@@ -202,7 +203,7 @@ class NullSpace final : public Kkt {
       for (int row = 0; row < equalities_; ++row) gap = std::max(gap, std::abs(at.constraint[row]));
       qr_columns_.setThreshold(std::clamp(rank_tolerance_per_gap * gap, rank_tolerance, rank_tolerance_limit));
       qr_columns_.compute(qr_matrix_);
-      rank_ = static_cast<int>(qr_columns_.rank());
+      rank_ = rank_revealing_ ? static_cast<int>(qr_columns_.rank()) : std::min(active_rows, n_);
     }
     for (int k = 0; k < n_; ++k) {
       order_[k] = active_rows > 0 ? static_cast<int>(qr_columns_.colsPermutation().indices()[k]) : k;
@@ -381,6 +382,7 @@ class NullSpace final : public Kkt {
     }
   }
 
+  bool rank_revealing_;
   int n_, m_, equalities_;
   bool symmetric_;
   const Pattern& jacobian_pattern_;
@@ -402,6 +404,8 @@ class NullSpace final : public Kkt {
 
 }  // namespace
 
-std::unique_ptr<Kkt> make_null_space(const Problem& problem) { return std::make_unique<NullSpace>(problem); }
+std::unique_ptr<Kkt> make_null_space(const Problem& problem, bool rank_revealing) {
+  return std::make_unique<NullSpace>(problem, rank_revealing);
+}
 
 }  // namespace poise::solvers

@@ -59,7 +59,15 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   out.iterations = result.iterations;
   out.evaluations = result.evaluations;
   out.why = "Newton: " + solvers::describe(result.outcome);
-  if (result.descended) out.why += " (by descending the energy, after plain Newton stalled)";
+  if (result.load_stepped) {
+    out.why += " (by load stepping, after all else stalled)";
+  } else if (result.descended) {
+    out.why += " (by descending the energy, after plain Newton stalled)";
+  }
+  out.met_lock = result.met_lock;
+  if (result.met_lock && result.outcome != solvers::Outcome::locked) {
+    out.why += "; on its way it met a pose where the joints lock and no finite forces hold the loads";
+  }
   if (result.outcome == solvers::Outcome::interrupted) out.status = Status::interrupted;
   out.claimed = result.outcome == solvers::Outcome::converged;
 }
@@ -136,6 +144,13 @@ void search_by_program(const StaticModel& model, const std::vector<double>& x, c
   out.claimed = result.claims_success;
 }
 
+void search(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options, Equilibrium& out) {
+  if (options.method == Method::virtual_work)
+    search_by_virtual_work(model, x, options, out);
+  else
+    search_by_program(model, x, options, out);
+}
+
 double energy_at(const StaticModel& model, const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
   if (m.has_follower_loads()) return std::numeric_limits<double>::quiet_NaN();
@@ -184,10 +199,13 @@ Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const 
   out.method = options.method;
   out.seek = options.seek;
   out.x = x;
-  if (options.method == Method::virtual_work)
-    search_by_virtual_work(model, x, options, out);
-  else
-    search_by_program(model, x, options, out);
+  if (options.scaling) {
+    search(model, x, options, out);
+  } else {
+    const StaticModel plain(model.scene(), Scales{});
+    search(plain, plain.from_si(model.to_si(x)), options, out);
+    out.x = model.from_si(plain.to_si(out.x));
+  }
   if (out.status != Status::refused) judge(model, options, out);
   return out;
 }

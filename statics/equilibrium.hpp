@@ -36,6 +36,7 @@ struct SolveOptions {
   std::optional<double> tolerance{};  ///< of the method; its own (MethodTraits) where not given
   CheckTolerances check{};
   solvers::Safeguards safeguards{};  ///< of virtual work
+  bool scaling = true;  ///< off: the search sees m and N, as the scene has them; to show what scaling is worth
   const std::atomic<bool>* interrupt = nullptr;
 };
 
@@ -45,7 +46,9 @@ struct Equilibrium {
   Seek seek = Seek::nearest;
   Status status = Status::not_solved;
   bool claimed = false;  ///< the solver's own word
-  std::string why;       ///< one sentence: the solver's own word, and the objection where there is one
+  /// The search met a pose where closures lose rank and no finite joint forces hold the loads (virtual work only).
+  bool met_lock = false;
+  std::string why;  ///< one sentence: the solver's own word, and the objection where there is one
   int iterations = 0;
   int evaluations = 0;
   double microseconds = 0.0;  ///< of the search alone: reading, compiling, closing loops and check left out
