@@ -168,6 +168,7 @@ class Writer {
             {"largest_force", shown(check.largest_force, Quantity::force)},
             {"stop_violation", json_number(check.stop_violation)},
             {"worst_stop", check.worst_stop},
+            {"accuracy", json_number(check.accuracy)},
             {"objection", check.objection}};
   }
 

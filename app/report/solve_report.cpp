@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -55,6 +56,13 @@ std::string accuracy(const Answer& answer) {
   return small_number(answer.reference->error) + " (rad, or length over size) from the 50-digit reference";
 }
 
+/// "good to 13 digits: ...": what the condition of this equilibrium lets anyone know in double precision.
+std::string condition(const Check& check) {
+  const int digits = std::max(0, static_cast<int>(std::floor(-std::log10(check.accuracy))));
+  return fmt::format("good to {}: rounding may move it by {} (rad, or length over size)",
+                     count(digits, "digit", "digits"), small_number(check.accuracy));
+}
+
 /// `"over_centre" at its min, -6 deg`.
 std::string pressing_stops(const StaticModel& model, const Answer& answer) {
   const Scene& scene = model.scene();
@@ -107,6 +115,7 @@ std::string facts(const StaticModel& model, const Answer& answer, const Palette&
   if (!model.scene().stops.empty()) out += fact("stops", pressing_stops(model, answer), palette);
   out += fact("residuals", residuals(model, check), palette);
   out += fact("error", accuracy(answer), palette);
+  if (std::isfinite(check.accuracy)) out += fact("condition", condition(check), palette);
   return out;
 }
 
