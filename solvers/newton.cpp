@@ -28,9 +28,13 @@ constexpr double next_to_fold = 1e-5;   // step that rounded residuals may still
 constexpr double first_release = 0.25;  // share of the holding load that load stepping lets go at once
 constexpr double least_release = 1e-3;
 
+// Not a number where any entry is none: no comparison that follows may pass over it.
 double largest(const std::vector<double>& v) {
   double worst = 0.0;
-  for (double e : v) worst = std::max(worst, std::abs(e));
+  for (double e : v) {
+    if (std::isnan(e)) return e;
+    worst = std::max(worst, std::abs(e));
+  }
   return worst;
 }
 

@@ -72,7 +72,10 @@ class NullSpace final : public Kkt {
     last_active_ = active;
     choose_partition(at);
     scatter(at);
-    invert();
+    // Without ranks a singular Jo is met as any program meets it that does not look: with no solution.
+    if (std::isinf(invert()) && !rank_revealing_) {
+      std::fill(inverse_.begin(), inverse_.end(), std::numeric_limits<double>::quiet_NaN());
+    }
   }
 
   bool redundant() const override { return !all_rows_used_; }

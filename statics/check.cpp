@@ -12,6 +12,7 @@
 #include "solvers/kkt.hpp"
 #include "statics/curvature_impl.hpp"
 #include "statics/free_bodies.hpp"
+#include "statics/lock.hpp"
 #include "statics/reference.hpp"
 
 namespace poise {
@@ -79,7 +80,7 @@ class Judge {
     measure_closure();
     measure_stops();
     balance_bodies();
-    if (out_.is_equilibrium()) look_for_a_lock();
+    look_for_a_lock();
     if (out_.is_equilibrium())
       find_stability();
     else
@@ -188,12 +189,24 @@ class Judge {
   // A pose where the closures lose rank may hold no load at all: a rounding error beside it reactions grow beyond all
   // measure and seem to balance. Whether there is an equilibrium is then decided in 50 digits.
   void look_for_a_lock() {
-    if (out_.largest_force <= 1e6 * largest_load_ || model_.mechanism().coordinates() > all_curvatures) return;
-    const Reference exact = refine(model_, x_);
-    if (exact.refined && exact.error < 1e-6) return;
-    out_.balanced = false;
+    if (!out_.closed) return;
+    if (!out_.balanced) {
+      const std::optional<Lock> lock = find_lock(model_, x_);
+      if (!lock) return;
+      out_.objection = fmt::format(
+          "no finite joint forces hold the loads in this singular pose: its joints lock, only {} of {} closures being "
+          "independent",
+          lock->rank, lock->rank_beside);
+    } else {
+      if (out_.largest_force <= 1e6 * largest_load_ || model_.mechanism().coordinates() > all_curvatures) return;
+      const Reference exact = refine(model_, x_);
+      if (exact.refined && exact.error < 1e-6) return;
+      out_.balanced = false;
+      object(
+          "no finite joint forces hold the loads: here the joints lock (reactions of more than a million times the "
+          "loads)");
+    }
     out_.locked = true;
-    object("no finite reactions hold it: here its joints lock (reactions of more than a million times the loads)");
   }
 
   // Closure rows and the stops that press.

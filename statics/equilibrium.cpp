@@ -15,6 +15,7 @@
 #include "solvers/newton.hpp"
 #include "solvers/nlopt_program.hpp"
 #include "statics/curvature_impl.hpp"
+#include "statics/lock.hpp"
 #include "statics/mobility.hpp"
 
 namespace poise {
@@ -64,9 +65,9 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   } else if (result.descended) {
     out.why += " (by descending the energy, after plain Newton stalled)";
   }
-  out.met_lock = result.met_lock;
-  if (result.met_lock && result.outcome != solvers::Outcome::locked) {
-    out.why += "; on its way it met a pose where the joints lock and no finite forces hold the loads";
+  out.met_lock = result.met_lock || find_lock(model, x).has_value();
+  if (out.met_lock && result.outcome != solvers::Outcome::locked) {
+    out.why += "; it left a singular pose, whose joints lock: no finite forces in them hold the loads there";
   }
   if (result.outcome == solvers::Outcome::interrupted) out.status = Status::interrupted;
   out.claimed = result.outcome == solvers::Outcome::converged;

@@ -1,0 +1,74 @@
+#include "statics/lock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include <Eigen/QR>
+
+#include "solvers/newton.hpp"
+#include "statics/curvature_impl.hpp"
+
+namespace poise {
+namespace {
+
+constexpr int most_coordinates = 60;
+constexpr double closed_within = 1e-7;
+constexpr double unbalanced_beyond = 1e-6;  // of the largest load
+// A search that closes in on a lock stops some way off, because small gaps move such poses far.
+constexpr double rank_tolerance = 1e-4;
+constexpr double beside = 0.1;  // rad or mechanism sizes
+constexpr int tries = 8;
+
+std::vector<int> closure_rows(const Mechanism<double>& mechanism) {
+  std::vector<int> rows(2 * mechanism.closures());
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
+
+int rank_of(const Eigen::MatrixXd& jacobian) {
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(rank_tolerance);
+  return static_cast<int>(qr.compute(jacobian.transpose()).rank());
+}
+
+double largest_gap(const DensePoint<double>& point) {
+  double worst = 0.0;
+  for (int row : point.kept) worst = std::max(worst, std::abs(point.constraint[row]));
+  return worst;
+}
+
+// With the rank at which it locks: singular values below the tolerance carry nothing.
+bool balances(const DensePoint<double>& point) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(rank_tolerance);
+  factors.compute(point.jacobian.transpose());
+  const Eigen::VectorXd left = point.force + point.jacobian.transpose() * factors.solve(-point.force);
+  return left.cwiseAbs().maxCoeff() <= unbalanced_beyond * (1.0 + point.force.cwiseAbs().maxCoeff());
+}
+
+}  // namespace
+
+std::optional<Lock> find_lock(const StaticModel& model, const std::vector<double>& x) {
+  const Mechanism<double>& m = model.mechanism();
+  const std::vector<int> rows = closure_rows(m);
+  if (rows.empty() || m.coordinates() > most_coordinates) return std::nullopt;
+  const DensePoint<double> here(m, x, rows);
+  if (largest_gap(here) > closed_within || balances(here)) return std::nullopt;
+  Lock lock;
+  lock.rank = rank_of(here.jacobian);
+  if (lock.rank == std::min<int>(static_cast<int>(rows.size()), m.coordinates())) return std::nullopt;
+  solvers::Newton closing(model.problem());
+  std::minstd_rand random(20220531);
+  std::uniform_real_distribution<double> uniform(-beside, beside);
+  for (int k = 0; k < tries; ++k) {
+    std::vector<double> moved = x;
+    for (double& v : moved) v += uniform(random);
+    const DensePoint<double> there(m, closing.close(moved.data()).x, rows);
+    if (largest_gap(there) <= closed_within) lock.rank_beside = std::max(lock.rank_beside, rank_of(there.jacobian));
+  }
+  return lock.rank_beside > lock.rank ? std::optional(lock) : std::nullopt;
+}
+
+}  // namespace poise

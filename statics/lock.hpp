@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+/// A pose where closures lose rank: there joints may hold no load at all.
+struct Lock {
+  int rank = 0;         ///< of the closure Jacobian at the pose
+  int rank_beside = 0;  ///< at poses close by
+};
+
+/// Tells whether the closed pose x (scaled coordinates) is locked: the Jacobian J of the closures has a smaller rank
+/// than beside it, and the loads F have a part that no finite multipliers y balance, whatever motion is possible:
+/// min |F + J^T y| > 0. None where the pose is open, or for mechanisms of more than 60 coordinates.
+std::optional<Lock> find_lock(const StaticModel& model, const std::vector<double>& x);
+
+}  // namespace poise
