@@ -5,36 +5,13 @@
 #include <limits>
 #include <utility>
 
+#include "comparison/difference.hpp"
+
 namespace poise::app {
 namespace {
 
-bool turns_count(const Scene& scene) {
-  return !scene.torsion_springs.empty() ||
-         std::any_of(scene.stops.begin(), scene.stops.end(), [](const Stop& s) { return s.kind == Stop::Kind::angle; });
-}
-
-struct Difference {
-  double size = 0.0;
-  std::size_t coordinate = 0;
-  bool whole_turns = false;
-};
-
-Difference largest_difference(const StaticModel& model, const std::vector<double>& a, const std::vector<double>& b) {
-  const bool wrap = !turns_count(model.scene());
-  const auto angles = static_cast<std::size_t>(model.layout().angles);
-  Difference largest;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    double d = std::abs(a[i] - b[i]);
-    if (wrap && i < angles) {
-      largest.whole_turns = largest.whole_turns || d > M_PI;
-      d = std::abs(std::remainder(d, 2 * M_PI));
-    }
-    if (d <= largest.size) continue;
-    largest.size = d;
-    largest.coordinate = i;
-  }
-  return largest;
-}
+using comparison::Difference;
+using comparison::largest_difference;
 
 bool same_equilibrium(const StaticModel& model, const Answer& a, const Answer& b) {
   constexpr double same_reference = 1e-9;
@@ -64,13 +41,21 @@ Answer measure(const StaticModel& model, Equilibrium rest) {
 Agreement compare_answers(const StaticModel& model, const std::vector<Answer>& answers) {
   Agreement agreement;
   std::vector<const Answer*> confirmed;
-  for (const Answer& answer : answers) {
-    if (answer.rest.found()) confirmed.push_back(&answer);
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    if (!answers[k].rest.found()) continue;
+    confirmed.push_back(&answers[k]);
+    const auto group = std::find_if(agreement.rests.begin(), agreement.rests.end(), [&](const auto& places) {
+      return same_equilibrium(model, answers[places.front()], answers[k]);
+    });
+    if (group != agreement.rests.end())
+      group->push_back(k);
+    else
+      agreement.rests.push_back({k});
   }
   agreement.confirmed = static_cast<int>(confirmed.size());
+  agreement.same = agreement.rests.size() < 2;
   for (std::size_t i = 0; i < confirmed.size(); ++i) {
     for (std::size_t j = i + 1; j < confirmed.size(); ++j) {
-      agreement.same = agreement.same && same_equilibrium(model, *confirmed[i], *confirmed[j]);
       const Difference d = largest_difference(model, confirmed[i]->rest.x, confirmed[j]->rest.x);
       agreement.whole_turns = agreement.whole_turns || d.whole_turns;
       if (d.size < agreement.difference) continue;

@@ -23,6 +23,7 @@
 #include "app/commands/montecarlo.hpp"
 #include "app/commands/motion.hpp"
 #include "app/commands/solve.hpp"
+#include "app/commands/stress.hpp"
 #include "app/quantity.hpp"
 #include "model/nearest_name.hpp"
 
@@ -49,6 +50,7 @@ std::vector<Entry> add_commands(CLI::App& app) {
       {add_identify(app), "datasets/lift_experiment.toml --svg fit.svg"},
       {add_identifiability(app), "datasets/lift_experiment_empty.toml"},
       {add_montecarlo(app), "datasets/lift_experiment.toml --trials 300"},
+      {add_stress(app), "--methods virtual-work,energy --starts 100"},
   };
 }
 

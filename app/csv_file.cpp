@@ -25,7 +25,7 @@ std::string quoted(const std::string& name) {
 }  // namespace
 
 std::string csv_text(const std::vector<std::string>& header, const std::vector<std::vector<double>>& columns,
-                     const std::vector<std::string>& words) {
+                     const std::vector<std::vector<std::string>>& words) {
   if (columns.empty()) return "";
   const std::size_t rows = columns.front().size();
   std::string text;
@@ -34,9 +34,9 @@ std::string csv_text(const std::vector<std::string>& header, const std::vector<s
   text += '\n';
   std::array<char, longest_number> number{};
   for (std::size_t row = 0; row < rows; ++row) {
-    if (!words.empty()) text += quoted(words[row]);
+    for (const std::vector<std::string>& column : words) text += quoted(column[row]) + ',';
     for (std::size_t column = 0; column < columns.size(); ++column) {
-      if (column > 0 || !words.empty()) text += ',';
+      if (column > 0) text += ',';
       const double value = columns[column][row];
       if (!std::isfinite(value)) continue;
       const auto written = std::to_chars(number.data(), number.data() + number.size(), value);

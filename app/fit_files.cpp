@@ -242,7 +242,7 @@ std::string residuals_csv(const FitProblem& problem, const FitAnswer& answer) {
       }
     }
   }
-  return csv_text(header, columns, runs);
+  return csv_text(header, columns, {runs});
 }
 
 int plot_columns(const Experiment& experiment) {

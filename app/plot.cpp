@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -32,7 +33,7 @@ constexpr double between_columns = 26.0;
 constexpr double legend_gap = 14.0;
 constexpr double legend_sample = 34.0;
 constexpr double legend_row = 17.0;
-constexpr double widest_name = 170.0;
+constexpr double widest_name = 190.0;
 constexpr std::size_t most_names = 24;
 
 // What one point takes in the text of gnuplot's SVG, bytes, and how much all points together may.
@@ -52,13 +53,13 @@ constexpr const char* band_colour = "#eef3f8";
 constexpr const char* font_name = "poise-chart";
 constexpr const char* fonts = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
-constexpr std::size_t curve_colours = 8;
+constexpr std::size_t curve_colours = 9;
 
 /// Colour of a curve: the inks of the pictures first. Those that follow each other differ in lightness too. From the
-/// ninth on they come again, with another dash.
+/// tenth on they come again, with another dash.
 const char* curve_colour(std::size_t i) {
-  static constexpr std::array<const char*, curve_colours> colours = {ink::reaction, ink::stop, ink::spring, "#7a4a9e",
-                                                                     ink::load,     "#1a9aa8", "#8a5a3c",   ink::faint};
+  static constexpr std::array<const char*, curve_colours> colours = {
+      ink::reaction, ink::stop, ink::spring, "#7a4a9e", ink::load, "#1a9aa8", "#8a5a3c", ink::faint, "#d6579a"};
   return colours[i % colours.size()];
 }
 
@@ -110,7 +111,8 @@ void write_legend(Chart& chart) {
     chart.left_out = fmt::format("… and {} more", named - most_names);
     room(chart.left_out);
   }
-  chart.height = std::max(graph_height, legend_row * static_cast<double>(std::min(named, most_names + 1)));
+  chart.height = std::max(chart.panel->tall ? 2 * graph_height : graph_height,
+                          legend_row * static_cast<double>(std::min(named, most_names + 1)));
 }
 
 Chart prepare(const Panel& panel) {
@@ -198,12 +200,14 @@ class Script {
     add("set label {} at screen {:.6f},{:.6f} {}\n", gnuplot_string(text), across(x), up(y), how);
   }
 
-  void set_axis(char name, const Axis& axis, bool logarithmic) {
+  void set_axis(char name, const Axis& axis, bool logarithmic, bool falls) {
     // Room for rounding, or marks at the ends are left out.
     const double room = logarithmic ? 0.0 : 1e-9 * (axis.high - axis.low);
-    const double factor = logarithmic ? 1 + 1e-9 : 1.0;
-    add("{} logscale {}\nset {}range [{}:{}]\nset {}tics (", logarithmic ? "set" : "unset", name, name,
-        axis.low / factor - room, axis.high * factor + room, name);
+    const double factor = logarithmic ? 1 + 1e-6 : 1.0;
+    double first = axis.low / factor - room, last = axis.high * factor + room;
+    if (falls) std::swap(first, last);
+    add("{} logscale {}\nset {}range [{}:{}]\nset {}tics (", logarithmic ? "set" : "unset", name, name, first, last,
+        name);
     for (const Tick& tick : axis.ticks) {
       add("{}{} {}", &tick == &axis.ticks.front() ? "" : ",", gnuplot_string(tick.label), tick.at);
     }
@@ -215,8 +219,8 @@ class Script {
     add("unset label\nset lmargin at screen {:.6f}\nset rmargin at screen {:.6f}\n"
         "set tmargin at screen {:.6f}\nset bmargin at screen {:.6f}\n",
         across(frame.left), across(frame.right), up(frame.top), up(frame.bottom));
-    set_axis('x', chart.x, panel.log_x);
-    set_axis('y', chart.y, panel.log_y);
+    set_axis('x', chart.x, panel.log_x, panel.x_falls);
+    set_axis('y', chart.y, panel.log_y, false);
     add("set key at screen {:.6f},{:.6f} left top vertical Left reverse samplen 1.5 spacing 1.0 textcolor rgb '{}'\n",
         across(frame.right + legend_gap - 10), up(frame.top), ink::dark);
     label(panel.title, frame.left, frame.top - 16,
@@ -241,7 +245,9 @@ class Script {
       const std::size_t number = curve.colour >= 0 ? static_cast<std::size_t>(curve.colour) : turn++;
       const char* colour = curve_colour(number);
       const bool dots = curve.style == Curve::Style::points;
-      const std::string line = fmt::format("with lines lt 1 lw {} {} lc rgb '{}'", dots ? 2.8 : 1.7,
+      const bool marked = curve.style == Curve::Style::marked;
+      const std::string line = fmt::format("with {} lt 1 lw {} {} lc rgb '{}'",
+                                           marked ? "linespoints pt 7 ps 0.5" : "lines", dots ? 2.8 : 1.7,
                                            curve.style == Curve::Style::dashed ? "dt (5,4)"
                                            : number >= curve_colours           ? "dt (9,3)"
                                                                                : "",

@@ -8,7 +8,12 @@ namespace poise::app {
 /// A row of points (x[i], y[i]), in the units that the labels of its panel name. Where a value is not finite (or, on a
 /// logarithmic axis, not positive) the line is broken.
 struct Curve {
-  enum class Style { line, points, dashed };
+  enum class Style {
+    line,
+    points,
+    dashed,
+    marked  ///< a line with a dot at each point, for short rows
+  };
   std::string name;  ///< in the legend; empty: not in it
   std::vector<double> x{}, y{};
   Style style = Style::line;
@@ -31,6 +36,8 @@ struct Band {
 struct Panel {
   std::string title{}, x_label{}, y_label{};
   bool log_x = false, log_y = false;
+  bool x_falls = false;  ///< the largest x stands at the left
+  bool tall = false;     ///< twice as high as usual
   std::vector<Curve> curves{};
   std::vector<Level> levels{};
   std::vector<Band> bands{};

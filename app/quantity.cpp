@@ -126,6 +126,11 @@ std::string one_line(std::string_view text) {
   return out;
 }
 
+std::string listed(const std::vector<std::string>& names, std::string_view last_by) {
+  if (names.size() < 2) return names.empty() ? "" : names.front();
+  return fmt::format("{} {} {}", fmt::join(names.begin(), names.end() - 1, ", "), last_by, names.back());
+}
+
 std::string count(int number, std::string_view singular, std::string_view plural) {
   return fmt::format("{} {}", number, number == 1 ? singular : plural);
 }

@@ -43,6 +43,9 @@ std::string duration(double microseconds);
 /// The text without line breaks and other control characters.
 std::string one_line(std::string_view text);
 
+/// "a", "a and b", "a, b and c", with whatever word joins the last.
+std::string listed(const std::vector<std::string>& names, std::string_view last_by = "and");
+
 /// "1 body", "3 bodies".
 std::string count(int number, std::string_view singular, std::string_view plural);
 

@@ -28,11 +28,16 @@ void Table::add_number_column(std::string title, std::vector<std::string> cells)
   columns_.back().to_the_right = true;
 }
 
+void Table::add_number_cells(std::string title, std::vector<Cell> cells) {
+  add_text_column(std::move(title), std::move(cells));
+  columns_.back().to_the_right = true;
+}
+
 std::string Table::print(const Palette& palette) const {
   if (empty()) return "";
   const std::size_t rows = columns_.front().cells.size();
   // One row more than the limit is shown rather than counted.
-  const std::size_t shown = rows <= shown_rows + 1 ? rows : shown_rows;
+  const std::size_t shown = all_ || rows <= shown_rows + 1 ? rows : shown_rows;
   std::vector<std::size_t> widths;
   for (const Column& column : columns_) {
     std::size_t width = screen_width(column.title);

@@ -15,12 +15,14 @@ struct Cell {
 /// Rows under a heading, columns aligned; texts to the left, numbers to the right.
 class Table {
  public:
-  /// Long tables show this many rows and tell how many more there are.
+  /// Long tables show this many rows and tell how many more there are, unless all are asked for.
   static constexpr std::size_t shown_rows = 24;
 
   void add_text_column(std::string title, std::vector<std::string> cells);
   void add_text_column(std::string title, std::vector<Cell> cells);
   void add_number_column(std::string title, std::vector<std::string> cells);
+  void add_number_cells(std::string title, std::vector<Cell> cells);
+  void show_all() { all_ = true; }
 
   bool empty() const { return columns_.empty() || columns_.front().cells.empty(); }
   /// Each line is indented by two blanks and ends with a line break.
@@ -33,6 +35,7 @@ class Table {
     bool to_the_right;
   };
   std::vector<Column> columns_;
+  bool all_ = false;
 };
 
 /// Places that a text takes on the screen: its letters, read as UTF-8.

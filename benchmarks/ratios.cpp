@@ -3,7 +3,6 @@
 // fast a machine is today passes or fails nothing.
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "benchmarks/hand_chain.hpp"
 #include "benchmarks/hand_four_bar.hpp"
 #include "benchmarks/known_answers.hpp"
+#include "benchmarks/race.hpp"
 #include "benchmarks/timing.hpp"
 #include "comparison/series.hpp"
 #include "solvers/ipopt.hpp"
@@ -26,9 +26,6 @@ namespace {
 constexpr double hand_limit = 3.0;    // Poise's Newton over the one written by hand
 constexpr double ipopt_limit = 1.2;   // Poise's Ipopt over the bare program
 constexpr double linear_limit = 2.0;  // growth of Poise's time per link and step over the yardstick's
-constexpr double seconds_per_race = 2.5;
-constexpr double shortest_turn = 5e-4;  // seconds; quicker contenders run several times per turn
-constexpr int fewest_turns = 5;
 
 // One solution, as its solver left it.
 struct Answer {
@@ -46,26 +43,12 @@ struct Race {
   Answer our_answer, their_answer;
 };
 
-int solutions_per_turn(const Contender& contender) {
-  contender.solve();  // warm caches
-  return std::max(1, static_cast<int>(shortest_turn / seconds_of(contender.solve, 1)));
-}
-
-// Turns alternate, and so does who begins, so that a change of the machine's mood meets both.
 Race race(const Contender& ours, const Contender& theirs) {
-  const int our_times = solutions_per_turn(ours);
-  const int their_times = solutions_per_turn(theirs);
-  std::vector<double> our_seconds, their_seconds;
-  const auto begin = std::chrono::steady_clock::now();
-  const auto time_left = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < seconds_per_race;
+  const auto turn = [](const Contender& contender) -> Turn {
+    return [&contender](int times) { return seconds_of(contender.solve, times); };
   };
-  for (int turn = 0; turn < fewest_turns || time_left(); ++turn) {
-    if (turn % 2 == 0) our_seconds.push_back(seconds_of(ours.solve, our_times));
-    their_seconds.push_back(seconds_of(theirs.solve, their_times));
-    if (turn % 2 == 1) our_seconds.push_back(seconds_of(ours.solve, our_times));
-  }
-  return {median(our_seconds), median(their_seconds), ours.answer(), theirs.answer()};
+  const std::vector<double> seconds = benchmarks::race({turn(ours), turn(theirs)});
+  return {seconds[0], seconds[1], ours.answer(), theirs.answer()};
 }
 
 class Table {

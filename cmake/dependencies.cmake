@@ -18,6 +18,8 @@ find_package(fmt 9 REQUIRED)                                                    
 
 if(POISE_BUILD_APP)
   find_package(CLI11 2 REQUIRED)                                                    # apt: libcli11-dev
+endif()
+if(POISE_BUILD_APP OR POISE_BUILD_BENCHMARKS)
   find_package(nlohmann_json 3.11 REQUIRED)                                         # apt: nlohmann-json3-dev
 endif()
 if(POISE_BUILD_TESTS)
@@ -26,4 +28,13 @@ endif()
 if(POISE_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 REQUIRED)                                              # apt: libbenchmark-dev
   find_package(SUNDIALS 6.4)                                                        # apt: libsundials-dev
+  # What people would use otherwise; large, so installed by `cmake/setup.sh baselines` only.
+  find_package(Simbody 3.7 QUIET)                                                   # apt baselines: libsimbody-dev
+  function(poise_has_scipy result python)
+    execute_process(COMMAND "${python}" -c "import scipy.optimize" RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+    if(failed)
+      set(${result} FALSE PARENT_SCOPE)
+    endif()
+  endfunction()
+  find_program(POISE_SCIPY_PYTHON python3 VALIDATOR poise_has_scipy)                # apt baselines: python3-scipy
 endif()

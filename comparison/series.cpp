@@ -82,10 +82,15 @@ Scene window_ladder_scene(int windows) {
   return scene;
 }
 
+const std::vector<std::string>& series_names() {
+  static const std::vector<std::string> names = {"hanging chain", "window ladder"};
+  return names;
+}
+
 Scene series_scene(const std::string& name, int size) {
-  if (name == "hanging chain") return hanging_chain_scene(size);
-  if (name == "window ladder") return window_ladder_scene(size);
-  throw InputError(fmt::format("series: expected \"hanging chain\" or \"window ladder\", found \"{}\"", name));
+  if (name == series_names()[0]) return hanging_chain_scene(size);
+  if (name == series_names()[1]) return window_ladder_scene(size);
+  throw InputError(fmt::format("series: expected {}, found \"{}\"", fmt::join(series_names(), " or "), name));
 }
 
 }  // namespace poise::comparison

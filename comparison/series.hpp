@@ -26,7 +26,10 @@ Scene hanging_chain_scene(int links);
 /// tilted to and fro. Four angles, one loop and one spring per window; it rests upright and symmetric, stable.
 Scene window_ladder_scene(int windows);
 
-/// "hanging chain", "window ladder". Throws InputError for any other name.
+/// "hanging chain", "window ladder".
+const std::vector<std::string>& series_names();
+
+/// The scene of a series. Throws InputError for a name that series_names() does not have.
 Scene series_scene(const std::string& name, int size);
 
 }  // namespace poise::comparison

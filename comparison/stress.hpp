@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,36 +11,70 @@
 namespace poise::comparison {
 
 struct StressOptions {
-  std::vector<Method> methods;  ///< in the order shown; all when empty
-  int starts = 0;               ///< per case; the case's own number when 0
-  double seconds = 1.0;  ///< a method stops trying further starts of a case after so long; virtual work never does
-  solvers::Safeguards safeguards{};  ///< of virtual work
-  bool scaling = true;               ///< of coordinates and equations; off: SI as it stands
+  std::vector<Method> methods{};  ///< in the order shown; all when empty
+  int starts = 0;                 ///< per case; the case's own number when 0
+  /// A method stops trying further starts of a case after so long, and gives up the one under way after `patience`
+  /// times as long; virtual work with all its safeguards never does.
+  double seconds = 1.0;
+  static constexpr double patience = 10.0;
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string& doing)> progress;  ///< told before every cell; may be empty
+  std::function<void(const std::string& doing)> progress{};  ///< told before every cell; may be empty
 };
 
-/// One method on one case.
+/// One method on one case. Every start ends in one way: arrived, inexact, wrong, denied, or none of these, when the
+/// method gave up, or was not confirmed to be of the kind sought.
 struct Cell {
   Method method{};
   bool refused = false;  ///< the method cannot take the case; `why` says so
   int starts = 0;        ///< tried
-  int arrived = 0;  ///< confirmed by the check, of the kind sought, and known (or, in open lists, met by 50 digits)
-  int wrong = 0;    ///< confirmed by the check and yet no equilibrium, or of another stability: must be 0
-  int denied = 0;   ///< claimed by the solver and denied by the check
-  double iterations = 0.0;    ///< median over arrivals
-  double microseconds = 0.0;  ///< median over arrivals
-  double error = 0.0;         ///< largest over arrivals from the known equilibrium, rad or mechanism sizes
-  double allowed = 0.0;       ///< what the condition of that equilibrium lets rounding do, same units
-  std::string why;            ///< of the first start that did not arrive
+  /// Confirmed by the check, of the kind sought, and known (in open lists: or met by 50 digits). Where the joints lock:
+  /// said to lock. Where there is no equilibrium: neither claimed nor confirmed.
+  int arrived = 0;
+  /// Confirmed beside a known equilibrium of that stability, closer than what the check lets pass, yet farther than
+  /// rounding explains.
+  int inexact = 0;
+  int wrong = 0;   ///< confirmed by the check and yet no equilibrium, or of another stability: must be 0
+  int denied = 0;  ///< claimed by the solver and denied by the check
+  // Not a number where there is no arrival, or no equilibrium to be known:
+  double iterations = std::numeric_limits<double>::quiet_NaN();    ///< median over arrivals
+  double microseconds = std::numeric_limits<double>::quiet_NaN();  ///< median over arrivals
+  /// Largest over arrivals from the known equilibrium, rad or mechanism sizes.
+  double error = std::numeric_limits<double>::quiet_NaN();
+  /// What the condition of that equilibrium lets rounding do, same units (Check::accuracy).
+  double allowed = std::numeric_limits<double>::quiet_NaN();
+  std::string why;  ///< of the first start that was wrong, or else of the first that did not arrive
 };
 
 struct CaseResult {
   HardCase hard;
-  std::vector<Cell> cells;
+  std::vector<Cell> cells;  ///< those of methods not reached before an interrupt are missing
 };
 
-/// Runs methods over cases from the same seeded starts.
+/// Runs methods over cases from the same seeded starts. Start k of a case is the same for all methods, on every
+/// machine: the scene's own start plus reach times uniform numbers in [-1, 1), seeded by the name of the case. Throws
+/// InputError where a case does not fit its scene.
 std::vector<CaseResult> stress(const std::vector<HardCase>& cases, const StressOptions& options);
+
+/// Virtual work in one form.
+struct Variant {
+  std::string name;  ///< what is off: "line search"
+  solvers::Safeguards safeguards{};
+  bool scaling = true;  ///< of coordinates and equations
+};
+
+/// Everything on ("all on"), and then each safeguard off in turn.
+const std::vector<Variant>& safeguard_variants();
+
+/// Runs virtual work in all safeguard_variants(): one cell for each. options.methods does not count.
+std::vector<CaseResult> stress_safeguards(const std::vector<HardCase>& cases, const StressOptions& options);
+
+/// The part of starts in which a method has to arrive to have mastered a case.
+inline constexpr double enough = 0.999;
+
+/// Whether it arrived in at least that part.
+bool mastered(const Cell& cell);
+
+/// The middle of the values, or the mean of the two in the middle; not a number where there are none.
+double median(std::vector<double> values);
 
 }  // namespace poise::comparison

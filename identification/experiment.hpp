@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "identification/record.hpp"
+#include "model/change.hpp"
 #include "model/scene.hpp"
 
 namespace poise {
@@ -74,11 +75,6 @@ struct Release {
 /// One free motion: simulated, or measured.
 struct Run {
   std::string name;
-  struct Change {
-    std::string path;
-    double value = 0.0;  ///< in the scene's units, as --set
-    int line = 0;
-  };
   std::vector<Change> changes;                              ///< of the scene, known: a payload, say
   std::vector<std::pair<std::string, std::string>> labels;  ///< {"height", "low"}
   double duration = 0.0;                                    ///< s; simulated runs

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "identification/experiment.hpp"
-#include "identification/experiment_table.hpp"
 #include "identification/read_runs.hpp"
 #include "identification/setting.hpp"
 #include "model/nearest_name.hpp"
+#include "model/read_changes.hpp"
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
 
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 /// Reads the parts of an experiment in the order in which they refer to each other.
 class ExperimentReader {
  public:
-  ExperimentReader(const ExperimentTable& root, const fs::path& file) : root_(root), file_(file) {
+  ExperimentReader(const TomlTable& root, const fs::path& file) : root_(root), file_(file) {
     experiment_.file = file.string();
   }
 
@@ -57,7 +57,7 @@ class ExperimentReader {
   }
 
   void read_sensors(const SceneNames& names) {
-    const std::vector<ExperimentTable> tables = root_.tables("sensor");
+    const std::vector<TomlTable> tables = root_.tables("sensor");
     if (tables.empty()) root_.place().fail("sensor: expected at least one sensor; add [[sensor]]");
     std::vector<std::string> defaults;
     for (std::size_t i = 1; i <= tables.size(); ++i) defaults.push_back("sensor " + std::to_string(i));
@@ -67,7 +67,7 @@ class ExperimentReader {
     }
   }
 
-  Sensor read_sensor(const ExperimentTable& table, const std::string& name, const SceneNames& names) const {
+  Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
     table.allow_keys(
         {"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "noise", "zero", "factor"});
     Sensor sensor;
@@ -91,7 +91,7 @@ class ExperimentReader {
   }
 
   /// What the sensor measures; returns the unit of the scene, or of the scene per second, in SI.
-  double read_quantity(const ExperimentTable& table, const SceneNames& names, Sensor& sensor) const {
+  double read_quantity(const TomlTable& table, const SceneNames& names, Sensor& sensor) const {
     if (table.has("angle") + table.has("travel") + table.has("distance") + table.has("x") + table.has("y") +
             table.has("force") !=
         1) {
@@ -130,7 +130,7 @@ class ExperimentReader {
   }
 
   /// angle = "b" from the ground, or angle = ["a", "b"] from a to b.
-  static void read_bodies(const ExperimentTable& table, const SceneNames& names, Sensor& sensor) {
+  static void read_bodies(const TomlTable& table, const SceneNames& names, Sensor& sensor) {
     if (!table.holds_list("angle")) {
       sensor.body_b = names.movable_body(table.text("angle"));
       return;
@@ -153,10 +153,10 @@ class ExperimentReader {
   }
 
   void read_unknowns() {
-    const std::vector<ExperimentTable> tables = root_.tables("unknown");
+    const std::vector<TomlTable> tables = root_.tables("unknown");
     std::vector<std::string> paths;
     NameLines lines;
-    for (const ExperimentTable& table : tables) {
+    for (const TomlTable& table : tables) {
       const TomlText path = table.text("path");
       const auto [other, is_new] = lines.emplace(path.value, path.place.line);
       if (!is_new) path.place.fail(fmt::format("expected another path, it is unknown in line {}", other->second));
@@ -166,7 +166,7 @@ class ExperimentReader {
     for (std::size_t i = 0; i < tables.size(); ++i) experiment_.unknowns.push_back(read_unknown(tables[i], names[i]));
   }
 
-  Unknown read_unknown(const ExperimentTable& table, const std::string& name) const {
+  Unknown read_unknown(const TomlTable& table, const std::string& name) const {
     table.allow_keys({"path", "name", "per", "start", "min", "max", "includes", "prior"});
     const TomlText path = table.text("path");
     Unknown unknown;
@@ -232,7 +232,7 @@ class ExperimentReader {
         fail("per", fmt::format("expected \"run\" or a label that all runs have, run \"{}\" has no \"{}\"{}", run.name,
                                 unknown.per, did_you_mean(unknown.per, valid)));
       }
-      for (const Run::Change& change : run.changes) {
+      for (const Change& change : run.changes) {
         if (change.path != unknown.path) continue;
         fail("path", fmt::format("expected a number that no run sets, run \"{}\" does in line {}; take it out of one",
                                  run.name, change.line));
@@ -245,7 +245,7 @@ class ExperimentReader {
     }
   }
 
-  ExperimentTable root_;
+  TomlTable root_;
   fs::path file_;
   Experiment experiment_;
 };
@@ -256,7 +256,7 @@ Experiment read_experiment(const fs::path& file, const ExperimentOptions& option
   const std::string text = read_text_file(file);
   const std::string name = file.string();
   const toml::table document = parse_toml(text, name);
-  return ExperimentReader(ExperimentTable(document, {name, 1, ""}), file).read(options);
+  return ExperimentReader(TomlTable(document, {name, 1, ""}), file).read(options);
 }
 
 }  // namespace poise

@@ -6,6 +6,7 @@
 
 #include "identification/run_data.hpp"
 #include "model/nearest_name.hpp"
+#include "model/read_changes.hpp"
 
 namespace poise {
 namespace {
@@ -19,14 +20,14 @@ struct WrittenRun {
 
 class RunsReader {
  public:
-  RunsReader(const ExperimentTable& root, const SceneNames& names, Experiment& experiment)
+  RunsReader(const TomlTable& root, const SceneNames& names, Experiment& experiment)
       : tables_(root.tables("run")), names_(names), experiment_(experiment) {
     if (tables_.empty()) root.place().fail("run: expected at least one run; add [[run]]");
   }
 
   void read(const fs::path& folder, const fs::path& data) {
     std::vector<std::string> defaults;
-    for (const ExperimentTable& table : tables_) {
+    for (const TomlTable& table : tables_) {
       defaults.push_back(table.has("split") ? "segment" : "run " + std::to_string(defaults.size() + 1));
     }
     const std::vector<std::string> names = names_of({tables_.begin(), tables_.end()}, defaults, {});
@@ -44,7 +45,7 @@ class RunsReader {
   }
 
  private:
-  WrittenRun read_run(const ExperimentTable& table, const fs::path& folder) {
+  WrittenRun read_run(const TomlTable& table, const fs::path& folder) {
     WrittenRun written;
     Run& run = written.run;
     run.line = table.place().line;
@@ -68,7 +69,7 @@ class RunsReader {
     return written;
   }
 
-  static RunSource read_source(const ExperimentTable& table) {
+  static RunSource read_source(const TomlTable& table) {
     const TomlText data = table.text("data");
     if (data.value.empty()) data.place.fail("expected the path of a data file, relative to this file");
     RunSource source{data.place, "time", "", table.texts("segments"), 1};
@@ -87,7 +88,7 @@ class RunsReader {
     return source;
   }
 
-  static void read_simulation(const ExperimentTable& table, Run& run) {
+  static void read_simulation(const TomlTable& table, Run& run) {
     constexpr double most_samples = 1e7;
     for (const char* const key : {"duration", "rate"}) {
       if (table.has(key)) continue;
@@ -106,7 +107,7 @@ class RunsReader {
     }
   }
 
-  static void read_labels(const ExperimentTable& table, Run& run) {
+  static void read_labels(const TomlTable& table, Run& run) {
     const auto labels = table.find_table("labels");
     if (!labels) return;
     for (const std::string& key : labels->keys()) {
@@ -118,7 +119,7 @@ class RunsReader {
     }
   }
 
-  Rest read_rest(const ExperimentTable& table, const Scene& scene) const {
+  Rest read_rest(const TomlTable& table, const Scene& scene) const {
     table.allow_keys({"angle", "travel", "at", "by", "known"});
     if (table.has("angle") + table.has("travel") != 1) {
       table.place().fail("expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
@@ -151,7 +152,7 @@ class RunsReader {
     return path.value;
   }
 
-  void read_release(const ExperimentTable& owner, std::string_view key, bool rate, Run& run) const {
+  void read_release(const TomlTable& owner, std::string_view key, bool rate, Run& run) const {
     const auto table = owner.find_table(key);
     if (!table) return;
     for (const std::string& name : table->keys()) {
@@ -223,7 +224,7 @@ class RunsReader {
     experiment_.records.push_back(std::move(record));
   }
 
-  std::vector<ExperimentTable> tables_;
+  std::vector<TomlTable> tables_;
   const SceneNames& names_;
   Experiment& experiment_;
   NameLines taken_;
@@ -231,22 +232,7 @@ class RunsReader {
 
 }  // namespace
 
-std::vector<Run::Change> read_changes(const ExperimentTable& table, Scene& scene) {
-  std::vector<Run::Change> changes;
-  const auto set = table.find_table("set");
-  if (!set) return changes;
-  for (const std::string& path : set->keys()) {
-    const TomlPlace place = set->place_of(path);
-    if (set->holds_table(path)) place.fail("expected a number; put the path in quotes: \"body.NAME.mass\" = 2");
-    const double value = set->number(path, 1.0, Range::finite);
-    // The message names the path itself.
-    located({place.file, place.line, set->place().item}, [&] { set_value(scene, path, value); });
-    changes.push_back({path, value, place.line});
-  }
-  return changes;
-}
-
-void read_runs(const ExperimentTable& root, const SceneNames& names, const fs::path& folder, const fs::path& data,
+void read_runs(const TomlTable& root, const SceneNames& names, const fs::path& folder, const fs::path& data,
                Experiment& experiment) {
   RunsReader(root, names, experiment).read(folder, data);
 }

@@ -31,7 +31,7 @@ std::pair<int, double> RunModel::coordinate_of(const Scene& scene, const Layout&
 
 RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneNumber> numbers)
     : experiment_(experiment), run_(experiment.runs[run]), scene_(experiment.scene), numbers_(std::move(numbers)) {
-  for (const Run::Change& change : run_.changes) set_value(scene_, change.path, change.value);
+  for (const Change& change : run_.changes) set_value(scene_, change.path, change.value);
   start_unknown_ = run_.unknown_start;
   rest_unknown_ = run_.rest && run_.rest->unknown;
   const MotionModel model(scene_);

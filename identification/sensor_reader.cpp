@@ -8,10 +8,10 @@
 namespace poise {
 
 SensorReader::SensorReader(const ScaledModel& model, const Sensor& sensor) : kind_(sensor.kind), rate_(sensor.rate) {
-  // The layout is that of the scaled scene.
-  const Scene& scaled = model.scaled_scene();
   const Layout& layout = model.layout();
   const double size = model.scales().length;
+  // The layout is measured in the model's scales.
+  const auto local = [&](PointRef p) { return model.scales().per_length() * model.scene().local(p); };
   const auto coordinate_at = [&](int i) -> const Coordinate& {
     return layout.coordinates[static_cast<std::size_t>(i)];
   };
@@ -55,7 +55,7 @@ SensorReader::SensorReader(const ScaledModel& model, const Sensor& sensor) : kin
   }
   const bool from_world = kind_ == Sensor::Kind::x || kind_ == Sensor::Kind::y;
   for (const Arm& arm :
-       layout.path(from_world ? 0 : from.body, from_world ? Vec2{} : scaled.local(from), to.body, scaled.local(to))) {
+       layout.path(from_world ? 0 : from.body, from_world ? Vec2{} : local(from), to.body, local(to))) {
     Planar<double> c = coefficient<double>(arm);
     int frame = arm.coordinate;
     bool slides = false;

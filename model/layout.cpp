@@ -75,23 +75,6 @@ enum Reason : unsigned {
   drive = 256
 };
 
-std::string in_words(unsigned reasons) {
-  std::string words;
-  const auto add = [&](Reason r, const char* text) {
-    if (reasons & r) words += (words.empty() ? "" : ", ") + std::string(text);
-  };
-  add(closes_loop, "closes a loop");
-  add(weight, "bears weight");
-  add(load, "bears a load");
-  add(spring, "stretches a spring");
-  add(stop, "meets a stop");
-  add(inertia, "has inertia");
-  add(damper, "is damped");
-  add(drive, "is driven");
-  add(guides, "guides a slide");
-  return words;
-}
-
 // Builds a Layout in named steps; coordinates keep their provisional numbers until number_coordinates().
 class Builder {
  public:
@@ -454,8 +437,7 @@ class Builder {
     for (std::size_t k = 0; k < count; ++k) {
       number[order[k]] = static_cast<int>(k);
       sorted[k] = std::move(out_.coordinates[order[k]]);
-      sorted[k].why = reasons_[order[k]] != 0 ? in_words(reasons_[order[k]])
-                                              : "bears no load, closes no loop, meets no spring or stop";
+      sorted[k].reasons = reasons_[order[k]];
       out_.angles += rank(order[k]) == 0;
       out_.kept += rank(order[k]) < 2;
     }
@@ -505,6 +487,39 @@ class Builder {
 };
 
 }  // namespace
+
+std::string Coordinate::why() const {
+  if (reasons == 0) return "bears no load, closes no loop, meets no spring or stop";
+  std::string words;
+  const auto add = [&](Reason r, const char* text) {
+    if (reasons & r) words += (words.empty() ? "" : ", ") + std::string(text);
+  };
+  add(closes_loop, "closes a loop");
+  add(weight, "bears weight");
+  add(load, "bears a load");
+  add(spring, "stretches a spring");
+  add(stop, "meets a stop");
+  add(inertia, "has inertia");
+  add(damper, "is damped");
+  add(drive, "is driven");
+  add(guides, "guides a slide");
+  return words;
+}
+
+void Layout::scale_lengths(double factor) {
+  const auto is_length = [&](int i) { return i >= 0 && coordinates[i].kind == Coordinate::Kind::length; };
+  const auto scale = [&](std::vector<Arm>& arms) {
+    for (Arm& arm : arms) {
+      if (!is_length(arm.coordinate)) arm.arm = factor * arm.arm;  // else a direction
+    }
+  };
+  for (Link& link : links) scale(link.arms);
+  for (Closure& closure : closures) scale(closure.arms);
+  for (Coordinate& c : coordinates) {
+    if (c.kind == Coordinate::Kind::length) c.start *= factor;
+  }
+  size *= factor;
+}
 
 std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
   std::vector<Arm> arms;

@@ -25,10 +25,13 @@ struct Arm {
 struct Coordinate {
   enum class Kind { angle, length };
   Kind kind = Kind::angle;
-  std::string name;  ///< body of the angle, joint of the travel, or "block.x" of a body no joint ties to ground
-  int frame = -1;    ///< length: coordinate of the angle of the line's frame, -1 when it is fixed
-  double start = 0;  ///< guess from the scene, rad or m
-  std::string why;   ///< why it is kept or dropped
+  std::string name;      ///< body of the angle, joint of the travel, or "block.x" of a body no joint ties to ground
+  int frame = -1;        ///< length: coordinate of the angle of the line's frame, -1 when it is fixed
+  double start = 0;      ///< guess from the scene, rad or m
+  unsigned reasons = 0;  ///< for which it is kept, one bit each; none where it is dropped
+
+  /// Why it is kept or dropped: "closes a loop, bears weight".
+  std::string why() const;
 };
 
 /// A body, or a bar, in the spanning tree of joints: origin = origin of parent + sum of arms.
@@ -64,6 +67,9 @@ struct Layout {
   std::vector<int> redundant_angle;  ///< joints that keep an angle which other joints keep already
   std::vector<std::string> dropped;  ///< what does not enter the compiled model, and why
   double size = 1.0;                 ///< longest reach from ground through the tree, m
+
+  /// Measures all lengths in another unit: multiplies them by `factor`.
+  void scale_lengths(double factor);
 
   /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, merged by
   /// coordinate and turn.

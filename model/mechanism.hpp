@@ -5,6 +5,7 @@
 
 #include "model/layout.hpp"
 #include "model/planar.hpp"
+#include "model/scales.hpp"
 #include "model/scene.hpp"
 
 namespace poise {
@@ -45,6 +46,8 @@ template <class T>
 class Mechanism {
  public:
   explicit Mechanism(const Scene& scene, Purpose purpose = Purpose::statics);
+  /// The same from a layout of the scene, all numbers measured in `scales` instead of SI; time stays in seconds.
+  Mechanism(const Scene& scene, Layout layout, Purpose purpose, const Scales& scales);
 
   const Layout& layout() const { return layout_; }
   int coordinates() const { return layout_.kept; }
@@ -136,14 +139,17 @@ class Mechanism {
   std::vector<BodyPose<T>> poses(const T* q) const;
 
  private:
-  // Sum of phasors c0 + sum_e coefficient[e] phi_{coordinate[e]} with the coordinates it depends on.
+  struct Term {
+    int coordinate;
+    int own_slot;    // place of the coordinate in the support
+    int frame_slot;  // place of its line's frame angle in the support, or -1
+    Planar<T> coefficient;
+  };
+  // Sum of phasors c0 + sum_e coefficient_e phi_{coordinate_e} with the coordinates it depends on.
   struct Path {
-    std::vector<int> coordinate;
-    std::vector<Planar<T>> coefficient;
+    std::vector<Term> terms;
     Planar<T> constant{};
     std::vector<int> support;     // coordinates that move it, sorted
-    std::vector<int> own_slot;    // per term: place of its coordinate in support
-    std::vector<int> frame_slot;  // per term: place of its line's frame angle in support, or -1
     std::vector<int> entry;       // tangent entries of support x support, row by row, lower part (i >= j)
     std::vector<int> transposed;  // the same above the diagonal; only with follower loads
   };
@@ -206,12 +212,13 @@ class Mechanism {
   Path compile(const std::vector<Arm>& arms) const;
   Angle relative_angle(int body_a, int body_b) const;
   T value(const Angle& angle, const T* q) const;
-  void compile_loads(const Scene& scene);
+  void compile_loads(const Scene& scene, const Scales& scales);
   void compile_closures();
-  void compile_springs(const Scene& scene, Purpose purpose);
-  void compile_followers(const Scene& scene);
-  void compile_stops(const Scene& scene);
-  void compile_motion(const Scene& scene);
+  void compile_springs(const Scene& scene, Purpose purpose, const Scales& scales);
+  void compile_followers(const Scene& scene, const Scales& scales);
+  void compile_stops(const Scene& scene, const Scales& scales);
+  void compile_motion(const Scene& scene, const Scales& scales);
+  Path compile_path(const Scene& scene, const Scales& scales, PointRef a, PointRef b) const;
   T rate(const Angle& angle, const T* v) const;
   void add_torque(const Angle& angle, const T& torque, T* g) const;
   Planar<T> add_up(const Path& path, const Planar<T>* d_i, const T* u) const;

@@ -3,19 +3,26 @@
 #include <algorithm>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 
 #include "model/mechanism.hpp"
 
 namespace poise {
 
 template <class T>
-Mechanism<T>::Mechanism(const Scene& scene, Purpose purpose) : layout_(lay_out(scene, purpose)) {
-  compile_loads(scene);
+Mechanism<T>::Mechanism(const Scene& scene, Purpose purpose)
+    : Mechanism(scene, lay_out(scene, purpose), purpose, Scales{}) {}
+
+template <class T>
+Mechanism<T>::Mechanism(const Scene& scene, Layout layout, Purpose purpose, const Scales& scales)
+    : layout_(std::move(layout)) {
+  layout_.scale_lengths(scales.per_length());
+  compile_loads(scene, scales);
   compile_closures();
-  compile_springs(scene, purpose);
-  compile_followers(scene);
-  compile_stops(scene);
-  if (purpose == Purpose::dynamics) compile_motion(scene);
+  compile_springs(scene, purpose, scales);
+  compile_followers(scene, scales);
+  compile_stops(scene, scales);
+  if (purpose == Purpose::dynamics) compile_motion(scene, scales);
   make_jacobian_pattern();
   make_tangent_pattern();
 }
@@ -25,31 +32,40 @@ Mechanism<T>::Mechanism(const Scene& scene, Purpose purpose) : layout_(lay_out(s
 template <class T>
 typename Mechanism<T>::Path Mechanism<T>::compile(const std::vector<Arm>& arms) const {
   Path path;
+  path.terms.reserve(arms.size());
   for (const Arm& arm : arms) {
     const Planar<T> c = coefficient<T>(arm);
     if (arm.coordinate < 0) {
       path.constant += c;
-    } else if (!path.coordinate.empty() && path.coordinate.back() == arm.coordinate) {
-      path.coefficient.back() += c;
+    } else if (!path.terms.empty() && path.terms.back().coordinate == arm.coordinate) {
+      path.terms.back().coefficient += c;
     } else {
-      path.coordinate.push_back(arm.coordinate);
-      path.coefficient.push_back(c);
+      path.terms.push_back({arm.coordinate, -1, -1, c});
     }
   }
-  for (int t : path.coordinate) {
-    path.support.push_back(t);
-    if (frame(t) >= 0) path.support.push_back(frame(t));
+  path.support.reserve(path.terms.size());
+  for (const Term& term : path.terms) {
+    path.support.push_back(term.coordinate);
+    if (frame(term.coordinate) >= 0) path.support.push_back(frame(term.coordinate));
   }
   std::sort(path.support.begin(), path.support.end());
   path.support.erase(std::unique(path.support.begin(), path.support.end()), path.support.end());
   const auto slot = [&](int t) {
     return static_cast<int>(std::lower_bound(path.support.begin(), path.support.end(), t) - path.support.begin());
   };
-  for (int t : path.coordinate) {
-    path.own_slot.push_back(slot(t));
-    path.frame_slot.push_back(frame(t) >= 0 ? slot(frame(t)) : -1);
+  for (Term& term : path.terms) {
+    term.own_slot = slot(term.coordinate);
+    if (frame(term.coordinate) >= 0) term.frame_slot = slot(frame(term.coordinate));
   }
   return path;
+}
+
+// p_b - p_a.
+template <class T>
+typename Mechanism<T>::Path Mechanism<T>::compile_path(const Scene& scene, const Scales& scales, PointRef a,
+                                                       PointRef b) const {
+  const double per_length = scales.per_length();
+  return compile(layout_.path(a.body, per_length * scene.local(a), b.body, per_length * scene.local(b)));
 }
 
 template <class T>
@@ -69,7 +85,8 @@ T Mechanism<T>::value(const Angle& angle, const T* q) const {
 
 // Every dead force F at p does the work Re(conj(F) p): summed up the tree, all of them become one number per phasor.
 template <class T>
-void Mechanism<T>::compile_loads(const Scene& scene) {
+void Mechanism<T>::compile_loads(const Scene& scene, const Scales& scales) {
+  const T per_force(scales.per_force());
   load_.assign(coordinates(), {});
   torque_.assign(coordinates(), T(0));
   std::vector<Planar<T>> carried(layout_.links.size());
@@ -79,16 +96,16 @@ void Mechanism<T>::compile_loads(const Scene& scene) {
   };
   const auto apply = [&](int body, Vec2 at, const Planar<T>& force) {
     carried[body] += force;
-    add({layout_.links[body].frame, at, layout_.links[body].turn}, force);
+    add({layout_.links[body].frame, scales.per_length() * at, layout_.links[body].turn}, force);
   };
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
     if (body.mass != 0) {
-      apply(static_cast<int>(i), body.center, static_cast<T>(body.mass) * planar_cast<T>(scene.gravity));
+      apply(static_cast<int>(i), body.center, per_force * static_cast<T>(body.mass) * planar_cast<T>(scene.gravity));
     }
   }
   for (const Force& force : scene.forces) {
-    if (force.follows < 0) apply(force.at.body, scene.local(force.at), planar_cast<T>(force.vector));
+    if (force.follows < 0) apply(force.at.body, scene.local(force.at), per_force * planar_cast<T>(force.vector));
   }
   for (auto it = layout_.tree_order.rbegin(); it != layout_.tree_order.rend(); ++it) {
     const Link& link = layout_.links[*it];
@@ -99,7 +116,7 @@ void Mechanism<T>::compile_loads(const Scene& scene) {
   for (const Torque& torque : scene.torques) {
     const int k = layout_.links[torque.body].frame;
     if (k < 0 || k >= coordinates()) continue;
-    torque_[k] += static_cast<T>(torque.value);
+    torque_[k] += static_cast<T>(scales.per_energy()) * static_cast<T>(torque.value);
     has_torque_ = true;
   }
 }
@@ -111,46 +128,47 @@ void Mechanism<T>::compile_closures() {
     std::vector<Arm> arms = closure.arms;
     std::stable_sort(arms.begin(), arms.end(), [](const Arm& l, const Arm& r) { return l.coordinate < r.coordinate; });
     const Path path = compile(arms);
-    closure_coordinate_.insert(closure_coordinate_.end(), path.coordinate.begin(), path.coordinate.end());
-    closure_coefficient_.insert(closure_coefficient_.end(), path.coefficient.begin(), path.coefficient.end());
     closure_constant_.push_back(path.constant);
-    closure_first_.push_back(static_cast<int>(closure_coordinate_.size()));
     const int first = static_cast<int>(jacobian_row_.size());
     const int row = 2 * (closures() - 1);
     for (int t : path.support) {
       jacobian_row_.insert(jacobian_row_.end(), {row, row + 1});
       jacobian_column_.insert(jacobian_column_.end(), {t, t});
     }
-    for (std::size_t e = 0; e < path.coordinate.size(); ++e) {
-      closure_own_.push_back(first + 2 * path.own_slot[e]);
-      closure_frame_.push_back(path.frame_slot[e] < 0 ? -1 : first + 2 * path.frame_slot[e]);
+    for (const Term& term : path.terms) {
+      closure_coordinate_.push_back(term.coordinate);
+      closure_coefficient_.push_back(term.coefficient);
+      closure_own_.push_back(first + 2 * term.own_slot);
+      closure_frame_.push_back(term.frame_slot < 0 ? -1 : first + 2 * term.frame_slot);
     }
+    closure_first_.push_back(static_cast<int>(closure_coordinate_.size()));
   }
 }
 
 template <class T>
-void Mechanism<T>::compile_springs(const Scene& scene, Purpose purpose) {
+void Mechanism<T>::compile_springs(const Scene& scene, Purpose purpose, const Scales& scales) {
+  springs_.reserve(scene.springs.size());
   for (const Spring& s : scene.springs) {
     if (s.stiffness == 0 && purpose == Purpose::statics) continue;
-    LineSpring spring{compile(layout_.path(s.a.body, scene.local(s.a), s.b.body, scene.local(s.b))),
-                      static_cast<T>(s.stiffness), static_cast<T>(s.free_length), s.acts};
+    LineSpring spring{compile_path(scene, scales, s.a, s.b), static_cast<T>(scales.per_stiffness() * s.stiffness),
+                      static_cast<T>(scales.per_length() * s.free_length), s.acts};
     springs_.push_back(std::move(spring));
   }
   for (const TorsionSpring& s : scene.torsion_springs) {
     Angle angle = relative_angle(s.a, s.b);
     if ((s.stiffness == 0 || angle.a == angle.b) && purpose == Purpose::statics) continue;
     angle.constant -= static_cast<T>(s.free_angle);
-    angle_springs_.push_back({angle, static_cast<T>(s.stiffness), -1, -1, -1, -1});
+    angle_springs_.push_back({angle, static_cast<T>(scales.per_energy() * s.stiffness), -1, -1, -1, -1});
   }
 }
 
 template <class T>
-void Mechanism<T>::compile_followers(const Scene& scene) {
+void Mechanism<T>::compile_followers(const Scene& scene, const Scales& scales) {
   for (const Force& f : scene.forces) {
     if (f.follows < 0 || (f.vector.x == 0 && f.vector.y == 0)) continue;
     const Link& carrier = layout_.links[f.follows];
-    Follower follower{compile(layout_.path(0, {0, 0}, f.at.body, scene.local(f.at))),
-                      planar_cast<T>(f.vector) * unit(static_cast<T>(carrier.turn)),
+    Follower follower{compile(layout_.path(0, {0, 0}, f.at.body, scales.per_length() * scene.local(f.at))),
+                      planar_cast<T>(scales.per_force() * f.vector) * unit(static_cast<T>(carrier.turn)),
                       carrier.frame,
                       {}};
     followers_.push_back(std::move(follower));
@@ -159,7 +177,7 @@ void Mechanism<T>::compile_followers(const Scene& scene) {
 }
 
 template <class T>
-void Mechanism<T>::compile_stops(const Scene& scene) {
+void Mechanism<T>::compile_stops(const Scene& scene, const Scales& scales) {
   for (const Stop& s : scene.stops) {
     Limit limit{s.kind, {}, -1, {}, -1};
     if (s.kind == Stop::Kind::angle) {
@@ -167,11 +185,12 @@ void Mechanism<T>::compile_stops(const Scene& scene) {
     } else if (s.kind == Stop::Kind::travel) {
       limit.travel = layout_.travel[s.joint];
     } else {
-      limit.path = compile(layout_.path(s.a.body, scene.local(s.a), s.b.body, scene.local(s.b)));
+      limit.path = compile_path(scene, scales, s.a, s.b);
     }
     stops_.push_back(std::move(limit));
-    lower_.push_back(static_cast<T>(s.min));
-    upper_.push_back(static_cast<T>(s.max));
+    const double per_unit = s.kind == Stop::Kind::angle ? 1.0 : scales.per_length();
+    lower_.push_back(static_cast<T>(per_unit * s.min));
+    upper_.push_back(static_cast<T>(per_unit * s.max));
   }
 }
 
@@ -284,7 +303,7 @@ void Mechanism<T>::place(const T* q, Planar<T>* pose) const {
 template <class T>
 Planar<T> Mechanism<T>::evaluate(const Path& path, const Planar<T>* pose) const {
   Planar<T> p = path.constant;
-  for (std::size_t e = 0; e < path.coordinate.size(); ++e) p += path.coefficient[e] * pose[path.coordinate[e]];
+  for (const Term& term : path.terms) p += term.coefficient * pose[term.coordinate];
   return p;
 }
 
@@ -292,15 +311,15 @@ Planar<T> Mechanism<T>::evaluate(const Path& path, const Planar<T>* pose) const 
 template <class T>
 void Mechanism<T>::derivative(const Path& path, const Planar<T>* pose, Planar<T>* d) const {
   std::fill(d, d + path.support.size(), Planar<T>{});
-  for (std::size_t e = 0; e < path.coordinate.size(); ++e) {
-    const int t = path.coordinate[e];
+  for (const Term& term : path.terms) {
+    const int t = term.coordinate;
+    const Planar<T> turned = quarter_turn(term.coefficient * pose[t]);
     if (t < angles()) {
-      d[path.own_slot[e]] += quarter_turn(path.coefficient[e] * pose[t]);
+      d[term.own_slot] += turned;
       continue;
     }
-    const Planar<T> along = path.coefficient[e] * line_direction(pose, t);
-    d[path.own_slot[e]] += along;
-    if (path.frame_slot[e] >= 0) d[path.frame_slot[e]] += quarter_turn(path.coefficient[e] * pose[t]);
+    d[term.own_slot] += term.coefficient * line_direction(pose, t);
+    if (term.frame_slot >= 0) d[term.frame_slot] += turned;
   }
 }
 
@@ -308,15 +327,15 @@ void Mechanism<T>::derivative(const Path& path, const Planar<T>* pose, Planar<T>
 template <class T>
 template <class Add>
 void Mechanism<T>::second_derivative(const Path& path, const Planar<T>* pose, Add add) const {
-  for (std::size_t e = 0; e < path.coordinate.size(); ++e) {
-    const int t = path.coordinate[e];
-    const int own = path.own_slot[e];
-    const int f = path.frame_slot[e];
+  for (const Term& term : path.terms) {
+    const int t = term.coordinate;
+    const int own = term.own_slot;
+    const int f = term.frame_slot;
     if (t < angles()) {
-      add(own, own, -(path.coefficient[e] * pose[t]));
+      add(own, own, -(term.coefficient * pose[t]));
     } else if (f >= 0) {
-      add(f, f, -(path.coefficient[e] * pose[t]));
-      add(std::max(own, f), std::min(own, f), quarter_turn(path.coefficient[e] * line_direction(pose, t)));
+      add(f, f, -(term.coefficient * pose[t]));
+      add(std::max(own, f), std::min(own, f), quarter_turn(term.coefficient * line_direction(pose, t)));
     }
   }
 }

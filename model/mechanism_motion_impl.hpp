@@ -9,22 +9,23 @@
 namespace poise {
 
 template <class T>
-void Mechanism<T>::compile_motion(const Scene& scene) {
+void Mechanism<T>::compile_motion(const Scene& scene, const Scales& scales) {
   for (const Damper& d : scene.dampers) {
-    dampers_.push_back(
-        {compile(layout_.path(d.a.body, scene.local(d.a), d.b.body, scene.local(d.b))), static_cast<T>(d.coefficient)});
+    dampers_.push_back({compile_path(scene, scales, d.a, d.b), static_cast<T>(scales.per_stiffness() * d.coefficient)});
   }
   for (const TorsionDamper& d : scene.torsion_dampers) {
-    angle_resistances_.push_back({relative_angle(d.a, d.b), static_cast<T>(d.coefficient), T(0)});
+    angle_resistances_.push_back({relative_angle(d.a, d.b), static_cast<T>(scales.per_energy() * d.coefficient), T(0)});
   }
   torsion_dampers_ = static_cast<int>(scene.torsion_dampers.size());
   for (const Friction& f : scene.frictions) {
-    angle_resistances_.push_back({relative_angle(f.a, f.b), static_cast<T>(f.torque), static_cast<T>(f.width)});
+    angle_resistances_.push_back(
+        {relative_angle(f.a, f.b), static_cast<T>(scales.per_energy() * f.torque), static_cast<T>(f.width)});
   }
   for (const Force& f : scene.forces) {
     const double size = norm(f.vector);
     const Vec2 along = size > 0 && f.follows < 0 ? (1 / size) * f.vector : Vec2{};
-    dead_forces_.push_back({compile(layout_.path(0, {0, 0}, f.at.body, scene.local(f.at))), planar_cast<T>(along)});
+    const Vec2 at = scales.per_length() * scene.local(f.at);
+    dead_forces_.push_back({compile(layout_.path(0, {0, 0}, f.at.body, at)), planar_cast<T>(along)});
   }
   for (const Torque& t : scene.torques) torque_coordinate_.push_back(layout_.links[t.body].frame);
 }

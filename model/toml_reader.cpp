@@ -1,10 +1,10 @@
 #include "model/toml_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "model/nearest_name.hpp"
-#include "model/scene.hpp"
 
 namespace poise {
 namespace {
@@ -76,6 +76,11 @@ bool TomlTable::holds_table(std::string_view key) const {
   return node != nullptr && node->is_table();
 }
 
+bool TomlTable::holds_list(std::string_view key) const {
+  const toml::node* const node = find(key);
+  return node != nullptr && node->is_array();
+}
+
 TomlPlace TomlTable::place_of(std::string_view key) const {
   TomlPlace place = place_;
   place.item += (place.item.empty() ? "" : ".") + std::string(key);
@@ -130,6 +135,23 @@ std::optional<double> TomlTable::find_number(std::string_view key, double unit, 
   return read_number(*node, place_of(*node, key), unit, range);
 }
 
+bool TomlTable::flag(std::string_view key, bool otherwise) const {
+  const toml::node* const node = find(key);
+  if (node == nullptr) return otherwise;
+  if (!node->is_boolean()) place_of(key).fail("expected true or false, without quotes");
+  return node->as_boolean()->get();
+}
+
+long long TomlTable::whole_number(std::string_view key, long long least, long long otherwise) const {
+  constexpr double most = 9007199254740992.0;  // up to which a double holds every whole number
+  const std::optional<double> number = find_number(key, 1.0, Range::finite);
+  if (!number) return otherwise;
+  if (*number != std::floor(*number) || *number < static_cast<double>(least) || *number > most) {
+    place_of(key).fail("expected a whole number from " + std::to_string(least) + " to 2^53");
+  }
+  return static_cast<long long>(*number);
+}
+
 Vec2 TomlTable::vector(std::string_view key, double unit) const {
   require(key, "[X, Y]");
   return *find_vector(key, unit);
@@ -171,6 +193,21 @@ std::array<TomlText, 2> TomlTable::two_texts(std::string_view key) const {
   return {name(0), name(1)};
 }
 
+std::vector<TomlText> TomlTable::texts(std::string_view key) const {
+  std::vector<TomlText> result;
+  const toml::node* const node = find(key);
+  if (node == nullptr) return result;
+  const std::string expected = "expected a list of strings [\"...\", ...]";
+  if (!node->is_array()) place_of(key).fail(expected);
+  for (const toml::node& element : *node->as_array()) {
+    TomlPlace place = place_of(key);
+    place.line = line_of(element.source());
+    if (!element.is_string()) place.fail(expected);
+    result.push_back({element.as_string()->get(), std::move(place)});
+  }
+  return result;
+}
+
 std::optional<TomlTable> TomlTable::find_table(std::string_view key) const {
   const toml::node* const node = find(key);
   if (node == nullptr) return std::nullopt;
@@ -189,7 +226,8 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   for (const toml::node& element : *list) {
     const toml::table* const table = element.as_table();
     if (table == nullptr) place_of(element, key).fail(expected + found(element));
-    TomlPlace place{place_.file, line_of(element.source()), std::string(key) + " "};
+    TomlPlace place{place_.file, line_of(element.source()), place_.item + (place_.item.empty() ? "" : ".")};
+    place.item += std::string(key) + " ";
     const auto* const name = table->get_as<std::string>("name");
     place.item += name == nullptr ? std::to_string(result.size() + 1) : "\"" + name->get() + "\"";
     result.emplace_back(*table, std::move(place));

@@ -1,7 +1,7 @@
 #pragma once
 
 // Checked access to a TOML document: every value is asked for with what it must be, and whatever is not so throws an
-// InputError "file:line: item: expected ...". Private to the readers of model/.
+// InputError "file:line: item: expected ...". Private to the readers of files.
 
 #include <array>
 #include <initializer_list>
@@ -13,6 +13,7 @@
 #include <toml++/toml.h>
 
 #include "model/planar.hpp"
+#include "model/scene.hpp"
 #include "model/value_range.hpp"
 
 namespace poise {
@@ -26,6 +27,16 @@ struct TomlPlace {
   /// Throws InputError "file:line: item: message", kept to one line.
   [[noreturn]] void fail(const std::string& message) const;
 };
+
+/// Calls f; what it throws as InputError is thrown again with the place in front.
+template <class F>
+auto located(const TomlPlace& place, F f) {
+  try {
+    return f();
+  } catch (const InputError& error) {
+    place.fail(error.what());
+  }
+}
 
 /// A string and where it stands.
 struct TomlText {
@@ -44,6 +55,7 @@ class TomlTable {
   const TomlPlace& place() const { return place_; }
   bool has(std::string_view key) const { return table_->contains(key); }
   bool holds_table(std::string_view key) const;
+  bool holds_list(std::string_view key) const;
   /// The place of one key of the table, be it there or not.
   TomlPlace place_of(std::string_view key) const;
   /// The keys in the order of the file.
@@ -56,6 +68,11 @@ class TomlTable {
   double number(std::string_view key, double unit, Range range) const;
   std::optional<double> find_number(std::string_view key, double unit, Range range) const;
 
+  /// true or false, `otherwise` when the key is absent.
+  bool flag(std::string_view key, bool otherwise) const;
+  /// A whole number from `least` to 2^53, `otherwise` when the key is absent.
+  long long whole_number(std::string_view key, long long least, long long otherwise) const;
+
   /// [x, y], each times `unit`.
   Vec2 vector(std::string_view key, double unit) const;
   std::optional<Vec2> find_vector(std::string_view key, double unit) const;
@@ -64,10 +81,12 @@ class TomlTable {
   std::optional<TomlText> find_text(std::string_view key) const;
   /// A list of exactly two strings.
   std::array<TomlText, 2> two_texts(std::string_view key) const;
+  /// A list of strings, none when the key is absent.
+  std::vector<TomlText> texts(std::string_view key) const;
 
   std::optional<TomlTable> find_table(std::string_view key) const;
   /// The tables of [[key]], none when the key is absent; each one's item is `key "NAME"` if it has a name, else
-  /// "key 2" by its place in the list.
+  /// "key 2" by its place in the list, behind the item of this table.
   std::vector<TomlTable> tables(std::string_view key) const;
 
  private:

@@ -5,9 +5,13 @@
 namespace poise {
 
 MotionModel::MotionModel(Scene scene)
-    : ScaledModel(std::move(scene), Purpose::dynamics), inertia_(scaled_scene(), mechanism()) {}
+    : ScaledModel(std::move(scene), Purpose::dynamics),
+      scaled_(scaled(this->scene(), scales())),
+      inertia_(scaled_, mechanism()) {}
 
 MotionModel::MotionModel(Scene scene, const Scales& scales)
-    : ScaledModel(std::move(scene), Purpose::dynamics, scales), inertia_(scaled_scene(), mechanism()) {}
+    : ScaledModel(std::move(scene), Purpose::dynamics, scales),
+      scaled_(scaled(this->scene(), scales)),
+      inertia_(scaled_, mechanism()) {}
 
 }  // namespace poise

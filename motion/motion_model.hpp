@@ -13,9 +13,11 @@ class MotionModel : public ScaledModel {
   /// The same in given units: models that differ in masses or stiffnesses can share theirs.
   MotionModel(Scene scene, const Scales& scales);
 
+  const Scene& scaled_scene() const { return scaled_; }        ///< measured in scales()
   const Inertia<double>& inertia() const { return inertia_; }  ///< of the scaled scene
 
  private:
+  Scene scaled_;
   Inertia<double> inertia_;
 };
 

@@ -1,13 +1,391 @@
 #include "solvers/dynamic_relaxation.hpp"
 
-namespace poise::solvers {
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
 
-SearchResult solve_with_dynamic_relaxation(const Problem&, const std::vector<double>& start, const SearchOptions&,
-                                           const std::vector<int>&) {
-  SearchResult result;
-  result.x = start;
-  result.status = "not built yet";
-  return result;
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+
+#include "solvers/residuals.hpp"
+
+namespace poise::solvers {
+namespace {
+
+constexpr double of_stiffness = 0.3;  // mass over stiffness; explicit steps of time one are stable above 1/4
+constexpr double of_force = 0.5;      // mass over force, for loads whose stiffness passes zero
+constexpr double least_mass = 1e-6;   // as a part of the largest
+constexpr double longest_step = 0.2;  // rad or mechanism sizes
+constexpr double relax = 1e-13;       // keeps J M^-1 J^T regular where rows repeat each other
+constexpr int dense_rows = 60;
+constexpr int refinements = 6;
+constexpr int pull_backs = 12;       // chord steps back to the constraints after one step of time
+constexpr double near_enough = 0.1;  // of the tolerance, to which constraints are kept
+constexpr int closing_steps = 50;
+constexpr int halvings = 12;
+constexpr double run_away = 100.0;  // distance from the start that counts as moving without end
+
+// J M^-1 J^T of the rows that hold, factored; rows that do not are identity.
+class ConstraintFactors {
+ public:
+  ConstraintFactors(const Problem& problem, const std::vector<int>& kept)
+      : pattern_(problem.jacobian_pattern()),
+        place_of_(problem.constraints(), -1),
+        dense_(static_cast<int>(kept.size()) <= dense_rows) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t s = 0; s < kept.size(); ++s) place_of_[kept[s]] = static_cast<int>(s);
+    for (std::size_t e = 0; e < pattern_.size(); ++e) {
+      if (place_of_[pattern_.row[e]] >= 0) entries.emplace_back(place_of_[pattern_.row[e]], pattern_.column[e], 0.0);
+    }
+    jacobian_.resize(static_cast<Eigen::Index>(kept.size()), problem.variables());
+    jacobian_.setFromTriplets(entries.begin(), entries.end());
+    for (std::size_t e = 0; e < pattern_.size(); ++e) {
+      const int row = place_of_[pattern_.row[e]];
+      slot_.push_back(row < 0 ? 0 : &jacobian_.coeffRef(row, pattern_.column[e]) - jacobian_.valuePtr());
+    }
+    weighted_ = jacobian_;
+  }
+
+  void factor(const Evaluation& at, const HeldRows& held, const Eigen::VectorXd& mass) {
+    if (jacobian_.rows() == 0) return;
+    std::fill(jacobian_.valuePtr(), jacobian_.valuePtr() + jacobian_.nonZeros(), 0.0);
+    for (std::size_t e = 0; e < pattern_.size(); ++e) {
+      const int row = pattern_.row[e];
+      if (place_of_[row] >= 0 && held.holds(row)) jacobian_.valuePtr()[slot_[e]] += at.jacobian[e];
+    }
+    weighted_ = jacobian_ * mass.cwiseInverse().asDiagonal();
+    square_ = weighted_ * jacobian_.transpose();
+    double scale = 0.0;
+    for (const int r : held.rows()) scale = std::max(scale, square_.coeff(place_of_[r], place_of_[r]));
+    for (const int r : held.kept()) square_.coeffRef(place_of_[r], place_of_[r]) += held.holds(r) ? relax * scale : 1.0;
+    if (dense_) {
+      full_ = square_;
+      full_factors_.compute(full_);
+      return;
+    }
+    if (!analysed_) sparse_factors_.analyzePattern(square_);
+    analysed_ = true;
+    sparse_factors_.factorize(square_);
+  }
+
+  // s = (J M^-1 J^T)^-1 b, refined: the smallest singular values of J count twice in the square.
+  const Eigen::VectorXd& solve(const Eigen::VectorXd& b) {
+    solution_.setZero(b.size());
+    left_ = b;
+    double last = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < refinements; ++k) {
+      const double size = left_.cwiseAbs().maxCoeff();
+      if (!(size < 0.1 * last)) break;
+      last = size;
+      solution_ += once(left_);
+      left_ = b;
+      field_ = jacobian_.transpose() * solution_;
+      left_ -= weighted_ * field_;
+    }
+    return solution_;
+  }
+
+  int place(int row) const { return place_of_[row]; }
+  const Eigen::SparseMatrix<double>& jacobian() const { return jacobian_; }
+  const Eigen::SparseMatrix<double>& weighted() const { return weighted_; }  // J M^-1
+
+ private:
+  Eigen::VectorXd once(const Eigen::VectorXd& b) {
+    if (dense_) return full_factors_.solve(b);
+    return sparse_factors_.solve(b);
+  }
+
+  const Pattern& pattern_;
+  std::vector<int> place_of_;  // of a constraint row, -1 where it is left out
+  bool dense_, analysed_ = false;
+  Eigen::SparseMatrix<double> jacobian_, weighted_, square_;
+  std::vector<std::ptrdiff_t> slot_;
+  Eigen::MatrixXd full_;
+  Eigen::LDLT<Eigen::MatrixXd> full_factors_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factors_;
+  Eigen::VectorXd solution_, left_, field_;
+};
+
+class Run {
+ public:
+  Run(const Problem& problem, const SearchOptions& options, const std::vector<int>& rows)
+      : problem_(problem),
+        options_(options),
+        held_(problem, rows),
+        factors_(problem, held_.kept()),
+        now_(problem.make_evaluation()),
+        trial_(problem.make_evaluation()),
+        tangent_(problem.tangent_pattern().size()),
+        y_(problem.constraints(), 0.0),
+        unbalanced_(problem.variables()),
+        mass_(Eigen::VectorXd::Ones(problem.variables())),
+        bound_(mass_),
+        rate_(Eigen::VectorXd::Zero(problem.variables())),
+        shift_(rate_),
+        right_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(held_.kept().size()))) {}
+
+  SearchResult solve(const std::vector<double>& start) {
+    start_ = start;
+    now_.x = start;
+    evaluate(now_);
+    search();
+    result_.x = now_.x;
+    result_.multipliers = y_;
+    return std::move(result_);
+  }
+
+ private:
+  void search() {
+    if (!close_from_start()) return end("the constraints could not be met from this start");
+    balance();
+    rest();
+    while (true) {
+      if (options_.interrupt != nullptr && options_.interrupt->load()) {
+        result_.interrupted = true;
+        return end("interrupted");
+      }
+      balance();
+      const HeldRows::Pulling pulling = release();
+      if (pulling == HeldRows::Pulling::cycling) return end("an inequality is met and left again and again");
+      if (pulling == HeldRows::Pulling::released) continue;
+      if (arrived()) {
+        const char* flaw = objection(now_, held_, y_, options_.tolerance);
+        result_.claims_success = flaw == nullptr;
+        return end(flaw == nullptr ? "at rest" : flaw);
+      }
+      if (result_.iterations == options_.iterations) return end("the iteration limit was reached");
+      ++result_.iterations;
+      if (!move()) return end("no step led any further");
+      if (ran_away()) return end("it moves on without end");
+    }
+  }
+
+  void end(const char* how) { result_.status = std::string("dynamic relaxation: ") + how; }
+
+  void evaluate(Evaluation& at) {
+    problem_.evaluate(at);
+    ++result_.evaluations;
+  }
+
+  void factor() { factors_.factor(now_, held_, mass_); }
+
+  Eigen::Map<const Eigen::VectorXd> field() const { return {now_.gradient.data(), problem_.variables()}; }
+
+  Eigen::Map<const Eigen::VectorXd> residual() const { return {unbalanced_.data(), problem_.variables()}; }
+
+  // y with J M^-1 (F + J^T y) = 0: what is out of balance then pulls along the constraints only.
+  void balance() {
+    std::fill(y_.begin(), y_.end(), 0.0);
+    if (right_.size() > 0) {
+      right_ = -(factors_.weighted() * field());
+      const Eigen::VectorXd& y = factors_.solve(right_);
+      for (const int r : held_.rows()) y_[r] = y[factors_.place(r)];
+    }
+    unbalanced(problem_, now_, y_, unbalanced_);
+    force_scale_ = 1.0 + largest(now_.gradient);
+  }
+
+  HeldRows::Pulling release() {
+    const double noise = std::max(options_.tolerance * force_scale_, largest(unbalanced_));
+    const HeldRows::Pulling pulling = held_.release_pulling(y_, noise);
+    if (pulling == HeldRows::Pulling::released) factor();
+    return pulling;
+  }
+
+  bool arrived() const {
+    return held_.largest_gap(now_) <= options_.tolerance && largest(unbalanced_) <= options_.tolerance * force_scale_;
+  }
+
+  // With a time step of one, explicit steps are stable while every mass is a quarter of its row of the stiffness
+  // (Gershgorin). Where loads turn with x, stiffness passes zero while the force is largest; so forces count as well.
+  void choose_masses(bool keep_larger) {
+    problem_.tangent(now_, y_.data(), tangent_.data());
+    const Pattern& pattern = problem_.tangent_pattern();
+    bound_ = of_force * field().cwiseAbs();
+    for (std::size_t e = 0; e < tangent_.size(); ++e) {
+      const double size = of_stiffness * std::abs(tangent_[e]);
+      bound_[pattern.row[e]] += size;
+      if (problem_.has_objective() && pattern.row[e] != pattern.column[e]) bound_[pattern.column[e]] += size;
+    }
+    const Pattern& jacobian = problem_.jacobian_pattern();
+    for (std::size_t e = 0; e < jacobian.size(); ++e) {
+      bound_[jacobian.column[e]] += of_force * std::abs(now_.jacobian[e] * y_[jacobian.row[e]]);
+    }
+    bound_ = bound_.cwiseMax(std::max(least_mass * bound_.maxCoeff(), std::numeric_limits<double>::min()));
+    if (keep_larger)
+      mass_ = mass_.cwiseMax(bound_);
+    else
+      mass_ = bound_;
+    factor();
+  }
+
+  // One step of time; false where no step keeps the constraints.
+  bool move() {
+    const double power = -rate_.dot(residual());
+    if (power < 0.0) return back_to_peak(power);
+    rate_ -= (resting_ ? 0.5 : 1.0) * residual().cwiseQuotient(mass_);
+    last_power_ = resting_ ? -rate_.dot(residual()) : power;
+    resting_ = false;
+    const double fastest = rate_.cwiseAbs().maxCoeff();
+    if (fastest > longest_step) rate_ *= longest_step / fastest;
+    switch (displace(rate_)) {
+      case Moved::not_at_all:
+        return false;
+      case Moved::in_part:
+        rest();
+        return true;
+      case Moved::whole:
+        break;
+    }
+    choose_masses(true);
+    keep_rates_along_constraints();
+    return true;
+  }
+
+  // The forces brake: the kinetic energy had its peak within the last step, by linear interpolation of the power. Goes
+  // back there and rests.
+  bool back_to_peak(double power) {
+    const bool moved = displace(-power / (power - last_power_) * rate_) != Moved::not_at_all;
+    rest();
+    return moved;
+  }
+
+  void rest() {
+    rate_.setZero();
+    resting_ = true;
+    choose_masses(false);
+  }
+
+  enum class Moved { not_at_all, in_part, whole };
+
+  // Moves by `shift`, halved until the constraints can be kept, and sets the rates to what was moved.
+  Moved displace(const Eigen::VectorXd& shift) {
+    shift_ = shift;
+    for (int h = 0; h < halvings; ++h, shift_ *= 0.5) {
+      for (Eigen::Index i = 0; i < shift_.size(); ++i) trial_.x[i] = now_.x[i] + shift_[i];
+      evaluate(trial_);
+      if (!pull_back()) continue;
+      for (Eigen::Index i = 0; i < shift_.size(); ++i) rate_[i] = trial_.x[i] - now_.x[i];
+      std::swap(now_, trial_);
+      if (!hold_violated()) return Moved::not_at_all;
+      return h == 0 ? Moved::whole : Moved::in_part;
+    }
+    return leave_singular_pose(shift) ? Moved::in_part : Moved::not_at_all;
+  }
+
+  bool hold_violated() {
+    if (!held_.hold_violated(now_, options_.tolerance)) return true;
+    factor();
+    return close();
+  }
+
+  // Where J loses rank no factors at now_ lead back to the constraints; beside it J is whole again.
+  bool leave_singular_pose(const Eigen::VectorXd& shift) {
+    left_ = now_.x;
+    for (Eigen::Index i = 0; i < shift.size(); ++i) now_.x[i] += shift[i];
+    evaluate(now_);
+    factor();
+    if (is_finite(now_) && close() && hold_violated()) return true;
+    now_.x = left_;
+    evaluate(now_);
+    factor();
+    return false;
+  }
+
+  // Rates without the part that would break constraints.
+  void keep_rates_along_constraints() {
+    if (right_.size() == 0) return;
+    right_ = factors_.jacobian() * rate_;
+    const Eigen::VectorXd& s = factors_.solve(right_);
+    rate_ -= factors_.weighted().transpose() * s;
+  }
+
+  void gaps(const Evaluation& at) {
+    right_.setZero();
+    for (const int r : held_.rows()) right_[factors_.place(r)] = held_.gap(at, r);
+  }
+
+  static bool is_finite(const Evaluation& at) {
+    return std::isfinite(largest(at.x) + largest(at.gradient) + largest(at.constraint));
+  }
+
+  // Chord steps with the factors at now_ until the rows that hold are met at trial_.
+  bool pull_back() {
+    if (right_.size() == 0) return is_finite(trial_);
+    gaps(trial_);
+    double left = right_.cwiseAbs().maxCoeff();
+    for (int k = 0; k < pull_backs && left > near_enough * options_.tolerance; ++k) {
+      const Eigen::VectorXd back = factors_.weighted().transpose() * factors_.solve(right_);
+      for (Eigen::Index i = 0; i < back.size(); ++i) trial_.x[i] -= back[i];
+      evaluate(trial_);
+      gaps(trial_);
+      const double now = right_.cwiseAbs().maxCoeff();
+      if (!(now < 0.5 * left)) break;
+      left = now;
+    }
+    return right_.cwiseAbs().maxCoeff() <= options_.tolerance && is_finite(trial_);
+  }
+
+  // The loops first: stops that they violate on the way need not be violated where they are closed.
+  bool close_from_start() {
+    factor();
+    const bool closed = close();
+    if (!held_.hold_violated(now_, -options_.tolerance)) return closed;
+    factor();
+    return close();
+  }
+
+  // Shortest steps, in the metric of the masses, to where the rows that hold are met.
+  bool close() {
+    if (right_.size() == 0) return true;
+    for (int k = 0; k < closing_steps; ++k) {
+      gaps(now_);
+      const double before = right_.squaredNorm();
+      if (right_.cwiseAbs().maxCoeff() <= near_enough * options_.tolerance) return true;
+      const Eigen::VectorXd back = factors_.weighted().transpose() * factors_.solve(right_);
+      double alpha = std::min(1.0, 1.0 / back.cwiseAbs().maxCoeff());
+      bool fell = false;
+      for (int h = 0; h < halvings && !fell; ++h, alpha *= 0.5) {
+        for (Eigen::Index i = 0; i < back.size(); ++i) trial_.x[i] = now_.x[i] - alpha * back[i];
+        evaluate(trial_);
+        gaps(trial_);
+        fell = right_.squaredNorm() < before;
+      }
+      if (!fell) break;
+      std::swap(now_, trial_);
+      factor();
+    }
+    gaps(now_);
+    return right_.cwiseAbs().maxCoeff() <= options_.tolerance;
+  }
+
+  bool ran_away() const {
+    for (std::size_t i = 0; i < start_.size(); ++i) {
+      if (!(std::abs(now_.x[i] - start_[i]) <= run_away)) return true;
+    }
+    return false;
+  }
+
+  const Problem& problem_;
+  const SearchOptions& options_;
+  HeldRows held_;
+  ConstraintFactors factors_;
+  Evaluation now_, trial_;
+  std::vector<double> start_, left_, tangent_, y_, unbalanced_;
+  Eigen::VectorXd mass_, bound_, rate_, shift_, right_;
+  double force_scale_ = 1.0;
+  double last_power_ = 0.0;
+  bool resting_ = true;
+  SearchResult result_;
+};
+
+}  // namespace
+
+SearchResult solve_with_dynamic_relaxation(const Problem& problem, const std::vector<double>& start,
+                                           const SearchOptions& options, const std::vector<int>& rows) {
+  return Run(problem, options, rows).solve(start);
 }
 
 }  // namespace poise::solvers

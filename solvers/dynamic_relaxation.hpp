@@ -4,15 +4,23 @@
 
 namespace poise::solvers {
 
-/// Lets the problem move under its field, damped, until it rests (dynamic relaxation): x'' = -(F + J^T y) with
-/// fictitious masses, constraints kept by projection of rates and places, explicit steps, and kinetic damping (rates
-/// are set to zero where the kinetic energy passes a peak). First order: it needs no tangent but for the masses. Works
-/// for fields without a potential. Inequalities are held by an active set. Converged when max |c| <= tolerance and max
-/// |F + J^T y| <= tolerance (1 + max |F|). Iterations are time steps. `rows` lists the constraint rows to keep, all of
-/// them when empty. Source: A. S. Day, An introduction to dynamic relaxation, The Engineer 219 (1965); kinetic damping:
-/// P. Cundall, 1976.
+/// Lets the problem move under its field, damped, until it rests (dynamic relaxation):
+///
+///   M x'' = -(F + J^T y),   J M^-1 (F + J^T y) = 0,   c(x) = 0
+///
+/// by explicit steps of time one. Fictitious masses M keep them stable: at each step at least 0.3 of the tangent's row
+/// sum (Gershgorin; 1/4 is the limit) and 0.5 of the forces |F| + |J^T| |y|, for loads whose stiffness passes zero.
+/// Rates and places are projected on the constraints in the metric M. Kinetic damping: where the power of the forces
+/// turns negative the kinetic energy has passed its peak; x goes back to the peak, the rates are set to zero and the
+/// masses chosen afresh. First order: the tangent serves the masses alone. Works for fields without a potential.
+///
+/// Inequalities are held by an active set. Converged when max |c| <= tolerance and max |F + J^T y| <= tolerance (1 +
+/// max |F|), unless multipliers exceed 1e6 of that scale (the constraints lock) or rows left out do not hold.
+/// Iterations are time steps. `rows` lists the constraint rows to keep, all of them when empty.
+/// Source: A. S. Day, An introduction to dynamic relaxation, The Engineer 219 (1965); kinetic damping: P. Cundall,
+/// 1976.
 SearchResult solve_with_dynamic_relaxation(const Problem& problem, const std::vector<double>& start,
-                                           const SearchOptions& options = {.tolerance = 1e-10, .iterations = 20000},
+                                           const SearchOptions& options = {.iterations = 20000},
                                            const std::vector<int>& rows = {});
 
 }  // namespace poise::solvers

@@ -17,13 +17,18 @@ constexpr int halvings = 30;    // of one step
 constexpr int pull_backs = 20;  // chord steps back to the constraints after one trial step
 constexpr int kicks = 20;       // away from points where branches of motion cross
 constexpr int tries_per_kick = 30;
-constexpr int restarts = 30;            // perturbed starts for closing loops
-constexpr int releases = 4;             // of one inequality, against cycling
-constexpr double run_away = 100.0;      // distance from the start, rad or mechanism sizes, that counts as unbounded
-constexpr int stationary_steps = 80;    // before descent is tried instead
-constexpr double touching = 1e-9;       // an inequality this far violated counts as met
-constexpr double loose_gap = 0.05;      // gap over step length above which loops are closed before descending
-constexpr double locked_beyond = 1e6;   // multipliers of so many times the loads say that J loses rank
+constexpr int neighbours = 8;         // coordinates, at most, that are displaced by themselves
+constexpr int restarts = 30;          // perturbed starts for closing loops
+constexpr int fresh_starts = 30;      // displaced starts of a whole run
+constexpr int fresh_up_to = 300;      // coordinates; beyond, a displaced start is as bad as any
+constexpr int releases = 4;           // of one inequality, against cycling
+constexpr double run_away = 100.0;    // distance from the start, rad or mechanism sizes, that counts as unbounded
+constexpr int stationary_steps = 80;  // before descent is tried instead
+constexpr double touching = 1e-9;     // an inequality this far violated counts as met
+constexpr double loose_gap = 0.05;    // gap over step length above which loops are closed before descending
+constexpr double heavy = 1e3;         // multipliers of so many times the loads make a lock possible
+constexpr double settled = 0.3;       // part by which rounding may change such multipliers where there is none
+constexpr double rounded_gap = 2e-16;
 constexpr double next_to_fold = 1e-5;   // step that rounded residuals may still leave
 constexpr double first_release = 0.25;  // share of the holding load that load stepping lets go at once
 constexpr double least_release = 1e-3;
@@ -80,10 +85,11 @@ class Newton::Run {
         !problem.has_objective() || (n_ <= options.dense_limit && n_ * (n_ - equalities_) <= options.dense_work);
     kkt_ = dense ? make_null_space(problem, options.safeguards.rank_revealing) : make_sparse_kkt(problem);
     restarts_ = dense ? restarts : 3;
+    fresh_starts_ = n_ <= fresh_up_to ? fresh_starts : 0;
     now_ = problem.make_evaluation();
     trial_ = problem.make_evaluation();
     tangent_.resize(problem.tangent_pattern().size());
-    for (auto* v : {&step_, &residual_, &start_, &pull_, &kicked_from_, &hold_}) v->resize(n_);
+    for (auto* v : {&step_, &residual_, &start_, &pull_, &kicked_from_, &displaced_, &hold_}) v->resize(n_);
     for (auto* v : {&y_, &y_next_, &y_before_, &gap_, &trial_gap_}) v->resize(m_);
     side_.resize(m_);
     releases_.resize(m_);
@@ -112,8 +118,27 @@ class Newton::Run {
     } else {
       note(seek_minimum());
     }
+    if (gave_up() && options.safeguards.restarts) begin_elsewhere();
     if (gave_up() && options.safeguards.load_stepping) step_loads();
     finish();
+  }
+
+  // From the start displaced at random and closed, ever farther.
+  void begin_elsewhere() {
+    const bool down = result.descended || (options.goal == Goal::minimum && problem_.has_objective());
+    for (int k = 0; k < fresh_starts_ && gave_up(); ++k) {
+      displace_start(M_PI * (k + 1) / fresh_starts_);
+      note(down ? seek_minimum() : close_loops() ? seek_stationary() : Outcome::not_closed);
+      if (result.outcome == Outcome::not_closed) result.outcome = Outcome::stalled;
+      result.restarted = result.outcome == Outcome::converged;
+    }
+  }
+
+  void displace_start(double reach) {
+    std::uniform_real_distribution<double> uniform(-reach, reach);
+    displaced_ = start_;
+    for (double& x : displaced_) x += uniform(random_);
+    restart_from(displaced_);
   }
 
   void close(const double* x) {
@@ -132,7 +157,7 @@ class Newton::Run {
     result.outcome = Outcome::not_solved;
     result.iterations = result.evaluations = result.factorizations = 0;
     result.constraint_error = result.force_error = result.last_step = 0.0;
-    result.descended = result.load_stepped = result.met_lock = false;
+    result.descended = result.restarted = result.load_stepped = result.met_lock = false;
     held_ = 0.0;
     restart_from(start_);
   }
@@ -314,7 +339,9 @@ class Newton::Run {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     double best = std::numeric_limits<double>::infinity();
     for (int attempt = 0;; ++attempt) {
-      const double left = close_once();
+      // At first stops that were met are held, so that a start just beyond one comes to rest on it; where too many of
+      // them hold to leave a way, they only count while violated.
+      const double left = close_once(attempt == 0);
       if (left <= touching) return true;
       if (left < best) {
         best = left;
@@ -331,14 +358,16 @@ class Newton::Run {
     return false;
   }
 
-  // Shortest steps to c = 0, halved until |c| falls. Returns the largest |c| left.
-  double close_once() {
+  // Shortest steps to c = 0, halved until |c| falls. Inequalities join where they are violated, and stay or not
+  // (`hold`). Returns the largest |c| left.
+  double close_once(bool hold = true) {
     double left = 0.0;
     for (int k = 0; k < options.iterations; ++k) {
+      if (!hold) std::fill(result.active.begin() + equalities_, result.active.end(), 0);
       activate_violated(now_);
       gap(now_, gap_);
       left = largest(gap_);
-      if (left <= options.rounding || interrupted()) break;
+      if (!(left > options.rounding) || interrupted()) break;
       kkt_->set_jacobian(now_, result.active);
       kkt_->set_identity();
       factor(0.0);
@@ -350,13 +379,21 @@ class Newton::Run {
       for (int h = 0; h < halvings && !fell; ++h, alpha *= 0.5) {
         for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] + alpha * step_[i];
         evaluate(trial_);
-        gap(trial_, trial_gap_);
+        if (hold)
+          gap(trial_, trial_gap_);
+        else
+          violations(trial_, trial_gap_);
         fell = dot(trial_gap_, trial_gap_) <= (1.0 - armijo * alpha) * before;
       }
       if (!fell) break;
       std::swap(now_, trial_);
     }
+    if (!hold) activate_touched();
     return left;
+  }
+
+  void violations(const Evaluation& at, std::vector<double>& out) const {
+    for (int r = 0; r < m_; ++r) out[r] = r < equalities_ ? at.constraint[r] : violation(at, r);
   }
 
   // --- any equilibrium nearby ---------------------------------------------------------------------------------------
@@ -381,19 +418,17 @@ class Newton::Run {
       last = length;
       if (length <= options.step_tolerance || (no_shorter && at_rest())) {
         const Pulling pulling = release_pulling(y_next_, 0.0);
-        if (locked()) return Outcome::locked;
         if (pulling == Pulling::cycling) return Outcome::stalled;
         if (pulling == Pulling::released) {
           filter_.clear();
           linearize();
           continue;
         }
-        if (length <= options.step_tolerance) apply_last_step();
-        return Outcome::converged;
+        return arrive(length <= options.step_tolerance);
       }
       if (!std::isfinite(length)) return Outcome::stalled;
       if (!shorten_until_new(options.safeguards.line_search ? std::min(1.0, options.longest_step / length) : 1.0)) {
-        return locked() ? Outcome::locked : at_rest() ? Outcome::converged : Outcome::stalled;
+        return at_rest() ? arrive(false) : Outcome::stalled;
       }
       if (activate_violated(now_)) {
         filter_.clear();
@@ -403,8 +438,21 @@ class Newton::Run {
     return Outcome::iteration_limit;
   }
 
-  // Where J loses rank no finite multipliers need balance F; rounding then stops them somewhere beyond all measure.
-  bool locked() const { return largest(y_next_) > locked_beyond * (1.0 + largest(now_.gradient)); }
+  // Ends a run whose steps or residuals met their tolerances. Where J loses rank no finite multipliers balance F;
+  // beside such a pose rounded closures let them seem to. They are heavy there, and would be others had the closures
+  // been rounded otherwise.
+  Outcome arrive(bool with_last_step) {
+    if (with_last_step) apply_last_step();
+    const double most = largest(y_);
+    if (!(most > heavy * (1.0 + largest(now_.gradient)))) return Outcome::converged;
+    kkt_->set_jacobian(now_, result.active);
+    problem_.tangent(now_, y_.data(), tangent_.data());
+    kkt_->set_tangent(tangent_.data());
+    factor(0.0);
+    for (int r = 0; r < m_; ++r) trial_gap_[r] = result.active[r] ? (r % 2 == 0 ? rounded_gap : -rounded_gap) : 0.0;
+    kkt_->solve(nullptr, trial_gap_.data(), step_.data(), y_next_.data());
+    return largest(y_next_) <= settled * most ? Outcome::converged : Outcome::locked;
+  }
 
   // A filter (Fletcher, Leyffer 2002): full Newton steps may open loops for a while, and no fixed weight of gaps
   // against forces suits a chain of ten links and one of a hundred thousand. A point is new when against every point
@@ -448,7 +496,8 @@ class Newton::Run {
   Outcome seek_minimum() {
     if (!close_loops()) return interrupted() ? Outcome::interrupted : Outcome::not_closed;
     Outcome outcome = descend_to_rest();
-    for (int k = 0; k < kicks && (outcome == Outcome::stalled || outcome == Outcome::locked) && kick(); ++k) {
+    const int most = options.safeguards.restarts ? kicks : 0;
+    for (int k = 0; k < most && (outcome == Outcome::stalled || outcome == Outcome::locked) && kick(); ++k) {
       note(outcome);
       outcome = descend_to_rest();
     }
@@ -456,14 +505,19 @@ class Newton::Run {
   }
 
   // Where branches of motion cross, J loses rank and no step along its null space need lead on. From there random
-  // displacements, closed again by shortest steps, are tried until one has less energy.
+  // displacements, closed again by shortest steps, are tried until one has less energy: of all coordinates by turns
+  // and of a few neighbours, which lets one loop out of its lock and leaves the others in peace.
   bool kick() {
     const double before = now_.objective;
     kicked_from_ = now_.x;
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     for (int k = 0; k < tries_per_kick && !interrupted(); ++k) {
-      const double reach = std::pow(10.0, -3.0 + 2.5 * k / tries_per_kick);
-      for (int i = 0; i < n_; ++i) now_.x[i] = kicked_from_[i] + reach * uniform(random_);
+      const bool all = k % 2 == 0;
+      const double reach = all ? std::pow(10.0, -3.0 + 2.5 * k / tries_per_kick) : M_PI * k / tries_per_kick;
+      const int width = all ? n_ : 1 + static_cast<int>(random_() % neighbours);
+      const int first = all ? 0 : static_cast<int>(random_() % n_);
+      for (int i = 0; i < n_; ++i) now_.x[i] = kicked_from_[i];
+      for (int i = first; i < std::min(n_, first + width); ++i) now_.x[i] += reach * uniform(random_);
       evaluate(now_);
       if (close_once() <= touching && now_.objective < before - 1e-13 * (1.0 + std::abs(before))) return true;
     }
@@ -485,7 +539,7 @@ class Newton::Run {
       if (factors == Kkt::Factors::singular && at_rest()) {
         const Pulling pulling = release_pulling(y_, 0.0);
         if (pulling == Pulling::released) continue;
-        return pulling == Pulling::none ? Outcome::converged : Outcome::stalled;
+        return pulling == Pulling::none ? arrive(false) : Outcome::stalled;
       }
       const bool bowl = factors == Kkt::Factors::positive;
       const bool corrects = options.safeguards.inertia_correction;
@@ -509,14 +563,12 @@ class Newton::Run {
       const bool rounded = at_rest() && length <= next_to_fold && length > 0.25 * last;
       last = length;
       if (bowl && (length <= options.step_tolerance || rounded)) {
-        if (locked()) return Outcome::locked;
-        apply_last_step();
-        return Outcome::converged;
+        return arrive(true);
       }
       const bool saddle = !bowl && corrects && length < 0.01;
       if (saddle && leave_saddle()) continue;
       if (!descend(options.safeguards.line_search ? std::min(1.0, options.longest_step / length) : 1.0)) {
-        return locked() ? Outcome::locked : bowl && at_rest() ? Outcome::converged : Outcome::stalled;
+        return bowl && at_rest() ? arrive(false) : Outcome::stalled;
       }
       if (std::any_of(now_.x.begin(), now_.x.end(), [](double x) { return !std::isfinite(x); })) {
         return Outcome::stalled;
@@ -664,11 +716,13 @@ class Newton::Run {
   const Problem& problem_;
   int n_, m_, equalities_;
   int restarts_ = restarts;
+  int fresh_starts_ = fresh_starts;
   std::unique_ptr<Kkt> kkt_;
   Evaluation now_, trial_;
   std::vector<double> hold_;  // artificial load that balances the closed start, and the share of it not let go
   double held_ = 0.0;
-  std::vector<double> tangent_, step_, residual_, start_, pull_, kicked_from_, y_, y_next_, y_before_, gap_, trial_gap_;
+  std::vector<double> tangent_, step_, residual_, start_, pull_, kicked_from_, displaced_, y_, y_next_, y_before_, gap_,
+      trial_gap_;
   std::vector<signed char> side_;
   std::vector<int> releases_;
   bool fresh_multipliers_ = false;

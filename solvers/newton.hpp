@@ -36,6 +36,7 @@ struct Safeguards {
   bool inertia_correction = true;  ///< minimum: the tangent is shifted until it is positive on the null space of J
   bool line_search = true;         ///< steps are bounded and halved on the filter or the Lagrangian's fall
   bool rank_revealing = true;      ///< dependent rows of J are left out, multipliers are of minimum norm
+  bool restarts = true;            ///< from singular poses, and where a run gives up, others begin close by, then far
   bool load_stepping = true;       ///< where all else stalls: released step by step from a load that holds the start
 };
 
@@ -66,6 +67,7 @@ struct NewtonResult {
   double force_error = 0.0;       ///< max |F + J^T y|
   double last_step = 0.0;         ///< max |d| of the last step: what Newton itself believes of its error
   bool descended = false;         ///< Goal::stationary fell back on descending the objective
+  bool restarted = false;         ///< it took a start displaced at random
   bool load_stepped = false;      ///< it took load stepping to get there
   bool met_lock = false;          ///< some stage ended as Outcome::locked, even if a later one went on
 };
@@ -81,6 +83,8 @@ struct NewtonResult {
 ///   at a saddle or maximum it follows a direction of negative curvature. The Lagrangian falls from step to step, so
 ///   the run can only end in a minimum, run away, or be cut off.
 /// Inequalities are held by an active set: a step ends where it meets one; one whose multiplier pulls is released.
+/// restarts: a run that gives up or ends in a lock begins again from the start displaced at random and closed, ever
+///   farther.
 /// load stepping: where all this stalls, the closed start is held in balance by the artificial load F + J^T y that it
 ///   lacks, and that load is let go by steps, each solved from the last.
 ///

@@ -6,28 +6,10 @@
 
 #include <nlopt.h>
 
+#include "solvers/nlopt_status.hpp"
+
 namespace poise::solvers {
 namespace {
-
-std::string in_words(nlopt_result status) {
-  switch (status) {
-    case NLOPT_SUCCESS:
-      return "NLopt: success";
-    case NLOPT_STOPVAL_REACHED:
-      return "NLopt: good enough";
-    case NLOPT_FTOL_REACHED:
-    case NLOPT_XTOL_REACHED:
-      return "NLopt: no step improves any more";
-    case NLOPT_MAXEVAL_REACHED:
-      return "NLopt: evaluation limit";
-    case NLOPT_FORCED_STOP:
-      return "NLopt: interrupted";
-    case NLOPT_ROUNDOFF_LIMITED:
-      return "NLopt: limited by rounding";
-    default:
-      return "NLopt: failed (" + std::to_string(static_cast<int>(status)) + ")";
-  }
-}
 
 struct Search {
   const std::function<double(const double*)>* f;
@@ -77,7 +59,7 @@ NloptResult minimise_with_nlopt(const std::function<double(const double*)>& f, c
   double value = 0.0;
   const nlopt_result status = nlopt_optimize(handle.get(), start.data(), &value);
   search.result.good_enough = search.result.value <= options.good_enough;
-  search.result.status = in_words(status);
+  search.result.status = "NLopt: " + nlopt_in_words(status);
   return search.result;
 }
 

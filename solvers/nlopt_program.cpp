@@ -1,13 +1,221 @@
 #include "solvers/nlopt_program.hpp"
 
-namespace poise::solvers {
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
 
-SearchResult solve_with_nlopt(NloptAlgorithm, const Problem&, const std::vector<double>& start, const SearchOptions&,
-                              const std::vector<int>&) {
-  SearchResult result;
-  result.x = start;
-  result.status = "not built yet";
-  return result;
+#include <nlopt.h>
+
+#include "solvers/closeup.hpp"
+#include "solvers/nlopt_status.hpp"
+#include "solvers/optimality.hpp"
+
+namespace poise::solvers {
+namespace {
+
+using Handle = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
+
+constexpr double cobyla_first_step = 0.1;
+// L-BFGS sets out by the whole gradient, which may lead past the nearest minimum: gradients are made smaller.
+constexpr double lbfgs_scale = 0.3;
+constexpr int lbfgs_memory = 10;       // by default it takes megabytes, which cost more than the search
+constexpr double lbfgs_coarser = 1e3;  // each inner minimisation may stop so much sooner than the outer
+constexpr double finest_step = 1e-12;  // of a search from far, where values hide finer ones
+constexpr double close_enough = 1e-5;  // errors that a close-up may start from
+constexpr double smallest_unit = 1e-14;
+constexpr double gain_wanted = 1e-6;  // of one close-up
+constexpr int restarts = 10;
+
+Handle create(nlopt_algorithm algorithm, std::size_t n) {
+  return {nlopt_create(algorithm, static_cast<unsigned>(n)), nlopt_destroy};
+}
+
+std::string name_of(NloptAlgorithm algorithm) {
+  switch (algorithm) {
+    case NloptAlgorithm::slsqp:
+      return "NLopt SLSQP: ";
+    case NloptAlgorithm::auglag_lbfgs:
+      return "NLopt AUGLAG with L-BFGS: ";
+    case NloptAlgorithm::cobyla:
+      return "NLopt COBYLA: ";
+  }
+  return "NLopt: ";
+}
+
+bool succeeded(int status) { return status > 0 && status != NLOPT_MAXEVAL_REACHED; }
+
+bool is_finite(const std::vector<double>& v) {
+  return std::all_of(v.begin(), v.end(), [](double e) { return std::isfinite(e); });
+}
+
+std::vector<int> all_where_empty(const Problem& problem, std::vector<int> rows) {
+  if (!rows.empty()) return rows;
+  rows.resize(problem.constraints());
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
+
+// One search of NLopt from the base of a view, and then more from where it ended, each a close-up of the error left.
+class Program {
+ public:
+  Program(NloptAlgorithm algorithm, const Problem& problem, const SearchOptions& options, const std::vector<int>& rows)
+      : algorithm_(algorithm),
+        problem_(problem),
+        options_(options),
+        kept_(all_where_empty(problem, rows)),
+        closeup_(problem, kept_),
+        judged_(problem.make_evaluation()) {}
+
+  SearchResult run(const std::vector<double>& start) {
+    result_.x = start;
+    best_ = judge(start);
+    int word = search(from_far());
+    while (refine() && left_to_do()) {
+      const double before = best_.error;
+      const int status = search(before < close_enough ? from_near() : from_far());
+      if (succeeded(status) || !succeeded(word)) word = status;
+      if (!(best_.error < 0.5 * before)) break;
+    }
+    result_.multipliers = best_.multipliers;
+    result_.claims_success = succeeded(word) && !result_.interrupted;
+    result_.status = name_of(algorithm_) + nlopt_in_words(result_.interrupted ? NLOPT_FORCED_STOP : word);
+    result_.evaluations = closeup_.evaluations();
+    result_.iterations = result_.evaluations;
+    return result_;
+  }
+
+ private:
+  // COBYLA knows no gradients, which a close-up takes its differences from.
+  bool refine() { return algorithm_ != NloptAlgorithm::cobyla && searches_ <= restarts; }
+
+  bool left_to_do() const {
+    return best_.error > options_.tolerance && !result_.interrupted && closeup_.evaluations() < options_.iterations;
+  }
+
+  Closeup::View from_far() {
+    steps_ = algorithm_ == NloptAlgorithm::cobyla ? options_.tolerance : std::max(options_.tolerance, finest_step);
+    gaps_ = options_.tolerance;
+    // SLSQP and COBYLA set out better from the plain energy.
+    const bool plain = algorithm_ == NloptAlgorithm::cobyla || (algorithm_ == NloptAlgorithm::slsqp && searches_ == 0);
+    return {result_.x, plain ? std::vector<double>{} : best_.multipliers, 1.0, scale(), false};
+  }
+
+  Closeup::View from_near() {
+    steps_ = gain_wanted;
+    gaps_ = gain_wanted;
+    return {result_.x, best_.multipliers, std::max(best_.error, smallest_unit), scale(), true};
+  }
+
+  double scale() const { return algorithm_ == NloptAlgorithm::auglag_lbfgs ? lbfgs_scale : 1.0; }
+
+  Optimality judge(const std::vector<double>& x) {
+    judged_.x = x;
+    problem_.evaluate(judged_);
+    return optimality_at(problem_, judged_, kept_);
+  }
+
+  int search(Closeup::View view) {
+    const bool first = searches_++ == 0;
+    closeup_.look(std::move(view));
+    const Handle handle = make();
+    handle_ = handle.get();
+    if (!constrain()) return NLOPT_INVALID_ARGS;
+    std::vector<double> u(result_.x.size(), 0.0);
+    double value = 0.0;
+    const int status = nlopt_optimize(handle_, u.data(), &value);
+    const std::vector<double> last = closeup_.last();
+    take(closeup_.place(u.data()), first);
+    // NLopt returns the point of least value among those within the tolerance of the constraints. Next to the answer
+    // rounding and gaps choose that, and the last point is the better one.
+    if (algorithm_ != NloptAlgorithm::cobyla) take(last, false);
+    return status;
+  }
+
+  void take(const std::vector<double>& x, bool whatever) {
+    if (!is_finite(x)) return;
+    Optimality there = judge(x);
+    if (!whatever && !(there.error < best_.error)) return;
+    result_.x = x;
+    best_ = std::move(there);
+  }
+
+  Handle make() const {
+    const std::size_t n = result_.x.size();
+    switch (algorithm_) {
+      case NloptAlgorithm::slsqp:
+        return limited(create(NLOPT_LD_SLSQP, n), steps_);
+      case NloptAlgorithm::auglag_lbfgs: {
+        const Handle local = limited(create(NLOPT_LD_LBFGS, n), lbfgs_coarser * steps_);
+        nlopt_set_vector_storage(local.get(), lbfgs_memory);
+        Handle outer = limited(create(NLOPT_AUGLAG, n), steps_);
+        nlopt_set_local_optimizer(outer.get(), local.get());
+        return outer;
+      }
+      case NloptAlgorithm::cobyla:
+        break;
+    }
+    Handle cobyla = limited(create(NLOPT_LN_COBYLA, n), steps_);
+    nlopt_set_initial_step1(cobyla.get(), cobyla_first_step);
+    return cobyla;
+  }
+
+  Handle limited(Handle handle, double steps) const {
+    nlopt_set_xtol_rel(handle.get(), steps);
+    nlopt_set_xtol_abs1(handle.get(), steps);
+    nlopt_set_maxeval(handle.get(), std::max(1, options_.iterations - closeup_.evaluations()));
+    return handle;
+  }
+
+  bool constrain() {
+    nlopt_set_min_objective(handle_, objective, this);
+    const std::vector<double> equal(closeup_.equalities().rows.size(), gaps_);
+    const std::vector<double> bounded(closeup_.inequalities().rows.size(), gaps_);
+    return (equal.empty() || nlopt_add_equality_mconstraint(handle_, static_cast<unsigned>(equal.size()), equalities,
+                                                            &closeup_, equal.data()) > 0) &&
+           (bounded.empty() || nlopt_add_inequality_mconstraint(handle_, static_cast<unsigned>(bounded.size()),
+                                                                inequalities, &closeup_, bounded.data()) > 0);
+  }
+
+  static double objective(unsigned, const double* u, double* gradient, void* data) {
+    auto& program = *static_cast<Program*>(data);
+    const std::atomic<bool>* interrupt = program.options_.interrupt;
+    if (interrupt != nullptr && interrupt->load()) {
+      program.result_.interrupted = true;
+      nlopt_force_stop(program.handle_);
+    }
+    return program.closeup_.objective(u, gradient);
+  }
+
+  static void equalities(unsigned, double* values, unsigned, const double* u, double* jacobian, void* data) {
+    auto& closeup = *static_cast<Closeup*>(data);
+    closeup.constraints(closeup.equalities(), u, values, jacobian);
+  }
+
+  static void inequalities(unsigned, double* values, unsigned, const double* u, double* jacobian, void* data) {
+    auto& closeup = *static_cast<Closeup*>(data);
+    closeup.constraints(closeup.inequalities(), u, values, jacobian);
+  }
+
+  NloptAlgorithm algorithm_;
+  const Problem& problem_;
+  const SearchOptions& options_;
+  std::vector<int> kept_;
+  Closeup closeup_;
+  Evaluation judged_;
+  Optimality best_;  // of result_.x
+  double steps_ = 0.0, gaps_ = 0.0;
+  int searches_ = 0;
+  nlopt_opt handle_ = nullptr;
+  SearchResult result_;
+};
+
+}  // namespace
+
+SearchResult solve_with_nlopt(NloptAlgorithm algorithm, const Problem& problem, const std::vector<double>& start,
+                              const SearchOptions& options, const std::vector<int>& rows) {
+  return Program(algorithm, problem, options, rows).run(start);
 }
 
 }  // namespace poise::solvers

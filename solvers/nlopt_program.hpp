@@ -12,7 +12,13 @@ enum class NloptAlgorithm {
 
 /// min f(x) subject to the problem's constraints, by NLopt. The problem must have an objective. NLopt gives no
 /// multipliers: those returned are recovered from F + J^T y = 0 by least squares over the rows that hold.
-/// The tolerance is that on steps (relative and absolute) and on constraints. Iterations are evaluations.
+///
+/// The tolerance is that on steps (relative and absolute) and on constraints. Where NLopt ends with more than it left
+/// in F + J^T y or in the constraints, slsqp and auglag_lbfgs are started again from there, each time on a close-up of
+/// the error left (solvers/closeup.hpp). Success is NLopt's own word. Iterations are evaluations.
+///
+/// cobyla compares values of f only, and rounding of f hides steps below 1e-8.
+///
 /// `rows` lists the constraint rows to keep, all of them when empty.
 SearchResult solve_with_nlopt(NloptAlgorithm algorithm, const Problem& problem, const std::vector<double>& start,
                               const SearchOptions& options = {}, const std::vector<int>& rows = {});

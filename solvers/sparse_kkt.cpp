@@ -9,23 +9,19 @@
 //   S = [ K_cc + shift I   J_c^T ]  -  sum over simple k of  j_k j_k^T / (K_kk + shift),   j_k = column k of J,
 //       [ J_c              -e I  ]
 //
-// and what remains, the coupled variables c and the multipliers, is factored as LDL^T (SuiteSparse AMD and LDL). For a
+// and what remains, the coupled variables c and the multipliers, is factored as LDL^T (solvers/sparse_ldl.hpp). For a
 // hanging chain S is 2 x 2, for a ladder of loops it is banded. Rows switched off keep their place in the pattern with
 // zero entries and the diagonal -1. The tiny e keeps pivots from vanishing where constraints repeat each other; the
 // callers solve for corrections, so what it costs vanishes with them. By Sylvester's law K + shift I is positive
 // definite on the null space of J exactly when as many pivots are negative as there are constraint rows.
 
-extern "C" {
-#include <amd.h>
-#include <ldl.h>
-}
-
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "solvers/kkt.hpp"
+#include "solvers/sparse_ldl.hpp"
 
 namespace poise::solvers {
 namespace {
@@ -42,21 +38,26 @@ class SparseKkt final : public Kkt {
         m_(problem.constraints()),
         tangent_pattern_(problem.tangent_pattern()),
         jacobian_pattern_(problem.jacobian_pattern()) {
-    split_variables();
-    analyse();
+    const std::vector<int> simple = split_variables();
+    sort_jacobian(simple);
+    analyse(simple);
     active_.assign(m_, 1);
     jacobian_.assign(jacobian_pattern_.size(), 0.0);
     tangent_.assign(tangent_pattern_.size(), 0.0);
-    pivot_.assign(simple_.size(), 1.0);
-    for (auto* v : {&rhs_, &residual_, &solution_, &correction_}) v->assign(n_ + m_, 0.0);
+    pivot_.assign(n_ - coupled_.size(), 1.0);
+    reduced_rhs_.assign(reduced_, 0.0);
+    for (auto* v : {&rhs_, &residual_, &solution_}) v->assign(n_ + m_, 0.0);
   }
 
   void set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
     active_ = active;
-    jacobian_ = at.jacobian;
+    if (in_order_)
+      std::copy(at.jacobian.begin(), at.jacobian.end(), jacobian_.begin());
+    else
+      for (std::size_t a = 0; a < jacobian_.size(); ++a) jacobian_[a] = at.jacobian[source_[a]];
     if (std::find(active_.begin(), active_.end(), 0) == active_.end()) return;
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
-      if (!active_[jacobian_pattern_.row[e]]) jacobian_[e] = 0.0;
+    for (std::size_t a = 0; a < jacobian_.size(); ++a) {
+      if (!active_[row_of(a)]) jacobian_[a] = 0.0;
     }
   }
 
@@ -67,7 +68,7 @@ class SparseKkt final : public Kkt {
   void least_squares_multipliers(const double* field, double* y) override {
     set_identity();
     factor(0.0);
-    solve(field, nullptr, unused_step_.data(), y);
+    solve(field, nullptr, nullptr, y);
   }
 
   void set_tangent(const double* values) override { std::copy(values, values + tangent_.size(), tangent_.begin()); }
@@ -82,35 +83,35 @@ class SparseKkt final : public Kkt {
     double largest = 0.0;
     for (int i = 0; i < n_; ++i) largest = std::max(largest, std::abs(tangent_[i] + shift));
     const double floor = tiniest_pivot * std::max(largest, 1e-300);
-    std::fill(value_.begin(), value_.end(), 0.0);
-    for (const Copy& c : coupled_tangent_) value_[c.target] += tangent_[c.source];
-    for (const Copy& c : coupled_jacobian_) value_[c.target] += jacobian_[c.source];
-    for (int target : coupled_diagonal_) value_[target] += shift;
-    for (int r = 0; r < m_; ++r) value_[row_diagonal_[r]] += active_[r] ? -relaxation : -1.0;
+    std::vector<double>& value = factors_.values();
+    std::fill(value.begin(), value.end(), 0.0);
+    for (const Copy& c : coupled_tangent_) value[c.target] += tangent_[c.source];
+    for (std::size_t a = 0; a < coupled_jacobian_.size(); ++a)
+      value[coupled_jacobian_[a]] += jacobian_[first_coupled_ + a];
+    for (int target : coupled_diagonal_) value[target] += shift;
+    for (int r = 0; r < m_; ++r) value[row_diagonal_[r]] += active_[r] ? -relaxation : -1.0;
     double smallest = std::numeric_limits<double>::infinity();
     negative_ = 0;
-    for (std::size_t s = 0; s < simple_.size(); ++s) {
-      double h = tangent_[simple_[s]] + shift;
-      if (std::abs(h) < floor) h = h < 0 ? -floor : floor;
-      smallest = std::min(smallest, std::abs(h));
-      negative_ += h < 0;
-      const double inverse = 1.0 / h;
-      pivot_[s] = inverse;
-      const int* target = pair_target_.data() + pair_first_[s];
-      for (int a = column_first_[s]; a < column_first_[s + 1]; ++a) {
-        const double weighted = jacobian_[column_entry_[a]] * inverse;
-        for (int b = column_first_[s]; b <= a; ++b) value_[*target++] -= weighted * jacobian_[column_entry_[b]];
+    const double* column = jacobian_.data();
+    double* pivot = pivot_.data();
+    for (const Run& run : runs_) {
+      for (int i = run.variable; i < run.variable + run.count; ++i, column += run.size) {
+        double h = tangent_[i] + shift;
+        if (std::abs(h) < floor) h = h < 0 ? -floor : floor;
+        smallest = std::min(smallest, std::abs(h));
+        negative_ += h < 0;
+        const double inverse = 1.0 / h;
+        *pivot++ = inverse;
+        const int* target = pair_target_.data() + run.pairs;
+        for (int k = 0; k < run.size; ++k) {
+          const double weighted = column[k] * inverse;
+          for (int l = 0; l <= k; ++l) value[*target++] -= weighted * column[l];
+        }
       }
     }
-    const int done = ldl_numeric(reduced_, first_.data(), index_.data(), value_.data(), l_first_.data(), parent_.data(),
-                                 l_count_.data(), l_index_.data(), l_value_.data(), d_.data(), work_.data(),
-                                 stack_.data(), flag_.data(), nullptr, nullptr);
-    if (done != reduced_) return Factors::singular;
-    for (double d : d_) {
-      if (!std::isfinite(d)) return Factors::singular;
-      negative_ += d < 0;
-    }
-    refine_ = largest > refine_beyond * smallest || !coupled_diagonal_.empty();
+    if (!factors_.factor()) return Factors::singular;
+    negative_ += factors_.negative();
+    refine_ = largest > refine_beyond * smallest || factors_.spread() > refine_beyond;
     return negative_ == m_ ? Factors::positive : Factors::indefinite;
   }
 
@@ -122,7 +123,7 @@ class SparseKkt final : public Kkt {
     for (int r = 0; r < m_; ++r) rhs_[n_ + r] = c != nullptr && active_[r] ? -c[r] : 0.0;
     back_substitute(rhs_, solution_);
     if (refine_) refine();
-    std::copy(solution_.begin(), solution_.begin() + n_, d);
+    if (d != nullptr) std::copy(solution_.begin(), solution_.begin() + n_, d);
     if (y != nullptr) std::copy(solution_.begin() + n_, solution_.end(), y);
   }
 
@@ -133,159 +134,144 @@ class SparseKkt final : public Kkt {
     int source, target;
   };
 
-  // Simple variables have no off-diagonal entry in K.
-  void split_variables() {
+  // Simple variables one after the other whose columns of J have `size` entries each, all in the same rows: where those
+  // rows, and the targets of the products of a column's entries, begin.
+  struct Run {
+    int variable, count, size, rows, pairs;
+  };
+
+  // Coupled variables have an off-diagonal entry in K; returns the others, the simple ones.
+  std::vector<int> split_variables() {
     std::vector<char> coupled(n_, 0);
     for (std::size_t e = n_; e < tangent_pattern_.size(); ++e) {
       if (tangent_pattern_.row[e] == tangent_pattern_.column[e]) continue;
       coupled[tangent_pattern_.row[e]] = coupled[tangent_pattern_.column[e]] = 1;
     }
-    place_.assign(n_, -1);  // in the reduced system
-    for (int i = 0; i < n_; ++i) {
-      if (coupled[i]) {
-        place_[i] = static_cast<int>(coupled_.size());
-        coupled_.push_back(i);
-      } else {
-        simple_.push_back(i);
-      }
-    }
+    const auto number = std::count(coupled.begin(), coupled.end(), 1);
+    std::vector<int> simple;
+    simple.reserve(n_ - number);
+    coupled_.reserve(number);
+    for (int i = 0; i < n_; ++i) (coupled[i] ? coupled_ : simple).push_back(i);
     reduced_ = static_cast<int>(coupled_.size()) + m_;
+    return simple;
   }
 
+  // Entries of J by columns, those of the simple variables first.
+  void sort_jacobian(const std::vector<int>& simple) {
+    std::vector<int> next(n_, 0);
+    for (int j : jacobian_pattern_.column) ++next[j];
+    int first = 0;
+    for (int j : simple) first += std::exchange(next[j], first);
+    first_coupled_ = first;
+    for (int j : coupled_) first += std::exchange(next[j], first);
+    source_.resize(jacobian_pattern_.size());
+    for (std::size_t e = 0; e < source_.size(); ++e) {
+      source_[next[jacobian_pattern_.column[e]]++] = static_cast<int>(e);
+    }
+    in_order_ = std::is_sorted(source_.begin(), source_.end());
+  }
+
+  int row_of(std::size_t a) const { return jacobian_pattern_.row[source_[a]]; }
+  int column_of(std::size_t a) const { return jacobian_pattern_.column[source_[a]]; }
   int place_of_row(int r) const { return static_cast<int>(coupled_.size()) + r; }
 
-  // Columns of J by simple variable, pattern of S, its ordering, and where every contribution goes.
-  void analyse() {
-    std::vector<std::vector<int>> column(n_);
-    for (std::size_t e = 0; e < jacobian_pattern_.size(); ++e) {
-      column[jacobian_pattern_.column[e]].push_back(static_cast<int>(e));
-    }
-    std::vector<std::pair<int, int>> entries;  // (row, column) of S, unordered places
-    column_first_.push_back(0);
-    for (int k : simple_) {
-      pair_first_.push_back(static_cast<int>(entries.size()));
-      for (std::size_t a = 0; a < column[k].size(); ++a) {
-        column_entry_.push_back(column[k][a]);
-        column_row_.push_back(jacobian_pattern_.row[column[k][a]]);
-        for (std::size_t b = 0; b <= a; ++b) {
-          entries.emplace_back(place_of_row(jacobian_pattern_.row[column[k][a]]),
-                               place_of_row(jacobian_pattern_.row[column[k][b]]));
-        }
-      }
-      column_first_.push_back(static_cast<int>(column_entry_.size()));
-    }
-    const std::size_t pairs = entries.size();
+  // The rows of every simple column, the pattern of S, its ordering, and where every contribution goes.
+  void analyse(const std::vector<int>& simple) {
+    std::vector<int> row, column;  // entries of S, in either triangle
+    const auto add = [&](int i, int j) {
+      row.push_back(i);
+      column.push_back(j);
+      return static_cast<int>(row.size()) - 1;
+    };
+    list_runs(simple, add);
+    const std::size_t pairs = row.size();
+    std::vector<int> place(n_, -1);  // of the coupled variables in S
+    for (std::size_t k = 0; k < coupled_.size(); ++k) place[coupled_[k]] = static_cast<int>(k);
     for (std::size_t e = 0; e < tangent_pattern_.size(); ++e) {
-      const int i = place_[tangent_pattern_.row[e]];
-      const int j = place_[tangent_pattern_.column[e]];
-      if (i < 0) continue;
-      coupled_tangent_.push_back({static_cast<int>(e), static_cast<int>(entries.size())});
-      entries.emplace_back(i, j);
+      const int i = place[tangent_pattern_.row[e]];
+      if (i >= 0) coupled_tangent_.push_back({static_cast<int>(e), add(i, place[tangent_pattern_.column[e]])});
     }
-    for (std::size_t e = 0; e < jacobian_pattern_.size(); ++e) {
-      const int j = place_[jacobian_pattern_.column[e]];
-      if (j < 0) continue;
-      coupled_jacobian_.push_back({static_cast<int>(e), static_cast<int>(entries.size())});
-      entries.emplace_back(place_of_row(jacobian_pattern_.row[e]), j);
+    for (std::size_t a = first_coupled_; a < source_.size(); ++a) {
+      coupled_jacobian_.push_back(add(place_of_row(row_of(a)), place[column_of(a)]));
     }
-    for (int i : coupled_) {
-      coupled_diagonal_.push_back(static_cast<int>(entries.size()));
-      entries.emplace_back(place_[i], place_[i]);
-    }
-    for (int r = 0; r < m_; ++r) {
-      row_diagonal_.push_back(static_cast<int>(entries.size()));
-      entries.emplace_back(place_of_row(r), place_of_row(r));
-    }
-    const std::vector<int> target = order_and_compress(entries);
-    pair_target_.assign(target.begin(), target.begin() + static_cast<std::ptrdiff_t>(pairs));
-    for (Copy& c : coupled_tangent_) c.target = target[c.target];
-    for (Copy& c : coupled_jacobian_) c.target = target[c.target];
-    for (int& t : coupled_diagonal_) t = target[t];
-    for (int& t : row_diagonal_) t = target[t];
+    for (int i : coupled_) coupled_diagonal_.push_back(add(place[i], place[i]));
+    for (int r = 0; r < m_; ++r) row_diagonal_.push_back(add(place_of_row(r), place_of_row(r)));
 
-    l_first_.resize(reduced_ + 1);
-    for (auto* v : {&parent_, &l_count_, &stack_, &flag_}) v->resize(reduced_);
-    ldl_symbolic(reduced_, first_.data(), index_.data(), l_first_.data(), parent_.data(), l_count_.data(), flag_.data(),
-                 nullptr, nullptr);
-    l_index_.resize(std::max(l_first_[reduced_], 1));
-    l_value_.resize(l_index_.size());
-    for (auto* v : {&d_, &work_, &reduced_rhs_}) v->resize(reduced_);
-    unused_step_.resize(n_);
+    factors_.analyse(reduced_, row, column);
+    pair_target_.assign(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(pairs));
+    for (Copy& c : coupled_tangent_) c.target = row[c.target];
+    for (auto* targets : {&coupled_jacobian_, &coupled_diagonal_, &row_diagonal_}) {
+      for (int& t : *targets) t = row[t];
+    }
   }
 
-  // Merges entries, orders S by AMD, stores its permuted upper triangle by columns. Returns for every entry its place
-  // among the values.
-  std::vector<int> order_and_compress(const std::vector<std::pair<int, int>>& entries) {
-    std::vector<std::uint64_t> key;
-    key.reserve(entries.size());
-    const auto pack = [](int i, int j) {
-      return static_cast<std::uint64_t>(std::max(i, j)) << 32 | static_cast<std::uint32_t>(std::min(i, j));
-    };
-    for (const auto& [i, j] : entries) key.push_back(pack(i, j));
-    std::vector<std::uint64_t> unique = key;
-    std::sort(unique.begin(), unique.end());
-    unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
-    const auto row = [](std::uint64_t k) { return static_cast<int>(k >> 32); };
-    const auto col = [](std::uint64_t k) { return static_cast<int>(k & 0xffffffffU); };
-
-    const auto by_columns = [&](const std::vector<int>& place, std::vector<int>& first, std::vector<int>& index,
-                                std::vector<int>& where) {
-      first.assign(reduced_ + 1, 0);
-      const auto last = [&](std::uint64_t k) { return std::max(place[row(k)], place[col(k)]); };
-      for (std::uint64_t k : unique) ++first[last(k) + 1];
-      for (int i = 0; i < reduced_; ++i) first[i + 1] += first[i];
-      std::vector<int> next(first.begin(), first.end() - 1);
-      index.resize(unique.size());
-      where.resize(unique.size());
-      for (std::size_t u = 0; u < unique.size(); ++u) {
-        where[u] = next[last(unique[u])]++;
-        index[where[u]] = std::min(place[row(unique[u])], place[col(unique[u])]);
+  template <class Add>
+  void list_runs(const std::vector<int>& simple, Add add) {
+    std::size_t begin = 0;
+    for (int i : simple) {
+      std::size_t end = begin;
+      while (end < source_.size() && column_of(end) == i) ++end;
+      const int size = static_cast<int>(end - begin);
+      if (!has_rows_of_last_run(begin, size)) {
+        runs_.push_back({i, 0, size, static_cast<int>(row_.size()), 0});
+        add_products(begin, end, add);
+      } else if (i != runs_.back().variable + runs_.back().count) {
+        const Run& last = runs_.back();
+        runs_.push_back({i, 0, size, last.rows, last.pairs});
       }
-    };
-    std::vector<int> place(reduced_), where, first, index;
-    for (int i = 0; i < reduced_; ++i) place[i] = i;
-    by_columns(place, first, index, where);
-    order_.resize(reduced_);
-    std::vector<double> control(AMD_CONTROL), info(AMD_INFO);
-    amd_defaults(control.data());
-    amd_order(reduced_, first.data(), index.data(), order_.data(), control.data(), info.data());
-    for (int k = 0; k < reduced_; ++k) place[order_[k]] = k;
-    by_columns(place, first_, index_, where);
-    value_.assign(unique.size(), 0.0);
-    std::vector<int> target;
-    target.reserve(entries.size());
-    for (std::uint64_t k : key) {
-      target.push_back(where[std::lower_bound(unique.begin(), unique.end(), k) - unique.begin()]);
+      ++runs_.back().count;
+      begin = end;
     }
-    return target;
   }
 
+  bool has_rows_of_last_run(std::size_t begin, int size) const {
+    if (runs_.empty() || runs_.back().size != size) return false;
+    for (int k = 0; k < size; ++k) {
+      if (row_[runs_.back().rows + k] != row_of(begin + k)) return false;
+    }
+    return true;
+  }
+
+  // The rows of a new run and, of each of its columns, the products of all pairs of entries.
+  template <class Add>
+  void add_products(std::size_t begin, std::size_t end, Add add) {
+    for (std::size_t a = begin; a < end; ++a) {
+      row_.push_back(row_of(a));
+      for (std::size_t b = begin; b <= a; ++b) {
+        const int number = add(place_of_row(row_of(a)), place_of_row(row_of(b)));
+        if (a == begin) runs_.back().pairs = number;
+      }
+    }
+  }
+
+  // Of the last factors; x may be the right side itself.
   void back_substitute(const std::vector<double>& right, std::vector<double>& x) {
     const int coupled = static_cast<int>(coupled_.size());
-    // work_ holds the right side of S, later its solution, in unpermuted order.
-    for (int i = 0; i < coupled; ++i) work_[i] = right[coupled_[i]];
-    std::copy(right.begin() + n_, right.end(), work_.begin() + coupled);
-    for (std::size_t s = 0; s < simple_.size(); ++s) {
-      const double weighted = pivot_[s] * right[simple_[s]];
-      for (int a = column_first_[s]; a < column_first_[s + 1]; ++a) {
-        work_[coupled + column_row_[a]] -= jacobian_[column_entry_[a]] * weighted;
+    for (int i = 0; i < coupled; ++i) reduced_rhs_[i] = right[coupled_[i]];
+    std::copy(right.begin() + n_, right.end(), reduced_rhs_.begin() + coupled);
+    double* rows = reduced_rhs_.data() + coupled;
+    const double* column = jacobian_.data();
+    const double* pivot = pivot_.data();
+    for (const Run& run : runs_) {
+      const int* row = row_.data() + run.rows;
+      for (int i = run.variable; i < run.variable + run.count; ++i, column += run.size) {
+        const double weighted = *pivot++ * right[i];
+        for (int k = 0; k < run.size; ++k) rows[row[k]] -= column[k] * weighted;
       }
     }
-    for (int k = 0; k < reduced_; ++k) reduced_rhs_[k] = work_[order_[k]];
-    ldl_lsolve(reduced_, reduced_rhs_.data(), l_first_.data(), l_index_.data(), l_value_.data());
-    ldl_dsolve(reduced_, reduced_rhs_.data(), d_.data());
-    ldl_ltsolve(reduced_, reduced_rhs_.data(), l_first_.data(), l_index_.data(), l_value_.data());
-    for (int k = 0; k < reduced_; ++k) work_[order_[k]] = reduced_rhs_[k];
-    for (int i = 0; i < coupled; ++i) x[coupled_[i]] = work_[i];
-    for (int r = 0; r < m_; ++r) x[n_ + r] = work_[coupled + r];
-    for (std::size_t s = 0; s < simple_.size(); ++s) {
-      double sum = right[simple_[s]];
-      for (int a = column_first_[s]; a < column_first_[s + 1]; ++a) {
-        sum -= jacobian_[column_entry_[a]] * work_[coupled + column_row_[a]];
+    factors_.solve(reduced_rhs_);
+    for (int i = 0; i < coupled; ++i) x[coupled_[i]] = reduced_rhs_[i];
+    column = jacobian_.data();
+    pivot = pivot_.data();
+    for (const Run& run : runs_) {
+      const int* row = row_.data() + run.rows;
+      for (int i = run.variable; i < run.variable + run.count; ++i, column += run.size) {
+        double sum = right[i];
+        for (int k = 0; k < run.size; ++k) sum -= column[k] * rows[row[k]];
+        x[i] = *pivot++ * sum;
       }
-      x[simple_[s]] = pivot_[s] * sum;
     }
-    std::fill(work_.begin(), work_.end(), 0.0);  // as ldl_numeric expects it
+    std::copy(rows, rows + m_, x.begin() + n_);
   }
 
   void refine() {
@@ -294,26 +280,26 @@ class SparseKkt final : public Kkt {
       const double error = residual();
       if (error < 1e-15 || !(error < 0.5 * last)) break;
       last = error;
-      back_substitute(residual_, correction_);
-      for (int i = 0; i < n_ + m_; ++i) solution_[i] += correction_[i];
+      back_substitute(residual_, residual_);
+      for (int i = 0; i < n_ + m_; ++i) solution_[i] += residual_[i];
     }
   }
 
   // residual_ = rhs - system solution, with e = 0; its largest entry.
   double residual() {
     residual_ = rhs_;
-    for (std::size_t e = 0; e < tangent_.size(); ++e) {
+    for (int i = 0; i < n_; ++i) residual_[i] -= (tangent_[i] + shift_) * solution_[i];
+    for (std::size_t e = n_; e < tangent_.size(); ++e) {
       const int i = tangent_pattern_.row[e];
       const int j = tangent_pattern_.column[e];
       residual_[i] -= tangent_[e] * solution_[j];
-      if (i != j) residual_[j] -= tangent_[e] * solution_[i];
+      residual_[j] -= tangent_[e] * solution_[i];
     }
-    for (int i = 0; i < n_; ++i) residual_[i] -= shift_ * solution_[i];
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
-      const int r = n_ + jacobian_pattern_.row[e];
-      const int j = jacobian_pattern_.column[e];
-      residual_[r] -= jacobian_[e] * solution_[j];
-      residual_[j] -= jacobian_[e] * solution_[r];
+    for (std::size_t a = 0; a < jacobian_.size(); ++a) {
+      const int r = n_ + row_of(a);
+      const int j = column_of(a);
+      residual_[r] -= jacobian_[a] * solution_[j];
+      residual_[j] -= jacobian_[a] * solution_[r];
     }
     double worst = 0.0;
     for (int r = 0; r < m_; ++r) {
@@ -331,16 +317,19 @@ class SparseKkt final : public Kkt {
   int negative_ = 0;
   bool refine_ = false;
   std::vector<char> active_;
-  std::vector<double> jacobian_, tangent_;
-  std::vector<int> simple_, coupled_, place_;
-  std::vector<int> column_first_, column_entry_, column_row_, pair_first_, pair_target_;
-  std::vector<Copy> coupled_tangent_, coupled_jacobian_;
-  std::vector<int> coupled_diagonal_, row_diagonal_;
+  std::vector<int> coupled_;
+  std::vector<int> source_;       // entries of J by columns, the simple variables' first: where the problem has them
+  std::vector<double> jacobian_;  // in that order
+  std::vector<double> tangent_;
+  std::size_t first_coupled_ = 0;  // entry of a coupled variable
+  bool in_order_ = false;          // source_[a] = a
+  std::vector<Run> runs_;
+  std::vector<int> row_, pair_target_;
+  std::vector<Copy> coupled_tangent_;
+  std::vector<int> coupled_jacobian_, coupled_diagonal_, row_diagonal_;
   std::vector<double> pivot_;  // inverse pivots of the simple variables
-  std::vector<int> order_, first_, index_;
-  std::vector<int> l_first_, parent_, l_count_, l_index_, stack_, flag_;
-  std::vector<double> value_, l_value_, d_, work_, reduced_rhs_;
-  std::vector<double> rhs_, residual_, solution_, correction_, unused_step_;
+  SparseLdl factors_;
+  std::vector<double> rhs_, residual_, solution_, reduced_rhs_;
 };
 
 }  // namespace

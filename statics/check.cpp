@@ -4,14 +4,17 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "solvers/kkt.hpp"
+#include "solvers/newton.hpp"
 #include "statics/curvature_impl.hpp"
 #include "statics/free_bodies.hpp"
+#include "statics/kinks.hpp"
 #include "statics/lock.hpp"
 #include "statics/reference.hpp"
 
@@ -23,9 +26,20 @@ constexpr int all_curvatures = 300;
 // Curvatures below this part of the tangent are looked at in 50 digits.
 constexpr double doubtful_below = 1e-6;
 constexpr std::size_t modes = 6;
+// Reactions of so many times the loads may hide what they leave unbalanced: 50 digits then decide.
+constexpr double heavy_reactions = 1e3;
 // Part of the largest force that the rounding of stiff springs may leave unbalanced without a further look, and at all.
 constexpr double rounding_forgiven = 1e-6;
 constexpr double worst_reactions = 1e-3;
+// How far rounding can leave a search from an equilibrium whose curvature vanishes too: the cube root of eps and more.
+constexpr double beside_a_cusp = 1e-4;
+// A freedom counts as neutral where so far along it no more than so much of the largest stiffness is out of balance.
+constexpr double flat_over = 1e-3;
+constexpr double flat_within = 2e-14;
+constexpr double closure_rounding = 4 * std::numeric_limits<double>::epsilon();
+// What rounding of the coordinates themselves leaves.
+constexpr double least_accuracy = 4 * std::numeric_limits<double>::epsilon();
+constexpr double no_length = 1e-12;  // of the mechanism's size
 // Rounding of the forces on a coordinate, scaled to order one: some units in the last place.
 constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
 
@@ -136,14 +150,19 @@ class Judge {
   }
 
   void balance_bodies() {
-    const FreeBodies bodies = balance(scene_, poses_, touching_, size_);
+    FreeBodies bodies = balance(scene_, poses_, touching_, size_);
     out_.imbalance = bodies.imbalance;
     out_.worst_body = scene_.bodies.size() > 1 ? scene_.bodies[bodies.worst_body].name : "";
     out_.largest_force = bodies.largest_force;
-    out_.reactions = bodies.reactions;
+    out_.reactions = std::move(bodies.reactions);
     out_.redundancy = bodies.redundancy;
     pressing_ = bodies.pressing;
     largest_load_ = bodies.largest_load;
+    if (const Spring* cone = pushing_at_zero_length()) {
+      object(fmt::format(
+          "spring \"{}\" is pressed to length zero, where it pushes in no direction: nothing rests there", cone->name));
+      return;
+    }
     // What a place known to a few rounding errors does to the stiffest spring cannot be balanced any better.
     double stiffest = 0.0;
     for (const Spring& s : scene_.springs) stiffest = std::max(stiffest, s.stiffness * size_);
@@ -173,6 +192,16 @@ class Judge {
     return exact.refined && exact.error <= tolerances_.closure;
   }
 
+  // Its energy is the tip of a cone there, which no derivative sees.
+  const Spring* pushing_at_zero_length() const {
+    for (const Spring& s : scene_.springs) {
+      const Vec2 d = poses_[s.b.body].world(scene_.local(s.b)) - poses_[s.a.body].world(scene_.local(s.a));
+      const bool pushes = s.acts != Spring::Acts::tension && s.stiffness > 0.0 && s.free_length > 0.0;
+      if (pushes && norm(d) <= no_length * size_) return &s;
+    }
+    return nullptr;
+  }
+
   std::string unbalanced_in_words(const FreeBodies& bodies, double rounding) const {
     const Units& units = scene_.units;
     const std::string amount =
@@ -198,13 +227,14 @@ class Judge {
           "independent",
           lock->rank, lock->rank_beside);
     } else {
-      if (out_.largest_force <= 1e6 * largest_load_ || model_.mechanism().coordinates() > all_curvatures) return;
-      const Reference exact = refine(model_, x_);
-      if (exact.refined && exact.error < 1e-6) return;
+      if (out_.largest_force <= heavy_reactions * largest_load_ || model_.mechanism().coordinates() > all_curvatures ||
+          lies_close_in_50_digits(tolerances_.position)) {
+        return;
+      }
       out_.balanced = false;
       object(
-          "no finite joint forces hold the loads: here the joints lock (reactions of more than a million times the "
-          "loads)");
+          "no finite joint forces hold the loads: here the joints lock (reactions of more than a thousand times the "
+          "loads, and no equilibrium in 50 digits)");
     }
     out_.locked = true;
   }
@@ -243,16 +273,15 @@ class Judge {
     const bool doubtful = std::any_of(curvature.begin(), curvature.end(), [&](double c) {
       return std::abs(c) <= doubtful_below * std::max(1.0, reduced.largest);
     });
-    if (doubtful) {
-      const std::vector<double> exact = refined_curvatures(model_, x_);
-      if (exact.size() == curvature.size()) {
-        curvature = exact;
-        out_.stability_note = "a curvature is so small that its sign was taken from 50 digits";
-      }
+    const std::vector<int> kinks = springs_at_kinks(model_, x_);
+    if (!kinks.empty()) {
+      judge_kinks(kinks, tolerances_.neutral * std::max(1.0, reduced.largest));
+      return;
     }
+    if (!(doubtful ? judge_in_50_digits(reduced, eigen.eigenvectors(), curvature) : lies_close(reduced))) return;
     double smallest = std::numeric_limits<double>::infinity();
     for (double c : curvature) smallest = std::min(smallest, std::abs(c));
-    out_.accuracy = force_rounding / smallest;
+    out_.accuracy = std::max({force_rounding / smallest, shift_by_rounded_closures(reduced), least_accuracy});
     const Eigen::MatrixXd directions = reduced.basis * eigen.eigenvectors();
     for (std::size_t k = 0; k < std::min(modes, curvature.size()); ++k) {
       out_.modes.push_back(mode(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
@@ -261,6 +290,97 @@ class Judge {
     settle(static_cast<int>(std::count_if(curvature.begin(), curvature.end(), [&](double c) { return c < -zero; })),
            static_cast<int>(
                std::count_if(curvature.begin(), curvature.end(), [&](double c) { return std::abs(c) <= zero; })));
+  }
+
+  // How far the equilibrium moves with the closures when they are rounded otherwise: where reactions are heavy they
+  // push along whatever a gap of eps opens.
+  //   J v = e,  Z^T K (v + Z z) = 0,  d = v + Z z
+  static double shift_by_rounded_closures(const ReducedHessian<double>& reduced) {
+    const Eigen::Index rows = reduced.jacobian.rows();
+    if (rows == 0) return 0.0;
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> closures;
+    closures.setThreshold(1e-10);
+    closures.compute(reduced.jacobian);
+    const Eigen::FullPivLU<Eigen::MatrixXd> stiffness(reduced.matrix);
+    double largest = 0.0;
+    for (Eigen::Index pattern = 1; pattern <= 4; ++pattern) {
+      Eigen::VectorXd e(rows);
+      for (Eigen::Index r = 0; r < rows; ++r) e[r] = (r / pattern) % 2 == 0 ? closure_rounding : -closure_rounding;
+      const Eigen::VectorXd v = closures.solve(e);
+      const Eigen::VectorXd d = v - reduced.basis * stiffness.solve(reduced.coupling * v);
+      largest = std::max(largest, d.cwiseAbs().maxCoeff());
+    }
+    return largest;
+  }
+
+  void judge_kinks(const std::vector<int>& kinks, double zero) {
+    out_.stability = stability_at_kinks(model_, x_, holding_rows(), kinks, zero);
+    out_.descent_directions = out_.stability == Stability::unstable ? 1 : 0;
+    out_.neutral_directions = out_.stability == Stability::neutral ? 1 : 0;
+    out_.stability_note = fmt::format("spring \"{}\" is just about to act: both sides were looked at",
+                                      scene_.springs[kinks.front()].name);
+    if (out_.stability == Stability::unknown) {
+      out_.stability_note += ", and with more than one freedom they do not decide";
+    }
+  }
+
+  bool lies_close_in_50_digits(double within) const {
+    const Reference exact = refine(model_, x_);
+    return exact.refined && exact.error <= within;
+  }
+
+  // By the length of one more Newton step.
+  bool lies_close(const ReducedHessian<double>& reduced) {
+    const Eigen::VectorXd step = reduced.basis * reduced.matrix.fullPivLu().solve(reduced.force);
+    const double length = step.cwiseAbs().maxCoeff();
+    if (length <= tolerances_.position) return true;
+    deny(
+        fmt::format("the loads balance nearly, but the equilibrium itself lies about {:.1g} away (rad, or length over "
+                    "size)",
+                    length));
+    return false;
+  }
+
+  void deny(const std::string& reason) {
+    out_.balanced = false;
+    object(reason);
+    out_.stability_note = "only an equilibrium can be stable";
+  }
+
+  // Beside a fold, where equilibria merge and vanish, double precision can neither tell the sign of a curvature nor
+  // whether there is an equilibrium at all. Where 50 digits find none, only a freedom along which nothing changes is
+  // left as an explanation.
+  bool judge_in_50_digits(const ReducedHessian<double>& reduced, const Eigen::MatrixXd& directions,
+                          std::vector<double>& curvature) {
+    const std::vector<double> exact = refined_curvatures(model_, x_);
+    if (exact.size() == curvature.size() && lies_close_in_50_digits(beside_a_cusp)) {
+      curvature = exact;
+      out_.stability_note = "a curvature is so small that its sign was taken from 50 digits";
+      return true;
+    }
+    for (std::size_t k = 0; k < curvature.size(); ++k) {
+      if (std::abs(curvature[k]) > doubtful_below * std::max(1.0, reduced.largest)) continue;
+      if (is_flat(reduced.basis * directions.col(static_cast<Eigen::Index>(k)))) {
+        curvature[k] = 0.0;
+        continue;
+      }
+      deny("50 digits find no equilibrium here: what double precision cannot see unbalanced is the rest of a fold");
+      return false;
+    }
+    return true;
+  }
+
+  // Nothing but rounding is out of balance a little way along the direction, either.
+  bool is_flat(const Eigen::VectorXd& direction) const {
+    const double scale = std::max(1.0, largest_load_ / model_.scales().force);
+    solvers::Newton closing(model_.problem());
+    for (const double way : {-flat_over, flat_over}) {
+      std::vector<double> moved = x_;
+      for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += way * direction[static_cast<Eigen::Index>(i)];
+      const ReducedHessian<double> there(model_.mechanism(), closing.close(moved.data()).x, holding_rows());
+      if (there.force.size() > 0 && there.force.cwiseAbs().maxCoeff() > flat_within * scale) return false;
+    }
+    return true;
   }
 
   void settle(int falling, int neutral) {
@@ -288,6 +408,7 @@ class Judge {
   // coordinates, is the sign of its determinant: negative means divergence. With more than one freedom a positive one
   // does not exclude flutter, which only masses can decide.
   void judge_followers(const ReducedHessian<double>& reduced) {
+    if (!lies_close(reduced)) return;
     out_.accuracy = force_rounding / reduced.matrix.jacobiSvd().singularValues().minCoeff();
     const double scale = std::max(1.0, reduced.largest);
     const double determinant = (reduced.matrix / scale).determinant();

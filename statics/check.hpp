@@ -39,7 +39,10 @@ struct Reaction {
 struct CheckTolerances {
   double closure = 1e-9;    ///< largest gap of a joint / size of the mechanism
   double imbalance = 1e-9;  ///< largest unbalanced force, or moment / size, of a body / largest force on any body
-  double stop = 1e-8;       ///< stop overrun, rad or / size
+  /// Largest distance, rad or / size, to the equilibrium itself: by a Newton step, or by 50 digits where curvatures are
+  /// too small or reactions too large for double precision.
+  double position = 1e-6;
+  double stop = 1e-8;  ///< stop overrun, rad or / size
   /// A curvature counts as zero below this part of the largest stiffness.
   double neutral = 1e-13;
 };
@@ -68,8 +71,9 @@ struct Check {
   /// The joints lock here: no finite forces in them hold the loads, because the closures lose rank.
   bool locked = false;
   /// How far rounding of the scene's numbers and of their evaluation may move this equilibrium, rad or mechanism
-  /// sizes: 64 eps / |smallest curvature|, both scaled. Next to a fold, where equilibria merge, it is far more than
-  /// eps. Not a number where curvatures are unknown.
+  /// sizes, all scaled: the larger of 64 eps / |smallest curvature|, which is far more than eps next to a fold, where
+  /// equilibria merge, and of what gaps of 4 eps do to it, which is far more beside a singular pose, where reactions
+  /// are heavy. Not a number where curvatures are unknown.
   double accuracy = std::numeric_limits<double>::quiet_NaN();
 
   /// Closed, balanced and within its stops.
@@ -83,6 +87,7 @@ struct Check {
 /// closure    every joint of the scene, measured between the places of its two bodies
 /// balance    vector statics: each body cut free under its loads and the reactions of its joints; the reactions are
 ///            the least-squares solution of all bodies' 3 equations, so what they cannot balance remains as imbalance
+/// position   a small imbalance may still be far from rest where the mechanism is soft: one Newton step tells how far
 /// stability  inertia of the reduced Hessian, with stops that press counted as closed; where the smallest curvature is
 ///            within rounding of zero its sign is taken from 50 digits
 Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances = {});

@@ -84,12 +84,18 @@ struct ReducedHessian {
     }
     basis = q_factor.rightCols(n - rank);
     matrix = basis.transpose() * full * basis;
+    force = basis.transpose() * point.force;
+    coupling = basis.transpose() * full;
+    jacobian = point.jacobian;
     largest = full.size() > 0 ? T(full.cwiseAbs().maxCoeff()) : T(0);
   }
 
-  Matrix basis;   ///< n x freedoms
-  Matrix matrix;  ///< freedoms x freedoms, not symmetric with follower loads
-  T largest;      ///< largest entry of the tangent, the scale of `matrix`
+  Matrix basis;                          ///< n x freedoms
+  Matrix coupling;                       ///< Z^T (tangent), freedoms x n
+  Matrix jacobian;                       ///< of the kept rows
+  typename DensePoint<T>::Vector force;  ///< Z^T F, what is left unbalanced
+  Matrix matrix;                         ///< freedoms x freedoms, not symmetric with follower loads
+  T largest;                             ///< largest entry of the tangent, the scale of `matrix`
 };
 
 }  // namespace poise

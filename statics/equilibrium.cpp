@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <random>
+#include <utility>
 
 #include <Eigen/QR>
 #include <fmt/format.h>
@@ -20,6 +22,8 @@
 
 namespace poise {
 namespace {
+
+constexpr int most_displaced = 12;  // starts, after one whose answer the check denied
 
 double elapsed(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - since).count();
@@ -62,6 +66,8 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   out.why = "Newton: " + solvers::describe(result.outcome);
   if (result.load_stepped) {
     out.why += " (by load stepping, after all else stalled)";
+  } else if (result.restarted) {
+    out.why += " (from a displaced start, after all others stalled)";
   } else if (result.descended) {
     out.why += " (by descending the energy, after plain Newton stalled)";
   }
@@ -175,6 +181,25 @@ void judge(const StaticModel& model, const SolveOptions& options, Equilibrium& o
                                                       : "; " + out.check.objection;
 }
 
+Equilibrium search_and_judge(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
+  Equilibrium out;
+  out.method = options.method;
+  out.seek = options.seek;
+  out.x = x;
+  if (options.scaling) {
+    search(model, x, options, out);
+  } else {
+    const StaticModel plain(model.scene(), Scales{});
+    search(plain, plain.from_si(model.to_si(x)), options, out);
+    out.x = model.from_si(plain.to_si(out.x));
+  }
+  if (out.status != Status::refused) judge(model, options, out);
+  return out;
+}
+
+// The search believes in what it found, and the check does not.
+bool is_denied(const Equilibrium& rest) { return rest.claimed && !rest.found() && rest.status != Status::interrupted; }
+
 }  // namespace
 
 std::string to_string(Status status) {
@@ -196,18 +221,21 @@ std::string to_string(Status status) {
 }
 
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
-  Equilibrium out;
-  out.method = options.method;
-  out.seek = options.seek;
-  out.x = x;
-  if (options.scaling) {
-    search(model, x, options, out);
-  } else {
-    const StaticModel plain(model.scene(), Scales{});
-    search(plain, plain.from_si(model.to_si(x)), options, out);
-    out.x = model.from_si(plain.to_si(out.x));
+  Equilibrium out = search_and_judge(model, x, options);
+  const bool again = options.method == Method::virtual_work && options.safeguards.restarts;
+  std::minstd_rand random(20220531);
+  for (int k = 1; again && is_denied(out) && k <= most_displaced; ++k) {
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    std::vector<double> displaced = x;
+    for (double& v : displaced) v += M_PI * k / most_displaced * uniform(random);
+    Equilibrium next = search_and_judge(model, displaced, options);
+    next.iterations += out.iterations;
+    next.evaluations += out.evaluations;
+    next.microseconds += out.microseconds;
+    next.met_lock = next.met_lock || out.met_lock;
+    if (next.found()) next.why += "; the start was displaced, because the check denied what was found from it";
+    out = std::move(next);
   }
-  if (out.status != Status::refused) judge(model, options, out);
   return out;
 }
 

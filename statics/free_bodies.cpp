@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/QR>
 #include <Eigen/Sparse>
@@ -72,16 +73,17 @@ class Statics {
   }
 
   void add_joints() {
+    items_.reserve(scene_.joints.size());
+    unknowns_.reserve(2 * scene_.joints.size());
     for (const Joint& joint : scene_.joints) {
       const Vec2 a = world(joint.a);
       const Vec2 b = world(joint.b);
       const Vec2 axis = joint.axis * unit(poses_[joint.a.body].angle);
       const auto item = [&](const char* kind) {
-        Item added;
-        added.reaction.name = joint.name;
-        added.reaction.kind = kind;
-        added.reaction.at = b;
-        items_.push_back(added);
+        Reaction& reaction = items_.emplace_back().reaction;
+        reaction.name = joint.name;
+        reaction.kind = kind;
+        reaction.at = b;
       };
       const auto act = [&](Vec2 force, double moment) {
         unknowns_.push_back({static_cast<int>(items_.size()) - 1, joint.a.body, joint.b.body, b, force, moment});
@@ -166,15 +168,7 @@ class Statics {
   int solve(FreeBodies& out) {
     const int rows = static_cast<int>(load_.size());
     const int count = static_cast<int>(unknowns_.size());
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int u = 0; u < count; ++u) {
-      const Unknown& k = unknowns_[u];
-      add_column(entries, u, k.body_b, k, 1.0);
-      add_column(entries, u, k.body_a, k, -1.0);
-    }
-    Eigen::SparseMatrix<double> a(rows, count);
-    a.setFromTriplets(entries.begin(), entries.end());
-    a.makeCompressed();
+    const Eigen::SparseMatrix<double> a = equations();
     const Eigen::Map<const Eigen::VectorXd> load(load_.data(), rows);
     Eigen::VectorXd f = Eigen::VectorXd::Zero(count);
     std::vector<bool> free(count, false);
@@ -193,8 +187,9 @@ class Statics {
         for (int u = 0; u < count; ++u) free[u] = null.row(u).norm() > 1e-8;
       }
     } else if (count > 0) {
-      f = SparseLeastSquares(a).solve(-load);
-      const NullSpace self_stress = null_space(a);
+      SparseLeastSquares factored(a);
+      f = factored.solve(-load);
+      const NullSpace self_stress = factored.null_space();
       free = self_stress.touches;
       out.redundancy = self_stress.dimension;
     }
@@ -229,10 +224,11 @@ class Statics {
     }
     out.reactions.clear();
     out.pressing.clear();
-    for (const Item& item : items_) {
-      out.reactions.push_back(item.reaction);
+    out.reactions.reserve(items_.size());
+    for (Item& item : items_) {
       const double pressure = std::max(norm(item.reaction.force), std::abs(item.reaction.moment) / size_);
       if (item.stop >= 0 && pressure > 1e-10 * out.largest_force) out.pressing.push_back(item.stop);
+      out.reactions.push_back(std::move(item.reaction));
     }
     return pulling;
   }
@@ -250,13 +246,29 @@ class Statics {
     largest_load_ = std::max({largest_load_, norm(force), std::abs(turning)});
   }
 
-  void add_column(std::vector<Eigen::Triplet<double>>& entries, int column, int body, const Unknown& k, double sign) {
+  // What every unknown does to every moving body.
+  Eigen::SparseMatrix<double> equations() const {
+    const auto count = static_cast<Eigen::Index>(unknowns_.size());
+    Eigen::SparseMatrix<double> a(static_cast<Eigen::Index>(load_.size()), count);
+    a.reserve(4 * count);
+    for (Eigen::Index u = 0; u < count; ++u) {
+      const Unknown& k = unknowns_[u];
+      a.startVec(u);
+      const bool in_order = k.body_a < k.body_b;
+      add_to_body(a, u, in_order ? k.body_a : k.body_b, k, in_order ? -1.0 : 1.0);
+      add_to_body(a, u, in_order ? k.body_b : k.body_a, k, in_order ? 1.0 : -1.0);
+    }
+    a.finalize();
+    return a;
+  }
+
+  void add_to_body(Eigen::SparseMatrix<double>& a, Eigen::Index column, int body, const Unknown& k, double sign) const {
     if (body == 0) return;
     const int row = 3 * (body - 1);
-    if (k.force.x != 0) entries.emplace_back(row, column, sign * k.force.x);
-    if (k.force.y != 0) entries.emplace_back(row + 1, column, sign * k.force.y);
+    if (k.force.x != 0) a.insertBack(row, column) = sign * k.force.x;
+    if (k.force.y != 0) a.insertBack(row + 1, column) = sign * k.force.y;
     const double turning = (cross(k.at - poses_[body].origin, k.force) + k.moment) / size_;
-    if (turning != 0) entries.emplace_back(row + 2, column, sign * turning);
+    if (turning != 0) a.insertBack(row + 2, column) = sign * turning;
   }
 
   const Scene& scene_;

@@ -14,13 +14,13 @@ const std::vector<MethodTraits>& all_methods() {
        200, 2000},
       {Method::augmented_lagrangian_modified, "augmented-lagrangian-modified",
        "the same without the curvature of the constraints, as in MECANO", false, false, 1e-12, 1000, 2000},
-      {Method::slsqp, "slsqp", "least energy by sequential quadratic programming (NLopt)", true, true, 1e-12, 1000,
+      {Method::slsqp, "slsqp", "least energy by sequential quadratic programming (NLopt)", true, true, 1e-12, 2000,
        300},
       {Method::auglag_lbfgs, "auglag-lbfgs", "least energy by an augmented Lagrangian around L-BFGS (NLopt)", true,
-       true, 1e-10, 20000, 2000},
+       true, 1e-12, 20000, 2000},
       {Method::cobyla, "cobyla", "least energy without derivatives (NLopt)", true, true, 1e-10, 20000, 30},
-      {Method::dynamic_relaxation, "dynamic-relaxation", "damped motion to rest", false, true, 1e-10, 20000, 2000},
-      {Method::least_squares, "least-squares", "residuals of all equations, by Ceres", false, false, 1e-12, 500, 20000},
+      {Method::dynamic_relaxation, "dynamic-relaxation", "damped motion to rest", false, true, 1e-12, 20000, 2000},
+      {Method::least_squares, "least-squares", "residuals of all equations, by Ceres", false, false, 1e-12, 500, 4000},
   };
   return all;
 }

@@ -88,14 +88,14 @@ void find_redundancy(const ScaledModel& model, Mobility& out) {
   m.place(out.x.data(), pose.data());
   m.jacobian(pose.data(), values.data());
   std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(values.size());
   for (std::size_t e = 0; e < values.size(); ++e) {
     if (m.jacobian_row()[e] < rows) entries.emplace_back(m.jacobian_row()[e], m.jacobian_column()[e], values[e]);
   }
   Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());
   jacobian.setFromTriplets(entries.begin(), entries.end());
   if (rows > dense_limit) {
-    const Eigen::SparseMatrix<double> transposed = jacobian.transpose();
-    const NullSpace repeats = null_space(transposed);
+    const NullSpace repeats = SparseLeastSquares(jacobian).left_null_space();
     out.rank = rows - repeats.dimension;
     for (int l = 0; l < m.closures(); ++l) {
       if (repeats.touches[2 * l] || repeats.touches[2 * l + 1]) out.redundant.push_back(m.layout().closures[l].name);
@@ -144,7 +144,7 @@ Mobility analyse_mobility(const ScaledModel& model) {
   for (int i = 0; i < static_cast<int>(layout.coordinates.size()); ++i) {
     const Coordinate& c = layout.coordinates[i];
     const char* kind = c.kind == Coordinate::Kind::angle ? "angle" : "length";
-    (i < layout.kept ? out.kept : out.dropped).push_back(fmt::format("{} \"{}\": {}", kind, c.name, c.why));
+    (i < layout.kept ? out.kept : out.dropped).push_back(fmt::format("{} \"{}\": {}", kind, c.name, c.why()));
   }
   out.dropped.insert(out.dropped.end(), layout.dropped.begin(), layout.dropped.end());
   return out;

@@ -20,8 +20,10 @@ using Vector = DensePoint<Real>::Vector;
 using Matrix = DensePoint<Real>::Matrix;
 
 constexpr int dense_limit = 80;  // coordinates up to which redundancy is resolved by a rank-revealing factor
-constexpr int steps = 40;
+constexpr int steps = 120;
+constexpr double longest_step = 1e-3;
 constexpr double nearby = 1e-2;             // a correction larger than this has gone to another equilibrium
+constexpr double nearly = 1e-9;             // where Newton closes in by a constant factor only, this is close enough
 constexpr double rounding_of_data = 1e-12;  // singular values of J that rounding of the scene's numbers can make
 constexpr double touching = 1e-7;           // of a stop that holds
 
@@ -29,8 +31,10 @@ constexpr double touching = 1e-7;           // of a stop that holds
 class Refinement {
  public:
   Refinement(const StaticModel& model, const std::vector<double>& x)
-      : model_(model), mechanism_(model.scaled_scene(), Purpose::statics) {
+      : model_(model),
+        mechanism_(model.scene(), lay_out(model.scene(), Purpose::statics), Purpose::statics, model.scales()) {
     for (double v : x) q_.emplace_back(v);
+    from_ = q_;
     rows_.resize(2 * mechanism_.closures());
     std::iota(rows_.begin(), rows_.end(), 0);
   }
@@ -59,7 +63,7 @@ class Refinement {
       const Vector y = DensePoint<Real>(mechanism_, q_, rows_).multipliers();
       std::size_t pulling = rows_.size();
       for (std::size_t k = closures; k < rows_.size(); ++k) {
-        if (sides[k] != 0 && sides[k] * y[static_cast<Eigen::Index>(k)] < 1e-9) pulling = k;
+        if (sides[k] != 0 && sides[k] * y[static_cast<Eigen::Index>(k)] < 1e-13) pulling = k;
       }
       if (pulling == rows_.size()) return;
       const auto at = static_cast<std::ptrdiff_t>(pulling);
@@ -103,11 +107,17 @@ class Refinement {
         why = "Newton in 50 digits met a singular system";
         return false;
       }
-      if (length > nearby) {
+      // Next to a fold full steps overshoot: they are kept short.
+      const Real part = length > longest_step ? Real(longest_step / length) : Real(1);
+      Real travelled = 0;
+      for (Eigen::Index i = 0; i < d.size(); ++i) {
+        q_[i] += part * d[i];
+        travelled = std::max(travelled, Real(abs(q_[i] - from_[i])));
+      }
+      if (travelled > nearby) {
         why = "the nearest solution in 50 digits is another one";
         return false;
       }
-      for (Eigen::Index i = 0; i < d.size(); ++i) q_[i] += d[i];
       // Settled once steps no longer shrink: what is left is rounding in 50 digits.
       if (length < Real(1e-30) && (length == 0 || length * 16 > last || length < Real(1e-45))) {
         settled_ = length;
@@ -117,6 +127,9 @@ class Refinement {
       }
       last = length;
     }
+    // Where a curvature vanishes at the equilibrium itself Newton closes in digit by digit.
+    settled_ = last;
+    if (last < Real(nearly) && is_solved()) return true;
     why = "Newton in 50 digits did not settle";
     return false;
   }
@@ -240,7 +253,7 @@ class Refinement {
 
   const StaticModel& model_;
   Mechanism<Real> mechanism_;
-  std::vector<Real> q_;
+  std::vector<Real> q_, from_;
   std::vector<int> rows_;
   std::vector<Real> target_;  // per row: zero for closures, the bound of a held stop
   Vector sparse_y_;

@@ -4,14 +4,17 @@
 
 namespace poise {
 
-ScaledModel::ScaledModel(Scene scene, Purpose purpose)
-    : scene_(std::move(scene)),
-      scales_(choose_scales(scene_, lay_out(scene_, purpose).size)),
-      scaled_(scaled(scene_, scales_)),
-      mechanism_(scaled_, purpose) {}
+ScaledModel::ScaledModel(Scene scene, Purpose purpose) : scene_(std::move(scene)), mechanism_(compiled(purpose)) {}
 
 ScaledModel::ScaledModel(Scene scene, Purpose purpose, const Scales& scales)
-    : scene_(std::move(scene)), scales_(scales), scaled_(scaled(scene_, scales_)), mechanism_(scaled_, purpose) {}
+    : scene_(std::move(scene)), scales_(scales), mechanism_(scene_, lay_out(scene_, purpose), purpose, scales_) {}
+
+// The layout tells the scales, and serves to compile.
+Mechanism<double> ScaledModel::compiled(Purpose purpose) {
+  Layout layout = lay_out(scene_, purpose);
+  scales_ = choose_scales(scene_, layout.size);
+  return {scene_, std::move(layout), purpose, scales_};
+}
 
 std::vector<double> ScaledModel::to_si(std::vector<double> x) const {
   for (int t = layout().angles; t < layout().kept; ++t) x[t] *= scales_.length;

@@ -21,8 +21,7 @@ class ScaledModel {
 
   const Scene& scene() const { return scene_; }  ///< SI
   const Scales& scales() const { return scales_; }
-  const Scene& scaled_scene() const { return scaled_; }
-  const Mechanism<double>& mechanism() const { return mechanism_; }  ///< of the scaled scene
+  const Mechanism<double>& mechanism() const { return mechanism_; }  ///< measured in scales()
   const Layout& layout() const { return mechanism_.layout(); }
 
   std::vector<double> start() const { return mechanism_.start(); }  ///< x
@@ -32,9 +31,10 @@ class ScaledModel {
   std::vector<BodyPose<double>> poses(const std::vector<double>& x) const;
 
  private:
+  Mechanism<double> compiled(Purpose purpose);
+
   Scene scene_;
   Scales scales_;
-  Scene scaled_;
   Mechanism<double> mechanism_;
 };
 

@@ -27,9 +27,9 @@ Scales choose_scales(const Scene& scene, double size) {
 
 Scene scaled(const Scene& scene, const Scales& scales) {
   Scene out = scene;
-  const double per_length = 1.0 / scales.length;
-  const double per_force = 1.0 / scales.force;
-  const double per_energy = per_length * per_force;
+  const double per_length = scales.per_length();
+  const double per_force = scales.per_force();
+  const double per_energy = scales.per_energy();
   out.gravity = per_length * out.gravity;
   for (Body& b : out.bodies) {
     for (NamedPoint& p : b.points) p.at = per_length * p.at;
@@ -39,7 +39,7 @@ Scene scaled(const Scene& scene, const Scales& scales) {
   }
   for (Joint& j : out.joints) j.length *= per_length;
   for (Spring& s : out.springs) {
-    s.stiffness *= scales.length * per_force;
+    s.stiffness *= scales.per_stiffness();
     s.free_length *= per_length;
   }
   for (TorsionSpring& s : out.torsion_springs) s.stiffness *= per_energy;

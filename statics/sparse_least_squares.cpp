@@ -8,69 +8,165 @@
 namespace poise {
 namespace {
 
+using Matrix = Eigen::SparseMatrix<double>;
+
 constexpr double relax = 1e-12;
 constexpr int refinements = 20;
+constexpr int projections = 4;
+constexpr double unmet = 1e-9;  // part of the right side
 constexpr double smallest_singular_value = 1e-6;
+constexpr double takes_part = 1e-6;  // of a probe of order one
+constexpr int long_column = 32;      // entries
 
-// Lower triangle of [I A; A^T corner I].
-Eigen::SparseMatrix<double> augmented(const Eigen::SparseMatrix<double>& a, double corner) {
+// Calls visit(i, j, value) for one triangle of the matrix to be factored, entries of the same place one by one.
+template <class Visit>
+void for_each_entry(const Matrix& a, double shift, Visit visit) {
   const int rows = static_cast<int>(a.rows());
-  const int size = rows + static_cast<int>(a.cols());
-  std::vector<Eigen::Triplet<double>> lower;
-  for (int i = 0; i < size; ++i) lower.emplace_back(i, i, i < rows ? 1.0 : corner);
-  for (int c = 0; c < a.outerSize(); ++c) {
-    for (Eigen::SparseMatrix<double>::InnerIterator it(a, c); it; ++it) {
-      lower.emplace_back(rows + c, static_cast<int>(it.row()), it.value());
+  int extra = rows;
+  for (Eigen::Index c = 0; c < a.outerSize(); ++c) {
+    if (a.innerVector(c).nonZeros() > long_column) {
+      visit(extra, extra, -1.0);
+      for (Matrix::InnerIterator i(a, c); i; ++i) visit(extra, static_cast<int>(i.row()), i.value());
+      ++extra;
+      continue;
+    }
+    for (Matrix::InnerIterator i(a, c); i; ++i) {
+      for (Matrix::InnerIterator j(a, c); j && j.row() <= i.row(); ++j) {
+        visit(static_cast<int>(i.row()), static_cast<int>(j.row()), i.value() * j.value());
+      }
     }
   }
-  Eigen::SparseMatrix<double> system(size, size);
-  system.setFromTriplets(lower.begin(), lower.end());
-  return system;
+  for (int i = 0; i < rows; ++i) visit(i, i, shift);
+}
+
+// The same random numbers of order one for every call.
+Eigen::VectorXd probe(Eigen::Index size) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0.5, 1.5);
+  return Eigen::VectorXd::NullaryExpr(size, [&] { return uniform(random); });
+}
+
+NullSpace touched(const Eigen::VectorXd& part) {
+  NullSpace out;
+  for (const double p : part) out.touches.push_back(std::abs(p) > takes_part);
+  return out;
+}
+
+bool is_empty(const NullSpace& null) {
+  return std::find(null.touches.begin(), null.touches.end(), true) == null.touches.end();
 }
 
 }  // namespace
 
-SparseLeastSquares::SparseLeastSquares(const Eigen::SparseMatrix<double>& a) : a_(a) {
-  factors_.compute(augmented(a, -relax));
+SparseLeastSquares::SparseLeastSquares(const Matrix& a) : a_(a) {
+  even_rows();
+  analyse();
+  factor(relax);
 }
 
-Eigen::VectorXd SparseLeastSquares::solve(const Eigen::VectorXd& b) const {
-  const Eigen::Index rows = a_.rows();
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(rows + a_.cols());
+void SparseLeastSquares::even_rows() {
+  scale_ = Eigen::VectorXd::Zero(a_.rows());
+  for (Eigen::Index c = 0; c < a_.outerSize(); ++c) {
+    for (Matrix::InnerIterator i(a_, c); i; ++i) scale_[i.row()] += i.value() * i.value();
+    long_columns_ += a_.innerVector(c).nonZeros() > long_column;
+  }
+  for (double& s : scale_) s = s > 0 ? 1.0 / std::sqrt(s) : 1.0;
+  for (Eigen::Index c = 0; c < a_.outerSize(); ++c) {
+    for (Matrix::InnerIterator i(a_, c); i; ++i) i.valueRef() *= scale_[i.row()];
+  }
+}
+
+void SparseLeastSquares::analyse() {
+  std::size_t entries = 0;
+  for_each_entry(a_, relax, [&](int, int, double) { ++entries; });
+  std::vector<int> column;
+  target_.reserve(entries);
+  column.reserve(entries);
+  for_each_entry(a_, relax, [&](int i, int j, double) {
+    target_.push_back(i);
+    column.push_back(j);
+  });
+  const auto size = static_cast<std::size_t>(a_.rows()) + static_cast<std::size_t>(long_columns_);
+  factors_.analyse(static_cast<int>(size), target_, column);
+  right_.resize(size);
+}
+
+void SparseLeastSquares::factor(double shift) {
+  std::vector<double>& values = factors_.values();
+  std::fill(values.begin(), values.end(), 0.0);
+  const int* target = target_.data();
+  for_each_entry(a_, shift, [&](int, int, double value) { values[*target++] += value; });
+  factors_.factor();
+}
+
+// b = (A A^T + e I)^-1 b
+void SparseLeastSquares::apply_inverse(Eigen::VectorXd& b) {
+  std::fill(right_.begin(), right_.end(), 0.0);
+  std::copy(b.begin(), b.end(), right_.begin());
+  factors_.solve(right_);
+  std::copy(right_.begin(), right_.begin() + b.size(), b.begin());
+}
+
+Eigen::VectorXd SparseLeastSquares::solve(const Eigen::VectorXd& b) { return solve_even(scale_.cwiseProduct(b)); }
+
+Eigen::VectorXd SparseLeastSquares::solve_even(const Eigen::VectorXd& b) {
+  Eigen::VectorXd left = b;
+  Eigen::VectorXd x = refine(left);
+  if (left.cwiseAbs().maxCoeff() <= unmet * b.cwiseAbs().maxCoeff()) return x;
+  // What no x can meet becomes so large in the inverse that its rounding is felt: without it, once more.
+  project(left);
+  left = b - left;
+  return refine(left);
+}
+
+// Every part of x is A^T times something, and so has nothing of the null space. Leaves b - A x in b.
+Eigen::VectorXd SparseLeastSquares::refine(Eigen::VectorXd& b) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(a_.cols());
+  Eigen::VectorXd inverse, step;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; k < refinements; ++k) {
-    Eigen::VectorXd right(x.size());
-    right << b - x.head(rows) - a_ * x.tail(a_.cols()), -(a_.transpose() * x.head(rows));
-    const double left = right.cwiseAbs().maxCoeff();
-    if (!(left < 0.5 * last)) break;
-    last = left;
-    x += factors_.solve(right);
+    inverse = b;
+    apply_inverse(inverse);
+    step = a_.transpose() * inverse;
+    const double length = step.cwiseAbs().maxCoeff();
+    if (!(length < 0.5 * last)) break;
+    last = length;
+    x += step;
+    b -= a_ * step;
+    if (length <= std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff()) break;
   }
-  return x.tail(a_.cols());
+  return x;
 }
 
-NullSpace null_space(const Eigen::SparseMatrix<double>& a) {
-  Eigen::SparseMatrix<double> even = a;
-  const auto scales = [](const Eigen::VectorXd& squares) {
-    return squares.unaryExpr([](double s) { return s > 0 ? 1.0 / std::sqrt(s) : 1.0; }).eval();
-  };
-  const auto squares = [&] { return Eigen::SparseMatrix<double>(even.cwiseProduct(even)); };
-  even = scales(squares() * Eigen::VectorXd::Ones(a.cols())).asDiagonal() * even;
-  even = even * scales(squares().transpose() * Eigen::VectorXd::Ones(a.rows())).asDiagonal();
+// e (A A^T + e I)^-1 leaves alone what A^T does not feel, and shrinks all else.
+void SparseLeastSquares::project(Eigen::VectorXd& b) {
+  for (int k = 0; k < projections; ++k) {
+    apply_inverse(b);
+    b *= relax;
+  }
+}
 
-  // A random vector's projection on the null space has a part in every unknown that the null space touches.
-  NullSpace out;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform(0.5, 1.5);
-  const Eigen::VectorXd probe = Eigen::VectorXd::NullaryExpr(a.cols(), [&] { return uniform(random); });
-  const Eigen::VectorXd unfelt = probe - SparseLeastSquares(even).solve(even * probe);
-  for (const double part : unfelt) out.touches.push_back(std::abs(part) > 1e-6);
-  if (std::find(out.touches.begin(), out.touches.end(), true) == out.touches.end()) return out;
+// Singular values of A below 1e-6, of all as many as it has rows: A A^T - t I has a negative eigenvalue for each.
+int SparseLeastSquares::count_small() {
+  factor(-smallest_singular_value * smallest_singular_value);
+  const int count = factors_.negative() - long_columns_;
+  factor(relax);
+  return count;
+}
 
-  // [I A; A^T t I] has m positive eigenvalues and one more for each singular value below sqrt(t).
-  const double t = smallest_singular_value * smallest_singular_value;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(augmented(even, t));
-  out.dimension = static_cast<int>((factors.vectorD().array() > 0).count() - a.rows());
+// The projection of a random vector has a part in every unknown that the null space touches.
+NullSpace SparseLeastSquares::null_space() {
+  const Eigen::VectorXd any = probe(a_.cols());
+  NullSpace out = touched(any - solve_even(a_ * any));
+  if (!is_empty(out)) out.dimension = static_cast<int>(a_.cols() - a_.rows()) + count_small();
+  return out;
+}
+
+NullSpace SparseLeastSquares::left_null_space() {
+  Eigen::VectorXd part = probe(a_.rows());
+  project(part);
+  NullSpace out = touched(part);
+  if (!is_empty(out)) out.dimension = count_small();
   return out;
 }
 

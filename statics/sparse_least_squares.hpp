@@ -2,32 +2,53 @@
 
 #include <vector>
 
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include "solvers/sparse_ldl.hpp"
 
 namespace poise {
 
-/// Least squares with a sparse matrix A (m x n) that may lack rank, by LDL^T factors of the quasi-definite
-/// [I A; A^T -e I].
-class SparseLeastSquares {
- public:
-  /// `a` must outlive this.
-  explicit SparseLeastSquares(const Eigen::SparseMatrix<double>& a);
-
-  /// x of (nearly) least norm with minimal |A x - b|, refined until e does no harm.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-
- private:
-  const Eigen::SparseMatrix<double>& a_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors_;
-};
-
-/// The null space of a sparse A (m x n), its rows and columns first brought to length one.
+/// The null space of a sparse matrix.
 struct NullSpace {
   int dimension = 0;          ///< singular values below 1e-6, counted by Sylvester's law in the signs of LDL^T pivots
-  std::vector<bool> touches;  ///< per unknown: has a part in it, so that A x = b leaves it undetermined
+  std::vector<bool> touches;  ///< per unknown: has a part in it
 };
 
-NullSpace null_space(const Eigen::SparseMatrix<double>& a);
+/// Least squares with a sparse matrix A (m x n) that may lack rank. Its rows are first brought to length one. By LDL^T
+/// factors of
+///
+///   [ A_s A_s^T + e I   A_d ]
+///   [ A_d^T             -I  ]
+///
+/// where A_d are the few long columns, whose products would fill the matrix, and A_s all others.
+class SparseLeastSquares {
+ public:
+  explicit SparseLeastSquares(const Eigen::SparseMatrix<double>& a);
+
+  /// x of least norm with minimal |A x - b|, rows of length one, refined until e does no harm.
+  Eigen::VectorXd solve(const Eigen::VectorXd& b);
+
+  /// A x = 0: what touches it is left undetermined by A x = b.
+  NullSpace null_space();
+  /// A^T y = 0: rows that touch it are combinations of others.
+  NullSpace left_null_space();
+
+ private:
+  void even_rows();
+  void analyse();
+  void factor(double shift);
+  void apply_inverse(Eigen::VectorXd& b);
+  Eigen::VectorXd solve_even(const Eigen::VectorXd& b);
+  Eigen::VectorXd refine(Eigen::VectorXd& b);
+  void project(Eigen::VectorXd& b);
+  int count_small();
+
+  Eigen::SparseMatrix<double> a_;  // rows of length one
+  Eigen::VectorXd scale_;          // by which each was multiplied
+  int long_columns_ = 0;
+  std::vector<int> target_;  // per entry of the matrix to be factored, in the order of for_each_entry
+  std::vector<double> right_;
+  solvers::SparseLdl factors_;
+};
 
 }  // namespace poise

@@ -6,4 +6,7 @@ namespace poise {
 
 StaticModel::StaticModel(Scene scene) : ScaledModel(std::move(scene), Purpose::statics), problem_(mechanism()) {}
 
+StaticModel::StaticModel(Scene scene, const Scales& scales)
+    : ScaledModel(std::move(scene), Purpose::statics, scales), problem_(mechanism()) {}
+
 }  // namespace poise

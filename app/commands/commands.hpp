@@ -9,10 +9,10 @@ namespace poise::app {
 
 /// What was asked for on the command line.
 struct Request {
-  std::string scene;                  ///< file
-  std::string kind = "scene";         ///< what that file is
-  std::vector<std::string> settings;  ///< "load.P=40"
-  std::string json, svg, csv;         ///< files to write, empty for none
+  std::string scene;                     ///< file
+  std::string kind = "scene";            ///< what that file is
+  std::vector<std::string> settings;     ///< "load.P=40"
+  std::string json, svg, csv, markdown;  ///< files to write, empty for none
 };
 
 /// Exit codes of the command line.

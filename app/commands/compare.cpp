@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include <fmt/format.h>
+
+#include "app/commands/method_options.hpp"
 #include "app/commands/session.hpp"
 #include "app/commands/solve_options.hpp"
+#include "app/commands/work_precision.hpp"
 #include "app/interrupt.hpp"
 #include "app/json_report.hpp"
 #include "app/report/report.hpp"
@@ -27,12 +32,41 @@ const Answer* best_of(const std::vector<Answer>& answers) {
 struct CompareRequest {
   Request common;
   std::string seek = "nearest";
+  std::optional<std::string> methods, tolerances;
+  std::optional<int> repeat;
 };
 
-int run_compare(const CompareRequest& words, const Palette& palette) {
+comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& words) {
+  constexpr int most_repeats = 10000;
+  comparison::WorkPrecisionOptions options;
+  options.methods = read_methods("--methods", words.methods.value_or("all"));
+  options.tolerances = read_tolerances(*words.tolerances);
+  options.repeats = words.repeat.value_or(options.repeats);
+  options.seek = read_seek(words.seek);
+  if (options.repeats < 1 || options.repeats > most_repeats) {
+    throw InputError(fmt::format("--repeat: expected a number from 1 to {}, found {}", most_repeats, options.repeats));
+  }
+  return options;
+}
+
+/// Every method that was asked for by default has to answer or refuse; of a list that somebody names, one is enough.
+bool succeeded(const CompareRequest& words, const std::vector<Answer>& answers) {
+  const auto is = [](Status status) { return [status](const Answer& a) { return a.rest.status == status; }; };
+  if (words.methods) {
+    return std::any_of(answers.begin(), answers.end(), is(Status::confirmed)) &&
+           std::none_of(answers.begin(), answers.end(), is(Status::interrupted));
+  }
+  return std::all_of(answers.begin(), answers.end(),
+                     [](const Answer& answer) { return answer.rest.found() || answer.rest.status == Status::refused; });
+}
+
+int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   const Request& request = words.common;
+  if (words.repeat) throw InputError("--repeat: counts only with --tolerances; leave it out or give both");
+  if (!request.csv.empty()) throw InputError("--csv: is written only with --tolerances; leave it out or give both");
   SolveOptions options;
   options.seek = read_seek(words.seek);
+  const std::vector<Method> methods = read_methods("--methods", words.methods.value_or("virtual-work,energy"));
 
   Progress progress;
   progress.now("reading the scene");
@@ -40,14 +74,14 @@ int run_compare(const CompareRequest& words, const Palette& palette) {
   OutputFiles files(request);
   options.interrupt = &watch_for_interrupt();
   std::vector<Answer> answers;
-  for (const Method method : {Method::virtual_work, Method::energy}) {
+  for (const Method method : methods) {
     options.method = method;
     answers.push_back(search(model, options, progress));
+    if (answers.back().rest.status == Status::interrupted) break;
   }
 
-  const auto status_is = [](Status status) { return [status](const Answer& a) { return a.rest.status == status; }; };
   std::string written;
-  if (std::none_of(answers.begin(), answers.end(), status_is(Status::interrupted))) {
+  if (answers.back().rest.status != Status::interrupted) {
     progress.now("writing the result");
     const Answer* drawn = files.wants_svg() ? best_of(answers) : nullptr;
     written = files.write(files.wants_json() ? compare_json(model, answers, request.settings) : "",
@@ -55,19 +89,33 @@ int run_compare(const CompareRequest& words, const Palette& palette) {
   }
   progress.done();
   print(compare_report(model, answers, palette) + (written.empty() ? "" : "\n" + written));
-  const bool all = std::all_of(answers.begin(), answers.end(), [](const Answer& answer) {
-    return answer.rest.found() || answer.rest.status == Status::refused;
-  });
-  return all ? solved : not_solved;
+  return succeeded(words, answers) ? solved : not_solved;
 }
 
 }  // namespace
 
 Command add_compare(CLI::App& app) {
   const auto request = std::make_shared<CompareRequest>();
-  CLI::App& command = *app.add_subcommand("compare", "Find where it rests, by all methods side by side");
+  CLI::App& command = *app.add_subcommand("compare", "Find where it rests, by several methods side by side");
   add_solve_options(command, request->common, request->seek);
-  return {&command, [request](const Palette& palette) { return run_compare(*request, palette); }};
+  command
+      .add_option("--methods", request->methods,
+                  "virtual-work,energy (the default), any other list of names, or\nall (the default with "
+                  "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
+                      method_help())
+      ->type_name("NAMES");
+  command
+      .add_option("--tolerances", request->tolerances,
+                  "Speed against error: runs at these tolerances, by decades\n(1e-2..1e-14) or as a list (1e-3,1e-6); "
+                  "--svg then draws the\nerror against the time; exit code 0 where some run is confirmed")
+      ->type_name("RANGE");
+  command.add_option("--repeat", request->repeat, "Runs of each to take the median time of (7)")->type_name("N");
+  command.add_option("--csv", request->common.csv, "Write the runs at all tolerances to FILE as CSV")
+      ->type_name("FILE");
+  return {&command, [request](const Palette& palette) {
+            if (!request->tolerances) return run_side_by_side(*request, palette);
+            return run_work_precision(request->common, work_precision_options(*request), palette);
+          }};
 }
 
 }  // namespace poise::app

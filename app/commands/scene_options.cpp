@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/quantity.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise::app {
@@ -27,8 +28,8 @@ void add_settings(CLI::App& command, Request& request) {
 std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words) {
   const auto found = std::find(words.begin(), words.end(), word);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
-  throw InputError(fmt::format("{}: expected {}, found \"{}\"{}", option, fmt::join(words, " or "), word,
-                               did_you_mean(word, words)));
+  throw InputError(
+      fmt::format("{}: expected {}, found \"{}\"{}", option, listed(words, "or"), word, did_you_mean(word, words)));
 }
 
 NamedNumber read_named_number(const std::string& option, const std::string& text, const std::string& example) {

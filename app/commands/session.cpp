@@ -39,15 +39,21 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
   expect_not_read(request.json, "--json");
   expect_not_read(request.svg, "--svg");
   expect_not_read(request.csv, "--csv");
+  expect_not_read(request.markdown, "--markdown");
   expect_different(request.svg, "--svg", request.json, "the --json file");
   expect_different(request.csv, "--csv", request.json, "the --json file");
   expect_different(request.csv, "--csv", request.svg, "the --svg file");
+  expect_different(request.markdown, "--markdown", request.json, "the --json file");
+  expect_different(request.markdown, "--markdown", request.svg, "the --svg file");
+  expect_different(request.markdown, "--markdown", request.csv, "the --csv file");
   if (!request.json.empty()) json_.emplace(request.json, "--json");
   if (!request.svg.empty()) svg_.emplace(request.svg, "--svg");
   if (!request.csv.empty()) csv_.emplace(request.csv, "--csv");
+  if (!request.markdown.empty()) markdown_.emplace(request.markdown, "--markdown");
 }
 
-std::string OutputFiles::write(const std::string& json, const std::string& svg, const std::string& csv) {
+std::string OutputFiles::write(const std::string& json, const std::string& svg, const std::string& csv,
+                               const std::string& markdown) {
   std::vector<OutputFile*> prepared;
   const auto prepare = [&](std::optional<OutputFile>& file, const std::string& text) {
     if (!file || text.empty()) return;
@@ -57,6 +63,7 @@ std::string OutputFiles::write(const std::string& json, const std::string& svg, 
   prepare(json_, json);
   prepare(svg_, svg);
   prepare(csv_, csv);
+  prepare(markdown_, markdown);
   std::string lines;
   for (OutputFile* file : prepared) {
     file->commit();

@@ -25,12 +25,14 @@ class OutputFiles {
   bool wants_json() const { return json_.has_value(); }
   bool wants_svg() const { return svg_.has_value(); }
   bool wants_csv() const { return csv_.has_value(); }
+  bool wants_markdown() const { return markdown_.has_value(); }
   /// Writes all or, where that fails, throws InputError. An empty text is not written.
   /// Returns one line for each file written.
-  std::string write(const std::string& json, const std::string& svg, const std::string& csv = "");
+  std::string write(const std::string& json, const std::string& svg, const std::string& csv = "",
+                    const std::string& markdown = "");
 
  private:
-  std::optional<OutputFile> json_, svg_, csv_;
+  std::optional<OutputFile> json_, svg_, csv_, markdown_;
 };
 
 /// Searches by one method and measures what it found.

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "app/commands/scene_options.hpp"
+#include "app/commands/method_options.hpp"
 #include "app/commands/session.hpp"
 #include "app/commands/solve_options.hpp"
 #include "app/interrupt.hpp"
@@ -21,8 +21,7 @@ struct SolveRequest {
 int run_solve(const SolveRequest& words, const Palette& palette) {
   const Request& request = words.common;
   SolveOptions options;
-  options.method =
-      chosen("--method", words.method, {"virtual-work", "energy"}) == 0 ? Method::virtual_work : Method::energy;
+  options.method = read_method("--method", words.method);
   options.seek = read_seek(words.seek);
 
   Progress progress;
@@ -50,10 +49,7 @@ Command add_solve(CLI::App& app) {
   const auto request = std::make_shared<SolveRequest>();
   CLI::App& command = *app.add_subcommand("solve", "Find where it rests, by one method");
   add_solve_options(command, request->common, request->seek);
-  command
-      .add_option("--method", request->method,
-                  "virtual-work: Newton-Raphson on the equations of virtual\nwork (the default); energy: least energy, "
-                  "by Ipopt")
+  command.add_option("--method", request->method, "One of these, the first by default\n" + method_help())
       ->type_name("METHOD");
   return {&command, [request](const Palette& palette) { return run_solve(*request, palette); }};
 }

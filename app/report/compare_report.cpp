@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 
 #include <fmt/format.h>
@@ -10,7 +11,29 @@
 namespace poise::app {
 namespace {
 
-std::string method_table(const StaticModel& model, const std::vector<Answer>& answers, const Palette& palette) {
+// With more methods than this, coordinates are shown once for each equilibrium.
+constexpr std::size_t most_side_by_side = 3;
+constexpr std::size_t most_equilibria_shown = 4;
+
+/// The letter of an equilibrium, by which table, sentence and columns name it.
+std::string letter(std::size_t equilibrium) { return std::string(1, static_cast<char>('A' + equilibrium)); }
+
+/// "A" of each answer that found an equilibrium, "-" of the others.
+std::vector<std::string> letters_of(const std::vector<Answer>& answers, const Agreement& agreement) {
+  std::vector<std::string> letters(answers.size(), "-");
+  for (std::size_t e = 0; e < agreement.rests.size(); ++e) {
+    for (const std::size_t place : agreement.rests[e]) letters[place] = letter(e);
+  }
+  return letters;
+}
+
+/// Whether equilibria go by letters.
+bool has_letters(const std::vector<Answer>& answers, const Agreement& agreement) {
+  return answers.size() > most_side_by_side && !agreement.same;
+}
+
+std::string method_table(const StaticModel& model, const std::vector<Answer>& answers, const Agreement& agreement,
+                         const Palette& palette) {
   std::vector<std::string> methods, iterations, evaluations, times, errors;
   std::vector<Cell> statuses, stabilities;
   std::vector<double> energies;
@@ -29,6 +52,7 @@ std::string method_table(const StaticModel& model, const std::vector<Answer>& an
   Table table;
   table.add_text_column("method", methods);
   table.add_text_column("status", statuses);
+  if (has_letters(answers, agreement)) table.add_text_column("rest", letters_of(answers, agreement));
   table.add_number_column("iterations", iterations);
   table.add_number_column("evaluations", evaluations);
   table.add_number_column("time", times);
@@ -42,26 +66,32 @@ std::string method_table(const StaticModel& model, const std::vector<Answer>& an
          "\n";
 }
 
-std::string agreement_sentence(const StaticModel& model, const std::vector<Answer>& answers, const Palette& palette) {
-  const Agreement agreement = compare_answers(model, answers);
-  std::string names;
-  std::string rests;
-  for (const Answer& answer : answers) {
-    if (!answer.rest.found()) continue;
-    const std::string method = to_string(answer.rest.method);
-    names += (names.empty() ? "" : " and ") + method;
-    const std::string stability = to_string(answer.rest.check.stability);
-    rests += fmt::format("{}{} one that is {}", rests.empty() ? "" : ", ", method,
-                         answer.rest.check.stability == Stability::unknown ? "of unknown stability" : stability);
+std::string kind_of(const Answer& answer) {
+  const Stability stability = answer.rest.check.stability;
+  return stability == Stability::unknown ? "of unknown stability" : to_string(stability);
+}
+
+std::string agreement_sentence(const std::vector<Answer>& answers, const Agreement& agreement, const Palette& palette) {
+  std::vector<std::string> names, rests;
+  for (std::size_t e = 0; e < agreement.rests.size(); ++e) {
+    std::vector<std::string> finders;
+    for (const std::size_t place : agreement.rests[e]) finders.push_back(to_string(answers[place].rest.method));
+    const std::string who = has_letters(answers, agreement) ? letter(e) + "," : listed(finders);
+    rests.push_back(fmt::format("{} one that is {}", who, kind_of(answers[agreement.rests[e].front()])));
+    names.insert(names.end(), finders.begin(), finders.end());
   }
   if (agreement.confirmed == 0) return palette.paint(Tone::bad, "No method found a rest that is confirmed.") + "\n";
-  if (agreement.confirmed == 1) return palette.paint(Tone::doubtful, "Only " + names + " found a rest.") + "\n";
+  if (agreement.confirmed == 1) return palette.paint(Tone::doubtful, "Only " + listed(names) + " found a rest.") + "\n";
   if (agreement.same) {
     const std::string by = agreement.difference == 0.0
                                ? "no coordinate differs"
                                : fmt::format("coordinates differ by {} at most ({})",
                                              small_number(agreement.difference), agreement.coordinate);
-    return palette.paint(Tone::good, fmt::format("{} agree: {}{}.", names, by,
+    const std::string who = names.size() <= most_side_by_side ? listed(names)
+                            : names.size() == answers.size()
+                                ? fmt::format("All {} methods", names.size())
+                                : fmt::format("The {} of {} methods that found a rest", names.size(), answers.size());
+    return palette.paint(Tone::good, fmt::format("{} agree: {}{}.", who, by,
                                                  agreement.whole_turns ? ", whole turns of a body aside" : "")) +
            "\n";
   }
@@ -69,29 +99,48 @@ std::string agreement_sentence(const StaticModel& model, const std::vector<Answe
              Tone::doubtful,
              fmt::format("The methods found different equilibria: {}. They are {} apart in {} (rad, or length "
                          "over size).",
-                         rests, significant(agreement.difference, 3), agreement.coordinate)) +
+                         fmt::join(rests, has_letters(answers, agreement) ? "; " : ", "),
+                         significant(agreement.difference, 3), agreement.coordinate)) +
          "\n";
+}
+
+/// What stands in the columns of coordinates, and their titles.
+struct Columns {
+  std::vector<const Answer*> answers;
+  std::vector<std::string> titles;
+};
+
+Columns columns_of(const std::vector<Answer>& answers, const Agreement& agreement) {
+  Columns columns;
+  if (answers.size() > most_side_by_side && agreement.confirmed > 0) {
+    for (std::size_t e = 0; e < std::min(agreement.rests.size(), most_equilibria_shown); ++e) {
+      columns.answers.push_back(&answers[agreement.rests[e].front()]);
+      columns.titles.push_back(agreement.same ? "at rest" : letter(e));
+    }
+    return columns;
+  }
+  for (const Answer& answer : answers) {
+    if (!answer.readings || columns.answers.size() == most_side_by_side) continue;
+    columns.answers.push_back(&answer);
+    columns.titles.push_back(to_string(answer.rest.method) + (answer.rest.found() ? "" : ", not at rest"));
+  }
+  return columns;
 }
 
 }  // namespace
 
 std::string compare_report(const StaticModel& model, const std::vector<Answer>& answers, const Palette& palette) {
-  std::string out = heading(model, palette) + method_table(model, answers, palette) + "\n";
-  out += agreement_sentence(model, answers, palette);
-  std::vector<const Answer*> shown;
-  std::vector<std::string> titles;
+  const Agreement agreement = compare_answers(model, answers);
+  std::string out = heading(model, palette) + method_table(model, answers, agreement, palette) + "\n";
+  out += agreement_sentence(answers, agreement, palette);
   for (const Answer& answer : answers) {
-    const std::string method = to_string(answer.rest.method);
-    if (!answer.rest.found()) {
-      out +=
-          palette.paint(Tone::bad, fmt::format("{}, {}: {}.", method, to_string(answer.rest.status), answer.rest.why)) +
-          "\n";
-    }
-    if (!answer.readings) continue;
-    shown.push_back(&answer);
-    titles.push_back(method + (answer.rest.found() ? "" : ", not at rest"));
+    if (answer.rest.found()) continue;
+    out += palette.paint(Tone::bad, fmt::format("{}, {}: {}.", to_string(answer.rest.method),
+                                                to_string(answer.rest.status), answer.rest.why)) +
+           "\n";
   }
-  return out + (shown.empty() ? "" : coordinate_sections(model, shown, titles, palette));
+  const Columns columns = columns_of(answers, agreement);
+  return out + (columns.answers.empty() ? "" : coordinate_sections(model, columns.answers, columns.titles, palette));
 }
 
 }  // namespace poise::app

@@ -207,6 +207,18 @@ INSTANTIATE_TEST_SUITE_P(
         BadWords{"UnknownMethod", {"solve", "SCENE", "--method", "enegry"}, "did you mean \"energy\"?"},
         BadWords{"UnknownSeek", {"compare", "SCENE", "--seek", "stabel"}, "did you mean \"stable\"?"},
         BadWords{"MethodOfCompare", {"compare", "SCENE", "--method", "energy"}, "compare has no option \"--method\""},
+        BadWords{"UnknownMethods", {"compare", "SCENE", "--methods", "energy,cobila"}, "did you mean \"cobyla\"?"},
+        BadWords{"NoMethods", {"compare", "SCENE", "--methods", "energy,"}, "--methods: expected virtual-work"},
+        BadWords{"RangeToNowhere", {"compare", "SCENE", "--tolerances", "1e-2..x"}, "\"x\" is not a number"},
+        BadWords{"RangeThatRises", {"compare", "SCENE", "--tolerances", "1e-9..1e-2"}, "say 1e-2..1e-9"},
+        BadWords{
+            "ToleranceZero", {"compare", "SCENE", "--tolerances", "1e-2..0"}, "from 1e-20 to less than 1, found 0"},
+        BadWords{"ToleranceNegative", {"compare", "SCENE", "--tolerances=-1e-3"}, "found -1e-3"},
+        BadWords{
+            "NoRepeats", {"compare", "SCENE", "--tolerances", "1e-3", "--repeat", "0"}, "from 1 to 10000, found 0"},
+        BadWords{"RepeatsOfWords", {"compare", "SCENE", "--tolerances", "1e-3", "--repeat", "x"}, "--repeat"},
+        BadWords{"RepeatAlone", {"compare", "SCENE", "--repeat", "3"}, "--repeat: counts only with --tolerances"},
+        BadWords{"CsvAlone", {"compare", "SCENE", "--csv", "a.csv"}, "--csv: is written only with --tolerances"},
         BadWords{"SetWithoutEquals", {"solve", "SCENE", "--set", "load.P"}, "there is no \"=\""},
         BadWords{"SetWithoutNumber", {"solve", "SCENE", "--set", "load.P="}, "\"\" is not a number"},
         BadWords{"SetToText", {"solve", "SCENE", "--set", "load.P=4k"}, "\"4k\" is not a number"},

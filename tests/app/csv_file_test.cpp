@@ -35,7 +35,11 @@ TEST(CsvFile, LeavesTheCellOfWhatIsNoNumberEmpty) {
 }
 
 TEST(CsvFile, PutsWordsFirst) {
-  EXPECT_EQ(csv_text({"run", "time"}, {{0, 1}}, {"low", "low, empty"}), "run,time\nlow,0\n\"low, empty\",1\n");
+  const std::vector<std::string> runs = {"low", "low, empty"};
+  const std::vector<std::string> ends = {"well", "badly"};
+  EXPECT_EQ(csv_text({"run", "time"}, {{0, 1}}, {runs}), "run,time\nlow,0\n\"low, empty\",1\n");
+  EXPECT_EQ(csv_text({"run", "end", "time"}, {{0, 1}}, {runs, ends}),
+            "run,end,time\nlow,well,0\n\"low, empty\",badly,1\n");
 }
 
 TEST(CsvFile, WithoutColumnsIsEmpty) { EXPECT_EQ(csv_text({}, {}), ""); }

@@ -35,6 +35,15 @@ TEST(Table, LongTableSaysHowMuchIsLeftOut) {
   EXPECT_TRUE(text.ends_with("  ... and 976 more\n")) << text;
 }
 
+TEST(Table, ShowsAllRowsWhereThatIsAskedFor) {
+  Table table;
+  table.show_all();
+  table.add_number_cells("number", std::vector<Cell>(1000, Cell{"1", Tone::bad}));
+  const std::string text = table.print({});
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1001);
+  EXPECT_TRUE(text.ends_with("\n       1\n")) << text;
+}
+
 TEST(Table, OneRowTooManyIsShown) {
   Table table;
   table.add_text_column("name", std::vector<std::string>(Table::shown_rows + 1, "x"));

@@ -428,9 +428,9 @@ TEST(Mechanism, DropsWhatNothingAsksFor) {
   ASSERT_EQ(layout.coordinates.size(), 2u);
   EXPECT_EQ(layout.kept, 1);
   EXPECT_EQ(layout.coordinates[0].name, "link1");
-  EXPECT_PRED2(contains, layout.coordinates[0].why, "bears a load");
+  EXPECT_PRED2(contains, layout.coordinates[0].why(), "bears a load");
   EXPECT_EQ(layout.coordinates[1].name, "link2");
-  EXPECT_PRED2(contains, layout.coordinates[1].why, "bears no load");
+  EXPECT_PRED2(contains, layout.coordinates[1].why(), "bears no load");
   // It keeps its guess, carried along by the first link.
   const double q = 1.0;
   const BodyPose<double> hanging = mechanism.poses(&q)[2];

@@ -13,6 +13,7 @@
 #include "statics/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/random_mechanism.hpp"
 
 namespace poise {
 namespace {
@@ -146,6 +147,50 @@ TEST(Scaled, LeavesAnglesAndAbsentLimitsAlone) {
   EXPECT_EQ(small.stops[1].max, 0.1875);
   for (const Stop& s : small.stops) EXPECT_EQ(s.min, -std::numeric_limits<double>::infinity());
   EXPECT_EQ(small.start.angle[1], 0.3);
+}
+
+// Everything a mechanism says at q, stops and follower loads included.
+std::vector<double> all_values(const Mechanism<double>& mechanism, const std::vector<double>& q) {
+  std::vector<Planar<double>> pose(mechanism.pose_size());
+  mechanism.place(q.data(), pose.data());
+  std::vector<double> out = {mechanism.energy(q.data(), pose.data()), mechanism.layout().size};
+  const auto add = [&](std::size_t count, const auto& fill) {
+    const std::size_t first = out.size();
+    out.resize(first + count);
+    fill(out.data() + first);
+  };
+  add(q.size(), [&](double* g) { mechanism.negative_force(q.data(), pose.data(), g); });
+  add(mechanism.constraints(), [&](double* c) { mechanism.constraint(q.data(), pose.data(), c); });
+  add(mechanism.jacobian_row().size(), [&](double* values) { mechanism.jacobian(pose.data(), values); });
+  const std::vector<double> multipliers(mechanism.constraints(), 0.7);
+  add(mechanism.tangent_row().size(),
+      [&](double* values) { mechanism.tangent(pose.data(), multipliers.data(), values); });
+  add(q.size(), [&](double* g) { mechanism.add_resistance(pose.data(), q.data(), g); });
+  for (const auto* limits : {&mechanism.lower(), &mechanism.upper()}) {
+    out.insert(out.end(), limits->begin(), limits->end());
+  }
+  for (const BodyPose<double>& place : mechanism.poses(q.data())) {
+    out.insert(out.end(), {place.origin.x, place.origin.y, place.angle});
+  }
+  return out;
+}
+
+TEST(Scaled, ACompiledSceneIsTheSameInItsOwnUnitsAsCompiledInScales) {
+  std::vector<Scene> scenes;
+  for (const char* name : names) scenes.push_back(read_scene(dataset(name)));
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    scenes.push_back(test::plant_mechanism(seed, {.loops = 2, .followers = true, .stops = true}).scene);
+  }
+  const Scales scales{0.0625, 1024.0};
+  for (const Scene& scene : scenes) {
+    for (const Purpose purpose : {Purpose::statics, Purpose::dynamics}) {
+      SCOPED_TRACE(scene.file);
+      const Mechanism<double> small(scaled(scene, scales), purpose);
+      const Mechanism<double> same(scene, lay_out(scene, purpose), purpose, scales);
+      EXPECT_EQ(same.start(), small.start());
+      EXPECT_EQ(all_values(same, same.start()), all_values(small, small.start()));
+    }
+  }
 }
 
 TEST(Scaled, KeepsTheEquilibriumAndDividesItsForces) {

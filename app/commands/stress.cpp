@@ -1,0 +1,176 @@
+#include "app/commands/stress.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/commands/method_options.hpp"
+#include "app/commands/session.hpp"
+#include "app/interrupt.hpp"
+#include "app/report/stress_report.hpp"
+#include "app/stress_files.hpp"
+#include "model/nearest_name.hpp"
+
+namespace poise::app {
+namespace {
+namespace fs = std::filesystem;
+
+struct StressRequest {
+  Request common;
+  std::vector<std::string> cases;
+  std::string catalogue;
+  std::string methods = "all";
+  int starts = 0;
+  double seconds = 1.0;
+  bool safeguards = false;
+  bool list = false;
+};
+
+constexpr int most_starts = 1'000'000;
+
+void check(const StressRequest& request, bool names_methods, bool names_starts) {
+  if (names_starts && (request.starts < 1 || request.starts > most_starts)) {
+    throw InputError(fmt::format("--starts: expected a number from 1 to {}, found {}", most_starts, request.starts));
+  }
+  if (!(request.seconds > 0 && std::isfinite(request.seconds))) {
+    throw InputError(fmt::format("--seconds: expected a finite number > 0, found {}", request.seconds));
+  }
+  if (request.safeguards && names_methods) {
+    throw InputError("--methods: expected none with --safeguards, which are those of virtual-work; leave one out");
+  }
+}
+
+/// Where the catalogue lies unless it is named: here, in the sources, beside the installed program.
+fs::path find_catalogue(const std::string& named) {
+  if (!named.empty()) return named;
+  std::error_code unknown;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
+  const std::vector<fs::path> places = {fs::path("datasets") / "hard", fs::path(POISE_SOURCE_DATASETS) / "hard",
+                                        (program.parent_path() / POISE_INSTALLED_DATASETS / "hard").lexically_normal()};
+  for (const fs::path& place : places) {
+    if (fs::is_regular_file(place / "catalogue.toml", unknown)) return place;
+  }
+  throw InputError(
+      fmt::format("--catalogue: there is no catalogue.toml in {}, {} or {}; expected a folder that has one",
+                  places[0].string(), places[1].string(), places[2].string()));
+}
+
+std::vector<comparison::HardCase> chosen_cases(std::vector<comparison::HardCase> all,
+                                               const std::vector<std::string>& names) {
+  if (names.empty()) return all;
+  std::vector<std::string> valid;
+  for (const comparison::HardCase& hard : all) valid.push_back(hard.name);
+  std::vector<comparison::HardCase> chosen;
+  for (const std::string& name : names) {
+    const auto found = std::find(valid.begin(), valid.end(), name);
+    if (found == valid.end()) {
+      throw InputError(
+          fmt::format("CASE: the catalogue has none that is called \"{}\"{}; poise stress --list shows all", name,
+                      did_you_mean(name, valid)));
+    }
+    chosen.push_back(all[static_cast<std::size_t>(found - valid.begin())]);
+  }
+  return chosen;
+}
+
+std::string command_of(const StressRequest& request, bool names_methods) {
+  std::string text = "poise stress";
+  for (const std::string& name : request.cases) text += " " + name;
+  if (!request.catalogue.empty()) text += " --catalogue " + request.catalogue;
+  if (names_methods) text += " --methods " + request.methods;
+  if (request.safeguards) text += " --safeguards";
+  if (request.starts > 0) text += fmt::format(" --starts {}", request.starts);
+  if (request.seconds != StressRequest().seconds) text += fmt::format(" --seconds {}", request.seconds);
+  return text;
+}
+
+StressRun run_cases(const StressRequest& request, const std::vector<comparison::HardCase>& cases, bool names_methods,
+                    Progress& progress) {
+  comparison::StressOptions options;
+  options.methods = read_methods("--methods", request.methods);
+  options.starts = request.starts;
+  options.seconds = request.seconds;
+  options.interrupt = &watch_for_interrupt();
+  options.progress = [&progress](const std::string& doing) { progress.now(doing); };
+
+  StressRun run;
+  run.command = command_of(request, names_methods);
+  run.safeguards = request.safeguards;
+  run.seconds = request.seconds;
+  run.asked = cases.size();
+  if (request.safeguards) {
+    for (const comparison::Variant& variant : comparison::safeguard_variants()) {
+      run.contenders.push_back(run.contenders.empty() ? variant.name : "without " + variant.name);
+    }
+    run.results = comparison::stress_safeguards(cases, options);
+  } else {
+    for (const Method method : options.methods) run.contenders.push_back(to_string(method));
+    run.results = comparison::stress(cases, options);
+  }
+  run.interrupted = *options.interrupt;
+  return run;
+}
+
+int run_stress(const StressRequest& request, bool names_methods, bool names_starts, const Palette& palette) {
+  check(request, names_methods, names_starts);
+  Progress progress;
+  progress.now("reading the catalogue");
+  const fs::path catalogue = find_catalogue(request.catalogue);
+  const std::vector<comparison::HardCase> cases = chosen_cases(comparison::read_catalogue(catalogue), request.cases);
+  if (request.list) {
+    progress.done();
+    print(stress_list(cases, palette));
+    return solved;
+  }
+  OutputFiles files(request.common);
+  const StressRun run = run_cases(request, cases, names_methods, progress);
+  progress.now("writing the result");
+  const std::string written =
+      files.write(files.wants_json() ? stress_json(run) : "", "", files.wants_csv() ? stress_csv(run) : "",
+                  files.wants_markdown() ? stress_markdown(run) : "");
+  progress.done();
+  print((request.cases.empty() ? stress_overview(run, palette) : stress_details(run, palette)) +
+        (written.empty() ? "" : "\n" + written));
+  const StressFailures failures = failures_of(run);
+  return failures.wrong == 0 && failures.missed.empty() && !run.interrupted ? solved : not_solved;
+}
+
+}  // namespace
+
+Command add_stress(CLI::App& app) {
+  const auto request = std::make_shared<StressRequest>();
+  CLI::App& command = *app.add_subcommand("stress", "Try all methods on the hard catalogue, from many starts");
+  command.add_option("CASE", request->cases, "Cases to try and to show in detail (all, on one sheet)")->type_name("");
+  command.add_flag("--list", request->list, "Only list the cases");
+  command
+      .add_option("--catalogue", request->catalogue,
+                  "Folder of the catalogue (datasets/hard, or Poise's own); its\nformat: docs/hard-cases.md")
+      ->type_name("DIR");
+  const CLI::Option* const methods =
+      command
+          .add_option("--methods", request->methods,
+                      "all (the default), or names with commas between\n" + method_help())
+          ->type_name("NAMES");
+  const CLI::Option* const starts =
+      command.add_option("--starts", request->starts, "Starts per case (its own number)")->type_name("N");
+  command
+      .add_option("--seconds", request->seconds,
+                  "Methods other than virtual-work try no further starts of a\ncase after S seconds (1)")
+      ->type_name("S");
+  command.add_flag("--safeguards", request->safeguards,
+                   "Virtual work alone: with all its safeguards, and with each\nswitched off in turn");
+  command.add_option("--csv", request->common.csv, "Write the table to FILE as CSV")->type_name("FILE");
+  command.add_option("--json", request->common.json, "Write the table to FILE as JSON")->type_name("FILE");
+  command.add_option("--markdown", request->common.markdown, "Write the table to FILE as a page of docs/")
+      ->type_name("FILE");
+  return {&command, [request, methods, starts](const Palette& palette) {
+            return run_stress(*request, methods->count() > 0, starts->count() > 0, palette);
+          }};
+}
+
+}  // namespace poise::app

@@ -1,0 +1,175 @@
+#include "app/report/work_precision_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "app/report/parts.hpp"
+#include "app/table.hpp"
+#include "app/work_precision_files.hpp"
+
+namespace poise::app {
+namespace {
+
+using comparison::Ending;
+using comparison::KnownRest;
+using comparison::MeasuredRun;
+using comparison::WorkPrecision;
+
+constexpr std::array<double, 4> milestones = {1e-3, 1e-6, 1e-9, 1e-12};
+
+using Runs = std::vector<SharedRun>;
+
+/// "1e-6".
+std::string power(double tolerance) {
+  std::string text = fmt::format("{:.3g}", tolerance);
+  if (text.find('e') == std::string::npos) text = fmt::format("{:.0e}", tolerance);
+  const std::size_t zero = text.find("e-0");
+  return zero == std::string::npos ? text : text.erase(zero + 2, 1);
+}
+
+std::string finders(const KnownRest& rest) {
+  constexpr std::size_t most_named = 3;
+  if (rest.found_by.empty()) return "met at another tolerance only";
+  std::vector<std::string> names;
+  for (const Method method : rest.found_by) names.push_back(to_string(method));
+  if (names.size() > most_named) {
+    const std::size_t more = names.size() - most_named + 1;
+    names.resize(most_named - 1);
+    names.push_back(fmt::format("{} more methods", more));
+  }
+  return "met by " + listed(names);
+}
+
+std::string known_rests(const WorkPrecision& result, const Palette& palette) {
+  std::string out;
+  for (const KnownRest& rest : result.rests) {
+    std::string text = result.rests.size() > 1 ? fmt::format("{}: ", &rest - result.rests.data() + 1) : "";
+    text += rest.stability == Stability::unknown ? "of unknown stability" : to_string(rest.stability);
+    text += ", " + finders(rest);
+    if (std::isfinite(rest.accuracy)) text += fmt::format("; rounding can move it by {}", small_number(rest.accuracy));
+    if (rest.neutral) text += "; one of a continuum";
+    out += fact(out.empty() ? "rests" : "", text, palette);
+  }
+  return out.empty() ? fact("rests", "none is known in 50 digits, so no error can be told", palette) : out;
+}
+
+bool arrived(const SharedRun& run) { return run.loosest->ending == Ending::arrived; }
+
+std::string least_time(const Runs& runs, double error) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const SharedRun& run : runs) {
+    if (arrived(run) && run.loosest->error <= error) least = std::min(least, run.microseconds);
+  }
+  return std::isfinite(least) ? duration(least) : "-";
+}
+
+double least_error(const Runs& runs) {
+  double least = std::numeric_limits<double>::quiet_NaN();
+  for (const SharedRun& run : runs) {
+    if (arrived(run) && !(run.loosest->error >= least)) least = run.loosest->error;
+  }
+  return least;
+}
+
+std::string arrivals(const Runs& runs) {
+  std::ptrdiff_t there = 0, all = 0;
+  for (const SharedRun& run : runs) {
+    const std::ptrdiff_t tolerances = run.tightest - run.loosest + 1;
+    all += tolerances;
+    if (arrived(run)) there += tolerances;
+  }
+  return fmt::format("{} of {}", there, all);
+}
+
+std::string summary(const std::vector<Runs>& methods, const Palette& palette) {
+  std::vector<std::string> names, errors, counts;
+  std::array<std::vector<std::string>, milestones.size()> times;
+  for (const Runs& runs : methods) {
+    names.push_back(to_string(runs.front().loosest->method));
+    for (std::size_t m = 0; m < milestones.size(); ++m) times[m].push_back(least_time(runs, milestones[m]));
+    errors.push_back(small_number(least_error(runs)));
+    counts.push_back(arrivals(runs));
+  }
+  Table table;
+  table.add_text_column("method", names);
+  for (std::size_t m = 0; m < milestones.size(); ++m) table.add_number_column(power(milestones[m]), times[m]);
+  table.add_number_column("best error", errors);
+  table.add_number_column("runs arrived", counts);
+  return section("Least time to an error below", table.print(palette), palette);
+}
+
+Cell status_cell(const MeasuredRun& run) {
+  const std::string status = status_of(run);
+  if (run.ending == Ending::arrived) return {status, run.confirmed ? Tone::good : Tone::plain};
+  return {run.confirmed ? status + ", confirmed" : status, Tone::bad};
+}
+
+std::string method_section(const Runs& runs, bool several_rests, const Palette& palette) {
+  std::vector<std::string> tolerances, times, errors, iterations, evaluations, rests;
+  std::vector<Cell> statuses;
+  for (const SharedRun& shared : runs) {
+    const MeasuredRun& run = *shared.loosest;
+    tolerances.push_back(power(run.tolerance) +
+                         (shared.tightest == shared.loosest ? "" : " .. " + power(shared.tightest->tolerance)));
+    times.push_back(duration(shared.microseconds));
+    errors.push_back(small_number(run.error));
+    iterations.push_back(std::to_string(run.iterations));
+    evaluations.push_back(std::to_string(run.evaluations));
+    rests.push_back(run.rest < 0 ? "-" : std::to_string(run.rest + 1));
+    statuses.push_back(status_cell(run));
+  }
+  Table table;
+  table.add_text_column("tolerance", tolerances);
+  table.add_number_column("time", times);
+  table.add_number_column("error", errors);
+  table.add_number_column("iterations", iterations);
+  table.add_number_column("evaluations", evaluations);
+  if (several_rests) table.add_number_column("rest", rests);
+  table.add_text_column("status", statuses);
+  std::string body = table.print(palette);
+  const auto failed = std::find_if_not(runs.begin(), runs.end(), arrived);
+  if (failed != runs.end()) {
+    const MeasuredRun& run = *failed->loosest;
+    body += palette.paint(Tone::faint, fmt::format("  at {}: {}", power(run.tolerance), run.why)) + "\n";
+  }
+  const MethodTraits& method = traits(runs.front().loosest->method);
+  return section(fmt::format("{}: {}", method.name, method.what), body, palette);
+}
+
+}  // namespace
+
+std::string work_precision_report(const StaticModel& model, const WorkPrecision& result,
+                                  const comparison::WorkPrecisionOptions& options, const Palette& palette) {
+  std::string out = heading(model, palette);
+  if (result.interrupted) {
+    out += palette.paint(Tone::bad, fmt::format("Interrupted: {} finished.",
+                                                count(static_cast<int>(result.runs.size()), "row was", "rows were"))) +
+           "\n";
+  }
+  out += known_rests(result, palette);
+  out += fact("time",
+              fmt::format("of the search alone, median of {}; more where they take microseconds",
+                          count(options.repeats, "run", "runs")),
+              palette);
+  const std::vector<Runs> methods = shared_runs(result);
+  out += summary(methods, palette);
+  for (const comparison::Refusal& refusal : result.refused) {
+    out +=
+        palette.paint(Tone::doubtful, fmt::format("  {} refuses: {}", to_string(refusal.method), refusal.why)) + "\n";
+  }
+  for (const Runs& runs : methods) out += method_section(runs, result.rests.size() > 1, palette);
+  if (!methods.empty()) {
+    out += "\n" +
+           palette.paint(Tone::faint,
+                         "  error: largest of all coordinates (rad, or length over size) from the nearest rest\n"
+                         "  status: confirmed by the check; claimed by the solver, too coarse for the check") +
+           "\n";
+  }
+  return out;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,93 @@
+#include "app/stress_files.hpp"
+
+#include <array>
+#include <vector>
+
+#include "app/csv_file.hpp"
+#include "app/json_parts.hpp"
+
+namespace poise::app {
+namespace {
+
+using comparison::CaseResult;
+using comparison::HardCase;
+using nlohmann::json;
+
+std::string expected(const HardCase& hard) {
+  switch (hard.expect) {
+    case comparison::Expect::locked:
+      return "locked";
+    case comparison::Expect::none:
+      return "none";
+    default:
+      return "equilibrium";
+  }
+}
+
+json json_cell(const comparison::Cell& cell, const std::string& contender) {
+  return {{"method", contender},
+          {"refused", cell.refused},
+          {"starts", cell.starts},
+          {"arrived", cell.arrived},
+          {"inexact", cell.inexact},
+          {"wrong", cell.wrong},
+          {"denied", cell.denied},
+          {"iterations", json_number(cell.iterations)},
+          {"microseconds", json_number(cell.microseconds)},
+          {"error", json_number(cell.error)},
+          {"allowed", json_number(cell.allowed)},
+          {"why", cell.why}};
+}
+
+}  // namespace
+
+std::string stress_csv(const StressRun& run) {
+  const std::vector<std::string> header = {"case",    "kind",       "expect",       "method",  "why",
+                                           "refused", "starts",     "arrived",      "inexact", "wrong",
+                                           "denied",  "iterations", "microseconds", "error",   "allowed"};
+  std::vector<std::vector<std::string>> words(5);
+  std::vector<std::vector<double>> columns(10);
+  for (const CaseResult& result : run.results) {
+    for (std::size_t k = 0; k < result.cells.size(); ++k) {
+      const comparison::Cell& cell = result.cells[k];
+      const std::array<std::string, 5> text = {result.hard.name, result.hard.kind, expected(result.hard),
+                                               run.contenders[k], cell.why};
+      const std::array<double, 10> numbers = {static_cast<double>(cell.refused),
+                                              static_cast<double>(cell.starts),
+                                              static_cast<double>(cell.arrived),
+                                              static_cast<double>(cell.inexact),
+                                              static_cast<double>(cell.wrong),
+                                              static_cast<double>(cell.denied),
+                                              cell.iterations,
+                                              cell.microseconds,
+                                              cell.error,
+                                              cell.allowed};
+      for (std::size_t c = 0; c < text.size(); ++c) words[c].push_back(text[c]);
+      for (std::size_t c = 0; c < numbers.size(); ++c) columns[c].push_back(numbers[c]);
+    }
+  }
+  return csv_text(header, columns, words);
+}
+
+std::string stress_json(const StressRun& run) {
+  json out = {{"poise", POISE_VERSION}, {"command", run.command}, {"interrupted", run.interrupted}};
+  out["cases"] = json::array();
+  for (const CaseResult& result : run.results) {
+    const HardCase& hard = result.hard;
+    json entry = {{"name", hard.name},
+                  {"kind", hard.kind},
+                  {"title", hard.title},
+                  {"source", hard.source},
+                  {"seek", hard.seek == Seek::stable ? "stable" : "nearest"},
+                  {"expect", expected(hard)},
+                  {"why", hard.why},
+                  {"methods", json::array()}};
+    for (std::size_t k = 0; k < result.cells.size(); ++k) {
+      entry["methods"].push_back(json_cell(result.cells[k], run.contenders[k]));
+    }
+    out["cases"].push_back(entry);
+  }
+  return json_text(out, Scene());
+}
+
+}  // namespace poise::app

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "app/report/stress_report.hpp"
+
+namespace poise::app {
+
+// What `poise stress` writes. Times in microseconds, errors in rad or length over mechanism size.
+
+/// One row for each case and method. Columns: case, kind, expect, method, why, refused (1 or 0), starts, arrived,
+/// inexact, wrong, denied, iterations, microseconds, error, allowed (see comparison::Cell).
+std::string stress_csv(const StressRun& run);
+
+/// A JSON object: poise, command, interrupted, cases [{name, kind, title, source, seek, expect, why, methods [{method,
+/// refused, starts, arrived, inexact, wrong, denied, iterations, microseconds, error, allowed, why}]}].
+std::string stress_json(const StressRun& run);
+
+}  // namespace poise::app

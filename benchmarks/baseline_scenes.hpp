@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "model/scene.hpp"
+
+namespace poise::benchmarks {
+
+/// The scene that all contenders of poise_baselines know by this name: a file of datasets/ ("toggle_press.toml") or
+/// "chain of 10 links" (comparison::hanging_chain_scene). Throws InputError.
+Scene baseline_scene(const std::string& name);
+
+}  // namespace poise::benchmarks

@@ -1,0 +1,213 @@
+// poise_baselines: what people would use if there were no Poise, on the same small mechanisms, in the same run: Ipopt,
+// SciPy and Simbody, each with exact derivatives and with the loosest tolerance that is good enough. What is not
+// installed is left out, visibly. No time is printed whose answer is wrong. Exit code 1 where an answer of ours is
+// wrong: how fast a machine is today passes or fails nothing.
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "benchmarks/contest.hpp"
+#include "benchmarks/known_answers.hpp"
+#include "benchmarks/timing.hpp"
+
+namespace poise::benchmarks {
+namespace {
+
+constexpr const char* scenes[] = {"thesis_four_bar.toml", "four_bar_gravity.toml",      "heaton_timme.toml",
+                                  "toggle_press.toml",    "vertical_slider_crank.toml", "thesis_chain.toml",
+                                  "pendulum_chain.toml",  "chain of 10 links",          "chain of 100 links"};
+
+// How many times faster Poise promises to be, on mechanisms of at most `small` coordinates, at an error that is not
+// larger than theirs, or rounding.
+const std::map<std::string, double> promises = {{"Ipopt", 500.0}, {"SciPy", 50.0}, {"Simbody", 300.0}};
+constexpr int small = 20;
+constexpr double rounding = 1e-14;
+
+struct Promise {
+  double least = INFINITY;
+  std::string scene;
+  int missed = 0, kept = 0, nobody = 0;
+};
+
+class Table {
+ public:
+  void add(const std::string& scene, Contest& contest) {
+    const std::vector<Standing> standings = contest.hold();
+    const Layout& layout = contest.model().layout();
+    fmt::print("\n{}: {} coordinates, {} closures\n", scene, layout.kept, 2 * layout.closures.size());
+    const Standing& ours = standings.front();
+    for (const Standing& standing : standings) {
+      const bool is_best = &standing == fastest(standings, standing.contender->family);
+      const bool is_promised = is_best && &standing != &ours && ours.arrives && layout.kept <= small;
+      fmt::print("{}{}\n", line(standing, ours), is_promised ? judge(scene, standing, ours) : "");
+      judge_answer(standing);
+    }
+    if (layout.kept <= small) note_absent(standings);
+    for (const std::string& why : contest.left_out()) fmt::print("  left out: {}\n", why);
+  }
+
+  void head() const {
+    fmt::print("{:<36}{:>9}{:>8}{:>10}{:>13}{:>11}{:>10}\n", "", "accuracy", "nearby", "error", "evaluations", "time",
+               "Poise is");
+  }
+
+  void sum_up() const {
+    fmt::print("\nPromised, on mechanisms of at most {} coordinates\n", small);
+    for (const auto& [family, limit] : promises) {
+      const auto found = kept_.find(family);
+      if (found == kept_.end()) {
+        fmt::print("  {:<8} >= {:>3} x  not measured\n", family, limit);
+        continue;
+      }
+      const Promise& promise = found->second;
+      fmt::print("  {:<8} >= {:>3} x  {:<6}  least {:.0f} x ({})", family, limit,
+                 promise.missed == 0 ? "met" : "MISSED", promise.least, promise.scene);
+      if (promise.missed > 0) fmt::print("; missed in {} of {}", promise.missed, promise.missed + promise.kept);
+      if (promise.nobody > 0) fmt::print("; no method arrives in {} more", promise.nobody);
+      fmt::print("\n");
+    }
+  }
+
+  bool all_right() const { return all_right_; }
+
+ private:
+  static const Standing* fastest(const std::vector<Standing>& standings, const std::string& family) {
+    const Standing* best = nullptr;
+    for (const Standing& s : standings) {
+      if (s.contender->family != family || !s.arrives) continue;
+      if (best == nullptr || s.seconds < best->seconds) best = &s;
+    }
+    return best;
+  }
+
+  static std::string line(const Standing& s, const Standing& ours) {
+    const std::string name = s.contender->family + " " + s.contender->method;
+    if (!s.arrives) {
+      const std::string how = std::isinf(s.error) ? "it fails" : fmt::format("{:.1e} off", s.error);
+      return fmt::format("  {:<34}does not arrive: {}", name, how);
+    }
+    const std::string accuracy = s.contender->has_accuracy ? fmt::format("{:.0e}", s.accuracy) : "-";
+    const std::string nearby = s.nearby < 0 ? "-" : fmt::format("{}/{}", s.nearby, nearby_starts);
+    const std::string ratio = &s == &ours || !ours.arrives ? "" : fmt::format("{:>8.0f} x", s.seconds / ours.seconds);
+    return fmt::format("  {:<34}{:>9}{:>8}{:>10.1e}{:>13}{:>11}{}", name, accuracy, nearby, s.error, s.evaluations,
+                       in_units(s.seconds), ratio);
+  }
+
+  std::string judge(const std::string& scene, const Standing& theirs, const Standing& ours) {
+    const double limit = promises.at(theirs.contender->family);
+    Promise& promise = kept_[theirs.contender->family];
+    const double ratio = theirs.seconds / ours.seconds;
+    if (ratio < promise.least) {
+      promise.least = ratio;
+      promise.scene = scene;
+    }
+    const bool as_exact = ours.error <= std::max(theirs.error, rounding);
+    const bool met = as_exact && ratio >= limit;
+    ++(met ? promise.kept : promise.missed);
+    return fmt::format("  >= {} {}{}", limit, met ? "met" : "MISSED", as_exact ? "" : ", ours is less exact");
+  }
+
+  // Families that took part and have no method that arrives.
+  void note_absent(const std::vector<Standing>& standings) {
+    std::set<std::string> took_part;
+    for (const Standing& s : standings) took_part.insert(s.contender->family);
+    for (const std::string& family : took_part) {
+      if (promises.count(family) > 0 && fastest(standings, family) == nullptr) ++kept_[family].nobody;
+    }
+  }
+
+  // Ours are virtual work and the adapter to Ipopt; this one is asked for as little as will do.
+  void judge_answer(const Standing& s) {
+    const bool by_virtual_work = s.contender->family == "Poise";
+    if (!by_virtual_work && s.contender->family != "Ipopt") return;
+    const bool lied = by_virtual_work && s.lied;
+    if (s.error <= (by_virtual_work ? virtual_work_error : energy_error) && !lied) return;
+    fmt::print("  WRONG: {}\n", lied ? "Poise claimed an answer that is no equilibrium" : "ours is not exact enough");
+    all_right_ = false;
+  }
+
+  std::map<std::string, Promise> kept_;
+  bool all_right_ = true;
+};
+
+// Empty for what was not there when Poise was configured.
+std::vector<std::string> scipy_command() {
+#ifdef POISE_SCIPY_PYTHON
+  return {POISE_SCIPY_PYTHON, POISE_SOURCE_DIR "/benchmarks/scipy_baseline.py", POISE_EVALUATE_SCENE};
+#else
+  return {};
+#endif
+}
+
+std::vector<std::string> simbody_command() {
+#ifdef POISE_SIMBODY_BASELINE
+  return {POISE_SIMBODY_BASELINE};
+#else
+  return {};
+#endif
+}
+
+std::vector<std::unique_ptr<Rival>> find_rivals() {
+  std::vector<std::unique_ptr<Rival>> present;
+  const auto admit = [&](const char* name, const std::vector<std::string>& command) {
+    std::string why = "not found when Poise was configured";
+    if (!command.empty()) {
+      auto rival = std::make_unique<Rival>(name, command);
+      why = rival->why_absent();
+      if (why.empty()) present.push_back(std::move(rival));
+    }
+    if (!why.empty()) fmt::print("{}: left out, {}; cmake/setup.sh baselines installs it\n", name, why);
+  };
+  admit("SciPy", scipy_command());
+  admit("Simbody", simbody_command());
+  return present;
+}
+
+bool measure() {
+  const std::vector<std::unique_ptr<Rival>> present = find_rivals();
+  std::vector<Rival*> rivals;
+  for (const auto& rival : present) rivals.push_back(rival.get());
+  Table table;
+  table.head();
+  for (const char* scene : scenes) {
+    Contest contest(scene, rivals);
+    table.add(scene, contest);
+    std::fflush(stdout);
+  }
+  table.sum_up();
+  fmt::print(
+      "\naccuracy: asked for, the loosest of 1e-4, 1e-5, ... 1e-14 whose error is below {:.0e}, else that with the "
+      "least\n"
+      "error. nearby: of {} starts with every coordinate moved by up to {}, those that lead to an equilibrium. error: "
+      "from\n"
+      "the known equilibrium, rad or over the size. All start from closed loops; promises are judged against the "
+      "fastest\n"
+      "method that arrives. SciPy's callbacks are Poise's compiled model, and root gets multipliers to start with.\n",
+      wanted_error, nearby_starts, nearby_reach);
+  for (Rival* rival : rivals) {
+    const std::optional<double> idle = rival->idle();
+    if (idle) fmt::print("{} takes {} at least, where there is nothing to solve.\n", rival->name(), in_units(*idle));
+  }
+  return table.all_right();
+}
+
+}  // namespace
+}  // namespace poise::benchmarks
+
+int main() {
+  try {
+    return poise::benchmarks::measure() ? 0 : 1;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace poise::benchmarks {
+
+/// What a rival found, and how long that took it.
+struct RivalAnswer {
+  double seconds = 0.0;   ///< per solution, measured by the rival itself around its solver alone
+  int evaluations = 0;    ///< distinct points, per solution
+  bool claimed = false;   ///< its own word
+  std::vector<double> x;  ///< Poise's scaled coordinates
+};
+
+/// A program that solves scenes in a process of its own, because it is in another language or brings an Ipopt of its
+/// own along. It reads one line at a time from its input and answers with one line each:
+///
+///     methods                       ok NAME|NAME|...
+///     idle                          ok SECONDS          (least that its quickest method takes, with nothing to solve)
+///     scene NAME                    ok                  (a name that baseline_scene() knows)
+///     start X1 X2 ...               ok                  (scaled coordinates from which every solution starts)
+///     solve METHOD ACCURACY TIMES   ok SECONDS EVALUATIONS CLAIMED X1 X2 ...     (METHOD counts from 0)
+///
+/// or "no WHY". Accuracy is about the error of coordinates wanted, 1e-4 to 1e-14: each method makes its own tolerances
+/// of it.
+class Rival {
+ public:
+  /// Starts `command`. Where it does not answer, why_absent() says so and it has no methods.
+  Rival(std::string name, const std::vector<std::string>& command);
+  ~Rival();
+  Rival(const Rival&) = delete;
+  Rival& operator=(const Rival&) = delete;
+
+  const std::string& name() const { return name_; }
+  const std::vector<std::string>& methods() const { return methods_; }
+  const std::string& why_absent() const { return why_absent_; }
+
+  /// Seconds that its quickest method takes at least. Nothing where it does not tell.
+  std::optional<double> idle();
+  /// False where the rival cannot do this scene; why_not() says why.
+  bool take(const std::string& scene);
+  const std::string& why_not() const { return why_not_; }
+  bool start_from(const std::vector<double>& x);
+  /// Nothing where it failed, or took longer than a minute and was ended.
+  std::optional<RivalAnswer> solve(int method, double accuracy, int times);
+
+ private:
+  bool launch(const std::vector<std::string>& command);
+  bool ask(const std::string& request);
+  bool read_line();
+  void end();
+
+  std::string name_, why_absent_, why_not_, answer_, unread_;
+  std::vector<std::string> methods_;
+  std::size_t variables_ = 0;
+  pid_t process_ = -1;
+  int to_ = -1, from_ = -1;
+};
+
+}  // namespace poise::benchmarks

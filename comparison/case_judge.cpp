@@ -1,0 +1,182 @@
+#include "comparison/case_judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "model/nearest_name.hpp"
+#include "statics/reference.hpp"
+
+namespace poise::comparison {
+namespace {
+
+// Answers are expected to so many digits wherever rounding allows it.
+constexpr double exact = 1e-9;
+// Farther apart are different places, however little holds an equilibrium.
+constexpr double elsewhere = 1e-3;
+// The rounding of forces that Check::accuracy stands for.
+constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
+
+// Where nothing is told, nothing is allowed.
+double bounded(double distance) { return std::isnan(distance) ? exact : std::clamp(distance, exact, elsewhere); }
+
+// "left -1.571, right 1.571, rail 0 (rad, m)", as much of a pose as a line holds.
+std::string pose_in_words(const StaticModel& model, const std::vector<double>& x) {
+  constexpr std::size_t most = 6;
+  const std::vector<double> q = model.to_si(x);
+  std::string out;
+  for (std::size_t i = 0; i < std::min(most, q.size()); ++i) {
+    out += fmt::format("{}{} {:.6g}", i == 0 ? "" : ", ", model.layout().coordinates[i].name, q[i]);
+  }
+  return out + (q.size() > most ? ", ... (rad, m)" : " (rad, m)");
+}
+
+template <class List, class Fits>
+int index_of(const List& list, const std::string& name, Fits fits) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (fits(list[i], i) && list[i].name == name) return static_cast<int>(i);
+  }
+  std::vector<std::string> valid;
+  for (std::size_t i = 0; i < list.size() && valid.size() < 100; ++i) {
+    if (fits(list[i], i)) valid.push_back(list[i].name);
+  }
+  throw InputError(fmt::format("there is no \"{}\" in it{}", name, did_you_mean(name, valid)));
+}
+
+}  // namespace
+
+CaseJudge::CaseJudge(const HardCase& hard, const StaticModel& model) : hard_(hard), model_(model) {
+  for (const KnownEquilibrium& known : hard.known) known_.push_back(target_of(known));
+}
+
+CaseJudge::Target CaseJudge::target_of(const KnownEquilibrium& known) const {
+  const Scene& scene = model_.scene();
+  Target target;
+  target.stability = known.stability;
+  try {
+    for (const auto& [name, angle] : known.angles) {
+      const int body = index_of(scene.bodies, name, [](const Body&, std::size_t i) { return i > 0; });
+      target.angles.push_back({body, angle});
+    }
+    for (const auto& [name, travel] : known.travels) {
+      const int joint = index_of(scene.joints, name, [](const Joint& j, std::size_t) { return j.has_travel(); });
+      const int coordinate = model_.layout().travel[joint];
+      if (coordinate < 0 || coordinate >= model_.layout().kept) {
+        throw InputError(fmt::format("the travel of \"{}\" does not enter the model; give angles instead", name));
+      }
+      target.travels.push_back({coordinate, travel / model_.scales().length});
+    }
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("case \"{}\", known equilibrium {}: {}", hard_.name, known_.size() + 1, error.what()));
+  }
+  return target;
+}
+
+double CaseJudge::distance(const std::vector<double>& x, const std::vector<BodyPose<double>>& poses,
+                           const Target& target) const {
+  double largest = 0.0;
+  // What is not a number is far from everything.
+  const auto add = [&](double d) {
+    if (!(std::abs(d) <= largest)) largest = std::isnan(d) ? std::numeric_limits<double>::infinity() : std::abs(d);
+  };
+  for (const Value& angle : target.angles) {
+    const double d = poses[angle.index].angle - angle.value;
+    add(hard_.turns_count ? d : std::remainder(d, 2 * M_PI));
+  }
+  for (const Value& travel : target.travels) add(x[travel.index] - travel.value);
+  return largest;
+}
+
+CaseJudge::Bounds CaseJudge::bounds_at(const Equilibrium& rest) const {
+  const double rounding = rest.check.accuracy;
+  // The check lets this part of the scaled forces pass, and the softest curvature turns force into distance.
+  const double passed = CheckTolerances{}.imbalance * std::max(1.0, rest.check.largest_force / model_.scales().force);
+  return {bounded(rounding), bounded(rounding * std::max(1.0, passed / force_rounding))};
+}
+
+Verdict CaseJudge::judge(const Equilibrium& rest) const {
+  if (rest.found()) {
+    Verdict verdict = judge_confirmed(rest);
+    if (verdict.kind == Verdict::Kind::wrong) verdict.why += "; it is at " + pose_in_words(model_, rest.x);
+    return verdict;
+  }
+  Verdict verdict;
+  verdict.why = rest.why;
+  const bool said_to_lock = hard_.expect == Expect::locked && (rest.check.locked || rest.met_lock);
+  const bool denied = rest.status == Status::refuted;
+  if (said_to_lock || (hard_.expect == Expect::none && !denied)) {
+    verdict.kind = Verdict::Kind::arrived;
+  } else if (denied) {
+    verdict.kind = Verdict::Kind::denied;
+  }
+  return verdict;
+}
+
+Verdict CaseJudge::judge_confirmed(const Equilibrium& rest) const {
+  Verdict verdict;
+  if (hard_.expect == Expect::locked) {
+    // What rests elsewhere is right to say so, but the question was whether the lock was told.
+    verdict = judge_by_reference(rest);
+    if (verdict.kind == Verdict::Kind::arrived && !rest.met_lock) {
+      verdict.kind = Verdict::Kind::failed;
+      verdict.why = "it rests elsewhere and does not say that the start is locked";
+    }
+  } else if (hard_.expect != Expect::equilibrium) {
+    verdict.kind = Verdict::Kind::wrong;
+    verdict.why = fmt::format("confirmed as {}, but {}", to_string(rest.check.stability), hard_.why);
+  } else if (hard_.everywhere) {
+    const bool neutral = rest.check.stability == Stability::neutral;
+    verdict.kind = neutral ? Verdict::Kind::arrived : Verdict::Kind::wrong;
+    if (!neutral) {
+      verdict.why = fmt::format("confirmed as {}, but it rests everywhere", to_string(rest.check.stability));
+    }
+  } else {
+    verdict = judge_by_list(rest);
+  }
+  return verdict;
+}
+
+Verdict CaseJudge::judge_by_list(const Equilibrium& rest) const {
+  const std::vector<BodyPose<double>> poses = model_.poses(rest.x);
+  const Target* nearest = nullptr;
+  double apart = std::numeric_limits<double>::infinity();
+  for (const Target& target : known_) {
+    const double d = distance(rest.x, poses, target);
+    if (d < apart) {
+      apart = d;
+      nearest = &target;
+    }
+  }
+  const Bounds bounds = bounds_at(rest);
+  const std::string claim = "confirmed as " + to_string(rest.check.stability);
+  if (!(apart <= bounds.confirmed)) {
+    if (!hard_.complete) return judge_by_reference(rest);
+    return {Verdict::Kind::wrong, apart, rest.check.accuracy,
+            fmt::format("{}, but {:.2g} (rad or sizes) from the nearest that is known", claim, apart)};
+  }
+  if (rest.check.stability != nearest->stability) {
+    const bool told = rest.check.stability != Stability::unknown;
+    return {told ? Verdict::Kind::wrong : Verdict::Kind::failed, apart, rest.check.accuracy,
+            fmt::format("{}, but it is {}", claim, to_string(nearest->stability))};
+  }
+  return judge_distance(apart, rest, bounds);
+}
+
+Verdict CaseJudge::judge_by_reference(const Equilibrium& rest) const {
+  const Reference reference = refine(model_, rest.x);
+  if (reference.refined) return judge_distance(reference.error, rest, bounds_at(rest));
+  Verdict verdict;
+  verdict.kind = Verdict::Kind::wrong;
+  verdict.why = "confirmed, but not by 50 digits: " + reference.why;
+  return verdict;
+}
+
+Verdict CaseJudge::judge_distance(double apart, const Equilibrium& rest, const Bounds& bounds) {
+  if (apart <= bounds.arrived) return {Verdict::Kind::arrived, apart, rest.check.accuracy, ""};
+  return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::wrong, apart, rest.check.accuracy,
+          fmt::format("{:.2g} (rad or sizes) off, where rounding explains {:.1g}", apart, bounds.arrived)};
+}
+
+}  // namespace poise::comparison

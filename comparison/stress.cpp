@@ -1,0 +1,216 @@
+#include "comparison/stress.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "comparison/case_judge.hpp"
+#include "comparison/random.hpp"
+#include "comparison/time_limit.hpp"
+
+namespace poise::comparison {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Contender {
+  Method method{};
+  Variant variant{};
+
+  // What has to master the catalogue; the others only have to be compared.
+  bool never_stops() const {
+    const solvers::Safeguards& on = variant.safeguards;
+    return method == Method::virtual_work && variant.scaling && on.inertia_correction && on.line_search &&
+           on.rank_revealing && on.load_stepping;
+  }
+  std::string name() const { return to_string(method) + (variant.name.empty() ? "" : ", " + variant.name); }
+};
+
+// FNV-1a.
+std::uint64_t seed_of(const std::string& name) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  return hash;
+}
+
+/// The starts of a case, one after the other.
+class Starts {
+ public:
+  Starts(const HardCase& hard, const StaticModel& model)
+      : random_(seed_of(hard.name)), reach_(hard.reach), from_(model.start()) {}
+
+  std::vector<double> next() {
+    std::vector<double> x = from_;
+    for (double& v : x) v += reach_ * random_.uniform(-1.0, 1.0);
+    return x;
+  }
+
+ private:
+  Random random_;
+  double reach_;
+  std::vector<double> from_;
+};
+
+/// Adds up the verdicts on a contender.
+class Tally {
+ public:
+  explicit Tally(Method method) { cell_.method = method; }
+
+  void refuse(const std::string& why) {
+    cell_.refused = true;
+    cell_.why = why;
+  }
+
+  void give_up(const std::string& why) {
+    ++cell_.starts;
+    if (cell_.why.empty()) cell_.why = why;
+  }
+
+  void add(const Equilibrium& rest, const Verdict& verdict) {
+    ++cell_.starts;
+    switch (verdict.kind) {
+      case Verdict::Kind::arrived:
+        arrive(rest, verdict);
+        return;
+      case Verdict::Kind::inexact:
+        ++cell_.inexact;
+        break;
+      case Verdict::Kind::wrong:
+        // What is worst is what has to be told.
+        if (cell_.wrong++ == 0) cell_.why = verdict.why;
+        break;
+      case Verdict::Kind::denied:
+        ++cell_.denied;
+        break;
+      case Verdict::Kind::failed:
+        break;
+    }
+    if (cell_.why.empty()) cell_.why = verdict.why;
+  }
+
+  Cell cell() const {
+    Cell cell = cell_;
+    cell.iterations = median(iterations_);
+    cell.microseconds = median(microseconds_);
+    return cell;
+  }
+  int starts() const { return cell_.starts; }
+
+ private:
+  void arrive(const Equilibrium& rest, const Verdict& verdict) {
+    ++cell_.arrived;
+    iterations_.push_back(rest.iterations);
+    microseconds_.push_back(rest.microseconds);
+    // Where nothing was to be found, this is how the method put it.
+    if (!verdict.why.empty() && cell_.why.empty()) cell_.why = verdict.why;
+    if (!(verdict.error <= cell_.error)) {
+      cell_.error = verdict.error;
+      cell_.allowed = verdict.allowed;
+    }
+  }
+
+  Cell cell_;
+  std::vector<double> iterations_, microseconds_;
+};
+
+bool interrupted(const StressOptions& options) { return options.interrupt != nullptr && *options.interrupt; }
+
+Cell run(const HardCase& hard, const StaticModel& model, const CaseJudge& judge, const Contender& contender,
+         const StressOptions& options) {
+  SolveOptions settings;
+  settings.method = contender.method;
+  settings.seek = hard.seek;
+  settings.safeguards = contender.variant.safeguards;
+  settings.scaling = contender.variant.scaling;
+  // However slow, a single start ends some time.
+  std::optional<TimeLimit> limit;
+  if (!contender.never_stops()) limit.emplace(StressOptions::patience * options.seconds, options.interrupt);
+  settings.interrupt = limit ? &limit->raised() : options.interrupt;
+  Tally tally(contender.method);
+  Starts starts(hard, model);
+  const int wanted = options.starts > 0 ? options.starts : hard.starts;
+  const Clock::time_point begin = Clock::now();
+  const auto has_time = [&] {
+    return contender.never_stops() || std::chrono::duration<double>(Clock::now() - begin).count() < options.seconds;
+  };
+  while (tally.starts() < wanted && (tally.starts() == 0 || has_time())) {
+    const Equilibrium rest = solve(model, starts.next(), settings);
+    if (interrupted(options)) break;
+    if (rest.status == Status::refused) {
+      tally.refuse(rest.why);
+      break;
+    }
+    if (rest.status == Status::interrupted) {
+      tally.give_up(fmt::format("given up after {:.3g} s", StressOptions::patience * options.seconds));
+      break;
+    }
+    tally.add(rest, judge.judge(rest));
+  }
+  return tally.cell();
+}
+
+std::vector<CaseResult> run_all(const std::vector<HardCase>& cases, const std::vector<Contender>& contenders,
+                                const StressOptions& options) {
+  std::vector<CaseResult> results;
+  for (const HardCase& hard : cases) {
+    if (interrupted(options)) break;
+    results.push_back({hard, {}});
+    const StaticModel model(scene_of(hard));
+    const CaseJudge judge(hard, model);
+    for (const Contender& contender : contenders) {
+      if (options.progress) {
+        options.progress(fmt::format("{} ({} of {}) by {}", hard.name, results.size(), cases.size(), contender.name()));
+      }
+      const Cell cell = run(hard, model, judge, contender, options);
+      if (interrupted(options) && cell.starts == 0) break;
+      results.back().cells.push_back(cell);
+    }
+  }
+  if (!results.empty() && results.back().cells.empty()) results.pop_back();
+  return results;
+}
+
+}  // namespace
+
+std::vector<CaseResult> stress(const std::vector<HardCase>& cases, const StressOptions& options) {
+  std::vector<Contender> contenders;
+  for (const Method method : options.methods) contenders.push_back({method, {}});
+  if (contenders.empty()) {
+    for (const MethodTraits& known : all_methods()) contenders.push_back({known.method, {}});
+  }
+  return run_all(cases, contenders, options);
+}
+
+const std::vector<Variant>& safeguard_variants() {
+  static const std::vector<Variant> variants = {
+      {.name = "all on"},
+      {.name = "scaling", .scaling = false},
+      {.name = "inertia correction", .safeguards = {.inertia_correction = false}},
+      {.name = "line search", .safeguards = {.line_search = false}},
+      {.name = "rank-revealing factors", .safeguards = {.rank_revealing = false}},
+      {.name = "load stepping", .safeguards = {.load_stepping = false}},
+  };
+  return variants;
+}
+
+std::vector<CaseResult> stress_safeguards(const std::vector<HardCase>& cases, const StressOptions& options) {
+  std::vector<Contender> contenders;
+  for (const Variant& variant : safeguard_variants()) contenders.push_back({Method::virtual_work, variant});
+  return run_all(cases, contenders, options);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+bool mastered(const Cell& cell) { return cell.starts > 0 && cell.arrived >= enough * cell.starts; }
+
+}  // namespace poise::comparison

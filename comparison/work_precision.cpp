@@ -1,0 +1,193 @@
+#include "comparison/work_precision.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "comparison/difference.hpp"
+#include "statics/reference.hpp"
+
+namespace poise::comparison {
+namespace {
+
+constexpr double far_away = 0.5;      // rad, or mechanism sizes: a run ends at a rest or nearer than this to it
+constexpr double same_rest = 1e-9;    // 50-digit refinements nearer than this are one equilibrium
+constexpr double patience = 3.0;      // s: a row that takes longer makes no further runs
+constexpr double sample_time = 1e-3;  // s per repeat: runs of microseconds go on until then
+constexpr int most_per_repeat = 100;  // runs
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+bool all_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Study {
+ public:
+  Study(const StaticModel& model, const WorkPrecisionOptions& options)
+      : model_(model), options_(options), start_(assemble(model)), methods_(options.methods) {
+    if (methods_.empty()) {
+      for (const MethodTraits& method : all_methods()) methods_.push_back(method.method);
+    }
+  }
+
+  WorkPrecision run() {
+    run_defaults();
+    for (const Method method : methods_) {
+      if (!refuses(method)) run_rows(method);
+    }
+    for (const MeasuredRun& row : out_.runs) {
+      if (row.confirmed && nearest_rest(row.x).rest < 0) learn(row.x, check(model_, row.x), nullptr);
+    }
+    for (MeasuredRun& row : out_.runs) tell_error(row);
+    return std::move(out_);
+  }
+
+ private:
+  SolveOptions settings_of(Method method) const {
+    SolveOptions settings;
+    settings.method = method;
+    settings.seek = options_.seek;
+    settings.interrupt = options_.interrupt;
+    return settings;
+  }
+
+  void tell(const std::string& doing) const {
+    if (options_.progress) options_.progress(doing);
+  }
+
+  bool refuses(Method method) const {
+    return std::any_of(out_.refused.begin(), out_.refused.end(),
+                       [method](const Refusal& refusal) { return refusal.method == method; });
+  }
+
+  /// Runs whatever may know a rest as it comes, keeps what is confirmed, and notes which methods refuse the scene.
+  void run_defaults() {
+    std::vector<Method> witnesses = methods_;
+    for (const Method independent : {Method::virtual_work, Method::energy}) {
+      if (std::find(witnesses.begin(), witnesses.end(), independent) == witnesses.end())
+        witnesses.push_back(independent);
+    }
+    for (std::size_t k = 0; k < witnesses.size() && !out_.interrupted; ++k) {
+      tell("looking for rests by " + to_string(witnesses[k]));
+      const Equilibrium rest = solve(model_, start_, settings_of(witnesses[k]));
+      out_.interrupted = rest.status == Status::interrupted;
+      if (rest.status == Status::refused && k < methods_.size()) out_.refused.push_back({rest.method, rest.why});
+      if (rest.found()) learn(rest.x, rest.check, &rest.method);
+    }
+  }
+
+  /// Adds the 50-digit refinement of a confirmed answer to the known rests, or its method to those that know it.
+  void learn(const std::vector<double>& x, const Check& check, const Method* finder) {
+    tell("refining a rest in 50 digits");
+    const Reference reference = refine(model_, x);
+    if (!reference.refined) return;
+    const bool neutral = check.neutral_directions > 0;
+    // Of a continuum one is enough: which of them a method meets is chance.
+    auto known = std::find_if(out_.rests.begin(), out_.rests.end(), [&](const KnownRest& rest) {
+      return (neutral && rest.neutral) || largest_difference(model_, rest.x, reference.x).size < same_rest;
+    });
+    if (known == out_.rests.end()) {
+      out_.rests.push_back({reference.x, reference.digits, check.stability, neutral, check.accuracy, {}});
+      known = std::prev(out_.rests.end());
+    }
+    if (finder != nullptr) known->found_by.push_back(*finder);
+  }
+
+  void run_rows(Method method) {
+    for (std::size_t k = 0; k < options_.tolerances.size() && !out_.interrupted; ++k) {
+      tell(fmt::format("{} at {:g}", to_string(method), options_.tolerances[k]));
+      run_row(method, options_.tolerances[k]);
+    }
+  }
+
+  void run_row(Method method, double tolerance) {
+    SolveOptions settings = settings_of(method);
+    settings.tolerance = tolerance;
+    MeasuredRun row;
+    row.method = method;
+    row.tolerance = tolerance;
+    std::vector<double> times;
+    const auto begin = std::chrono::steady_clock::now();
+    do {
+      Equilibrium rest = solve(model_, start_, settings);
+      out_.interrupted = rest.status == Status::interrupted;
+      if (out_.interrupted) return;
+      times.push_back(rest.microseconds);
+      if (times.size() > 1) continue;
+      row.claimed = rest.claimed;
+      row.confirmed = rest.found();
+      row.iterations = rest.iterations;
+      row.evaluations = rest.evaluations;
+      row.x = std::move(rest.x);
+      row.why = std::move(rest.why);
+    } while (wants_more(times.size(), begin));
+    row.repeats = static_cast<int>(times.size());
+    row.microseconds = median(std::move(times));
+    out_.runs.push_back(std::move(row));
+  }
+
+  bool wants_more(std::size_t runs, std::chrono::steady_clock::time_point since) const {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+    const auto repeats = static_cast<std::size_t>(std::max(1, options_.repeats));
+    if (runs < repeats) return seconds < patience;
+    return seconds < sample_time * static_cast<double>(repeats) && runs < repeats * most_per_repeat;
+  }
+
+  struct Nearest {
+    int rest = -1;
+    double error = unknown;
+  };
+
+  Nearest nearest_rest(const std::vector<double>& x) const {
+    if (!all_finite(x)) return {};
+    Nearest nearest{-1, far_away};
+    Nearest neutral;
+    for (std::size_t k = 0; k < out_.rests.size(); ++k) {
+      const KnownRest& rest = out_.rests[k];
+      if (rest.neutral) neutral.rest = static_cast<int>(k);
+      const double distance = rest.neutral ? far_away : largest_difference(model_, rest.x, x).size;
+      if (distance < nearest.error) nearest = {static_cast<int>(k), distance};
+    }
+    if (nearest.rest >= 0) return nearest;
+    if (neutral.rest < 0) return {};
+    const Reference own = refine(model_, x);
+    if (!own.refined) return {};
+    neutral.error = own.error;
+    return neutral;
+  }
+
+  void tell_error(MeasuredRun& row) const {
+    const Nearest nearest = nearest_rest(row.x);
+    row.rest = nearest.rest;
+    row.error = nearest.error;
+    if (!row.claimed)
+      row.ending = Ending::gave_up;
+    else
+      row.ending = row.rest >= 0 ? Ending::arrived : Ending::elsewhere;
+  }
+
+  const StaticModel& model_;
+  const WorkPrecisionOptions& options_;
+  std::vector<double> start_;
+  std::vector<Method> methods_;
+  WorkPrecision out_;
+};
+
+}  // namespace
+
+WorkPrecision work_precision(const StaticModel& model, const WorkPrecisionOptions& options) {
+  return Study(model, options).run();
+}
+
+}  // namespace poise::comparison

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/problem.hpp"
+
+namespace poise::solvers {
+
+/// A Problem as programs for constrained minimisation ask for it, function by function, seen from a base point in units
+/// of the error left there:
+///
+///   x = base + unit u,   min  scale (L(x) - L(base)) / unit^2,   c(x) / unit = 0,   +-(g(x) - bound) / unit <= 0
+///
+/// with L = f + sum y c over the equalities, which has the minima of f on c = 0. In a close-up, bounds that are pressed
+/// count as equalities.
+///
+/// The value of f is only good to its own rounding, about 1e-16, which hides steps below 1e-8. Near the answer the
+/// difference is therefore taken from gradients, (grad L(x) + grad L(base)) (x - base) / 2, exact but for a third power
+/// of the step; programs that compare values then go on to full precision. Every new point is evaluated once, whole.
+class Closeup {
+ public:
+  struct View {
+    std::vector<double> base;
+    std::vector<double> multipliers;  ///< y; one per constraint row, none when empty
+    double unit = 1.0;
+    double scale = 1.0;
+    bool near = false;  ///< differences of L from gradients; otherwise the value of L itself, and unit is 1
+  };
+
+  /// sign (row - bound), zero or not positive.
+  struct SignedRow {
+    int row = 0;
+    double sign = 1.0;
+    double bound = 0.0;
+  };
+
+  /// Rows of one kind and where their Jacobian lies in a dense matrix, row by row.
+  struct Block {
+    struct Entry {
+      std::size_t source = 0;  ///< in Evaluation::jacobian
+      std::size_t target = 0;
+      double sign = 1.0;
+    };
+    std::vector<SignedRow> rows;
+    std::vector<Entry> entries;
+  };
+
+  /// Of the rows `kept`. `problem` must outlive this.
+  Closeup(const Problem& problem, const std::vector<int>& kept);
+
+  void look(View view);
+  std::vector<double> place(const double* u) const;
+  /// Where the problem was evaluated last.
+  const std::vector<double>& last() const { return at_.x; }
+  int evaluations() const { return evaluations_; }
+
+  /// The objective; fills n numbers of its gradient where that is not null. Never not a number.
+  double objective(const double* u, double* gradient);
+  /// Values of a block, and its dense Jacobian where that is not null.
+  void constraints(const Block& block, const double* u, double* values, double* jacobian);
+
+  const Block& equalities() const { return equalities_; }
+  const Block& inequalities() const { return inequalities_; }
+
+ private:
+  void sort_rows();
+  void list_entries(Block& block) const;
+  const Evaluation& at(const double* u);
+  const std::vector<double>& slope_of(const Evaluation& e);
+
+  const Problem& problem_;
+  std::vector<int> kept_;
+  Block equalities_, inequalities_;
+  View view_;
+  Evaluation at_;
+  std::vector<double> u_;  // of at_; empty before the first evaluation of a view
+  std::vector<double> no_multipliers_, slope_, slope_at_base_;
+  double value_at_base_ = 0.0;
+  int evaluations_ = 0;
+};
+
+}  // namespace poise::solvers

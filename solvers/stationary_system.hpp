@@ -1,0 +1,60 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/problem.hpp"
+
+namespace poise::solvers {
+
+/// The conditions of a stationary point of a Problem as one square system of residuals in z = (x, y), y the
+/// multipliers of the rows kept; solvers/least_squares.hpp says which. Its sparse Jacobian is exact.
+class StationarySystem {
+ public:
+  /// From x = start, y by least squares. `problem` must outlive this.
+  StationarySystem(const Problem& problem, const std::vector<double>& start, const std::vector<int>& rows);
+
+  std::size_t size() const { return residual_.size(); }
+  const std::vector<double>& start() const { return start_; }
+  /// Entries first_of(row) .. first_of(row + 1) - 1 of the Jacobian lie in the columns column_of(entry).
+  std::size_t first_of(std::size_t row) const { return first_[row]; }
+  int column_of(std::size_t entry) const { return entries_[entry].column; }
+
+  void evaluate(const std::vector<double>& z);
+  /// At the point evaluated last.
+  void differentiate();
+
+  double residual(std::size_t row) const { return residual_[row]; }
+  double slope(std::size_t entry) const { return slope_[entry]; }
+  /// Largest residual, forces relative to 1 + max |F|, gaps without their weight. Infinite rather than not a number.
+  double error() const;
+  int evaluations() const { return evaluations_; }
+
+  std::vector<double> x_of(const std::vector<double>& z) const;
+  std::vector<double> multipliers_of(const std::vector<double>& z) const;
+
+ private:
+  enum class Kind { tangent, transposed, row, own };
+  struct Entry {
+    int row = 0;
+    int column = 0;
+    Kind kind = Kind::tangent;
+    std::size_t source = 0;  // in the tangent or the Jacobian of the problem
+    std::size_t kept = 0;    // which of the rows kept, Kind::row and Kind::own
+  };
+
+  void list_entries();
+  void meet(std::size_t kept);
+
+  const Problem& problem_;
+  std::vector<int> kept_;
+  std::size_t n_;
+  Evaluation at_;
+  bool evaluated_ = false;
+  int evaluations_ = 0;
+  std::vector<double> start_, y_, force_, tangent_, residual_, slope_;
+  std::vector<double> by_row_, by_multiplier_;  // derivatives of the residual of each row kept
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> first_;
+};
+
+}  // namespace poise::solvers

@@ -1,0 +1,340 @@
+#include "comparison/stress.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "comparison/case_judge.hpp"
+#include "tests/comparison/toy_catalogue.hpp"
+
+namespace poise::comparison {
+namespace {
+
+using test::both_rests;
+using test::toy_case;
+using test::toy_rest;
+using test::ToyCatalogue;
+
+constexpr int starts = 40;
+
+// One cell of the case with `rest` after its scene.
+Cell cell_of(const std::string& scene, const std::string& rest, Method method = Method::virtual_work) {
+  const ToyCatalogue catalogue(toy_case("toy", scene, rest));
+  StressOptions options;
+  options.methods = {method};
+  options.starts = starts;
+  options.seconds = 10.0;
+  return stress(catalogue.read(), options).at(0).cells.at(0);
+}
+
+// arrived + wrong must be all, and only one of them.
+void expect_all_arrive(const Cell& cell) {
+  EXPECT_EQ(cell.starts, starts);
+  EXPECT_EQ(cell.arrived, starts) << cell.why;
+  EXPECT_EQ(cell.wrong + cell.denied + cell.inexact, 0) << cell.why;
+  EXPECT_TRUE(mastered(cell));
+}
+
+void expect_all_wrong(const Cell& cell) {
+  EXPECT_EQ(cell.starts, starts);
+  EXPECT_EQ(cell.wrong, starts) << cell.why;
+  EXPECT_EQ(cell.arrived, 0);
+  EXPECT_FALSE(cell.why.empty());
+  EXPECT_FALSE(mastered(cell));
+}
+
+const std::string complete = "complete = true\n";
+
+TEST(Stress, APendulumArrivesAtItsKnownRests) {
+  const Cell nearest = cell_of("pendulum", complete + both_rests());
+  expect_all_arrive(nearest);
+  EXPECT_LT(nearest.error, 1e-12);
+  EXPECT_GT(nearest.iterations, 0);
+  EXPECT_GT(nearest.microseconds, 0);
+  // Torque (5 + 1) N * 2 m against the scaled curvature of order one: some units in the last place.
+  EXPECT_GT(nearest.allowed, 1e-15);
+  EXPECT_LT(nearest.allowed, 1e-13);
+  expect_all_arrive(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_rests()));
+  expect_all_arrive(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_rests(), Method::energy));
+}
+
+TEST(Stress, AnAnswerOfAWrongListIsWrong) {
+  expect_all_wrong(
+      cell_of("pendulum", complete + toy_rest("rod", "-1.570797", "stable") + toy_rest("rod", "1.570797", "unstable")));
+  // The right places with each other's stability.
+  expect_all_wrong(cell_of("pendulum", complete + toy_rest("rod", test::hanging_down, "unstable") +
+                                           toy_rest("rod", test::standing_up, "stable")));
+  // A list that is called complete and lacks one: half of the starts, about, go there.
+  const Cell lacks = cell_of("pendulum", complete + toy_rest("rod", test::hanging_down, "stable"));
+  EXPECT_GT(lacks.wrong, starts / 5);
+  EXPECT_GT(lacks.arrived, starts / 5);
+  EXPECT_EQ(lacks.wrong + lacks.arrived, starts);
+}
+
+TEST(Stress, WhatTheCheckLetsPassIsInexactAndNoMore) {
+  // 1e-7 rad off, held by a curvature of a thousandth: an imbalance of 1e-10 of the load, which the check lets pass.
+  const std::string near = toy_rest("rod", "-1.5707962267948966", "stable");
+  const Cell cell = cell_of("soft_pendulum", complete + "seek = \"stable\"\n" + near);
+  EXPECT_EQ(cell.inexact, starts) << cell.why;
+  EXPECT_EQ(cell.arrived + cell.wrong, 0);
+  expect_all_wrong(
+      cell_of("soft_pendulum", complete + "seek = \"stable\"\n" + toy_rest("rod", "-1.57078632", "stable")));
+}
+
+TEST(Stress, AnOpenListLetsFiftyDigitsDecide) {
+  expect_all_arrive(cell_of("pendulum", ""));
+  expect_all_arrive(cell_of("pendulum", toy_rest("rod", test::hanging_down, "stable")));
+  expect_all_arrive(cell_of("pendulum", toy_rest("rod", "0.3", "stable")));
+  expect_all_wrong(cell_of("pendulum", "seek = \"stable\"\n" + toy_rest("rod", test::hanging_down, "unstable")));
+}
+
+TEST(Stress, TurnsCountOnlyWhereTheyAreSaidTo) {
+  const std::string once_around = complete + "seek = \"stable\"\nreach = 0.1\n";
+  const std::string turned = toy_rest("rod", "4.7123889803846898577", "stable");
+  expect_all_arrive(cell_of("pendulum", once_around + turned));
+  expect_all_wrong(cell_of("pendulum", once_around + "turns_count = true\n" + turned));
+  expect_all_arrive(
+      cell_of("pendulum", once_around + "turns_count = true\n" + toy_rest("rod", test::hanging_down, "stable")));
+}
+
+TEST(Stress, TravelsAreComparedInMetres) {
+  const auto at = [](const std::string& travel) {
+    return complete + "[[case.equilibrium]]\ntravels = { rail = " + travel + " }\nstability = \"stable\"\n";
+  };
+  expect_all_arrive(cell_of("against_the_stop", at("0.25")));
+  expect_all_wrong(cell_of("against_the_stop", at("0.2501")));
+}
+
+TEST(Stress, WhereThereIsNoRestNothingMayBeClaimed) {
+  const std::string none = "expect = \"none\"\nwhy = \"nothing holds it\"\n";
+  const Cell runs_away = cell_of("runaway", none);
+  expect_all_arrive(runs_away);
+  EXPECT_FALSE(runs_away.why.empty());
+  EXPECT_TRUE(std::isnan(runs_away.error));
+  const Cell rests = cell_of("pendulum", none);
+  expect_all_wrong(rests);
+  EXPECT_NE(rests.why.find("nothing holds it"), std::string::npos) << rests.why;
+}
+
+TEST(Stress, ALockHasToBeSaid) {
+  const std::string locked = "expect = \"locked\"\nwhy = \"no finite pull\"\nreach = 0\n";
+  expect_all_arrive(cell_of("taut_bars", locked));
+  // It rests, which is right, but nobody speaks of a lock.
+  const Cell rests = cell_of("pendulum", locked);
+  EXPECT_EQ(rests.arrived + rests.wrong, 0);
+  EXPECT_NE(rests.why.find("does not say"), std::string::npos) << rests.why;
+  // Nor where nothing is confirmed.
+  const Cell silent = cell_of("runaway", locked);
+  EXPECT_EQ(silent.arrived + silent.wrong, 0);
+}
+
+TEST(Stress, RestEverywhereIsNeutral) {
+  expect_all_arrive(cell_of("balanced_beam", "everywhere = true\n"));
+  expect_all_wrong(cell_of("pendulum", "everywhere = true\n"));
+}
+
+TEST(Stress, ARefusalIsNoFailure) {
+  const std::string known = complete + "reach = 0.5\nturns_count = true\n" + toy_rest("rod", "1.0", "stable");
+  expect_all_arrive(cell_of("follower", known));
+  const Cell refused = cell_of("follower", known, Method::energy);
+  EXPECT_TRUE(refused.refused);
+  EXPECT_EQ(refused.starts, 0);
+  EXPECT_NE(refused.why.find("jet"), std::string::npos) << refused.why;
+  EXPECT_TRUE(std::isnan(refused.iterations) && std::isnan(refused.microseconds));
+  // What statics tells must be what is known, no more.
+  expect_all_wrong(cell_of("follower", complete + "reach = 0.5\n" + toy_rest("rod", "1.0", "unknown")));
+}
+
+TEST(Stress, StartsAreSeededByTheNameOfTheCase) {
+  const std::string rest = complete + both_rests();
+  const ToyCatalogue catalogue(toy_case("a", "pendulum", rest) + toy_case("b", "pendulum", rest));
+  StressOptions options;
+  options.methods = {Method::virtual_work};
+  options.starts = 200;
+  const auto all = stress(catalogue.read(), options), again = stress(catalogue.read(), options);
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].cells[0].error, again[0].cells[0].error);
+  EXPECT_EQ(all[0].cells[0].iterations, again[0].cells[0].iterations);
+  // Alone, a case has the starts that it has among others.
+  const auto alone = stress({catalogue.read()[1]}, options);
+  EXPECT_EQ(alone[0].cells[0].error, all[1].cells[0].error);
+}
+
+TEST(Stress, OnlyVirtualWorkIsGivenAllTime) {
+  const ToyCatalogue catalogue(toy_case("toy", "pendulum", "starts = 30\n"));
+  StressOptions options;
+  options.methods = {Method::virtual_work, Method::energy};
+  options.seconds = 1e-9;
+  const auto cells = stress(catalogue.read(), options).at(0).cells;
+  EXPECT_EQ(cells[0].starts, 30);
+  EXPECT_EQ(cells[1].starts, 1);
+}
+
+TEST(Stress, ASlowStartIsGivenUp) {
+  // The stable rest of a long chain is far from random angles: Ipopt would take seconds.
+  HardCase hard;
+  hard.name = "chain";
+  hard.series = "hanging chain";
+  hard.size = 3000;
+  StressOptions options;
+  options.methods = {Method::energy};
+  options.seconds = 0.002;
+  const Cell cell = stress({hard}, options).at(0).cells.at(0);
+  EXPECT_EQ(cell.starts, 1);
+  EXPECT_EQ(cell.arrived, 0);
+  EXPECT_EQ(cell.why, "given up after 0.02 s");
+}
+
+TEST(Stress, AnInterruptKeepsWhatThereIs) {
+  const ToyCatalogue catalogue(toy_case("a", "pendulum") + toy_case("b", "pendulum"));
+  std::atomic<bool> interrupt = false;
+  std::vector<std::string> told;
+  StressOptions options;
+  options.methods = {Method::virtual_work, Method::energy};
+  options.starts = 2;
+  options.seconds = 100;
+  options.interrupt = &interrupt;
+  options.progress = [&](const std::string& doing) {
+    told.push_back(doing);
+    interrupt = told.size() == 4;
+  };
+  const auto results = stress(catalogue.read(), options);
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(results[0].cells.size(), 2U);
+  EXPECT_EQ(results[1].cells.size(), 1U);
+  EXPECT_EQ(told.front(), "a (1 of 2) by virtual-work");
+  interrupt = true;
+  EXPECT_TRUE(stress(catalogue.read(), options).empty());
+}
+
+TEST(Stress, SafeguardsAreSwitchedOffOneByOne) {
+  const ToyCatalogue catalogue(toy_case("toy", "pendulum", complete + "seek = \"stable\"\n" + both_rests()));
+  StressOptions options;
+  options.starts = starts;
+  options.seconds = 10;
+  const auto cells = stress_safeguards(catalogue.read(), options).at(0).cells;
+  ASSERT_EQ(cells.size(), safeguard_variants().size());
+  expect_all_arrive(cells[0]);
+  // Newton is drawn to the maximum as well, and has to be brought back.
+  EXPECT_EQ(safeguard_variants()[2].name, "inertia correction");
+  EXPECT_GT(cells[2].iterations, cells[0].iterations);
+  // Steps as long as they come fly around the pin.
+  EXPECT_EQ(safeguard_variants()[3].name, "line search");
+  EXPECT_LT(cells[3].arrived, starts);
+  for (const Cell& cell : cells) EXPECT_EQ(cell.wrong, 0);
+}
+
+TEST(Stress, WithoutScalingTheAnswerIsTheSamePlace) {
+  // A pendulum of a micrometre: sizes and loads far from one.
+  Scene scene = parse_scene(app_tests::pendulum, "pendulum.toml");
+  scene.bodies[1].points[1].at = {2e-6, 0.0};
+  scene.bodies[1].center = {2e-6, 0.0};
+  const StaticModel model(scene);
+  for (const bool scaling : {true, false}) {
+    SolveOptions options;
+    options.scaling = scaling;
+    const Equilibrium rest = solve(model, {-1.2}, options);
+    ASSERT_EQ(rest.x.size(), 1U);
+    EXPECT_TRUE(rest.found()) << rest.why;
+    EXPECT_NEAR(rest.x[0], -M_PI / 2, 1e-12) << scaling;
+  }
+}
+
+TEST(Stress, UnknownNamesOfASeriesAreTold) {
+  HardCase hard;
+  hard.name = "chain";
+  hard.series = "hanging chain";
+  hard.size = 3;
+  hard.known.push_back({{{"bar9", 0.0}}, {}, Stability::stable});
+  try {
+    stress({hard}, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "case \"chain\", known equilibrium 1: there is no \"bar9\" in it; did you mean \"bar1\"?");
+  }
+}
+
+// Answers made up, so that what solvers never do is judged too.
+class JudgeTest : public testing::Test {
+ protected:
+  Verdict judge(double angle, Stability stability, double accuracy = 1e-14) const {
+    Equilibrium rest;
+    rest.status = Status::confirmed;
+    rest.x = {angle};
+    rest.check.stability = stability;
+    rest.check.accuracy = accuracy;
+    return CaseJudge(hard, model).judge(rest);
+  }
+
+  static Scene scene() { return parse_scene(app_tests::pendulum, "pendulum.toml"); }
+
+  StaticModel model{scene()};
+  HardCase hard;
+};
+
+TEST_F(JudgeTest, OfTwoThatNearlyCoincideTheNearerDecides) {
+  hard.complete = true;
+  hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}, {{{"rod", 0.1 + 1e-8}}, {}, Stability::unstable}};
+  const double loose = 1e-7;
+  EXPECT_EQ(judge(0.1 + 2e-9, Stability::stable, loose).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(judge(0.1 + 2e-9, Stability::unstable, loose).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(judge(0.1 + 8e-9, Stability::unstable, loose).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(judge(0.1 + 8e-9, Stability::stable, loose).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(judge(0.1, Stability::unknown, loose).kind, Verdict::Kind::failed);
+}
+
+TEST_F(JudgeTest, NoConditionExcusesAnotherPlace) {
+  hard.complete = true;
+  hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}};
+  EXPECT_EQ(judge(0.102, Stability::stable, 1.0).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(judge(0.102, Stability::stable, std::numeric_limits<double>::infinity()).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(judge(0.1 + 1e-8, Stability::stable, std::numeric_limits<double>::quiet_NaN()).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(judge(std::nan(""), Stability::stable).kind, Verdict::Kind::wrong);
+}
+
+TEST_F(JudgeTest, WhoMeetsALockAndRestsElsewhereMustRest) {
+  hard.expect = Expect::locked;
+  Equilibrium rest;
+  rest.status = Status::confirmed;
+  rest.met_lock = true;
+  rest.x = {-M_PI / 2};
+  rest.check.accuracy = 1e-14;
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
+  rest.x = {-1.0};
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::wrong);
+}
+
+TEST_F(JudgeTest, TellsDenialsFromFailures) {
+  hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}};
+  Equilibrium rest;
+  rest.x = {0.1};
+  rest.why = "it stopped";
+  rest.status = Status::refuted;
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
+  rest.status = Status::not_found;
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::failed);
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).why, "it stopped");
+  hard.known.clear();
+  hard.expect = Expect::none;
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
+  rest.status = Status::refuted;
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
+  hard.expect = Expect::locked;
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
+  rest.check.locked = true;
+  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
+}
+
+TEST(Median, IsTheMiddle) {
+  EXPECT_TRUE(std::isnan(median({})));
+  EXPECT_EQ(median({3.0}), 3.0);
+  EXPECT_EQ(median({5.0, 1.0, 3.0}), 3.0);
+  EXPECT_EQ(median({7.0, 1.0, 5.0, 3.0}), 4.0);
+}
+
+}  // namespace
+}  // namespace poise::comparison
