@@ -1,5 +1,5 @@
 # The short commands. Everything they do is CMake's: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | bench | lint | format | install PREFIX=/usr/local | setup | clean
+#   make run | test | bench | figures | lint | format | install PREFIX=/usr/local | setup | clean
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 
 PRESET ?= $(if $(CI),ci,release)
@@ -10,7 +10,7 @@ BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
 SOURCE_FOLDERS := model solvers statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
 
-.PHONY: run test bench lint format install setup configure app all clean
+.PHONY: run test bench figures lint format install setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -19,11 +19,22 @@ test: all
 	ctest --preset $(PRESET) -j $(JOBS)
 
 bench: configure
-	cmake --build --preset $(PRESET) -j $(JOBS) --target poise_benchmarks poise_ratios poise_integrators poise_identification_ratios
-	$(BUILD)/benchmarks/poise_benchmarks $(ARGS)
+	cmake --build --preset $(PRESET) -j $(JOBS)
 	$(BUILD)/benchmarks/poise_ratios
+	$(BUILD)/benchmarks/poise_scaling
+	$(BUILD)/benchmarks/poise_baselines
 	$(BUILD)/benchmarks/poise_integrators
 	$(BUILD)/benchmarks/poise_identification_ratios $(wildcard ../shared/data/multi_arm_pendulum/double.csv)
+	$(BUILD)/benchmarks/poise_benchmarks --benchmark_min_time=0.1 $(ARGS)
+	$(MAKE) figures PRESET=$(PRESET)
+
+# Every picture and table that README.md and docs/ show, made anew on this machine.
+figures: app
+	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg docs/toggle_clamp.svg
+	$(BUILD)/poise compare datasets/six_bar.toml --tolerances 1e-2..1e-14 --svg docs/work_precision.svg
+	$(BUILD)/poise identify datasets/lift_experiment.toml --svg docs/lift_fit.svg
+	$(BUILD)/poise stress --starts 100 --seconds 0.1 --markdown docs/stress.md
+	$(BUILD)/poise stress --safeguards --starts 100
 
 lint: configure
 	cmake/setup.sh lint

@@ -89,10 +89,10 @@ TEST(Safeguards, LineSearchHoldsStepsThatOvershoot) {
   const Groove groove = funnel();
   const double start[] = {2.0, 0.0};
   for (const Goal goal : {Goal::stationary, Goal::minimum}) {
-    Newton guarded(groove, with(goal, {.load_stepping = false}));
+    Newton guarded(groove, with(goal, {.restarts = false, .load_stepping = false}));
     EXPECT_EQ(guarded.solve(start).outcome, Outcome::converged);
     EXPECT_NEAR(guarded.solve(start).x[0], 0.0, 1e-15);
-    Newton bare(groove, with(goal, {.line_search = false, .load_stepping = false}));
+    Newton bare(groove, with(goal, {.line_search = false, .restarts = false, .load_stepping = false}));
     EXPECT_NE(bare.solve(start).outcome, Outcome::converged);
   }
 }
@@ -104,7 +104,7 @@ TEST(Safeguards, InertiaCorrectionLeadsAwayFromMaxima) {
   const NewtonResult& found = guarded.solve(start);
   EXPECT_EQ(found.outcome, Outcome::converged);
   EXPECT_NEAR(found.x[0], 1.0, 1e-15);
-  Newton bare(groove, with(Goal::minimum, {.inertia_correction = false, .load_stepping = false}));
+  Newton bare(groove, with(Goal::minimum, {.inertia_correction = false, .restarts = false, .load_stepping = false}));
   const NewtonResult& lost = bare.solve(start);
   EXPECT_FALSE(lost.outcome == Outcome::converged && std::abs(std::abs(lost.x[0]) - 1.0) < 1e-9);
 }
@@ -120,7 +120,7 @@ TEST(Safeguards, RankRevealingFactorsTakeRepeatedConstraints) {
   EXPECT_EQ(found.outcome, Outcome::converged);
   EXPECT_NEAR(found.x[0], std::sqrt(0.75), 1e-15);
   EXPECT_NEAR(found.multipliers[0] + found.multipliers[1], -std::sqrt(0.75) / 2, 1e-14);
-  Newton bare(groove, with(Goal::minimum, {.rank_revealing = false, .load_stepping = false}));
+  Newton bare(groove, with(Goal::minimum, {.rank_revealing = false, .restarts = false, .load_stepping = false}));
   EXPECT_NE(bare.solve(start).outcome, Outcome::converged);
 }
 
@@ -129,7 +129,7 @@ TEST(Safeguards, LoadSteppingIsTheLastResort) {
   Groove groove = funnel();
   groove.potential = false;
   const double start[] = {1.2, 0.0};
-  NewtonOptions options = with(Goal::stationary, {.line_search = false});
+  NewtonOptions options = with(Goal::stationary, {.line_search = false, .restarts = false});
   Newton stepped(groove, options);
   const NewtonResult& found = stepped.solve(start);
   EXPECT_EQ(found.outcome, Outcome::converged);
@@ -139,6 +139,17 @@ TEST(Safeguards, LoadSteppingIsTheLastResort) {
   Newton bare(groove, options);
   EXPECT_NE(bare.solve(start).outcome, Outcome::converged);
   EXPECT_FALSE(bare.solve(start).load_stepped);
+}
+
+TEST(Safeguards, RestartsFindWhatTheStartMisses) {
+  Groove groove = funnel();
+  groove.potential = false;
+  const double start[] = {2.0, 0.0};
+  Newton newton(groove, with(Goal::stationary, {.line_search = false, .load_stepping = false}));
+  const NewtonResult& found = newton.solve(start);
+  EXPECT_EQ(found.outcome, Outcome::converged);
+  EXPECT_TRUE(found.restarted);
+  EXPECT_NEAR(found.x[0], 0.0, 1e-12);
 }
 
 TEST(Safeguards, LoadSteppingIsNotNeededWhereTheRestArrives) {

@@ -2,6 +2,7 @@
 
 #include "solvers/sparse_ldl.hpp"
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -99,6 +100,7 @@ TEST(SparseLdl, TellsAPivotThatVanishesOrOverflows) {
   EXPECT_FALSE(factors.factor());
   fill(factors, row, {1.0, 1.0, 3.0});
   EXPECT_TRUE(factors.factor());
+  EXPECT_EQ(factors.spread(), 2.0);  // 3 - 1 / 1, over 1
 }
 
 }  // namespace

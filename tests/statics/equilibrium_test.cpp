@@ -216,7 +216,9 @@ TEST(Solve, DoesNotConfirmWhatASpringTooStiffForDoubleHides) {
         "free_length = 0.41\nstiffness = " +
             stiffness + "\n",
         "lever"));
-    return solve(model);
+    SolveOptions options;
+    options.safeguards.restarts = false;  // another start may by chance round to a balance
+    return solve(model, options);
   };
   EXPECT_EQ(lever("1e6").status, Status::confirmed);
   EXPECT_NE(lever("1e20").status, Status::confirmed);

@@ -366,9 +366,14 @@ TEST_F(References, FoldsOfThePendulum) {
     }
     const StaticModel upon(test::started_at(inverted_pendulum(fold.lambda, fold.offset), {{"rod", fold.theta}}));
     const Check at_fold = check(upon, upon.start());
-    EXPECT_TRUE(at_fold.is_equilibrium()) << at_fold.objection;
-    EXPECT_LE(std::abs(at_fold.modes.at(0).curvature), 1e-14);
-    EXPECT_EQ(to_string(at_fold.stability), "neutral");
+    // Rounded to a double, lambda lies on one side of the fold or the other: there are two equilibria some 1e-8 apart,
+    // or none. Double precision cannot tell, 50 digits do.
+    if (at_fold.is_equilibrium()) {
+      EXPECT_LE(std::abs(at_fold.modes.at(0).curvature), 1e-6);
+      EXPECT_GE(at_fold.accuracy, 1e-8);
+    } else {
+      EXPECT_NE(at_fold.objection.find("50 digits find no equilibrium"), std::string::npos) << at_fold.objection;
+    }
   }
 }
 
