@@ -19,8 +19,9 @@ constexpr double elsewhere = 1e-3;
 // The rounding of forces that Check::accuracy stands for.
 constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
 
-// Where nothing is told, nothing is allowed.
-double bounded(double distance) { return std::isnan(distance) ? exact : std::clamp(distance, exact, elsewhere); }
+double bounded(double distance, double unknown) {
+  return std::isnan(distance) ? unknown : std::clamp(distance, exact, elsewhere);
+}
 
 // "left -1.571, right 1.571, rail 0 (rad, m)", as much of a pose as a line holds.
 std::string pose_in_words(const StaticModel& model, const std::vector<double>& x) {
@@ -90,10 +91,14 @@ double CaseJudge::distance(const std::vector<double>& x, const std::vector<BodyP
 }
 
 CaseJudge::Bounds CaseJudge::bounds_at(const Equilibrium& rest) const {
-  const double rounding = rest.check.accuracy;
-  // The check lets this part of the scaled forces pass, and the softest curvature turns force into distance.
-  const double passed = CheckTolerances{}.imbalance * std::max(1.0, rest.check.largest_force / model_.scales().force);
-  return {bounded(rounding), bounded(rounding * std::max(1.0, passed / force_rounding))};
+  const CheckTolerances passed;
+  const Check& check = rest.check;
+  // The scaled force that was let pass, which the softest curvature turns into distance; where that is not known,
+  // nothing near is too far.
+  const double force = std::max(passed.imbalance * check.largest_force, check.imbalance) / model_.scales().force;
+  const double given_way = check.accuracy * std::max(1.0, force / force_rounding);
+  const double stops = model_.scene().stops.empty() ? 0.0 : passed.stop;
+  return {bounded(check.accuracy, exact), bounded(given_way + passed.closure + stops, elsewhere)};
 }
 
 Verdict CaseJudge::judge(const Equilibrium& rest) const {

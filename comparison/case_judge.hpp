@@ -28,7 +28,8 @@ struct Verdict {
 ///
 /// list         The nearest known equilibrium must be near enough and of the stability that the check tells. Near
 ///              enough for an arrival is max(1e-9, Check::accuracy); what lies farther, but within what the check's
-///              bound on the imbalance lets pass, is inexact. Beyond that a complete list contradicts the answer.
+///              bounds on imbalance, gaps and stops let pass, is inexact. Beyond that a complete list contradicts the
+///              answer.
 /// open list    An answer near no known equilibrium is refined in 50 digits, which must find one as near.
 /// everywhere   The answer must be neutral.
 /// locked       It must be said that the joints lock. Who goes on to a rest elsewhere must say it too, and 50 digits

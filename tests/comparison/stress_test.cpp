@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -292,7 +293,11 @@ TEST_F(JudgeTest, NoConditionExcusesAnotherPlace) {
   hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}};
   EXPECT_EQ(judge(0.102, Stability::stable, 1.0).kind, Verdict::Kind::wrong);
   EXPECT_EQ(judge(0.102, Stability::stable, std::numeric_limits<double>::infinity()).kind, Verdict::Kind::wrong);
-  EXPECT_EQ(judge(0.1 + 1e-8, Stability::stable, std::numeric_limits<double>::quiet_NaN()).kind, Verdict::Kind::wrong);
+  // Where the condition is not known, what is near is no arrival, but not wrong either.
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(judge(0.1, Stability::stable, unknown).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(judge(0.1 + 1e-8, Stability::stable, unknown).kind, Verdict::Kind::inexact);
+  EXPECT_EQ(judge(0.102, Stability::stable, unknown).kind, Verdict::Kind::wrong);
   EXPECT_EQ(judge(std::nan(""), Stability::stable).kind, Verdict::Kind::wrong);
 }
 
