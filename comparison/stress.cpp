@@ -25,7 +25,7 @@ struct Contender {
   bool never_stops() const {
     const solvers::Safeguards& on = variant.safeguards;
     return method == Method::virtual_work && variant.scaling && on.inertia_correction && on.line_search &&
-           on.rank_revealing && on.load_stepping;
+           on.rank_revealing && on.restarts && on.load_stepping;
   }
   std::string name() const { return to_string(method) + (variant.name.empty() ? "" : ", " + variant.name); }
 };
@@ -192,6 +192,7 @@ const std::vector<Variant>& safeguard_variants() {
       {.name = "inertia correction", .safeguards = {.inertia_correction = false}},
       {.name = "line search", .safeguards = {.line_search = false}},
       {.name = "rank-revealing factors", .safeguards = {.rank_revealing = false}},
+      {.name = "restarts", .safeguards = {.restarts = false}},
       {.name = "load stepping", .safeguards = {.load_stepping = false}},
   };
   return variants;
