@@ -18,6 +18,7 @@ namespace {
 using Handle = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
 
 constexpr double cobyla_first_step = 0.1;
+constexpr double cobyla_reach = 1e3;  // bound on every variable
 // L-BFGS sets out by the whole gradient, which may lead past the nearest minimum: gradients are made smaller.
 constexpr double lbfgs_scale = 0.3;
 constexpr int lbfgs_memory = 10;       // by default it takes megabytes, which cost more than the search
@@ -158,6 +159,9 @@ class Program {
     }
     Handle cobyla = limited(create(NLOPT_LN_COBYLA, n), steps_);
     nlopt_set_initial_step1(cobyla.get(), cobyla_first_step);
+    // Where the objective falls without end COBYLA would never come back.
+    nlopt_set_lower_bounds1(cobyla.get(), -cobyla_reach);
+    nlopt_set_upper_bounds1(cobyla.get(), cobyla_reach);
     return cobyla;
   }
 

@@ -39,6 +39,8 @@ constexpr double flat_within = 2e-14;
 constexpr double closure_rounding = 4 * std::numeric_limits<double>::epsilon();
 // What rounding of the coordinates themselves leaves.
 constexpr double least_accuracy = 4 * std::numeric_limits<double>::epsilon();
+// Part of the smallest curvature up to which a Newton step cannot have come from beyond a fold.
+constexpr double safe_step = 1e-2;
 constexpr double no_length = 1e-12;  // of the mechanism's size
 // Rounding of the forces on a coordinate, scaled to order one: some units in the last place.
 constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
@@ -278,9 +280,17 @@ class Judge {
       judge_kinks(kinks, tolerances_.neutral * std::max(1.0, reduced.largest));
       return;
     }
-    if (!(doubtful ? judge_in_50_digits(reduced, eigen.eigenvectors(), curvature) : lies_close(reduced))) return;
     double smallest = std::numeric_limits<double>::infinity();
     for (double c : curvature) smallest = std::min(smallest, std::abs(c));
+    // Beside a fold a step as long as the way to its top may lead nowhere.
+    const double step = step_to_rest(reduced);
+    const bool beside_a_fold = !(step * std::max(1.0, reduced.largest) <= safe_step * smallest);
+    if (doubtful || beside_a_fold) {
+      const double within = doubtful ? beside_a_cusp : tolerances_.position;
+      if (!judge_in_50_digits(reduced, eigen.eigenvectors(), curvature, within)) return;
+    } else if (!is_close(step)) {
+      return;
+    }
     out_.accuracy = std::max({force_rounding / smallest, shift_by_rounded_closures(reduced), least_accuracy});
     const Eigen::MatrixXd directions = reduced.basis * eigen.eigenvectors();
     for (std::size_t k = 0; k < std::min(modes, curvature.size()); ++k) {
@@ -329,15 +339,26 @@ class Judge {
     return exact.refined && exact.error <= within;
   }
 
-  // By the length of one more Newton step.
-  bool lies_close(const ReducedHessian<double>& reduced) {
-    const Eigen::VectorXd step = reduced.basis * reduced.matrix.fullPivLu().solve(reduced.force);
-    const double length = step.cwiseAbs().maxCoeff();
-    if (length <= tolerances_.position) return true;
+  // The length of one more Newton step, open closures included:  J v = -c,  Z^T (F + K (v + Z z)) = 0,  d = v + Z z.
+  double step_to_rest(const ReducedHessian<double>& reduced) const {
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(reduced.basis.rows());
+    const Eigen::Index closures = 2 * model_.mechanism().closures();
+    if (closures > 0) {
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+      factors.setThreshold(1e-10);
+      factors.compute(reduced.jacobian.topRows(closures));
+      v = -factors.solve(Eigen::Map<const Eigen::VectorXd>(reduced.kept.data(), closures));
+    }
+    const Eigen::VectorXd right = reduced.force + reduced.coupling * v;
+    return (v - reduced.basis * reduced.matrix.fullPivLu().solve(right)).cwiseAbs().maxCoeff();
+  }
+
+  bool is_close(double step) {
+    if (step <= tolerances_.position) return true;
     deny(
         fmt::format("the loads balance nearly, but the equilibrium itself lies about {:.1g} away (rad, or length over "
                     "size)",
-                    length));
+                    step));
     return false;
   }
 
@@ -351,23 +372,26 @@ class Judge {
   // whether there is an equilibrium at all. Where 50 digits find none, only a freedom along which nothing changes is
   // left as an explanation.
   bool judge_in_50_digits(const ReducedHessian<double>& reduced, const Eigen::MatrixXd& directions,
-                          std::vector<double>& curvature) {
+                          std::vector<double>& curvature, double within) {
     const std::vector<double> exact = refined_curvatures(model_, x_);
-    if (exact.size() == curvature.size() && lies_close_in_50_digits(beside_a_cusp)) {
+    if (exact.size() == curvature.size() && lies_close_in_50_digits(within)) {
       curvature = exact;
       out_.stability_note = "a curvature is so small that its sign was taken from 50 digits";
       return true;
     }
+    bool flat = false;
     for (std::size_t k = 0; k < curvature.size(); ++k) {
       if (std::abs(curvature[k]) > doubtful_below * std::max(1.0, reduced.largest)) continue;
       if (is_flat(reduced.basis * directions.col(static_cast<Eigen::Index>(k)))) {
         curvature[k] = 0.0;
+        flat = true;
         continue;
       }
       deny("50 digits find no equilibrium here: what double precision cannot see unbalanced is the rest of a fold");
       return false;
     }
-    return true;
+    if (!flat) deny("50 digits find no equilibrium here, or none so near");
+    return flat;
   }
 
   // Nothing but rounding is out of balance a little way along the direction, either.
@@ -408,7 +432,7 @@ class Judge {
   // coordinates, is the sign of its determinant: negative means divergence. With more than one freedom a positive one
   // does not exclude flutter, which only masses can decide.
   void judge_followers(const ReducedHessian<double>& reduced) {
-    if (!lies_close(reduced)) return;
+    if (!is_close(step_to_rest(reduced))) return;
     out_.accuracy = force_rounding / reduced.matrix.jacobiSvd().singularValues().minCoeff();
     const double scale = std::max(1.0, reduced.largest);
     const double determinant = (reduced.matrix / scale).determinant();

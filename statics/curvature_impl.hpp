@@ -87,12 +87,14 @@ struct ReducedHessian {
     force = basis.transpose() * point.force;
     coupling = basis.transpose() * full;
     jacobian = point.jacobian;
+    for (int r : rows) kept.push_back(point.constraint[r]);
     largest = full.size() > 0 ? T(full.cwiseAbs().maxCoeff()) : T(0);
   }
 
   Matrix basis;                          ///< n x freedoms
   Matrix coupling;                       ///< Z^T (tangent), freedoms x n
   Matrix jacobian;                       ///< of the kept rows
+  std::vector<T> kept;                   ///< values of the kept rows; those of stops from zero, not from their bound
   typename DensePoint<T>::Vector force;  ///< Z^T F, what is left unbalanced
   Matrix matrix;                         ///< freedoms x freedoms, not symmetric with follower loads
   T largest;                             ///< largest entry of the tangent, the scale of `matrix`
