@@ -33,8 +33,8 @@ figures: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg docs/toggle_clamp.svg
 	$(BUILD)/poise compare datasets/six_bar.toml --tolerances 1e-2..1e-14 --svg docs/work_precision.svg
 	$(BUILD)/poise identify datasets/lift_experiment.toml --svg docs/lift_fit.svg
-	$(BUILD)/poise stress --starts 100 --seconds 0.1 --markdown docs/stress.md
-	$(BUILD)/poise stress --safeguards --starts 100
+	$(BUILD)/poise stress --starts 10 --seconds 0.02 --markdown docs/stress.md
+	$(BUILD)/poise stress --safeguards --starts 20 --seconds 0.2 --markdown docs/safeguards.md
 
 lint: configure
 	cmake/setup.sh lint
