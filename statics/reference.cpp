@@ -9,8 +9,8 @@
 #include <Eigen/SparseLU>
 
 #include "model/mechanism_impl.hpp"
+#include "solvers/real50.hpp"
 #include "statics/curvature_impl.hpp"
-#include "statics/real50.hpp"
 
 namespace poise {
 namespace {

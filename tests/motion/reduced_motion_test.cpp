@@ -12,7 +12,7 @@
 
 #include "motion/inverse_dynamics.hpp"
 #include "motion/motion_model.hpp"
-#include "statics/real50.hpp"
+#include "solvers/real50.hpp"
 #include "tests/motion/compiled_motion.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"

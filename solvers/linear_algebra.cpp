@@ -1,0 +1,47 @@
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "solvers/linear_algebra_impl.hpp"
+
+namespace poise::solvers {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+template PivotOrder pivot_order(const MatrixXd&, double);
+template MatrixXd null_space(const MatrixXd&, double);
+template class LeastSquares<double>;
+
+MatrixXd triangular_factor(MatrixXd& a) {
+  const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> qr(a);
+  return a.topRows(a.cols()).triangularView<Eigen::Upper>();
+}
+
+ColumnShares column_shares(const MatrixXd& a, Eigen::Index rank) {
+  const auto qr = pivoted_qr(a, known_to::rounding);
+  const MatrixXd r = qr.matrixR().topRows(rank).triangularView<Eigen::Upper>();
+  return {pivoted_columns<double>(qr),
+          r.leftCols(rank).triangularView<Eigen::Upper>().solve(r.rightCols(a.cols() - rank))};
+}
+
+struct FullyPivotedLu::Factors {
+  Eigen::FullPivLU<MatrixXd> lu;
+};
+
+FullyPivotedLu::FullyPivotedLu(const MatrixXd& a)
+    : factors_(std::make_unique<const Factors>(Factors{Eigen::FullPivLU<MatrixXd>(a)})) {}
+
+FullyPivotedLu::~FullyPivotedLu() = default;
+
+VectorXd FullyPivotedLu::solve(const VectorXd& b) const { return factors_->lu.solve(b); }
+
+MatrixXd FullyPivotedLu::solve(const MatrixXd& b) const { return factors_->lu.solve(b); }
+
+double FullyPivotedLu::largest_pivot() const { return factors_->lu.maxPivot(); }
+
+double FullyPivotedLu::reciprocal_condition() const { return factors_->lu.isInvertible() ? factors_->lu.rcond() : 0.0; }
+
+double FullyPivotedLu::determinant() const { return factors_->lu.determinant(); }
+
+}  // namespace poise::solvers
