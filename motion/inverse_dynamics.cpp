@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "statics/curvature_impl.hpp"
+#include "statics/curvature.hpp"
 #include "statics/free_bodies.hpp"
 
 namespace poise {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "motion/body_motion.hpp"
-#include "statics/curvature_impl.hpp"
+#include "statics/curvature.hpp"
 
 namespace poise {
 namespace {

@@ -6,13 +6,12 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "solvers/kkt.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
-#include "statics/curvature_impl.hpp"
+#include "statics/curvature.hpp"
 #include "statics/free_bodies.hpp"
 #include "statics/kinks.hpp"
 #include "statics/lock.hpp"
@@ -270,8 +269,8 @@ class Judge {
   }
 
   void judge_curvatures(const ReducedHessian<double>& reduced) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(reduced.matrix);
-    std::vector<double> curvature(eigen.eigenvalues().begin(), eigen.eigenvalues().end());
+    const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(reduced.matrix);
+    std::vector<double> curvature(eigen.values.begin(), eigen.values.end());
     const bool doubtful = std::any_of(curvature.begin(), curvature.end(), [&](double c) {
       return std::abs(c) <= doubtful_below * std::max(1.0, reduced.largest);
     });
@@ -287,12 +286,12 @@ class Judge {
     const bool beside_a_fold = !(step * std::max(1.0, reduced.largest) <= safe_step * smallest);
     if (doubtful || beside_a_fold) {
       const double within = doubtful ? beside_a_cusp : tolerances_.position;
-      if (!judge_in_50_digits(reduced, eigen.eigenvectors(), curvature, within)) return;
+      if (!judge_in_50_digits(reduced, eigen.vectors, curvature, within)) return;
     } else if (!is_close(step)) {
       return;
     }
     out_.accuracy = std::max({force_rounding / smallest, shift_by_rounded_closures(reduced), least_accuracy});
-    const Eigen::MatrixXd directions = reduced.basis * eigen.eigenvectors();
+    const Eigen::MatrixXd directions = reduced.basis * eigen.vectors;
     for (std::size_t k = 0; k < std::min(modes, curvature.size()); ++k) {
       out_.modes.push_back(mode(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
     }
@@ -308,16 +307,14 @@ class Judge {
   static double shift_by_rounded_closures(const ReducedHessian<double>& reduced) {
     const Eigen::Index rows = reduced.jacobian.rows();
     if (rows == 0) return 0.0;
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> closures;
-    closures.setThreshold(1e-10);
-    closures.compute(reduced.jacobian);
-    const Eigen::FullPivLU<Eigen::MatrixXd> stiffness(reduced.matrix);
+    const solvers::LeastSquares<double> closures(reduced.jacobian, solvers::known_to::solution);
+    const solvers::FullyPivotedLu stiffness(reduced.matrix);
     double largest = 0.0;
     for (Eigen::Index pattern = 1; pattern <= 4; ++pattern) {
       Eigen::VectorXd e(rows);
       for (Eigen::Index r = 0; r < rows; ++r) e[r] = (r / pattern) % 2 == 0 ? closure_rounding : -closure_rounding;
       const Eigen::VectorXd v = closures.solve(e);
-      const Eigen::VectorXd d = v - reduced.basis * stiffness.solve(reduced.coupling * v);
+      const Eigen::VectorXd d = v - reduced.basis * stiffness.solve(Eigen::VectorXd(reduced.coupling * v));
       largest = std::max(largest, d.cwiseAbs().maxCoeff());
     }
     return largest;
@@ -344,13 +341,12 @@ class Judge {
     Eigen::VectorXd v = Eigen::VectorXd::Zero(reduced.basis.rows());
     const Eigen::Index closures = 2 * model_.mechanism().closures();
     if (closures > 0) {
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-      factors.setThreshold(1e-10);
-      factors.compute(reduced.jacobian.topRows(closures));
-      v = -factors.solve(Eigen::Map<const Eigen::VectorXd>(reduced.kept.data(), closures));
+      v = -solvers::minimum_norm_solution<double>(reduced.jacobian.topRows(closures),
+                                                  Eigen::VectorXd::Map(reduced.kept.data(), closures),
+                                                  solvers::known_to::solution);
     }
     const Eigen::VectorXd right = reduced.force + reduced.coupling * v;
-    return (v - reduced.basis * reduced.matrix.fullPivLu().solve(right)).cwiseAbs().maxCoeff();
+    return (v - reduced.basis * solvers::FullyPivotedLu(reduced.matrix).solve(right)).cwiseAbs().maxCoeff();
   }
 
   bool is_close(double step) {
@@ -433,9 +429,9 @@ class Judge {
   // does not exclude flutter, which only masses can decide.
   void judge_followers(const ReducedHessian<double>& reduced) {
     if (!is_close(step_to_rest(reduced))) return;
-    out_.accuracy = force_rounding / reduced.matrix.jacobiSvd().singularValues().minCoeff();
+    out_.accuracy = force_rounding / solvers::singular_value_decomposition(reduced.matrix).values.minCoeff();
     const double scale = std::max(1.0, reduced.largest);
-    const double determinant = (reduced.matrix / scale).determinant();
+    const double determinant = solvers::FullyPivotedLu(reduced.matrix / scale).determinant();
     const bool neutral = std::abs(determinant) <= 1e-12;
     const bool one_freedom = reduced.matrix.rows() == 1;
     settle(!neutral && determinant < 0 ? 1 : 0, neutral ? 1 : 0);

@@ -7,16 +7,16 @@
 #include <random>
 #include <utility>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "solvers/augmented_lagrangian.hpp"
 #include "solvers/dynamic_relaxation.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/least_squares.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
 #include "solvers/nlopt_program.hpp"
-#include "statics/curvature_impl.hpp"
+#include "statics/curvature.hpp"
 #include "statics/lock.hpp"
 #include "statics/mobility.hpp"
 
@@ -38,12 +38,9 @@ std::vector<int> independent_rows(const StaticModel& model, const std::vector<do
   std::vector<int> rows(equalities);
   std::iota(rows.begin(), rows.end(), 0);
   const DensePoint<double> point(m, x, rows);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(1e-9);
-  qr.compute(point.jacobian.transpose());
-  if (qr.rank() == equalities) return {};
-  const auto& order = qr.colsPermutation().indices();
-  rows.assign(order.data(), order.data() + qr.rank());
+  const auto [rank, order] = solvers::pivot_order<double>(point.jacobian.transpose(), solvers::known_to::closed_point);
+  if (rank == equalities) return {};
+  rows.assign(order.begin(), order.begin() + rank);
   std::sort(rows.begin(), rows.end());
   for (int s = 0; s < m.stops(); ++s) rows.push_back(equalities + s);
   return rows;

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/QR>
-#include <Eigen/Sparse>
-
+#include "solvers/linear_algebra.hpp"
 #include "statics/sparse_least_squares.hpp"
 
 namespace poise {
@@ -14,8 +12,6 @@ namespace {
 
 // Unknown reactions up to which a dense decomposition, which gives the minimum norm, is used.
 constexpr int dense_limit = 250;
-// Part of the largest singular value (roughly) below which a reaction combination counts as undetermined.
-constexpr double rank_tolerance = 1e-10;
 
 // A unit reaction: force and moment on body b at a point, the opposite on body a.
 struct Unknown {
@@ -173,17 +169,13 @@ class Statics {
     Eigen::VectorXd f = Eigen::VectorXd::Zero(count);
     std::vector<bool> free(count, false);
     if (count > 0 && count <= dense_limit) {
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-      decomposition.setThreshold(rank_tolerance);
-      decomposition.compute(Eigen::MatrixXd(a));
-      f = decomposition.solve(-load);
+      const solvers::LeastSquares<double> reactions(Eigen::MatrixXd(a), solvers::known_to::solution);
+      f = reactions.solve(-load);
       // One step of refinement: the balance is judged to 1e-9 of the largest force.
-      f += decomposition.solve(-load - a * f);
-      const Eigen::Index rank = decomposition.rank();
-      out.redundancy = count - static_cast<int>(rank);
+      f += reactions.solve(-load - a * f);
+      out.redundancy = count - static_cast<int>(reactions.rank());
       if (out.redundancy > 0) {
-        const Eigen::MatrixXd z = decomposition.matrixZ().transpose().rightCols(count - rank);
-        const Eigen::MatrixXd null = decomposition.colsPermutation() * z;
+        const Eigen::MatrixXd null = reactions.null_space();
         for (int u = 0; u < count; ++u) free[u] = null.row(u).norm() > 1e-8;
       }
     } else if (count > 0) {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "statics/curvature_impl.hpp"
+#include "solvers/linear_algebra.hpp"
+#include "statics/curvature.hpp"
 
 namespace poise {
 namespace {
@@ -33,8 +34,7 @@ ReducedHessian<double> reduced_with(const StaticModel& model, const std::vector<
 
 // -1, 0 or 1 of the smallest eigenvalue.
 int sign_of_least(const ReducedHessian<double>& reduced, double zero) {
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(reduced.matrix, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const double least = solvers::symmetric_eigenvalues(reduced.matrix)[0];
   return least > zero ? 1 : least < -zero ? -1 : 0;
 }
 

@@ -5,10 +5,9 @@
 #include <numeric>
 #include <random>
 
-#include <Eigen/QR>
-
+#include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
-#include "statics/curvature_impl.hpp"
+#include "statics/curvature.hpp"
 
 namespace poise {
 namespace {
@@ -17,7 +16,7 @@ constexpr int most_coordinates = 60;
 constexpr double closed_within = 1e-7;
 constexpr double unbalanced_beyond = 1e-6;  // of the largest load
 // A search that closes in on a lock stops some way off, because small gaps move such poses far.
-constexpr double rank_tolerance = 1e-4;
+constexpr double rank_tolerance = solvers::known_to::singular_point;
 constexpr double beside = 0.1;  // rad or mechanism sizes
 constexpr int tries = 8;
 
@@ -28,9 +27,7 @@ std::vector<int> closure_rows(const Mechanism<double>& mechanism) {
 }
 
 int rank_of(const Eigen::MatrixXd& jacobian) {
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(rank_tolerance);
-  return static_cast<int>(qr.compute(jacobian.transpose()).rank());
+  return static_cast<int>(solvers::rank<double>(jacobian.transpose(), rank_tolerance));
 }
 
 double largest_gap(const DensePoint<double>& point) {
@@ -41,10 +38,9 @@ double largest_gap(const DensePoint<double>& point) {
 
 // With the rank at which it locks: singular values below the tolerance carry nothing.
 bool balances(const DensePoint<double>& point) {
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-  factors.setThreshold(rank_tolerance);
-  factors.compute(point.jacobian.transpose());
-  const Eigen::VectorXd left = point.force + point.jacobian.transpose() * factors.solve(-point.force);
+  const Eigen::MatrixXd directions = point.jacobian.transpose();
+  const Eigen::VectorXd left =
+      point.force + directions * solvers::minimum_norm_solution<double>(directions, -point.force, rank_tolerance);
   return left.cwiseAbs().maxCoeff() <= unbalanced_beyond * (1.0 + point.force.cwiseAbs().maxCoeff());
 }
 

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/QR>
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
 
+#include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
-#include "statics/curvature_impl.hpp"
 #include "statics/equilibrium_problem.hpp"
 #include "statics/sparse_least_squares.hpp"
 
@@ -17,7 +16,6 @@ namespace poise {
 namespace {
 
 constexpr double closed_within = 1e-9;
-constexpr double rank_tolerance = 1e-9;
 constexpr int dense_limit = 400;
 
 int gruebler_count(const Scene& scene) {
@@ -102,13 +100,9 @@ void find_redundancy(const ScaledModel& model, Mobility& out) {
     }
     return;
   }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(rank_tolerance);
-  qr.compute(Eigen::MatrixXd(jacobian));
-  out.rank = static_cast<int>(qr.rank());
-  if (out.rank == rows) return;
-  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(rows, rows);
-  const Eigen::MatrixXd null = q.rightCols(rows - out.rank);
+  const Eigen::MatrixXd null =
+      solvers::null_space(Eigen::MatrixXd(jacobian.transpose()), solvers::known_to::closed_point);
+  out.rank = rows - static_cast<int>(null.cols());
   for (int l = 0; l < m.closures(); ++l) {
     if (null.row(2 * l).norm() > 1e-8 || null.row(2 * l + 1).norm() > 1e-8) {
       out.redundant.push_back(m.layout().closures[l].name);

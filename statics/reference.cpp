@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
+#include <optional>
 
 #include "model/mechanism_impl.hpp"
-#include "solvers/real50.hpp"
+#include "solvers/linear_algebra_50.hpp"
 #include "statics/curvature_impl.hpp"
 
 namespace poise {
@@ -22,10 +19,9 @@ using Matrix = DensePoint<Real>::Matrix;
 constexpr int dense_limit = 80;  // coordinates up to which redundancy is resolved by a rank-revealing factor
 constexpr int steps = 120;
 constexpr double longest_step = 1e-3;
-constexpr double nearby = 1e-2;             // a correction larger than this has gone to another equilibrium
-constexpr double nearly = 1e-9;             // where Newton closes in by a constant factor only, this is close enough
-constexpr double rounding_of_data = 1e-12;  // singular values of J that rounding of the scene's numbers can make
-constexpr double touching = 1e-7;           // of a stop that holds
+constexpr double nearby = 1e-2;    // a correction larger than this has gone to another equilibrium
+constexpr double nearly = 1e-9;    // where Newton closes in by a constant factor only, this is close enough
+constexpr double touching = 1e-7;  // of a stop that holds
 
 // Newton on {F + J^T y = 0, c = 0} in 50 digits.
 class Refinement {
@@ -78,12 +74,9 @@ class Refinement {
   void keep_independent_rows() {
     if (rows_.empty() || mechanism_.coordinates() > dense_limit) return;
     const DensePoint<Real> point(mechanism_, q_, rows_);
-    Eigen::ColPivHouseholderQR<Matrix> qr;
-    qr.setThreshold(Real(rounding_of_data));
-    qr.compute(point.jacobian.transpose());
-    if (qr.rank() == static_cast<Eigen::Index>(rows_.size())) return;
-    std::vector<std::size_t> kept(qr.colsPermutation().indices().data(),
-                                  qr.colsPermutation().indices().data() + qr.rank());
+    const auto [rank, order] = solvers::pivot_order<Real>(point.jacobian.transpose(), solvers::known_to::data);
+    if (rank == static_cast<Eigen::Index>(rows_.size())) return;
+    std::vector<std::size_t> kept(order.begin(), order.begin() + rank);
     std::sort(kept.begin(), kept.end());
     const std::vector<int> rows = std::move(rows_);
     const std::vector<Real> targets = std::move(target_);
@@ -100,13 +93,15 @@ class Refinement {
     keep_independent_rows();
     Real last = 1;
     for (int k = 0; k < steps; ++k) {
-      const Vector d = mechanism_.coordinates() <= dense_limit ? dense_step() : sparse_step();
-      Real length = 0;
-      for (Eigen::Index i = 0; i < d.size(); ++i) length = std::max(length, Real(abs(d[i])));
-      if (!isfinite(length)) {
+      const std::optional<Vector> step =
+          mechanism_.coordinates() <= dense_limit ? std::optional(dense_step()) : sparse_step();
+      if (!step || !step->allFinite()) {
         why = "Newton in 50 digits met a singular system";
         return false;
       }
+      const Vector& d = *step;
+      Real length = 0;
+      for (Eigen::Index i = 0; i < d.size(); ++i) length = std::max(length, Real(abs(d[i])));
       // Next to a fold full steps overshoot: they are kept short.
       const Real part = length > longest_step ? Real(longest_step / length) : Real(1);
       Real travelled = 0;
@@ -173,14 +168,11 @@ class Refinement {
     system.bottomLeftCorner(m, n) = point.jacobian;
     Vector right(n + m);
     right << -(point.force + point.jacobian.transpose() * y), -gaps(point.constraint);
-    Eigen::CompleteOrthogonalDecomposition<Matrix> factors;
-    factors.setThreshold(Real(1e-20));
-    factors.compute(system);
-    return factors.solve(right).head(n);
+    return solvers::minimum_norm_solution(system, right, solvers::known_to::half_of_50_digits).head(n);
   }
 
-  // Large mechanisms: sparse LU with a relaxation far below what is printed.
-  Vector sparse_step() {
+  // Large mechanisms: sparse factors with a relaxation far below what is printed.
+  std::optional<Vector> sparse_step() {
     const Eigen::Index n = mechanism_.coordinates();
     const auto m = static_cast<Eigen::Index>(rows_.size());
     std::vector<Planar<Real>> pose(mechanism_.pose_size());
@@ -191,7 +183,11 @@ class Refinement {
     mechanism_.jacobian(pose.data(), jacobian.data());
     std::vector<int> place(mechanism_.constraints(), -1);
     for (Eigen::Index k = 0; k < m; ++k) place[rows_[k]] = static_cast<int>(k);
-    if (sparse_y_.size() != m) sparse_y_ = least_squares_y(force, jacobian, place);
+    if (sparse_y_.size() != m) {
+      const std::optional<Vector> y = least_squares_y(force, jacobian, place);
+      if (!y) return std::nullopt;
+      sparse_y_ = *y;
+    }
 
     std::vector<Real> all(mechanism_.constraints(), Real(0)), tangent(mechanism_.tangent_row().size());
     for (Eigen::Index k = 0; k < m; ++k) all[rows_[k]] = sparse_y_[k];
@@ -206,24 +202,26 @@ class Refinement {
     Vector right(n + m);
     right.head(n) = -Eigen::Map<Vector>(force.data(), n);
     right.tail(m) = -gaps(constraint);
-    const Vector step = solve_bordered(entries, jacobian, place, right);
-    sparse_y_ = step.tail(m);
-    return step.head(n);
+    const std::optional<Vector> step = solve_bordered(entries, jacobian, place, right);
+    if (!step) return std::nullopt;
+    sparse_y_ = step->tail(m);
+    return step->head(n).eval();
   }
 
-  Vector least_squares_y(const std::vector<Real>& force, const std::vector<Real>& jacobian,
-                         const std::vector<int>& place) const {
+  std::optional<Vector> least_squares_y(const std::vector<Real>& force, const std::vector<Real>& jacobian,
+                                        const std::vector<int>& place) const {
     const Eigen::Index n = mechanism_.coordinates();
     const auto m = static_cast<Eigen::Index>(rows_.size());
     std::vector<Eigen::Triplet<Real>> entries;
     for (int i = 0; i < n; ++i) entries.emplace_back(i, i, Real(1));
     Vector right = Vector::Zero(n + m);
     for (Eigen::Index i = 0; i < n; ++i) right[i] = -force[i];
-    return solve_bordered(entries, jacobian, place, right).tail(m);
+    const std::optional<Vector> all = solve_bordered(entries, jacobian, place, right);
+    return all ? std::optional<Vector>(all->tail(m)) : std::nullopt;
   }
 
-  Vector solve_bordered(std::vector<Eigen::Triplet<Real>> entries, const std::vector<Real>& jacobian,
-                        const std::vector<int>& place, const Vector& right) const {
+  std::optional<Vector> solve_bordered(std::vector<Eigen::Triplet<Real>> entries, const std::vector<Real>& jacobian,
+                                       const std::vector<int>& place, const Vector& right) const {
     const int n = mechanism_.coordinates();
     for (std::size_t e = 0; e < jacobian.size(); ++e) {
       const int row = place[mechanism_.jacobian_row()[e]];
@@ -234,21 +232,7 @@ class Refinement {
     for (int k = 0; k < static_cast<int>(rows_.size()); ++k) entries.emplace_back(n + k, n + k, Real(-1e-40));
     Eigen::SparseMatrix<Real> system(right.size(), right.size());
     system.setFromTriplets(entries.begin(), entries.end());
-    // Without follower loads the system is symmetric, and LDL^T without pivoting is ten times as fast as LU; the rare
-    // pivot that vanishes sends us to LU.
-    if (!mechanism_.has_follower_loads()) {
-      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<Real>> symmetric(system);
-      if (symmetric.info() == Eigen::Success) {
-        Vector x = symmetric.solve(right);
-        if (std::all_of(x.begin(), x.end(), [](const Real& value) { return isfinite(value); })) return x;
-      }
-    }
-    Eigen::SparseLU<Eigen::SparseMatrix<Real>> factors;
-    factors.compute(system);
-    if (factors.info() != Eigen::Success) {
-      return Vector::Constant(right.size(), Real(std::numeric_limits<double>::quiet_NaN()));
-    }
-    return factors.solve(right);
+    return solvers::solve(system, right, !mechanism_.has_follower_loads());
   }
 
   const StaticModel& model_;
@@ -287,9 +271,9 @@ std::vector<double> refined_curvatures(const StaticModel& model, const std::vect
   if (model.mechanism().has_follower_loads() || !refinement.run(why)) return {};
   const ReducedHessian<Real> reduced(refinement.mechanism(), refinement.q(), refinement.rows());
   if (reduced.matrix.size() == 0) return {};
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(reduced.matrix, Eigen::EigenvaluesOnly);
+  const Vector curvatures = solvers::symmetric_eigenvalues(reduced.matrix);
   std::vector<double> out;
-  for (const Real& e : eigen.eigenvalues()) out.push_back(static_cast<double>(e));
+  for (const Real& c : curvatures) out.push_back(static_cast<double>(c));
   return out;
 }
 

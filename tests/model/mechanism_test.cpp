@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/curvature_impl.hpp"
+#include "statics/curvature.hpp"
 #include "statics/static_model.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"

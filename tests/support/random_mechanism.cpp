@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "model/mechanism.hpp"
-#include "statics/curvature_impl.hpp"
+#include "statics/curvature.hpp"
 #include "statics/scaling.hpp"
 #include "tests/support/vector_mechanics.hpp"
 

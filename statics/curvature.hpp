@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "model/mechanism.hpp"
+
+namespace poise {
+
+/// Constraint values, Jacobian, force and tangent of a mechanism at q as dense matrices, for the few places that look
+/// at an answer once rather than iterate. Definitions are in statics/curvature_impl.hpp; double is instantiated in
+/// statics/curvature.cpp, 50 digits in statics/reference.cpp.
+template <class T>
+struct DensePoint {
+  using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+
+  DensePoint(const Mechanism<T>& given, const std::vector<T>& q, const std::vector<int>& rows);
+
+  /// Least-squares multipliers of the kept rows: minimal |F + J^T y|.
+  Vector multipliers() const;
+  Matrix tangent(const Vector& y);
+
+  const Mechanism<T>& mechanism;
+  std::vector<Planar<T>> pose;
+  std::vector<int> kept;
+  Vector force;
+  std::vector<T> constraint;
+  Matrix jacobian;
+};
+
+/// Reduced Hessian  Z^T (tangent) Z  with Z an orthonormal basis of the null space of the kept rows of the Jacobian.
+template <class T>
+struct ReducedHessian {
+  using Matrix = typename DensePoint<T>::Matrix;
+
+  ReducedHessian(const Mechanism<T>& mechanism, const std::vector<T>& q, const std::vector<int>& rows);
+
+  Matrix basis;                          ///< n x freedoms
+  Matrix coupling;                       ///< Z^T (tangent), freedoms x n
+  Matrix jacobian;                       ///< of the kept rows
+  std::vector<T> kept;                   ///< values of the kept rows; those of stops from zero, not from their bound
+  typename DensePoint<T>::Vector force;  ///< Z^T F, what is left unbalanced
+  Matrix matrix;                         ///< freedoms x freedoms, not symmetric with follower loads
+  T largest;                             ///< largest entry of the tangent, the scale of `matrix`
+};
+
+extern template struct DensePoint<double>;
+extern template struct ReducedHessian<double>;
+
+}  // namespace poise
