@@ -5,8 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -21,7 +20,6 @@ constexpr double closed_within = 1e-12;
 constexpr double crossing_below = 1e-7;   // closeness to singular that counts as singular
 constexpr double shortest_step = 1e-10;   // of a driven coordinate
 constexpr double farthest_turning = 0.1;  // along the path, where a turning point is looked for
-constexpr double rank_tolerance = 1e-7;
 constexpr double end = 1.0 - 1e-13;
 
 double largest(const VectorXd& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
@@ -101,10 +99,8 @@ bool SplitClosure::close(VectorXd& x) const {
   VectorXd c = gap(x);
   double open = largest(c);
   for (int k = 0; k < 20 && open > 0.0 && !free_.empty(); ++k) {
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
-    factors.setThreshold(rank_tolerance);
-    factors.compute(free_columns(jacobian(x)));
-    const VectorXd step = factors.solve(-c);
+    const VectorXd step =
+        solvers::minimum_norm_solution<double>(free_columns(jacobian(x)), -c, solvers::known_to::path);
     if (!(largest(step) < 0.5)) return false;
     VectorXd next = x;
     for (std::size_t i = 0; i < free_.size(); ++i) next[free_[i]] += step[static_cast<Eigen::Index>(i)];
@@ -125,13 +121,12 @@ DrivenPath::DrivenPath(const SplitClosure& closure, VectorXd direction)
 
 void DrivenPath::measure(PathPose& pose, const MatrixXd& jacobian) const {
   if (closure_.free().empty()) return;
-  const Eigen::JacobiSVD<MatrixXd> svd(closure_.free_columns(jacobian), Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VectorXd& values = svd.singularValues();
-  const Eigen::Index last = values.size() - 1;
-  pose.smallest = values[last];
-  pose.closeness = values[last] / values[0];
-  pose.left = svd.matrixU().col(last);
-  pose.right = svd.matrixV().col(last);
+  const solvers::SingularValues svd = solvers::singular_value_decomposition(closure_.free_columns(jacobian));
+  const Eigen::Index last = svd.values.size() - 1;
+  pose.smallest = svd.values[last];
+  pose.closeness = svd.values[last] / svd.values[0];
+  pose.left = svd.left.col(last);
+  pose.right = svd.right.col(last);
 }
 
 PathPose DrivenPath::differentiated(double at, VectorXd x) const {
@@ -146,7 +141,7 @@ PathPose DrivenPath::differentiated(double at, VectorXd x) const {
     pose.v[closure_.driven()[k]] = direction_[static_cast<Eigen::Index>(k)];
   }
   if (closure_.free().empty()) return pose;
-  const Eigen::ColPivHouseholderQR<MatrixXd> factors(closure_.free_columns(jacobian));
+  const solvers::LeastSquares<double> factors(closure_.free_columns(jacobian));
   const auto spread = [&](const VectorXd& of_free, VectorXd& out) {
     for (std::size_t i = 0; i < closure_.free().size(); ++i) {
       out[closure_.free()[i]] = of_free[static_cast<Eigen::Index>(i)];
@@ -218,9 +213,7 @@ std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
     return out;
   };
   const auto tangent = [&](const VectorXd& x, const VectorXd& like) {
-    const MatrixXd m = matrix(x);
-    const Eigen::JacobiSVD<MatrixXd> svd(m, Eigen::ComputeFullV);
-    const VectorXd t = svd.matrixV().col(n);
+    const VectorXd t = solvers::singular_value_decomposition(matrix(x)).right.col(n);
     return VectorXd(t.dot(like) < 0 ? -t : t);
   };
   const auto shift = [&](OnCurve& z, const VectorXd& step) {
@@ -236,10 +229,7 @@ std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
     OnCurve z = base;
     shift(z, s * base.tangent);
     for (int k = 0; k < 8; ++k) {
-      Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
-      factors.setThreshold(rank_tolerance);
-      factors.compute(matrix(z.x));
-      shift(z, factors.solve(-closure_.gap(z.x)));
+      shift(z, solvers::minimum_norm_solution<double>(matrix(z.x), -closure_.gap(z.x), solvers::known_to::path));
     }
     z.tangent = tangent(z.x, base.tangent);
     return z;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "motion/driven_path.hpp"
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double rank_tolerance = 1e-9;
+constexpr double rank_tolerance = solvers::known_to::closed_point;
 constexpr double closed_within = 1e-13;
 constexpr double open_beyond = 1e-9;
 // Samples that have to change by more than this, rad or mechanism sizes, are not of this mechanism.
@@ -88,11 +88,10 @@ class Completion {
   // Throws InputError where some coordinate follows from nothing.
   void expect_decided(const VectorXd& x) const {
     if (closure_.free().empty()) return;
-    Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(rank_tolerance);
-    qr.compute(closure_.free_columns(closure_.jacobian(x)));
-    if (qr.rank() == qr.cols()) return;
-    const int open = closure_.free()[static_cast<std::size_t>(qr.colsPermutation().indices()[qr.rank()])];
+    const auto [rank, order] = solvers::pivot_order(closure_.free_columns(closure_.jacobian(x)), rank_tolerance);
+    const auto decided = static_cast<std::size_t>(rank);
+    if (decided == order.size()) return;
+    const int open = closure_.free()[static_cast<std::size_t>(order[decided])];
     throw InputError(fmt::format("{}: motion: it does not say how \"{}\" moves; expected a column of that name",
                                  model_.scene().file,
                                  model_.layout().coordinates[static_cast<std::size_t>(open)].name));
@@ -110,15 +109,9 @@ class Completion {
     VectorXd out = VectorXd::Zero(x.size());
     const MatrixXd jacobian = closure_.jacobian(x);
     if (jacobian.rows() == 0) return out;
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-    decomposition.setThreshold(rank_tolerance);
-    if (all) {
-      decomposition.compute(jacobian);
-      return -decomposition.solve(open);
-    }
+    if (all) return -solvers::minimum_norm_solution(jacobian, open, rank_tolerance);
     if (closure_.free().empty()) return out;
-    decomposition.compute(closure_.free_columns(jacobian));
-    const VectorXd step = decomposition.solve(open);
+    const VectorXd step = solvers::minimum_norm_solution(closure_.free_columns(jacobian), open, rank_tolerance);
     for (Index k = 0; k < step.size(); ++k) out[closure_.free()[static_cast<std::size_t>(k)]] = -step[k];
     return out;
   }

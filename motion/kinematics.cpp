@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "model/nearest_name.hpp"
 #include "motion/driven_path.hpp"
 #include "motion/rest_pose.hpp"
 #include "motion/singular_words.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/mobility.hpp"
@@ -75,9 +75,7 @@ VectorXd assembled(const MotionModel& model) {
 
 Eigen::Index rank_of(const MatrixXd& matrix) {
   if (matrix.size() == 0) return 0;
-  Eigen::JacobiSVD<MatrixXd> svd(matrix);
-  svd.setThreshold(DrivenPath::singular_below);
-  return svd.rank();
+  return solvers::singular_value_decomposition(matrix).rank(DrivenPath::singular_below);
 }
 
 // Whether closures that lose rank at x have more of it in a pose nearby.
@@ -119,7 +117,7 @@ void expect_driven(const SplitClosure& closure, const VectorXd& x) {
   }
   MatrixXd moves = MatrixXd::Identity(of_free.cols(), of_free.cols());
   if (of_free.rows() > 0) {
-    moves = Eigen::JacobiSVD<MatrixXd>(of_free, Eigen::ComputeFullV).matrixV().rightCols(left);
+    moves = solvers::singular_value_decomposition(of_free).right.rightCols(left);
   }
   std::vector<std::string> names;
   for (std::size_t i = 0; i < closure.free().size(); ++i) {

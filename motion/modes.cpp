@@ -5,12 +5,10 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "motion/body_motion.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "statics/curvature.hpp"
 
 namespace poise {
@@ -110,11 +108,11 @@ std::vector<Root> roots_of(const MatrixXd& k, const MatrixXd& c) {
   const Index f = k.rows();
   std::vector<Root> roots;
   if (c.isZero(0.0)) {
-    const Eigen::EigenSolver<MatrixXd> eigen(k);
+    const solvers::Eigenpairs eigen = solvers::eigenpairs(k);
     for (Index i = 0; i < f; ++i) {
-      const Complex s = std::sqrt(-eigen.eigenvalues()[i]);
-      roots.push_back({s, eigen.eigenvectors().col(i)});
-      roots.push_back({-s, eigen.eigenvectors().col(i)});
+      const Complex s = std::sqrt(-eigen.values[i]);
+      roots.push_back({s, eigen.vectors.col(i)});
+      roots.push_back({-s, eigen.vectors.col(i)});
     }
     return roots;
   }
@@ -123,8 +121,8 @@ std::vector<Root> roots_of(const MatrixXd& k, const MatrixXd& c) {
   linear.topRightCorner(f, f).diagonal().setConstant(w);
   linear.bottomLeftCorner(f, f) = -k / w;
   linear.bottomRightCorner(f, f) = -c;
-  const Eigen::EigenSolver<MatrixXd> eigen(linear);
-  for (Index i = 0; i < 2 * f; ++i) roots.push_back({eigen.eigenvalues()[i], eigen.eigenvectors().col(i).head(f)});
+  const solvers::Eigenpairs eigen = solvers::eigenpairs(linear);
+  for (Index i = 0; i < 2 * f; ++i) roots.push_back({eigen.values[i], eigen.vectors.col(i).head(f)});
   return roots;
 }
 
@@ -182,8 +180,8 @@ class Linear {
   // Directions L without inertia follow the heavy ones H:  y_L = -K_LL^-1 K_LH y_H. Also makes the heavy ones'
   // masses 1.
   bool condense() {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(mass_);
-    const VectorXd& m = eigen.eigenvalues();
+    const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(mass_);
+    const VectorXd& m = eigen.values;
     const double heaviest = m[m.size() - 1];
     const Index light = (m.array() <= no_mass * heaviest).count();
     out_.massless = static_cast<int>(light);
@@ -191,12 +189,12 @@ class Linear {
       out_.why = "nothing that can move has inertia; expected a mass or moment of inertia on some body";
       return false;
     }
-    const MatrixXd l = eigen.eigenvectors().leftCols(light);
-    lift_ = eigen.eigenvectors().rightCols(m.size() - light) *
-            m.tail(m.size() - light).cwiseSqrt().cwiseInverse().asDiagonal();
+    const MatrixXd l = eigen.vectors.leftCols(light);
+    lift_ =
+        eigen.vectors.rightCols(m.size() - light) * m.tail(m.size() - light).cwiseSqrt().cwiseInverse().asDiagonal();
     if (light > 0) {
-      const Eigen::FullPivLU<MatrixXd> own(l.transpose() * stiffness_ * l);
-      if (own.maxPivot() <= no_stiffness * largest_ || own.rcond() < no_stiffness) {
+      const solvers::FullyPivotedLu own(l.transpose() * stiffness_ * l);
+      if (own.largest_pivot() <= no_stiffness * largest_ || own.reciprocal_condition() < no_stiffness) {
         out_.why = fmt::format(
             "coordinate \"{}\" moves without inertia and without stiffness, so its motion is open; "
             "expected a mass, a moment of inertia or a spring there",
@@ -210,7 +208,7 @@ class Linear {
             main_coordinate(l.col(0)));
         return false;
       }
-      lift_ -= (l * own.solve(l.transpose() * stiffness_ * lift_)).eval();
+      lift_ -= l * own.solve(MatrixXd(l.transpose() * stiffness_ * lift_));
     }
     unit_stiffness_ = lift_.transpose() * stiffness_ * lift_;
     unit_damping_ = lift_.transpose() * damping_ * lift_;
@@ -244,9 +242,9 @@ class Linear {
 
   // K symmetric: real natural modes, to each of which two of the damped motion's exponents belong.
   void find_natural_modes() {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen((unit_stiffness_ + unit_stiffness_.transpose()) / 2);
-    const VectorXd& square = eigen.eigenvalues();
-    const MatrixXd& z = eigen.eigenvectors();
+    const solvers::SymmetricEigen eigen = solvers::symmetric_eigen((unit_stiffness_ + unit_stiffness_.transpose()) / 2);
+    const VectorXd& square = eigen.values;
+    const MatrixXd& z = eigen.vectors;
     VectorXd clean = square;
     for (Index k = 0; k < square.size(); ++k) {
       if (std::abs(square[k]) <= zero_square(z.col(k))) clean[k] = 0.0;

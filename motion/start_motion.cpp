@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "motion/simulate.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "statics/mobility.hpp"
 
 namespace poise {
@@ -20,7 +20,7 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
     for (int k = 0; k < reduced.freedoms(); ++k)
       B(row, k) = reduced.B(k)[wanted[static_cast<std::size_t>(row)].coordinate];
   }
-  return B.completeOrthogonalDecomposition().solve(change);
+  return solvers::minimum_norm_solution(B, change);
 }
 
 [[noreturn]] void fail(const MotionModel& model, const std::vector<StartValue>& wanted, const std::string& what) {

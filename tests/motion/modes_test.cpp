@@ -201,6 +201,16 @@ TEST(Modes, MasslessBlockFollowsItsSprings) {
   EXPECT_NE(damped.why.find("\"x1\" is damped but has no inertia"), std::string::npos) << damped.why;
 }
 
+// Two massless blocks with a spring between them and none to anything else.
+TEST(Modes, SayWhatNeitherInertiaNorStiffnessHolds) {
+  Scene scene = spring_mass_chain(3, 3.0, 40.0);
+  scene.bodies[2].mass = scene.bodies[3].mass = 0.0;
+  scene.springs.erase(scene.springs.begin() + 1);
+  const Modes modes = modes_at_rest(scene);
+  EXPECT_FALSE(modes.known);
+  EXPECT_NE(modes.why.find("moves without inertia and without stiffness"), std::string::npos) << modes.why;
+}
+
 TEST(Modes, SayWhereNothingHasInertia) {
   const Modes modes = modes_at_rest(spring_mass_chain(1, 0.0, 5.0));
   EXPECT_FALSE(modes.known);
