@@ -4,11 +4,10 @@
 #include <cmath>
 #include <random>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "motion/simulate.hpp"
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -93,7 +92,7 @@ BaseParameters base_parameters(const Scene& scene) {
       Y.col(c) /= length[c];
     }
   }
-  const Eigen::VectorXd s = Eigen::BDCSVD<Eigen::MatrixXd>(Y).singularValues();
+  const Eigen::VectorXd s = solvers::singular_values(Y);
   // The rank is where the singular values fall most.
   double widest = 1e3;
   out.rank = static_cast<int>(Y.cols());
@@ -105,19 +104,14 @@ BaseParameters base_parameters(const Scene& scene) {
       out.gap = fall;
     }
   }
-  // R = [R1 R2]: the columns pivoted last are R1^-1 R2 of the first.
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Y);
-  const Eigen::MatrixXd R = qr.matrixR().topRows(out.rank).triangularView<Eigen::Upper>();
-  const Eigen::Index rest = Y.cols() - out.rank;
-  const Eigen::MatrixXd shares = R.leftCols(out.rank).triangularView<Eigen::Upper>().solve(R.rightCols(rest)).eval();
-  const auto& order = qr.colsPermutation().indices();
+  const auto [order, shares] = solvers::column_shares(Y, out.rank);
   const double unit[] = {1.0, model.scales().length, model.scales().length,
                          model.scales().length * model.scales().length};
   for (int b = 0; b < out.rank; ++b) {
-    const Eigen::Index column = order[b];
+    const Eigen::Index column = order[static_cast<std::size_t>(b)];
     std::string words = name(column);
-    for (Eigen::Index d = 0; d < rest; ++d) {
-      const Eigen::Index other = order[out.rank + d];
+    for (Eigen::Index d = 0; d < shares.cols(); ++d) {
+      const Eigen::Index other = order[static_cast<std::size_t>(out.rank + d)];
       // Per unit of the other parameter, in SI; both columns were scaled.
       const double share = shares(b, d) * length[other] / length[column] * unit[column % 4] / unit[other % 4];
       if (std::abs(shares(b, d)) > 1e-7)

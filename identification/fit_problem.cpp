@@ -6,8 +6,9 @@
 #include <random>
 #include <stdexcept>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
+
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -168,8 +169,7 @@ Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& p
     residuals->resize(static_cast<std::size_t>(rows));
     Eigen::Map<Eigen::VectorXd>(residuals->data(), rows) = whole.col(m).head(rows);
   }
-  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(whole);
-  return whole.topRows(m + 1).triangularView<Eigen::Upper>();
+  return solvers::triangular_factor(whole);
 }
 
 bool FitProblem::residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,

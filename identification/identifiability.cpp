@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/SVD>
 #include <fmt/format.h>
+
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -102,8 +103,8 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
     }
     row += unknowns;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& s = svd.singularValues();
+  const solvers::SingularValues svd = solvers::singular_value_decomposition(A);
+  const Eigen::VectorXd& s = svd.values;
   out.singular_values.assign(s.data(), s.data() + s.size());
   out.rank = static_cast<int>(count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -117,7 +118,7 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
   std::vector<bool> infinite(static_cast<std::size_t>(count), false);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::VectorXd v = svd.matrixV().col(k);
+    const Eigen::VectorXd v = svd.right.col(k);
     const bool exact = k >= out.rank;
     if (!exact) covariance += v * v.transpose() / (s[k] * s[k]);
     if (!exact && s[k] >= told_from) continue;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "identification/sensor_reader.hpp"
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -330,7 +330,7 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     const double t = record.time[i];
     powers.row(static_cast<Eigen::Index>(i)) << 1.0, t, t * t;
   }
-  const auto qr = powers.householderQr();
+  const solvers::LeastSquares<double> parabola(powers);
   const MotionModel model(scene_, scales_);
   std::vector<StartValue> wanted;
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
@@ -345,7 +345,7 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     double by_v = 0.0;
     const double zero = SensorReader(reader).read(one.data(), one.data(), 0.0, 0.0, &by_q, &by_v);
     const Eigen::VectorXd fit =
-        qr.solve(Eigen::Map<const Eigen::VectorXd>(record.reading[k].data(), static_cast<Eigen::Index>(count)));
+        parabola.solve(Eigen::Map<const Eigen::VectorXd>(record.reading[k].data(), static_cast<Eigen::Index>(count)));
     wanted.push_back({reader.coordinates()[0], false, fit[0] - zero});
     wanted.push_back({reader.coordinates()[0], true, fit[1]});
   }

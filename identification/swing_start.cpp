@@ -4,8 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/QR>
 #include <ceres/ceres.h>
+
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -131,7 +132,7 @@ std::optional<SwingStart> start_from_swings(const FitProblem& problem, const std
       A(row + 1, p) = damping_weight * (2 * swing->decay * (there.mass - at.mass) - (there.damping - at.damping));
     }
   }
-  const Eigen::VectorXd change = A.completeOrthogonalDecomposition().solve(b);
+  const Eigen::VectorXd change = solvers::minimum_norm_solution(A, b);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Parameter& p = problem.parameters()[static_cast<std::size_t>(i)];
     double& value = out.parameters[static_cast<std::size_t>(i)];
