@@ -267,5 +267,19 @@ TEST(RefinedCurvatures, AreEmptyWithFollowerLoads) {
   EXPECT_TRUE(refine(model, {-M_PI_2, -M_PI_2}).refined);
 }
 
+// A load that follows the last of 90 links holds it nowhere: its row of the tangent is empty. Large systems are factored
+// as sparse ones.
+TEST(Reference, RefusesALargeSystemThatIsSingular) {
+  Scene scene = test::chain(90, 1.0, 1.0);
+  scene.gravity = {};
+  test::add_force(scene, "90.b", {-1.0, 0.0}, "P");
+  scene.forces.back().follows = 90;
+  const StaticModel model(scene);
+  ASSERT_EQ(model.mechanism().coordinates(), 90);
+  const Reference reference = refine(model, model.start());
+  EXPECT_FALSE(reference.refined);
+  EXPECT_NE(reference.why.find("singular"), std::string::npos) << reference.why;
+}
+
 }  // namespace
 }  // namespace poise
