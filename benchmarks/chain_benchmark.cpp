@@ -36,8 +36,8 @@ void virtual_work(benchmark::State& state, solvers::Goal goal) {
   const StaticModel model(comparison::hanging_chain_scene(links_of(state)));
   solvers::Newton newton(model.problem(), {.goal = goal});
   const std::vector<double> start = model.start();
-  for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start.data()));
-  const solvers::NewtonResult& result = newton.solve(start.data());
+  for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start));
+  const solvers::NewtonResult& result = newton.solve(start);
   report(state, result.iterations, result.x);
 }
 
@@ -61,8 +61,8 @@ void ladder(benchmark::State& state) {
   const StaticModel model(comparison::window_ladder_scene(links_of(state)));
   solvers::Newton newton(model.problem(), {.goal = solvers::Goal::minimum});
   const std::vector<double> start = model.start();
-  for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start.data()));
-  const solvers::NewtonResult& result = newton.solve(start.data());
+  for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start));
+  const solvers::NewtonResult& result = newton.solve(start);
   if (result.outcome != solvers::Outcome::converged) state.SkipWithError("did not converge");
   state.counters["iterations"] = result.iterations;
   state.SetComplexityN(state.range(0));

@@ -88,7 +88,7 @@ void Contest::add_our_own() {
   const auto newton = std::make_shared<solvers::Newton>(model_.problem());
   const auto by_newton = [this, newton](double, int times) -> std::optional<RivalAnswer> {
     const solvers::NewtonResult* found = nullptr;
-    const double seconds = seconds_of([&] { found = &newton->solve(start_.data()); }, times);
+    const double seconds = seconds_of([&] { found = &newton->solve(start_); }, times);
     return RivalAnswer{seconds, found->evaluations, found->outcome == solvers::Outcome::converged, found->x};
   };
   const auto by_ipopt = [this](double accuracy, int times) -> std::optional<RivalAnswer> {

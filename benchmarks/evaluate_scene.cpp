@@ -58,7 +58,7 @@ class DenseScene : public SceneView {
     std::copy(at_.gradient.begin(), at_.gradient.end(), gradient);
     std::copy(at_.constraint.begin(), at_.constraint.end(), constraint);
     const Pattern& pattern = problem_.jacobian_pattern();
-    for (std::size_t e = 0; e < pattern.size(); ++e) {
+    for (int e = 0; e < pattern.size(); ++e) {
       jacobian[pattern.row[e] * n + pattern.column[e]] = at_.jacobian[e];
     }
   }
@@ -73,7 +73,7 @@ class DenseScene : public SceneView {
     std::copy_n(gradient, n, residual);
     std::copy_n(constraint, m, residual + n);
     const Pattern& pattern = problem_.jacobian_pattern();
-    for (std::size_t e = 0; e < pattern.size(); ++e) {
+    for (int e = 0; e < pattern.size(); ++e) {
       residual[pattern.column[e]] += at_.jacobian[e] * point[n + pattern.row[e]];
     }
   }
@@ -82,7 +82,7 @@ class DenseScene : public SceneView {
     evaluate();
     put_hessian(tangent, n + m);
     const Pattern& pattern = problem_.jacobian_pattern();
-    for (std::size_t e = 0; e < pattern.size(); ++e) {
+    for (int e = 0; e < pattern.size(); ++e) {
       const int row = n + pattern.row[e], column = pattern.column[e];
       tangent[row * (n + m) + column] = tangent[column * (n + m) + row] = at_.jacobian[e];
     }
@@ -105,9 +105,9 @@ class DenseScene : public SceneView {
 
   void put_hessian(double* to, int stride) {
     std::copy_n(point + n, m, multipliers_.begin());
-    problem_.tangent(at_, multipliers_.data(), values_.data());
+    problem_.tangent(at_, multipliers_, values_);
     const Pattern& pattern = problem_.tangent_pattern();
-    for (std::size_t e = 0; e < pattern.size(); ++e) {
+    for (int e = 0; e < pattern.size(); ++e) {
       to[pattern.row[e] * stride + pattern.column[e]] = to[pattern.column[e] * stride + pattern.row[e]] = values_[e];
     }
   }

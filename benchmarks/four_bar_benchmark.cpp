@@ -25,8 +25,8 @@ void virtual_work(benchmark::State& state, solvers::Goal goal) {
   const StaticModel model(thesis_four_bar());
   solvers::Newton newton(model.problem(), {.goal = goal});
   const std::vector<double> start = model.start();
-  for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start.data()));
-  const solvers::NewtonResult& result = newton.solve(start.data());
+  for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start));
+  const solvers::NewtonResult& result = newton.solve(start);
   state.counters["iterations"] = result.iterations;
   state.counters["error"] = four_bar_error(result.x.data());
 }

@@ -60,7 +60,7 @@ void tangent(benchmark::State& state, Make make) {
   const std::vector<double> multipliers(model.problem().constraints(), 0.5);
   std::vector<double> values(model.problem().tangent_pattern().size());
   for (auto _ : state) {
-    model.problem().tangent(at, multipliers.data(), values.data());
+    model.problem().tangent(at, multipliers, values);
     benchmark::DoNotOptimize(values.data());
   }
 }
@@ -74,7 +74,7 @@ void analyse(benchmark::State& state, Make make) {
 }
 
 std::vector<double> rest(const StaticModel& model) {
-  return solvers::Newton(model.problem()).solve(model.start().data()).x;
+  return solvers::Newton(model.problem()).solve(model.start()).x;
 }
 
 void judge(benchmark::State& state, Make make) {

@@ -108,7 +108,7 @@ void race_four_bars(Table& table) {
   const solvers::NewtonResult* found = nullptr;
   HandFourBarResult by_hand;
   table.row("four-bar, virtual work",
-            race({[&] { found = &newton.solve(x.data()); },
+            race({[&] { found = &newton.solve(x); },
                   [&] {
                     return Answer{found->iterations, four_bar_error(found->x.data())};
                   }},
@@ -138,7 +138,7 @@ Race race_chains(Table& table, int links) {
   solvers::Newton newton(model.problem());
   HandChain by_hand(links);
   const solvers::NewtonResult* found = nullptr;
-  const Race result = race({[&] { found = &newton.solve(start.data()); },
+  const Race result = race({[&] { found = &newton.solve(start); },
                             [&] {
                               return Answer{found->iterations, chain_error(found->x)};
                             }},

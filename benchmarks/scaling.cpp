@@ -112,7 +112,7 @@ Ours measure_ours(const Subject& subject, int size) {
   const std::vector<double> start = model.start();
   {
     solvers::Newton newton(model.problem());
-    newton.solve(start.data());
+    newton.solve(start);
     out.search_peak = peak_memory();
   }
   const Equilibrium rest = solve(model);
@@ -124,7 +124,7 @@ Ours measure_ours(const Subject& subject, int size) {
   const solvers::NewtonResult* found = nullptr;
   HandChain by_hand(size);
   const auto build = [&] { return StaticModel(model.scene()); };
-  std::vector<std::function<void()>> works = {[&] { found = &newton.solve(start.data()); }, [&] { build(); },
+  std::vector<std::function<void()>> works = {[&] { found = &newton.solve(start); }, [&] { build(); },
                                               [&] { solve(build()); }};
   if (subject.series == Series::chain) works.emplace_back([&] { by_hand.solve(start); });
   const std::vector<double> seconds = race(works);

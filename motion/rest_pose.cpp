@@ -46,7 +46,7 @@ std::vector<double> motion_coordinates(const MotionModel& motion, const StaticMo
   if (largest_gap(motion, x) <= closed_within) return x;
   const EquilibriumProblem problem(motion.mechanism());
   solvers::Newton newton(problem);
-  x = newton.close(x.data()).x;
+  x = newton.close(x).x;
   const double gap = largest_gap(motion, x);
   if (gap > open_beyond) {
     throw InputError(

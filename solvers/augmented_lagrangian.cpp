@@ -7,19 +7,19 @@
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
 
+#include "solvers/active_set.hpp"
+#include "solvers/filter.hpp"
 #include "solvers/residuals.hpp"
+#include "solvers/vectors.hpp"
 
 namespace poise::solvers {
 namespace {
 
 constexpr int dense_unknowns = 60;
-constexpr double relax = 1e-12;          // keeps the tangent regular where rows repeat each other
-constexpr double first_shift = 1e-10;    // of a tangent that is singular even so, as a part of its largest entry
-constexpr int shifts = 6;                // each a hundred times the one before
-constexpr double longest_step = 3.0;     // rad or mechanism sizes
-constexpr double filter_margin = 0.01;   // by which a point must be better than those left behind
-constexpr double closed_within = 1e-9;   // gaps below it count as none for the filter
-constexpr std::size_t filter_size = 40;  // points remembered
+constexpr double relax = 1e-12;        // keeps the tangent regular where rows repeat each other
+constexpr double first_shift = 1e-10;  // of a tangent that is singular even so, as a part of its largest entry
+constexpr int shifts = 6;              // each a hundred times the one before
+constexpr double longest_step = 3.0;   // rad or mechanism sizes
 constexpr int halvings = 6;
 constexpr int bold_steps = 20;  // whole steps taken although no shorter one leads on
 
@@ -34,16 +34,16 @@ class SaddleFactors {
         dense_(size_ <= dense_unknowns),
         place_of_(problem.constraints(), -1),
         jacobian_(problem.jacobian_pattern()) {
-    for (std::size_t s = 0; s < kept.size(); ++s) place_of_[kept[s]] = n_ + static_cast<int>(s);
+    for (int s = 0; s < size_ - n_; ++s) place_of_[kept[s]] = n_ + s;
     if (dense_)
       full_.resize(size_, size_);
     else
       lay_out();
-    for (std::size_t e = 0; e < tangent_.size(); ++e) {
+    for (int e = 0; e < tangent_.size(); ++e) {
       tangent_slot_.push_back(slot(tangent_.row[e], tangent_.column[e]));
       mirror_slot_.push_back(symmetric_ ? slot(tangent_.column[e], tangent_.row[e]) : 0);
     }
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+    for (int e = 0; e < jacobian_.size(); ++e) {
       const int row = place_of_[jacobian_.row[e]];
       jacobian_slot_.emplace_back(row < 0 ? 0 : slot(row, jacobian_.column[e]),
                                   row < 0 ? 0 : slot(jacobian_.column[e], row));
@@ -52,20 +52,20 @@ class SaddleFactors {
   }
 
   // False where the matrix is singular.
-  bool factor(const std::vector<double>& tangent, const Evaluation& at, const HeldRows& held, double shift) {
+  bool factor(const std::vector<double>& tangent, const Evaluation& at, const ActiveSet& active, double shift) {
     double* a = values();
     std::fill(a, a + count(), 0.0);
-    for (std::size_t e = 0; e < tangent.size(); ++e) {
+    for (int e = 0; e < tangent_.size(); ++e) {
       a[tangent_slot_[e]] += tangent[e];
       if (symmetric_ && tangent_.row[e] != tangent_.column[e]) a[mirror_slot_[e]] += tangent[e];
     }
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
-      if (place_of_[jacobian_.row[e]] < 0 || !held.holds(jacobian_.row[e])) continue;
+    for (int e = 0; e < jacobian_.size(); ++e) {
+      if (place_of_[jacobian_.row[e]] < 0 || !active.holds(jacobian_.row[e])) continue;
       a[jacobian_slot_[e].first] += at.jacobian[e];
       a[jacobian_slot_[e].second] += at.jacobian[e];
     }
     for (int i = 0; i < n_; ++i) a[diagonal_slot_[i]] += shift;
-    for (const int r : held.kept()) a[diagonal_slot_[place_of_[r]]] = held.holds(r) ? -relax : 1.0;
+    for (const int r : active.kept()) a[diagonal_slot_[place_of_[r]]] = active.holds(r) ? -relax : 1.0;
     if (dense_) {
       full_lu_.compute(full_);
       return true;
@@ -90,8 +90,8 @@ class SaddleFactors {
       entries.emplace_back(i, j, 0.0);
       entries.emplace_back(j, i, 0.0);
     };
-    for (std::size_t e = 0; e < tangent_.size(); ++e) both(tangent_.row[e], tangent_.column[e]);
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+    for (int e = 0; e < tangent_.size(); ++e) both(tangent_.row[e], tangent_.column[e]);
+    for (int e = 0; e < jacobian_.size(); ++e) {
       if (place_of_[jacobian_.row[e]] >= 0) both(place_of_[jacobian_.row[e]], jacobian_.column[e]);
     }
     for (int i = 0; i < size_; ++i) both(i, i);
@@ -121,13 +121,14 @@ class SaddleFactors {
   std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>> jacobian_slot_;
 };
 
-class Run {
+class AugmentedLagrangian {
  public:
-  Run(const Problem& problem, const AugmentedLagrangianOptions& options, const std::vector<int>& rows)
+  AugmentedLagrangian(const Problem& problem, const AugmentedLagrangianOptions& options, const std::vector<int>& rows)
       : problem_(problem),
         options_(options),
-        held_(problem, rows),
-        factors_(problem, held_.kept()),
+        n_(problem.variables()),
+        active_(problem, rows, {.releases = 8}),
+        factors_(problem, active_.kept()),
         now_(problem.make_evaluation()),
         trial_(problem.make_evaluation()),
         tangent_(problem.tangent_pattern().size()),
@@ -135,19 +136,17 @@ class Run {
         y_(problem.constraints(), 0.0),
         lambda_(y_),
         trial_lambda_(y_) {
-    const auto n = problem.variables();
-    right_.resize(n + static_cast<Eigen::Index>(held_.kept().size()));
-    unbalanced_.resize(n);
-    filter_.reserve(filter_size);
+    right_.resize(n_ + kept_rows());
+    unbalanced_.resize(n_);
   }
 
   SearchResult solve(const std::vector<double>& start) {
     now_.x = start;
     problem_.evaluate(now_);
     result_.evaluations = 1;
-    held_.hold_violated(now_, -options_.tolerance);
-    const std::vector<double> y = least_squares_multipliers(problem_, now_, held_.rows());
-    for (const int r : held_.rows()) lambda_[r] = y[r] / options_.multiplier_scale;
+    active_.activate_violated(now_, -options_.tolerance);
+    const std::vector<double> y = least_squares_multipliers(problem_, now_, active_.rows());
+    for (const int r : active_.rows()) lambda_[r] = y[r] / options_.multiplier_scale;
     search();
     result_.x = now_.x;
     measure(now_, lambda_);
@@ -156,6 +155,8 @@ class Run {
   }
 
  private:
+  int kept_rows() const { return static_cast<int>(active_.kept().size()); }
+
   void search() {
     while (true) {
       measure(now_, lambda_);
@@ -164,9 +165,9 @@ class Run {
         return end("interrupted");
       }
       if (arrived()) {
-        const HeldRows::Pulling pulling = held_.release_pulling(y_, options_.tolerance * force_scale_);
-        if (pulling == HeldRows::Pulling::cycling) return end("an inequality is met and left again and again");
-        if (pulling == HeldRows::Pulling::none) return judge();
+        const ActiveSet::Pulling pulling = active_.release_pulling(y_, options_.tolerance * force_scale_);
+        if (pulling == ActiveSet::Pulling::cycling) return end("an inequality is met and left again and again");
+        if (pulling == ActiveSet::Pulling::none) return judge();
         drop_multipliers();
         filter_.clear();
         continue;
@@ -175,12 +176,12 @@ class Run {
       ++result_.iterations;
       if (!find_step()) return end("the tangent is singular");
       if (!advance()) return end("no step led any further");
-      if (change_held()) filter_.clear();
+      if (change_active_set()) filter_.clear();
     }
   }
 
   void judge() {
-    const char* flaw = objection(now_, held_, y_, options_.tolerance);
+    const char* flaw = objection(now_, active_, y_, options_.tolerance);
     result_.claims_success = flaw == nullptr;
     end(flaw == nullptr ? "converged" : flaw);
   }
@@ -192,48 +193,46 @@ class Run {
 
   // y = k lambda + p c, |F + J^T y| and |c| at an evaluated point.
   void measure(const Evaluation& at, const std::vector<double>& lambda) {
-    for (const int r : held_.rows()) {
-      y_[r] = options_.multiplier_scale * lambda[r] + options_.penalty * held_.gap(at, r);
+    for (const int r : active_.rows()) {
+      y_[r] = options_.multiplier_scale * lambda[r] + options_.penalty * active_.gap(at, r);
     }
     unbalanced(problem_, at, y_, unbalanced_);
     force_ = largest(unbalanced_);
-    gap_ = held_.largest_gap(at);
+    gap_ = active_.largest_gap(at);
     force_scale_ = 1.0 + largest(at.gradient);
   }
 
   bool arrived() const { return gap_ <= options_.tolerance && force_ <= options_.tolerance * force_scale_; }
 
   // Violated stops join; one that pulls by more than what is out of balance leaves.
-  bool change_held() {
-    const bool joined = held_.hold_violated(now_, options_.tolerance);
+  bool change_active_set() {
+    const bool joined = active_.activate_violated(now_, options_.tolerance);
     measure(now_, lambda_);
-    const bool left =
-        held_.release_pulling(y_, std::max(options_.tolerance * force_scale_, force_)) == HeldRows::Pulling::released;
+    const bool left = active_.release_pulling(y_, std::max(options_.tolerance * force_scale_, force_)) ==
+                      ActiveSet::Pulling::released;
     if (left) drop_multipliers();
     return joined || left;
   }
 
   void drop_multipliers() {
-    for (const int r : held_.kept()) {
-      if (!held_.holds(r)) lambda_[r] = y_[r] = 0.0;
-    }
+    active_.clear_inactive(lambda_);
+    active_.clear_inactive(y_);
   }
 
   // The tangent [K + p J^T J, k J^T; k J, 0] (d, dlambda) = -(F + J^T y, k c) is solved as
   //   K d + J^T w = -(F + J^T y),  J d = -c,  k dlambda = w - p J d = w + p c:
   // J^T J would fill the matrix and square its condition.
   bool find_step() {
-    problem_.tangent(now_, (options_.tangent == Tangent::newton ? y_ : no_multipliers_).data(), tangent_.data());
-    const Eigen::Index n = problem_.variables();
+    problem_.tangent(now_, options_.tangent == Tangent::newton ? y_ : no_multipliers_, tangent_);
     right_.setZero();
-    for (Eigen::Index i = 0; i < n; ++i) right_[i] = -unbalanced_[i];
-    const std::vector<int>& kept = held_.kept();
-    for (std::size_t s = 0; s < kept.size(); ++s) {
-      if (held_.holds(kept[s])) right_[n + static_cast<Eigen::Index>(s)] = -held_.gap(now_, kept[s]);
+    for (int i = 0; i < n_; ++i) right_[i] = -unbalanced_[i];
+    for (int s = 0; s < kept_rows(); ++s) {
+      const int r = active_.kept()[s];
+      if (active_.holds(r)) right_[n_ + s] = -active_.gap(now_, r);
     }
     double shift = 0.0;
     for (int k = 0; k <= shifts; ++k) {
-      if (factors_.factor(tangent_, now_, held_, shift) && factors_.solve(right_, step_)) return true;
+      if (factors_.factor(tangent_, now_, active_, shift) && factors_.solve(right_, step_)) return true;
       shift = k == 0 ? first_shift * (1.0 + largest(tangent_)) : 100.0 * shift;
     }
     return false;
@@ -242,27 +241,25 @@ class Run {
   // Takes the step, halved until the point is new. Where none is, residuals are in a dip that is no rest: the whole
   // step then jumps out of it, and the filter starts afresh.
   bool advance() {
-    const double whole = std::min(1.0, longest_step / step_.head(problem_.variables()).cwiseAbs().maxCoeff());
-    remember();
+    const double whole = std::min(1.0, longest_step / step_.head(n_).cwiseAbs().maxCoeff());
+    filter_.remember(gap_, force_);
     double alpha = whole;
     for (int h = 0; h < halvings; ++h, alpha *= 0.5) {
       try_step(alpha);
-      if (is_new()) return accept();
+      if (filter_.takes(gap_, force_)) return accept();
     }
     if (++bold_steps_taken_ > bold_steps) return false;
     filter_.clear();
     try_step(whole);
-    return is_new() && accept();
+    return filter_.takes(gap_, force_) && accept();
   }
 
   void try_step(double alpha) {
-    const Eigen::Index n = problem_.variables();
-    for (Eigen::Index i = 0; i < n; ++i) trial_.x[i] = now_.x[i] + alpha * step_[i];
-    const std::vector<int>& kept = held_.kept();
-    for (std::size_t s = 0; s < kept.size(); ++s) {
-      const int r = kept[s];
-      const double w = step_[n + static_cast<Eigen::Index>(s)];
-      const double change = held_.holds(r) ? w + options_.penalty * held_.gap(now_, r) : 0.0;
+    for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] + alpha * step_[i];
+    for (int s = 0; s < kept_rows(); ++s) {
+      const int r = active_.kept()[s];
+      const double w = step_[n_ + s];
+      const double change = active_.holds(r) ? w + options_.penalty * active_.gap(now_, r) : 0.0;
       trial_lambda_[r] = lambda_[r] + alpha * change / options_.multiplier_scale;
     }
     problem_.evaluate(trial_);
@@ -276,28 +273,16 @@ class Run {
     return true;
   }
 
-  void remember() {
-    if (filter_.size() == filter_size) filter_.erase(filter_.begin());
-    filter_.emplace_back((1.0 - filter_margin) * std::max(gap_, closed_within), (1.0 - filter_margin) * force_);
-  }
-
-  // A filter: better, in gap or in force, than every point left behind.
-  bool is_new() const {
-    if (!std::isfinite(gap_) || !std::isfinite(force_)) return false;
-    const double gap = std::max(gap_, closed_within);
-    return std::all_of(filter_.begin(), filter_.end(),
-                       [&](const auto& left) { return gap <= left.first || force_ <= left.second; });
-  }
-
   const Problem& problem_;
   const AugmentedLagrangianOptions& options_;
-  HeldRows held_;
+  int n_;
+  ActiveSet active_;
   SaddleFactors factors_;
   Evaluation now_, trial_;
   std::vector<double> tangent_, no_multipliers_, y_, lambda_, trial_lambda_, unbalanced_;
   Eigen::VectorXd right_, step_;
   double gap_ = 0.0, force_ = 0.0, force_scale_ = 1.0;  // of the point measured last
-  std::vector<std::pair<double, double>> filter_;
+  Filter filter_{{.closed_within = 1e-9, .size = 40}};
   int bold_steps_taken_ = 0;
   SearchResult result_;
 };
@@ -306,7 +291,7 @@ class Run {
 
 SearchResult solve_with_augmented_lagrangian(const Problem& problem, const std::vector<double>& start,
                                              const AugmentedLagrangianOptions& options, const std::vector<int>& rows) {
-  return Run(problem, options, rows).solve(start);
+  return AugmentedLagrangian(problem, options, rows).solve(start);
 }
 
 }  // namespace poise::solvers

@@ -9,7 +9,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 
+#include "solvers/active_set.hpp"
 #include "solvers/residuals.hpp"
+#include "solvers/vectors.hpp"
 
 namespace poise::solvers {
 namespace {
@@ -35,31 +37,32 @@ class ConstraintFactors {
         place_of_(problem.constraints(), -1),
         dense_(static_cast<int>(kept.size()) <= dense_rows) {
     std::vector<Eigen::Triplet<double>> entries;
-    for (std::size_t s = 0; s < kept.size(); ++s) place_of_[kept[s]] = static_cast<int>(s);
-    for (std::size_t e = 0; e < pattern_.size(); ++e) {
+    for (int s = 0; s < static_cast<int>(kept.size()); ++s) place_of_[kept[s]] = s;
+    for (int e = 0; e < pattern_.size(); ++e) {
       if (place_of_[pattern_.row[e]] >= 0) entries.emplace_back(place_of_[pattern_.row[e]], pattern_.column[e], 0.0);
     }
     jacobian_.resize(static_cast<Eigen::Index>(kept.size()), problem.variables());
     jacobian_.setFromTriplets(entries.begin(), entries.end());
-    for (std::size_t e = 0; e < pattern_.size(); ++e) {
+    for (int e = 0; e < pattern_.size(); ++e) {
       const int row = place_of_[pattern_.row[e]];
       slot_.push_back(row < 0 ? 0 : &jacobian_.coeffRef(row, pattern_.column[e]) - jacobian_.valuePtr());
     }
     weighted_ = jacobian_;
   }
 
-  void factor(const Evaluation& at, const HeldRows& held, const Eigen::VectorXd& mass) {
+  void factor(const Evaluation& at, const ActiveSet& active, const Eigen::VectorXd& mass) {
     if (jacobian_.rows() == 0) return;
     std::fill(jacobian_.valuePtr(), jacobian_.valuePtr() + jacobian_.nonZeros(), 0.0);
-    for (std::size_t e = 0; e < pattern_.size(); ++e) {
+    for (int e = 0; e < pattern_.size(); ++e) {
       const int row = pattern_.row[e];
-      if (place_of_[row] >= 0 && held.holds(row)) jacobian_.valuePtr()[slot_[e]] += at.jacobian[e];
+      if (place_of_[row] >= 0 && active.holds(row)) jacobian_.valuePtr()[slot_[e]] += at.jacobian[e];
     }
     weighted_ = jacobian_ * mass.cwiseInverse().asDiagonal();
     square_ = weighted_ * jacobian_.transpose();
     double scale = 0.0;
-    for (const int r : held.rows()) scale = std::max(scale, square_.coeff(place_of_[r], place_of_[r]));
-    for (const int r : held.kept()) square_.coeffRef(place_of_[r], place_of_[r]) += held.holds(r) ? relax * scale : 1.0;
+    for (const int r : active.rows()) scale = std::max(scale, square_.coeff(place_of_[r], place_of_[r]));
+    for (const int r : active.kept())
+      square_.coeffRef(place_of_[r], place_of_[r]) += active.holds(r) ? relax * scale : 1.0;
     if (dense_) {
       full_ = square_;
       full_factors_.compute(full_);
@@ -108,13 +111,14 @@ class ConstraintFactors {
   Eigen::VectorXd solution_, left_, field_;
 };
 
-class Run {
+class DynamicRelaxation {
  public:
-  Run(const Problem& problem, const SearchOptions& options, const std::vector<int>& rows)
+  DynamicRelaxation(const Problem& problem, const SearchOptions& options, const std::vector<int>& rows)
       : problem_(problem),
         options_(options),
-        held_(problem, rows),
-        factors_(problem, held_.kept()),
+        n_(problem.variables()),
+        active_(problem, rows, {.releases = 8}),
+        factors_(problem, active_.kept()),
         now_(problem.make_evaluation()),
         trial_(problem.make_evaluation()),
         tangent_(problem.tangent_pattern().size()),
@@ -124,7 +128,7 @@ class Run {
         bound_(mass_),
         rate_(Eigen::VectorXd::Zero(problem.variables())),
         shift_(rate_),
-        right_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(held_.kept().size()))) {}
+        right_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(active_.kept().size()))) {}
 
   SearchResult solve(const std::vector<double>& start) {
     start_ = start;
@@ -147,11 +151,11 @@ class Run {
         return end("interrupted");
       }
       balance();
-      const HeldRows::Pulling pulling = release();
-      if (pulling == HeldRows::Pulling::cycling) return end("an inequality is met and left again and again");
-      if (pulling == HeldRows::Pulling::released) continue;
+      const ActiveSet::Pulling pulling = release();
+      if (pulling == ActiveSet::Pulling::cycling) return end("an inequality is met and left again and again");
+      if (pulling == ActiveSet::Pulling::released) continue;
       if (arrived()) {
-        const char* flaw = objection(now_, held_, y_, options_.tolerance);
+        const char* flaw = objection(now_, active_, y_, options_.tolerance);
         result_.claims_success = flaw == nullptr;
         return end(flaw == nullptr ? "at rest" : flaw);
       }
@@ -169,11 +173,11 @@ class Run {
     ++result_.evaluations;
   }
 
-  void factor() { factors_.factor(now_, held_, mass_); }
+  void factor() { factors_.factor(now_, active_, mass_); }
 
-  Eigen::Map<const Eigen::VectorXd> field() const { return {now_.gradient.data(), problem_.variables()}; }
+  Eigen::Map<const Eigen::VectorXd> field() const { return {now_.gradient.data(), n_}; }
 
-  Eigen::Map<const Eigen::VectorXd> residual() const { return {unbalanced_.data(), problem_.variables()}; }
+  Eigen::Map<const Eigen::VectorXd> residual() const { return {unbalanced_.data(), n_}; }
 
   // y with J M^-1 (F + J^T y) = 0: what is out of balance then pulls along the constraints only.
   void balance() {
@@ -181,36 +185,36 @@ class Run {
     if (right_.size() > 0) {
       right_ = -(factors_.weighted() * field());
       const Eigen::VectorXd& y = factors_.solve(right_);
-      for (const int r : held_.rows()) y_[r] = y[factors_.place(r)];
+      for (const int r : active_.rows()) y_[r] = y[factors_.place(r)];
     }
     unbalanced(problem_, now_, y_, unbalanced_);
     force_scale_ = 1.0 + largest(now_.gradient);
   }
 
-  HeldRows::Pulling release() {
+  ActiveSet::Pulling release() {
     const double noise = std::max(options_.tolerance * force_scale_, largest(unbalanced_));
-    const HeldRows::Pulling pulling = held_.release_pulling(y_, noise);
-    if (pulling == HeldRows::Pulling::released) factor();
+    const ActiveSet::Pulling pulling = active_.release_pulling(y_, noise);
+    if (pulling == ActiveSet::Pulling::released) factor();
     return pulling;
   }
 
   bool arrived() const {
-    return held_.largest_gap(now_) <= options_.tolerance && largest(unbalanced_) <= options_.tolerance * force_scale_;
+    return active_.largest_gap(now_) <= options_.tolerance && largest(unbalanced_) <= options_.tolerance * force_scale_;
   }
 
   // With a time step of one, explicit steps are stable while every mass is a quarter of its row of the stiffness
   // (Gershgorin). Where loads turn with x, stiffness passes zero while the force is largest; so forces count as well.
   void choose_masses(bool keep_larger) {
-    problem_.tangent(now_, y_.data(), tangent_.data());
+    problem_.tangent(now_, y_, tangent_);
     const Pattern& pattern = problem_.tangent_pattern();
     bound_ = of_force * field().cwiseAbs();
-    for (std::size_t e = 0; e < tangent_.size(); ++e) {
+    for (int e = 0; e < pattern.size(); ++e) {
       const double size = of_stiffness * std::abs(tangent_[e]);
       bound_[pattern.row[e]] += size;
       if (problem_.has_objective() && pattern.row[e] != pattern.column[e]) bound_[pattern.column[e]] += size;
     }
     const Pattern& jacobian = problem_.jacobian_pattern();
-    for (std::size_t e = 0; e < jacobian.size(); ++e) {
+    for (int e = 0; e < jacobian.size(); ++e) {
       bound_[jacobian.column[e]] += of_force * std::abs(now_.jacobian[e] * y_[jacobian.row[e]]);
     }
     bound_ = bound_.cwiseMax(std::max(least_mass * bound_.maxCoeff(), std::numeric_limits<double>::min()));
@@ -264,19 +268,19 @@ class Run {
   Moved displace(const Eigen::VectorXd& shift) {
     shift_ = shift;
     for (int h = 0; h < halvings; ++h, shift_ *= 0.5) {
-      for (Eigen::Index i = 0; i < shift_.size(); ++i) trial_.x[i] = now_.x[i] + shift_[i];
+      for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] + shift_[i];
       evaluate(trial_);
       if (!pull_back()) continue;
-      for (Eigen::Index i = 0; i < shift_.size(); ++i) rate_[i] = trial_.x[i] - now_.x[i];
+      for (int i = 0; i < n_; ++i) rate_[i] = trial_.x[i] - now_.x[i];
       std::swap(now_, trial_);
-      if (!hold_violated()) return Moved::not_at_all;
+      if (!take_violated()) return Moved::not_at_all;
       return h == 0 ? Moved::whole : Moved::in_part;
     }
     return leave_singular_pose(shift) ? Moved::in_part : Moved::not_at_all;
   }
 
-  bool hold_violated() {
-    if (!held_.hold_violated(now_, options_.tolerance)) return true;
+  bool take_violated() {
+    if (!active_.activate_violated(now_, options_.tolerance)) return true;
     factor();
     return close();
   }
@@ -284,10 +288,10 @@ class Run {
   // Where J loses rank no factors at now_ lead back to the constraints; beside it J is whole again.
   bool leave_singular_pose(const Eigen::VectorXd& shift) {
     left_ = now_.x;
-    for (Eigen::Index i = 0; i < shift.size(); ++i) now_.x[i] += shift[i];
+    for (int i = 0; i < n_; ++i) now_.x[i] += shift[i];
     evaluate(now_);
     factor();
-    if (is_finite(now_) && close() && hold_violated()) return true;
+    if (is_finite(now_) && close() && take_violated()) return true;
     now_.x = left_;
     evaluate(now_);
     factor();
@@ -304,7 +308,7 @@ class Run {
 
   void gaps(const Evaluation& at) {
     right_.setZero();
-    for (const int r : held_.rows()) right_[factors_.place(r)] = held_.gap(at, r);
+    for (const int r : active_.rows()) right_[factors_.place(r)] = active_.gap(at, r);
   }
 
   static bool is_finite(const Evaluation& at) {
@@ -318,7 +322,7 @@ class Run {
     double left = right_.cwiseAbs().maxCoeff();
     for (int k = 0; k < pull_backs && left > near_enough * options_.tolerance; ++k) {
       const Eigen::VectorXd back = factors_.weighted().transpose() * factors_.solve(right_);
-      for (Eigen::Index i = 0; i < back.size(); ++i) trial_.x[i] -= back[i];
+      for (int i = 0; i < n_; ++i) trial_.x[i] -= back[i];
       evaluate(trial_);
       gaps(trial_);
       const double now = right_.cwiseAbs().maxCoeff();
@@ -332,7 +336,7 @@ class Run {
   bool close_from_start() {
     factor();
     const bool closed = close();
-    if (!held_.hold_violated(now_, -options_.tolerance)) return closed;
+    if (!active_.activate_violated(now_, -options_.tolerance)) return closed;
     factor();
     return close();
   }
@@ -348,7 +352,7 @@ class Run {
       double alpha = std::min(1.0, 1.0 / back.cwiseAbs().maxCoeff());
       bool fell = false;
       for (int h = 0; h < halvings && !fell; ++h, alpha *= 0.5) {
-        for (Eigen::Index i = 0; i < back.size(); ++i) trial_.x[i] = now_.x[i] - alpha * back[i];
+        for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] - alpha * back[i];
         evaluate(trial_);
         gaps(trial_);
         fell = right_.squaredNorm() < before;
@@ -362,7 +366,7 @@ class Run {
   }
 
   bool ran_away() const {
-    for (std::size_t i = 0; i < start_.size(); ++i) {
+    for (int i = 0; i < n_; ++i) {
       if (!(std::abs(now_.x[i] - start_[i]) <= run_away)) return true;
     }
     return false;
@@ -370,7 +374,8 @@ class Run {
 
   const Problem& problem_;
   const SearchOptions& options_;
-  HeldRows held_;
+  int n_;
+  ActiveSet active_;
   ConstraintFactors factors_;
   Evaluation now_, trial_;
   std::vector<double> start_, left_, tangent_, y_, unbalanced_;
@@ -385,7 +390,7 @@ class Run {
 
 SearchResult solve_with_dynamic_relaxation(const Problem& problem, const std::vector<double>& start,
                                            const SearchOptions& options, const std::vector<int>& rows) {
-  return Run(problem, options, rows).solve(start);
+  return DynamicRelaxation(problem, options, rows).solve(start);
 }
 
 }  // namespace poise::solvers

@@ -62,11 +62,11 @@ class Adapter final : public Ipopt::TNLP {
       std::iota(rows_.begin(), rows_.end(), 0);
     }
     std::vector<int> place(problem.constraints(), -1);
-    for (std::size_t k = 0; k < rows_.size(); ++k) place[rows_[k]] = static_cast<int>(k);
+    for (int k = 0; k < static_cast<int>(rows_.size()); ++k) place[rows_[k]] = k;
     const Pattern& pattern = problem.jacobian_pattern();
-    for (std::size_t e = 0; e < pattern.size(); ++e) {
+    for (int e = 0; e < pattern.size(); ++e) {
       if (place[pattern.row[e]] < 0) continue;
-      entry_.push_back(static_cast<int>(e));
+      entry_.push_back(e);
       row_.push_back(place[pattern.row[e]]);
       column_.push_back(pattern.column[e]);
     }
@@ -76,7 +76,7 @@ class Adapter final : public Ipopt::TNLP {
     n = problem_.variables();
     m = static_cast<Index>(rows_.size());
     jacobian = static_cast<Index>(entry_.size());
-    hessian = static_cast<Index>(problem_.tangent_pattern().size());
+    hessian = problem_.tangent_pattern().size();
     style = C_STYLE;
     return true;
   }
@@ -139,11 +139,11 @@ class Adapter final : public Ipopt::TNLP {
     // The tangent weighs the objective by one. Ipopt asks for another weight only while it restores feasibility, with
     // zero; the difference of two tangents is then the constraints' part.
     for (Index k = 0; k < m; ++k) multipliers_[rows_[k]] = factor == 0.0 ? lambda[k] : lambda[k] / factor;
-    problem_.tangent(at_, multipliers_.data(), values);
+    problem_.tangent(at_, multipliers_, {values, static_cast<std::size_t>(count)});
     if (factor == 0.0) {
       objective_part_.resize(count);
       std::fill(multipliers_.begin(), multipliers_.end(), 0.0);
-      problem_.tangent(at_, multipliers_.data(), objective_part_.data());
+      problem_.tangent(at_, multipliers_, objective_part_);
       for (Index e = 0; e < count; ++e) values[e] -= objective_part_[e];
     } else if (factor != 1.0) {
       for (Index e = 0; e < count; ++e) values[e] *= factor;

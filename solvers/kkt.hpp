@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "solvers/problem.hpp"
@@ -18,20 +19,21 @@ class Kkt {
  public:
   virtual ~Kkt() = default;
 
-  /// Takes the Jacobian values of an evaluated point and the switched-on rows (one flag per constraint row).
-  virtual void set_jacobian(const Evaluation& at, const std::vector<char>& active) = 0;
+  /// Takes the Jacobian values of an evaluated point and the switched-on rows (one flag per constraint row). False
+  /// where they cannot be used: rows that were to be taken for independent are not.
+  virtual bool set_jacobian(const Evaluation& at, const std::vector<char>& active) = 0;
 
   /// True when constraints repeat each other at the point of the Jacobian, so that some were left out.
   virtual bool redundant() const = 0;
 
   /// Multipliers that go with the point alone, y(x), zero for rows switched off. Returns false where the
   /// implementation prefers the multipliers of the last solve(), `y` untouched.
-  virtual bool multipliers(const double* field, double* y) = 0;
+  virtual bool multipliers(std::span<const double> field, std::span<double> y) = 0;
   /// Least-squares multipliers: minimal |F + J^T y|. Overwrites the factors.
-  virtual void least_squares_multipliers(const double* field, double* y) = 0;
+  virtual void least_squares_multipliers(std::span<const double> field, std::span<double> y) = 0;
 
   /// Takes the values of K.
-  virtual void set_tangent(const double* values) = 0;
+  virtual void set_tangent(std::span<const double> values) = 0;
   /// K = identity: solve() then gives the shortest d with J d = -c.
   virtual void set_identity() = 0;
 
@@ -40,11 +42,13 @@ class Kkt {
   /// only `singular` or not is meaningful.
   virtual Factors factor(double shift) = 0;
 
-  /// Solves with the current factors. field may be null (zero), c may be null (zero). With the residual F + J^T y0 for
-  /// the field, y is the correction of y0: best solved so, because then what is solved inexactly vanishes with it.
-  virtual void solve(const double* field, const double* c, double* d, double* y) = 0;
+  /// Solves with the current factors. An empty field or c is zero, an empty d or y is not wanted. With the residual
+  /// F + J^T y0 for the field, y is the correction of y0: best solved so, because then what is solved inexactly
+  /// vanishes with it.
+  virtual void solve(std::span<const double> field, std::span<const double> c, std::span<double> d,
+                     std::span<double> y) = 0;
   /// Some d with J d = -c by the current factors: pulls a point back to the constraints.
-  virtual void restore(const double* c, double* d) = 0;
+  virtual void restore(std::span<const double> c, std::span<double> d) = 0;
 };
 
 /// Null space by coordinate partitioning; see null_space.cpp. Unless `rank_revealing`, every row is taken for

@@ -11,7 +11,7 @@
 namespace poise::solvers {
 namespace {
 
-constexpr std::size_t dense_unknowns = 100;
+constexpr int dense_unknowns = 100;
 
 // The unknowns that Ceres moves, evaluated whole before it asks for single residuals.
 class Unknowns final : public ceres::EvaluationCallback {
@@ -27,7 +27,7 @@ class Unknowns final : public ceres::EvaluationCallback {
     error_ = system_.error();
   }
 
-  double* at(int column) { return &z_[static_cast<std::size_t>(column)]; }
+  double* at(int column) { return &z_[column]; }
   const std::vector<double>& accepted() const { return accepted_; }
   double error() const { return error_; }
 
@@ -40,15 +40,15 @@ class Unknowns final : public ceres::EvaluationCallback {
 // One residual; its unknowns are one block each, which keeps the Jacobian sparse.
 class Residual final : public ceres::CostFunction {
  public:
-  Residual(const StationarySystem& system, std::size_t row) : system_(system), row_(row) {
+  Residual(const StationarySystem& system, int row) : system_(system), row_(row) {
     set_num_residuals(1);
     mutable_parameter_block_sizes()->assign(system.first_of(row + 1) - system.first_of(row), 1);
   }
 
   bool Evaluate(double const* const*, double* residual, double** jacobians) const override {
     residual[0] = system_.residual(row_);
-    const std::size_t first = system_.first_of(row_);
-    for (std::size_t e = first; jacobians != nullptr && e < system_.first_of(row_ + 1); ++e) {
+    const int first = system_.first_of(row_);
+    for (int e = first; jacobians != nullptr && e < system_.first_of(row_ + 1); ++e) {
       if (jacobians[e - first] != nullptr) *jacobians[e - first] = system_.slope(e);
     }
     return std::isfinite(residual[0]);
@@ -56,7 +56,7 @@ class Residual final : public ceres::CostFunction {
 
  private:
   const StationarySystem& system_;
-  std::size_t row_;
+  int row_;
 };
 
 class Watch final : public ceres::IterationCallback {
@@ -77,7 +77,7 @@ class Watch final : public ceres::IterationCallback {
   SearchResult& result_;
 };
 
-ceres::Solver::Options settings_for(std::size_t unknowns, const SearchOptions& options) {
+ceres::Solver::Options settings_for(int unknowns, const SearchOptions& options) {
   ceres::Solver::Options settings;
   settings.linear_solver_type = unknowns <= dense_unknowns ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
   settings.logging_type = ceres::SILENT;
@@ -118,9 +118,9 @@ SearchResult solve_with_least_squares(const Problem& problem, const std::vector<
   parts.disable_all_safety_checks = true;
   parts.evaluation_callback = &unknowns;
   ceres::Problem squares(parts);
-  for (std::size_t row = 0; row < system.size(); ++row) {
+  for (int row = 0; row < system.size(); ++row) {
     std::vector<double*> blocks;
-    for (std::size_t e = system.first_of(row); e < system.first_of(row + 1); ++e)
+    for (int e = system.first_of(row); e < system.first_of(row + 1); ++e)
       blocks.push_back(unknowns.at(system.column_of(e)));
     // A row that depends on nothing cannot be improved, but counts in the error.
     if (!blocks.empty()) squares.AddResidualBlock(&residuals.emplace_back(system, row), nullptr, blocks);

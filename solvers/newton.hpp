@@ -2,9 +2,12 @@
 
 #include <atomic>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "solvers/active_set.hpp"
+#include "solvers/filter.hpp"
 #include "solvers/problem.hpp"
 
 namespace poise::solvers {
@@ -43,16 +46,44 @@ struct Safeguards {
 struct NewtonOptions {
   Goal goal = Goal::stationary;
   Safeguards safeguards{};
-  double step_tolerance = 1e-9;     ///< converged when max |d| is below it; d is then still applied, leaving |d|^2
-  double rounding = 2e-15;          ///< or when max |c| and max |F + J^T y| / (1 + max |F|) are below it
+  const std::atomic<bool>* interrupt = nullptr;
+
+  // When a run has arrived.
+  double step_tolerance = 1e-9;  ///< converged when max |d| is below it; d is then still applied, leaving |d|^2
+  double rounding = 2e-15;       ///< or when max |c| and max |F + J^T y| / (1 + max |F|) are below it
+  double next_to_fold = 1e-5;    ///< and max |d|, which no longer shrinks: next to a fold rounding moves steps so far
+  /// max |y| / (1 + max |F|) beyond which J may have lost rank: the run has then converged only where gaps of one
+  /// rounding change y by less than settled_multipliers max |y|.
+  double heavy_multipliers = 1e3;
+  double settled_multipliers = 0.3;
+  double run_away = 100.0;  ///< max |x - start|, rad or mechanism sizes, that counts as unbounded
+
+  // Steps.
   double longest_step = 0.5;        ///< bound on max |d|, rad or mechanism sizes
-  double closure_tolerance = 1e-8;  ///< steps of Goal::minimum start from points with max |c| below it
-  int iterations = 500;
+  int iterations = 500;             ///< of descent, and of closing from one start
+  int stationary_steps = 80;        ///< of the stationary search, before descent is tried instead
+  int stationary_halvings = 12;     ///< of one of its steps
+  int halvings = 30;                ///< of one step of descent or of closing
+  double armijo = 1e-4;             ///< share of the fall predicted by the slope that these must achieve
+  double closure_tolerance = 1e-8;  ///< steps of descent start from points with max |c| below it
+  FilterOptions filter{};           ///< of the stationary search
+  ActiveSetOptions active_set{};    ///< max |c| below its `touching` counts as closed, too
+
+  // Other starts. Those of large problems are as bad as any: they get few or none.
+  int closing_starts = 30;      ///< displaced ones for closing loops; 3 at most where factors are sparse
+  int perturbations = 20;       ///< of descent, away from poses where J loses rank
+  int perturbation_tries = 30;  ///< for each of them
+  int restarts = 30;            ///< of a run that gave up
+  int restarts_up_to = 300;     ///< variables; beyond there are none
+
+  // Load stepping.
+  double first_release = 0.25;  ///< share of the holding load that is let go at once
+  double least_release = 1e-3;  ///< below it the run gives up
+
   /// The dense null space costs about n^2 (n - equalities) a step, sparse LDL^T about n: dense is used where n is at
   /// most dense_limit and n (n - equalities) at most dense_work, and always where there is no objective.
   int dense_limit = 48;
   int dense_work = 50;
-  const std::atomic<bool>* interrupt = nullptr;
 };
 
 struct NewtonResult {
@@ -92,21 +123,19 @@ struct NewtonResult {
 class Newton {
  public:
   /// `problem` must outlive this.
-  explicit Newton(const Problem& problem, NewtonOptions options = {});
+  explicit Newton(const Problem& problem, const NewtonOptions& options = {});
   ~Newton();
   Newton(const Newton&) = delete;
   Newton& operator=(const Newton&) = delete;
 
   /// Runs from x (problem.variables() values). The result stays valid until the next call.
-  const NewtonResult& solve(const double* x);
+  const NewtonResult& solve(std::span<const double> x);
   /// Only closes the constraints from x by shortest steps; Outcome::converged or not_closed.
-  const NewtonResult& close(const double* x);
-
-  NewtonOptions& options();
+  const NewtonResult& close(std::span<const double> x);
 
  private:
-  class Run;
-  std::unique_ptr<Run> run_;
+  class Method;
+  std::unique_ptr<Method> method_;
 };
 
 }  // namespace poise::solvers

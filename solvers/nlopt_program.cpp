@@ -8,9 +8,9 @@
 
 #include <nlopt.h>
 
-#include "solvers/closeup.hpp"
 #include "solvers/nlopt_status.hpp"
 #include "solvers/optimality.hpp"
+#include "solvers/rescaled_problem.hpp"
 
 namespace poise::solvers {
 namespace {
@@ -24,9 +24,9 @@ constexpr double lbfgs_scale = 0.3;
 constexpr int lbfgs_memory = 10;       // by default it takes megabytes, which cost more than the search
 constexpr double lbfgs_coarser = 1e3;  // each inner minimisation may stop so much sooner than the outer
 constexpr double finest_step = 1e-12;  // of a search from far, where values hide finer ones
-constexpr double close_enough = 1e-5;  // errors that a close-up may start from
+constexpr double close_enough = 1e-5;  // errors from which the problem is rescaled
 constexpr double smallest_unit = 1e-14;
-constexpr double gain_wanted = 1e-6;  // of one close-up
+constexpr double gain_wanted = 1e-6;  // of one rescaled search
 constexpr int restarts = 10;
 
 Handle create(nlopt_algorithm algorithm, std::size_t n) {
@@ -58,7 +58,7 @@ std::vector<int> all_where_empty(const Problem& problem, std::vector<int> rows) 
   return rows;
 }
 
-// One search of NLopt from the base of a view, and then more from where it ended, each a close-up of the error left.
+// One search of NLopt from the start, and then more from where it ended, each rescaled to the error left.
 class Program {
  public:
   Program(NloptAlgorithm algorithm, const Problem& problem, const SearchOptions& options, const std::vector<int>& rows)
@@ -66,7 +66,7 @@ class Program {
         problem_(problem),
         options_(options),
         kept_(all_where_empty(problem, rows)),
-        closeup_(problem, kept_),
+        rescaled_(problem, kept_),
         judged_(problem.make_evaluation()) {}
 
   SearchResult run(const std::vector<double>& start) {
@@ -82,20 +82,20 @@ class Program {
     result_.multipliers = best_.multipliers;
     result_.claims_success = succeeded(word) && !result_.interrupted;
     result_.status = name_of(algorithm_) + nlopt_in_words(result_.interrupted ? NLOPT_FORCED_STOP : word);
-    result_.evaluations = closeup_.evaluations();
+    result_.evaluations = rescaled_.evaluations();
     result_.iterations = result_.evaluations;
     return result_;
   }
 
  private:
-  // COBYLA knows no gradients, which a close-up takes its differences from.
+  // COBYLA knows no gradients, from which a rescaled problem takes its differences.
   bool refine() { return algorithm_ != NloptAlgorithm::cobyla && searches_ <= restarts; }
 
   bool left_to_do() const {
-    return best_.error > options_.tolerance && !result_.interrupted && closeup_.evaluations() < options_.iterations;
+    return best_.error > options_.tolerance && !result_.interrupted && rescaled_.evaluations() < options_.iterations;
   }
 
-  Closeup::View from_far() {
+  RescaledProblem::Frame from_far() {
     steps_ = algorithm_ == NloptAlgorithm::cobyla ? options_.tolerance : std::max(options_.tolerance, finest_step);
     gaps_ = options_.tolerance;
     // SLSQP and COBYLA set out better from the plain energy.
@@ -103,7 +103,7 @@ class Program {
     return {result_.x, plain ? std::vector<double>{} : best_.multipliers, 1.0, scale(), false};
   }
 
-  Closeup::View from_near() {
+  RescaledProblem::Frame from_near() {
     steps_ = gain_wanted;
     gaps_ = gain_wanted;
     return {result_.x, best_.multipliers, std::max(best_.error, smallest_unit), scale(), true};
@@ -117,17 +117,17 @@ class Program {
     return optimality_at(problem_, judged_, kept_);
   }
 
-  int search(Closeup::View view) {
+  int search(RescaledProblem::Frame frame) {
     const bool first = searches_++ == 0;
-    closeup_.look(std::move(view));
+    rescaled_.set_frame(std::move(frame));
     const Handle handle = make();
     handle_ = handle.get();
     if (!constrain()) return NLOPT_INVALID_ARGS;
     std::vector<double> u(result_.x.size(), 0.0);
     double value = 0.0;
     const int status = nlopt_optimize(handle_, u.data(), &value);
-    const std::vector<double> last = closeup_.last();
-    take(closeup_.place(u.data()), first);
+    const std::vector<double> last = rescaled_.last();
+    take(rescaled_.place(u), first);
     // NLopt returns the point of least value among those within the tolerance of the constraints. Next to the answer
     // rounding and gaps choose that, and the last point is the better one.
     if (algorithm_ != NloptAlgorithm::cobyla) take(last, false);
@@ -168,45 +168,45 @@ class Program {
   Handle limited(Handle handle, double steps) const {
     nlopt_set_xtol_rel(handle.get(), steps);
     nlopt_set_xtol_abs1(handle.get(), steps);
-    nlopt_set_maxeval(handle.get(), std::max(1, options_.iterations - closeup_.evaluations()));
+    nlopt_set_maxeval(handle.get(), std::max(1, options_.iterations - rescaled_.evaluations()));
     return handle;
   }
 
   bool constrain() {
     nlopt_set_min_objective(handle_, objective, this);
-    const std::vector<double> equal(closeup_.equalities().rows.size(), gaps_);
-    const std::vector<double> bounded(closeup_.inequalities().rows.size(), gaps_);
+    const std::vector<double> equal(rescaled_.equalities().rows.size(), gaps_);
+    const std::vector<double> bounded(rescaled_.inequalities().rows.size(), gaps_);
     return (equal.empty() || nlopt_add_equality_mconstraint(handle_, static_cast<unsigned>(equal.size()), equalities,
-                                                            &closeup_, equal.data()) > 0) &&
+                                                            &rescaled_, equal.data()) > 0) &&
            (bounded.empty() || nlopt_add_inequality_mconstraint(handle_, static_cast<unsigned>(bounded.size()),
-                                                                inequalities, &closeup_, bounded.data()) > 0);
+                                                                inequalities, &rescaled_, bounded.data()) > 0);
   }
 
-  static double objective(unsigned, const double* u, double* gradient, void* data) {
+  static double objective(unsigned n, const double* u, double* gradient, void* data) {
     auto& program = *static_cast<Program*>(data);
     const std::atomic<bool>* interrupt = program.options_.interrupt;
     if (interrupt != nullptr && interrupt->load()) {
       program.result_.interrupted = true;
       nlopt_force_stop(program.handle_);
     }
-    return program.closeup_.objective(u, gradient);
+    return program.rescaled_.objective({u, n}, {gradient, gradient == nullptr ? 0 : n});
   }
 
-  static void equalities(unsigned, double* values, unsigned, const double* u, double* jacobian, void* data) {
-    auto& closeup = *static_cast<Closeup*>(data);
-    closeup.constraints(closeup.equalities(), u, values, jacobian);
+  static void equalities(unsigned m, double* values, unsigned n, const double* u, double* jacobian, void* data) {
+    auto& rescaled = *static_cast<RescaledProblem*>(data);
+    rescaled.constraints(rescaled.equalities(), {u, n}, {values, m}, {jacobian, jacobian == nullptr ? 0UL : m * n});
   }
 
-  static void inequalities(unsigned, double* values, unsigned, const double* u, double* jacobian, void* data) {
-    auto& closeup = *static_cast<Closeup*>(data);
-    closeup.constraints(closeup.inequalities(), u, values, jacobian);
+  static void inequalities(unsigned m, double* values, unsigned n, const double* u, double* jacobian, void* data) {
+    auto& rescaled = *static_cast<RescaledProblem*>(data);
+    rescaled.constraints(rescaled.inequalities(), {u, n}, {values, m}, {jacobian, jacobian == nullptr ? 0UL : m * n});
   }
 
   NloptAlgorithm algorithm_;
   const Problem& problem_;
   const SearchOptions& options_;
   std::vector<int> kept_;
-  Closeup closeup_;
+  RescaledProblem rescaled_;
   Evaluation judged_;
   Optimality best_;  // of result_.x
   double steps_ = 0.0, gaps_ = 0.0;

@@ -14,8 +14,8 @@ enum class NloptAlgorithm {
 /// multipliers: those returned are recovered from F + J^T y = 0 by least squares over the rows that hold.
 ///
 /// The tolerance is that on steps (relative and absolute) and on constraints. Where NLopt ends with more than it left
-/// in F + J^T y or in the constraints, slsqp and auglag_lbfgs are started again from there, each time on a close-up of
-/// the error left (solvers/closeup.hpp). Success is NLopt's own word. Iterations are evaluations.
+/// in F + J^T y or in the constraints, slsqp and auglag_lbfgs are started again from there, each time rescaled to the
+/// error left (solvers/rescaled_problem.hpp). Success is NLopt's own word. Iterations are evaluations.
 ///
 /// cobyla compares values of f only, and rounding of f hides steps below 1e-8.
 ///

@@ -64,23 +64,21 @@ class NullSpace final : public Kkt {
     last_active_.resize(m);
   }
 
-  void set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
+  bool set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
     if (all_rows_used_ && active == last_active_) {
       scatter(at);
-      if (invert() <= dependence_limit) return;
+      if (invert() <= dependence_limit) return true;
     }
     last_active_ = active;
     choose_partition(at);
     scatter(at);
     // Without ranks a singular Jo is met as any program meets it that does not look: with no solution.
-    if (std::isinf(invert()) && !rank_revealing_) {
-      std::fill(inverse_.begin(), inverse_.end(), std::numeric_limits<double>::quiet_NaN());
-    }
+    return std::isfinite(invert()) || rank_revealing_;
   }
 
   bool redundant() const override { return !all_rows_used_; }
 
-  bool multipliers(const double* field, double* y) override {
+  bool multipliers(std::span<const double> field, std::span<double> y) override {
     for (int i = 0; i < m_; ++i) y[i] = 0.0;
     with_sizes([&](auto, auto r) {
       for (int j = 0; j < r; ++j) {
@@ -92,11 +90,11 @@ class NullSpace final : public Kkt {
     return true;
   }
 
-  void least_squares_multipliers(const double* field, double* y) override { multipliers(field, y); }
+  void least_squares_multipliers(std::span<const double> field, std::span<double> y) override { multipliers(field, y); }
 
-  void set_tangent(const double* values) override {
+  void set_tangent(std::span<const double> values) override {
     largest_tangent_ = 0.0;
-    for (std::size_t e = 0; e < tangent_target_.size(); ++e) {
+    for (int e = 0; e < tangent_pattern_.size(); ++e) {
       tangent_[tangent_target_[e]] = tangent_[tangent_mirror_[e]] = values[e];
       largest_tangent_ = std::max(largest_tangent_, std::abs(values[e]));
     }
@@ -120,19 +118,20 @@ class NullSpace final : public Kkt {
       }
     };
     load();
-    bowl_ = symmetric_ && factor_bowl(largest);
-    if (bowl_) return Factors::positive;
+    positive_definite_ = symmetric_ && factor_positive_definite(largest);
+    if (positive_definite_) return Factors::positive;
     if (symmetric_) load();
     return eliminate(largest) ? Factors::indefinite : Factors::singular;
   }
 
-  void solve(const double* field, const double* c, double* d, double* y) override {
+  void solve(std::span<const double> field, std::span<const double> c, std::span<double> d,
+             std::span<double> y) override {
     with_sizes([&](auto n, auto r) {
       const auto p = n - r;
       normal_step(c, r);
       // right = F + K v, then its reduction N^T (.)
       for (int i = 0; i < n; ++i) {
-        double sum = field != nullptr ? field[order_[i]] : 0.0;
+        double sum = !field.empty() ? field[order_[i]] : 0.0;
         for (int k = 0; k < r; ++k) sum += tangent_[i * n + k] * normal_[k];
         right_[i] = sum;
       }
@@ -148,10 +147,10 @@ class NullSpace final : public Kkt {
         step_[i] = sum;
       }
       for (int i = 0; i < n; ++i) d[order_[i]] = step_[i];
-      if (y == nullptr) return;
+      if (y.empty()) return;
       // y = -Jo^-T (F + K d)_o
       for (int i = 0; i < r; ++i) {
-        double sum = field != nullptr ? field[order_[i]] : 0.0;
+        double sum = !field.empty() ? field[order_[i]] : 0.0;
         for (int k = 0; k < n; ++k) sum += tangent_[i * n + k] * step_[k];
         right_[i] = sum;
       }
@@ -164,7 +163,7 @@ class NullSpace final : public Kkt {
     });
   }
 
-  void restore(const double* c, double* d) override {
+  void restore(std::span<const double> c, std::span<double> d) override {
     normal_step(c, rank_);
     for (int i = 0; i < rank_; ++i) d[order_[i]] = normal_[i];
     for (int i = rank_; i < n_; ++i) d[order_[i]] = 0.0;
@@ -181,10 +180,10 @@ class NullSpace final : public Kkt {
 
   // normal_ = -Jo^-1 c in the ordinary places.
   template <class R>
-  void normal_step(const double* c, R r) {
+  void normal_step(std::span<const double> c, R r) {
     for (int i = 0; i < r; ++i) {
       double sum = 0.0;
-      if (c != nullptr) {
+      if (!c.empty()) {
         for (int j = 0; j < r; ++j) sum -= inverse_[i * r + j] * c[rows_[j]];
       }
       normal_[i] = sum;
@@ -194,7 +193,7 @@ class NullSpace final : public Kkt {
   // Rank-revealing QR of J picks the ordinary columns, and one of those columns' transpose the rows.
   void choose_partition(const Evaluation& at) {
     qr_matrix_.setZero();
-    for (std::size_t e = 0; e < jacobian_pattern_.size(); ++e) {
+    for (int e = 0; e < jacobian_pattern_.size(); ++e) {
       const int row = jacobian_pattern_.row[e];
       if (last_active_[row]) qr_matrix_(row, jacobian_pattern_.column[e]) = at.jacobian[e];
     }
@@ -228,13 +227,13 @@ class NullSpace final : public Kkt {
 
   // Where pattern entries go in the permuted matrices; the places that no entry fills stay zero.
   void aim_entries() {
-    for (std::size_t e = 0; e < jacobian_target_.size(); ++e) {
+    for (int e = 0; e < jacobian_pattern_.size(); ++e) {
       const auto end = rows_.begin() + rank_;
       const auto row = std::find(rows_.begin(), end, jacobian_pattern_.row[e]);
       jacobian_target_[e] =
           row == end ? -1 : static_cast<int>(row - rows_.begin()) * n_ + place_[jacobian_pattern_.column[e]];
     }
-    for (std::size_t e = 0; e < tangent_target_.size(); ++e) {
+    for (int e = 0; e < tangent_pattern_.size(); ++e) {
       const int i = place_[tangent_pattern_.row[e]];
       const int j = place_[tangent_pattern_.column[e]];
       tangent_target_[e] = i * n_ + j;
@@ -245,7 +244,7 @@ class NullSpace final : public Kkt {
   }
 
   void scatter(const Evaluation& at) {
-    for (std::size_t e = 0; e < jacobian_target_.size(); ++e) {
+    for (int e = 0; e < jacobian_pattern_.size(); ++e) {
       if (jacobian_target_[e] >= 0) jacobian_[jacobian_target_[e]] = at.jacobian[e];
     }
   }
@@ -323,7 +322,7 @@ class NullSpace final : public Kkt {
   }
 
   // L D L^T without pivoting; false where the matrix is not positive definite.
-  bool factor_bowl(double largest) {
+  bool factor_positive_definite(double largest) {
     const int p = n_ - rank_;
     for (int k = 0; k < p; ++k) {
       double pivot = factors_[k * p + k];
@@ -365,7 +364,7 @@ class NullSpace final : public Kkt {
 
   void back_substitute(double* z) const {
     const int p = n_ - rank_;
-    if (bowl_) {
+    if (positive_definite_) {
       for (int i = 0; i < p; ++i) {
         for (int c = 0; c < i; ++c) z[i] -= factors_[i * p + c] * z[c];
       }
@@ -394,7 +393,7 @@ class NullSpace final : public Kkt {
   Eigen::MatrixXd qr_matrix_, qr_transposed_;
   std::vector<char> last_active_;
   bool all_rows_used_ = false;
-  bool bowl_ = false;  // factors_ hold L D L^T, else L U
+  bool positive_definite_ = false;  // factors_ hold L D L^T, else L U
   int rank_ = 0;
   double largest_tangent_ = 0.0;
   std::vector<int> order_;  // variables, ordinary first

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "solvers/active_set.hpp"
 #include "solvers/residuals.hpp"
 
 namespace poise::solvers {
@@ -12,13 +13,13 @@ constexpr double least_pull = 1e-9;  // below it the sign of a multiplier is rou
 }  // namespace
 
 Optimality optimality_at(const Problem& problem, const Evaluation& at, const std::vector<int>& kept, double near) {
-  HeldRows held(problem, kept);
-  held.hold_violated(at, -near);
+  ActiveSet active(problem, kept, {.releases = 8});
+  active.activate_violated(at, -near);
   Optimality out;
   do {
-    out.multipliers = least_squares_multipliers(problem, at, held.rows());
-  } while (held.release_pulling(out.multipliers, least_pull) == HeldRows::Pulling::released);
-  out.error = std::max(held.largest_gap(at), force_error(problem, at, out.multipliers));
+    out.multipliers = least_squares_multipliers(problem, at, active.rows());
+  } while (active.release_pulling(out.multipliers, least_pull) == ActiveSet::Pulling::released);
+  out.error = std::max(active.largest_gap(at), force_error(problem, at, out.multipliers));
   return out;
 }
 

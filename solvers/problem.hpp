@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 namespace poise::solvers {
@@ -11,7 +12,7 @@ struct Pattern {
   std::vector<int> row;
   std::vector<int> column;
 
-  std::size_t size() const { return row.size(); }
+  int size() const { return static_cast<int>(row.size()); }
 };
 
 /// Everything a problem says of one point. Made by Problem::make_evaluation(), refilled by Problem::evaluate().
@@ -47,7 +48,7 @@ class Problem {
   /// Fills all of `at` from at.x.
   virtual void evaluate(Evaluation& at) const = 0;
   /// Values of the tangent at an evaluated point; one multiplier for each constraint row.
-  virtual void tangent(Evaluation& at, const double* multipliers, double* values) const = 0;
+  virtual void tangent(Evaluation& at, std::span<const double> multipliers, std::span<double> values) const = 0;
   /// Length of Evaluation::scratch.
   virtual int scratch_size() const { return 0; }
 

@@ -49,29 +49,32 @@ class SparseKkt final : public Kkt {
     for (auto* v : {&rhs_, &residual_, &solution_}) v->assign(n_ + m_, 0.0);
   }
 
-  void set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
+  bool set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
     active_ = active;
     if (in_order_)
       std::copy(at.jacobian.begin(), at.jacobian.end(), jacobian_.begin());
     else
-      for (std::size_t a = 0; a < jacobian_.size(); ++a) jacobian_[a] = at.jacobian[source_[a]];
-    if (std::find(active_.begin(), active_.end(), 0) == active_.end()) return;
-    for (std::size_t a = 0; a < jacobian_.size(); ++a) {
+      for (int a = 0; a < jacobian_pattern_.size(); ++a) jacobian_[a] = at.jacobian[source_[a]];
+    if (std::find(active_.begin(), active_.end(), 0) == active_.end()) return true;
+    for (int a = 0; a < jacobian_pattern_.size(); ++a) {
       if (!active_[row_of(a)]) jacobian_[a] = 0.0;
     }
+    return true;
   }
 
   bool redundant() const override { return false; }
 
-  bool multipliers(const double*, double*) override { return false; }
+  bool multipliers(std::span<const double>, std::span<double>) override { return false; }
 
-  void least_squares_multipliers(const double* field, double* y) override {
+  void least_squares_multipliers(std::span<const double> field, std::span<double> y) override {
     set_identity();
     factor(0.0);
-    solve(field, nullptr, nullptr, y);
+    solve(field, {}, {}, y);
   }
 
-  void set_tangent(const double* values) override { std::copy(values, values + tangent_.size(), tangent_.begin()); }
+  void set_tangent(std::span<const double> values) override {
+    std::copy(values.begin(), values.end(), tangent_.begin());
+  }
 
   void set_identity() override {
     std::fill(tangent_.begin(), tangent_.end(), 0.0);
@@ -86,24 +89,24 @@ class SparseKkt final : public Kkt {
     std::vector<double>& value = factors_.values();
     std::fill(value.begin(), value.end(), 0.0);
     for (const Copy& c : coupled_tangent_) value[c.target] += tangent_[c.source];
-    for (std::size_t a = 0; a < coupled_jacobian_.size(); ++a)
-      value[coupled_jacobian_[a]] += jacobian_[first_coupled_ + a];
+    for (int a = first_coupled_; a < jacobian_pattern_.size(); ++a)
+      value[coupled_jacobian_[a - first_coupled_]] += jacobian_[a];
     for (int target : coupled_diagonal_) value[target] += shift;
     for (int r = 0; r < m_; ++r) value[row_diagonal_[r]] += active_[r] ? -relaxation : -1.0;
     double smallest = std::numeric_limits<double>::infinity();
     negative_ = 0;
     const double* column = jacobian_.data();
     double* pivot = pivot_.data();
-    for (const Run& run : runs_) {
-      for (int i = run.variable; i < run.variable + run.count; ++i, column += run.size) {
+    for (const ColumnGroup& group : groups_) {
+      for (int i = group.variable; i < group.variable + group.count; ++i, column += group.size) {
         double h = tangent_[i] + shift;
         if (std::abs(h) < floor) h = h < 0 ? -floor : floor;
         smallest = std::min(smallest, std::abs(h));
         negative_ += h < 0;
         const double inverse = 1.0 / h;
         *pivot++ = inverse;
-        const int* target = pair_target_.data() + run.pairs;
-        for (int k = 0; k < run.size; ++k) {
+        const int* target = pair_target_.data() + group.pairs;
+        for (int k = 0; k < group.size; ++k) {
           const double weighted = column[k] * inverse;
           for (int l = 0; l <= k; ++l) value[*target++] -= weighted * column[l];
         }
@@ -118,16 +121,17 @@ class SparseKkt final : public Kkt {
   // Negative eigenvalues of K + shift I on the null space of J, after factor().
   int negative_directions() const { return negative_ - m_; }
 
-  void solve(const double* field, const double* c, double* d, double* y) override {
-    for (int i = 0; i < n_; ++i) rhs_[i] = field != nullptr ? -field[i] : 0.0;
-    for (int r = 0; r < m_; ++r) rhs_[n_ + r] = c != nullptr && active_[r] ? -c[r] : 0.0;
+  void solve(std::span<const double> field, std::span<const double> c, std::span<double> d,
+             std::span<double> y) override {
+    for (int i = 0; i < n_; ++i) rhs_[i] = !field.empty() ? -field[i] : 0.0;
+    for (int r = 0; r < m_; ++r) rhs_[n_ + r] = !c.empty() && active_[r] ? -c[r] : 0.0;
     back_substitute(rhs_, solution_);
     if (refine_) refine();
-    if (d != nullptr) std::copy(solution_.begin(), solution_.begin() + n_, d);
-    if (y != nullptr) std::copy(solution_.begin() + n_, solution_.end(), y);
+    if (!d.empty()) std::copy(solution_.begin(), solution_.begin() + n_, d.begin());
+    if (!y.empty()) std::copy(solution_.begin() + n_, solution_.end(), y.begin());
   }
 
-  void restore(const double* c, double* d) override { solve(nullptr, c, d, nullptr); }
+  void restore(std::span<const double> c, std::span<double> d) override { solve({}, c, d, {}); }
 
  private:
   struct Copy {
@@ -136,14 +140,14 @@ class SparseKkt final : public Kkt {
 
   // Simple variables one after the other whose columns of J have `size` entries each, all in the same rows: where those
   // rows, and the targets of the products of a column's entries, begin.
-  struct Run {
+  struct ColumnGroup {
     int variable, count, size, rows, pairs;
   };
 
   // Coupled variables have an off-diagonal entry in K; returns the others, the simple ones.
   std::vector<int> split_variables() {
     std::vector<char> coupled(n_, 0);
-    for (std::size_t e = n_; e < tangent_pattern_.size(); ++e) {
+    for (int e = n_; e < tangent_pattern_.size(); ++e) {
       if (tangent_pattern_.row[e] == tangent_pattern_.column[e]) continue;
       coupled[tangent_pattern_.row[e]] = coupled[tangent_pattern_.column[e]] = 1;
     }
@@ -165,15 +169,15 @@ class SparseKkt final : public Kkt {
     first_coupled_ = first;
     for (int j : coupled_) first += std::exchange(next[j], first);
     source_.resize(jacobian_pattern_.size());
-    for (std::size_t e = 0; e < source_.size(); ++e) {
-      source_[next[jacobian_pattern_.column[e]]++] = static_cast<int>(e);
+    for (int e = 0; e < jacobian_pattern_.size(); ++e) {
+      source_[next[jacobian_pattern_.column[e]]++] = e;
     }
     in_order_ = std::is_sorted(source_.begin(), source_.end());
   }
 
-  int row_of(std::size_t a) const { return jacobian_pattern_.row[source_[a]]; }
-  int column_of(std::size_t a) const { return jacobian_pattern_.column[source_[a]]; }
-  int place_of_row(int r) const { return static_cast<int>(coupled_.size()) + r; }
+  int row_of(int a) const { return jacobian_pattern_.row[source_[a]]; }
+  int column_of(int a) const { return jacobian_pattern_.column[source_[a]]; }
+  int place_of_row(int r) const { return reduced_ - m_ + r; }
 
   // The rows of every simple column, the pattern of S, its ordering, and where every contribution goes.
   void analyse(const std::vector<int>& simple) {
@@ -183,22 +187,22 @@ class SparseKkt final : public Kkt {
       column.push_back(j);
       return static_cast<int>(row.size()) - 1;
     };
-    list_runs(simple, add);
-    const std::size_t pairs = row.size();
+    list_groups(simple, add);
+    const auto pairs = static_cast<std::ptrdiff_t>(row.size());
     std::vector<int> place(n_, -1);  // of the coupled variables in S
-    for (std::size_t k = 0; k < coupled_.size(); ++k) place[coupled_[k]] = static_cast<int>(k);
-    for (std::size_t e = 0; e < tangent_pattern_.size(); ++e) {
+    for (int k = 0; k < reduced_ - m_; ++k) place[coupled_[k]] = k;
+    for (int e = 0; e < tangent_pattern_.size(); ++e) {
       const int i = place[tangent_pattern_.row[e]];
-      if (i >= 0) coupled_tangent_.push_back({static_cast<int>(e), add(i, place[tangent_pattern_.column[e]])});
+      if (i >= 0) coupled_tangent_.push_back({e, add(i, place[tangent_pattern_.column[e]])});
     }
-    for (std::size_t a = first_coupled_; a < source_.size(); ++a) {
+    for (int a = first_coupled_; a < jacobian_pattern_.size(); ++a) {
       coupled_jacobian_.push_back(add(place_of_row(row_of(a)), place[column_of(a)]));
     }
     for (int i : coupled_) coupled_diagonal_.push_back(add(place[i], place[i]));
     for (int r = 0; r < m_; ++r) row_diagonal_.push_back(add(place_of_row(r), place_of_row(r)));
 
     factors_.analyse(reduced_, row, column);
-    pair_target_.assign(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(pairs));
+    pair_target_.assign(row.begin(), row.begin() + pairs);
     for (Copy& c : coupled_tangent_) c.target = row[c.target];
     for (auto* targets : {&coupled_jacobian_, &coupled_diagonal_, &row_diagonal_}) {
       for (int& t : *targets) t = row[t];
@@ -206,40 +210,40 @@ class SparseKkt final : public Kkt {
   }
 
   template <class Add>
-  void list_runs(const std::vector<int>& simple, Add add) {
-    std::size_t begin = 0;
+  void list_groups(const std::vector<int>& simple, Add add) {
+    int begin = 0;
     for (int i : simple) {
-      std::size_t end = begin;
-      while (end < source_.size() && column_of(end) == i) ++end;
-      const int size = static_cast<int>(end - begin);
-      if (!has_rows_of_last_run(begin, size)) {
-        runs_.push_back({i, 0, size, static_cast<int>(row_.size()), 0});
+      int end = begin;
+      while (end < jacobian_pattern_.size() && column_of(end) == i) ++end;
+      const int size = end - begin;
+      if (!has_rows_of_last_group(begin, size)) {
+        groups_.push_back({i, 0, size, static_cast<int>(row_.size()), 0});
         add_products(begin, end, add);
-      } else if (i != runs_.back().variable + runs_.back().count) {
-        const Run& last = runs_.back();
-        runs_.push_back({i, 0, size, last.rows, last.pairs});
+      } else if (i != groups_.back().variable + groups_.back().count) {
+        const ColumnGroup& last = groups_.back();
+        groups_.push_back({i, 0, size, last.rows, last.pairs});
       }
-      ++runs_.back().count;
+      ++groups_.back().count;
       begin = end;
     }
   }
 
-  bool has_rows_of_last_run(std::size_t begin, int size) const {
-    if (runs_.empty() || runs_.back().size != size) return false;
+  bool has_rows_of_last_group(int begin, int size) const {
+    if (groups_.empty() || groups_.back().size != size) return false;
     for (int k = 0; k < size; ++k) {
-      if (row_[runs_.back().rows + k] != row_of(begin + k)) return false;
+      if (row_[groups_.back().rows + k] != row_of(begin + k)) return false;
     }
     return true;
   }
 
-  // The rows of a new run and, of each of its columns, the products of all pairs of entries.
+  // The rows of a new group and, of each of its columns, the products of all pairs of entries.
   template <class Add>
-  void add_products(std::size_t begin, std::size_t end, Add add) {
-    for (std::size_t a = begin; a < end; ++a) {
+  void add_products(int begin, int end, Add add) {
+    for (int a = begin; a < end; ++a) {
       row_.push_back(row_of(a));
-      for (std::size_t b = begin; b <= a; ++b) {
+      for (int b = begin; b <= a; ++b) {
         const int number = add(place_of_row(row_of(a)), place_of_row(row_of(b)));
-        if (a == begin) runs_.back().pairs = number;
+        if (a == begin) groups_.back().pairs = number;
       }
     }
   }
@@ -252,22 +256,22 @@ class SparseKkt final : public Kkt {
     double* rows = reduced_rhs_.data() + coupled;
     const double* column = jacobian_.data();
     const double* pivot = pivot_.data();
-    for (const Run& run : runs_) {
-      const int* row = row_.data() + run.rows;
-      for (int i = run.variable; i < run.variable + run.count; ++i, column += run.size) {
+    for (const ColumnGroup& group : groups_) {
+      const int* row = row_.data() + group.rows;
+      for (int i = group.variable; i < group.variable + group.count; ++i, column += group.size) {
         const double weighted = *pivot++ * right[i];
-        for (int k = 0; k < run.size; ++k) rows[row[k]] -= column[k] * weighted;
+        for (int k = 0; k < group.size; ++k) rows[row[k]] -= column[k] * weighted;
       }
     }
     factors_.solve(reduced_rhs_);
     for (int i = 0; i < coupled; ++i) x[coupled_[i]] = reduced_rhs_[i];
     column = jacobian_.data();
     pivot = pivot_.data();
-    for (const Run& run : runs_) {
-      const int* row = row_.data() + run.rows;
-      for (int i = run.variable; i < run.variable + run.count; ++i, column += run.size) {
+    for (const ColumnGroup& group : groups_) {
+      const int* row = row_.data() + group.rows;
+      for (int i = group.variable; i < group.variable + group.count; ++i, column += group.size) {
         double sum = right[i];
-        for (int k = 0; k < run.size; ++k) sum -= column[k] * rows[row[k]];
+        for (int k = 0; k < group.size; ++k) sum -= column[k] * rows[row[k]];
         x[i] = *pivot++ * sum;
       }
     }
@@ -289,13 +293,13 @@ class SparseKkt final : public Kkt {
   double residual() {
     residual_ = rhs_;
     for (int i = 0; i < n_; ++i) residual_[i] -= (tangent_[i] + shift_) * solution_[i];
-    for (std::size_t e = n_; e < tangent_.size(); ++e) {
+    for (int e = n_; e < tangent_pattern_.size(); ++e) {
       const int i = tangent_pattern_.row[e];
       const int j = tangent_pattern_.column[e];
       residual_[i] -= tangent_[e] * solution_[j];
       residual_[j] -= tangent_[e] * solution_[i];
     }
-    for (std::size_t a = 0; a < jacobian_.size(); ++a) {
+    for (int a = 0; a < jacobian_pattern_.size(); ++a) {
       const int r = n_ + row_of(a);
       const int j = column_of(a);
       residual_[r] -= jacobian_[a] * solution_[j];
@@ -321,9 +325,9 @@ class SparseKkt final : public Kkt {
   std::vector<int> source_;       // entries of J by columns, the simple variables' first: where the problem has them
   std::vector<double> jacobian_;  // in that order
   std::vector<double> tangent_;
-  std::size_t first_coupled_ = 0;  // entry of a coupled variable
-  bool in_order_ = false;          // source_[a] = a
-  std::vector<Run> runs_;
+  int first_coupled_ = 0;  // entry of a coupled variable
+  bool in_order_ = false;  // source_[a] = a
+  std::vector<ColumnGroup> groups_;
   std::vector<int> row_, pair_target_;
   std::vector<Copy> coupled_tangent_;
   std::vector<int> coupled_jacobian_, coupled_diagonal_, row_diagonal_;
@@ -343,9 +347,9 @@ Inertia inertia_at(const Problem& problem, const std::vector<double>& x, const s
   problem.evaluate(at);
   std::vector<double> multipliers(problem.constraints()), tangent(problem.tangent_pattern().size());
   kkt.set_jacobian(at, active);
-  kkt.least_squares_multipliers(at.gradient.data(), multipliers.data());
-  problem.tangent(at, multipliers.data(), tangent.data());
-  kkt.set_tangent(tangent.data());
+  kkt.least_squares_multipliers(at.gradient, multipliers);
+  problem.tangent(at, multipliers, tangent);
+  kkt.set_tangent(tangent);
   Inertia inertia;
   inertia.known = kkt.factor(0.0) != Kkt::Factors::singular;
   inertia.negative = kkt.negative_directions();

@@ -8,6 +8,7 @@
 
 #include "solvers/optimality.hpp"
 #include "solvers/residuals.hpp"
+#include "solvers/vectors.hpp"
 
 namespace poise::solvers {
 namespace {
@@ -36,7 +37,7 @@ StationarySystem::StationarySystem(const Problem& problem, const std::vector<dou
                                    const std::vector<int>& rows)
     : problem_(problem),
       kept_(rows),
-      n_(static_cast<std::size_t>(problem.variables())),
+      n_(problem.variables()),
       at_(problem.make_evaluation()),
       start_(start),
       tangent_(problem.tangent_pattern().size()) {
@@ -58,28 +59,27 @@ StationarySystem::StationarySystem(const Problem& problem, const std::vector<dou
 
 void StationarySystem::list_entries() {
   const Pattern& tangent = problem_.tangent_pattern();
-  for (std::size_t e = 0; e < tangent.size(); ++e) {
+  for (int e = 0; e < tangent.size(); ++e) {
     entries_.push_back({tangent.row[e], tangent.column[e], Kind::tangent, e, 0});
     if (problem_.has_objective() && tangent.row[e] != tangent.column[e])
       entries_.push_back({tangent.column[e], tangent.row[e], Kind::tangent, e, 0});
   }
   std::vector<int> place(problem_.constraints(), -1);
-  for (std::size_t k = 0; k < kept_.size(); ++k) place[kept_[k]] = static_cast<int>(k);
+  for (int k = 0; k < kept_rows(); ++k) place[kept_[k]] = k;
   const Pattern& jacobian = problem_.jacobian_pattern();
-  const int n = static_cast<int>(n_);
-  for (std::size_t e = 0; e < jacobian.size(); ++e) {
+  for (int e = 0; e < jacobian.size(); ++e) {
     const int k = place[jacobian.row[e]];
     if (k < 0) continue;
-    entries_.push_back({jacobian.column[e], n + k, Kind::transposed, e, 0});
-    entries_.push_back({n + k, jacobian.column[e], Kind::row, e, static_cast<std::size_t>(k)});
+    entries_.push_back({jacobian.column[e], n_ + k, Kind::transposed, e, 0});
+    entries_.push_back({n_ + k, jacobian.column[e], Kind::row, e, k});
   }
-  for (std::size_t k = 0; k < kept_.size(); ++k) {
-    const int row = n + static_cast<int>(k);
+  for (int k = 0; k < kept_rows(); ++k) {
+    const int row = n_ + k;
     if (kept_[k] >= problem_.equalities()) entries_.push_back({row, row, Kind::own, 0, k});
   }
   std::stable_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
   first_.assign(size() + 1, 0);
-  for (const Entry& entry : entries_) ++first_[static_cast<std::size_t>(entry.row) + 1];
+  for (const Entry& entry : entries_) ++first_[entry.row + 1];
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   slope_.resize(entries_.size());
 }
@@ -91,13 +91,13 @@ void StationarySystem::evaluate(const std::vector<double>& z) {
     evaluated_ = true;
     ++evaluations_;
   }
-  for (std::size_t k = 0; k < kept_.size(); ++k) y_[kept_[k]] = z[n_ + k];
+  for (int k = 0; k < kept_rows(); ++k) y_[kept_[k]] = z[n_ + k];
   unbalanced(problem_, at_, y_, force_);
   std::copy(force_.begin(), force_.end(), residual_.begin());
-  for (std::size_t k = 0; k < kept_.size(); ++k) meet(k);
+  for (int k = 0; k < kept_rows(); ++k) meet(k);
 }
 
-void StationarySystem::meet(std::size_t kept) {
+void StationarySystem::meet(int kept) {
   const int row = kept_[kept];
   const double value = at_.constraint[row];
   const int inequality = row - problem_.equalities();
@@ -113,8 +113,8 @@ void StationarySystem::meet(std::size_t kept) {
 }
 
 void StationarySystem::differentiate() {
-  problem_.tangent(at_, y_.data(), tangent_.data());
-  for (std::size_t e = 0; e < entries_.size(); ++e) {
+  problem_.tangent(at_, y_, tangent_);
+  for (int e = 0; e < static_cast<int>(entries_.size()); ++e) {
     const Entry& entry = entries_[e];
     switch (entry.kind) {
       case Kind::tangent:
@@ -135,7 +135,7 @@ void StationarySystem::differentiate() {
 
 double StationarySystem::error() const {
   double worst = largest(force_) / (1.0 + largest(at_.gradient));
-  for (std::size_t k = 0; k < kept_.size(); ++k) {
+  for (int k = 0; k < kept_rows(); ++k) {
     const double weight = kept_[k] < problem_.equalities() ? gap_weight : 1.0;
     worst = std::max(worst, std::abs(residual_[n_ + k]) / weight);
   }
@@ -143,13 +143,11 @@ double StationarySystem::error() const {
   return known ? worst : std::numeric_limits<double>::infinity();
 }
 
-std::vector<double> StationarySystem::x_of(const std::vector<double>& z) const {
-  return {z.begin(), z.begin() + static_cast<std::ptrdiff_t>(n_)};
-}
+std::vector<double> StationarySystem::x_of(const std::vector<double>& z) const { return {z.begin(), z.begin() + n_}; }
 
 std::vector<double> StationarySystem::multipliers_of(const std::vector<double>& z) const {
   std::vector<double> y(problem_.constraints(), 0.0);
-  for (std::size_t k = 0; k < kept_.size(); ++k) y[kept_[k]] = z[n_ + k];
+  for (int k = 0; k < kept_rows(); ++k) y[kept_[k]] = z[n_ + k];
   return y;
 }
 

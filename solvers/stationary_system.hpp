@@ -13,18 +13,18 @@ class StationarySystem {
   /// From x = start, y by least squares. `problem` must outlive this.
   StationarySystem(const Problem& problem, const std::vector<double>& start, const std::vector<int>& rows);
 
-  std::size_t size() const { return residual_.size(); }
+  int size() const { return static_cast<int>(residual_.size()); }
   const std::vector<double>& start() const { return start_; }
   /// Entries first_of(row) .. first_of(row + 1) - 1 of the Jacobian lie in the columns column_of(entry).
-  std::size_t first_of(std::size_t row) const { return first_[row]; }
-  int column_of(std::size_t entry) const { return entries_[entry].column; }
+  int first_of(int row) const { return first_[row]; }
+  int column_of(int entry) const { return entries_[entry].column; }
 
   void evaluate(const std::vector<double>& z);
   /// At the point evaluated last.
   void differentiate();
 
-  double residual(std::size_t row) const { return residual_[row]; }
-  double slope(std::size_t entry) const { return slope_[entry]; }
+  double residual(int row) const { return residual_[row]; }
+  double slope(int entry) const { return slope_[entry]; }
   /// Largest residual, forces relative to 1 + max |F|, gaps without their weight. Infinite rather than not a number.
   double error() const;
   int evaluations() const { return evaluations_; }
@@ -38,23 +38,24 @@ class StationarySystem {
     int row = 0;
     int column = 0;
     Kind kind = Kind::tangent;
-    std::size_t source = 0;  // in the tangent or the Jacobian of the problem
-    std::size_t kept = 0;    // which of the rows kept, Kind::row and Kind::own
+    int source = 0;  // in the tangent or the Jacobian of the problem
+    int kept = 0;    // which of the rows kept, Kind::row and Kind::own
   };
 
+  int kept_rows() const { return static_cast<int>(kept_.size()); }
   void list_entries();
-  void meet(std::size_t kept);
+  void meet(int kept);
 
   const Problem& problem_;
   std::vector<int> kept_;
-  std::size_t n_;
+  int n_;
   Evaluation at_;
   bool evaluated_ = false;
   int evaluations_ = 0;
   std::vector<double> start_, y_, force_, tangent_, residual_, slope_;
   std::vector<double> by_row_, by_multiplier_;  // derivatives of the residual of each row kept
   std::vector<Entry> entries_;
-  std::vector<std::size_t> first_;
+  std::vector<int> first_;
 };
 
 }  // namespace poise::solvers

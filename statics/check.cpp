@@ -397,7 +397,7 @@ class Judge {
     for (const double way : {-flat_over, flat_over}) {
       std::vector<double> moved = x_;
       for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += way * direction[static_cast<Eigen::Index>(i)];
-      const ReducedHessian<double> there(model_.mechanism(), closing.close(moved.data()).x, holding_rows());
+      const ReducedHessian<double> there(model_.mechanism(), closing.close(moved).x, holding_rows());
       if (there.force.size() > 0 && there.force.cwiseAbs().maxCoeff() > flat_within * scale) return false;
     }
     return true;

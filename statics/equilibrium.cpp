@@ -55,7 +55,7 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   settings.interrupt = options.interrupt;
   solvers::Newton newton(model.problem(), settings);
   const auto begin = std::chrono::steady_clock::now();
-  const solvers::NewtonResult& result = newton.solve(x.data());
+  const solvers::NewtonResult& result = newton.solve(x);
   out.microseconds = elapsed(begin);
   out.x = result.x;
   out.iterations = result.iterations;
@@ -131,7 +131,7 @@ void search_by_program(const StaticModel& model, const std::vector<double>& x, c
   }
   // From closed loops: which closures repeat each other shows only where they hold.
   solvers::Newton closing(model.problem());
-  const std::vector<double> closed = closing.close(x.data()).x;
+  const std::vector<double> closed = closing.close(x).x;
   const solvers::SearchOptions settings{.tolerance = options.tolerance.value_or(method.tolerance),
                                         .iterations = method.iterations,
                                         .interrupt = options.interrupt};

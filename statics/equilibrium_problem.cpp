@@ -27,8 +27,9 @@ void EquilibriumProblem::evaluate(solvers::Evaluation& at) const {
   mechanism_.jacobian(pose, at.jacobian.data());
 }
 
-void EquilibriumProblem::tangent(solvers::Evaluation& at, const double* multipliers, double* values) const {
-  mechanism_.tangent(pose_of(at), multipliers, values);
+void EquilibriumProblem::tangent(solvers::Evaluation& at, std::span<const double> multipliers,
+                                 std::span<double> values) const {
+  mechanism_.tangent(pose_of(at), multipliers.data(), values.data());
 }
 
 }  // namespace poise

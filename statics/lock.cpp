@@ -61,7 +61,7 @@ std::optional<Lock> find_lock(const StaticModel& model, const std::vector<double
   for (int k = 0; k < tries; ++k) {
     std::vector<double> moved = x;
     for (double& v : moved) v += uniform(random);
-    const DensePoint<double> there(m, closing.close(moved.data()).x, rows);
+    const DensePoint<double> there(m, closing.close(moved).x, rows);
     if (largest_gap(there) <= closed_within) lock.rank_beside = std::max(lock.rank_beside, rank_of(there.jacobian));
   }
   return lock.rank_beside > lock.rank ? std::optional(lock) : std::nullopt;

@@ -125,7 +125,7 @@ Mobility analyse_mobility(const ScaledModel& model) {
   const EquilibriumProblem problem(m);
   solvers::Newton newton(problem);
   const std::vector<double> start = model.start();
-  const solvers::NewtonResult& closed = newton.close(start.data());
+  const solvers::NewtonResult& closed = newton.close(start);
   out.x = closed.x;
   out.assembled = closed.outcome == solvers::Outcome::converged && closed.constraint_error <= closed_within;
   if (!out.assembled) find_widest_gap(model, out);

@@ -204,7 +204,9 @@ class Logarithm final : public Problem {
     at.objective = at.x[0] * (std::log(at.x[0]) - 1);
     at.gradient[0] = std::log(at.x[0]);
   }
-  void tangent(Evaluation& at, const double*, double* values) const override { values[0] = 1 / at.x[0]; }
+  void tangent(Evaluation& at, std::span<const double>, std::span<double> values) const override {
+    values[0] = 1 / at.x[0];
+  }
 
  private:
   Pattern jacobian_{0, 1, {}, {}}, tangent_{1, 1, {0}, {0}};

@@ -155,7 +155,7 @@ class Pairs final : public Problem {
     }
     for (int k = 0; k < n_ / 2; ++k) at.constraint[k] = at.x[2 * k] - at.x[2 * k + 1];
   }
-  void tangent(Evaluation& at, const double*, double* values) const override {
+  void tangent(Evaluation& at, std::span<const double>, std::span<double> values) const override {
     for (int i = 0; i < n_; ++i) values[i] = 3 * at.x[i] * at.x[i];
   }
 

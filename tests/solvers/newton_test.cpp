@@ -15,12 +15,12 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // min or stationary point of a x^2/2 + b y^2/2 + s x^4/4 - p x, on the circle x^2 + y^2 = r^2 where r > 0, with
 // lo <= y <= hi. Everything about it can be worked out by hand.
-class Bowl final : public Problem {
+class Parabola final : public Problem {
  public:
   double a = 1, b = 1, s = 0, p = 0, r = 0;
   bool potential = true;
 
-  explicit Bowl(bool on_circle = false, double lo = -infinity, double hi = infinity) : r(on_circle ? 1.0 : 0.0) {
+  explicit Parabola(bool on_circle = false, double lo = -infinity, double hi = infinity) : r(on_circle ? 1.0 : 0.0) {
     const bool limited = std::isfinite(lo) || std::isfinite(hi);
     if (limited) {
       lower_ = {lo};
@@ -63,7 +63,7 @@ class Bowl final : public Problem {
       at.jacobian[entry] = 1;
     }
   }
-  void tangent(Evaluation& at, const double* multipliers, double* values) const override {
+  void tangent(Evaluation& at, std::span<const double> multipliers, std::span<double> values) const override {
     const double bend = r > 0 ? multipliers[0] : 0.0;
     values[0] = a + 3 * s * at.x[0] * at.x[0] + bend;
     values[1] = b + bend;
@@ -90,9 +90,9 @@ INSTANTIATE_TEST_SUITE_P(Algebra, NewtonOnBoth, testing::Values(48, 0),
                          [](const auto& algebra) { return algebra.param == 0 ? "Sparse" : "NullSpace"; });
 
 TEST_P(NewtonOnBoth, FindsTheMinimumOfAParabola) {
-  Bowl bowl;
-  bowl.p = 0.3;
-  Newton newton(bowl, goal(Goal::minimum));
+  Parabola parabola;
+  parabola.p = 0.3;
+  Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {2.0, -1.0};
   const NewtonResult& result = newton.solve(start);
   EXPECT_EQ(result.outcome, Outcome::converged);
@@ -101,17 +101,17 @@ TEST_P(NewtonOnBoth, FindsTheMinimumOfAParabola) {
 }
 
 TEST_P(NewtonOnBoth, StationaryStaysAtTheMaximumNearItAndMinimumLeavesIt) {
-  Bowl bowl(true);
-  bowl.a = 1;
-  bowl.b = 4;
+  Parabola parabola(true);
+  parabola.a = 1;
+  parabola.b = 4;
   const double near_top[] = {0.02, 0.98};
-  Newton nearest(bowl, goal(Goal::stationary));
+  Newton nearest(parabola, goal(Goal::stationary));
   const NewtonResult& top = nearest.solve(near_top);
   EXPECT_EQ(top.outcome, Outcome::converged);
   EXPECT_NEAR(top.x[1], 1.0, 1e-14);
   EXPECT_NEAR(top.multipliers[0], -4.0, 1e-13);
   const double on_top[] = {0.0, 1.0};
-  Newton minimum(bowl, goal(Goal::minimum));
+  Newton minimum(parabola, goal(Goal::minimum));
   const NewtonResult& bottom = minimum.solve(on_top);
   EXPECT_EQ(bottom.outcome, Outcome::converged);
   EXPECT_NEAR(std::abs(bottom.x[0]), 1.0, 1e-14);
@@ -120,10 +120,10 @@ TEST_P(NewtonOnBoth, StationaryStaysAtTheMaximumNearItAndMinimumLeavesIt) {
 }
 
 TEST_P(NewtonOnBoth, InequalitiesHoldWithMultipliersOfTheRightSign) {
-  Bowl bowl(true, 0.5, infinity);
-  bowl.a = 1;
-  bowl.b = 4;
-  Newton newton(bowl, goal(Goal::minimum));
+  Parabola parabola(true, 0.5, infinity);
+  parabola.a = 1;
+  parabola.b = 4;
+  Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {0.1, 1.0};
   const NewtonResult& result = newton.solve(start);
   EXPECT_EQ(result.outcome, Outcome::converged);
@@ -135,11 +135,11 @@ TEST_P(NewtonOnBoth, InequalitiesHoldWithMultipliersOfTheRightSign) {
 }
 
 TEST_P(NewtonOnBoth, AnInequalityThatWouldPullIsReleased) {
-  Bowl bowl(false, 0.5, 2.0);
-  bowl.b = -1.0;
-  bowl.s = 1.0;
+  Parabola parabola(false, 0.5, 2.0);
+  parabola.b = -1.0;
+  parabola.s = 1.0;
   // f falls with y: from the lower bound the answer is the upper one.
-  Newton newton(bowl, goal(Goal::minimum));
+  Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {0.0, 0.5};
   const NewtonResult& result = newton.solve(start);
   EXPECT_EQ(result.outcome, Outcome::converged);
@@ -148,30 +148,30 @@ TEST_P(NewtonOnBoth, AnInequalityThatWouldPullIsReleased) {
 }
 
 TEST_P(NewtonOnBoth, FallingWithoutEndIsUnbounded) {
-  Bowl bowl;
-  bowl.b = -1.0;
-  Newton newton(bowl, goal(Goal::minimum));
+  Parabola parabola;
+  parabola.b = -1.0;
+  Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {0.0, 0.1};
   EXPECT_EQ(newton.solve(start).outcome, Outcome::unbounded);
 }
 
 TEST_P(NewtonOnBoth, IterationLimitIsReported) {
-  Bowl bowl(true);
-  bowl.b = 9;
+  Parabola parabola(true);
+  parabola.b = 9;
   NewtonOptions options = goal(Goal::minimum);
   options.iterations = 2;
-  Newton newton(bowl, options);
+  Newton newton(parabola, options);
   const double start[] = {0.28, 0.96};
   EXPECT_EQ(newton.solve(start).outcome, Outcome::iteration_limit);
 }
 
 TEST_P(NewtonOnBoth, AnInterruptStopsTheRunAndKeepsThePoint) {
-  Bowl bowl(true);
+  Parabola parabola(true);
   const std::atomic<bool> stop{true};
   for (const Goal g : {Goal::minimum, Goal::stationary}) {
     NewtonOptions options = goal(g);
     options.interrupt = &stop;
-    Newton newton(bowl, options);
+    Newton newton(parabola, options);
     const double start[] = {0.6, 0.8};
     const NewtonResult& result = newton.solve(start);
     EXPECT_EQ(result.outcome, Outcome::interrupted);
@@ -180,9 +180,9 @@ TEST_P(NewtonOnBoth, AnInterruptStopsTheRunAndKeepsThePoint) {
 }
 
 TEST_P(NewtonOnBoth, ARunRepeatsItself) {
-  Bowl bowl(true);
-  bowl.b = 3;
-  Newton newton(bowl, goal(Goal::minimum));
+  Parabola parabola(true);
+  parabola.b = 3;
+  Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {0.0, 1.0};
   const std::vector<double> first = newton.solve(start).x;
   EXPECT_EQ(newton.solve(start).x, first);
@@ -204,7 +204,7 @@ class Impossible final : public Problem {
     at.constraint[0] = at.x[0] * at.x[0] + at.x[1] * at.x[1] + 1;
     at.jacobian = {2 * at.x[0], 2 * at.x[1]};
   }
-  void tangent(Evaluation&, const double* multipliers, double* values) const override {
+  void tangent(Evaluation&, std::span<const double> multipliers, std::span<double> values) const override {
     values[0] = values[1] = 2 * multipliers[0];
   }
 
@@ -233,7 +233,7 @@ class Whirl final : public Problem {
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
   void evaluate(Evaluation& at) const override { at.gradient = {at.x[1] + at.x[0] / 2 - 1, -at.x[0] + at.x[1] / 2}; }
-  void tangent(Evaluation&, const double*, double* values) const override {
+  void tangent(Evaluation&, std::span<const double>, std::span<double> values) const override {
     values[0] = values[1] = 0.5;
     values[2] = 1;
     values[3] = -1;
@@ -265,7 +265,9 @@ class NoRest final : public Problem {
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
   void evaluate(Evaluation& at) const override { at.gradient = {at.x[0] * at.x[0] + 1}; }
-  void tangent(Evaluation& at, const double*, double* values) const override { values[0] = 2 * at.x[0]; }
+  void tangent(Evaluation& at, std::span<const double>, std::span<double> values) const override {
+    values[0] = 2 * at.x[0];
+  }
 
  private:
   std::vector<double> none_;
@@ -287,27 +289,27 @@ TEST(Newton, EveryOutcomeHasAName) {
 }
 
 TEST(Kkt, BothAlgebrasGiveTheSameStepAndMultipliers) {
-  Bowl bowl(true, -1.0, 0.4);
-  bowl.a = 2;
-  bowl.b = 5;
-  bowl.p = 0.7;
-  Evaluation at = bowl.make_evaluation();
+  Parabola parabola(true, -1.0, 0.4);
+  parabola.a = 2;
+  parabola.b = 5;
+  parabola.p = 0.7;
+  Evaluation at = parabola.make_evaluation();
   at.x = {0.8, 0.45};
-  bowl.evaluate(at);
+  parabola.evaluate(at);
   for (const bool stop : {false, true}) {
     std::vector<double> d_dense(2), d_sparse(2), y_dense(2), y_sparse(2), tangent(2);
     const double multipliers[] = {0.3, 0.0};
-    bowl.tangent(at, multipliers, tangent.data());
+    parabola.tangent(at, multipliers, tangent);
     const std::vector<char> active = {1, static_cast<char>(stop)};
     const double gap[] = {at.constraint[0], 0.05};
     const auto solve = [&](Kkt& kkt, std::vector<double>& d, std::vector<double>& y) {
       kkt.set_jacobian(at, active);
-      kkt.set_tangent(tangent.data());
+      kkt.set_tangent(tangent);
       EXPECT_EQ(kkt.factor(0.0), Kkt::Factors::positive);
-      kkt.solve(at.gradient.data(), gap, d.data(), y.data());
+      kkt.solve(at.gradient, gap, d, y);
     };
-    solve(*make_null_space(bowl), d_dense, y_dense);
-    solve(*make_sparse_kkt(bowl), d_sparse, y_sparse);
+    solve(*make_null_space(parabola), d_dense, y_dense);
+    solve(*make_sparse_kkt(parabola), d_sparse, y_sparse);
     for (int i = 0; i < 2; ++i) {
       // The sparse factors are relaxed by 1e-13.
       EXPECT_NEAR(d_dense[i], d_sparse[i], 1e-12);
@@ -320,25 +322,25 @@ TEST(Kkt, BothAlgebrasGiveTheSameStepAndMultipliers) {
   }
 }
 
-TEST(Kkt, TellsABowlFromASaddle) {
-  Bowl bowl(true);
-  bowl.a = 1;
-  bowl.b = 4;
-  Evaluation at = bowl.make_evaluation();
+TEST(Kkt, TellsPositiveDefiniteFromIndefinite) {
+  Parabola parabola(true);
+  parabola.a = 1;
+  parabola.b = 4;
+  Evaluation at = parabola.make_evaluation();
   for (const bool bottom : {true, false}) {
     at.x = bottom ? std::vector<double>{1.0, 0.0} : std::vector<double>{0.0, 1.0};
-    bowl.evaluate(at);
-    for (const auto& kkt : {make_null_space(bowl), make_sparse_kkt(bowl)}) {
+    parabola.evaluate(at);
+    for (const auto& kkt : {make_null_space(parabola), make_sparse_kkt(parabola)}) {
       std::vector<double> tangent(2), y(1);
       kkt->set_jacobian(at, {1});
-      kkt->least_squares_multipliers(at.gradient.data(), y.data());
+      kkt->least_squares_multipliers(at.gradient, y);
       EXPECT_NEAR(y[0], bottom ? -1.0 : -4.0, 1e-9);
-      bowl.tangent(at, y.data(), tangent.data());
-      kkt->set_tangent(tangent.data());
+      parabola.tangent(at, y, tangent);
+      kkt->set_tangent(tangent);
       EXPECT_EQ(kkt->factor(0.0), bottom ? Kkt::Factors::positive : Kkt::Factors::indefinite);
       EXPECT_EQ(kkt->factor(10.0), Kkt::Factors::positive);
     }
-    EXPECT_EQ(inertia_at(bowl, at.x, {1}).negative, bottom ? 0 : 1);
+    EXPECT_EQ(inertia_at(parabola, at.x, {1}).negative, bottom ? 0 : 1);
   }
 }
 

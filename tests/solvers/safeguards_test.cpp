@@ -48,7 +48,7 @@ class Groove final : public Problem {
       at.jacobian[2 * k + 1] = 1.0;
     }
   }
-  void tangent(Evaluation& at, const double* multipliers, double* values) const override {
+  void tangent(Evaluation& at, std::span<const double> multipliers, std::span<double> values) const override {
     values[0] = curvature(at.x[0]);
     for (int k = 0; k < repeats_; ++k) values[0] -= multipliers[k] * h_curvature(at.x[0]);
     values[1] = 1.0;
@@ -179,7 +179,7 @@ class Cusp final : public Problem {
     at.constraint[0] = y * y - x * x * x;
     at.jacobian = {-3 * x * x, 2 * y};
   }
-  void tangent(Evaluation& at, const double* multipliers, double* values) const override {
+  void tangent(Evaluation& at, std::span<const double> multipliers, std::span<double> values) const override {
     values[0] = -6 * at.x[0] * multipliers[0];
     values[1] = 2 * multipliers[0];
   }

@@ -32,7 +32,7 @@ int allocations_of_a_solve(const StaticModel& model, solvers::Goal goal, int den
   const std::vector<double> x = model.start();
   allocations = 0;
   counting = true;
-  const solvers::Outcome outcome = newton.solve(x.data()).outcome;
+  const solvers::Outcome outcome = newton.solve(x).outcome;
   counting = false;
   EXPECT_EQ(outcome, solvers::Outcome::converged);
   return allocations;

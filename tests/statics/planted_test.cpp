@@ -43,7 +43,7 @@ struct Sample {
     const std::vector<double> start = model.from_si(planted.start);
     if (method == Method::virtual_work) return solve(model, start, options);
     solvers::Newton newton(model.problem());
-    return solve(model, newton.close(start.data()).x, options);
+    return solve(model, newton.close(start).x, options);
   }
 
   // Largest difference from the planted equilibrium: rad, or lengths over the size of the mechanism. Bars, whose guess
@@ -138,7 +138,7 @@ TEST(Planted, CheckRefutesWhatOnlyReactionsAgainstEachOtherBalance) {
   for_samples(60, {}, [&](const Sample& sample) {
     if (sample.planted.redundant == 0) return;
     solvers::Newton newton(sample.model.problem());
-    const std::vector<double> closed = newton.close(sample.model.from_si(sample.planted.start).data()).x;
+    const std::vector<double> closed = newton.close(sample.model.from_si(sample.planted.start)).x;
     for (const double gap : {0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8}) {
       std::vector<double> x = closed;
       for (double& coordinate : x) coordinate += random.uniform(-gap, gap);

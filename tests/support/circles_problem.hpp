@@ -50,7 +50,7 @@ class CirclesProblem final : public solvers::Problem {
     }
   }
 
-  void tangent(solvers::Evaluation&, const double* multipliers, double* values) const override {
+  void tangent(solvers::Evaluation&, std::span<const double> multipliers, std::span<double> values) const override {
     for (int i = 0; i < n_; ++i) values[i] = i % 2 == 0 ? 1.0 : 4.0;
     for (int r = 0; r < jacobian_.rows; ++r) {
       const int k = r % (n_ / 2);

@@ -58,7 +58,7 @@ class PlaneProblem final : public solvers::Problem {
     }
   }
 
-  void tangent(solvers::Evaluation&, const double* multipliers, double* values) const override {
+  void tangent(solvers::Evaluation&, std::span<const double> multipliers, std::span<double> values) const override {
     const double bend = on_circle_ ? multipliers[0] : 0.0;
     values[0] = a + bend;
     values[1] = b + bend;

@@ -1,25 +1,27 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "solvers/problem.hpp"
 
 namespace poise::solvers {
 
-/// A Problem as programs for constrained minimisation ask for it, function by function, seen from a base point in units
-/// of the error left there:
+/// A Problem as programs for constrained minimisation ask for it, function by function, in units of the error that is
+/// left at a base point:
 ///
 ///   x = base + unit u,   min  scale (L(x) - L(base)) / unit^2,   c(x) / unit = 0,   +-(g(x) - bound) / unit <= 0
 ///
-/// with L = f + sum y c over the equalities, which has the minima of f on c = 0. In a close-up, bounds that are pressed
-/// count as equalities.
+/// with L = f + sum y c over the equalities, which has the minima of f on c = 0. Near the answer, bounds that are
+/// pressed count as equalities.
 ///
 /// The value of f is only good to its own rounding, about 1e-16, which hides steps below 1e-8. Near the answer the
 /// difference is therefore taken from gradients, (grad L(x) + grad L(base)) (x - base) / 2, exact but for a third power
 /// of the step; programs that compare values then go on to full precision. Every new point is evaluated once, whole.
-class Closeup {
+class RescaledProblem {
  public:
-  struct View {
+  /// Where the base is and what the units are.
+  struct Frame {
     std::vector<double> base;
     std::vector<double> multipliers;  ///< y; one per constraint row, none when empty
     double unit = 1.0;
@@ -37,8 +39,8 @@ class Closeup {
   /// Rows of one kind and where their Jacobian lies in a dense matrix, row by row.
   struct Block {
     struct Entry {
-      std::size_t source = 0;  ///< in Evaluation::jacobian
-      std::size_t target = 0;
+      int source = 0;  ///< in Evaluation::jacobian
+      int target = 0;
       double sign = 1.0;
     };
     std::vector<SignedRow> rows;
@@ -46,18 +48,18 @@ class Closeup {
   };
 
   /// Of the rows `kept`. `problem` must outlive this.
-  Closeup(const Problem& problem, const std::vector<int>& kept);
+  RescaledProblem(const Problem& problem, const std::vector<int>& kept);
 
-  void look(View view);
-  std::vector<double> place(const double* u) const;
+  void set_frame(Frame frame);
+  std::vector<double> place(std::span<const double> u) const;
   /// Where the problem was evaluated last.
   const std::vector<double>& last() const { return at_.x; }
   int evaluations() const { return evaluations_; }
 
-  /// The objective; fills n numbers of its gradient where that is not null. Never not a number.
-  double objective(const double* u, double* gradient);
-  /// Values of a block, and its dense Jacobian where that is not null.
-  void constraints(const Block& block, const double* u, double* values, double* jacobian);
+  /// The objective, infinite rather than not a number; fills its gradient where that is not empty.
+  double objective(std::span<const double> u, std::span<double> gradient);
+  /// Values of a block; fills its dense Jacobian where that is not empty.
+  void constraints(const Block& block, std::span<const double> u, std::span<double> values, std::span<double> jacobian);
 
   const Block& equalities() const { return equalities_; }
   const Block& inequalities() const { return inequalities_; }
@@ -65,15 +67,15 @@ class Closeup {
  private:
   void sort_rows();
   void list_entries(Block& block) const;
-  const Evaluation& at(const double* u);
+  const Evaluation& at(std::span<const double> u);
   const std::vector<double>& slope_of(const Evaluation& e);
 
   const Problem& problem_;
   std::vector<int> kept_;
   Block equalities_, inequalities_;
-  View view_;
+  Frame frame_;
   Evaluation at_;
-  std::vector<double> u_;  // of at_; empty before the first evaluation of a view
+  std::vector<double> u_;  // of at_; empty before the first evaluation in a frame
   std::vector<double> no_multipliers_, slope_, slope_at_base_;
   double value_at_base_ = 0.0;
   int evaluations_ = 0;

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/loop_closing.hpp"
+#include "solvers/newton_system.hpp"
+
+namespace poise::solvers {
+
+/// Descends the objective on the constraints to a local minimum. Every step keeps them closed: the tangent is shifted
+/// until it is positive definite on the null space of J, and the step halved until the Lagrangian L = f + y^T c falls,
+///
+///   L(x + alpha d) <= L(x) + armijo alpha L'(x) d,
+///
+/// at a saddle or maximum along a direction of negative curvature. L falls from step to step, so the run can only end
+/// in a minimum, run away, or be cut off.
+class Descent {
+ public:
+  Descent(NewtonSystem& system, LoopClosing& closing);
+
+  /// Closes the constraints first, and leaves poses where J loses rank by perturbing them.
+  Outcome run();
+  /// From a point where the constraints hold.
+  Outcome run_from_closed();
+
+ private:
+  Outcome descend();
+  void shift_until_positive_definite();
+  bool leave_saddle();
+  bool step(double alpha);
+  bool perturb();
+  bool ran_away() const;
+  double lagrangian(const Evaluation& at, const std::vector<double>& gaps) const;
+
+  NewtonSystem& at_;
+  LoopClosing& closing_;
+  double shift_ = 0.0;  // the last that made the tangent positive definite
+  std::vector<double> direction_, perturbed_;
+};
+
+}  // namespace poise::solvers

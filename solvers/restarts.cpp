@@ -1,0 +1,29 @@
+#include "solvers/restarts.hpp"
+
+#include <cmath>
+#include <random>
+
+namespace poise::solvers {
+
+Restarts::Restarts(NewtonSystem& system, LoopClosing& closing, StationarySearch& stationary, Descent& descent)
+    : at_(system), closing_(closing), stationary_(stationary), descent_(descent), displaced_(system.start.size()) {}
+
+void Restarts::run(bool by_descent) {
+  const int most = at_.variables() <= at_.options.restarts_up_to ? at_.options.restarts : 0;
+  for (int k = 0; k < most && at_.gave_up(); ++k) {
+    const double reach = M_PI * (k + 1) / most;
+    std::uniform_real_distribution<double> uniform(-reach, reach);
+    displaced_ = at_.start;
+    for (double& x : displaced_) x += uniform(at_.random);
+    at_.begin_at(displaced_);
+    Outcome outcome = Outcome::not_closed;
+    if (by_descent)
+      outcome = descent_.run();
+    else if (closing_.run())
+      outcome = stationary_.run();
+    at_.note(outcome == Outcome::not_closed ? Outcome::stalled : outcome);
+    at_.result.restarted = outcome == Outcome::converged;
+  }
+}
+
+}  // namespace poise::solvers

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/descent.hpp"
+#include "solvers/stationary_search.hpp"
+
+namespace poise::solvers {
+
+/// Where a run has given up: others from its start displaced at random and closed, ever farther, until one converges.
+class Restarts {
+ public:
+  Restarts(NewtonSystem& system, LoopClosing& closing, StationarySearch& stationary, Descent& descent);
+
+  /// By descent, else by the stationary search.
+  void run(bool by_descent);
+
+ private:
+  NewtonSystem& at_;
+  LoopClosing& closing_;
+  StationarySearch& stationary_;
+  Descent& descent_;
+  std::vector<double> displaced_;
+};
+
+}  // namespace poise::solvers

@@ -1,0 +1,90 @@
+#include "solvers/stationary_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "solvers/vectors.hpp"
+
+namespace poise::solvers {
+namespace {
+
+constexpr double violated_beyond = 1e-14;
+constexpr double closed_within = 1e-13;  // gaps that trials may leave where constraints repeat each other
+
+}  // namespace
+
+StationarySearch::StationarySearch(NewtonSystem& system, LoopClosing& closing)
+    : at_(system),
+      closing_(closing),
+      filter_(system.options.filter),
+      before_(system.start.size()),
+      y_before_(system.y.size()) {}
+
+Outcome StationarySearch::run() {
+  at_.forget_multipliers();
+  if (!begin_anew()) return Outcome::stalled;
+  double last = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < at_.options.stationary_steps; ++k) {
+    if (at_.interrupted()) return Outcome::interrupted;
+    const bool neutral = at_.factor_tangent() == Kkt::Factors::singular;
+    at_.solve_for_step();
+    ++at_.result.iterations;
+    const double length = largest(at_.step);
+    at_.result.last_step = length;
+    // Next to a fold rounding moves the step far more than the tolerance: residuals that are nothing but rounding
+    // then end the run once steps no longer shrink, as they do where a neutral freedom leaves no step to measure.
+    const bool no_shorter = neutral || (length <= at_.options.next_to_fold && length > 0.25 * last);
+    last = length;
+    if (length <= at_.options.step_tolerance || (no_shorter && at_.at_rest())) {
+      const ActiveSet::Pulling pulling = at_.release_pulling(at_.y_next, 0.0);
+      if (pulling == ActiveSet::Pulling::cycling) return Outcome::stalled;
+      if (pulling == ActiveSet::Pulling::none) return at_.arrive(length <= at_.options.step_tolerance);
+      if (!begin_anew()) return Outcome::stalled;
+      continue;
+    }
+    if (!std::isfinite(length)) return Outcome::stalled;
+    const bool bounded = at_.options.safeguards.line_search;
+    if (!shorten(bounded ? std::min(1.0, at_.options.longest_step / length) : 1.0)) {
+      return at_.at_rest() ? at_.arrive(false) : Outcome::stalled;
+    }
+    if (at_.active.activate_violated(at_.now, violated_beyond) && !begin_anew()) return Outcome::stalled;
+  }
+  return Outcome::iteration_limit;
+}
+
+// Other rows hold: what was left behind says nothing of them.
+bool StationarySearch::begin_anew() {
+  filter_.clear();
+  return at_.linearize();
+}
+
+// Halves the step until the filter takes it; leaves `now` there, linearized.
+bool StationarySearch::shorten(double alpha) {
+  filter_.remember(at_.gap_norm, at_.force_norm);
+  const bool redundant = at_.kkt->redundant();
+  before_ = at_.now.x;
+  y_before_ = at_.y;
+  for (int h = 0; h < at_.options.stationary_halvings; ++h, alpha *= 0.5) {
+    if (step_from_before(alpha, redundant)) return true;
+  }
+  at_.now.x = before_;
+  at_.y = y_before_;
+  at_.evaluate(at_.now);
+  at_.linearize();
+  return false;
+}
+
+// Which constraints repeat each other shows only where they hold: with redundant ones the trial is pulled back first.
+bool StationarySearch::step_from_before(double alpha, bool redundant) {
+  for (int i = 0; i < at_.variables(); ++i) at_.trial.x[i] = before_[i] + alpha * at_.step[i];
+  at_.evaluate(at_.trial);
+  if (redundant && !closing_.pull_back(closed_within)) return false;
+  std::swap(at_.now, at_.trial);
+  for (int r = 0; r < at_.rows(); ++r) at_.y[r] = y_before_[r] + alpha * (at_.y_next[r] - y_before_[r]);
+  if (!at_.linearize()) return false;
+  return filter_.takes(at_.gap_norm, at_.force_norm) || !at_.options.safeguards.line_search;
+}
+
+}  // namespace poise::solvers

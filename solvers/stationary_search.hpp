@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/filter.hpp"
+#include "solvers/loop_closing.hpp"
+#include "solvers/newton_system.hpp"
+
+namespace poise::solvers {
+
+/// Full Newton steps on {F + J^T y = 0, c = 0} from the point at hand, halved until a filter takes them. Finds any
+/// stationary point; works for fields without a potential.
+class StationarySearch {
+ public:
+  StationarySearch(NewtonSystem& system, LoopClosing& closing);
+
+  Outcome run();
+
+ private:
+  bool begin_anew();
+  bool shorten(double alpha);
+  bool step_from_before(double alpha, bool redundant);
+
+  NewtonSystem& at_;
+  LoopClosing& closing_;
+  Filter filter_;
+  std::vector<double> before_, y_before_;
+};
+
+}  // namespace poise::solvers
