@@ -127,7 +127,7 @@ class AugmentedLagrangian {
       : problem_(problem),
         options_(options),
         n_(problem.variables()),
-        active_(problem, rows, {.releases = 8}),
+        active_(problem, rows),
         factors_(problem, active_.kept()),
         now_(problem.make_evaluation()),
         trial_(problem.make_evaluation()),
@@ -282,7 +282,7 @@ class AugmentedLagrangian {
   std::vector<double> tangent_, no_multipliers_, y_, lambda_, trial_lambda_, unbalanced_;
   Eigen::VectorXd right_, step_;
   double gap_ = 0.0, force_ = 0.0, force_scale_ = 1.0;  // of the point measured last
-  Filter filter_{{.closed_within = 1e-9, .size = 40}};
+  Filter filter_;
   int bold_steps_taken_ = 0;
   SearchResult result_;
 };

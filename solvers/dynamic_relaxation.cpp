@@ -117,7 +117,7 @@ class DynamicRelaxation {
       : problem_(problem),
         options_(options),
         n_(problem.variables()),
-        active_(problem, rows, {.releases = 8}),
+        active_(problem, rows),
         factors_(problem, active_.kept()),
         now_(problem.make_evaluation()),
         trial_(problem.make_evaluation()),

@@ -9,7 +9,7 @@ namespace poise::solvers {
 
 struct FilterOptions {
   double margin = 0.01;         ///< share of gap or force by which a point must be better than those left behind
-  double closed_within = 1e-8;  ///< gaps below it count as none
+  double closed_within = 1e-9;  ///< gaps below it count as none
   std::size_t size = 80;        ///< points remembered; beyond, the oldest is forgotten
 };
 

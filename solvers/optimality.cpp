@@ -13,7 +13,7 @@ constexpr double least_pull = 1e-9;  // below it the sign of a multiplier is rou
 }  // namespace
 
 Optimality optimality_at(const Problem& problem, const Evaluation& at, const std::vector<int>& kept, double near) {
-  ActiveSet active(problem, kept, {.releases = 8});
+  ActiveSet active(problem, kept);
   active.activate_violated(at, -near);
   Optimality out;
   do {
