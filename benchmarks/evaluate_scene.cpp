@@ -54,7 +54,7 @@ class DenseScene : public SceneView {
     std::copy_n(point, n, at_.x.begin());
     problem_.evaluate(at_);
     ++evaluations;
-    *value = at_.objective;
+    *value = problem_.objective(at_);
     std::copy(at_.gradient.begin(), at_.gradient.end(), gradient);
     std::copy(at_.constraint.begin(), at_.constraint.end(), constraint);
     const Pattern& pattern = problem_.jacobian_pattern();

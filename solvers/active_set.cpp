@@ -100,7 +100,8 @@ double ActiveSet::gap(const Evaluation& at, int row) const {
 }
 
 void ActiveSet::gaps(const Evaluation& at, std::span<double> out) const {
-  for (int r = 0; r < static_cast<int>(out.size()); ++r) out[r] = holds(r) ? gap(at, r) : 0.0;
+  for (int r = 0; r < equalities_; ++r) out[r] = holds(r) ? at.constraint[r] : 0.0;
+  for (int r = equalities_; r < static_cast<int>(out.size()); ++r) out[r] = holds(r) ? gap(at, r) : 0.0;
 }
 
 double ActiveSet::largest_gap(const Evaluation& at) const {

@@ -6,7 +6,6 @@
 #include <random>
 #include <utility>
 
-#include "solvers/residuals.hpp"
 #include "solvers/vectors.hpp"
 
 namespace poise::solvers {
@@ -58,13 +57,13 @@ Outcome Descent::descend() {
     const bool corrects = options.safeguards.inertia_correction;
     if (!positive_definite && corrects) shift_until_positive_definite();
     at_.solve_for_step();
+    at_.solve_for_multipliers();
     const double length = largest(at_.step);
-    at_.result.last_step = length;
     if (!std::isfinite(length)) return Outcome::stalled;
     const double gap = largest(at_.gap);
     if (gap > 1e-10 && gap > loose_gap * length) {
       // A step that mostly closes loops says nothing of descent: close them first.
-      at_.trial = at_.now;
+      *at_.trial = *at_.now;
       if (closing_.pull_back(closed_within))
         std::swap(at_.now, at_.trial);
       else if (closing_.close() > options.active_set.touching)
@@ -83,7 +82,7 @@ Outcome Descent::descend() {
     if (!step(options.safeguards.line_search ? std::min(1.0, options.longest_step / length) : 1.0)) {
       return positive_definite && at_.at_rest() ? at_.arrive(false) : Outcome::stalled;
     }
-    if (!std::isfinite(largest(at_.now.x))) return Outcome::stalled;
+    if (!std::isfinite(largest(at_.now->x))) return Outcome::stalled;
     if (ran_away()) return Outcome::unbounded;
   }
   return Outcome::iteration_limit;
@@ -91,7 +90,7 @@ Outcome Descent::descend() {
 
 bool Descent::ran_away() const {
   for (int i = 0; i < at_.variables(); ++i) {
-    if (std::abs(at_.now.x[i] - at_.start[i]) > at_.options.run_away) return true;
+    if (std::abs(at_.now->x[i] - at_.start[i]) > at_.options.run_away) return true;
   }
   return false;
 }
@@ -100,7 +99,7 @@ bool Descent::ran_away() const {
 void Descent::shift_until_positive_definite() {
   const double scale = at_.largest_curvature();
   double shift = std::max({shift_ / 16.0, 1e-8 * scale, 1e-12});
-  while (at_.factor(shift) != Kkt::Factors::positive && shift < 1e12 * (1.0 + scale)) shift *= 4.0;
+  while (at_.kkt->factor(shift) != Kkt::Factors::positive && shift < 1e12 * (1.0 + scale)) shift *= 4.0;
   shift_ = shift;
 }
 
@@ -109,12 +108,12 @@ bool Descent::leave_saddle() {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (double& d : direction_) d = uniform(at_.random);
   for (int k = 0; k < inverse_iterations; ++k) {
-    at_.kkt->solve(direction_, {}, at_.step, {});
+    at_.kkt->solve(direction_, {}, at_.step);
     const double length = largest(at_.step);
     if (!(length > 0.0) || !std::isfinite(length)) return false;
     for (int i = 0; i < at_.variables(); ++i) direction_[i] = at_.step[i] / length;
   }
-  const double sign = dot(at_.now.gradient, direction_) > 0 ? -1.0 : 1.0;
+  const double sign = dot(at_.now->gradient, direction_) > 0 ? -1.0 : 1.0;
   for (const double s : {sign, -sign}) {
     for (int i = 0; i < at_.variables(); ++i) at_.step[i] = s * direction_[i];
     at_.y_next = at_.y;
@@ -123,29 +122,26 @@ bool Descent::leave_saddle() {
   return false;
 }
 
-double Descent::lagrangian(const Evaluation& at, const std::vector<double>& gaps) const {
-  return at.objective + dot(gaps, at_.y_next);
-}
-
 // Halves the step until, pulled back to the constraints, the Lagrangian has fallen. A step that meets an inequality
 // ends there, and the inequality becomes active.
 bool Descent::step(double alpha) {
   const bool line_search = at_.options.safeguards.line_search;
-  unbalanced(at_.problem, at_.now, at_.y_next, at_.residual);
+  at_.kkt->unbalanced(at_.now->gradient, at_.y_next, at_.residual);
   const double slope = std::min(0.0, dot(at_.residual, at_.step));
-  const double before = lagrangian(at_.now, at_.gap);
-  const double noise = 1e-14 * (1.0 + std::abs(at_.now.objective)) + dot(at_.gap, at_.gap);
+  const double objective = at_.objective(*at_.now);
+  const double before = objective + dot(at_.gap, at_.y_next);
+  const double noise = 1e-14 * (1.0 + std::abs(objective)) + dot(at_.gap, at_.gap);
   const double longest = largest(at_.step);
   for (int h = 0; h < at_.options.halvings; ++h) {
     at_.try_step(alpha);
     const double reach = alpha * longest;
     if (closing_.pull_back(std::clamp(reach * reach, 1e-13, at_.options.closure_tolerance))) {
-      const ActiveSet::Crossing met = at_.active.first_crossing(at_.now, at_.trial);
+      const ActiveSet::Crossing met = at_.active.first_crossing(*at_.now, *at_.trial);
       if (met.fraction < 1.0) {
         alpha *= met.fraction;
         if (alpha * longest > 1e-15) continue;
       }
-      const double after = lagrangian(at_.trial, at_.trial_gap);
+      const double after = at_.objective(*at_.trial) + dot(at_.trial_gap, at_.y_next);
       const bool fell = after <= before + at_.options.armijo * alpha * slope + noise;
       if (fell || (alpha == 1.0 && -slope < noise) || !line_search) {
         if (met.row >= 0)
@@ -165,8 +161,8 @@ bool Descent::step(double alpha) {
 // displacements, closed again by shortest steps, are tried until one has less energy: of all variables by turns and of
 // a few neighbours, which lets one loop out of its lock and leaves the others in peace.
 bool Descent::perturb() {
-  const double before = at_.now.objective;
-  perturbed_ = at_.now.x;
+  const double before = at_.objective(*at_.now);
+  perturbed_ = at_.now->x;
   const int n = at_.variables();
   const int tries = at_.options.perturbation_tries;
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -175,14 +171,14 @@ bool Descent::perturb() {
     const double reach = all ? std::pow(10.0, -3.0 + 2.5 * k / tries) : M_PI * k / tries;
     const int width = all ? n : 1 + static_cast<int>(at_.random() % neighbours);
     const int first = all ? 0 : static_cast<int>(at_.random() % n);
-    at_.now.x = perturbed_;
-    for (int i = first; i < std::min(n, first + width); ++i) at_.now.x[i] += reach * uniform(at_.random);
-    at_.evaluate(at_.now);
+    at_.now->x = perturbed_;
+    for (int i = first; i < std::min(n, first + width); ++i) at_.now->x[i] += reach * uniform(at_.random);
+    at_.evaluate(*at_.now);
     const bool closed = closing_.close() <= at_.options.active_set.touching;
-    if (closed && at_.now.objective < before - 1e-13 * (1.0 + std::abs(before))) return true;
+    if (closed && at_.objective(*at_.now) < before - 1e-13 * (1.0 + std::abs(before))) return true;
   }
-  at_.now.x = perturbed_;
-  at_.evaluate(at_.now);
+  at_.now->x = perturbed_;
+  at_.evaluate(*at_.now);
   return false;
 }
 

@@ -30,7 +30,6 @@ class Descent {
   bool step(double alpha);
   bool perturb();
   bool ran_away() const;
-  double lagrangian(const Evaluation& at, const std::vector<double>& gaps) const;
 
   NewtonSystem& at_;
   LoopClosing& closing_;

@@ -99,7 +99,8 @@ class Adapter final : public Ipopt::TNLP {
   }
 
   bool eval_f(Index, const Number* x, bool fresh, Number& value) override {
-    value = at(x, fresh).objective;
+    at(x, fresh);
+    value = problem_.objective(at_);
     return true;
   }
 

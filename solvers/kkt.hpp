@@ -26,11 +26,13 @@ class Kkt {
   /// True when constraints repeat each other at the point of the Jacobian, so that some were left out.
   virtual bool redundant() const = 0;
 
-  /// Multipliers that go with the point alone, y(x), zero for rows switched off. Returns false where the
-  /// implementation prefers the multipliers of the last solve(), `y` untouched.
-  virtual bool multipliers(std::span<const double> field, std::span<double> y) = 0;
-  /// Least-squares multipliers: minimal |F + J^T y|. Overwrites the factors.
-  virtual void least_squares_multipliers(std::span<const double> field, std::span<double> y) = 0;
+  /// Whether multipliers can be told from a point alone; else those of the last step are the better ones.
+  virtual bool tells_multipliers() const = 0;
+  /// y, zero for rows switched off, with least |F + J^T y|, or where tells_multipliers() with F + J^T y = 0 in as many
+  /// places as J has independent rows. May overwrite the factors.
+  virtual void multipliers(std::span<const double> field, std::span<double> y) = 0;
+  /// out = F + J^T y, y zero for rows switched off.
+  virtual void unbalanced(std::span<const double> field, std::span<const double> y, std::span<double> out) const = 0;
 
   /// Takes the values of K.
   virtual void set_tangent(std::span<const double> values) = 0;
@@ -42,11 +44,11 @@ class Kkt {
   /// only `singular` or not is meaningful.
   virtual Factors factor(double shift) = 0;
 
-  /// Solves with the current factors. An empty field or c is zero, an empty d or y is not wanted. With the residual
-  /// F + J^T y0 for the field, y is the correction of y0: best solved so, because then what is solved inexactly
-  /// vanishes with it.
-  virtual void solve(std::span<const double> field, std::span<const double> c, std::span<double> d,
-                     std::span<double> y) = 0;
+  /// d of the current factors; an empty field or c is zero.
+  virtual void solve(std::span<const double> field, std::span<const double> c, std::span<double> d) = 0;
+  /// y of the last solve(), with the same field. With the residual F + J^T y0 for the field it is the correction of y0:
+  /// best solved so, because then what is solved inexactly vanishes with it.
+  virtual void solved_multipliers(std::span<const double> field, std::span<double> y) = 0;
   /// Some d with J d = -c by the current factors: pulls a point back to the constraints.
   virtual void restore(std::span<const double> c, std::span<double> d) = 0;
 };

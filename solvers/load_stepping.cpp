@@ -11,7 +11,7 @@ void LoadStepping::run() {
   at_.begin_at(at_.start);
   if (!closing_.run() || !at_.linearize()) return;
   at_.load = at_.residual;
-  reached_ = at_.now.x;
+  reached_ = at_.now->x;
   double release = at_.options.first_release;
   for (double let_go = 0.0; let_go < 1.0;) {
     const double next = std::min(1.0, let_go + release);
@@ -22,7 +22,7 @@ void LoadStepping::run() {
     if (outcome == Outcome::interrupted || outcome == Outcome::unbounded) break;
     if (outcome == Outcome::converged) {
       let_go = next;
-      reached_ = at_.now.x;
+      reached_ = at_.now->x;
       release *= 2.0;
     } else {
       release *= 0.25;
@@ -31,7 +31,7 @@ void LoadStepping::run() {
   }
   at_.held = 0.0;
   at_.result.load_stepped = at_.result.outcome == Outcome::converged;
-  at_.evaluate(at_.now);
+  at_.evaluate(*at_.now);
 }
 
 }  // namespace poise::solvers

@@ -32,16 +32,16 @@ bool LoopClosing::run() {
     if (left <= at_.options.active_set.touching) return true;
     if (left < least) {
       least = left;
-      best_ = at_.now.x;
+      best_ = at_.now->x;
     }
     if (attempt == starts_ || at_.interrupted()) break;
     const double reach = least_reach + more_reach * attempt / starts_;
-    at_.now.x = at_.start;
-    for (double& x : at_.now.x) x += reach * uniform(at_.random);
-    at_.evaluate(at_.now);
+    at_.now->x = at_.start;
+    for (double& x : at_.now->x) x += reach * uniform(at_.random);
+    at_.evaluate(*at_.now);
   }
-  at_.now.x = best_;
-  at_.evaluate(at_.now);
+  at_.now->x = best_;
+  at_.evaluate(*at_.now);
   return false;
 }
 
@@ -49,18 +49,18 @@ double LoopClosing::close(Stops stops) {
   double left = 0.0;
   for (int k = 0; k < at_.options.iterations; ++k) {
     if (stops == Stops::while_violated) at_.active.release_inequalities();
-    at_.active.activate_violated(at_.now, violated_beyond);
-    at_.active.gaps(at_.now, at_.gap);
+    at_.active.activate_violated(*at_.now, violated_beyond);
+    at_.active.gaps(*at_.now, at_.gap);
     left = largest(at_.gap);
     if (!(left > at_.options.rounding) || at_.interrupted()) break;
-    if (!at_.kkt->set_jacobian(at_.now, at_.active.flags())) break;
+    if (!at_.kkt->set_jacobian(*at_.now, at_.active.flags())) break;
     at_.kkt->set_identity();
-    at_.factor(0.0);
-    at_.kkt->solve({}, at_.gap, at_.step, {});
+    at_.kkt->factor(0.0);
+    at_.kkt->solve({}, at_.gap, at_.step);
     ++at_.result.iterations;
     if (!shorten(stops)) break;
   }
-  if (stops == Stops::while_violated) at_.active.activate_touched(at_.now);
+  if (stops == Stops::while_violated) at_.active.activate_touched(*at_.now);
   return left;
 }
 
@@ -70,9 +70,9 @@ bool LoopClosing::shorten(Stops stops) {
   for (int h = 0; h < at_.options.halvings; ++h, alpha *= 0.5) {
     at_.try_step(alpha);
     if (stops == Stops::stay) {
-      at_.active.gaps(at_.trial, at_.trial_gap);
+      at_.active.gaps(*at_.trial, at_.trial_gap);
     } else {
-      for (int r = 0; r < at_.rows(); ++r) at_.trial_gap[r] = violation(at_.problem, at_.trial, r);
+      for (int r = 0; r < at_.rows(); ++r) at_.trial_gap[r] = violation(at_.problem, *at_.trial, r);
     }
     if (!(dot(at_.trial_gap, at_.trial_gap) <= (1.0 - at_.options.armijo * alpha) * before)) continue;
     std::swap(at_.now, at_.trial);
@@ -82,14 +82,14 @@ bool LoopClosing::shorten(Stops stops) {
 }
 
 bool LoopClosing::pull_back(double tolerance) {
-  at_.active.gaps(at_.trial, at_.trial_gap);
+  at_.active.gaps(*at_.trial, at_.trial_gap);
   double left = largest(at_.trial_gap);
   for (int k = 0; k < chord_steps && left > tolerance; ++k) {
     at_.kkt->restore(at_.trial_gap, at_.residual);
     if (!(largest(at_.residual) <= at_.options.longest_step)) return false;
-    for (int i = 0; i < at_.variables(); ++i) at_.trial.x[i] += at_.residual[i];
-    at_.evaluate(at_.trial);
-    at_.active.gaps(at_.trial, at_.trial_gap);
+    for (int i = 0; i < at_.variables(); ++i) at_.trial->x[i] += at_.residual[i];
+    at_.evaluate(*at_.trial);
+    at_.active.gaps(*at_.trial, at_.trial_gap);
     const double now_left = largest(at_.trial_gap);
     if (!(now_left < 0.7 * left)) return false;
     left = now_left;

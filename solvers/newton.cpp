@@ -6,7 +6,6 @@
 #include "solvers/load_stepping.hpp"
 #include "solvers/loop_closing.hpp"
 #include "solvers/newton_system.hpp"
-#include "solvers/residuals.hpp"
 #include "solvers/restarts.hpp"
 #include "solvers/stationary_search.hpp"
 #include "solvers/vectors.hpp"
@@ -79,14 +78,14 @@ class Newton::Method {
     at_.random.seed(random_seed);
     std::copy(x.begin(), x.end(), at_.start.begin());
     result.outcome = Outcome::not_solved;
-    result.iterations = result.evaluations = result.factorizations = 0;
-    result.constraint_error = result.force_error = result.last_step = 0.0;
+    result.iterations = result.evaluations = 0;
+    result.constraint_error = 0.0;
     result.descended = result.restarted = result.load_stepped = result.met_lock = false;
     at_.begin_at(at_.start);
   }
 
   bool is_open() {
-    at_.active.gaps(at_.now, at_.gap);
+    at_.active.gaps(*at_.now, at_.gap);
     return largest(at_.gap) > options.active_set.touching;
   }
 
@@ -103,13 +102,11 @@ class Newton::Method {
   }
 
   void finish() {
-    result.x = at_.now.x;
+    result.x = at_.now->x;
     result.multipliers = at_.y;
     result.active = at_.active.flags();
-    at_.active.gaps(at_.now, at_.gap);
+    at_.active.gaps(*at_.now, at_.gap);
     result.constraint_error = largest(at_.gap);
-    unbalanced(at_.problem, at_.now, at_.y, at_.residual);
-    result.force_error = largest(at_.residual);
   }
 
   static constexpr unsigned random_seed = 20220531;

@@ -93,14 +93,13 @@ struct NewtonResult {
   std::vector<char> active;         ///< rows that hold: equalities, and inequalities at their bound
   int iterations = 0;               ///< Newton steps, closing of loops included
   int evaluations = 0;
-  int factorizations = 0;
-  double constraint_error = 0.0;  ///< max |c|, active bounds included
-  double force_error = 0.0;       ///< max |F + J^T y|
-  double last_step = 0.0;         ///< max |d| of the last step: what Newton itself believes of its error
-  bool descended = false;         ///< Goal::stationary fell back on descending the objective
-  bool restarted = false;         ///< it took a start displaced at random
-  bool load_stepped = false;      ///< it took load stepping to get there
-  bool met_lock = false;          ///< some stage ended as Outcome::locked, even if a later one went on
+  /// max |c|, active bounds included, at the last point evaluated: a step within the tolerance is taken from there
+  /// without another look.
+  double constraint_error = 0.0;
+  bool descended = false;     ///< Goal::stationary fell back on descending the objective
+  bool restarted = false;     ///< it took a start displaced at random
+  bool load_stepped = false;  ///< it took load stepping to get there
+  bool met_lock = false;      ///< some stage ended as Outcome::locked, even if a later one went on
 };
 
 /// Newton's method for a Problem, made to arrive from anywhere.

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/residuals.hpp"
-
 namespace poise::solvers {
 namespace {
 
@@ -25,20 +23,21 @@ NewtonSystem::NewtonSystem(const Problem& given_problem, const NewtonOptions& gi
       dense(!problem.has_objective() || small_enough(problem, options)),
       kkt(dense ? make_null_space(problem, options.safeguards.rank_revealing) : make_sparse_kkt(problem)),
       active(problem, {}, options.active_set),
-      now(problem.make_evaluation()),
-      trial(problem.make_evaluation()),
+      now(&points_[0]),
+      trial(&points_[1]),
+      points_{problem.make_evaluation(), problem.make_evaluation()},
       tangent_(problem.tangent_pattern().size()) {
   for (auto* v : {&start, &residual, &step, &load}) v->resize(problem.variables());
   for (auto* v : {&y, &y_next, &gap, &trial_gap}) v->resize(problem.constraints());
 }
 
 void NewtonSystem::begin_at(std::span<const double> x) {
-  std::copy(x.begin(), x.end(), now.x.begin());
+  std::copy(x.begin(), x.end(), now->x.begin());
   active.reset();
   std::fill(y.begin(), y.end(), 0.0);
   forget_multipliers();
-  evaluate(now);
-  active.activate_touched(now);
+  evaluate(*now);
+  active.activate_touched(*now);
 }
 
 void NewtonSystem::evaluate(Evaluation& at) {
@@ -46,42 +45,39 @@ void NewtonSystem::evaluate(Evaluation& at) {
   ++result.evaluations;
   if (held == 0.0) return;
   for (int i = 0; i < variables(); ++i) at.gradient[i] -= held * load[i];
-  at.objective -= held * dot(load, at.x);
+}
+
+double NewtonSystem::objective(Evaluation& at) const {
+  const double f = problem.objective(at);
+  return held == 0.0 ? f : f - held * dot(load, at.x);
 }
 
 void NewtonSystem::try_step(double alpha) {
-  for (int i = 0; i < variables(); ++i) trial.x[i] = now.x[i] + alpha * step[i];
-  evaluate(trial);
+  for (int i = 0; i < variables(); ++i) trial->x[i] = now->x[i] + alpha * step[i];
+  evaluate(*trial);
 }
 
 bool NewtonSystem::linearize() {
-  active.gaps(now, gap);
-  if (!kkt->set_jacobian(now, active.flags())) return false;
-  if (multipliers_for_ == active.changes()) {
-    kkt->multipliers(now.gradient, y);
-  } else {
-    kkt->least_squares_multipliers(now.gradient, y);
-    multipliers_for_ = active.changes();
-  }
-  unbalanced(problem, now, y, residual);
+  active.gaps(*now, gap);
+  if (!kkt->set_jacobian(*now, active.flags())) return false;
+  if (kkt->tells_multipliers() || multipliers_for_ != active.changes()) kkt->multipliers(now->gradient, y);
+  multipliers_for_ = active.changes();
+  kkt->unbalanced(now->gradient, y, residual);
   gap_norm = std::sqrt(dot(gap, gap));
   force_norm = std::sqrt(dot(residual, residual));
   return true;
 }
 
 Kkt::Factors NewtonSystem::factor_tangent() {
-  problem.tangent(now, y, tangent_);
+  problem.tangent(*now, y, tangent_);
   kkt->set_tangent(tangent_);
-  return factor(0.0);
+  return kkt->factor(0.0);
 }
 
-Kkt::Factors NewtonSystem::factor(double shift) {
-  ++result.factorizations;
-  return kkt->factor(shift);
-}
+void NewtonSystem::solve_for_step() { kkt->solve(residual, gap, step); }
 
-void NewtonSystem::solve_for_step() {
-  kkt->solve(residual, gap, step, y_next);
+void NewtonSystem::solve_for_multipliers() {
+  kkt->solved_multipliers(residual, y_next);
   for (int r = 0; r < rows(); ++r) y_next[r] += y[r];
 }
 
@@ -90,12 +86,12 @@ void NewtonSystem::carry_multipliers(double alpha) {
 }
 
 bool NewtonSystem::at_rest() const {
-  return largest(gap) <= options.rounding && largest(residual) <= options.rounding * (1.0 + largest(now.gradient));
+  return largest(gap) <= options.rounding && largest(residual) <= options.rounding * (1.0 + largest(now->gradient));
 }
 
 ActiveSet::Pulling NewtonSystem::release_pulling(std::span<const double> multipliers, double least) {
   if (active.rows().size() == static_cast<std::size_t>(problem.equalities())) return ActiveSet::Pulling::none;
-  const double noise = rounded_pull * (1.0 + largest(now.gradient));
+  const double noise = rounded_pull * (1.0 + largest(now->gradient));
   const ActiveSet::Pulling pulling = active.release_pulling(multipliers, std::max(least, noise));
   if (pulling == ActiveSet::Pulling::released) active.clear_inactive(y);
   return pulling;
@@ -115,16 +111,17 @@ bool NewtonSystem::gave_up() const {
 // heavy there, and would be others had the closures been rounded otherwise.
 Outcome NewtonSystem::arrive(bool with_last_step) {
   if (with_last_step) {
-    for (int i = 0; i < variables(); ++i) now.x[i] += step[i];
-    evaluate(now);
+    for (int i = 0; i < variables(); ++i) now->x[i] += step[i];
     carry_multipliers(1.0);
   }
   const double most = largest(y);
-  if (!(most > options.heavy_multipliers * (1.0 + largest(now.gradient)))) return Outcome::converged;
-  if (!kkt->set_jacobian(now, active.flags())) return Outcome::locked;
+  if (!(most > options.heavy_multipliers * (1.0 + largest(now->gradient)))) return Outcome::converged;
+  if (with_last_step) evaluate(*now);
+  if (!kkt->set_jacobian(*now, active.flags())) return Outcome::locked;
   factor_tangent();
   for (int r = 0; r < rows(); ++r) trial_gap[r] = active.holds(r) ? (r % 2 == 0 ? rounded_gap : -rounded_gap) : 0.0;
-  kkt->solve({}, trial_gap, step, y_next);
+  kkt->solve({}, trial_gap, step);
+  kkt->solved_multipliers({}, y_next);
   return largest(y_next) <= options.settled_multipliers * most ? Outcome::converged : Outcome::locked;
 }
 

@@ -34,19 +34,19 @@ class NewtonSystem {
   std::minstd_rand random;  ///< the same for every run, so that runs repeat
 
   std::vector<double> start;      ///< x that the run was given
-  Evaluation now, trial;          ///< where the run is, and where it may go
+  Evaluation *now, *trial;        ///< where the run is, and where it may go
   std::vector<double> y;          ///< multipliers at now
   std::vector<double> gap;        ///< of linearize(): c of the rows that hold, 0 of others
   std::vector<double> residual;   ///< of linearize(): F - held f + J^T y
   std::vector<double> step;       ///< of solve_for_step()
-  std::vector<double> y_next;     ///< of solve_for_step(): the multipliers at the end of the step
+  std::vector<double> y_next;     ///< of solve_for_multipliers(): those at the end of the step
   std::vector<double> trial_gap;  ///< at trial
   double gap_norm = 0.0;          ///< of linearize(): |gap|
   double force_norm = 0.0;        ///< of linearize(): |residual|
   std::vector<double> load;       ///< f
   double held = 0.0;
 
-  int variables() const { return static_cast<int>(now.x.size()); }
+  int variables() const { return static_cast<int>(now->x.size()); }
   int rows() const { return static_cast<int>(y.size()); }
   bool seeks_minimum() const { return options.goal == Goal::minimum && problem.has_objective(); }
   bool interrupted() const { return options.interrupt != nullptr && options.interrupt->load(); }
@@ -54,6 +54,8 @@ class NewtonSystem {
   /// Puts `now` at x, with the rows that x touches and nothing known of multipliers.
   void begin_at(std::span<const double> x);
   void evaluate(Evaluation& at);
+  /// f - held load^T x at an evaluated point.
+  double objective(Evaluation& at) const;
   /// trial = now + alpha step.
   void try_step(double alpha);
 
@@ -61,13 +63,14 @@ class NewtonSystem {
   void forget_multipliers() { multipliers_for_ = -1; }
   /// J, y, gap and residual at now. False where J cannot be used as it is, which leaves the other two undefined.
   bool linearize();
-  /// Takes the tangent at now and factors K + shift I.
+  /// Takes the tangent at now and factors it.
   Kkt::Factors factor_tangent();
-  Kkt::Factors factor(double shift);
   /// Of the diagonal of K.
-  double largest_curvature() const { return largest(std::span(tangent_).first(now.x.size())); }
-  /// step and y_next by the factors at hand.
+  double largest_curvature() const { return largest(std::span(tangent_).first(now->x.size())); }
+  /// step by the factors at hand.
   void solve_for_step();
+  /// y_next of that step.
+  void solve_for_multipliers();
   /// y += alpha (y_next - y).
   void carry_multipliers(double alpha);
 
@@ -85,6 +88,7 @@ class NewtonSystem {
   Outcome arrive(bool with_last_step);
 
  private:
+  Evaluation points_[2];
   std::vector<double> tangent_;
   int multipliers_for_ = -1;  // ActiveSet::changes() for which y was found
 };

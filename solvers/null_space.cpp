@@ -5,7 +5,7 @@
 //   multipliers   y = -Jo^-T F_o,  so that F + J^T y vanishes in the ordinary places and equals N^T F in the primary
 //   step          d = N z + v,     (N^T K N + shift N^T N) z = -N^T (F + K v)
 // (Paul 1979; thesis eqs. 53-55.) The partition is kept from step to step while B stays small, so that a step costs
-// one Gauss-Jordan inversion of Jo. J and K are kept with ordinary columns first, primary last.
+// one inversion of Jo. J and K are kept with ordinary columns first, primary last.
 //
 // Hand-written loops: at these sizes (a few to a few dozen) a library call costs more than its arithmetic, and dynamic
 // decompositions allocate. Loops run through with_sizes(), which makes the sizes of the commonest mechanisms
@@ -58,14 +58,14 @@ class NullSpace final : public Kkt {
     inverse_.resize(m * m);
     for (auto* v : {&order_, &place_, &permutation_}) v->resize(n);
     for (auto* v : {&rows_, &pivot_}) v->resize(m);
-    jacobian_target_.resize(jacobian_pattern_.size());
+    used_.reserve(jacobian_pattern_.size());
     tangent_target_.resize(tangent_pattern_.size());
     tangent_mirror_.resize(tangent_pattern_.size());
     last_active_.resize(m);
   }
 
   bool set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
-    if (all_rows_used_ && active == last_active_) {
+    if (all_rows_used_ && same_rows(active)) {
       scatter(at);
       if (invert() <= dependence_limit) return true;
     }
@@ -78,23 +78,28 @@ class NullSpace final : public Kkt {
 
   bool redundant() const override { return !all_rows_used_; }
 
-  bool multipliers(std::span<const double> field, std::span<double> y) override {
-    for (int i = 0; i < m_; ++i) y[i] = 0.0;
+  bool tells_multipliers() const override { return true; }
+
+  void multipliers(std::span<const double> field, std::span<double> y) override {
     with_sizes([&](auto, auto r) {
-      for (int j = 0; j < r; ++j) {
-        double sum = 0.0;
-        for (int i = 0; i < r; ++i) sum -= inverse_[i * r + j] * field[order_[i]];
-        y[rows_[j]] = sum;
-      }
+      for (int i = 0; i < r; ++i) right_[i] = field[order_[i]];
+      ordinary_multipliers(y, r);
     });
-    return true;
   }
 
-  void least_squares_multipliers(std::span<const double> field, std::span<double> y) override { multipliers(field, y); }
+  void unbalanced(std::span<const double> field, std::span<const double> y, std::span<double> out) const override {
+    with_sizes([&](auto n, auto r) {
+      for (int i = 0; i < n; ++i) {
+        double sum = field[order_[i]];
+        for (int k = 0; k < r; ++k) sum += jacobian_[k * n + i] * y[rows_[k]];
+        out[order_[i]] = sum;
+      }
+    });
+  }
 
   void set_tangent(std::span<const double> values) override {
     largest_tangent_ = 0.0;
-    for (int e = 0; e < tangent_pattern_.size(); ++e) {
+    for (int e = 0; e < static_cast<int>(values.size()); ++e) {
       tangent_[tangent_target_[e]] = tangent_[tangent_mirror_[e]] = values[e];
       largest_tangent_ = std::max(largest_tangent_, std::abs(values[e]));
     }
@@ -109,23 +114,25 @@ class NullSpace final : public Kkt {
   }
 
   Factors factor(double shift) override {
-    const int p = n_ - rank_;
-    double largest = largest_tangent_;
-    const auto load = [&] {
-      for (int i = 0; i < p * p; ++i) {
-        factors_[i] = reduced_[i] + (shift > 0 ? shift * metric_[i] : 0.0);
-        largest = std::max(largest, std::abs(factors_[i]));
-      }
-    };
-    load();
-    positive_definite_ = symmetric_ && factor_positive_definite(largest);
-    if (positive_definite_) return Factors::positive;
-    if (symmetric_) load();
-    return eliminate(largest) ? Factors::indefinite : Factors::singular;
+    return with_sizes([&](auto n, auto r) {
+      const auto p = n - r;
+      if (shift > 0) measure(p, r);
+      double largest = largest_tangent_;
+      const auto load = [&] {
+        for (int i = 0; i < p * p; ++i) {
+          factors_[i] = shift > 0 ? reduced_[i] + shift * metric_[i] : reduced_[i];
+          largest = std::max(largest, std::abs(factors_[i]));
+        }
+      };
+      load();
+      positive_definite_ = symmetric_ && factor_positive_definite(largest, p);
+      if (positive_definite_) return Factors::positive;
+      if (symmetric_) load();
+      return eliminate(largest, p) ? Factors::indefinite : Factors::singular;
+    });
   }
 
-  void solve(std::span<const double> field, std::span<const double> c, std::span<double> d,
-             std::span<double> y) override {
+  void solve(std::span<const double> field, std::span<const double> c, std::span<double> d) override {
     with_sizes([&](auto n, auto r) {
       const auto p = n - r;
       normal_step(c, r);
@@ -140,26 +147,25 @@ class NullSpace final : public Kkt {
         for (int i = 0; i < r; ++i) sum -= dependence_[i * p + k] * right_[i];
         step_[r + k] = -sum;
       }
-      back_substitute(step_.data() + r);
+      back_substitute(step_.data() + r, p);
       for (int i = 0; i < r; ++i) {
         double sum = normal_[i];
         for (int k = 0; k < p; ++k) sum -= dependence_[i * p + k] * step_[r + k];
         step_[i] = sum;
       }
       for (int i = 0; i < n; ++i) d[order_[i]] = step_[i];
-      if (y.empty()) return;
-      // y = -Jo^-T (F + K d)_o
+    });
+  }
+
+  // y = -Jo^-T (F + K d)_o
+  void solved_multipliers(std::span<const double> field, std::span<double> y) override {
+    with_sizes([&](auto n, auto r) {
       for (int i = 0; i < r; ++i) {
         double sum = !field.empty() ? field[order_[i]] : 0.0;
         for (int k = 0; k < n; ++k) sum += tangent_[i * n + k] * step_[k];
         right_[i] = sum;
       }
-      for (int i = 0; i < m_; ++i) y[i] = 0.0;
-      for (int j = 0; j < r; ++j) {
-        double sum = 0.0;
-        for (int i = 0; i < r; ++i) sum -= inverse_[i * r + j] * right_[i];
-        y[rows_[j]] = sum;
-      }
+      ordinary_multipliers(y, r);
     });
   }
 
@@ -170,12 +176,35 @@ class NullSpace final : public Kkt {
   }
 
  private:
+  // An entry of J in the rows used, and its place in jacobian_.
+  struct Used {
+    int source, target;
+  };
+
   // Calls f(n, rank) with both as compile-time constants for one and two closed loops of one freedom.
   template <class F>
   auto with_sizes(F f) const -> decltype(f(0, 0)) {
     if (n_ == 3 && rank_ == 2) return f(std::integral_constant<int, 3>{}, std::integral_constant<int, 2>{});
     if (n_ == 5 && rank_ == 4) return f(std::integral_constant<int, 5>{}, std::integral_constant<int, 4>{});
     return f(n_, rank_);
+  }
+
+  bool same_rows(const std::vector<char>& active) const {
+    for (int row = 0; row < m_; ++row) {
+      if (active[row] != last_active_[row]) return false;
+    }
+    return true;
+  }
+
+  // y = -Jo^-T right_ for the rows used, 0 for all others.
+  template <class R>
+  void ordinary_multipliers(std::span<double> y, R r) const {
+    for (int i = 0; i < m_; ++i) y[i] = 0.0;
+    for (int j = 0; j < r; ++j) {
+      double sum = 0.0;
+      for (int i = 0; i < r; ++i) sum -= inverse_[i * r + j] * right_[i];
+      y[rows_[j]] = sum;
+    }
   }
 
   // normal_ = -Jo^-1 c in the ordinary places.
@@ -227,11 +256,12 @@ class NullSpace final : public Kkt {
 
   // Where pattern entries go in the permuted matrices; the places that no entry fills stay zero.
   void aim_entries() {
+    used_.clear();
     for (int e = 0; e < jacobian_pattern_.size(); ++e) {
       const auto end = rows_.begin() + rank_;
       const auto row = std::find(rows_.begin(), end, jacobian_pattern_.row[e]);
-      jacobian_target_[e] =
-          row == end ? -1 : static_cast<int>(row - rows_.begin()) * n_ + place_[jacobian_pattern_.column[e]];
+      if (row == end) continue;
+      used_.push_back({e, static_cast<int>(row - rows_.begin()) * n_ + place_[jacobian_pattern_.column[e]]});
     }
     for (int e = 0; e < tangent_pattern_.size(); ++e) {
       const int i = place_[tangent_pattern_.row[e]];
@@ -244,49 +274,19 @@ class NullSpace final : public Kkt {
   }
 
   void scatter(const Evaluation& at) {
-    for (int e = 0; e < jacobian_pattern_.size(); ++e) {
-      if (jacobian_target_[e] >= 0) jacobian_[jacobian_target_[e]] = at.jacobian[e];
-    }
+    for (const Used& entry : used_) jacobian_[entry.target] = at.jacobian[entry.source];
   }
 
-  // inverse_ = Jo^-1 by Gauss-Jordan with row pivoting, dependence_ = B. Returns the largest |B|, infinite where a
-  // pivot vanishes.
+  // inverse_ = Jo^-1, dependence_ = B. Returns the largest |B|, infinite where a pivot vanishes.
   double invert() {
     return with_sizes([&](auto n, auto r) {
       const auto p = n - r;
-      double* a = inverse_.data();
+      if (!(r == 2 ? invert_two() : invert_by_elimination(r))) return std::numeric_limits<double>::infinity();
       double worst = 0.0;
-      for (int i = 0; i < r; ++i) {
-        for (int k = 0; k < r; ++k) a[i * r + k] = jacobian_[i * n + k];
-      }
-      for (int k = 0; k < r; ++k) {
-        int best = k;
-        for (int i = k + 1; i < r; ++i) {
-          if (std::abs(a[i * r + k]) > std::abs(a[best * r + k])) best = i;
-        }
-        pivot_[k] = best;
-        if (!(std::abs(a[best * r + k]) >= smallest_pivot)) return std::numeric_limits<double>::infinity();
-        if (best != k) {
-          for (int c = 0; c < r; ++c) std::swap(a[k * r + c], a[best * r + c]);
-        }
-        const double scale = 1.0 / a[k * r + k];
-        a[k * r + k] = 1.0;
-        for (int c = 0; c < r; ++c) a[k * r + c] *= scale;
-        for (int i = 0; i < r; ++i) {
-          if (i == k) continue;
-          const double factor = a[i * r + k];
-          a[i * r + k] = 0.0;
-          for (int c = 0; c < r; ++c) a[i * r + c] -= factor * a[k * r + c];
-        }
-      }
-      for (int k = r - 1; k >= 0; --k) {
-        if (pivot_[k] == k) continue;
-        for (int i = 0; i < r; ++i) std::swap(a[i * r + k], a[i * r + pivot_[k]]);
-      }
       for (int i = 0; i < r; ++i) {
         for (int k = 0; k < p; ++k) {
           double sum = 0.0;
-          for (int c = 0; c < r; ++c) sum += a[i * r + c] * jacobian_[c * n + r + k];
+          for (int c = 0; c < r; ++c) sum += inverse_[i * r + c] * jacobian_[c * n + r + k];
           dependence_[i * p + k] = sum;
           worst = std::max(worst, std::abs(sum));
         }
@@ -295,7 +295,55 @@ class NullSpace final : public Kkt {
     });
   }
 
-  // reduced_ = N^T K N, metric_ = N^T N = I + B^T B.
+  // One closed loop: Cramer's rule. The pivots are what elimination would meet.
+  bool invert_two() {
+    const double a = jacobian_[0], b = jacobian_[1], c = jacobian_[n_], d = jacobian_[n_ + 1];
+    const double determinant = a * d - b * c;
+    const double pivot = std::max(std::abs(a), std::abs(c));
+    if (!(pivot >= smallest_pivot && std::abs(determinant) >= smallest_pivot * pivot)) return false;
+    const double scale = 1.0 / determinant;
+    inverse_[0] = scale * d;
+    inverse_[1] = -scale * b;
+    inverse_[2] = -scale * c;
+    inverse_[3] = scale * a;
+    return true;
+  }
+
+  // Gauss-Jordan with row pivoting.
+  template <class R>
+  bool invert_by_elimination(R r) {
+    double* a = inverse_.data();
+    for (int i = 0; i < r; ++i) {
+      for (int k = 0; k < r; ++k) a[i * r + k] = jacobian_[i * n_ + k];
+    }
+    for (int k = 0; k < r; ++k) {
+      int best = k;
+      for (int i = k + 1; i < r; ++i) {
+        if (std::abs(a[i * r + k]) > std::abs(a[best * r + k])) best = i;
+      }
+      pivot_[k] = best;
+      if (!(std::abs(a[best * r + k]) >= smallest_pivot)) return false;
+      if (best != k) {
+        for (int c = 0; c < r; ++c) std::swap(a[k * r + c], a[best * r + c]);
+      }
+      const double scale = 1.0 / a[k * r + k];
+      a[k * r + k] = 1.0;
+      for (int c = 0; c < r; ++c) a[k * r + c] *= scale;
+      for (int i = 0; i < r; ++i) {
+        if (i == k) continue;
+        const double factor = a[i * r + k];
+        a[i * r + k] = 0.0;
+        for (int c = 0; c < r; ++c) a[i * r + c] -= factor * a[k * r + c];
+      }
+    }
+    for (int k = r - 1; k >= 0; --k) {
+      if (pivot_[k] == k) continue;
+      for (int i = 0; i < r; ++i) std::swap(a[i * r + k], a[i * r + pivot_[k]]);
+    }
+    return true;
+  }
+
+  // reduced_ = N^T K N.
   void reduce() {
     with_sizes([&](auto n, auto r) {
       const auto p = n - r;
@@ -309,21 +357,28 @@ class NullSpace final : public Kkt {
       for (int a = 0; a < p; ++a) {
         for (int b = 0; b < p; ++b) {
           double sum = product_[(r + a) * p + b];
-          double square = a == b ? 1.0 : 0.0;
-          for (int c = 0; c < r; ++c) {
-            sum -= dependence_[c * p + a] * product_[c * p + b];
-            square += dependence_[c * p + a] * dependence_[c * p + b];
-          }
+          for (int c = 0; c < r; ++c) sum -= dependence_[c * p + a] * product_[c * p + b];
           reduced_[a * p + b] = sum;
-          metric_[a * p + b] = square;
         }
       }
     });
   }
 
+  // metric_ = N^T N = I + B^T B.
+  template <class P, class R>
+  void measure(P p, R r) {
+    for (int a = 0; a < p; ++a) {
+      for (int b = 0; b < p; ++b) {
+        double square = a == b ? 1.0 : 0.0;
+        for (int c = 0; c < r; ++c) square += dependence_[c * p + a] * dependence_[c * p + b];
+        metric_[a * p + b] = square;
+      }
+    }
+  }
+
   // L D L^T without pivoting; false where the matrix is not positive definite.
-  bool factor_positive_definite(double largest) {
-    const int p = n_ - rank_;
+  template <class P>
+  bool factor_positive_definite(double largest, P p) {
     for (int k = 0; k < p; ++k) {
       double pivot = factors_[k * p + k];
       for (int c = 0; c < k; ++c) pivot -= factors_[k * p + c] * factors_[k * p + c] * factors_[c * p + c];
@@ -339,8 +394,8 @@ class NullSpace final : public Kkt {
   }
 
   // LU with row pivoting for what is not positive definite.
-  bool eliminate(double largest) {
-    const int p = n_ - rank_;
+  template <class P>
+  bool eliminate(double largest, P p) {
     bool regular = true;
     for (int k = 0; k < p; ++k) {
       int best = k;
@@ -362,8 +417,8 @@ class NullSpace final : public Kkt {
     return regular;
   }
 
-  void back_substitute(double* z) const {
-    const int p = n_ - rank_;
+  template <class P>
+  void back_substitute(double* z, P p) const {
     if (positive_definite_) {
       for (int i = 0; i < p; ++i) {
         for (int c = 0; c < i; ++c) z[i] -= factors_[i * p + c] * z[c];
@@ -392,6 +447,7 @@ class NullSpace final : public Kkt {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr_columns_, qr_rows_;
   Eigen::MatrixXd qr_matrix_, qr_transposed_;
   std::vector<char> last_active_;
+  std::vector<Used> used_;
   bool all_rows_used_ = false;
   bool positive_definite_ = false;  // factors_ hold L D L^T, else L U
   int rank_ = 0;
@@ -399,7 +455,7 @@ class NullSpace final : public Kkt {
   std::vector<int> order_;  // variables, ordinary first
   std::vector<int> place_;  // where in order_ a variable stands
   std::vector<int> rows_;   // independent constraint rows
-  std::vector<int> pivot_, permutation_, jacobian_target_, tangent_target_, tangent_mirror_;
+  std::vector<int> pivot_, permutation_, tangent_target_, tangent_mirror_;
   std::vector<double> jacobian_, tangent_, inverse_, dependence_, product_, reduced_, metric_, factors_, normal_,
       right_, step_;
 };

@@ -18,7 +18,6 @@ struct Pattern {
 /// Everything a problem says of one point. Made by Problem::make_evaluation(), refilled by Problem::evaluate().
 struct Evaluation {
   std::vector<double> x;           ///< variables
-  double objective = 0.0;          ///< f(x)
   std::vector<double> gradient;    ///< grad f(x), or the field F(x) where there is no objective
   std::vector<double> constraint;  ///< equalities, then inequalities
   std::vector<double> jacobian;    ///< values in the order of jacobian_pattern()
@@ -47,6 +46,8 @@ class Problem {
 
   /// Fills all of `at` from at.x.
   virtual void evaluate(Evaluation& at) const = 0;
+  /// f at an evaluated point. Asked for apart, because a search for stationary points does without.
+  virtual double objective(Evaluation& at) const = 0;
   /// Values of the tangent at an evaluated point; one multiplier for each constraint row.
   virtual void tangent(Evaluation& at, std::span<const double> multipliers, std::span<double> values) const = 0;
   /// Length of Evaluation::scratch.

@@ -106,7 +106,7 @@ double RescaledProblem::objective(std::span<const double> u, std::span<double> g
     value = value_at_base_;
     for (std::size_t i = 0; i < slope_.size(); ++i) value += 0.5 * (slope_[i] + slope_at_base_[i]) * u[i];
   } else {
-    value = e.objective;
+    value = problem_.objective(at_);
     for (int r = 0; r < problem_.equalities(); ++r) value += frame_.multipliers[r] * e.constraint[r];
     value *= frame_.scale;
   }

@@ -64,12 +64,18 @@ class SparseKkt final : public Kkt {
 
   bool redundant() const override { return false; }
 
-  bool multipliers(std::span<const double>, std::span<double>) override { return false; }
+  bool tells_multipliers() const override { return false; }
 
-  void least_squares_multipliers(std::span<const double> field, std::span<double> y) override {
+  void multipliers(std::span<const double> field, std::span<double> y) override {
     set_identity();
     factor(0.0);
-    solve(field, {}, {}, y);
+    solve(field, {});
+    solved_multipliers(field, y);
+  }
+
+  void unbalanced(std::span<const double> field, std::span<const double> y, std::span<double> out) const override {
+    std::copy(field.begin(), field.end(), out.begin());
+    for (int a = 0; a < jacobian_pattern_.size(); ++a) out[column_of(a)] += jacobian_[a] * y[row_of(a)];
   }
 
   void set_tangent(std::span<const double> values) override {
@@ -121,17 +127,16 @@ class SparseKkt final : public Kkt {
   // Negative eigenvalues of K + shift I on the null space of J, after factor().
   int negative_directions() const { return negative_ - m_; }
 
-  void solve(std::span<const double> field, std::span<const double> c, std::span<double> d,
-             std::span<double> y) override {
-    for (int i = 0; i < n_; ++i) rhs_[i] = !field.empty() ? -field[i] : 0.0;
-    for (int r = 0; r < m_; ++r) rhs_[n_ + r] = !c.empty() && active_[r] ? -c[r] : 0.0;
-    back_substitute(rhs_, solution_);
-    if (refine_) refine();
-    if (!d.empty()) std::copy(solution_.begin(), solution_.begin() + n_, d.begin());
-    if (!y.empty()) std::copy(solution_.begin() + n_, solution_.end(), y.begin());
+  void solve(std::span<const double> field, std::span<const double> c, std::span<double> d) override {
+    solve(field, c);
+    std::copy(solution_.begin(), solution_.begin() + n_, d.begin());
   }
 
-  void restore(std::span<const double> c, std::span<double> d) override { solve({}, c, d, {}); }
+  void solved_multipliers(std::span<const double>, std::span<double> y) override {
+    std::copy(solution_.begin() + n_, solution_.end(), y.begin());
+  }
+
+  void restore(std::span<const double> c, std::span<double> d) override { solve({}, c, d); }
 
  private:
   struct Copy {
@@ -248,6 +253,13 @@ class SparseKkt final : public Kkt {
     }
   }
 
+  void solve(std::span<const double> field, std::span<const double> c) {
+    for (int i = 0; i < n_; ++i) rhs_[i] = !field.empty() ? -field[i] : 0.0;
+    for (int r = 0; r < m_; ++r) rhs_[n_ + r] = !c.empty() && active_[r] ? -c[r] : 0.0;
+    back_substitute(rhs_, solution_);
+    if (refine_) refine();
+  }
+
   // Of the last factors; x may be the right side itself.
   void back_substitute(const std::vector<double>& right, std::vector<double>& x) {
     const int coupled = static_cast<int>(coupled_.size());
@@ -347,7 +359,7 @@ Inertia inertia_at(const Problem& problem, const std::vector<double>& x, const s
   problem.evaluate(at);
   std::vector<double> multipliers(problem.constraints()), tangent(problem.tangent_pattern().size());
   kkt.set_jacobian(at, active);
-  kkt.least_squares_multipliers(at.gradient, multipliers);
+  kkt.multipliers(at.gradient, multipliers);
   problem.tangent(at, multipliers, tangent);
   kkt.set_tangent(tangent);
   Inertia inertia;

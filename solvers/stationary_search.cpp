@@ -16,11 +16,7 @@ constexpr double closed_within = 1e-13;  // gaps that trials may leave where con
 }  // namespace
 
 StationarySearch::StationarySearch(NewtonSystem& system, LoopClosing& closing)
-    : at_(system),
-      closing_(closing),
-      filter_(system.options.filter),
-      before_(system.start.size()),
-      y_before_(system.y.size()) {}
+    : at_(system), closing_(closing), filter_(system.options.filter), y_before_(system.y.size()) {}
 
 Outcome StationarySearch::run() {
   at_.forget_multipliers();
@@ -32,12 +28,12 @@ Outcome StationarySearch::run() {
     at_.solve_for_step();
     ++at_.result.iterations;
     const double length = largest(at_.step);
-    at_.result.last_step = length;
     // Next to a fold rounding moves the step far more than the tolerance: residuals that are nothing but rounding
     // then end the run once steps no longer shrink, as they do where a neutral freedom leaves no step to measure.
     const bool no_shorter = neutral || (length <= at_.options.next_to_fold && length > 0.25 * last);
     last = length;
     if (length <= at_.options.step_tolerance || (no_shorter && at_.at_rest())) {
+      at_.solve_for_multipliers();
       const ActiveSet::Pulling pulling = at_.release_pulling(at_.y_next, 0.0);
       if (pulling == ActiveSet::Pulling::cycling) return Outcome::stalled;
       if (pulling == ActiveSet::Pulling::none) return at_.arrive(length <= at_.options.step_tolerance);
@@ -49,7 +45,7 @@ Outcome StationarySearch::run() {
     if (!shorten(bounded ? std::min(1.0, at_.options.longest_step / length) : 1.0)) {
       return at_.at_rest() ? at_.arrive(false) : Outcome::stalled;
     }
-    if (at_.active.activate_violated(at_.now, violated_beyond) && !begin_anew()) return Outcome::stalled;
+    if (at_.active.activate_violated(*at_.now, violated_beyond) && !begin_anew()) return Outcome::stalled;
   }
   return Outcome::iteration_limit;
 }
@@ -60,31 +56,28 @@ bool StationarySearch::begin_anew() {
   return at_.linearize();
 }
 
-// Halves the step until the filter takes it; leaves `now` there, linearized.
+// Halves the step until the filter takes it; leaves `now` there, linearized. Which constraints repeat each other shows
+// only where they hold: with redundant ones every trial is pulled back first.
 bool StationarySearch::shorten(double alpha) {
   filter_.remember(at_.gap_norm, at_.force_norm);
   const bool redundant = at_.kkt->redundant();
-  before_ = at_.now.x;
-  y_before_ = at_.y;
-  for (int h = 0; h < at_.options.stationary_halvings; ++h, alpha *= 0.5) {
-    if (step_from_before(alpha, redundant)) return true;
+  const bool carries_multipliers = !at_.kkt->tells_multipliers();
+  if (carries_multipliers) {
+    at_.solve_for_multipliers();
+    y_before_ = at_.y;
   }
-  at_.now.x = before_;
-  at_.y = y_before_;
-  at_.evaluate(at_.now);
+  for (int h = 0; h < at_.options.stationary_halvings; ++h, alpha *= 0.5) {
+    at_.try_step(alpha);
+    if (redundant && !closing_.pull_back(closed_within)) continue;
+    std::swap(at_.now, at_.trial);
+    if (carries_multipliers) at_.carry_multipliers(alpha);
+    const bool linearized = at_.linearize();
+    if (linearized && (filter_.takes(at_.gap_norm, at_.force_norm) || !at_.options.safeguards.line_search)) return true;
+    std::swap(at_.now, at_.trial);
+    if (carries_multipliers) at_.y = y_before_;
+  }
   at_.linearize();
   return false;
-}
-
-// Which constraints repeat each other shows only where they hold: with redundant ones the trial is pulled back first.
-bool StationarySearch::step_from_before(double alpha, bool redundant) {
-  for (int i = 0; i < at_.variables(); ++i) at_.trial.x[i] = before_[i] + alpha * at_.step[i];
-  at_.evaluate(at_.trial);
-  if (redundant && !closing_.pull_back(closed_within)) return false;
-  std::swap(at_.now, at_.trial);
-  for (int r = 0; r < at_.rows(); ++r) at_.y[r] = y_before_[r] + alpha * (at_.y_next[r] - y_before_[r]);
-  if (!at_.linearize()) return false;
-  return filter_.takes(at_.gap_norm, at_.force_norm) || !at_.options.safeguards.line_search;
 }
 
 }  // namespace poise::solvers

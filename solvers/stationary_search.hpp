@@ -19,12 +19,11 @@ class StationarySearch {
  private:
   bool begin_anew();
   bool shorten(double alpha);
-  bool step_from_before(double alpha, bool redundant);
 
   NewtonSystem& at_;
   LoopClosing& closing_;
   Filter filter_;
-  std::vector<double> before_, y_before_;
+  std::vector<double> y_before_;
 };
 
 }  // namespace poise::solvers

@@ -21,10 +21,13 @@ void EquilibriumProblem::evaluate(solvers::Evaluation& at) const {
   const double* q = at.x.data();
   Planar<double>* pose = pose_of(at);
   mechanism_.place(q, pose);
-  at.objective = mechanism_.energy(q, pose);
   mechanism_.negative_force(q, pose, at.gradient.data());
   mechanism_.constraint(q, pose, at.constraint.data());
   mechanism_.jacobian(pose, at.jacobian.data());
+}
+
+double EquilibriumProblem::objective(solvers::Evaluation& at) const {
+  return mechanism_.energy(at.x.data(), pose_of(at));
 }
 
 void EquilibriumProblem::tangent(solvers::Evaluation& at, std::span<const double> multipliers,

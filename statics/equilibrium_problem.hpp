@@ -20,6 +20,7 @@ class EquilibriumProblem final : public solvers::Problem {
   const solvers::Pattern& jacobian_pattern() const override { return jacobian_pattern_; }
   const solvers::Pattern& tangent_pattern() const override { return tangent_pattern_; }
   void evaluate(solvers::Evaluation& at) const override;
+  double objective(solvers::Evaluation& at) const override;
   void tangent(solvers::Evaluation& at, std::span<const double> multipliers, std::span<double> values) const override;
   int scratch_size() const override { return 2 * mechanism_.pose_size(); }
 

@@ -200,10 +200,8 @@ class Logarithm final : public Problem {
   bool has_objective() const override { return true; }
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
-  void evaluate(Evaluation& at) const override {
-    at.objective = at.x[0] * (std::log(at.x[0]) - 1);
-    at.gradient[0] = std::log(at.x[0]);
-  }
+  double objective(Evaluation& at) const override { return at.x[0] * (std::log(at.x[0]) - 1); }
+  void evaluate(Evaluation& at) const override { at.gradient[0] = std::log(at.x[0]); }
   void tangent(Evaluation& at, std::span<const double>, std::span<double> values) const override {
     values[0] = 1 / at.x[0];
   }

@@ -46,10 +46,14 @@ class Parabola final : public Problem {
   bool has_objective() const override { return potential; }
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
+  double objective(Evaluation& at) const override {
+    const double x = at.x[0];
+    const double y = at.x[1];
+    return a * x * x / 2 + b * y * y / 2 + s * x * x * x * x / 4 - p * x;
+  }
   void evaluate(Evaluation& at) const override {
     const double x = at.x[0];
     const double y = at.x[1];
-    at.objective = a * x * x / 2 + b * y * y / 2 + s * x * x * x * x / 4 - p * x;
     at.gradient = {a * x + s * x * x * x - p, b * y};
     std::size_t row = 0;
     std::size_t entry = 0;
@@ -198,8 +202,8 @@ class Impossible final : public Problem {
   bool has_objective() const override { return true; }
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
+  double objective(Evaluation& at) const override { return at.x[0]; }
   void evaluate(Evaluation& at) const override {
-    at.objective = at.x[0];
     at.gradient = {1, 0};
     at.constraint[0] = at.x[0] * at.x[0] + at.x[1] * at.x[1] + 1;
     at.jacobian = {2 * at.x[0], 2 * at.x[1]};
@@ -232,6 +236,7 @@ class Whirl final : public Problem {
   bool has_objective() const override { return false; }
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
+  double objective(Evaluation&) const override { return 0.0; }
   void evaluate(Evaluation& at) const override { at.gradient = {at.x[1] + at.x[0] / 2 - 1, -at.x[0] + at.x[1] / 2}; }
   void tangent(Evaluation&, std::span<const double>, std::span<double> values) const override {
     values[0] = values[1] = 0.5;
@@ -264,6 +269,7 @@ class NoRest final : public Problem {
   bool has_objective() const override { return false; }
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
+  double objective(Evaluation&) const override { return 0.0; }
   void evaluate(Evaluation& at) const override { at.gradient = {at.x[0] * at.x[0] + 1}; }
   void tangent(Evaluation& at, std::span<const double>, std::span<double> values) const override {
     values[0] = 2 * at.x[0];
@@ -306,7 +312,8 @@ TEST(Kkt, BothAlgebrasGiveTheSameStepAndMultipliers) {
       kkt.set_jacobian(at, active);
       kkt.set_tangent(tangent);
       EXPECT_EQ(kkt.factor(0.0), Kkt::Factors::positive);
-      kkt.solve(at.gradient, gap, d, y);
+      kkt.solve(at.gradient, gap, d);
+      kkt.solved_multipliers(at.gradient, y);
     };
     solve(*make_null_space(parabola), d_dense, y_dense);
     solve(*make_sparse_kkt(parabola), d_sparse, y_sparse);
@@ -333,7 +340,7 @@ TEST(Kkt, TellsPositiveDefiniteFromIndefinite) {
     for (const auto& kkt : {make_null_space(parabola), make_sparse_kkt(parabola)}) {
       std::vector<double> tangent(2), y(1);
       kkt->set_jacobian(at, {1});
-      kkt->least_squares_multipliers(at.gradient, y);
+      kkt->multipliers(at.gradient, y);
       EXPECT_NEAR(y[0], bottom ? -1.0 : -4.0, 1e-9);
       parabola.tangent(at, y, tangent);
       kkt->set_tangent(tangent);

@@ -37,10 +37,10 @@ class Groove final : public Problem {
   bool has_objective() const override { return potential; }
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
+  double objective(Evaluation& at) const override { return g(at.x[0]) + at.x[1] * at.x[1] / 2; }
   void evaluate(Evaluation& at) const override {
     const double x = at.x[0];
     const double y = at.x[1];
-    at.objective = g(x) + y * y / 2;
     at.gradient = {slope(x), y};
     for (int k = 0; k < repeats_; ++k) {
       at.constraint[k] = y - h(x);
@@ -171,10 +171,10 @@ class Cusp final : public Problem {
   bool has_objective() const override { return true; }
   const Pattern& jacobian_pattern() const override { return jacobian_; }
   const Pattern& tangent_pattern() const override { return tangent_; }
+  double objective(Evaluation& at) const override { return at.x[0]; }
   void evaluate(Evaluation& at) const override {
     const double x = at.x[0];
     const double y = at.x[1];
-    at.objective = x;
     at.gradient = {1.0, 0.0};
     at.constraint[0] = y * y - x * x * x;
     at.jacobian = {-3 * x * x, 2 * y};

@@ -35,8 +35,17 @@ class CirclesProblem final : public solvers::Problem {
   const solvers::Pattern& jacobian_pattern() const override { return jacobian_; }
   const solvers::Pattern& tangent_pattern() const override { return tangent_; }
 
+  double objective(solvers::Evaluation& at) const override {
+    double sum = 0.0;
+    for (int k = 0; k < n_ / 2; ++k) {
+      const double x = at.x[2 * k];
+      const double y = at.x[2 * k + 1];
+      sum += (x * x + 4 * y * y) / 2 - pull(k) * x;
+    }
+    return sum;
+  }
+
   void evaluate(solvers::Evaluation& at) const override {
-    at.objective = 0.0;
     for (int r = 0; r < jacobian_.rows; ++r) {
       const int k = r % (n_ / 2);
       const double x = at.x[2 * k];
@@ -46,7 +55,6 @@ class CirclesProblem final : public solvers::Problem {
       at.jacobian[2 * r + 1] = y;
       at.gradient[2 * k] = x - pull(k);
       at.gradient[2 * k + 1] = 4 * y;
-      if (r < n_ / 2) at.objective += (x * x + 4 * y * y) / 2 - pull(k) * x;
     }
   }
 

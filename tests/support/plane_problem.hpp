@@ -41,11 +41,14 @@ class PlaneProblem final : public solvers::Problem {
   const solvers::Pattern& jacobian_pattern() const override { return jacobian_; }
   const solvers::Pattern& tangent_pattern() const override { return t == 0 ? diagonal_ : full_; }
 
+  double objective(solvers::Evaluation& at) const override {
+    return a * at.x[0] * at.x[0] / 2 + b * at.x[1] * at.x[1] / 2 - p * at.x[0] + offset;
+  }
+
   void evaluate(solvers::Evaluation& at) const override {
     ++calls_;
     const double x = at.x[0];
     const double y = at.x[1];
-    at.objective = a * x * x / 2 + b * y * y / 2 - p * x + offset;
     at.gradient = {a * x - t * y - p, t * x + b * y};
     if (on_circle_) {
       at.constraint[0] = (x * x + y * y - r2) / 2;
