@@ -6,12 +6,14 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "app/commands/check.hpp"
+#include "app/commands/command.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/compare.hpp"
 #include "app/commands/design.hpp"
@@ -34,34 +36,53 @@ namespace {
 struct Entry {
   Command command;
   std::string example;
-  std::string name() const { return command.app->get_name(); }
+
+  std::string line() const { return fmt::format("  poise {} {}\n", command.name, example); }
 };
 
-std::vector<Entry> add_commands(CLI::App& app) {
+std::vector<Entry> all_commands() {
   return {
-      {add_check(app), "datasets/six_bar.toml"},
-      {add_solve(app), "datasets/toggle_clamp.toml --set load.P=30 --svg clamp.svg --json clamp.json"},
-      {add_compare(app), "datasets/car_hood.toml --svg hood.svg"},
-      {add_kinematics(app), "datasets/lift.toml --drive stroke=0.5..0.79 --point platform.Q --svg lift.svg"},
-      {add_motion(app), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv"},
-      {add_modes(app), "datasets/lift.toml"},
-      {add_forces(app), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg"},
-      {add_design(app), "datasets/lift_design.toml --scene found.toml"},
-      {add_identify(app), "datasets/lift_experiment.toml --svg fit.svg"},
-      {add_identifiability(app), "datasets/lift_experiment_empty.toml"},
-      {add_montecarlo(app), "datasets/lift_experiment.toml --trials 300"},
-      {add_stress(app), "--methods virtual-work,energy --starts 100"},
+      {check_command(), "datasets/six_bar.toml"},
+      {solve_command(), "datasets/toggle_clamp.toml --set load.P=30 --svg clamp.svg --json clamp.json"},
+      {compare_command(), "datasets/car_hood.toml --svg hood.svg"},
+      {kinematics_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --point platform.Q --svg lift.svg"},
+      {motion_command(), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv"},
+      {modes_command(), "datasets/lift.toml"},
+      {forces_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg"},
+      {design_command(), "datasets/lift_design.toml --scene found.toml"},
+      {identify_command(), "datasets/lift_experiment.toml --svg fit.svg"},
+      {identifiability_command(), "datasets/lift_experiment_empty.toml"},
+      {montecarlo_command(), "datasets/lift_experiment.toml --trials 300"},
+      {stress_command(), "--methods virtual-work,energy --starts 100"},
   };
 }
 
-void add_examples(CLI::App& app, const std::vector<Entry>& commands) {
-  std::string text = "Examples:\n";
-  for (const Entry& entry : commands) {
-    const std::string line = fmt::format("  poise {} {}\n", entry.name(), entry.example);
-    text += line;
-    entry.command.app->footer("Example:\n" + line);
+/// Tells CLI11 of an option.
+struct Declaration {
+  CLI::App& app;
+  const Option& option;
+
+  void operator()(bool* flag) const { app.add_flag(option.name, *flag, option.help); }
+  void operator()(std::vector<std::string>* list) const { add(*list).allow_extra_args(!option.name.starts_with('-')); }
+  void operator()(auto* value) const { add(*value); }
+
+ private:
+  CLI::Option& add(auto& value) const {
+    return *app.add_option(option.name, value, option.help)
+                ->type_name(option.value)
+                ->required(option.presence == Presence::required);
   }
-  app.footer(text +
+};
+
+void declare(CLI::App& app, const std::vector<Entry>& commands) {
+  std::string examples = "Examples:\n";
+  for (const Entry& entry : commands) {
+    CLI::App& command = *app.add_subcommand(entry.command.name, entry.command.help);
+    for (const Option& option : entry.command.options) std::visit(Declaration{command, option}, option.target);
+    command.footer("Example:\n" + entry.line());
+    examples += entry.line();
+  }
+  app.footer(examples +
              "\nExit code: 0 solved and confirmed, 1 not found or not confirmed, 2 bad input.\n"
              "Numbers are read and shown in the units of the scene. Files: docs/scene-files.md,\n"
              "docs/experiment-files.md.");
@@ -77,7 +98,7 @@ int complain(const std::string& line) {
 /// What CLI11 would only call "required": no command, or one that is misspelt.
 void expect_command(const std::vector<Entry>& commands, int argc, const char* const* argv) {
   std::vector<std::string> names;
-  for (const Entry& entry : commands) names.push_back(entry.name());
+  for (const Entry& entry : commands) names.push_back(entry.command.name);
   const std::string expected =
       fmt::format("expected a command: {} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
   if (argc < 2) throw InputError("poise: " + expected + "; poise --help tells more");
@@ -109,8 +130,8 @@ int parse_and_run(int argc, const char* const* argv) {
   app.set_version_flag("--version", "poise " POISE_VERSION, "Print the version and leave");
   app.get_formatter()->column_width(34);
   app.require_subcommand(1);
-  const std::vector<Entry> commands = add_commands(app);
-  add_examples(app, commands);
+  const std::vector<Entry> commands = all_commands();
+  declare(app, commands);
 
   expect_command(commands, argc, argv);
   try {
@@ -122,8 +143,8 @@ int parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("poise: {}; poise {} --help tells more", first_line(error.what()), argv[1]));
   }
-  const auto asked =
-      std::find_if(commands.begin(), commands.end(), [](const Entry& entry) { return entry.command.app->parsed(); });
+  const auto asked = std::find_if(commands.begin(), commands.end(),
+                                  [&](const Entry& entry) { return app.got_subcommand(entry.command.name); });
   return asked->command.run(Palette::for_stream(stdout));
 }
 

@@ -24,12 +24,12 @@ int run_check(const Request& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_check(CLI::App& app) {
+Command check_command() {
   const auto request = std::make_shared<Request>();
-  CLI::App& command =
-      *app.add_subcommand("check", "Tell what a scene is: bodies, joints, mobility, what the model keeps");
+  Command command{"check", "Tell what a scene is: bodies, joints, mobility, what the model keeps"};
   add_scene_options(command, *request);
-  return {&command, [request](const Palette& palette) { return run_check(*request, palette); }};
+  command.run = [request](const Palette& palette) { return run_check(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

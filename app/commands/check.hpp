@@ -6,6 +6,6 @@ namespace poise::app {
 
 /// `poise check SCENE`: what the scene is: bodies, joints, mobility, what the model keeps. bad_input where it cannot be
 /// assembled.
-Command add_check(CLI::App& app);
+Command check_command();
 
 }  // namespace poise::app

@@ -1,19 +1,43 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
-
-#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "app/palette.hpp"
 
 namespace poise::app {
 
+/// Where the value of an option goes: a flag sets the bool, a list takes one value each time the option is given, an
+/// optional stays empty where the option is not given, all others keep what they held.
+using OptionTarget = std::variant<bool*, int*, std::uint64_t*, double*, std::string*, std::vector<std::string>*,
+                                  std::optional<int>*, std::optional<double>*, std::optional<std::string>*>;
+
+enum class Presence { optional, required };
+
+/// An option of a command, or, where its name has no dashes, a word without a name: the file it reads, say. A list
+/// without dashes takes all such words.
+struct Option {
+  std::string name;  ///< "--seed", "SCENE"
+  OptionTarget target;
+  std::string value;  ///< what the help calls the value: "N"; empty for a flag and a word without a name
+  std::string help;   ///< its lines as the help shows them
+  Presence presence = Presence::optional;
+};
+
 /// A command of `poise`: its part of the command line, and what to do once that has been read. run() prints its report
 /// on standard output in the palette, writes the files asked for and returns the exit code; bad input is thrown as
-/// InputError.
+/// InputError. It owns what the options write to.
 struct Command {
-  CLI::App* app;
-  std::function<int(const Palette&)> run;
+  std::string name, help;
+  std::vector<Option> options = {};  ///< in the order of the help
+  std::function<int(const Palette&)> run = {};
+
+  void add(Option option) { options.push_back(std::move(option)); }
 };
 
 }  // namespace poise::app

@@ -94,28 +94,24 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
 
 }  // namespace
 
-Command add_compare(CLI::App& app) {
+Command compare_command() {
   const auto request = std::make_shared<CompareRequest>();
-  CLI::App& command = *app.add_subcommand("compare", "Find where it rests, by several methods side by side");
+  Command command{"compare", "Find where it rests, by several methods side by side"};
   add_solve_options(command, request->common, request->seek);
-  command
-      .add_option("--methods", request->methods,
-                  "virtual-work,energy (the default), any other list of names, or\nall (the default with "
-                  "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
-                      method_help())
-      ->type_name("NAMES");
-  command
-      .add_option("--tolerances", request->tolerances,
-                  "Speed against error: runs at these tolerances, by decades\n(1e-2..1e-14) or as a list (1e-3,1e-6); "
-                  "--svg then draws the\nerror against the time; exit code 0 where some run is confirmed")
-      ->type_name("RANGE");
-  command.add_option("--repeat", request->repeat, "Runs of each to take the median time of (7)")->type_name("N");
-  command.add_option("--csv", request->common.csv, "Write the runs at all tolerances to FILE as CSV")
-      ->type_name("FILE");
-  return {&command, [request](const Palette& palette) {
-            if (!request->tolerances) return run_side_by_side(*request, palette);
-            return run_work_precision(request->common, work_precision_options(*request), palette);
-          }};
+  command.add({"--methods", &request->methods, "NAMES",
+               "virtual-work,energy (the default), any other list of names, or\nall (the default with "
+               "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
+                   method_help()});
+  command.add({"--tolerances", &request->tolerances, "RANGE",
+               "Speed against error: runs at these tolerances, by decades\n(1e-2..1e-14) or as a list (1e-3,1e-6); "
+               "--svg then draws the\nerror against the time; exit code 0 where some run is confirmed"});
+  command.add({"--repeat", &request->repeat, "N", "Runs of each to take the median time of (7)"});
+  command.add({"--csv", &request->common.csv, "FILE", "Write the runs at all tolerances to FILE as CSV"});
+  command.run = [request](const Palette& palette) {
+    if (!request->tolerances) return run_side_by_side(*request, palette);
+    return run_work_precision(request->common, work_precision_options(*request), palette);
+  };
+  return command;
 }
 
 }  // namespace poise::app

@@ -68,15 +68,16 @@ int run_design(const DesignRequest& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_design(CLI::App& app) {
+Command design_command() {
   const auto request = std::make_shared<DesignRequest>();
-  CLI::App& command = *app.add_subcommand("design", "Find dimensions that meet the goals of a design file");
-  command.add_option("DESIGN", request->common.scene, "Design file (TOML)")->required()->type_name("");
-  command.add_option("--seed", request->seed, "Of the random starts (1)")->type_name("N");
-  command.add_option("--starts", request->starts, "Searches before it gives up (300)")->type_name("N");
-  command.add_option("--scene", request->found, "Write the geometry found to FILE, as a scene")->type_name("FILE");
-  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
-  return {&command, [request](const Palette& palette) { return run_design(*request, palette); }};
+  Command command{"design", "Find dimensions that meet the goals of a design file"};
+  command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required});
+  command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
+  command.add({"--starts", &request->starts, "N", "Searches before it gives up (300)"});
+  command.add({"--scene", &request->found, "FILE", "Write the geometry found to FILE, as a scene"});
+  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
+  command.run = [request](const Palette& palette) { return run_design(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

@@ -5,15 +5,13 @@
 
 namespace poise::app {
 
-void add_experiment_options(CLI::App& command, ExperimentRequest& request) {
+void add_experiment_options(Command& command, ExperimentRequest& request) {
   request.common.kind = "experiment";
-  command.add_option("EXPERIMENT", request.common.scene, "Experiment file (TOML)")->required()->type_name("");
-  command
-      .add_option("--data", request.data,
-                  "Read this CSV file in place of the one that the experiment's\nruns name (all the same)")
-      ->type_name("FILE");
+  command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required});
+  command.add({"--data", &request.data, "FILE",
+               "Read this CSV file in place of the one that the experiment's\nruns name (all the same)"});
   add_settings(command, request.common);
-  command.add_option("--json", request.common.json, "Write the result to FILE as JSON")->type_name("FILE");
+  command.add({"--json", &request.common.json, "FILE", "Write the result to FILE as JSON"});
 }
 
 Experiment load_experiment(const ExperimentRequest& request) {

@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "app/commands/command.hpp"
 #include "app/commands/commands.hpp"
 #include "identification/fit_problem.hpp"
 
@@ -18,7 +17,7 @@ struct ExperimentRequest {
 
 /// What every command that reads an experiment takes: EXPERIMENT, --data, --set and --json. `request` must outlive the
 /// command.
-void add_experiment_options(CLI::App& command, ExperimentRequest& request);
+void add_experiment_options(Command& command, ExperimentRequest& request);
 
 /// Throws InputError, also where nothing is unknown.
 Experiment load_experiment(const ExperimentRequest& request);

@@ -202,36 +202,25 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_forces(CLI::App& app) {
+Command forces_command() {
   const auto request = std::make_shared<ForcesRequest>();
-  CLI::App& command =
-      *app.add_subcommand("forces", "What drives must give and joints carry, in a pose or along a motion");
+  Command command{"forces", "What drives must give and joints carry, in a pose or along a motion"};
   add_scene_options(command, request->common);
-  command
-      .add_option("--drive", request->drives,
-                  "crank: drives the angle of a body, or the travel of a joint,\nfrom where it stands; crank=30: put "
-                  "there; crank=0..360: over\na range. Takes the place of the scene's drives; several times")
-      ->type_name("NAME[=RANGE]")
-      ->allow_extra_args(false);
-  command
-      .add_option(
-          "--rate", request->rate,
-          "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
-          "pose)")
-      ->type_name("NUMBER");
-  command.add_option("--steps", request->steps, "Equal parts of the range (72)")->type_name("N");
-  command
-      .add_option(
-          "--motion", request->motion,
-          "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "
-          "writes it")
-      ->type_name("FILE");
-  command.add_option("--csv", request->common.csv, "Write all forces, one line for each pose, to FILE")
-      ->type_name("FILE");
-  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
-  command.add_option("--svg", request->common.svg, "Draw efforts and reactions over the range into FILE")
-      ->type_name("FILE");
-  return {&command, [request](const Palette& palette) { return run_forces(*request, palette); }};
+  command.add({"--drive", &request->drives, "NAME[=RANGE]",
+               "crank: drives the angle of a body, or the travel of a joint,\nfrom where it stands; crank=30: put "
+               "there; crank=0..360: over\na range. Takes the place of the scene's drives; several times"});
+  command.add({"--rate", &request->rate, "NUMBER",
+               "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
+               "pose)"});
+  command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
+  command.add({"--motion", &request->motion, "FILE",
+               "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "
+               "writes it"});
+  command.add({"--csv", &request->common.csv, "FILE", "Write all forces, one line for each pose, to FILE"});
+  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
+  command.add({"--svg", &request->common.svg, "FILE", "Draw efforts and reactions over the range into FILE"});
+  command.run = [request](const Palette& palette) { return run_forces(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

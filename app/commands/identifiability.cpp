@@ -42,12 +42,13 @@ int run_identifiability(const IdentifiabilityRequest& request, const Palette& pa
 
 }  // namespace
 
-Command add_identifiability(CLI::App& app) {
+Command identifiability_command() {
   const auto request = std::make_shared<IdentifiabilityRequest>();
-  CLI::App& command = *app.add_subcommand("identifiability", "Tell, before any data, what an experiment can tell");
+  Command command{"identifiability", "Tell, before any data, what an experiment can tell"};
   add_experiment_options(command, request->experiment);
-  command.add_flag("--base", request->base, "List the base parameters of the mechanism, too");
-  return {&command, [request](const Palette& palette) { return run_identifiability(*request, palette); }};
+  command.add({"--base", &request->base, "", "List the base parameters of the mechanism, too"});
+  command.run = [request](const Palette& palette) { return run_identifiability(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

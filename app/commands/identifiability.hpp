@@ -5,6 +5,6 @@
 namespace poise::app {
 
 /// `poise identifiability EXPERIMENT`: what it can tell, before any data. Exit code solved where that could be judged.
-Command add_identifiability(CLI::App& app);
+Command identifiability_command();
 
 }  // namespace poise::app

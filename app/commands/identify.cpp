@@ -54,25 +54,19 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_identify(CLI::App& app) {
+Command identify_command() {
   const auto request = std::make_shared<IdentifyRequest>();
-  CLI::App& command =
-      *app.add_subcommand("identify", "Find masses, inertias, stiffnesses and damping from records of motions");
+  Command command{"identify", "Find masses, inertias, stiffnesses and damping from records of motions"};
   add_experiment_options(command, request->experiment);
-  command
-      .add_option("--start", request->start,
-                  "auto: from damped sines where the records swing so, else from\nthe experiment's starts (the "
-                  "default); given: from those always")
-      ->type_name("WHAT");
-  command
-      .add_option("--csv", request->experiment.common.csv,
-                  "Write readings, predictions and residuals to FILE, one line\nfor each run and time")
-      ->type_name("FILE");
-  command
-      .add_option("--svg", request->experiment.common.svg,
-                  "Draw the worst runs' readings, residuals and sensitivities into\nFILE")
-      ->type_name("FILE");
-  return {&command, [request](const Palette& palette) { return run_identify(*request, palette); }};
+  command.add({"--start", &request->start, "WHAT",
+               "auto: from damped sines where the records swing so, else from\nthe experiment's starts (the "
+               "default); given: from those always"});
+  command.add({"--csv", &request->experiment.common.csv, "FILE",
+               "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});
+  command.add({"--svg", &request->experiment.common.svg, "FILE",
+               "Draw the worst runs' readings, residuals and sensitivities into\nFILE"});
+  command.run = [request](const Palette& palette) { return run_identify(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

@@ -64,31 +64,23 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_kinematics(CLI::App& app) {
+Command kinematics_command() {
   const auto request = std::make_shared<KinematicsRequest>();
-  CLI::App& command = *app.add_subcommand("kinematics", "Drive it over a range: positions, velocities, accelerations");
+  Command command{"kinematics", "Drive it over a range: positions, velocities, accelerations"};
   add_scene_options(command, request->common);
-  command
-      .add_option(
-          "--drive", request->drives,
-          "Drive the angle of a body, or the travel of a joint, in the\nscene's units: crank=0..360; as many as "
-          "it has freedoms")
-      ->required()
-      ->type_name("NAME=FROM..TO")
-      ->allow_extra_args(false);
-  command.add_option("--steps", request->steps, "Equal parts of the range (72)")->type_name("N");
-  command
-      .add_option("--rate", request->rate,
-                  "Speed of the first drive that moves, scene's units per second\n(1 rad/s or 1 m/s)")
-      ->type_name("NUMBER");
-  command.add_option("--point", request->points, "Show this point too: crank.B; several times")
-      ->type_name("BODY.POINT")
-      ->allow_extra_args(false);
-  command.add_option("--csv", request->common.csv, "Write all samples, one line each, to FILE")->type_name("FILE");
-  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
-  command.add_option("--svg", request->common.svg, "Draw coordinates and their derivatives into FILE")
-      ->type_name("FILE");
-  return {&command, [request](const Palette& palette) { return run_kinematics(*request, palette); }};
+  command.add({"--drive", &request->drives, "NAME=FROM..TO",
+               "Drive the angle of a body, or the travel of a joint, in the\nscene's units: crank=0..360; as many as "
+               "it has freedoms",
+               Presence::required});
+  command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
+  command.add({"--rate", &request->rate, "NUMBER",
+               "Speed of the first drive that moves, scene's units per second\n(1 rad/s or 1 m/s)"});
+  command.add({"--point", &request->points, "BODY.POINT", "Show this point too: crank.B; several times"});
+  command.add({"--csv", &request->common.csv, "FILE", "Write all samples, one line each, to FILE"});
+  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
+  command.add({"--svg", &request->common.svg, "FILE", "Draw coordinates and their derivatives into FILE"});
+  command.run = [request](const Palette& palette) { return run_kinematics(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

@@ -48,16 +48,15 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_modes(CLI::App& app) {
+Command modes_command() {
   const auto request = std::make_shared<ModesRequest>();
-  CLI::App& command = *app.add_subcommand("modes", "Tell how it swings about rest: frequencies, shapes, damping");
+  Command command{"modes", "Tell how it swings about rest: frequencies, shapes, damping"};
   add_scene_options(command, request->common);
-  command
-      .add_option("--seek", request->seek,
-                  "nearest: any equilibrium near the start (the default);\nstable: minima only")
-      ->type_name("WHAT");
-  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
-  return {&command, [request](const Palette& palette) { return run_modes(*request, palette); }};
+  command.add({"--seek", &request->seek, "WHAT",
+               "nearest: any equilibrium near the start (the default);\nstable: minima only"});
+  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
+  command.run = [request](const Palette& palette) { return run_modes(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

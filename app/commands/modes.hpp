@@ -6,6 +6,6 @@ namespace poise::app {
 
 /// `poise modes SCENE`: natural frequencies, shapes and damping of the small motions about an equilibrium. Exit code
 /// solved where the equilibrium is confirmed and its motions are known.
-Command add_modes(CLI::App& app);
+Command modes_command();
 
 }  // namespace poise::app

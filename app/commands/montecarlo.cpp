@@ -68,22 +68,19 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_montecarlo(CLI::App& app) {
+Command montecarlo_command() {
   const auto request = std::make_shared<MonteCarloRequest>();
-  CLI::App& command = *app.add_subcommand("montecarlo", "Simulate and fit many times: are the estimates that sure?");
+  Command command{"montecarlo", "Simulate and fit many times: are the estimates that sure?"};
   add_experiment_options(command, request->experiment);
-  command.add_option("--trials", request->trials, "Simulations to fit (300)")->type_name("N");
-  command.add_option("--seed", request->seed, "Of the noise and the starts (1)")->type_name("N");
-  command
-      .add_option("--off", request->off,
-                  "Every fit starts from parameters off the truth by up to this\npart of it, each its own way (0.5)")
-      ->type_name("PART");
-  command
-      .add_option("--start", request->start,
-                  "given: from those (the default); auto: the fits find their\nown starts where they can")
-      ->type_name("WHAT");
-  command.add_option("--jobs", request->jobs, "Threads (all cores)")->type_name("N");
-  return {&command, [request](const Palette& palette) { return run_montecarlo(*request, palette); }};
+  command.add({"--trials", &request->trials, "N", "Simulations to fit (300)"});
+  command.add({"--seed", &request->seed, "N", "Of the noise and the starts (1)"});
+  command.add({"--off", &request->off, "PART",
+               "Every fit starts from parameters off the truth by up to this\npart of it, each its own way (0.5)"});
+  command.add({"--start", &request->start, "WHAT",
+               "given: from those (the default); auto: the fits find their\nown starts where they can"});
+  command.add({"--jobs", &request->jobs, "N", "Threads (all cores)"});
+  command.run = [request](const Palette& palette) { return run_montecarlo(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

@@ -185,37 +185,31 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
 
 }  // namespace
 
-Command add_motion(CLI::App& app) {
+Command motion_command() {
   const auto request = std::make_shared<MotionRequest>();
-  CLI::App& command = *app.add_subcommand("motion", "Move it, free or driven, from rest or from where it is let go");
+  Command command{"motion", "Move it, free or driven, from rest or from where it is let go"};
   add_scene_options(command, request->common);
-  command.add_option("--duration", request->duration, "How long it moves, s")->required()->type_name("S");
-  command.add_option("--rate", request->rate, "Samples per second of the record (1000)")->type_name("HZ");
+  command.add({"--duration", &request->duration, "S", "How long it moves, s", Presence::required});
+  command.add({"--rate", &request->rate, "HZ", "Samples per second of the record (1000)"});
   const auto add_list = [&](const std::string& name, std::vector<std::string>& list, const std::string& text) {
-    command.add_option(name, list, text)->type_name("NAME=NUMBER")->allow_extra_args(false);
+    command.add({name, &list, "NAME=NUMBER", text});
   };
   add_list("--release", request->release,
            "Let it go with this body turned, or joint moved, by so much from\nwhere it would stand, in the scene's "
            "units; several times");
   add_list("--release-rate", request->release_rate, "The same with a speed, per second");
-  command
-      .add_option("--from", request->from,
-                  "rest: the equilibrium near the start (the default without\ndrives); start: as it is assembled (the "
-                  "default with drives)")
-      ->type_name("WHAT");
-  command
-      .add_option(
-          "--noise", request->noise,
-          "Standard deviation of Gaussian noise added to the angles and\ntravels of --csv, in the scene's units")
-      ->type_name("SIGMA");
-  command.add_option("--seed", request->seed, "Of the noise (1)")->type_name("N");
-  command.add_option("--accuracy", request->accuracy, "Relative accuracy of the motion (1e-10)")->type_name("NUMBER");
-  command.add_option("--csv", request->common.csv, "Write the record, one line for each sample, to FILE")
-      ->type_name("FILE");
-  command.add_option("--json", request->common.json, "Write the result to FILE as JSON")->type_name("FILE");
-  command.add_option("--svg", request->common.svg, "Draw angles, travels and energies over time into FILE")
-      ->type_name("FILE");
-  return {&command, [request](const Palette& palette) { return run_motion(*request, palette); }};
+  command.add({"--from", &request->from, "WHAT",
+               "rest: the equilibrium near the start (the default without\ndrives); start: as it is assembled (the "
+               "default with drives)"});
+  command.add({"--noise", &request->noise, "SIGMA",
+               "Standard deviation of Gaussian noise added to the angles and\ntravels of --csv, in the scene's units"});
+  command.add({"--seed", &request->seed, "N", "Of the noise (1)"});
+  command.add({"--accuracy", &request->accuracy, "NUMBER", "Relative accuracy of the motion (1e-10)"});
+  command.add({"--csv", &request->common.csv, "FILE", "Write the record, one line for each sample, to FILE"});
+  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
+  command.add({"--svg", &request->common.svg, "FILE", "Draw angles, travels and energies over time into FILE"});
+  command.run = [request](const Palette& palette) { return run_motion(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

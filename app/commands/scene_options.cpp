@@ -10,19 +10,16 @@
 
 namespace poise::app {
 
-void add_scene_options(CLI::App& command, Request& request) {
-  command.add_option("SCENE", request.scene, "Scene file (TOML)")->required()->type_name("");
+void add_scene_options(Command& command, Request& request) {
+  command.add({"SCENE", &request.scene, "", "Scene file (TOML)", Presence::required});
   add_settings(command, request);
 }
 
-void add_settings(CLI::App& command, Request& request) {
-  command
-      .add_option("--set", request.settings,
-                  "Change a number of the scene, in its own units: load.P=40,\n"
-                  "body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;\n"
-                  "can be given several times")
-      ->type_name("PATH=NUMBER")
-      ->allow_extra_args(false);
+void add_settings(Command& command, Request& request) {
+  command.add({"--set", &request.settings, "PATH=NUMBER",
+               "Change a number of the scene, in its own units: load.P=40,\n"
+               "body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;\n"
+               "can be given several times"});
 }
 
 std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words) {

@@ -4,16 +4,15 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "app/commands/command.hpp"
 #include "app/commands/commands.hpp"
 
 namespace poise::app {
 
 /// What every command that reads a scene takes: SCENE and --set. `request` must outlive the command.
-void add_scene_options(CLI::App& command, Request& request);
+void add_scene_options(Command& command, Request& request);
 /// --set alone, for commands that read a scene through another file.
-void add_settings(CLI::App& command, Request& request);
+void add_settings(Command& command, Request& request);
 
 /// The place of a word among those that an option knows. Throws InputError naming them, with the nearest.
 std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words);

@@ -45,13 +45,13 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
 
 }  // namespace
 
-Command add_solve(CLI::App& app) {
+Command solve_command() {
   const auto request = std::make_shared<SolveRequest>();
-  CLI::App& command = *app.add_subcommand("solve", "Find where it rests, by one method");
+  Command command{"solve", "Find where it rests, by one method"};
   add_solve_options(command, request->common, request->seek);
-  command.add_option("--method", request->method, "One of these, the first by default\n" + method_help())
-      ->type_name("METHOD");
-  return {&command, [request](const Palette& palette) { return run_solve(*request, palette); }};
+  command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()});
+  command.run = [request](const Palette& palette) { return run_solve(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

@@ -5,6 +5,6 @@
 namespace poise::app {
 
 /// `poise solve SCENE`: where it rests, by one method.
-Command add_solve(CLI::App& app);
+Command solve_command();
 
 }  // namespace poise::app

@@ -4,12 +4,11 @@
 
 namespace poise::app {
 
-void add_solve_options(CLI::App& command, Request& request, std::string& seek) {
+void add_solve_options(Command& command, Request& request, std::string& seek) {
   add_scene_options(command, request);
-  command.add_option("--seek", seek, "nearest: any equilibrium near the start (the default);\nstable: minima only")
-      ->type_name("WHAT");
-  command.add_option("--json", request.json, "Write the result to FILE as JSON")->type_name("FILE");
-  command.add_option("--svg", request.svg, "Draw it at rest, with loads and reactions, into FILE")->type_name("FILE");
+  command.add({"--seek", &seek, "WHAT", "nearest: any equilibrium near the start (the default);\nstable: minima only"});
+  command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON"});
+  command.add({"--svg", &request.svg, "FILE", "Draw it at rest, with loads and reactions, into FILE"});
 }
 
 Seek read_seek(const std::string& word) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,8 @@ struct StressRequest {
   Request common;
   std::vector<std::string> cases;
   std::string catalogue;
-  std::string methods = "all";
-  int starts = 0;
+  std::optional<std::string> methods;
+  std::optional<int> starts;
   double seconds = 1.0;
   bool safeguards = false;
   bool list = false;
@@ -33,14 +34,14 @@ struct StressRequest {
 
 constexpr int most_starts = 1'000'000;
 
-void check(const StressRequest& request, bool names_methods, bool names_starts) {
-  if (names_starts && (request.starts < 1 || request.starts > most_starts)) {
-    throw InputError(fmt::format("--starts: expected a number from 1 to {}, found {}", most_starts, request.starts));
+void check(const StressRequest& request) {
+  if (request.starts && (*request.starts < 1 || *request.starts > most_starts)) {
+    throw InputError(fmt::format("--starts: expected a number from 1 to {}, found {}", most_starts, *request.starts));
   }
   if (!(request.seconds > 0 && std::isfinite(request.seconds))) {
     throw InputError(fmt::format("--seconds: expected a finite number > 0, found {}", request.seconds));
   }
-  if (request.safeguards && names_methods) {
+  if (request.safeguards && request.methods) {
     throw InputError("--methods: expected none with --safeguards, which are those of virtual-work; leave one out");
   }
 }
@@ -78,28 +79,27 @@ std::vector<comparison::HardCase> chosen_cases(std::vector<comparison::HardCase>
   return chosen;
 }
 
-std::string command_of(const StressRequest& request, bool names_methods) {
+std::string command_of(const StressRequest& request) {
   std::string text = "poise stress";
   for (const std::string& name : request.cases) text += " " + name;
   if (!request.catalogue.empty()) text += " --catalogue " + request.catalogue;
-  if (names_methods) text += " --methods " + request.methods;
+  if (request.methods) text += " --methods " + *request.methods;
   if (request.safeguards) text += " --safeguards";
-  if (request.starts > 0) text += fmt::format(" --starts {}", request.starts);
+  if (request.starts) text += fmt::format(" --starts {}", *request.starts);
   if (request.seconds != StressRequest().seconds) text += fmt::format(" --seconds {}", request.seconds);
   return text;
 }
 
-StressRun run_cases(const StressRequest& request, const std::vector<comparison::HardCase>& cases, bool names_methods,
-                    Progress& progress) {
+StressRun run_cases(const StressRequest& request, const std::vector<comparison::HardCase>& cases, Progress& progress) {
   comparison::StressOptions options;
-  options.methods = read_methods("--methods", request.methods);
-  options.starts = request.starts;
+  options.methods = read_methods("--methods", request.methods.value_or("all"));
+  options.starts = request.starts.value_or(options.starts);
   options.seconds = request.seconds;
   options.interrupt = &watch_for_interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
 
   StressRun run;
-  run.command = command_of(request, names_methods);
+  run.command = command_of(request);
   run.safeguards = request.safeguards;
   run.seconds = request.seconds;
   run.asked = cases.size();
@@ -116,8 +116,8 @@ StressRun run_cases(const StressRequest& request, const std::vector<comparison::
   return run;
 }
 
-int run_stress(const StressRequest& request, bool names_methods, bool names_starts, const Palette& palette) {
-  check(request, names_methods, names_starts);
+int run_stress(const StressRequest& request, const Palette& palette) {
+  check(request);
   Progress progress;
   progress.now("reading the catalogue");
   const fs::path catalogue = find_catalogue(request.catalogue);
@@ -128,7 +128,7 @@ int run_stress(const StressRequest& request, bool names_methods, bool names_star
     return solved;
   }
   OutputFiles files(request.common);
-  const StressRun run = run_cases(request, cases, names_methods, progress);
+  const StressRun run = run_cases(request, cases, progress);
   progress.now("writing the result");
   const std::string written =
       files.write(files.wants_json() ? stress_json(run) : "", "", files.wants_csv() ? stress_csv(run) : "",
@@ -142,35 +142,25 @@ int run_stress(const StressRequest& request, bool names_methods, bool names_star
 
 }  // namespace
 
-Command add_stress(CLI::App& app) {
+Command stress_command() {
   const auto request = std::make_shared<StressRequest>();
-  CLI::App& command = *app.add_subcommand("stress", "Try all methods on the hard catalogue, from many starts");
-  command.add_option("CASE", request->cases, "Cases to try and to show in detail (all, on one sheet)")->type_name("");
-  command.add_flag("--list", request->list, "Only list the cases");
-  command
-      .add_option("--catalogue", request->catalogue,
-                  "Folder of the catalogue (datasets/hard, or Poise's own); its\nformat: docs/hard-cases.md")
-      ->type_name("DIR");
-  const CLI::Option* const methods =
-      command
-          .add_option("--methods", request->methods,
-                      "all (the default), or names with commas between\n" + method_help())
-          ->type_name("NAMES");
-  const CLI::Option* const starts =
-      command.add_option("--starts", request->starts, "Starts per case (its own number)")->type_name("N");
-  command
-      .add_option("--seconds", request->seconds,
-                  "Methods other than virtual-work try no further starts of a\ncase after S seconds (1)")
-      ->type_name("S");
-  command.add_flag("--safeguards", request->safeguards,
-                   "Virtual work alone: with all its safeguards, and with each\nswitched off in turn");
-  command.add_option("--csv", request->common.csv, "Write the table to FILE as CSV")->type_name("FILE");
-  command.add_option("--json", request->common.json, "Write the table to FILE as JSON")->type_name("FILE");
-  command.add_option("--markdown", request->common.markdown, "Write the table to FILE as a page of docs/")
-      ->type_name("FILE");
-  return {&command, [request, methods, starts](const Palette& palette) {
-            return run_stress(*request, methods->count() > 0, starts->count() > 0, palette);
-          }};
+  Command command{"stress", "Try all methods on the hard catalogue, from many starts"};
+  command.add({"CASE", &request->cases, "", "Cases to try and to show in detail (all, on one sheet)"});
+  command.add({"--list", &request->list, "", "Only list the cases"});
+  command.add({"--catalogue", &request->catalogue, "DIR",
+               "Folder of the catalogue (datasets/hard, or Poise's own); its\nformat: docs/hard-cases.md"});
+  command.add(
+      {"--methods", &request->methods, "NAMES", "all (the default), or names with commas between\n" + method_help()});
+  command.add({"--starts", &request->starts, "N", "Starts per case (its own number)"});
+  command.add({"--seconds", &request->seconds, "S",
+               "Methods other than virtual-work try no further starts of a\ncase after S seconds (1)"});
+  command.add({"--safeguards", &request->safeguards, "",
+               "Virtual work alone: with all its safeguards, and with each\nswitched off in turn"});
+  command.add({"--csv", &request->common.csv, "FILE", "Write the table to FILE as CSV"});
+  command.add({"--json", &request->common.json, "FILE", "Write the table to FILE as JSON"});
+  command.add({"--markdown", &request->common.markdown, "FILE", "Write the table to FILE as a page of docs/"});
+  command.run = [request](const Palette& palette) { return run_stress(*request, palette); };
+  return command;
 }
 
 }  // namespace poise::app

@@ -6,6 +6,6 @@ namespace poise::app {
 
 /// `poise stress [CASE...]`: all methods on the hard catalogue, from many seeded starts. Exit code solved where no
 /// claim was wrong and virtual work arrived in at least 99.9 % of the starts of every case that has an answer.
-Command add_stress(CLI::App& app);
+Command stress_command();
 
 }  // namespace poise::app
