@@ -24,8 +24,8 @@ std::string expected(const HardCase& hard) {
   }
 }
 
-json json_cell(const comparison::Cell& cell, const std::string& contender) {
-  return {{"method", contender},
+json json_cell(const comparison::Cell& cell, const std::string& method) {
+  return {{"method", method},
           {"refused", cell.refused},
           {"starts", cell.starts},
           {"arrived", cell.arrived},
@@ -51,7 +51,7 @@ std::string stress_csv(const StressRun& run) {
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
       const comparison::Cell& cell = result.cells[k];
       const std::array<std::string, 5> text = {result.hard.name, result.hard.kind, expected(result.hard),
-                                               run.contenders[k], cell.why};
+                                               run.methods[k], cell.why};
       const std::array<double, 10> numbers = {static_cast<double>(cell.refused),
                                               static_cast<double>(cell.starts),
                                               static_cast<double>(cell.arrived),
@@ -83,7 +83,7 @@ std::string stress_json(const StressRun& run) {
                   {"why", hard.why},
                   {"methods", json::array()}};
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
-      entry["methods"].push_back(json_cell(result.cells[k], run.contenders[k]));
+      entry["methods"].push_back(json_cell(result.cells[k], run.methods[k]));
     }
     out["cases"].push_back(entry);
   }

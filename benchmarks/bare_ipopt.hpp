@@ -13,7 +13,7 @@ struct BareIpoptResult {
   std::vector<double> angles;  ///< rad
 };
 
-/// Units in which Ipopt sees the numbers, so that both contenders can be given the same ones: how far Ipopt goes in one
+/// Units in which Ipopt sees the numbers, so that both programs can be given the same ones: how far Ipopt goes in one
 /// iteration depends on them.
 struct BareUnits {
   double length = 1.0;

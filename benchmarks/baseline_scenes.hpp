@@ -6,7 +6,7 @@
 
 namespace poise::benchmarks {
 
-/// The scene that all contenders of poise_baselines know by this name: a file of datasets/ ("toggle_press.toml") or
+/// The scene that all solvers of poise_baselines know by this name: a file of datasets/ ("toggle_press.toml") or
 /// "chain of 10 links" (comparison::hanging_chain_scene). Throws InputError.
 Scene baseline_scene(const std::string& name);
 

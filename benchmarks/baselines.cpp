@@ -15,8 +15,8 @@
 
 #include <fmt/format.h>
 
-#include "benchmarks/contest.hpp"
 #include "benchmarks/known_answers.hpp"
+#include "benchmarks/scene_benchmark.hpp"
 #include "benchmarks/timing.hpp"
 
 namespace poise::benchmarks {
@@ -40,19 +40,19 @@ struct Promise {
 
 class Table {
  public:
-  void add(const std::string& scene, Contest& contest) {
-    const std::vector<Standing> standings = contest.hold();
-    const Layout& layout = contest.model().layout();
+  void add(const std::string& scene, SceneBenchmark& benchmark) {
+    const std::vector<SolverResult> results = benchmark.run();
+    const Layout& layout = benchmark.model().layout();
     fmt::print("\n{}: {} coordinates, {} closures\n", scene, layout.kept, 2 * layout.closures.size());
-    const Standing& ours = standings.front();
-    for (const Standing& standing : standings) {
-      const bool is_best = &standing == fastest(standings, standing.contender->family);
-      const bool is_promised = is_best && &standing != &ours && ours.arrives && layout.kept <= small;
-      fmt::print("{}{}\n", line(standing, ours), is_promised ? judge(scene, standing, ours) : "");
-      judge_answer(standing);
+    const SolverResult& ours = results.front();
+    for (const SolverResult& result : results) {
+      const bool is_best = &result == fastest(results, result.solver->family);
+      const bool is_promised = is_best && &result != &ours && ours.arrives && layout.kept <= small;
+      fmt::print("{}{}\n", line(result, ours), is_promised ? judge(scene, result, ours) : "");
+      judge_answer(result);
     }
-    if (layout.kept <= small) note_absent(standings);
-    for (const std::string& why : contest.left_out()) fmt::print("  left out: {}\n", why);
+    if (layout.kept <= small) note_absent(results);
+    for (const std::string& why : benchmark.left_out()) fmt::print("  left out: {}\n", why);
   }
 
   void head() const {
@@ -80,31 +80,31 @@ class Table {
   bool all_right() const { return all_right_; }
 
  private:
-  static const Standing* fastest(const std::vector<Standing>& standings, const std::string& family) {
-    const Standing* best = nullptr;
-    for (const Standing& s : standings) {
-      if (s.contender->family != family || !s.arrives) continue;
+  static const SolverResult* fastest(const std::vector<SolverResult>& results, const std::string& family) {
+    const SolverResult* best = nullptr;
+    for (const SolverResult& s : results) {
+      if (s.solver->family != family || !s.arrives) continue;
       if (best == nullptr || s.seconds < best->seconds) best = &s;
     }
     return best;
   }
 
-  static std::string line(const Standing& s, const Standing& ours) {
-    const std::string name = s.contender->family + " " + s.contender->method;
+  static std::string line(const SolverResult& s, const SolverResult& ours) {
+    const std::string name = s.solver->family + " " + s.solver->method;
     if (!s.arrives) {
       const std::string how = std::isinf(s.error) ? "it fails" : fmt::format("{:.1e} off", s.error);
       return fmt::format("  {:<34}does not arrive: {}", name, how);
     }
-    const std::string accuracy = s.contender->has_accuracy ? fmt::format("{:.0e}", s.accuracy) : "-";
+    const std::string accuracy = s.solver->has_accuracy ? fmt::format("{:.0e}", s.accuracy) : "-";
     const std::string nearby = s.nearby < 0 ? "-" : fmt::format("{}/{}", s.nearby, nearby_starts);
     const std::string ratio = &s == &ours || !ours.arrives ? "" : fmt::format("{:>8.0f} x", s.seconds / ours.seconds);
     return fmt::format("  {:<34}{:>9}{:>8}{:>10.1e}{:>13}{:>11}{}", name, accuracy, nearby, s.error, s.evaluations,
                        in_units(s.seconds), ratio);
   }
 
-  std::string judge(const std::string& scene, const Standing& theirs, const Standing& ours) {
-    const double limit = promises.at(theirs.contender->family);
-    Promise& promise = kept_[theirs.contender->family];
+  std::string judge(const std::string& scene, const SolverResult& theirs, const SolverResult& ours) {
+    const double limit = promises.at(theirs.solver->family);
+    Promise& promise = kept_[theirs.solver->family];
     const double ratio = theirs.seconds / ours.seconds;
     if (ratio < promise.least) {
       promise.least = ratio;
@@ -117,21 +117,22 @@ class Table {
   }
 
   // Families that took part and have no method that arrives.
-  void note_absent(const std::vector<Standing>& standings) {
+  void note_absent(const std::vector<SolverResult>& results) {
     std::set<std::string> took_part;
-    for (const Standing& s : standings) took_part.insert(s.contender->family);
+    for (const SolverResult& s : results) took_part.insert(s.solver->family);
     for (const std::string& family : took_part) {
-      if (promises.count(family) > 0 && fastest(standings, family) == nullptr) ++kept_[family].nobody;
+      if (promises.count(family) > 0 && fastest(results, family) == nullptr) ++kept_[family].nobody;
     }
   }
 
   // Ours are virtual work and the adapter to Ipopt; this one is asked for as little as will do.
-  void judge_answer(const Standing& s) {
-    const bool by_virtual_work = s.contender->family == "Poise";
-    if (!by_virtual_work && s.contender->family != "Ipopt") return;
-    const bool lied = by_virtual_work && s.lied;
-    if (s.error <= (by_virtual_work ? virtual_work_error : energy_error) && !lied) return;
-    fmt::print("  WRONG: {}\n", lied ? "Poise claimed an answer that is no equilibrium" : "ours is not exact enough");
+  void judge_answer(const SolverResult& s) {
+    const bool by_virtual_work = s.solver->family == "Poise";
+    if (!by_virtual_work && s.solver->family != "Ipopt") return;
+    const bool false_claim = by_virtual_work && s.false_claim;
+    if (s.error <= (by_virtual_work ? virtual_work_error : energy_error) && !false_claim) return;
+    fmt::print("  WRONG: {}\n",
+               false_claim ? "Poise claimed an answer that is no equilibrium" : "ours is not exact enough");
     all_right_ = false;
   }
 
@@ -156,14 +157,14 @@ std::vector<std::string> simbody_command() {
 #endif
 }
 
-std::vector<std::unique_ptr<Rival>> find_rivals() {
-  std::vector<std::unique_ptr<Rival>> present;
+std::vector<std::unique_ptr<ExternalSolver>> find_external_solvers() {
+  std::vector<std::unique_ptr<ExternalSolver>> present;
   const auto admit = [&](const char* name, const std::vector<std::string>& command) {
     std::string why = "not found when Poise was configured";
     if (!command.empty()) {
-      auto rival = std::make_unique<Rival>(name, command);
-      why = rival->why_absent();
-      if (why.empty()) present.push_back(std::move(rival));
+      auto external = std::make_unique<ExternalSolver>(name, command);
+      why = external->why_absent();
+      if (why.empty()) present.push_back(std::move(external));
     }
     if (!why.empty()) fmt::print("{}: left out, {}; cmake/setup.sh baselines installs it\n", name, why);
   };
@@ -173,14 +174,14 @@ std::vector<std::unique_ptr<Rival>> find_rivals() {
 }
 
 bool measure() {
-  const std::vector<std::unique_ptr<Rival>> present = find_rivals();
-  std::vector<Rival*> rivals;
-  for (const auto& rival : present) rivals.push_back(rival.get());
+  const std::vector<std::unique_ptr<ExternalSolver>> present = find_external_solvers();
+  std::vector<ExternalSolver*> external_solvers;
+  for (const auto& external : present) external_solvers.push_back(external.get());
   Table table;
   table.head();
   for (const char* scene : scenes) {
-    Contest contest(scene, rivals);
-    table.add(scene, contest);
+    SceneBenchmark benchmark(scene, external_solvers);
+    table.add(scene, benchmark);
     std::fflush(stdout);
   }
   table.sum_up();
@@ -193,9 +194,9 @@ bool measure() {
       "fastest\n"
       "method that arrives. SciPy's callbacks are Poise's compiled model, and root gets multipliers to start with.\n",
       wanted_error, nearby_starts, nearby_reach);
-  for (Rival* rival : rivals) {
-    const std::optional<double> idle = rival->idle();
-    if (idle) fmt::print("{} takes {} at least, where there is nothing to solve.\n", rival->name(), in_units(*idle));
+  for (ExternalSolver* external : external_solvers) {
+    const std::optional<double> idle = external->idle();
+    if (idle) fmt::print("{} takes {} at least, where there is nothing to solve.\n", external->name(), in_units(*idle));
   }
   return table.all_right();
 }

@@ -3,9 +3,9 @@
 #include <benchmark/benchmark.h>
 
 #include "benchmarks/bare_ipopt.hpp"
-#include "benchmarks/contenders.hpp"
 #include "benchmarks/hand_chain.hpp"
 #include "benchmarks/known_answers.hpp"
+#include "benchmarks/yardstick_inputs.hpp"
 #include "comparison/series.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/newton.hpp"

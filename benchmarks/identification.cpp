@@ -1,5 +1,5 @@
 // poise_identification_ratios [DATA.csv]: the speed that identification promises, as one table. Every ratio is of
-// contenders measured in this run, turn by turn, medians over the turns; no time is printed whose answer is wrong. Exit
+// programs measured in this run, turn by turn, medians over the turns; no time is printed whose answer is wrong. Exit
 // code 1 where an answer is wrong: how fast a machine is today passes or fails nothing. DATA.csv: the measured double
 // pendulum (datasets/double_pendulum_experiment.toml says where it comes from); without it these rows are left out.
 
@@ -33,14 +33,14 @@ std::filesystem::path dataset(const std::string& name) {
   return std::filesystem::path(POISE_SOURCE_DIR) / "datasets" / name;
 }
 
-/// Median seconds of each contender, all of whom have a turn after the other.
-std::vector<double> race(const std::vector<std::function<void()>>& contenders, int rounds) {
-  std::vector<std::vector<double>> seconds(contenders.size());
-  for (const auto& contender : contenders) contender();  // warm caches
+/// Median seconds of several works, timed in turn.
+std::vector<double> race(const std::vector<std::function<void()>>& works, int rounds) {
+  std::vector<std::vector<double>> seconds(works.size());
+  for (const auto& work : works) work();  // warm caches
   for (int round = 0; round < rounds; ++round) {
-    for (std::size_t i = 0; i < contenders.size(); ++i) {
-      const std::size_t who = round % 2 == 0 ? i : contenders.size() - 1 - i;
-      seconds[who].push_back(seconds_of(contenders[who], 1));
+    for (std::size_t i = 0; i < works.size(); ++i) {
+      const std::size_t who = round % 2 == 0 ? i : works.size() - 1 - i;
+      seconds[who].push_back(seconds_of(works[who], 1));
     }
   }
   std::vector<double> out;

@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "benchmarks/contenders.hpp"
+#include "benchmarks/yardstick_inputs.hpp"
 #include "comparison/series.hpp"
 #include "solvers/newton.hpp"
 #include "statics/check.hpp"

@@ -17,10 +17,10 @@ int solutions_per_turn(const Turn& turn) {
 
 }  // namespace
 
-std::vector<double> race(const std::vector<Turn>& contenders, const RaceLength& length) {
-  const std::size_t count = contenders.size();
+std::vector<double> race(const std::vector<Turn>& turns, const RaceLength& length) {
+  const std::size_t count = turns.size();
   std::vector<int> times;
-  for (const Turn& turn : contenders) times.push_back(solutions_per_turn(turn));
+  for (const Turn& turn : turns) times.push_back(solutions_per_turn(turn));
   std::vector<std::vector<double>> seconds(count);
   const auto begin = std::chrono::steady_clock::now();
   const auto time_left = [&] {
@@ -29,7 +29,7 @@ std::vector<double> race(const std::vector<Turn>& contenders, const RaceLength& 
   for (int round = 0; round < length.fewest_turns || time_left(); ++round) {
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t next = round % 2 == 0 ? k : count - 1 - k;
-      seconds[next].push_back(contenders[next](times[next]));
+      seconds[next].push_back(turns[next](times[next]));
     }
   }
   std::vector<double> medians;

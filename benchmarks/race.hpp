@@ -13,8 +13,8 @@ struct RaceLength {
   int fewest_turns = 5;
 };
 
-/// Median seconds per solution of each contender, over turns that alternate, as does who begins, so that a change of
-/// the machine's mood meets all. What takes less than half a millisecond runs several times per turn.
-std::vector<double> race(const std::vector<Turn>& contenders, const RaceLength& length = {});
+/// Median seconds per solution of each. Turns alternate, and so does which begins, so that a machine that changes its
+/// speed does so for all. What takes less than half a millisecond runs several times per turn.
+std::vector<double> race(const std::vector<Turn>& turns, const RaceLength& length = {});
 
 }  // namespace poise::benchmarks

@@ -1,4 +1,4 @@
-// poise_ratios: the speed Poise promises, as one table. Every ratio is of two contenders measured in this run, turn by
+// poise_ratios: the speed Poise promises, as one table. Every ratio is of two solvers measured in this run, turn by
 // turn, medians over the turns; no time is printed whose answer is wrong. Exit code 1 where an answer is wrong: how
 // fast a machine is today passes or fails nothing.
 
@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 
 #include "benchmarks/bare_ipopt.hpp"
-#include "benchmarks/contenders.hpp"
 #include "benchmarks/hand_chain.hpp"
 #include "benchmarks/hand_four_bar.hpp"
 #include "benchmarks/known_answers.hpp"
 #include "benchmarks/race.hpp"
 #include "benchmarks/timing.hpp"
+#include "benchmarks/yardstick_inputs.hpp"
 #include "comparison/series.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/newton.hpp"
@@ -33,7 +33,7 @@ struct Answer {
   double error = 0.0;  // rad, m or N
 };
 
-struct Contender {
+struct Solver {
   std::function<void()> solve;
   std::function<Answer()> answer;  // of the last solve()
 };
@@ -43,9 +43,9 @@ struct Race {
   Answer our_answer, their_answer;
 };
 
-Race race(const Contender& ours, const Contender& theirs) {
-  const auto turn = [](const Contender& contender) -> Turn {
-    return [&contender](int times) { return seconds_of(contender.solve, times); };
+Race race(const Solver& ours, const Solver& theirs) {
+  const auto turn = [](const Solver& solver) -> Turn {
+    return [&solver](int times) { return seconds_of(solver.solve, times); };
   };
   const std::vector<double> seconds = benchmarks::race({turn(ours), turn(theirs)});
   return {seconds[0], seconds[1], ours.answer(), theirs.answer()};

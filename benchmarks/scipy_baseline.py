@@ -1,4 +1,4 @@
-"""SciPy as a rival of Poise; rival.hpp has the lines it is asked and answers.
+"""SciPy as an external solver; external_solver.hpp has the lines it is asked and answers.
 
     python3 scipy_baseline.py LIBRARY      the library that evaluate_scene.cpp makes
 

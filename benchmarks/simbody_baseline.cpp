@@ -1,5 +1,5 @@
-// Simbody as a rival of Poise; rival.hpp has the lines it is asked and answers. A program of its own, because Simbody's
-// library brings an old Ipopt along whose names are those of ours.
+// Simbody as an external solver; external_solver.hpp has the lines it is asked and answers. A program of its own,
+// because Simbody's library brings an old Ipopt along whose names are those of ours.
 
 #include <cmath>
 #include <cstdio>

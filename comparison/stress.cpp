@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Contender {
+struct MethodVariant {
   Method method{};
   Variant variant{};
 
@@ -55,7 +55,7 @@ class Starts {
   std::vector<double> from_;
 };
 
-/// Adds up the verdicts on a contender.
+/// Adds up the verdicts on one method.
 class Tally {
  public:
   explicit Tally(Method method) { cell_.method = method; }
@@ -119,23 +119,23 @@ class Tally {
 
 bool interrupted(const StressOptions& options) { return options.interrupt != nullptr && *options.interrupt; }
 
-Cell run(const HardCase& hard, const StaticModel& model, const CaseJudge& judge, const Contender& contender,
+Cell run(const HardCase& hard, const StaticModel& model, const CaseJudge& judge, const MethodVariant& by,
          const StressOptions& options) {
   SolveOptions settings;
-  settings.method = contender.method;
+  settings.method = by.method;
   settings.seek = hard.seek;
-  settings.safeguards = contender.variant.safeguards;
-  settings.scaling = contender.variant.scaling;
+  settings.safeguards = by.variant.safeguards;
+  settings.scaling = by.variant.scaling;
   // However slow, a single start ends some time.
   std::optional<TimeLimit> limit;
-  if (!contender.never_stops()) limit.emplace(StressOptions::patience * options.seconds, options.interrupt);
+  if (!by.never_stops()) limit.emplace(StressOptions::patience * options.seconds, options.interrupt);
   settings.interrupt = limit ? &limit->raised() : options.interrupt;
-  Tally tally(contender.method);
+  Tally tally(by.method);
   Starts starts(hard, model);
   const int wanted = options.starts > 0 ? options.starts : hard.starts;
   const Clock::time_point begin = Clock::now();
   const auto has_time = [&] {
-    return contender.never_stops() || std::chrono::duration<double>(Clock::now() - begin).count() < options.seconds;
+    return by.never_stops() || std::chrono::duration<double>(Clock::now() - begin).count() < options.seconds;
   };
   while (tally.starts() < wanted && (tally.starts() == 0 || has_time())) {
     const Equilibrium rest = solve(model, starts.next(), settings);
@@ -153,7 +153,7 @@ Cell run(const HardCase& hard, const StaticModel& model, const CaseJudge& judge,
   return tally.cell();
 }
 
-std::vector<CaseResult> run_all(const std::vector<HardCase>& cases, const std::vector<Contender>& contenders,
+std::vector<CaseResult> run_all(const std::vector<HardCase>& cases, const std::vector<MethodVariant>& variants,
                                 const StressOptions& options) {
   std::vector<CaseResult> results;
   for (const HardCase& hard : cases) {
@@ -161,11 +161,11 @@ std::vector<CaseResult> run_all(const std::vector<HardCase>& cases, const std::v
     results.push_back({hard, {}});
     const StaticModel model(scene_of(hard));
     const CaseJudge judge(hard, model);
-    for (const Contender& contender : contenders) {
+    for (const MethodVariant& by : variants) {
       if (options.progress) {
-        options.progress(fmt::format("{} ({} of {}) by {}", hard.name, results.size(), cases.size(), contender.name()));
+        options.progress(fmt::format("{} ({} of {}) by {}", hard.name, results.size(), cases.size(), by.name()));
       }
-      const Cell cell = run(hard, model, judge, contender, options);
+      const Cell cell = run(hard, model, judge, by, options);
       if (interrupted(options) && cell.starts == 0) break;
       results.back().cells.push_back(cell);
     }
@@ -177,12 +177,12 @@ std::vector<CaseResult> run_all(const std::vector<HardCase>& cases, const std::v
 }  // namespace
 
 std::vector<CaseResult> stress(const std::vector<HardCase>& cases, const StressOptions& options) {
-  std::vector<Contender> contenders;
-  for (const Method method : options.methods) contenders.push_back({method, {}});
-  if (contenders.empty()) {
-    for (const MethodTraits& known : all_methods()) contenders.push_back({known.method, {}});
+  std::vector<MethodVariant> variants;
+  for (const Method method : options.methods) variants.push_back({method, {}});
+  if (variants.empty()) {
+    for (const MethodTraits& known : all_methods()) variants.push_back({known.method, {}});
   }
-  return run_all(cases, contenders, options);
+  return run_all(cases, variants, options);
 }
 
 const std::vector<Variant>& safeguard_variants() {
@@ -199,9 +199,9 @@ const std::vector<Variant>& safeguard_variants() {
 }
 
 std::vector<CaseResult> stress_safeguards(const std::vector<HardCase>& cases, const StressOptions& options) {
-  std::vector<Contender> contenders;
-  for (const Variant& variant : safeguard_variants()) contenders.push_back({Method::virtual_work, variant});
-  return run_all(cases, contenders, options);
+  std::vector<MethodVariant> variants;
+  for (const Variant& variant : safeguard_variants()) variants.push_back({Method::virtual_work, variant});
+  return run_all(cases, variants, options);
 }
 
 double median(std::vector<double> values) {

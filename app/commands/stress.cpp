@@ -105,11 +105,11 @@ StressRun run_cases(const StressRequest& request, const std::vector<comparison::
   run.asked = cases.size();
   if (request.safeguards) {
     for (const comparison::Variant& variant : comparison::safeguard_variants()) {
-      run.contenders.push_back(run.contenders.empty() ? variant.name : "without " + variant.name);
+      run.methods.push_back(run.methods.empty() ? variant.name : "without " + variant.name);
     }
     run.results = comparison::stress_safeguards(cases, options);
   } else {
-    for (const Method method : options.methods) run.contenders.push_back(to_string(method));
+    for (const Method method : options.methods) run.methods.push_back(to_string(method));
     run.results = comparison::stress(cases, options);
   }
   run.interrupted = *options.interrupt;

@@ -25,7 +25,7 @@ std::string row(const std::vector<std::string>& cells) { return fmt::format("| {
 
 std::string arrivals(const StressRun& run) {
   std::vector<std::string> head = {"case", "asked for"}, line = {"---", "---"};
-  for (std::size_t k = 1; k <= run.contenders.size(); ++k) {
+  for (std::size_t k = 1; k <= run.methods.size(); ++k) {
     head.push_back(std::to_string(k));
     line.emplace_back("---:");
   }
@@ -46,12 +46,12 @@ std::string arrivals(const StressRun& run) {
   return out;
 }
 
-std::string contenders(const StressRun& run) {
+std::string method_lines(const StressRun& run) {
   std::string out = row({"", run.safeguards ? "virtual work" : "method", "mastered", "wrong", "denied", "inexact",
                          "iterations", "time"}) +
                     row({"---:", "---", "---:", "---:", "---:", "---:", "---:", "---:"});
   int number = 0;
-  for (const ContenderSummary& s : summaries(run)) {
+  for (const MethodSummary& s : summaries(run)) {
     out += row({std::to_string(++number), s.name, fmt::format("{} of {}", s.mastered, s.taken), std::to_string(s.wrong),
                 std::to_string(s.denied), std::to_string(s.inexact), significant(s.iterations, 3),
                 duration(s.microseconds)});
@@ -82,7 +82,7 @@ std::string stress_markdown(const StressRun& run) {
       "`!`: a rest was wrongly claimed. Where a lock is asked for, it arrives who says that the joints lock; where "
       "none,\n"
       "who claims nothing.\n\n";
-  out += arrivals(run) + "\n" + contenders(run);
+  out += arrivals(run) + "\n" + method_lines(run);
   out += fmt::format(
       "\nMastered: cases with an answer in which it arrives from {} % of the starts or more, of those that it takes.\n"
       "Wrong, denied (by the check), inexact (farther off than rounding explains): starts. Iterations and time are\n"

@@ -53,7 +53,7 @@ std::string verdict(const StressRun& run, const Palette& palette) {
 
 std::string arrival_table(const StressRun& run, const Palette& palette) {
   std::vector<Cell> cases, asked;
-  std::vector<std::vector<Cell>> columns(run.contenders.size());
+  std::vector<std::vector<Cell>> columns(run.methods.size());
   const auto add_heading = [&](const std::string& kind) {
     cases.push_back({kind, Tone::strong});
     asked.push_back({});
@@ -85,10 +85,10 @@ std::string arrival_table(const StressRun& run, const Palette& palette) {
          "\n";
 }
 
-std::string contender_table(const StressRun& run, const Palette& palette) {
+std::string method_table(const StressRun& run, const Palette& palette) {
   std::vector<std::string> numbers, names, taken, mastered, iterations, times, denied, inexact;
   std::vector<Cell> wrong;
-  for (const ContenderSummary& s : summaries(run)) {
+  for (const MethodSummary& s : summaries(run)) {
     numbers.push_back(std::to_string(numbers.size() + 1));
     names.push_back(s.name);
     mastered.push_back(fmt::format("{} of {}", s.mastered, s.taken));
@@ -147,7 +147,7 @@ std::string detail_table(const StressRun& run, const CaseResult& result, const P
   for (std::size_t k = 0; k < result.cells.size(); ++k) {
     const Tried& cell = result.cells[k];
     const auto number = [&](int value) { return cell.refused ? std::string("-") : std::to_string(value); };
-    names.push_back(run.contenders[k]);
+    names.push_back(run.methods[k]);
     starts.push_back(number(cell.starts));
     arrived.push_back({arrival(cell), tone_of(result.hard, cell)});
     inexact.push_back(number(cell.inexact));
@@ -185,7 +185,7 @@ std::string case_details(const StressRun& run, const CaseResult& result, const P
   std::string words;
   for (std::size_t k = 0; k < result.cells.size(); ++k) {
     const Tried& cell = result.cells[k];
-    if (!cell.why.empty()) words += fmt::format("  {}: {}\n", run.contenders[k], one_line(cell.why));
+    if (!cell.why.empty()) words += fmt::format("  {}: {}\n", run.methods[k], one_line(cell.why));
   }
   return out + (words.empty() ? "" : "\n" + words);
 }
@@ -225,8 +225,8 @@ std::string stress_overview(const StressRun& run, const Palette& palette) {
   const std::string differing = run.safeguards ? "Starts that arrive, per cent, where a safeguard makes a difference"
                                                : "Starts that arrive, per cent";
   return verdict(run, palette) + section(differing, arrivals, palette) +
-         section(run.safeguards ? "What each form comes to" : "What each method comes to",
-                 contender_table(run, palette), palette) +
+         section(run.safeguards ? "What each form comes to" : "What each method comes to", method_table(run, palette),
+                 palette) +
          (run.safeguards ? "" : no_answer_section(run, palette));
 }
 

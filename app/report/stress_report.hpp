@@ -10,11 +10,11 @@ namespace poise::app {
 
 /// What `poise stress` has run.
 struct StressRun {
-  std::string command;                  ///< as it was asked for: "poise stress --starts 100"
-  std::vector<std::string> contenders;  ///< names of the cells of every case: methods, or forms of virtual work
-  bool safeguards = false;              ///< they are forms of virtual work
-  double seconds = 1.0;                 ///< StressOptions::seconds
-  std::size_t asked = 0;                ///< cases
+  std::string command;               ///< as it was asked for: "poise stress --starts 100"
+  std::vector<std::string> methods;  ///< names of the cells of every case: methods, or forms of virtual work
+  bool safeguards = false;           ///< they are forms of virtual work
+  double seconds = 1.0;              ///< StressOptions::seconds
+  std::size_t asked = 0;             ///< cases
   std::vector<comparison::CaseResult> results;
   bool interrupted = false;  ///< cut off before every cell was done
 };

@@ -10,11 +10,11 @@ namespace poise::app {
 using comparison::CaseResult;
 using comparison::Expect;
 
-std::vector<ContenderSummary> summaries(const StressRun& run) {
-  std::vector<ContenderSummary> out;
-  for (std::size_t k = 0; k < run.contenders.size(); ++k) {
-    ContenderSummary s;
-    s.name = run.contenders[k];
+std::vector<MethodSummary> summaries(const StressRun& run) {
+  std::vector<MethodSummary> out;
+  for (std::size_t k = 0; k < run.methods.size(); ++k) {
+    MethodSummary s;
+    s.name = run.methods[k];
     std::vector<double> iterations, times;
     for (const CaseResult& result : run.results) {
       if (k >= result.cells.size() || result.cells[k].refused) continue;

@@ -10,7 +10,7 @@
 namespace poise::app {
 
 /// What a method, or a form of virtual work, comes to over all cases.
-struct ContenderSummary {
+struct MethodSummary {
   std::string name;
   int taken = 0;                                ///< cases with an answer that it does not refuse
   int mastered = 0;                             ///< of these
@@ -18,7 +18,7 @@ struct ContenderSummary {
   double iterations = 0.0, microseconds = 0.0;  ///< medians over cases; not a number where it never arrived
 };
 
-std::vector<ContenderSummary> summaries(const StressRun& run);
+std::vector<MethodSummary> summaries(const StressRun& run);
 
 /// The cases of the overview: all, or, of safeguards, those where switching one off changes the arrivals.
 std::vector<const comparison::CaseResult*> shown_cases(const StressRun& run);

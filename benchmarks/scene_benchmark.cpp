@@ -1,4 +1,4 @@
-#include "benchmarks/contest.hpp"
+#include "benchmarks/scene_benchmark.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -73,67 +73,67 @@ double difference(const Layout& layout, const std::vector<double>& x, const std:
   return worst;
 }
 
-Contest::Contest(const std::string& name, const std::vector<Rival*>& rivals)
+SceneBenchmark::SceneBenchmark(const std::string& name, const std::vector<ExternalSolver*>& external_solvers)
     : model_(baseline_scene(name)), truth_(known_equilibrium(model_, name)), closed_(assemble(model_)) {
   add_our_own();
-  for (Rival* rival : rivals) {
-    if (rival->take(name))
-      add(*rival);
+  for (ExternalSolver* external : external_solvers) {
+    if (external->take(name))
+      add(*external);
     else
-      left_out_.push_back(rival->name() + ": " + rival->why_not());
+      left_out_.push_back(external->name() + ": " + external->why_not());
   }
 }
 
-void Contest::add_our_own() {
+void SceneBenchmark::add_our_own() {
   const auto newton = std::make_shared<solvers::Newton>(model_.problem());
-  const auto by_newton = [this, newton](double, int times) -> std::optional<RivalAnswer> {
+  const auto by_newton = [this, newton](double, int times) -> std::optional<SolverAnswer> {
     const solvers::NewtonResult* found = nullptr;
     const double seconds = seconds_of([&] { found = &newton->solve(start_); }, times);
-    return RivalAnswer{seconds, found->evaluations, found->outcome == solvers::Outcome::converged, found->x};
+    return SolverAnswer{seconds, found->evaluations, found->outcome == solvers::Outcome::converged, found->x};
   };
-  const auto by_ipopt = [this](double accuracy, int times) -> std::optional<RivalAnswer> {
+  const auto by_ipopt = [this](double accuracy, int times) -> std::optional<SolverAnswer> {
     solvers::SearchResult found;
     const auto once = [&] { found = solvers::solve_with_ipopt(model_.problem(), start_, {.tolerance = accuracy}); };
     const double seconds = seconds_of(once, times);
-    return RivalAnswer{seconds, found.evaluations, found.claims_success, found.x};
+    return SolverAnswer{seconds, found.evaluations, found.claims_success, found.x};
   };
-  contenders_.push_back({"Poise", "virtual work", false, by_newton});
-  contenders_.push_back({"Ipopt", "", true, by_ipopt});
+  solvers_.push_back({"Poise", "virtual work", false, by_newton});
+  solvers_.push_back({"Ipopt", "", true, by_ipopt});
 }
 
-void Contest::add(Rival& rival) {
-  rivals_.push_back(&rival);
-  for (std::size_t method = 0; method < rival.methods().size(); ++method) {
-    const auto solve_it = [&rival, method](double accuracy, int times) {
-      return rival.solve(static_cast<int>(method), accuracy, times);
+void SceneBenchmark::add(ExternalSolver& external) {
+  external_.push_back(&external);
+  for (std::size_t method = 0; method < external.methods().size(); ++method) {
+    const auto solve_it = [&external, method](double accuracy, int times) {
+      return external.solve(static_cast<int>(method), accuracy, times);
     };
-    contenders_.push_back({rival.name(), rival.methods()[method], true, solve_it});
+    solvers_.push_back({external.name(), external.methods()[method], true, solve_it});
   }
 }
 
-void Contest::start_from(const std::vector<double>& x) {
+void SceneBenchmark::start_from(const std::vector<double>& x) {
   start_ = x;
-  for (Rival* rival : rivals_) rival->start_from(x);
+  for (ExternalSolver* external : external_) external->start_from(x);
 }
 
-std::vector<Standing> Contest::hold() {
+std::vector<SolverResult> SceneBenchmark::run() {
   start_from(closed_);
-  std::vector<Standing> standings;
-  for (const Contender& contender : contenders_) standings.push_back(solve_from_start(contender));
-  solve_nearby(standings);
+  std::vector<SolverResult> results;
+  for (const Solver& solver : solvers_) results.push_back(solve_from_start(solver));
+  solve_nearby(results);
   start_from(closed_);
-  time(standings);
-  return standings;
+  time(results);
+  return results;
 }
 
-Standing Contest::solve_from_start(const Contender& contender) const {
-  Standing best;
-  best.contender = &contender;
+SolverResult SceneBenchmark::solve_from_start(const Solver& solver) const {
+  SolverResult best;
+  best.solver = &solver;
   best.error = std::numeric_limits<double>::infinity();
   int in_vain = 0;
   for (int power = loosest; power >= tightest; --power) {
     const double accuracy = std::pow(10.0, power);
-    const std::optional<RivalAnswer> answer = contender.solve(accuracy, 1);
+    const std::optional<SolverAnswer> answer = solver.solve(accuracy, 1);
     const double error = answer ? difference(model_.layout(), answer->x, truth_) : best.error;
     ++in_vain;
     if (error < best.error) {
@@ -144,40 +144,40 @@ Standing Contest::solve_from_start(const Contender& contender) const {
       best.seconds = answer->seconds;
     }
     best.arrives = best.error <= right_answer;
-    if (best.error <= wanted_error || !contender.has_accuracy || (best.seconds > slow && in_vain == patience)) break;
+    if (best.error <= wanted_error || !solver.has_accuracy || (best.seconds > slow && in_vain == patience)) break;
   }
   return best;
 }
 
-void Contest::solve_nearby(std::vector<Standing>& standings) {
+void SceneBenchmark::solve_nearby(std::vector<SolverResult>& results) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> by(-nearby_reach, nearby_reach);
-  for (Standing& standing : standings) {
-    if (standing.seconds > slow) standing.nearby = -1;
+  for (SolverResult& result : results) {
+    if (result.seconds > slow) result.nearby = -1;
   }
   for (int k = 0; k < nearby_starts; ++k) {
     std::vector<double> x = closed_;
     for (double& value : x) value += by(random);
     start_from(x);
-    for (Standing& standing : standings) {
-      if (!standing.arrives || standing.nearby < 0) continue;
-      const std::optional<RivalAnswer> answer = standing.contender->solve(standing.accuracy, 1);
+    for (SolverResult& result : results) {
+      if (!result.arrives || result.nearby < 0) continue;
+      const std::optional<SolverAnswer> answer = result.solver->solve(result.accuracy, 1);
       if (!answer) continue;
       const bool right = check(model_, answer->x, {.closure = confirmed, .imbalance = confirmed}).is_equilibrium();
-      if (right) ++standing.nearby;
-      if (answer->claimed && !right) standing.lied = true;
+      if (right) ++result.nearby;
+      if (answer->claimed && !right) result.false_claim = true;
     }
   }
 }
 
-void Contest::time(std::vector<Standing>& standings) const {
+void SceneBenchmark::time(std::vector<SolverResult>& results) const {
   std::vector<Turn> turns;
-  std::vector<Standing*> racing;
-  for (Standing& standing : standings) {
-    if (!standing.arrives) continue;
-    racing.push_back(&standing);
-    turns.emplace_back([&standing](int times) {
-      const auto answer = standing.contender->solve(standing.accuracy, times);
+  std::vector<SolverResult*> racing;
+  for (SolverResult& result : results) {
+    if (!result.arrives) continue;
+    racing.push_back(&result);
+    turns.emplace_back([&result](int times) {
+      const auto answer = result.solver->solve(result.accuracy, times);
       return answer ? answer->seconds : std::numeric_limits<double>::infinity();
     });
   }

@@ -1,4 +1,4 @@
-#include "benchmarks/contenders.hpp"
+#include "benchmarks/yardstick_inputs.hpp"
 
 namespace poise::benchmarks {
 

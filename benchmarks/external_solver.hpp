@@ -8,9 +8,9 @@
 
 namespace poise::benchmarks {
 
-/// What a rival found, and how long that took it.
-struct RivalAnswer {
-  double seconds = 0.0;   ///< per solution, measured by the rival itself around its solver alone
+/// What a solver found, and how long that took it.
+struct SolverAnswer {
+  double seconds = 0.0;   ///< per solution, measured by the solver itself around its own work alone
   int evaluations = 0;    ///< distinct points, per solution
   bool claimed = false;   ///< its own word
   std::vector<double> x;  ///< Poise's scaled coordinates
@@ -27,13 +27,13 @@ struct RivalAnswer {
 ///
 /// or "no WHY". Accuracy is about the error of coordinates wanted, 1e-4 to 1e-14: each method makes its own tolerances
 /// of it.
-class Rival {
+class ExternalSolver {
  public:
   /// Starts `command`. Where it does not answer, why_absent() says so and it has no methods.
-  Rival(std::string name, const std::vector<std::string>& command);
-  ~Rival();
-  Rival(const Rival&) = delete;
-  Rival& operator=(const Rival&) = delete;
+  ExternalSolver(std::string name, const std::vector<std::string>& command);
+  ~ExternalSolver();
+  ExternalSolver(const ExternalSolver&) = delete;
+  ExternalSolver& operator=(const ExternalSolver&) = delete;
 
   const std::string& name() const { return name_; }
   const std::vector<std::string>& methods() const { return methods_; }
@@ -41,12 +41,12 @@ class Rival {
 
   /// Seconds that its quickest method takes at least. Nothing where it does not tell.
   std::optional<double> idle();
-  /// False where the rival cannot do this scene; why_not() says why.
+  /// False where the solver cannot do this scene; why_not() says why.
   bool take(const std::string& scene);
   const std::string& why_not() const { return why_not_; }
   bool start_from(const std::vector<double>& x);
   /// Nothing where it failed, or took longer than a minute and was ended.
-  std::optional<RivalAnswer> solve(int method, double accuracy, int times);
+  std::optional<SolverAnswer> solve(int method, double accuracy, int times);
 
  private:
   bool launch(const std::vector<std::string>& command);

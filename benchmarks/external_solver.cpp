@@ -1,4 +1,4 @@
-#include "benchmarks/rival.hpp"
+#include "benchmarks/external_solver.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -30,8 +30,8 @@ constexpr int patience = 60000;  // ms, for one answer
 
 }  // namespace
 
-Rival::Rival(std::string name, const std::vector<std::string>& command) : name_(std::move(name)) {
-  std::signal(SIGPIPE, SIG_IGN);  // a rival that died is told by write()
+ExternalSolver::ExternalSolver(std::string name, const std::vector<std::string>& command) : name_(std::move(name)) {
+  std::signal(SIGPIPE, SIG_IGN);  // one that died is told by write()
   if (!launch(command)) {
     why_absent_ = "no process could be started";
     return;
@@ -45,9 +45,9 @@ Rival::Rival(std::string name, const std::vector<std::string>& command) : name_(
   for (std::string method; std::getline(words, method, '|');) methods_.push_back(method);
 }
 
-Rival::~Rival() { end(); }
+ExternalSolver::~ExternalSolver() { end(); }
 
-bool Rival::launch(const std::vector<std::string>& command) {
+bool ExternalSolver::launch(const std::vector<std::string>& command) {
   int requests[2], answers[2];
   if (pipe2(requests, O_CLOEXEC) != 0) return false;
   if (pipe2(answers, O_CLOEXEC) != 0) {
@@ -64,7 +64,7 @@ bool Rival::launch(const std::vector<std::string>& command) {
   return process_ > 0;
 }
 
-void Rival::end() {
+void ExternalSolver::end() {
   if (to_ >= 0) close(to_);
   if (from_ >= 0) close(from_);
   to_ = from_ = -1;
@@ -75,7 +75,7 @@ void Rival::end() {
   process_ = -1;
 }
 
-bool Rival::read_line() {
+bool ExternalSolver::read_line() {
   for (;;) {
     if (const std::size_t end_of_line = unread_.find('\n'); end_of_line != std::string::npos) {
       answer_ = unread_.substr(0, end_of_line);
@@ -98,7 +98,7 @@ bool Rival::read_line() {
 }
 
 // True where the answer is "ok"; what follows it is then in answer_.
-bool Rival::ask(const std::string& request) {
+bool ExternalSolver::ask(const std::string& request) {
   if (process_ < 0) return false;
   const std::string line = request + "\n";
   if (write(to_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) || !read_line()) {
@@ -112,21 +112,21 @@ bool Rival::ask(const std::string& request) {
   return ok;
 }
 
-std::optional<double> Rival::idle() {
+std::optional<double> ExternalSolver::idle() {
   if (!ask("idle")) return std::nullopt;
   return std::stod(answer_);
 }
 
-bool Rival::take(const std::string& scene) { return ask("scene " + scene); }
+bool ExternalSolver::take(const std::string& scene) { return ask("scene " + scene); }
 
-bool Rival::start_from(const std::vector<double>& x) {
+bool ExternalSolver::start_from(const std::vector<double>& x) {
   variables_ = x.size();
   return ask(fmt::format("start {}", fmt::join(x, " ")));
 }
 
-std::optional<RivalAnswer> Rival::solve(int method, double accuracy, int times) {
+std::optional<SolverAnswer> ExternalSolver::solve(int method, double accuracy, int times) {
   if (!ask(fmt::format("solve {} {} {}", method, accuracy, times))) return std::nullopt;
-  RivalAnswer answer;
+  SolverAnswer answer;
   std::istringstream words(answer_);
   words >> answer.seconds >> answer.evaluations >> answer.claimed;
   for (double value = 0.0; words >> value;) answer.x.push_back(value);
