@@ -1,5 +1,5 @@
 # The short commands. Everything they do is CMake's: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | bench | figures | lint | format | install PREFIX=/usr/local | setup | clean
+#   make run | test | bench | benchmarks | figures | lint | format | install PREFIX=/usr/local | setup | clean
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 
 PRESET ?= $(if $(CI),ci,release)
@@ -10,7 +10,7 @@ BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
 SOURCE_FOLDERS := model solvers statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
 
-.PHONY: run test bench figures lint format install setup configure app all clean
+.PHONY: run test bench benchmarks figures lint format install setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -18,8 +18,7 @@ run: app
 test: all
 	ctest --preset $(PRESET) -j $(JOBS)
 
-bench: configure
-	cmake --build --preset $(PRESET) -j $(JOBS)
+bench: benchmarks
 	$(BUILD)/benchmarks/poise_ratios
 	$(BUILD)/benchmarks/poise_scaling
 	$(BUILD)/benchmarks/poise_baselines
@@ -60,6 +59,9 @@ app: configure
 
 all: configure
 	cmake --build --preset $(PRESET) -j $(JOBS)
+
+benchmarks: configure
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise benchmarks
 
 clean:
 	rm -rf build build-debug
