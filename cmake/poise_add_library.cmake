@@ -14,6 +14,8 @@ function(poise_add_library folder)
   target_include_directories(${library} INTERFACE
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/poise>")
+  target_link_libraries(${library} PRIVATE fmt::fmt)
+  target_precompile_headers(${library} REUSE_FROM poise_common_headers)
   install(TARGETS ${library} EXPORT poiseTargets
     FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/poise")
 endfunction()

@@ -1,0 +1,1 @@
+// Empty: CMake precompiles headers for targets that have a source only.
