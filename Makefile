@@ -1,5 +1,5 @@
 # The short commands. Everything they do is CMake's: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | bench | benchmarks | figures | lint | format | install PREFIX=/usr/local | setup | clean
+#   make run | test | bench | benchmarks | figures | lint | format | compile-time | install PREFIX=/usr/local | setup | clean
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 
 PRESET ?= $(if $(CI),ci,release)
@@ -10,7 +10,7 @@ BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
 SOURCE_FOLDERS := model solvers statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
 
-.PHONY: run test bench benchmarks figures lint format install setup configure app all clean
+.PHONY: run test bench benchmarks figures lint format compile-time install setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -64,6 +64,10 @@ all: configure
 
 benchmarks: configure
 	cmake --build --preset $(PRESET) -j $(JOBS) --target poise benchmarks
+
+# Seconds that each source took to compile when it was last compiled.
+compile-time:
+	cmake/compile_time.sh $(BUILD)
 
 clean:
 	rm -rf build build-debug build-lint
