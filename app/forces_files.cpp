@@ -8,6 +8,8 @@
 
 #include "app/csv_file.hpp"
 #include "app/json_parts.hpp"
+#include "app/kinematics_files.hpp"
+#include "app/readings.hpp"
 #include "app/report/parts.hpp"
 
 namespace poise::app {
@@ -78,6 +80,12 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAnswer& a
   add_list("torsion_damper.", scene.torsion_dampers, Quantity::moment, &Forces::torsion_damper_moment);
   add_list("friction.", scene.frictions, Quantity::moment, &Forces::friction_moment);
   add("imbalance", Quantity::force, [](const Forces& f) { return f.imbalance; });
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    if (std::none_of(answer.poses.begin(), answer.poses.end(), [s](const Forces& f) { return f.overrun[s] > 0.0; })) {
+      continue;
+    }
+    add("overrun." + scene.stops[s].name, quantity_of(scene.stops[s]), [s](const Forces& f) { return f.overrun[s]; });
+  }
   return out;
 }
 
@@ -107,6 +115,7 @@ std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const st
               {"how", answer.how},
               {"complete", answer.complete},
               {"why", answer.why},
+              {"stop", json_stop(answer.stop, scene)},
               {"balanced", answer.balanced()},
               {"along", answer.along},
               {"at", numbers(places(answer, scene.units))},
@@ -114,7 +123,7 @@ std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const st
   for (const ForceCourse& course : force_courses(scene, answer)) {
     out["forces"][course.name] = numbers(shown(course, scene.units));
   }
-  std::set<std::string> undetermined;
+  std::set<std::string> undetermined, idle;
   double work = 0.0, power = 0.0;
   for (const Forces& forces : answer.poses) {
     for (const Reaction& r : forces.reactions) {
@@ -123,10 +132,12 @@ std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const st
     for (const DriveEffort& d : forces.drives) {
       if (!d.determined) undetermined.insert(d.name);
     }
+    idle.insert(forces.idle_stops.begin(), forces.idle_stops.end());
     work = std::max(work, forces.work_error);
     power = std::max(power, forces.power.error);
   }
   out["undetermined"] = undetermined;
+  out["idle_stops"] = idle;
   out["work_error"] = work;
   out["power_error"] = power;
   return json_text(out, scene);

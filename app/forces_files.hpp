@@ -7,6 +7,7 @@
 #include "app/plot.hpp"
 #include "app/quantity.hpp"
 #include "motion/inverse_dynamics.hpp"
+#include "motion/kinematics.hpp"
 
 namespace poise::app {
 
@@ -17,9 +18,10 @@ struct ForcesAnswer {
   std::optional<Quantity> measure;  ///< of it; none: seconds
   std::vector<double> at;           ///< its values, SI, one per pose; empty for a single pose
   std::vector<Forces> poses;
-  double tolerance = 1e-9;  ///< imbalance over largest force, up to which a pose counts as balanced
-  bool complete = true;     ///< the whole range could be driven
-  std::string why;          ///< where not
+  double tolerance = 1e-9;      ///< imbalance over largest force, up to which a pose counts as balanced
+  bool complete = true;         ///< the whole range could be driven
+  std::string why;              ///< where not
+  std::optional<MetStop> stop;  ///< where a stop is why: it is met in the last pose
 
   bool balanced() const;
 };
@@ -33,15 +35,18 @@ struct ForceCourse {
 
 /// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME (tension, or
 /// moment on the second body), spring.NAME, damper.NAME (tension), torsion_spring.NAME, torsion_damper.NAME,
-/// friction.NAME (moment on the second body), imbalance.
+/// friction.NAME (moment on the second body), imbalance; and overrun.NAME, angle or length, of a stop that some pose of
+/// a recorded motion has passed.
 std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAnswer& answer);
 
 /// The value of `along`, then force_courses, in the units of the scene, times in seconds.
 std::string forces_csv(const Scene& scene, const ForcesAnswer& answer);
 
-/// A JSON object: poise, scene {file, title, source, set}, units {...}, how, complete, why, balanced, along, at
+/// A JSON object: poise, scene {file, title, source, set}, units {...}, how, complete, why, stop (null, or {name,
+/// limit: "min" or "max", value} of the stop that is met in the last pose and ends the range), balanced, along, at
 /// [values], forces {NAME: [value per pose]} as force_courses, undetermined [names of reactions and drives that are
-/// shared with others in some pose], work_error, power_error (largest).
+/// shared with others in some pose], idle_stops [names of stops that are touched in some pose where the drives carry
+/// all], work_error, power_error (largest).
 std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const std::vector<std::string>& settings);
 
 /// Charts over `along`: what drives give, and the size of the joints' reactions, at most twelve of them.

@@ -7,6 +7,7 @@
 
 #include "app/csv_file.hpp"
 #include "app/json_parts.hpp"
+#include "app/readings.hpp"
 
 namespace poise::app {
 namespace {
@@ -128,11 +129,20 @@ std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, c
   return csv_text(header, columns);
 }
 
+json json_stop(const std::optional<MetStop>& met, const Scene& scene) {
+  if (!met) return nullptr;
+  const Stop& stop = scene.stops[met->stop];
+  return {{"name", stop.name},
+          {"limit", met->at_max ? "max" : "min"},
+          {"value", json_number(in_unit(met->at_max ? stop.max : stop.min, quantity_of(stop), scene.units))}};
+}
+
 std::string kinematics_json(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges,
                             const std::vector<std::string>& settings) {
   json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
   out["complete"] = result.complete;
   out["why"] = result.why;
+  out["stop"] = json_stop(result.stop, scene);
   out["drives"] = json::array();
   for (const DriveRange& range : ranges) {
     const Quantity quantity = quantity_of(scene, range);

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "app/plot.hpp"
 #include "app/quantity.hpp"
@@ -30,10 +33,13 @@ std::vector<Course> point_courses(const Scene& scene, const KinematicsResult& re
 /// Columns: drive.NAME of each drive; NAME, NAME.rate, NAME.second of all courses; closeness_to_singular.
 std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges);
 
-/// A JSON object: poise, scene {file, title, source, set}, units {...}, complete, why, steps, drives [{name, from,
-/// to}], samples [{drive {name: value}, angles, lengths {name: [value, rate, second]}, points {body.point: {position,
-/// velocity, acceleration: [x, y]}}, closeness_to_singular}], singular [{kind, before_range, drive {name: value},
-/// text}].
+/// {name, limit: "min" or "max", value} of the stop at which a range ends, or null.
+nlohmann::json json_stop(const std::optional<MetStop>& stop, const Scene& scene);
+
+/// A JSON object: poise, scene {file, title, source, set}, units {...}, complete, why, stop (as json_stop: it is met in
+/// the last sample), drives [{name, from, to}], samples [{drive {name: value}, angles, lengths {name: [value, rate,
+/// second]}, points {body.point: {position, velocity, acceleration: [x, y]}}, closeness_to_singular}], singular [{kind,
+/// before_range, drive {name: value}, text}].
 std::string kinematics_json(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges,
                             const std::vector<std::string>& settings);
 

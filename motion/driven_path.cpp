@@ -7,6 +7,8 @@
 
 #include "solvers/linear_algebra.hpp"
 
+#include "motion/stop_room.hpp"
+
 namespace poise {
 namespace {
 
@@ -256,8 +258,39 @@ std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
   return pose;
 }
 
-std::optional<PathPose> DrivenPath::follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
-                                           const std::function<bool()>& stopped) const {
+// The first stop that is passed on the way between two neighbouring poses.
+std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const PathPose& to) const {
+  const auto rooms = [&](const VectorXd& x) {
+    return stop_rooms(closure_.model(), {x.data(), static_cast<std::size_t>(x.size())});
+  };
+  const std::vector<StopRoom> begin = rooms(from.x), finish = rooms(to.x);
+  std::optional<PathEnd> first;
+  for (std::size_t s = 0; s < begin.size(); ++s) {
+    if (begin[s].overrun() > StopRoom::rounding) continue;
+    const auto overrun = [&](double at) { return rooms(interpolated(from, to, at).x)[s].overrun(); };
+    double beyond = to.at;
+    if (finish[s].overrun() <= StopRoom::rounding) {
+      // It may be passed and left again within the step.
+      const double little = 1e-6 * (to.at - from.at);
+      if (overrun(from.at + little) <= overrun(from.at) || overrun(to.at - little) <= overrun(to.at)) continue;
+      beyond = minimiser([&](double at) { return -overrun(at); }, from.at, to.at);
+      if (overrun(beyond) <= StopRoom::rounding) continue;
+    }
+    double within = from.at;
+    for (double middle = 0.5 * beyond + 0.5 * within; middle != within && middle != beyond;) {
+      (rooms(sampled(from, to, middle).x)[s].overrun() > 0.0 ? beyond : within) = middle;
+      middle = 0.5 * beyond + 0.5 * within;
+    }
+    if (first && first->pose.at <= within) continue;
+    PathPose pose = sampled(from, to, within);
+    const bool at_max = rooms(pose.x)[s].at_max();
+    first = PathEnd{std::move(pose), static_cast<int>(s), at_max};
+  }
+  return first;
+}
+
+std::optional<PathEnd> DrivenPath::follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
+                                          const std::function<bool()>& stopped) const {
   std::size_t next_sample = 0;
   for (; next_sample < samples.size() && samples[next_sample] <= begin.at; ++next_sample) visitor.sample(begin);
   std::optional<PathPose> before;
@@ -265,7 +298,7 @@ std::optional<PathPose> DrivenPath::follow(PathPose begin, const std::vector<dou
   double h = 1.0;
   int overtime = 0;  // steps beyond the end, to see whether a singular pose lies just before it
   while (here.at < end || (before && here.closeness < before->closeness && here.closeness < 0.05 && overtime++ < 3)) {
-    if (stopped()) return here;
+    if (stopped()) return PathEnd{here};
     h = std::min(h, longest_move / largest(here.v));
     if (here.at < end) h = std::min(h, 1.0 - here.at);
     std::optional<PathPose> next;
@@ -295,17 +328,21 @@ std::optional<PathPose> DrivenPath::follow(PathPose begin, const std::vector<dou
     if (!next) {
       if (here.at >= end) break;
       std::optional<PathPose> turning = turning_point(here);
-      return turning ? std::move(turning) : here;
+      return PathEnd{turning ? std::move(*turning) : here};
     }
     if (next->at >= end && next->at < 1.0) next->at = 1.0;
-    for (; next_sample < samples.size() && samples[next_sample] <= next->at; ++next_sample) {
+    std::optional<PathEnd> met;
+    if (here.at < end) met = stop_between(here, *next);
+    const double last = met ? met->pose.at : next->at;
+    for (; next_sample < samples.size() && samples[next_sample] <= last; ++next_sample) {
       visitor.sample(sampled(here, *next, samples[next_sample]));
     }
     const bool dips = before && here.closeness <= before->closeness && here.closeness <= next->closeness;
     if (dips || !before) {
       const auto crossing = before ? crossing_between(*before, here, *next) : crossing_between(here, here, *next);
-      if (crossing && crossing->at <= 1.0 + 1e-9) visitor.crossing(*crossing);
+      if (crossing && crossing->at <= (met ? last : 1.0) + 1e-9) visitor.crossing(*crossing);
     }
+    if (met) return met;
     before = std::exchange(here, std::move(*next));
   }
   return std::nullopt;

@@ -46,6 +46,13 @@ struct PathPose {
   Eigen::VectorXd left, right;  ///< singular vectors of the smallest: closure rows, free coordinates
 };
 
+/// Where a path ends before t = 1, and why.
+struct PathEnd {
+  PathPose pose;
+  int stop = -1;        ///< the stop that is met there; -1: the closures have no pose beyond, or it was interrupted
+  bool at_max = false;  ///< which limit of the stop
+};
+
 /// Follows  d(t) = d0 + t (d1 - d0),  t = 0 .. 1, from a closed pose at t = 0.
 class DrivenPath {
  public:
@@ -63,16 +70,19 @@ class DrivenPath {
   PathPose differentiated(double at, Eigen::VectorXd x) const;
 
   /// Runs to t = 1 and calls the visitor along the way; `samples` ascend in 0 .. 1. `begin` must have derivatives.
-  /// Returns nothing where t = 1 was reached, else the pose beyond which there is none: its derivatives are those of
-  /// the last regular pose, its singular vectors its own.
-  std::optional<PathPose> follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
-                                 const std::function<bool()>& stopped) const;
+  /// Returns nothing where t = 1 was reached. Else the pose beyond which there is none: its derivatives are those of
+  /// the last regular pose, its singular vectors its own; or the pose at the first stop that the path would pass by
+  /// more than StopRoom::rounding, found to rounding, with all its derivatives. A stop that `begin` has passed already
+  /// ends nothing until the path has come back within it.
+  std::optional<PathEnd> follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
+                                const std::function<bool()>& stopped) const;
 
  private:
   PathPose interpolated(const PathPose& from, const PathPose& to, double at) const;
   PathPose sampled(const PathPose& from, const PathPose& to, double at) const;
   std::optional<PathPose> crossing_between(const PathPose& a, const PathPose& b, const PathPose& c) const;
   std::optional<PathPose> turning_point(const PathPose& from) const;
+  std::optional<PathEnd> stop_between(const PathPose& from, const PathPose& to) const;
   void measure(PathPose& pose, const Eigen::MatrixXd& jacobian) const;
 
   const SplitClosure& closure_;

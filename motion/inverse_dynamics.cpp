@@ -11,10 +11,13 @@ namespace poise {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // A stop is touched within this, rad or mechanism sizes.
 constexpr double touching = 1e-8;
+// Rates below this, of scaled coordinates along a unit direction, are rounding.
+constexpr double rate_tolerance = 1e-9;
 // Part of the largest force that rounding may leave unbalanced.
 constexpr double balanced_within = 1e-9;
 
@@ -82,26 +85,61 @@ class InverseDynamics {
     }
   }
 
-  // Per stop: +1 at its max, -1 at its min, 2 at both, 0 not touching.
-  std::vector<int> touched_stops() const {
-    std::vector<Planar<double>> pose(m_.pose_size());
-    std::vector<double> c(m_.constraints());
-    m_.place(x_.data(), pose.data());
-    m_.constraint(x_.data(), pose.data(), c.data());
-    std::vector<int> sides;
-    for (int s = 0; s < m_.stops(); ++s) {
-      const double g = c[2 * m_.closures() + s];
-      const bool at_max = g >= m_.upper()[s] - touching;
-      const bool at_min = g <= m_.lower()[s] + touching;
+  // Per stop: +1 at its max, -1 at its min, 2 at both, 0 not touching or idle.
+  std::vector<int> pressable_stops() {
+    const std::vector<StopRoom> rooms = stop_rooms(model_, x_);
+    std::vector<int> sides, touched;
+    for (std::size_t s = 0; s < rooms.size(); ++s) {
+      const bool at_max = rooms[s].past_max >= -touching;
+      const bool at_min = rooms[s].past_min >= -touching;
       sides.push_back(at_max && at_min ? 2 : at_max ? 1 : at_min ? -1 : 0);
+      if (sides.back() != 0) touched.push_back(static_cast<int>(s));
+      const double unit = scene_.stops[s].kind == Stop::Kind::angle ? 1.0 : model_.scales().length;
+      out_.overrun.push_back(rooms[s].overrun() > touching ? unit * rooms[s].overrun() : 0.0);
+    }
+    for (const int s : decided_by_drives(touched)) {
+      sides[s] = 0;
+      out_.idle_stops.push_back(scene_.stops[s].name);
     }
     return sides;
+  }
+
+  // Those of the stops whose rate is a sum of the drives' rates in whatever way the loops let the mechanism move.
+  std::vector<int> decided_by_drives(const std::vector<int>& stops) const {
+    if (stops.empty() || additions_.drives.empty()) return {};
+    std::vector<int> closure_rows(2 * m_.closures()), stop_rows;
+    std::iota(closure_rows.begin(), closure_rows.end(), 0);
+    for (const int s : stops) stop_rows.push_back(2 * m_.closures() + s);
+    const MatrixXd basis = ReducedHessian<double>(m_, x_, closure_rows).basis;
+    const MatrixXd stop_rates = (DensePoint<double>(m_, x_, stop_rows).jacobian * basis).transpose();
+    MatrixXd drive_rates(basis.cols(), static_cast<Index>(additions_.drives.size()));
+    const std::vector<double> none(x_.size(), 0.0);
+    for (Index k = 0; k < basis.cols(); ++k) {
+      const auto direction = basis.col(k);
+      const std::vector<BodyMotion> motions = body_motions(model_, x_, {direction.begin(), direction.end()}, none);
+      for (Index d = 0; d < drive_rates.cols(); ++d) {
+        const Drive& drive = additions_.drives[static_cast<std::size_t>(d)];
+        const double unit = drive.kind == Drive::Kind::angle ? 1.0 : model_.scales().length;
+        drive_rates(k, d) = rate_of(scene_, motions, drive) / unit;
+      }
+    }
+    // At a dead centre of the drives nothing is left of their rates but rounding.
+    if (drive_rates.size() == 0 || drive_rates.cwiseAbs().maxCoeff() < rate_tolerance) return {};
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
+    factors.setThreshold(rate_tolerance);
+    factors.compute(drive_rates);
+    const MatrixXd left = stop_rates - drive_rates * factors.solve(stop_rates);
+    std::vector<int> decided;
+    for (std::size_t k = 0; k < stops.size(); ++k) {
+      if (left.col(static_cast<Index>(k)).norm() <= rate_tolerance) decided.push_back(stops[k]);
+    }
+    return decided;
   }
 
   void balance_bodies() {
     std::vector<BodyPose<double>> poses;
     for (const BodyMotion& motion : out_.motions) poses.push_back(motion.pose);
-    FreeBodies bodies = balance(scene_, poses, touched_stops(), model_.scales().length, additions_);
+    FreeBodies bodies = balance(scene_, poses, pressable_stops(), model_.scales().length, additions_);
     const auto first_drive = bodies.reactions.end() - static_cast<std::ptrdiff_t>(additions_.drives.size());
     for (std::size_t k = 0; k < additions_.drives.size(); ++k) {
       const Drive& drive = additions_.drives[k];

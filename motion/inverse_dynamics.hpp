@@ -40,6 +40,8 @@ struct Forces {
   std::vector<double> damper_tension;         ///< N: coefficient dr/dt
   std::vector<double> torsion_damper_moment;  ///< N m on the second body
   std::vector<double> friction_moment;        ///< N m on the second body
+  std::vector<std::string> idle_stops;        ///< touched, but the drives alone decide what they limit and carry it all
+  std::vector<double> overrun;                ///< per stop, rad or m: how far the pose is beyond it; 0 where it is not
   int redundancy = 0;                         ///< independent sets of reactions and drive efforts that balance nothing
 
   double imbalance = 0.0;  ///< N: largest force, or moment / size, that neither reactions nor drives can take up
@@ -60,6 +62,9 @@ struct Forces {
 /// loops closed. Reactions and the efforts of `drives` are the least-squares solution of all bodies' 3 equations, the
 /// one of minimum norm where it is not unique. With v = a = 0 this is static force analysis at a given pose. Time laws
 /// of the drives play no part, only what they act on.
+///
+/// A stop that is touched may press, unless drives alone decide what it limits: grad g . v is a sum of the drives'
+/// rates for every v with J v = 0. Balance would leave open what drive and stop then share; the drives carry all of it.
 Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                  const std::vector<double>& a, const std::vector<Drive>& drives);
 

@@ -190,11 +190,15 @@ class Sweep {
     if (!ahead.isZero(1e-15)) {
       const PathPose from = *begin;
       begin.reset();
-      const std::optional<PathPose> last = path.follow(
+      const std::optional<PathEnd> last = path.follow(
           from, {1.0}, {[&](const PathPose& pose) { begin = pose; }, [&](const PathPose& p) { note(p, true); }},
           [&] { return stopped(); });
+      if (last && last->stop >= 0) {
+        throw InputError(fmt::format("{}drive \"{}\": {}, on the way from the start; expected a place within the stops",
+                                     where(model_.scene()), ranges_.front().name, words(*last)));
+      }
       if (!begin) {
-        give_up(*last, true);
+        give_up(last->pose, true);
         return std::nullopt;
       }
     }
@@ -221,11 +225,44 @@ class Sweep {
     }
     std::vector<double> samples;
     for (int k = 0; k <= options_.steps; ++k) samples.push_back(static_cast<double>(k) / options_.steps);
-    const std::optional<PathPose> last = path.follow(
+    const std::optional<PathEnd> last = path.follow(
         begin, samples, {[&](const PathPose& p) { add_sample(p); }, [&](const PathPose& p) { note(p, false); }},
         [&] { return stopped(); });
     result_.complete = !last.has_value();
-    if (last) give_up(*last, false);
+    if (!last) return;
+    if (last->stop < 0) {
+      give_up(last->pose, false);
+      return;
+    }
+    const double sampled = *(std::upper_bound(samples.begin(), samples.end(), last->pose.at) - 1);
+    if (last->pose.at - sampled > 1e-12) add_sample(last->pose);
+    result_.stop = MetStop{static_cast<std::size_t>(last->stop), last->at_max};
+    result_.why = words(*last);
+  }
+
+  // `the stop "cowl" is met at hood = 1.2 rad (its max, 1.2 rad)`.
+  std::string words(const PathEnd& end) const {
+    const Stop& stop = model_.scene().stops[static_cast<std::size_t>(end.stop)];
+    return fmt::format("the stop \"{}\" is met at {} (its {}, {})", stop.name, drive_words(end.pose.x),
+                       end.at_max ? "max" : "min",
+                       in_units(end.at_max ? stop.max : stop.min, stop.kind == Stop::Kind::angle));
+  }
+
+  std::string in_units(double value, bool is_angle) const {
+    const Units& units = model_.scene().units;
+    return fmt::format("{:.10g} {}", value / (is_angle ? units.angle : units.length),
+                       is_angle ? units.angle_name : units.length_name);
+  }
+
+  // "crank = 30 deg, ram = 2 mm".
+  std::string drive_words(const VectorXd& x) const {
+    std::string out;
+    for (std::size_t k = 0; k < driven_.size(); ++k) {
+      out += fmt::format(
+          "{}{} = {}", k == 0 ? "" : ", ", ranges_[k].name,
+          in_units(driven_[k].value(x[driven_[k].coordinate]), result_.is_angle[result_.drive_coordinates[k]]));
+    }
+    return out;
   }
 
   void add_sample(const PathPose& pose) {
@@ -270,16 +307,9 @@ class Sweep {
       result_.why = "interrupted";
       return;
     }
-    const Units& units = model_.scene().units;
-    std::string reached;
-    for (std::size_t k = 0; k < driven_.size(); ++k) {
-      const bool is_angle = result_.is_angle[result_.drive_coordinates[k]];
-      reached += fmt::format("{}{} = {:.10g} {}", k == 0 ? "" : ", ", ranges_[k].name,
-                             driven_[k].value(last.x[driven_[k].coordinate]) / (is_angle ? units.angle : units.length),
-                             is_angle ? units.angle_name : units.length_name);
-    }
-    result_.why = fmt::format("{} cannot be driven beyond {}",
-                              before_range ? "on the way to its range the mechanism" : "the mechanism", reached);
+    result_.why =
+        fmt::format("{} cannot be driven beyond {}",
+                    before_range ? "on the way to its range the mechanism" : "the mechanism", drive_words(last.x));
     if (last.closeness > end_is_singular_below) return;
     result_.singular.push_back(singular(last, SingularPose::Kind::dead_centre, before_range));
     result_.why += ": " + result_.singular.back().text;

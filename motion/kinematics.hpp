@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,11 +48,18 @@ struct SingularPose {
   std::string text;  ///< "change point of the loop closed by \"D\": crank, coupler and rocker are in line"
 };
 
-/// How the mechanism moves over the range. Where the range cannot be completed the samples end before the dead centre,
-/// which is the last of `singular`.
+/// A stop at which a range ends.
+struct MetStop {
+  std::size_t stop = 0;  ///< index into Scene::stops
+  bool at_max = false;   ///< or at its min
+};
+
+/// How the mechanism moves over the range. Where the range cannot be completed the samples end at the stop that is met,
+/// or before the dead centre, which is the last of `singular`.
 struct KinematicsResult {
   bool complete = false;
   std::string why;                             ///< where not complete
+  std::optional<MetStop> stop;                 ///< where a stop is why: it is met in the last sample, found to rounding
   std::vector<std::string> coordinates;        ///< names of q
   std::vector<bool> turns;                     ///< per body of the scene: whether it can turn
   std::vector<bool> is_angle;                  ///< which of q are angles; the others are lengths
@@ -65,10 +73,12 @@ struct KinematicsResult {
 ///   c(f, d) = 0,   C_f f' = -C_d d',   C_f f'' = -C_d d'' - (C q')' q',
 /// solved by rank-revealing factors, so that redundant closures do no harm. The path is followed by predictor and
 /// corrector in steps short enough that a branch is never changed unseen; where C_f loses rank it is a singular pose,
-/// whose place is found to about 1e-10. Derivatives there are the limits along the path.
+/// whose place is found to about 1e-10. Derivatives there are the limits along the path. The range ends where a stop of
+/// the scene would be passed, one more sample at the stop.
 ///
 /// Throws InputError naming what else must be driven where the drives leave a freedom, where they contradict each
-/// other, where a name is unknown, where the start cannot be assembled or is itself singular.
+/// other, where a name is unknown, where the start cannot be assembled or is itself singular, and naming the stop that
+/// would be passed on the way from the start to the range.
 KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options = {});
 
 }  // namespace poise

@@ -16,6 +16,7 @@
 #include "app/commands/session.hpp"
 #include "app/interrupt.hpp"
 #include "app/motion_record.hpp"
+#include "app/readings.hpp"
 #include "app/report/forces_report.hpp"
 #include "identification/record.hpp"
 #include "motion/given_motion.hpp"
@@ -65,12 +66,26 @@ Scene with_drives(Scene scene, const std::vector<std::string>& drives) {
   return scene;
 }
 
+/// Throws InputError where the drives begin in a pose that a stop bars.
+void expect_within_stops(const Scene& scene, const Forces& forces) {
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    if (forces.overrun[s] == 0.0) continue;
+    const Quantity quantity = quantity_of(scene.stops[s]);
+    throw InputError(
+        fmt::format("{}: drive: the pose in which the drives begin is beyond the stop \"{}\" by {} {}; "
+                    "expected one within the stops; change a drive's start, or say --drive NAME=VALUE",
+                    scene.file, scene.stops[s].name, significant(in_unit(forces.overrun[s], quantity, scene.units), 6),
+                    unit_name(quantity, scene.units)));
+  }
+}
+
 ForcesAnswer in_place(const MotionModel& model) {
   ForcesAnswer answer;
   answer.how = "standing still where the scene's start puts it";
   const std::vector<double> x = model.from_si(start_motion(model, {}).q);
   const std::vector<double> still(x.size(), 0.0);
   answer.poses.push_back(forces_of(model, x, still, still, model.scene().drives));
+  expect_within_stops(model.scene(), answer.poses.front());
   return answer;
 }
 
@@ -91,6 +106,7 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request, 
   ForcesAnswer answer;
   answer.complete = path.complete;
   answer.why = path.why;
+  answer.stop = path.stop;
   answer.how = request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
                                           unit_name(quantity, scene.units))
                             : "standing still in every pose";
@@ -197,7 +213,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
                                           files.wants_csv() && any ? forces_csv(scene, answer) : "");
   progress.done();
   print(forces_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
-  return answer.complete && any && answer.balanced() ? solved : not_solved;
+  return (answer.complete || answer.stop) && any && answer.balanced() ? solved : not_solved;
 }
 
 }  // namespace
@@ -208,7 +224,7 @@ Command forces_command() {
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME[=RANGE]",
                "crank: drives the angle of a body, or the travel of a joint,\nfrom where it stands; crank=30: put "
-               "there; crank=0..360: over\na range. Takes the place of the scene's drives; several times"});
+               "there; crank=0..360: over\na range, as far as stops allow. Takes the place of the scene's\ndrives; several times"});
   command.add({"--rate", &request->rate, "NUMBER",
                "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
                "pose)"});

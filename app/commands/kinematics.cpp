@@ -59,7 +59,7 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
                   files.wants_csv() && any ? kinematics_csv(scene, result, ranges) : "");
   progress.done();
   print(report + (written.empty() ? "" : "\n" + written));
-  return result.complete ? solved : not_solved;
+  return result.complete || result.stop ? solved : not_solved;
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ Command kinematics_command() {
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME=FROM..TO",
                "Drive the angle of a body, or the travel of a joint, in the\nscene's units: crank=0..360; as many as "
-               "it has freedoms",
+               "it has freedoms;\nends where a stop is met",
                Presence::required});
   command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
   command.add({"--rate", &request->rate, "NUMBER",

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -32,7 +32,9 @@ const Forces& worst(const ForcesAnswer& answer) {
 }
 
 std::string verdict(const ForcesAnswer& answer, const Palette& palette) {
-  if (!answer.complete) return palette.paint(Tone::bad, fmt::format("Driven in part only: {}.", answer.why));
+  if (!answer.complete && !answer.stop) {
+    return palette.paint(Tone::bad, fmt::format("Driven in part only: {}.", answer.why));
+  }
   if (answer.poses.empty()) return palette.paint(Tone::bad, "There is no pose to look at.");
   if (!answer.balanced()) {
     const bool driven = !answer.poses.front().drives.empty();
@@ -42,8 +44,32 @@ std::string verdict(const ForcesAnswer& answer, const Palette& palette) {
   return palette.paint(Tone::good, "Every body is in balance.");
 }
 
+/// Where stops have a say, or should have.
+std::string stop_facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
+  std::string out;
+  if (answer.stop) out += fact("range", palette.paint(Tone::doubtful, "ends early: " + answer.why), palette);
+  std::set<std::string> idle;
+  for (const Forces& forces : answer.poses) idle.insert(forces.idle_stops.begin(), forces.idle_stops.end());
+  for (const std::string& stop : idle) {
+    out += fact("stop", fmt::format("\"{}\" is touched; the drive carries all, the stop nothing", stop), palette);
+  }
+  for (const ForceCourse& course : force_courses(model.scene(), answer)) {
+    if (!course.name.starts_with("overrun.")) continue;
+    const auto passed = std::count_if(course.value.begin(), course.value.end(), [](double v) { return v > 0.0; });
+    out += fact("stop",
+                palette.paint(Tone::bad,
+                              fmt::format("\"{}\" is passed in {} of {} poses, by up to {} {}", course.name.substr(8),
+                                          passed, course.value.size(),
+                                          force_text(model, *std::max_element(course.value.begin(), course.value.end()),
+                                                     course.quantity),
+                                          unit_name(course.quantity, model.scene().units))),
+                palette);
+  }
+  return out;
+}
+
 std::string facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
-  std::string out = fact("pose", answer.how, palette);
+  std::string out = fact("pose", answer.how, palette) + stop_facts(model, answer, palette);
   if (answer.poses.empty()) return out;
   const Units& units = model.scene().units;
   const Forces& f = worst(answer);
@@ -93,7 +119,10 @@ std::string element_section(const MotionModel& model, const ForcesAnswer& answer
   std::vector<std::string> names, values, of;
   for (const ForceCourse& course : force_courses(model.scene(), answer)) {
     const std::string kind = course.name.substr(0, course.name.find('.'));
-    if (kind == "effort" || kind == "power" || kind == "reaction" || kind == "stop" || kind == "imbalance") continue;
+    if (kind == "effort" || kind == "power" || kind == "reaction" || kind == "stop" || kind == "imbalance" ||
+        kind == "overrun") {
+      continue;
+    }
     names.push_back(course.name);
     values.push_back(force_text(model, course.value.front(), course.quantity));
     of.push_back(unit_name(course.quantity, model.scene().units));
@@ -160,7 +189,7 @@ std::string largest_section(const MotionModel& model, const ForcesAnswer& answer
   for (ForceCourse& course : force_courses(scene, answer)) {
     const bool is_moment = course.name.ends_with(".moment");
     if (course.name.starts_with("effort.") || course.name.starts_with("power.") || course.name == "imbalance" ||
-        (course.name.starts_with("reaction.") && !is_moment)) {
+        course.name.starts_with("overrun.") || (course.name.starts_with("reaction.") && !is_moment)) {
       continue;
     }
     courses.push_back(std::move(course));

@@ -125,8 +125,10 @@ std::string kinematics_report(const Scene& scene, const KinematicsResult& result
   const Units& units = scene.units;
   const std::vector<Course> of_points = courses_of(points, scene, result);
   std::string out = heading(scene.title.empty() ? scene.file : scene.title, scene.source, palette);
-  out += result.complete ? palette.paint(Tone::good, "Driven through the whole range.") + "\n"
-                         : palette.paint(Tone::bad, "Not driven through the whole range: " + result.why + ".") + "\n";
+  out += result.complete ? palette.paint(Tone::good, "Driven through the whole range.")
+         : result.stop   ? palette.paint(Tone::doubtful, "Driven up to a stop: " + result.why + ".")
+                         : palette.paint(Tone::bad, "Not driven through the whole range: " + result.why + ".");
+  out += "\n";
   if (!result.samples.empty()) {
     const Course drive = drive_course(scene, result, 0, ranges);
     const std::size_t stride = stride_of(result);

@@ -49,6 +49,22 @@ TEST(KinematicsCommand, NamesTheDeadCentreAndSaysNoByItsExitCode) {
   EXPECT_TRUE(contains(outcome.out, "link6 and link7 are in line")) << outcome.out;
 }
 
+TEST(KinematicsCommand, EndsAtAStopAndSaysSo) {
+  const TempFolder folder;
+  const std::string result = folder.path("k.json");
+  const Outcome outcome = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=0.8..1.3", "--json", result});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_TRUE(contains(outcome.out, "Driven up to a stop: the stop \"reach\" is met at hood = 0.9669")) << outcome.out;
+  const json answer = json::parse(contents(result));
+  EXPECT_FALSE(answer["complete"].get<bool>());
+  EXPECT_EQ(answer["stop"], json({{"name", "reach"}, {"limit", "max"}, {"value", 0.44}}));
+  const json& end = answer["samples"].back()["points"]["hood.H"]["position"];
+  EXPECT_NEAR(std::hypot(end[0].get<double>() - 0.27, end[1].get<double>() + 0.08), 0.44, 1e-14);
+  const Outcome beyond = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=1.3"});
+  EXPECT_EQ(beyond.exit_code, 2);
+  EXPECT_TRUE(contains(beyond.err, "the stop \"reach\" is met at hood = ")) << beyond.err;
+}
+
 TEST(KinematicsCommand, RefusesWhatItCannotRead) {
   const auto complaint = [](const std::string& drive) {
     const Outcome outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", drive});

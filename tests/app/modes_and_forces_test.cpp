@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -112,6 +113,82 @@ TEST(ForcesCommand, BalancesARecordedSwing) {
   ASSERT_EQ(r["at"].size(), 501U);
   EXPECT_NEAR(r["forces"]["reaction.O.x"][0], 0.75 * 2 * 9.81 * std::cos(M_PI / 6) * 0.5, 1e-6)
       << "let go level with 30 deg it starts with 3/4 g cos 30 across";
+}
+
+// Its bar may not sink below -45 deg, nor rise above 60.
+std::string motor_with_stop(const char* more = "") {
+  std::string text = motor;
+  text += R"(
+[[stop]]
+name = "floor"
+bodies = ["ground", "bar"]
+min = -45
+max = 60
+)";
+  return text += more;
+}
+
+TEST(ForcesCommand, EndsTheRangeAtAStopAndSaysSo) {
+  const TempFolder folder;
+  const std::string scene = folder.write("motor.toml", motor_with_stop());
+  const std::string csv = folder.path("f.csv"), svg = folder.path("f.svg");
+  const json r =
+      json_of(folder, {"forces", scene, "--drive", "bar=0..-90", "--steps", "9", "--csv", csv, "--svg", svg}, 0);
+  EXPECT_EQ(r["complete"], false);
+  EXPECT_EQ(r["balanced"], true);
+  EXPECT_EQ(r["stop"], json({{"name", "floor"}, {"limit", "min"}, {"value", -45.0}}));
+  EXPECT_EQ(r["idle_stops"], json({"floor"}));
+  EXPECT_TRUE(r["undetermined"].empty());
+  ASSERT_EQ(r["at"].size(), 6U) << "0, -10 .. -40 and the stop itself";
+  EXPECT_NEAR(r["at"][5], -45.0, 1e-12);
+  EXPECT_NEAR(r["forces"]["effort.bar"][5], 2 * 9.81 * 600 * std::cos(M_PI / 4), 1e-8);
+  EXPECT_EQ(r["forces"]["stop.floor"][5], 0.0);
+  const std::string table = contents(csv);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 7);
+  EXPECT_EQ(objection_to_xml(contents(svg)), "");
+  const Outcome run = run_poise({"forces", scene, "--drive", "bar=0..-90"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.out.find("ends early: the stop \"floor\" is met at bar = -45 deg (its min, -45 deg)"),
+            std::string::npos)
+      << run.out;
+}
+
+TEST(ForcesCommand, RefusesASinglePoseBeyondAStop) {
+  const TempFolder folder;
+  const std::string scene = folder.write("motor.toml", motor_with_stop());
+  const Outcome put = run_poise({"forces", scene, "--drive", "bar=-60"});
+  EXPECT_EQ(put.exit_code, 2);
+  EXPECT_NE(put.err.find("the stop \"floor\" is met at bar = -45 deg"), std::string::npos) << put.err;
+  const std::string driven = folder.write("driven.toml", motor_with_stop(R"(
+[[drive]]
+name = "servo"
+bodies = ["ground", "bar"]
+start = 75
+)"));
+  const Outcome stands = run_poise({"forces", driven});
+  EXPECT_EQ(stands.exit_code, 2);
+  EXPECT_NE(stands.err.find("beyond the stop \"floor\" by 15 deg"), std::string::npos) << stands.err;
+  const Outcome at_it = run_poise({"forces", scene, "--drive", "bar", "--set", "start.bar=60"});
+  EXPECT_EQ(at_it.exit_code, 0);
+  EXPECT_NE(at_it.out.find("\"floor\" is touched"), std::string::npos) << at_it.out;
+}
+
+// What poise motion writes knows no stops.
+TEST(ForcesCommand, MarksThePosesOfARecordThatAreBeyondAStop) {
+  const TempFolder folder;
+  const std::string scene = folder.write("motor.toml", motor_with_stop());
+  const std::string record = folder.path("swing.csv").string();
+  const Outcome moved =
+      run_poise({"motion", scene, "--duration", "1", "--rate", "100", "--from", "start", "--csv", record});
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  const json r = json_of(folder, {"forces", scene, "--motion", record, "--drive", "bar"}, 0);
+  const json& overrun = r["forces"]["overrun.floor"];
+  ASSERT_EQ(overrun.size(), 101U);
+  EXPECT_EQ(overrun[0], 0.0);
+  const double most = *std::max_element(overrun.begin(), overrun.end());
+  EXPECT_GT(most, 90.0);
+  const Outcome said = run_poise({"forces", scene, "--motion", record, "--drive", "bar"});
+  EXPECT_NE(said.out.find("\"floor\" is passed in "), std::string::npos) << said.out;
 }
 
 TEST(ForcesCommand, CsvHoldsEveryPose) {

@@ -294,6 +294,70 @@ TEST(InverseDynamics, RedundantDrivesAreMarked) {
   EXPECT_NEAR(forces.drives[0].value + forces.drives[1].value, 3.0 * gravity * 0.4, 1e-12);
 }
 
+// Balance leaves open how a drive and a stop on the same angle share a load: the drive carries it, the stop only
+// touches.
+TEST(InverseDynamics, DriveAtAStopCarriesAllOfTheLoad) {
+  constexpr double m = 3.0, q = 0.4;
+  Scene scene = pendulum(m, 0.2);
+  test::add_stop(scene, "rest", 0, 1, q, 1.0);
+  const MotionModel model(scene);
+  const double moment = m * gravity * 0.4 * std::cos(q);
+  const Forces held = forces_at(model, {q}, {0.0}, {0.0}, {find_drive(scene, "arm")});
+  expect_consistent(held);
+  EXPECT_NEAR(held.drives[0].value, moment, 1e-12);
+  EXPECT_TRUE(held.drives[0].determined);
+  EXPECT_EQ(held.redundancy, 0);
+  EXPECT_EQ(held.idle_stops, std::vector<std::string>{"rest"});
+  EXPECT_EQ(held.overrun, std::vector<double>{0.0});
+  const Forces alone = forces_at(model, {q}, {0.0}, {0.0});
+  expect_consistent(alone);
+  EXPECT_NEAR(reaction(alone, "rest").moment, moment, 1e-12) << "without a drive the stop holds it";
+  EXPECT_TRUE(alone.idle_stops.empty());
+  const Forces beyond = forces_at(model, {q - 0.1}, {0.0}, {0.0}, {find_drive(scene, "arm")});
+  EXPECT_NEAR(beyond.overrun[0], 0.1, 1e-15);
+  EXPECT_NEAR(beyond.drives[0].value, m * gravity * 0.4 * std::cos(q - 0.1), 1e-12);
+}
+
+// A drive on the first of two links: the second leans on its stop against the first, which the drive cannot hold.
+TEST(InverseDynamics, StopCarriesWhatTheDriveDoesNotDecide) {
+  constexpr double m = 2.0, q1 = 0.3, q2 = -0.5;
+  Scene scene = test::chain(2, 1.0, m);
+  scene.gravity = {0, -gravity};
+  test::add_stop(scene, "elbow", 1, 2, q2 - q1, 1.0);
+  const MotionModel model(scene);
+  const Forces forces = forces_at(model, {q1, q2}, {0, 0}, {0, 0}, {find_drive(scene, "1")});
+  expect_consistent(forces);
+  EXPECT_TRUE(forces.idle_stops.empty());
+  EXPECT_NEAR(reaction(forces, "elbow").moment, m * gravity * 0.5 * std::cos(q2), 1e-12);
+  EXPECT_NEAR(forces.drives[0].value, m * gravity * (1.5 * std::cos(q1) + 0.5 * std::cos(q2)), 1e-12);
+  // With both links driven it only touches.
+  const Forces both = forces_at(model, {q1, q2}, {0, 0}, {0, 0}, {find_drive(scene, "1"), find_drive(scene, "2")});
+  EXPECT_EQ(both.idle_stops, std::vector<std::string>{"elbow"});
+  EXPECT_NEAR(both.drives[1].value, m * gravity * 0.5 * std::cos(q2), 1e-12);
+  EXPECT_NEAR(both.drives[0].value, m * gravity * 1.5 * std::cos(q1), 1e-12);
+}
+
+// A hood on its four-bar: the reach of the strut is decided by the hood's angle, whatever the geometry between.
+TEST(InverseDynamics, CurveHasNoCliffAtAStop) {
+  const Scene scene = read_scene(test::dataset("car_hood.toml"));
+  const KinematicsResult path = sweep(scene, {{"hood", 0.8, 1.25}});
+  ASSERT_TRUE(path.stop.has_value());
+  EXPECT_EQ(scene.stops[path.stop->stop].name, "reach");
+  const MotionModel model(scene);
+  const std::vector<Drive> drives = {find_drive(scene, "hood")};
+  const auto effort = [&](const KinematicSample& at) {
+    const std::vector<double> still(at.q.size(), 0.0);
+    return forces_at(model, at.q, still, still, drives).drives[0].value;
+  };
+  // The last piece of the curve goes on as steeply as the one before.
+  const std::size_t n = path.samples.size();
+  const auto slope = [&](std::size_t k) {
+    const KinematicSample &a = path.samples[k - 1], &b = path.samples[k];
+    return (effort(b) - effort(a)) / (b.drive[0] - a.drive[0]);
+  };
+  EXPECT_NEAR(slope(n - 1), slope(n - 2), 0.1 * std::abs(slope(n - 2)));
+}
+
 TEST(InverseDynamics, MeasuresRatesThatOpenALoop) {
   const Scene scene = read_scene(test::dataset("four_bar_gravity.toml"));
   const MotionModel model(scene);

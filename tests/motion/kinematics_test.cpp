@@ -264,6 +264,78 @@ TEST(Kinematics, OnePlaceIsOneSample) {
   EXPECT_NEAR(result.samples[0].bodies[1].rate, 1.0, 1e-15);
 }
 
+TEST(Kinematics, RangeEndsAtTheStop) {
+  constexpr double a = 1.0, b = 3.2, c = 2.5, d = 3.0, most = 1.9;
+  Scene scene = four_bar(a, b, c, d, 1.0, 0.4, 1.6);
+  test::add_stop(scene, "room", 0, body_of(scene, "rocker"), 0.2, most);
+  const KinematicsResult result = sweep(scene, {{"crank", 0.9, 3.0}});
+  EXPECT_FALSE(result.complete);
+  ASSERT_TRUE(result.stop.has_value());
+  EXPECT_EQ(result.stop->stop, 0u);
+  EXPECT_TRUE(result.stop->at_max);
+  EXPECT_TRUE(result.singular.empty());
+  const KinematicSample& last = result.samples.back();
+  EXPECT_NEAR(last.bodies[3].pose.angle, most, 1e-14);
+  // Intersection of two circles about O and B: where the crank stands then.
+  const Vec2 tip = Vec2{d, 0} + c * unit(most);
+  const double e = norm(tip);
+  const double crank = std::atan2(tip.y, tip.x) + std::acos((a * a + e * e - b * b) / (2 * a * e));
+  EXPECT_NEAR(last.drive[0], crank, 1e-13);
+  EXPECT_NE(result.why.find("the stop \"room\" is met at crank = "), std::string::npos) << result.why;
+  EXPECT_NE(result.why.find("(its max, 1.9 rad)"), std::string::npos) << result.why;
+  // Before it the range has the samples that it has without the stop, and the same.
+  scene.stops.clear();
+  const KinematicsResult whole = sweep(scene, {{"crank", 0.9, 3.0}});
+  for (std::size_t k = 0; k + 1 < result.samples.size(); ++k) {
+    EXPECT_EQ(result.samples[k].drive, whole.samples[k].drive);
+    EXPECT_EQ(result.samples[k].q, whole.samples[k].q);
+  }
+  EXPECT_GT(whole.samples[result.samples.size() - 1].bodies[3].pose.angle, most);
+}
+
+// The slider's stop lets it go all but 0.1 um of its stroke: the crank may turn to 2 mrad before its dead centre.
+TEST(Kinematics, StopThatIsPassedWithinOneStepIsMet) {
+  constexpr double r = 0.05, l = 0.17, short_by = 1e-7;
+  Scene scene = slider_crank(r, l, -0.7);
+  Stop stop;
+  stop.kind = Stop::Kind::travel;
+  stop.joint = 3;
+  stop.max = r + l - short_by;
+  scene.stops.push_back(stop);
+  const KinematicsResult result = sweep(scene, {{"crank", -0.73, 0.8}});
+  ASSERT_TRUE(result.stop.has_value());
+  const double x = r + l - short_by;
+  EXPECT_NEAR(result.samples.back().drive[0], -std::acos((r * r + x * x - l * l) / (2 * r * x)), 1e-10);
+  scene.stops.back().max = r + l;
+  EXPECT_TRUE(sweep(scene, {{"crank", -0.73, 0.8}}).complete) << "it is touched, not passed";
+}
+
+TEST(Kinematics, RangeMayEndAtAStop) {
+  Scene scene = slider_crank(0.05, 0.17, 0.7);
+  test::add_stop(scene, "room", 0, 1, 0.3, 1.1);
+  EXPECT_TRUE(sweep(scene, {{"crank", 0.3, 1.1}}).complete);
+  const KinematicsResult beyond = sweep(scene, {{"crank", 1.1, 0.2}});
+  ASSERT_TRUE(beyond.stop.has_value());
+  EXPECT_FALSE(beyond.stop->at_max);
+  EXPECT_NEAR(beyond.samples.back().drive[0], 0.3, 1e-15);
+  const KinematicsResult nowhere = sweep(scene, {{"crank", 1.1, 1.2}});
+  ASSERT_TRUE(nowhere.stop.has_value());
+  EXPECT_EQ(nowhere.samples.size(), 1u);
+}
+
+TEST(Kinematics, RefusesPlacesBeyondAStop) {
+  Scene scene = slider_crank(0.05, 0.17, 0.7);
+  test::add_stop(scene, "room", 0, 1, 0.3, 1.1);
+  for (const double start : {0.7, 1.25}) {  // a start beyond a stop is assembled at it
+    scene.start.angle[1] = start;
+    const std::string said = refusal(scene, {{"crank", 1.2, 0.5}});
+    EXPECT_NE(said.find("the stop \"room\" is met at crank = 1.1 rad (its max, 1.1 rad), on the way from the start"),
+              std::string::npos)
+        << said;
+    EXPECT_TRUE(sweep(scene, {{"crank", 1.0, 0.5}}).complete);
+  }
+}
+
 TEST(Kinematics, SaysWhatElseMustBeDriven) {
   const Scene scene = test::chain(3, 1.0, 1.0);
   const std::string said = refusal(scene, {{"1", 0, 1}});

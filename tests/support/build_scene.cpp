@@ -84,6 +84,16 @@ void add_force(Scene& scene, const std::string& at, Vec2 vector, const std::stri
   scene.forces.push_back(force);
 }
 
+void add_stop(Scene& scene, const std::string& name, int a, int b, double min, double max) {
+  Stop stop;
+  stop.name = name;
+  stop.body_a = a;
+  stop.body_b = b;
+  stop.min = min;
+  stop.max = max;
+  scene.stops.push_back(stop);
+}
+
 void add_torsion_spring(Scene& scene, int a, int b, double stiffness, double free_angle) {
   TorsionSpring spring;
   spring.name = "torsion spring " + std::to_string(scene.torsion_springs.size() + 1);

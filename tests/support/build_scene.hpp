@@ -21,6 +21,8 @@ int add_pin_in_slot(Scene& scene, const std::string& a, const std::string& b, Ve
 int add_bar(Scene& scene, const std::string& a, const std::string& b, double length, const std::string& name = {});
 
 void add_force(Scene& scene, const std::string& at, Vec2 vector, const std::string& name);
+/// Keeps angle(b) - angle(a) of two bodies between the limits.
+void add_stop(Scene& scene, const std::string& name, int a, int b, double min, double max);
 void add_torsion_spring(Scene& scene, int a, int b, double stiffness, double free_angle = 0.0);
 
 /// `count` links "1", "2", ... in series from ground.O = (0, 0), pinned end to end.
