@@ -103,7 +103,24 @@ std::string forces_csv(const Scene& scene, const ForcesAnswer& answer) {
   return csv_text(header, columns);
 }
 
-std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const std::vector<std::string>& settings) {
+std::vector<std::pair<ParallelElement, ForceCourse>> loaded_parallels(const MotionModel& model,
+                                                                      const ForcesAnswer& answer) {
+  std::vector<std::pair<ParallelElement, ForceCourse>> out;
+  const std::vector<ForceCourse> courses = force_courses(model.scene(), answer);
+  for (const ParallelElement& parallel : parallel_elements(model, model.scene().drives)) {
+    const auto course =
+        std::find_if(courses.begin(), courses.end(), [&](const ForceCourse& c) { return c.name == parallel.element; });
+    if (course == courses.end()) continue;
+    if (std::any_of(course->value.begin(), course->value.end(), [](double v) { return v != 0.0; })) {
+      out.emplace_back(parallel, *course);
+    }
+  }
+  return out;
+}
+
+std::string forces_json(const MotionModel& model, const ForcesAnswer& answer,
+                        const std::vector<std::string>& settings) {
+  const Scene& scene = model.scene();
   const auto numbers = [](const std::vector<double>& values) {
     json out = json::array();
     for (double v : values) out.push_back(json_number(v));
@@ -116,12 +133,16 @@ std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const st
               {"complete", answer.complete},
               {"why", answer.why},
               {"stop", json_stop(answer.stop, scene)},
+              {"parallel", json::array()},
               {"balanced", answer.balanced()},
               {"along", answer.along},
               {"at", numbers(places(answer, scene.units))},
               {"forces", json::object()}};
   for (const ForceCourse& course : force_courses(scene, answer)) {
     out["forces"][course.name] = numbers(shown(course, scene.units));
+  }
+  for (const auto& [parallel, course] : loaded_parallels(model, answer)) {
+    out["parallel"].push_back({{"element", parallel.element}, {"drive", parallel.drive}});
   }
   std::set<std::string> undetermined, idle;
   double work = 0.0, power = 0.0;

@@ -47,7 +47,11 @@ std::string forces_csv(const Scene& scene, const ForcesAnswer& answer);
 /// [values], forces {NAME: [value per pose]} as force_courses, undetermined [names of reactions and drives that are
 /// shared with others in some pose], idle_stops [names of stops that are touched in some pose where the drives carry
 /// all], work_error, power_error (largest).
-std::string forces_json(const Scene& scene, const ForcesAnswer& answer, const std::vector<std::string>& settings);
+std::string forces_json(const MotionModel& model, const ForcesAnswer& answer, const std::vector<std::string>& settings);
+
+/// The elements in parallel with a drive that carry something in some pose, and the course of what they carry.
+std::vector<std::pair<ParallelElement, ForceCourse>> loaded_parallels(const MotionModel& model,
+                                                                      const ForcesAnswer& answer);
 
 /// Charts over `along`: what drives give, and the size of the joints' reactions, at most twelve of them.
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAnswer& answer);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "statics/curvature.hpp"
 #include "statics/free_bodies.hpp"
@@ -30,6 +31,26 @@ double rate_of(const Scene& scene, const std::vector<BodyMotion>& motions, const
       (motions[joint.b.body].pose.world(scene.local(joint.b)) - a.pose.origin) * conj(unit(a.pose.angle));
   const Vec2 relative = motions[joint.b.body].velocity_of(scene.local(joint.b)) - a.velocity_of(b_in_a);
   return dot(joint.axis * unit(a.pose.angle), relative);
+}
+
+// Whether pins and welds keep two points together.
+bool coincide(const Scene& scene, const PointRef& p, const PointRef& q) {
+  const auto same = [&](const PointRef& a, const PointRef& b) {
+    return a.body == b.body && scene.local(a) == scene.local(b);
+  };
+  std::vector<PointRef> reached = {p};
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    if (same(reached[k], q)) return true;
+    for (const Joint& joint : scene.joints) {
+      if (joint.kind != Joint::Kind::pin && joint.kind != Joint::Kind::weld) continue;
+      for (const auto& [from, to] : {std::pair(joint.a, joint.b), std::pair(joint.b, joint.a)}) {
+        const bool known =
+            std::any_of(reached.begin(), reached.end(), [&, to = to](const PointRef& r) { return same(r, to); });
+        if (!known && same(from, reached[k])) reached.push_back(to);
+      }
+    }
+  }
+  return false;
 }
 
 class InverseDynamics {
@@ -233,6 +254,38 @@ class InverseDynamics {
 };
 
 }  // namespace
+
+std::vector<ParallelElement> parallel_elements(const MotionModel& model, const std::vector<Drive>& drives) {
+  const Scene& scene = model.scene();
+  std::vector<ParallelElement> out;
+  for (const Drive& drive : drives) {
+    const auto list = [&](const char* kind, const auto& items, const auto& is_parallel) {
+      for (const auto& item : items) {
+        if (is_parallel(item)) out.push_back({kind + item.name, drive.name});
+      }
+    };
+    if (drive.kind == Drive::Kind::angle) {
+      const auto frame = [&](int body) { return model.layout().links[static_cast<std::size_t>(body)].frame; };
+      const auto turns = [&](const auto& item) {
+        return std::minmax({frame(item.a), frame(item.b)}) == std::minmax({frame(drive.body_a), frame(drive.body_b)});
+      };
+      list("torsion_spring.", scene.torsion_springs, turns);
+      list("torsion_damper.", scene.torsion_dampers, turns);
+      list("friction.", scene.frictions, turns);
+      continue;
+    }
+    const Joint& joint = scene.joints[static_cast<std::size_t>(drive.joint)];
+    const auto spans = [&](const auto& item) {
+      const bool along = joint.kind == Joint::Kind::slide &&
+                         std::minmax({item.a.body, item.b.body}) == std::minmax({joint.a.body, joint.b.body});
+      return along || (coincide(scene, item.a, joint.a) && coincide(scene, item.b, joint.b)) ||
+             (coincide(scene, item.a, joint.b) && coincide(scene, item.b, joint.a));
+    };
+    list("spring.", scene.springs, spans);
+    list("damper.", scene.dampers, spans);
+  }
+  return out;
+}
 
 Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                  const std::vector<double>& a, const std::vector<Drive>& drives) {

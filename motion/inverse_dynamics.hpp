@@ -56,6 +56,17 @@ struct Forces {
   double work_error = 0.0;
 };
 
+/// A spring, damper or dry friction in parallel with a drive: what it carries depends on nothing but the quantity that
+/// is driven, so that the drive bears the mechanism's load less (or plus) exactly that.
+struct ParallelElement {
+  std::string element;  ///< as in the paths of set_value: "spring.oil"
+  std::string drive;
+};
+
+/// Those between bodies whose relative angle a drive turns; between the bodies of a driven slide; and between points
+/// that pins and welds keep at the two points of a driven joint.
+std::vector<ParallelElement> parallel_elements(const MotionModel& model, const std::vector<Drive>& drives);
+
 /// Inverse dynamics by d'Alembert's principle: every body cut free under its loads, springs, dampers, friction and
 ///   -m p''  at its centre of mass,  -I theta''  about it,
 /// for scaled coordinates x of the model, their rates v (per s) and accelerations a (per s^2), which must keep the

@@ -208,7 +208,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   }
   progress.now("writing the result");
   const bool any = !answer.poses.empty();
-  const std::string written = files.write(files.wants_json() ? forces_json(scene, answer, request.common.settings) : "",
+  const std::string written = files.write(files.wants_json() ? forces_json(model, answer, request.common.settings) : "",
                                           files.wants_svg() && any ? draw_plot(forces_panels(scene, answer)) : "",
                                           files.wants_csv() && any ? forces_csv(scene, answer) : "");
   progress.done();

@@ -68,8 +68,29 @@ std::string stop_facts(const MotionModel& model, const ForcesAnswer& answer, con
   return out;
 }
 
+/// What the drives work against though the mechanism's load does not ask for it.
+std::string parallel_facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
+  std::string out;
+  for (const auto& [parallel, course] : loaded_parallels(model, answer)) {
+    const std::string kind = parallel.element.substr(0, parallel.element.find('.'));
+    const char* field = kind.ends_with("spring") ? "stiffness" : kind == "friction" ? "torque" : "coefficient";
+    const double largest = *std::max_element(course.value.begin(), course.value.end(),
+                                             [](double a, double b) { return std::abs(a) < std::abs(b); });
+    out += fact("in parallel",
+                palette.paint(
+                    Tone::doubtful,
+                    fmt::format("{} acts on what the drive \"{}\" moves, so that it bears this too (up to {} "
+                                "{}); --set \"{}.{}=0\" leaves it out",
+                                parallel.element, parallel.drive, force_text(model, std::abs(largest), course.quantity),
+                                unit_name(course.quantity, model.scene().units), parallel.element, field)),
+                palette);
+  }
+  return out;
+}
+
 std::string facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
-  std::string out = fact("pose", answer.how, palette) + stop_facts(model, answer, palette);
+  std::string out =
+      fact("pose", answer.how, palette) + stop_facts(model, answer, palette) + parallel_facts(model, answer, palette);
   if (answer.poses.empty()) return out;
   const Units& units = model.scene().units;
   const Forces& f = worst(answer);

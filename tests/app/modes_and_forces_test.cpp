@@ -191,6 +191,27 @@ TEST(ForcesCommand, MarksThePosesOfARecordThatAreBeyondAStop) {
   EXPECT_NE(said.out.find("\"floor\" is passed in "), std::string::npos) << said.out;
 }
 
+// The lift's shut cylinder is a spring: driving the cylinder means to stretch it, unless it is left out.
+TEST(ForcesCommand, WarnsWhereTheDriveWorksAgainstASpring) {
+  const TempFolder folder;
+  const std::string lift = dataset("lift");
+  const json against = json_of(folder, {"forces", lift, "--drive", "stroke=0.5..0.79"}, 0);
+  EXPECT_EQ(against["parallel"], json({{{"element", "spring.oil"}, {"drive", "stroke"}}}));
+  const Outcome said = run_poise({"forces", lift, "--drive", "stroke=0.5..0.79"});
+  EXPECT_NE(said.out.find("spring.oil acts on what the drive \"stroke\" moves"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("--set \"spring.oil.stiffness=0\" leaves it out"), std::string::npos) << said.out;
+  const json still =
+      json_of(folder, {"forces", lift, "--drive", "stroke=0.5..0.79", "--set", "spring.oil.stiffness=0"}, 0);
+  EXPECT_TRUE(still["parallel"].empty()) << "nothing flows while it stands still";
+  const json moving = json_of(
+      folder, {"forces", lift, "--drive", "stroke=0.5..0.79", "--rate", "0.1", "--set", "spring.oil.stiffness=0"}, 0);
+  EXPECT_EQ(moving["parallel"], json({{{"element", "damper.oil film"}, {"drive", "stroke"}}}));
+  for (const json& force : moving["forces"]["effort.stroke"]) {
+    EXPECT_GT(force, 14500.0);
+    EXPECT_LT(force, 15000.0);
+  }
+}
+
 TEST(ForcesCommand, CsvHoldsEveryPose) {
   const TempFolder folder;
   const std::string file = folder.path("f.csv").string();

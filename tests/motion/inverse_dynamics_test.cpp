@@ -358,6 +358,31 @@ TEST(InverseDynamics, CurveHasNoCliffAtAStop) {
   EXPECT_NEAR(slope(n - 1), slope(n - 2), 0.1 * std::abs(slope(n - 2)));
 }
 
+TEST(InverseDynamics, NamesWhatActsInParallelWithADrive) {
+  const auto named = [](const Scene& scene, const std::string& drive) {
+    std::string out;
+    for (const ParallelElement& p : parallel_elements(MotionModel(scene), {find_drive(scene, drive)})) {
+      EXPECT_EQ(p.drive, drive);
+      out += p.element + " ";
+    }
+    return out;
+  };
+  // The oil acts between A and D, which pins keep at the cylinder's ends.
+  const Scene lift = read_scene(test::dataset("lift.toml"));
+  EXPECT_EQ(named(lift, "stroke"), "spring.oil damper.oil film ");
+  EXPECT_EQ(named(lift, "obd"), "");
+  Scene scene = test::chain(3, 1.0, 1.0);
+  const auto body = [&](const std::string& name) { return test::point(scene, name + ".a").body; };
+  scene.torsion_dampers.push_back({"back", body("1"), 0, 1.0});
+  scene.frictions.push_back({"elsewhere", body("1"), body("2"), 1.0});
+  test::add_link(scene, "block", 0.1);
+  test::add_slide(scene, "3.a", "block.a", {1, 0}, "run");
+  scene.springs.push_back({"beside", test::point(scene, "block.b"), test::point(scene, "3.b"), 5.0});
+  scene.springs.push_back({"to the ground", test::point(scene, "ground.O"), test::point(scene, "block.b"), 5.0});
+  EXPECT_EQ(named(scene, "1"), "torsion_damper.back ");
+  EXPECT_EQ(named(scene, "run"), "spring.beside ");
+}
+
 TEST(InverseDynamics, MeasuresRatesThatOpenALoop) {
   const Scene scene = read_scene(test::dataset("four_bar_gravity.toml"));
   const MotionModel model(scene);
