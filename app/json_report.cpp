@@ -185,6 +185,7 @@ std::string solve_json(const StaticModel& model, const Answer& answer, const std
   document["poise"] = POISE_VERSION;
   document["scene"] = json_scene(model.scene(), settings);
   document["units"] = json_units(model.scene().units);
+  document["left_out"] = model.layout().dropped;
   return json_text(document, model.scene());
 }
 
@@ -193,7 +194,8 @@ std::string compare_json(const StaticModel& model, const std::vector<Answer>& an
   const Writer writer(model);
   json document = {{"poise", POISE_VERSION},
                    {"scene", json_scene(model.scene(), settings)},
-                   {"units", json_units(model.scene().units)}};
+                   {"units", json_units(model.scene().units)},
+                   {"left_out", model.layout().dropped}};
   document["methods"] = json::array();
   for (const Answer& answer : answers) document["methods"].push_back(writer.answer(answer));
   const Agreement agreement = compare_answers(model, answers);

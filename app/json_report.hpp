@@ -9,6 +9,7 @@ namespace poise::app {
 
 /// A result as a JSON object:
 ///   poise, scene {file, title, source, set}, units {length, force, mass, angle, moment, energy: names}
+///   left_out [what of the scene statics left out, and why: "friction \"hinge\": nothing moves in statics, ..."]
 ///   method, seek, status, why, iterations, evaluations, microseconds
 ///   energy, stability, stability_note, descent_directions, neutral_directions, modes [{curvature, moves {name: part}}]
 ///   points {body: {point: [x, y]}} in world coordinates, angles {body: absolute and unwrapped}, slides {joint: travel}
@@ -21,8 +22,8 @@ namespace poise::app {
 /// null. `settings` are the --set options as given.
 std::string solve_json(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings);
 
-/// The same for several methods: poise, scene, units, methods [all else], agreement {same, largest_difference} of the
-/// confirmed ones, null where there are fewer than two.
+/// The same for several methods: poise, scene, units, left_out, methods [all else], agreement {same,
+/// largest_difference} of the confirmed ones, null where there are fewer than two.
 std::string compare_json(const StaticModel& model, const std::vector<Answer>& answers,
                          const std::vector<std::string>& settings);
 

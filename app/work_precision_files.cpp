@@ -118,6 +118,7 @@ std::string work_precision_json(const StaticModel& model, const WorkPrecision& r
                                 const std::vector<std::string>& settings) {
   json out = {{"poise", POISE_VERSION},
               {"scene", json_scene(model.scene(), settings)},
+              {"left_out", model.layout().dropped},
               {"rests", json::array()},
               {"refused", json::array()},
               {"methods", json::array()}};

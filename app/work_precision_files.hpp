@@ -28,9 +28,10 @@ std::vector<std::vector<SharedRun>> shared_runs(const comparison::WorkPrecision&
 /// evaluations, claimed, confirmed (1 or 0), repeats, rest (counted from 1). No error and rest where none is near.
 std::string work_precision_csv(const comparison::WorkPrecision& result);
 
-/// A JSON object: poise, scene {file, title, source, set}, rests [{digits, stability, neutral, accuracy, found_by,
-/// coordinates [{name, unit, value}]}], refused [{method, why}], methods [{method, runs [{tolerance, status, claimed,
-/// confirmed, rest, error, microseconds, repeats, iterations, evaluations, why}]}].
+/// A JSON object: poise, scene {file, title, source, set}, left_out [what statics left out, and why], rests [{digits,
+/// stability, neutral, accuracy, found_by, coordinates [{name, unit, value}]}], refused [{method, why}], methods
+/// [{method, runs [{tolerance, status, claimed, confirmed, rest, error, microseconds, repeats, iterations, evaluations,
+/// why}]}].
 std::string work_precision_json(const StaticModel& model, const comparison::WorkPrecision& result,
                                 const std::vector<std::string>& settings);
 

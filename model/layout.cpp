@@ -366,7 +366,9 @@ class Builder {
       };
       drop_all(scene_.dampers, "damper", "nothing moves in statics");
       drop_all(scene_.torsion_dampers, "torsion damper", "nothing moves in statics");
-      drop_all(scene_.frictions, "friction", "nothing moves in statics");
+      drop_all(
+          scene_.frictions, "friction",
+          "nothing moves in statics, but it may hold the mechanism elsewhere; rests are found as if it were not there");
       drop_all(scene_.drives, "drive", "statics does not know drives, its coordinate is free");
     }
     for (const Force& force : scene_.forces) {
@@ -375,11 +377,21 @@ class Builder {
     for (const Torque& torque : scene_.torques) {
       if (out_.links[torque.body].frame < 0) {
         out_.dropped.push_back(fmt::format("torque \"{}\": its body does not turn", torque.name));
+      } else if (torque.value == 0) {
+        out_.dropped.push_back(fmt::format("torque \"{}\": it is zero", torque.name));
       }
     }
     for (const Spring& s : scene_.springs) {
       if (s.stiffness == 0 && purpose_ == Purpose::statics)
         out_.dropped.push_back(fmt::format("spring \"{}\": its stiffness is zero", s.name));
+    }
+    for (const TorsionSpring& s : scene_.torsion_springs) {
+      if (purpose_ != Purpose::statics) break;
+      if (out_.links[s.a].frame == out_.links[s.b].frame) {
+        out_.dropped.push_back(fmt::format("torsion spring \"{}\": its bodies do not turn against each other", s.name));
+      } else if (s.stiffness == 0) {
+        out_.dropped.push_back(fmt::format("torsion spring \"{}\": its stiffness is zero", s.name));
+      }
     }
   }
 

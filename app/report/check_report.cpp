@@ -8,16 +8,6 @@
 namespace poise::app {
 namespace {
 
-std::string list_section(const std::string& title, const std::vector<std::string>& items, const Palette& palette) {
-  const std::size_t shown = items.size() <= Table::shown_rows + 1 ? items.size() : Table::shown_rows;
-  std::string out;
-  for (std::size_t i = 0; i < shown; ++i) out += "  " + items[i] + "\n";
-  if (shown < items.size()) {
-    out += palette.paint(Tone::faint, fmt::format("  ... and {} more", items.size() - shown)) + "\n";
-  }
-  return section(title, out, palette);
-}
-
 std::string body_section(const StaticModel& model, const Palette& palette) {
   const Scene& scene = model.scene();
   std::vector<std::string> names, points;

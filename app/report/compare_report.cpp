@@ -139,8 +139,10 @@ std::string compare_report(const StaticModel& model, const std::vector<Answer>& 
                                                 to_string(answer.rest.status), answer.rest.why)) +
            "\n";
   }
+  out += friction_line(model.scene(), palette);
   const Columns columns = columns_of(answers, agreement);
-  return out + (columns.answers.empty() ? "" : coordinate_sections(model, columns.answers, columns.titles, palette));
+  if (!columns.answers.empty()) out += coordinate_sections(model, columns.answers, columns.titles, palette);
+  return out + left_out_section(model, palette);
 }
 
 }  // namespace poise::app

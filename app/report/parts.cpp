@@ -60,6 +60,31 @@ std::string section(const std::string& title, const std::string& body, const Pal
   return body.empty() ? "" : "\n" + palette.paint(Tone::strong, title) + "\n" + body;
 }
 
+std::string list_section(const std::string& title, const std::vector<std::string>& items, const Palette& palette) {
+  const std::size_t shown = items.size() <= Table::shown_rows + 1 ? items.size() : Table::shown_rows;
+  std::string out;
+  for (std::size_t i = 0; i < shown; ++i) out += "  " + items[i] + "\n";
+  if (shown < items.size()) {
+    out += palette.paint(Tone::faint, fmt::format("  ... and {} more", items.size() - shown)) + "\n";
+  }
+  return section(title, out, palette);
+}
+
+std::string left_out_section(const StaticModel& model, const Palette& palette) {
+  return list_section("Left out of statics", model.layout().dropped, palette);
+}
+
+std::string friction_line(const Scene& scene, const Palette& palette) {
+  std::vector<std::string> names;
+  for (const Friction& friction : scene.frictions) {
+    if (friction.torque != 0.0) names.push_back("\"" + friction.name + "\"");
+  }
+  if (names.empty()) return "";
+  return palette.paint(Tone::doubtful, fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.",
+                                                   listed(names))) +
+         "\n";
+}
+
 Tone tone_of(Status status) { return status == Status::confirmed ? Tone::good : Tone::bad; }
 
 Tone tone_of(Stability stability) {

@@ -28,6 +28,16 @@ std::string fact(const std::string& name, const std::string& text, const Palette
 /// An empty line, a title and what stands under it; nothing when that is empty.
 std::string section(const std::string& title, const std::string& body, const Palette& palette);
 
+/// The items one a line under a title, as many as a screen holds; nothing where there are none.
+std::string list_section(const std::string& title, const std::vector<std::string>& items, const Palette& palette);
+
+/// Names every element of the scene that statics left out, and why.
+std::string left_out_section(const StaticModel& model, const Palette& palette);
+
+/// A line that says that dry friction, which statics leaves out, may hold the mechanism elsewhere; nothing where there
+/// is none.
+std::string friction_line(const Scene& scene, const Palette& palette);
+
 Tone tone_of(Status status);
 Tone tone_of(Stability stability);
 

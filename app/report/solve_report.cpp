@@ -122,13 +122,14 @@ std::string facts(const StaticModel& model, const Answer& answer, const Palette&
 }  // namespace
 
 std::string solve_report(const StaticModel& model, const Answer& answer, const Palette& palette) {
-  std::string out = heading(model, palette) + verdict(answer.rest, palette) + "\n" + facts(model, answer, palette);
-  if (!answer.readings) return out;
+  std::string out = heading(model, palette) + verdict(answer.rest, palette) + "\n" +
+                    friction_line(model.scene(), palette) + facts(model, answer, palette);
+  if (!answer.readings) return out + left_out_section(model, palette);
   const std::string title = answer.rest.found() ? "at rest" : "reached, not at rest";
   out += coordinate_sections(model, {&answer}, {title}, palette);
   out += spring_sections(model, *answer.readings, palette);
   out += reaction_section(model, answer.rest.check.reactions, answer.rest.check.redundancy, palette);
-  return out;
+  return out + left_out_section(model, palette);
 }
 
 }  // namespace poise::app

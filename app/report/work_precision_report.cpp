@@ -150,7 +150,7 @@ std::string work_precision_report(const StaticModel& model, const WorkPrecision&
                                                 count(static_cast<int>(result.runs.size()), "row was", "rows were"))) +
            "\n";
   }
-  out += known_rests(result, palette);
+  out += friction_line(model.scene(), palette) + known_rests(result, palette);
   out += fact("time",
               fmt::format("of the search alone, median of {}; more where they take microseconds",
                           count(options.repeats, "run", "runs")),
@@ -169,7 +169,7 @@ std::string work_precision_report(const StaticModel& model, const WorkPrecision&
                          "  status: confirmed by the check; claimed by the solver, too coarse for the check") +
            "\n";
   }
-  return out;
+  return out + left_out_section(model, palette);
 }
 
 }  // namespace poise::app

@@ -79,6 +79,23 @@ TEST(CommandLine, RefusalNamesTheLoadAndFailsSolveButNotCompare) {
   EXPECT_TRUE(contains(both.out, "Only virtual-work found a rest.")) << both.out;
 }
 
+// 12 N m of friction hold a lever of 9.81 N m anywhere; the rest at -90 degrees is one of many, and that is said.
+TEST(CommandLine, SolveAndCompareNameWhatStaticsLeavesOut) {
+  const TempFolder folder;
+  const std::string lever = folder.write("lever.toml", rusty_lever);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"solve", lever}, {"compare", lever}, {"compare", lever, "--tolerances", "1e-6", "--repeat", "1"}}) {
+    SCOPED_TRACE(words.front());
+    const Outcome run = run_poise(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_PRED2(contains, run.out, "Dry friction is left out: \"rust\" may hold the mechanism elsewhere too.");
+    EXPECT_PRED2(contains, run.out, "friction \"rust\": nothing moves in statics");
+    EXPECT_PRED2(contains, run.out, "torsion damper \"grease\": nothing moves in statics");
+    EXPECT_PRED2(contains, run.out, "moment of inertia of 1 body: nothing moves in statics");
+    EXPECT_PRED2(contains, run.out, "force \"nothing\": it is zero");
+  }
+}
+
 TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {
   const Outcome run = run_poise({"compare", dataset("heaton_timme")});
   EXPECT_EQ(run.exit_code, 0) << run.out;

@@ -73,6 +73,21 @@ TEST(ResultFiles, JsonHoldsSlidesSpringsAndStops) {
   EXPECT_NEAR(toggle["springs"]["left"]["force"], 1000 * (length - 1.118033988749894848204587), 1e-9);
 }
 
+TEST(ResultFiles, JsonNamesWhatStaticsLeftOut) {
+  const TempFolder folder;
+  const std::string lever = folder.write("lever.toml", rusty_lever);
+  const json solved = result_of(folder, {"solve", lever}, 0);
+  ASSERT_EQ(solved["left_out"].size(), 4U) << solved["left_out"];
+  const std::string all = solved["left_out"].dump();
+  for (const char* name : {"rust", "grease", "nothing", "moment of inertia of 1 body"}) {
+    EXPECT_NE(all.find(name), std::string::npos) << name;
+  }
+  EXPECT_NE(all.find("it may hold the mechanism elsewhere"), std::string::npos) << all;
+  EXPECT_EQ(result_of(folder, {"compare", lever}, 0)["left_out"], solved["left_out"]);
+  EXPECT_EQ(result_of(folder, {"compare", lever, "--tolerances", "1e-6", "--repeat", "1"}, 0)["left_out"],
+            solved["left_out"]);
+}
+
 TEST(ResultFiles, JsonOfCompareListsAllMethods) {
   const TempFolder folder;
   const json r = result_of(folder, {"compare", dataset("toggle_press")}, 0);

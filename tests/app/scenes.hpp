@@ -105,6 +105,35 @@ slide = "rail"
 max = 0.25
 )";
 
+/// A lever whose weight is worth 9.81 N m, in a hinge whose dry friction could hold 12; and what else statics leaves
+/// out.
+inline constexpr const char* rusty_lever = R"(title = "Rusty lever"
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.lever]
+points = { O = [0, 0], tip = [1, 0] }
+mass = 1
+center = [1, 0]
+inertia = 0.1
+[[pin]]
+points = ["ground.O", "lever.O"]
+[[friction]]
+name = "rust"
+bodies = ["ground", "lever"]
+torque = 12
+[[torsion_damper]]
+name = "grease"
+bodies = ["ground", "lever"]
+coefficient = 0.5
+[[force]]
+name = "nothing"
+at = "lever.tip"
+vector = [0, 0]
+[start]
+lever = -1
+)";
+
 /// Two links of 1 m that cannot span 5 m.
 inline constexpr const char* open_loop = R"(title = "Too short"
 gravity = [0, -10]

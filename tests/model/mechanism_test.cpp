@@ -469,6 +469,20 @@ TEST(Mechanism, NamesLoadsThatDoNothing) {
   EXPECT_PRED2(contains, joined(layout.dropped), "torque \"twist\"");
 }
 
+TEST(Mechanism, NamesTorquesAndTorsionSpringsThatDoNothing) {
+  Sketch sketch = chain({0.3});
+  sketch.push(1, {1, 0}, {0, -1});
+  const int block = sketch.body("block");
+  sketch.join(Joint::Kind::slide, 1, {0, 0}, block, {0, 0});
+  sketch.scene.torques.push_back({"idle", 1, 0.0});
+  sketch.scene.torsion_springs.push_back({"soft", 0, 1, 0.0});
+  sketch.scene.torsion_springs.push_back({"between parallels", 1, block, 5.0});
+  const std::string dropped = joined(lay_out(sketch.scene, Purpose::statics).dropped);
+  EXPECT_PRED2(contains, dropped, "torque \"idle\": it is zero");
+  EXPECT_PRED2(contains, dropped, "torsion spring \"soft\": its stiffness is zero");
+  EXPECT_PRED2(contains, dropped, "torsion spring \"between parallels\": its bodies do not turn against each other");
+}
+
 TEST(Mechanism, NamesWhatOnlyMotionMeets) {
   Sketch sketch = chain({0.3});
   sketch.push(1, {1, 0}, {0, -1});
