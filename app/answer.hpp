@@ -17,6 +17,9 @@ struct Answer {
   std::optional<Reference> reference;  ///< of confirmed answers
 };
 
+/// What an energy that is shown counts; Mechanism::energy drops the constants.
+inline constexpr const char* energy_note = "springs in full, loads without the part that no motion changes";
+
 /// The error that is shown: against the 50-digit reference, not a number where there is none.
 double error_of(const Answer& answer);
 

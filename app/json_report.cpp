@@ -29,14 +29,15 @@ class Writer {
     out["error"] = json_number(error_of(answer));
     out["reference"] = reference(answer);
     // A method that refused has no pose, so nothing can be said of one.
-    for (const char* key :
-         {"energy", "stability", "stability_note", "descent_directions", "neutral_directions", "modes", "points",
-          "angles", "slides", "springs", "torsion_springs", "stops", "reactions", "redundancy", "residuals"}) {
+    for (const char* key : {"energy", "energy_note", "stability", "stability_note", "descent_directions",
+                            "neutral_directions", "modes", "points", "angles", "slides", "places", "springs",
+                            "torsion_springs", "stops", "reactions", "redundancy", "residuals"}) {
       out[key] = nullptr;
     }
     if (!answer.readings) return out;
     const Check& check = rest.check;
     out["energy"] = json_number(in_unit(rest.energy, Quantity::energy, units_));
+    out["energy_note"] = energy_note;
     out["stability"] = to_string(check.stability);
     out["stability_note"] = check.stability_note;
     out["descent_directions"] = check.descent_directions;
@@ -45,6 +46,7 @@ class Writer {
     out["points"] = points(*answer.readings);
     out["angles"] = angles(*answer.readings);
     out["slides"] = slides(*answer.readings);
+    out["places"] = places(*answer.readings);
     out["springs"] = springs(*answer.readings);
     out["torsion_springs"] = torsion_springs(*answer.readings);
     out["stops"] = stops(*answer.readings, check);
@@ -106,6 +108,14 @@ class Writer {
     json out = json::object();
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       if (scene_.joints[j].has_travel()) out[scene_.joints[j].name] = shown(readings.travel[j], Quantity::length);
+    }
+    return out;
+  }
+
+  json places(const Readings& readings) const {
+    json out = json::object();
+    for (const std::size_t i : free_bodies(model_.layout())) {
+      out[scene_.bodies[i].name] = shown(readings.poses[i].origin, Quantity::length);
     }
     return out;
   }

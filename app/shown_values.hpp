@@ -19,8 +19,15 @@ struct NamedValue {
 /// Absolute unwrapped angles of the bodies that can turn, rad.
 std::vector<NamedValue> angles_of(const StaticModel& model, const Readings& readings);
 
-/// Travels of slides and pins in slots, and places of bodies that no chain of joints ties to the ground, m.
-std::vector<NamedValue> lengths_of(const StaticModel& model, const Readings& readings, const std::vector<double>& x);
+/// Travels of slides and pins in slots, m.
+std::vector<NamedValue> travels_of(const StaticModel& model, const Readings& readings);
+
+/// Bodies that no chain of joints ties to the ground: indices of Scene::bodies. Of those that joints tie together, the
+/// one whose place the model counts the others from.
+std::vector<std::size_t> free_bodies(const Layout& layout);
+
+/// Places of the free bodies' origins in the world, m: "block.x", "block.y".
+std::vector<NamedValue> places_of(const StaticModel& model, const Readings& readings);
 
 /// Size below which a value of this mechanism is rounding and is shown as zero, SI: 1e-13 of the scale of its lengths,
 /// forces or work.

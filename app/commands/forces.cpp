@@ -224,7 +224,8 @@ Command forces_command() {
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME[=RANGE]",
                "crank: drives the angle of a body, or the travel of a joint,\nfrom where it stands; crank=30: put "
-               "there; crank=0..360: over\na range, as far as stops allow. Takes the place of the scene's\ndrives; several times"});
+               "there; crank=0..360: over\na range, as far as stops allow. Takes the place of the scene's\ndrives; "
+               "several times"});
   command.add({"--rate", &request->rate, "NUMBER",
                "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
                "pose)"});

@@ -62,7 +62,9 @@ std::string method_table(const StaticModel& model, const std::vector<Answer>& an
                           aligned(in_units(model, Quantity::energy, energies), coordinate_digits));
   return table.print(palette) +
          palette.paint(Tone::faint,
-                       "  error: largest of all coordinates (rad, or length over size) from the 50-digit reference") +
+                       fmt::format("  error: largest of all coordinates (rad, or length over size) from the 50-digit "
+                                   "reference\n  energy: {}",
+                                   energy_note)) +
          "\n";
 }
 

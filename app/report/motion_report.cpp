@@ -84,7 +84,15 @@ std::string facts(const MotionModel& model, const MotionAnswer& answer, const Pa
   return out;
 }
 
-std::string moving_section(const MotionModel& model, const MotionAnswer& answer, Quantity quantity,
+enum class Moving { angle, travel, place };
+
+Moving kind_of(const MotionModel& model, const Channel& channel) {
+  if (channel.quantity == Quantity::angle) return Moving::angle;
+  const std::vector<int>& travel = model.layout().travel;
+  return std::find(travel.begin(), travel.end(), channel.coordinate) != travel.end() ? Moving::travel : Moving::place;
+}
+
+std::string moving_section(const MotionModel& model, const MotionAnswer& answer, Moving kind, const std::string& title,
                            const Palette& palette) {
   const Trajectory& path = answer.motion.trajectory;
   const MotionRecord& record = answer.record;
@@ -93,7 +101,7 @@ std::string moving_section(const MotionModel& model, const MotionAnswer& answer,
   std::vector<double> start, end, rate, least, most;
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     const Channel& channel = record.channels[c];
-    if (channel.quantity != quantity) continue;
+    if (kind_of(model, channel) != kind) continue;
     const auto i = static_cast<std::size_t>(channel.coordinate);
     names.push_back(channel.name);
     start.push_back(path.q[i] + channel.offset);
@@ -108,20 +116,21 @@ std::string moving_section(const MotionModel& model, const MotionAnswer& answer,
   }
   if (names.empty()) return "";
   const Units& units = model.scene().units;
-  const bool angles = quantity == Quantity::angle;
+  const bool angles = kind == Moving::angle;
+  const Quantity quantity = angles ? Quantity::angle : Quantity::length;
   const double scale = in_unit(angles ? M_PI : model.scales().length, quantity, units);
   const auto column = [&](const std::vector<double>& values) {
     return aligned(in_units(model, quantity, values), coordinate_digits, scale);
   };
   Table table;
-  table.add_text_column(angles ? "body" : "joint", names);
+  table.add_text_column(kind == Moving::travel ? "joint" : "body", names);
   table.add_number_column("at the start", column(start));
   table.add_number_column("at the end", column(end));
   table.add_number_column("least", column(least));
   table.add_number_column("most", column(most));
   table.add_number_column(fmt::format("rate at the end ({}/s)", unit_name(quantity, units)),
                           aligned(in_units(model, quantity, rate), rate_digits));
-  return section(with_unit(angles ? "Angles" : "Slides", quantity, units), table.print(palette), palette);
+  return section(with_unit(title, quantity, units), table.print(palette), palette);
 }
 
 std::string energy_section(const MotionModel& model, const Motion& motion, const Palette& palette) {
@@ -169,8 +178,9 @@ std::string drive_section(const MotionModel& model, const Motion& motion, const 
 std::string motion_report(const MotionModel& model, const MotionAnswer& answer, const Palette& palette) {
   std::string out = heading(model, palette) + verdict(answer, palette) + "\n" + facts(model, answer, palette);
   if (answer.motion.trajectory.nodes() == 0) return out;
-  out += moving_section(model, answer, Quantity::angle, palette);
-  out += moving_section(model, answer, Quantity::length, palette);
+  out += moving_section(model, answer, Moving::angle, "Angles", palette);
+  out += moving_section(model, answer, Moving::travel, "Slides", palette);
+  out += moving_section(model, answer, Moving::place, "Places of free bodies", palette);
   out += energy_section(model, answer.motion, palette);
   return out + drive_section(model, answer.motion, palette);
 }

@@ -10,14 +10,21 @@
 namespace poise::app {
 namespace {
 
-std::string coordinate_section(const StaticModel& model, Quantity quantity,
+/// What stands in a section of coordinates.
+struct CoordinateKind {
+  const char* title;
+  const char* noun;
+  Quantity quantity;
+};
+
+std::string coordinate_section(const StaticModel& model, const CoordinateKind& kind,
                                const std::vector<std::vector<NamedValue>>& columns,
                                const std::vector<std::string>& titles, const Palette& palette) {
   if (columns.empty() || columns.front().empty()) return "";
   const Units& units = model.scene().units;
-  const bool angles = quantity == Quantity::angle;
+  const Quantity quantity = kind.quantity;
   // The same decimals for all columns, and for angles that have made many turns.
-  const double scale = in_unit(angles ? M_PI : model.scales().length, quantity, units);
+  const double scale = in_unit(quantity == Quantity::angle ? M_PI : model.scales().length, quantity, units);
   Table table;
   std::vector<std::string> names;
   std::vector<Cell> notes;
@@ -25,14 +32,14 @@ std::string coordinate_section(const StaticModel& model, Quantity quantity,
     names.push_back(shown.name);
     notes.push_back({shown.determined ? "" : "free: bears nothing, left at its start", Tone::faint});
   }
-  table.add_text_column(angles ? "body" : "joint", names);
+  table.add_text_column(kind.noun, names);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     std::vector<double> values;
     for (const NamedValue& shown : columns[c]) values.push_back(shown.value);
     table.add_number_column(titles[c], aligned(in_units(model, quantity, values), coordinate_digits, scale));
   }
   table.add_text_column("", notes);
-  return section(with_unit(angles ? "Angles" : "Slides", quantity, units), table.print(palette), palette);
+  return section(with_unit(kind.title, quantity, units), table.print(palette), palette);
 }
 
 }  // namespace
@@ -112,13 +119,15 @@ std::string in_words(const Check& check) {
 
 std::string coordinate_sections(const StaticModel& model, const std::vector<const Answer*>& answers,
                                 const std::vector<std::string>& titles, const Palette& palette) {
-  std::vector<std::vector<NamedValue>> angles, lengths;
+  std::vector<std::vector<NamedValue>> angles, travels, places;
   for (const Answer* answer : answers) {
     angles.push_back(angles_of(model, *answer->readings));
-    lengths.push_back(lengths_of(model, *answer->readings, answer->rest.x));
+    travels.push_back(travels_of(model, *answer->readings));
+    places.push_back(places_of(model, *answer->readings));
   }
-  return coordinate_section(model, Quantity::angle, angles, titles, palette) +
-         coordinate_section(model, Quantity::length, lengths, titles, palette);
+  return coordinate_section(model, {"Angles", "body", Quantity::angle}, angles, titles, palette) +
+         coordinate_section(model, {"Slides", "joint", Quantity::length}, travels, titles, palette) +
+         coordinate_section(model, {"Places of free bodies", "body", Quantity::length}, places, titles, palette);
 }
 
 }  // namespace poise::app

@@ -44,7 +44,8 @@ Tone tone_of(Stability stability);
 /// "unstable, 1 falling direction".
 std::string in_words(const Check& check);
 
-/// Where answers stand, side by side under their titles: a section for angles, one for lengths. All answers must have
+/// Where answers stand, side by side under their titles: a section for angles, one for travels, one for
+/// places of free bodies. All answers must have
 /// readings.
 std::string coordinate_sections(const StaticModel& model, const std::vector<const Answer*>& answers,
                                 const std::vector<std::string>& titles, const Palette& palette);

@@ -32,8 +32,11 @@ std::string verdict(const Equilibrium& rest, const Palette& palette) {
 }
 
 std::string effort(const Equilibrium& rest) {
-  std::string method = fmt::format("{}, seeking {}", to_string(rest.method),
-                                   rest.seek == Seek::stable ? "stable rest" : "the nearest rest");
+  const MethodTraits& method_traits = traits(rest.method);
+  const char* sought = method_traits.needs_potential                          ? "a minimum of the energy"
+                       : method_traits.minimises || rest.seek == Seek::stable ? "stable rest"
+                                                                              : "the nearest rest";
+  const std::string method = fmt::format("{}, seeking {}", to_string(rest.method), sought);
   if (rest.status == Status::refused) return method;
   return fmt::format("{}: {}, {}, {}", method, count(rest.iterations, "iteration", "iterations"),
                      count(rest.evaluations, "evaluation", "evaluations"), duration(rest.microseconds));
@@ -108,9 +111,10 @@ std::string facts(const StaticModel& model, const Answer& answer, const Palette&
   if (!check.stability_note.empty()) out += fact("", check.stability_note, palette);
   if (std::isfinite(rest.energy)) {
     const double energy = in_units(model, Quantity::energy, {rest.energy}).front();
-    out +=
-        fact("energy", significant(energy, coordinate_digits) + " " + unit_name(Quantity::energy, model.scene().units),
-             palette);
+    out += fact("energy",
+                fmt::format("{} {}: {}", significant(energy, coordinate_digits),
+                            unit_name(Quantity::energy, model.scene().units), energy_note),
+                palette);
   }
   if (!model.scene().stops.empty()) out += fact("stops", pressing_stops(model, answer), palette);
   out += fact("residuals", residuals(model, check), palette);

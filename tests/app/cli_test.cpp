@@ -96,6 +96,26 @@ TEST(CommandLine, SolveAndCompareNameWhatStaticsLeavesOut) {
   }
 }
 
+TEST(CommandLine, EnergySeeksAMinimumAndSaysWhatItCounts) {
+  const TempFolder folder;
+  const std::string scene = folder.write("pendulum.toml", pendulum);
+  const Outcome run = run_poise({"solve", scene, "--method", "energy"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_PRED2(contains, run.out, "energy, seeking a minimum of the energy");
+  EXPECT_PRED2(contains, run.out, ": springs in full, loads without the part that no motion changes");
+  EXPECT_PRED2(contains, run_poise({"solve", scene}).out, "virtual-work, seeking the nearest rest");
+  EXPECT_PRED2(contains, run_poise({"solve", scene, "--method", "dynamic-relaxation"}).out, "seeking stable rest");
+}
+
+TEST(CommandLine, FreeBodiesHaveAHeadingOfTheirOwn) {
+  const TempFolder folder;
+  const Outcome run = run_poise({"solve", folder.write("tray.toml", hung_tray)});
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_PRED2(contains, run.out, "Places of free bodies (mm)");
+  EXPECT_PRED2(contains, run.out, "tray.x");
+  EXPECT_FALSE(contains(run.out, "Slides")) << run.out;
+}
+
 TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {
   const Outcome run = run_poise({"compare", dataset("heaton_timme")});
   EXPECT_EQ(run.exit_code, 0) << run.out;

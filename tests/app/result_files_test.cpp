@@ -73,6 +73,17 @@ TEST(ResultFiles, JsonHoldsSlidesSpringsAndStops) {
   EXPECT_NEAR(toggle["springs"]["left"]["force"], 1000 * (length - 1.118033988749894848204587), 1e-9);
 }
 
+TEST(ResultFiles, JsonHoldsThePlacesOfFreeBodies) {
+  const TempFolder folder;
+  const json r = result_of(folder, {"solve", folder.write("tray.toml", hung_tray)}, 0);
+  ASSERT_EQ(r["places"].size(), 1U);
+  EXPECT_NEAR(r["places"]["tray"][0], 500.0, 1e-9);
+  EXPECT_NEAR(r["places"]["tray"][1], -450.0, 1e-9);
+  EXPECT_TRUE(r["slides"].empty());
+  EXPECT_EQ(r["energy_note"], "springs in full, loads without the part that no motion changes");
+  EXPECT_TRUE(result_of(folder, {"solve", dataset("toggle_press")}, 0)["places"].empty());
+}
+
 TEST(ResultFiles, JsonNamesWhatStaticsLeftOut) {
   const TempFolder folder;
   const std::string lever = folder.write("lever.toml", rusty_lever);

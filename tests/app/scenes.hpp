@@ -134,6 +134,32 @@ vector = [0, 0]
 lever = -1
 )";
 
+/// A tray that hangs on two springs of 100 N/m and nothing else: 10 N on it stretch them by 0.05 m.
+inline constexpr const char* hung_tray = R"(title = "Hung tray"
+[units]
+length = "mm"
+[ground]
+points = { A = [0, 0], B = [1000, 0] }
+[body.tray]
+points = { a = [-500, 0], b = [500, 0], m = [0, 0] }
+[[spring]]
+name = "left"
+points = ["ground.A", "tray.a"]
+stiffness = 0.1
+free_length = 400
+[[spring]]
+name = "right"
+points = ["ground.B", "tray.b"]
+stiffness = 0.1
+free_length = 400
+[[force]]
+name = "load"
+at = "tray.m"
+vector = [0, -10]
+[start]
+position = { tray = [490, -430] }
+)";
+
 /// Two links of 1 m that cannot span 5 m.
 inline constexpr const char* open_loop = R"(title = "Too short"
 gravity = [0, -10]
