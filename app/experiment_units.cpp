@@ -1,54 +1,40 @@
 #include "app/experiment_units.hpp"
 
-#include <algorithm>
-#include <string_view>
+#include <cstdlib>
 
-#include <fmt/format.h>
+#include "model/parameters.hpp"
 
 namespace poise::app {
 namespace {
 
-/// Unit of a load: a force, or a torque.
-Quantity quantity_of_load(const Unknown& unknown, const Scene& scene) {
-  const std::string_view name = std::string_view(unknown.path).substr(std::string_view("load.").size());
-  const bool torque =
-      std::any_of(scene.torques.begin(), scene.torques.end(), [&](const auto& t) { return t.name == name; });
-  return torque ? Quantity::moment : Quantity::force;
+/// "N m s/rad"; `seconds` is the exponent of time.
+std::string unit_name(const Dimension& dimension, int seconds, const Units& units) {
+  std::string above, below;
+  const auto add = [&](const std::string& name, int power) {
+    if (power == 0) return;
+    const std::string factor = name + (std::abs(power) == 2 ? "²" : "");
+    if (power > 0)
+      above += (above.empty() ? "" : " ") + factor;
+    else
+      below += "/" + factor;
+  };
+  add(units.mass_name, dimension.mass);
+  add(units.force_name, dimension.force);
+  add(units.length_name, dimension.length);
+  add(units.angle_name, dimension.angle);
+  add("s", seconds);
+  return above + below;
 }
 
 }  // namespace
 
 std::string unit_name(const Unknown& unknown, const Scene& scene) {
-  const Units& u = scene.units;
-  const std::string_view path = unknown.path;
-  std::string moment = unit_name(Quantity::moment, u);
-  const bool turning = path.starts_with("torsion_");
-  if (path.starts_with("load.")) return unit_name(quantity_of_load(unknown, scene), u);
-  if (path.ends_with(".mass")) return u.mass_name;
-  if (path.ends_with(".inertia")) return fmt::format("{} {}²", u.mass_name, u.length_name);
-  if (path.ends_with(".stiffness")) {
-    return turning ? fmt::format("{}/{}", moment, u.angle_name) : fmt::format("{}/{}", u.force_name, u.length_name);
-  }
-  if (path.ends_with(".coefficient")) {
-    return turning ? fmt::format("{} s/{}", moment, u.angle_name) : fmt::format("{} s/{}", u.force_name, u.length_name);
-  }
-  if (path.ends_with(".torque")) return moment;
-  return turning ? u.angle_name : u.length_name;  // free angle; free length, centre
+  const int seconds = unknown.path.ends_with(".coefficient") ? 1 : unknown.path.ends_with(".width") ? -1 : 0;
+  return unit_name(parameter(scene, unknown.path).dimension, seconds, scene.units);
 }
 
 Quantity quantity_of(const Sensor& sensor) {
-  switch (sensor.kind) {
-    case Sensor::Kind::angle:
-      return Quantity::angle;
-    case Sensor::Kind::spring_force:
-      return Quantity::force;
-    case Sensor::Kind::travel:
-    case Sensor::Kind::distance:
-    case Sensor::Kind::x:
-    case Sensor::Kind::y:
-      break;
-  }
-  return Quantity::length;
+  return sensor.reads_force() ? effort_of(sensor.on) : quantity_of(sensor.on);
 }
 
 std::string unit_name(const Sensor& sensor, const Units& units) {

@@ -9,7 +9,6 @@
 #include "app/csv_file.hpp"
 #include "app/json_parts.hpp"
 #include "app/kinematics_files.hpp"
-#include "app/readings.hpp"
 #include "app/report/parts.hpp"
 
 namespace poise::app {
@@ -30,7 +29,7 @@ std::vector<double> places(const ForcesAnswer& answer, const Units& units) {
 /// What a stop carries in one pose: 0 where it does not press.
 double stop_force(const Stop& stop, const Forces& forces) {
   for (const Reaction& r : forces.reactions) {
-    if (r.kind == "stop" && r.name == stop.name) return stop.kind == Stop::Kind::angle ? r.moment : r.axial;
+    if (r.kind == "stop" && r.name == stop.name) return stop.on.is_angle() ? r.moment : r.axial;
   }
   return 0.0;
 }
@@ -52,8 +51,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAnswer& a
   if (answer.poses.empty()) return out;
   const std::vector<DriveEffort>& drives = answer.poses.front().drives;
   for (std::size_t k = 0; k < drives.size(); ++k) {
-    const bool turns = drives[k].kind == Drive::Kind::angle;
-    add("effort." + drives[k].name, turns ? Quantity::moment : Quantity::force,
+    add("effort." + drives[k].name, drives[k].is_angle ? Quantity::moment : Quantity::force,
         [k](const Forces& f) { return f.drives[k].value; });
     add("power." + drives[k].name, Quantity::energy, [k](const Forces& f) { return f.drives[k].power; });
   }
@@ -65,26 +63,21 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAnswer& a
     add(name + ".moment", Quantity::moment, [j](const Forces& f) { return f.reactions[j].moment; });
   }
   for (const Stop& stop : scene.stops) {
-    add("stop." + stop.name, stop.kind == Stop::Kind::angle ? Quantity::moment : Quantity::force,
-        [&stop](const Forces& f) { return stop_force(stop, f); });
+    add("stop." + stop.name, effort_of(stop.on), [&stop](const Forces& f) { return stop_force(stop, f); });
   }
-  const auto add_list = [&](const std::string& kind, const auto& items, Quantity quantity,
-                            std::vector<double> Forces::*values) {
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      add(kind + items[i].name, quantity, [i, values](const Forces& f) { return (f.*values)[i]; });
-    }
-  };
-  add_list("spring.", scene.springs, Quantity::force, &Forces::spring_tension);
-  add_list("torsion_spring.", scene.torsion_springs, Quantity::moment, &Forces::torsion_spring_moment);
-  add_list("damper.", scene.dampers, Quantity::force, &Forces::damper_tension);
-  add_list("torsion_damper.", scene.torsion_dampers, Quantity::moment, &Forces::torsion_damper_moment);
-  add_list("friction.", scene.frictions, Quantity::moment, &Forces::friction_moment);
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const Element& element = scene.elements[i];
+    const double sign = element.on.is_angle() ? -1.0 : 1.0;
+    add(element.table + "." + element.name, effort_of(element.on),
+        [i, sign](const Forces& f) { return sign * f.element_force[i]; });
+  }
   add("imbalance", Quantity::force, [](const Forces& f) { return f.imbalance; });
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     if (std::none_of(answer.poses.begin(), answer.poses.end(), [s](const Forces& f) { return f.overrun[s] > 0.0; })) {
       continue;
     }
-    add("overrun." + scene.stops[s].name, quantity_of(scene.stops[s]), [s](const Forces& f) { return f.overrun[s]; });
+    add("overrun." + scene.stops[s].name, quantity_of(scene.stops[s].on),
+        [s](const Forces& f) { return f.overrun[s]; });
   }
   return out;
 }
@@ -103,16 +96,17 @@ std::string forces_csv(const Scene& scene, const ForcesAnswer& answer) {
   return csv_text(header, columns);
 }
 
-std::vector<std::pair<ParallelElement, ForceCourse>> loaded_parallels(const MotionModel& model,
-                                                                      const ForcesAnswer& answer) {
-  std::vector<std::pair<ParallelElement, ForceCourse>> out;
+std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const ForcesAnswer& answer) {
+  std::vector<LoadedParallel> out;
   const std::vector<ForceCourse> courses = force_courses(model.scene(), answer);
   for (const ParallelElement& parallel : parallel_elements(model, model.scene().drives)) {
-    const auto course =
-        std::find_if(courses.begin(), courses.end(), [&](const ForceCourse& c) { return c.name == parallel.element; });
+    const Element& element = model.scene().elements[parallel.element];
+    const auto course = std::find_if(courses.begin(), courses.end(), [&](const ForceCourse& c) {
+      return c.name == element.table + "." + element.name;
+    });
     if (course == courses.end()) continue;
     if (std::any_of(course->value.begin(), course->value.end(), [](double v) { return v != 0.0; })) {
-      out.emplace_back(parallel, *course);
+      out.push_back({element, parallel.drive, *course});
     }
   }
   return out;
@@ -141,8 +135,8 @@ std::string forces_json(const MotionModel& model, const ForcesAnswer& answer,
   for (const ForceCourse& course : force_courses(scene, answer)) {
     out["forces"][course.name] = numbers(shown(course, scene.units));
   }
-  for (const auto& [parallel, course] : loaded_parallels(model, answer)) {
-    out["parallel"].push_back({{"element", parallel.element}, {"drive", parallel.drive}});
+  for (const LoadedParallel& parallel : loaded_parallels(model, answer)) {
+    out["parallel"].push_back({{"element", parallel.course.name}, {"drive", parallel.drive}});
   }
   std::set<std::string> undetermined, idle;
   double work = 0.0, power = 0.0;

@@ -33,10 +33,9 @@ struct ForceCourse {
   std::vector<double> value;
 };
 
-/// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME (tension, or
-/// moment on the second body), spring.NAME, damper.NAME (tension), torsion_spring.NAME, torsion_damper.NAME,
-/// friction.NAME (moment on the second body), imbalance; and overrun.NAME, angle or length, of a stop that some pose of
-/// a recorded motion has passed.
+/// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME and
+/// the force elements, spring.NAME, torsion_damper.NAME, ... (tension, or moment on the second body), imbalance; and
+/// overrun.NAME, angle or length, of a stop that some pose of a recorded motion has passed.
 std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAnswer& answer);
 
 /// The value of `along`, then force_courses, in the units of the scene, times in seconds.
@@ -49,9 +48,15 @@ std::string forces_csv(const Scene& scene, const ForcesAnswer& answer);
 /// all], work_error, power_error (largest).
 std::string forces_json(const MotionModel& model, const ForcesAnswer& answer, const std::vector<std::string>& settings);
 
-/// The elements in parallel with a drive that carry something in some pose, and the course of what they carry.
-std::vector<std::pair<ParallelElement, ForceCourse>> loaded_parallels(const MotionModel& model,
-                                                                      const ForcesAnswer& answer);
+/// An element in parallel with a drive, and what it carries in every pose.
+struct LoadedParallel {
+  const Element& element;
+  std::string drive;
+  ForceCourse course;
+};
+
+/// Those that carry something in some pose. The model must outlive them.
+std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const ForcesAnswer& answer);
 
 /// Charts over `along`: what drives give, and the size of the joints' reactions, at most twelve of them.
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAnswer& answer);

@@ -120,21 +120,30 @@ class Writer {
     return out;
   }
 
+  /// The name of an element; with its table in front where one of another table has taken the name.
+  static std::string key_of(const Element& element, const json& taken) {
+    return taken.contains(element.name) ? element.table + "." + element.name : element.name;
+  }
+
   json springs(const Readings& readings) const {
     json out = json::object();
-    for (std::size_t i = 0; i < scene_.springs.size(); ++i) {
-      const SpringReading& reading = readings.springs[i];
-      out[scene_.springs[i].name] = {{"length", shown(reading.length, Quantity::length)},
-                                     {"force", shown(reading.force, Quantity::force)},
-                                     {"slack", reading.slack}};
+    for (std::size_t i = 0; i < scene_.elements.size(); ++i) {
+      const Element& element = scene_.elements[i];
+      if (!stores_energy(element.law) || element.on.is_angle()) continue;
+      const ElementReading& reading = readings.elements[i];
+      out[key_of(element, out)] = {{"length", shown(reading.value, Quantity::length)},
+                                   {"force", shown(reading.force, Quantity::force)},
+                                   {"slack", reading.slack}};
     }
     return out;
   }
 
   json torsion_springs(const Readings& readings) const {
     json out = json::object();
-    for (std::size_t i = 0; i < scene_.torsion_springs.size(); ++i) {
-      out[scene_.torsion_springs[i].name] = {{"moment", shown(readings.torsion_moments[i], Quantity::moment)}};
+    for (std::size_t i = 0; i < scene_.elements.size(); ++i) {
+      const Element& element = scene_.elements[i];
+      if (!stores_energy(element.law) || !element.on.is_angle()) continue;
+      out[key_of(element, out)] = {{"moment", shown(-readings.elements[i].force, Quantity::moment)}};
     }
     return out;
   }
@@ -143,9 +152,9 @@ class Writer {
     json out = json::object();
     for (std::size_t i = 0; i < scene_.stops.size(); ++i) {
       const Stop& stop = scene_.stops[i];
-      out[stop.name] = {{"value", shown(readings.stops[i], quantity_of(stop))},
-                        {"min", shown(stop.min, quantity_of(stop))},
-                        {"max", shown(stop.max, quantity_of(stop))},
+      out[stop.name] = {{"value", shown(readings.stops[i], quantity_of(stop.on))},
+                        {"min", shown(stop.min, quantity_of(stop.on))},
+                        {"max", shown(stop.max, quantity_of(stop.on))},
                         {"presses", nullptr}};
       for (const Reaction& reaction : check.reactions) {
         if (reaction.kind == "stop" && reaction.name == stop.name) {

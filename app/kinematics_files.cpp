@@ -7,7 +7,6 @@
 
 #include "app/csv_file.hpp"
 #include "app/json_parts.hpp"
-#include "app/readings.hpp"
 
 namespace poise::app {
 namespace {
@@ -17,7 +16,7 @@ using nlohmann::json;
 constexpr std::size_t most_curves = 12;
 
 Quantity quantity_of(const Scene& scene, const DriveRange& range) {
-  return find_drive(scene, range.name).kind == Drive::Kind::angle ? Quantity::angle : Quantity::length;
+  return app::quantity_of(find_drive(scene, range.name).on);
 }
 
 json in_json(Vec2 si, const Units& units) {
@@ -134,7 +133,7 @@ json json_stop(const std::optional<MetStop>& met, const Scene& scene) {
   const Stop& stop = scene.stops[met->stop];
   return {{"name", stop.name},
           {"limit", met->at_max ? "max" : "min"},
-          {"value", json_number(in_unit(met->at_max ? stop.max : stop.min, quantity_of(stop), scene.units))}};
+          {"value", json_number(in_unit(met->at_max ? stop.max : stop.min, quantity_of(stop.on), scene.units))}};
 }
 
 std::string kinematics_json(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges,

@@ -190,7 +190,7 @@ std::string motion_json(const MotionModel& model, const MotionAnswer& answer,
   out["slides"] = moved(model, answer, Quantity::length);
   out["drives"] = json::array();
   for (std::size_t d = 0; d < motion.drive_force.size(); ++d) {
-    const Quantity quantity = scene.drives[d].kind == Drive::Kind::angle ? Quantity::moment : Quantity::force;
+    const Quantity quantity = effort_of(scene.drives[d].on);
     const LargestForce largest = largest_force(motion, d);
     out["drives"].push_back({{"name", scene.drives[d].name},
                              {"largest", json_number(in_unit(largest.value, quantity, scene.units))},

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "model/quantities.hpp"
-
 namespace poise::app {
 namespace {
 
@@ -22,6 +20,10 @@ void cut_zeros(std::string& text) {
 
 }  // namespace
 
+Quantity quantity_of(const Measure& on) { return on.is_angle() ? Quantity::angle : Quantity::length; }
+
+Quantity effort_of(const Measure& on) { return on.is_angle() ? Quantity::moment : Quantity::force; }
+
 double unit_value(Quantity quantity, const Units& units) {
   switch (quantity) {
     case Quantity::length:
@@ -34,7 +36,7 @@ double unit_value(Quantity quantity, const Units& units) {
       return units.mass;
     case Quantity::moment:
     case Quantity::energy:
-      return torque_unit(units);
+      return dimension::torque.unit(units);
   }
   return 1.0;
 }

@@ -13,6 +13,11 @@ namespace poise::app {
 /// What a result can be measured in; the units follow from those of the scene.
 enum class Quantity { length, angle, force, mass, moment, energy };
 
+/// Of a measure: an angle or a length.
+Quantity quantity_of(const Measure& on);
+/// Of what does work on it: a moment or a force.
+Quantity effort_of(const Measure& on);
+
 /// SI value of the unit that the scene uses for a quantity.
 double unit_value(Quantity quantity, const Units& units);
 

@@ -7,9 +7,10 @@
 
 namespace poise::app {
 
-/// What a spring shows: length, m, and force, N, tension positive.
-struct SpringReading {
-  double length = 0.0;
+/// What a force element shows: the value of its measure, rad or m, and the force at rest, N m or N, positive where it
+/// tends to diminish the measure: tension of a spring, the opposite of the moment on the second body.
+struct ElementReading {
+  double value = 0.0;
   double force = 0.0;
   bool slack = false;
 };
@@ -18,9 +19,8 @@ struct SpringReading {
 struct Readings {
   std::vector<BodyPose<double>> poses;  ///< bodies
   std::vector<double> travel;           ///< joints: signed distance from a to b along the axis; 0 without travel
-  std::vector<SpringReading> springs;
-  std::vector<double> torsion_moments;  ///< torsion springs: N m on the second body, -k (angle(b) - angle(a) - free)
-  std::vector<double> stops;            ///< value that the stop limits, rad or m
+  std::vector<ElementReading> elements;
+  std::vector<double> stops;  ///< value that the stop limits, rad or m
 };
 
 /// Reads a scene whose bodies stand at the scaled coordinates x.
@@ -28,6 +28,9 @@ Readings read_off(const StaticModel& model, const std::vector<double>& x);
 
 /// World coordinates of a point, m.
 Vec2 world(const Scene& scene, const Readings& readings, PointRef point);
+
+/// Value of a measure, rad or m.
+double value_of(const Scene& scene, const Readings& readings, const Measure& on);
 
 /// The limit that a pressed stop leans on.
 struct PressedLimit {
@@ -37,8 +40,5 @@ struct PressedLimit {
 
 /// The limit next to the value of a stop.
 PressedLimit pressed_limit(const Stop& stop, double value);
-
-/// What a stop limits: an angle or a length.
-Quantity quantity_of(const Stop& stop);
 
 }  // namespace poise::app

@@ -32,17 +32,20 @@ PlainMechanism::Joint plain(const Scene& scene, const Joint& joint) {
 }
 
 PlainMechanism plain(const Scene& scene) {
-  if (!scene.stops.empty() || !scene.torsion_springs.empty()) {
-    throw InputError("stops and torsion springs are not translated for Simbody");
-  }
+  if (!scene.stops.empty()) throw InputError("stops are not translated for Simbody");
   const auto place = [&scene](PointRef p) -> PlainMechanism::Place { return {p.body, plain(scene.local(p))}; };
   PlainMechanism out;
   out.gravity = plain(scene.gravity);
   for (const Body& b : scene.bodies) out.bodies.push_back({b.mass, b.inertia, plain(b.center)});
   for (const Joint& joint : scene.joints) out.joints.push_back(plain(scene, joint));
-  for (const Spring& s : scene.springs) {
-    out.springs.push_back({place(s.a), place(s.b), s.stiffness, s.free_length, s.acts != Spring::Acts::compression,
-                           s.acts != Spring::Acts::tension});
+  for (const Element& element : scene.elements) {
+    if (!stores_energy(element.law)) continue;
+    const auto* s = std::get_if<LinearSpring>(&element.law);
+    if (s == nullptr || element.on.kind != Measure::Kind::distance) {
+      throw InputError(element.name + ": only springs between two points are translated for Simbody");
+    }
+    out.springs.push_back({place(element.on.a), place(element.on.b), s->stiffness, s->free_length,
+                           s->acts != LinearSpring::Acts::compression, s->acts != LinearSpring::Acts::tension});
   }
   for (const Force& f : scene.forces) {
     if (f.follows >= 0) throw InputError(f.name + ": it has no potential");

@@ -6,8 +6,11 @@
 namespace poise::comparison {
 
 bool turns_count(const Scene& scene) {
-  return !scene.torsion_springs.empty() ||
-         std::any_of(scene.stops.begin(), scene.stops.end(), [](const Stop& s) { return s.kind == Stop::Kind::angle; });
+  const auto counts = [](const Element& e) {
+    return e.on.is_angle() && stores_energy(e.law) && !std::holds_alternative<ConstantForce>(e.law);
+  };
+  return std::any_of(scene.elements.begin(), scene.elements.end(), counts) ||
+         std::any_of(scene.stops.begin(), scene.stops.end(), [](const Stop& s) { return s.on.is_angle(); });
 }
 
 Difference largest_difference(const StaticModel& model, const std::vector<double>& a, const std::vector<double>& b) {

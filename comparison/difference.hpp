@@ -14,7 +14,8 @@ struct Difference {
   bool whole_turns = false;    ///< some angle differs by whole turns, which are not counted
 };
 
-/// Whether poses a whole turn of a body apart are different: where a torsion spring or an angle stop counts turns.
+/// Whether poses a whole turn of a body apart are different: where a spring or a stop upon an angle counts turns. A
+/// constant torque does not.
 bool turns_count(const Scene& scene);
 
 /// The difference of two sets of scaled coordinates. Angles count without whole turns unless turns_count().

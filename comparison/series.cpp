@@ -75,8 +75,10 @@ Scene window_ladder_scene(int windows) {
     pin(scene, left.b, under_left.a);
     pin(scene, right.b, under_right.a);
     pin(scene, under_left.b, under_right.b);
-    scene.springs.push_back(
-        {.name = "spring" + number, .a = left.b, .b = right.b, .stiffness = 50.0 * windows, .free_length = 1.2});
+    scene.elements.push_back({.table = "spring",
+                              .name = "spring" + number,
+                              .on = Measure::distance_between(left.b, right.b),
+                              .law = LinearSpring{.stiffness = 50.0 * windows, .free_length = 1.2}});
     top = under_left.b;
   }
   return scene;

@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* part_names[] = {"m", "m x", "m y", "J"};
 
-Inertia<double>::BodyInertia unit_part(int which) {
-  Inertia<double>::BodyInertia part;
+BodyInertia<double> unit_part(int which) {
+  BodyInertia<double> part;
   if (which == 0) part.mass = 1.0;
   if (which == 1) part.first = {1.0, 0.0};
   if (which == 2) part.first = {0.0, 1.0};

@@ -14,27 +14,19 @@
 
 namespace poise {
 
-/// What a sensor reads. Bodies, points, joints and springs are indices into the scene; values SI.
+/// What a sensor reads: a measure of the pose, or the force of an element of the scene; values SI.
 struct Sensor {
-  enum class Kind {
-    angle,     ///< angle(body_b) - angle(body_a), rad, unwrapped; body_a is the ground for an absolute angle
-    travel,    ///< of a slide or pin in a slot, m
-    distance,  ///< |b - a| of two points, m
-    x,         ///< world coordinates of point b, m
-    y,
-    spring_force  ///< in a line spring, tension positive, N
-  };
-  Kind kind = Kind::angle;
+  Measure on;        ///< body_a is the ground for an absolute angle
+  int element = -1;  ///< index into Scene::elements whose force at rest it reads, tension positive; else -1
   std::string name;
-  std::string column;          ///< of the data file
-  bool rate = false;           ///< the time derivative of the above (not of a force)
-  int body_a = 0, body_b = 0;  ///< angle
-  PointRef a, b;               ///< distance; x and y use b
-  int item = -1;               ///< travel: joint; spring_force: spring
-  double noise = 0.0;          ///< standard deviation of one reading, SI
-  double unit = 1.0;           ///< SI value of one unit of the file's column
-  double zero = 0.0;           ///< SI value of the quantity where the column reads 0:  quantity = zero + unit column
+  std::string column;  ///< of the data file
+  bool rate = false;   ///< the time derivative of the above (not of a force)
+  double noise = 0.0;  ///< standard deviation of one reading, SI
+  double unit = 1.0;   ///< SI value of one unit of the file's column
+  double zero = 0.0;   ///< SI value of the quantity where the column reads 0:  quantity = zero + unit column
   int line = 0;
+
+  bool reads_force() const { return element >= 0; }
 };
 
 /// A number of the scene that is to be found, by its path (see model/set_value): SI throughout.

@@ -8,6 +8,7 @@
 #include "identification/read_runs.hpp"
 #include "identification/setting.hpp"
 #include "model/nearest_name.hpp"
+#include "model/parameters.hpp"
 #include "model/read_changes.hpp"
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
@@ -75,7 +76,7 @@ class ExperimentReader {
     sensor.line = table.place().line;
     const double unit = read_quantity(table, names, sensor);
     sensor.rate = table.flag("rate", false);
-    if (sensor.rate && sensor.kind == Sensor::Kind::spring_force) {
+    if (sensor.rate && sensor.reads_force()) {
       table.place_of("rate").fail("expected the rate of a position or angle; that of a force is not known");
     }
     sensor.noise = table.number("noise", unit, Range::positive);
@@ -99,57 +100,51 @@ class ExperimentReader {
     }
     const Units& units = experiment_.scene.units;
     if (table.has("angle")) {
-      sensor.kind = Sensor::Kind::angle;
-      read_bodies(table, names, sensor);
+      sensor.on = read_bodies(table, names);
       return units.angle;
     }
     if (table.has("force")) {
-      sensor.kind = Sensor::Kind::spring_force;
-      sensor.item = find_spring(table.text("force"));
+      sensor.element = find_spring(table.text("force"));
+      sensor.on = experiment_.scene.elements[sensor.element].on;
       return units.force;
     }
     if (table.has("travel")) {
-      sensor.kind = Sensor::Kind::travel;
-      sensor.item = names.travelling_joint(table.text("travel"));
+      sensor.on = Measure::travel_of(names.travelling_joint(table.text("travel")));
     } else if (table.has("distance")) {
-      sensor.kind = Sensor::Kind::distance;
       const std::array<TomlText, 2> points = table.two_texts("distance");
-      sensor.a = names.point(points[0]);
-      sensor.b = names.point(points[1]);
-      if (sensor.a.body == sensor.b.body) {
+      sensor.on = Measure::distance_between(names.point(points[0]), names.point(points[1]));
+      if (sensor.on.a.body == sensor.on.b.body) {
         points[1].place.fail("expected points of two different bodies, the distance of these never changes");
       }
     } else {
       const char* const key = table.has("x") ? "x" : "y";
-      sensor.kind = table.has("x") ? Sensor::Kind::x : Sensor::Kind::y;
       const TomlText point = table.text(key);
-      sensor.b = names.point(point);
-      if (sensor.b.body == 0) point.place.fail("expected a point of a body that can move, found one of the ground");
+      const PointRef at = names.point(point);
+      sensor.on = table.has("x") ? Measure::x_of(at) : Measure::y_of(at);
+      if (at.body == 0) point.place.fail("expected a point of a body that can move, found one of the ground");
     }
     return units.length;
   }
 
   /// angle = "b" from the ground, or angle = ["a", "b"] from a to b.
-  static void read_bodies(const TomlTable& table, const SceneNames& names, Sensor& sensor) {
-    if (!table.holds_list("angle")) {
-      sensor.body_b = names.movable_body(table.text("angle"));
-      return;
-    }
+  static Measure read_bodies(const TomlTable& table, const SceneNames& names) {
+    if (!table.holds_list("angle")) return Measure::angle_between(0, names.movable_body(table.text("angle")));
     const std::array<TomlText, 2> bodies = table.two_texts("angle");
-    sensor.body_a = names.body(bodies[0]);
-    sensor.body_b = names.body(bodies[1]);
-    if (sensor.body_a == sensor.body_b) bodies[1].place.fail("expected two different bodies");
+    const Measure angle = Measure::angle_between(names.body(bodies[0]), names.body(bodies[1]));
+    if (angle.body_a == angle.body_b) bodies[1].place.fail("expected two different bodies");
+    return angle;
   }
 
   int find_spring(const TomlText& name) const {
     std::vector<std::string> valid;
-    for (const Spring& spring : experiment_.scene.springs) valid.push_back(spring.name);
-    const auto found = std::find(valid.begin(), valid.end(), name.value);
-    if (found == valid.end()) {
-      name.place.fail(fmt::format("expected the name of a line spring, found \"{}\"{}", name.value,
-                                  did_you_mean(name.value, valid)));
+    const std::vector<Element>& elements = experiment_.scene.elements;
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      if (!stores_energy(elements[i].law) || elements[i].on.is_angle()) continue;
+      if (elements[i].name == name.value) return static_cast<int>(i);
+      valid.push_back(elements[i].name);
     }
-    return static_cast<int>(found - valid.begin());
+    name.place.fail(
+        fmt::format("expected the name of a line spring, found \"{}\"{}", name.value, did_you_mean(name.value, valid)));
   }
 
   void read_unknowns() {
@@ -209,13 +204,7 @@ class ExperimentReader {
 
   /// Whether the number at this path is one of those that a scene wants to be >= 0: masses, stiffnesses, ...
   bool may_not_be_negative(const std::string& path) const {
-    Scene scene = experiment_.scene;
-    try {
-      set_value(scene, path, -1.0);
-    } catch (const InputError&) {
-      return true;
-    }
-    return false;
+    return parameter(experiment_.scene, path).range != Range::finite;
   }
 
   /// Every run must have the label by which an unknown is told apart, and must not know the unknown.

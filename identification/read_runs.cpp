@@ -6,6 +6,7 @@
 
 #include "identification/run_data.hpp"
 #include "model/nearest_name.hpp"
+#include "model/parameters.hpp"
 #include "model/read_changes.hpp"
 
 namespace poise {
@@ -141,9 +142,11 @@ class RunsReader {
   /// The path of the free length of a line spring, or the free angle of a torsion spring.
   static std::string read_spring_number(const TomlText& path, const Scene& scene) {
     std::vector<std::string> valid;
-    for (const Spring& spring : scene.springs) valid.push_back("spring." + spring.name + ".free_length");
-    for (const TorsionSpring& spring : scene.torsion_springs) {
-      valid.push_back("torsion_spring." + spring.name + ".free_angle");
+    for (const ParameterRow& row : parameter_table(scene)) {
+      const std::string_view number = row.path.parts[3];
+      if (row.place.owner == Owner::element && (number == "free_length" || number == "free_angle")) {
+        valid.push_back(row.path.text());
+      }
     }
     if (std::find(valid.begin(), valid.end(), path.value) == valid.end()) {
       path.place.fail("expected spring.NAME.free_length or torsion_spring.NAME.free_angle, found \"" + path.value +

@@ -247,12 +247,8 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
         q[i] = trajectory.q(places[k][i]);
         v[i] = trajectory.v(places[k][i]);
       }
-      const Spring* spring = sensor.kind == Sensor::Kind::spring_force
-                                 ? &built.model->scene().springs[static_cast<std::size_t>(sensor.item)]
-                                 : nullptr;
       const std::size_t row = s * readers.size() + k;
-      out.reading[row] = reader.read(q.data(), v.data(), spring != nullptr ? spring->stiffness : 0.0,
-                                     spring != nullptr ? spring->free_length : 0.0, by_q.data(), by_v.data());
+      out.reading[row] = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
       if (!jacobian) continue;
       std::fill(column.begin(), column.end(), 0.0);
       for (std::size_t i = 0; i < n; ++i) {
@@ -265,12 +261,11 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
         for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
       }
       double* numbers = column.data() + 2 * f;
-      if (spring != nullptr && !reader.slack()) {
+      if (sensor.reads_force()) {
         for (int i = 0; i <= p; ++i) {
           if (i == p && !set_by_rest_) break;
           const SceneNumber& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_rest_;
-          if (number.spring_stiffness() == sensor.item) numbers[i] += reader.length() - spring->free_length;
-          if (number.spring_free_length() == sensor.item) numbers[i] -= spring->stiffness;
+          numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
         }
       }
       double* to = &out.jacobian[row * width];
@@ -311,7 +306,7 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) c
   const std::size_t n = reader.coordinates().size();
   std::vector<double> own(n), rate(n, 0.0), by_q(n), by_v(n);
   for (std::size_t i = 0; i < n; ++i) own[i] = q[static_cast<std::size_t>(reader.coordinates()[i])];
-  out.reading = reader.read(own.data(), rate.data(), 0.0, 0.0, by_q.data(), by_v.data());
+  out.reading = reader.read(own.data(), rate.data(), by_q.data(), by_v.data());
   const auto by_z = [&](int i) {
     const double unit = i < model.layout().angles ? 1.0 : scales_.length;
     return reduced.B(0)[i] * unit / z_unit;
@@ -335,7 +330,9 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
   std::vector<StartValue> wanted;
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
     const Sensor& sensor = experiment_.sensors[k];
-    if (sensor.rate || (sensor.kind != Sensor::Kind::angle && sensor.kind != Sensor::Kind::travel)) continue;
+    if (sensor.rate || sensor.reads_force() ||
+        (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel))
+      continue;
     // More readings than freedoms would contradict each other by their noise.
     if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
     const SensorReader reader(model, sensor);
@@ -343,7 +340,7 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     const std::vector<double> one{0.0};
     double by_q = 0.0;
     double by_v = 0.0;
-    const double zero = SensorReader(reader).read(one.data(), one.data(), 0.0, 0.0, &by_q, &by_v);
+    const double zero = SensorReader(reader).read(one.data(), one.data(), &by_q, &by_v);
     const Eigen::VectorXd fit =
         parabola.solve(Eigen::Map<const Eigen::VectorXd>(record.reading[k].data(), static_cast<Eigen::Index>(count)));
     wanted.push_back({reader.coordinates()[0], false, fit[0] - zero});

@@ -4,58 +4,39 @@
 #include <string>
 #include <string_view>
 
-#include "model/scene.hpp"
+#include "model/parameters.hpp"
 #include "motion/reduced_motion.hpp"
-#include "statics/scaling.hpp"
 
 namespace poise {
 
 /// A number of a scene that the equations of motion depend on without changing its geometry: what can be identified.
-/// Paths as in set_value(): body.X.mass | inertia | center.x | center.y, spring.X.stiffness | free_length,
-/// torsion_spring.X.stiffness | free_angle, damper.X.coefficient, torsion_damper.X.coefficient, friction.X.torque,
-/// load.X.
+/// These are the numbers of bodies, force elements and loads; see set_value() for paths.
 class SceneNumber {
  public:
-  /// Empty where the scene has no such number, or it is of another kind.
+  /// Empty where the scene has no such number, or it belongs to something else.
   static std::optional<SceneNumber> find(const Scene& scene, std::string_view path);
 
   const std::string& path() const { return path_; }
+  const ParameterPlace& place() const { return place_; }
   /// SI value. set() asks for no range: a lump beside other masses may be negative.
-  double get(const Scene& scene) const;
+  double get(const Scene& scene) const { return value_at(scene, place_).value_or(0.0); }
+  /// A force of magnitude zero has no direction and stays as it is.
   void set(Scene& scene, double si) const;
   /// How the scaled scene's equations of motion change per SI unit of the number; `scene` in SI.
   Influence influence(const Scene& scene, const Scales& scales) const;
+  /// d(force of the element)/d(number), SI, at the measure g and its rate w; 0 where it belongs to something else.
+  double force_by(const Scene& scene, int element, double g, double w) const;
 
   /// True for masses, inertias, stiffnesses, damping and loads: multiplying all of these leaves a motion as it is.
-  bool scales_with_force() const;
-  /// The line spring whose stiffness or free length it is, or -1.
-  int spring_stiffness() const { return kind_ == Kind::stiffness ? item_ : -1; }
-  int spring_free_length() const { return kind_ == Kind::free_length ? item_ : -1; }
+  bool scales_with_force() const { return dimension_.force + dimension_.mass != 0; }
   /// Number of a body's inertia.
-  bool is_inertial() const { return kind_ <= Kind::center_y; }
+  bool is_inertial() const { return place_.owner == Owner::body; }
 
  private:
-  enum class Kind {
-    mass,
-    inertia,
-    center_x,
-    center_y,
-    stiffness,
-    free_length,
-    torsion_stiffness,
-    free_angle,
-    damping,
-    torsion_damping,
-    friction,
-    force,
-    torque
-  };
-  SceneNumber(Kind kind, int item, std::string path) : kind_(kind), item_(item), path_(std::move(path)) {}
-  template <class AnyScene>
-  static auto& number(Kind kind, int item, AnyScene& scene);
+  SceneNumber(const ParameterRow& row) : place_(row.place), dimension_(row.dimension), path_(row.path.text()) {}
 
-  Kind kind_;
-  int item_;
+  ParameterPlace place_;
+  Dimension dimension_;
   std::string path_;
 };
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "identification/experiment.hpp"
+#include "model/measures/measures.hpp"
 #include "statics/scaled_model.hpp"
 
 namespace poise {
@@ -13,36 +14,20 @@ class SensorReader {
   SensorReader(const ScaledModel& model, const Sensor& sensor);
 
   /// Coordinates that the sensor depends on.
-  const std::vector<int>& coordinates() const { return coordinates_; }
-  /// What it reads where coordinates()[i] = q[i] with the rates v[i]; stiffness and free length are those of its spring
-  /// (tension positive). Fills d/dq and d/dv over coordinates().
-  double read(const double* q, const double* v, double stiffness, double free_length, double* by_q, double* by_v);
-  /// Of a force sensor: length of the spring as last read, and whether it is slack there: without force.
-  double length() const { return length_; }
-  bool slack() const { return slack_; }
+  const std::vector<int>& coordinates() const { return on_.support(); }
+  /// What it reads where coordinates()[i] = q[i] with the rates v[i]. Fills d/dq and d/dv over coordinates().
+  double read(const double* q, const double* v, double* by_q, double* by_v);
+  /// The measure as last read: of a force sensor that of its element.
+  double measure() const { return measure_; }
 
  private:
-  struct Term {
-    int own = 0, frame = -1;  // places in coordinates_
-    bool is_angle = true;
-    Planar<double> coefficient{};
-  };
-  void sum_up(const double* q, const double* v);
-
-  Sensor::Kind kind_;
+  Phasors<double> phasors_;
+  CompiledMeasure<double> on_;
   bool rate_;
-  std::vector<int> coordinates_;
-  // angle and travel: sum of sign_ q + constant_
-  std::vector<double> sign_;
-  double constant_ = 0.0;
-  // others: d = constant + sum of phasors; its derivatives over coordinates_
-  std::vector<Term> terms_;
-  Planar<double> offset_{};
-  Planar<double> d_{}, d_rate_{};
-  std::vector<Planar<double>> d_q_, d_rate_q_;
-  Spring::Acts acts_ = Spring::Acts::both;
-  double length_ = 0.0;
-  bool slack_ = false;
+  std::optional<Law> law_;  // of the element whose force it reads
+  double measure_ = 0.0;
+  std::vector<double> q_, v_, bent_;  // of all coordinates
+  std::vector<Planar<double>> pose_;
 };
 
 }  // namespace poise

@@ -88,7 +88,7 @@ std::optional<SwingStart> start_from_swings(const FitProblem& problem, const std
     if (!problem.number(static_cast<int>(i)).scales_with_force()) return std::nullopt;
   }
   const Sensor& sensor = problem.experiment().sensors.front();
-  if (sensor.rate || sensor.kind == Sensor::Kind::spring_force) return std::nullopt;
+  if (sensor.rate || sensor.reads_force()) return std::nullopt;
   SwingStart out;
   out.parameters = problem.starts();
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(problem.runs()), count);

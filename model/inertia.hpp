@@ -23,17 +23,11 @@ class Inertia {
   /// Moment J_a of the bodies that turn with coordinate a, zero for lengths.
   const T& moment(int a) const { return moment_[a]; }
 
-  /// The inertia of one body about the origin of its frame: m, (m x, m y), J.
-  struct BodyInertia {
-    T mass{};
-    Planar<T> first{};
-    T moment{};
-  };
   /// g += what moving the inertia `part` with `body` takes beyond its weight, at the rates v:
   ///   m (p'' - gravity) . Dp + first-moment terms + J theta'' D theta,
   /// linear in `part`: with unit parts, the derivatives of the equations of motion by the inertia of a body. p of the
   /// body's origin; `second` are the second time derivatives of all phasors, a the accelerations of the coordinates.
-  void add_body(int body, const BodyInertia& part, const Planar<T>* pose, const T* a, const Planar<T>* second,
+  void add_body(int body, const BodyInertia<T>& part, const Planar<T>* pose, const T* a, const Planar<T>* second,
                 T* g) const;
 
   /// M(q), n x n, row by row: kg m^2 between angles, kg m with one length, kg between lengths. `pose` from place().

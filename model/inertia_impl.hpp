@@ -45,7 +45,7 @@ template <class T>
 std::array<typename Inertia<T>::Partial, 2> Inertia<T>::first(const Planar<T>* pose, int t) const {
   const Coordinate& c = mechanism_.layout().coordinates[t];
   if (c.kind == Coordinate::Kind::angle) return {{{t, quarter_turn(pose[t])}, {}}};
-  const Partial along{t, mechanism_.line_direction(pose, t)};
+  const Partial along{t, mechanism_.phasors().line_direction(pose, t)};
   if (c.frame < 0) return {{along, {}}};
   return {{along, {c.frame, quarter_turn(pose[t])}}};
 }
@@ -67,8 +67,8 @@ void Inertia<T>::weigh(const Planar<T>* f, Planar<T>* out) const {
 //   m (p'' + r e'' - gravity) . (Dp + r De) = m (p'' - gravity) . Dp + s e'' . Dp + (p'' - gravity) . s De + J theta''
 //   Dth.
 template <class T>
-void Inertia<T>::add_body(int body, const BodyInertia& part, const Planar<T>* pose, const T* a, const Planar<T>* second,
-                          T* g) const {
+void Inertia<T>::add_body(int body, const BodyInertia<T>& part, const Planar<T>* pose, const T* a,
+                          const Planar<T>* second, T* g) const {
   const Origin& origin = origin_[body];
   Planar<T> lift = -gravity_;
   for (std::size_t e = 0; e < origin.coordinate.size(); ++e) {
@@ -88,7 +88,7 @@ void Inertia<T>::add_body(int body, const BodyInertia& part, const Planar<T>* po
       g[t] += cross(pose[t], f);
       continue;
     }
-    g[t] += dot(mechanism_.line_direction(pose, t), f);
+    g[t] += dot(mechanism_.phasors().line_direction(pose, t), f);
     if (c.frame >= 0) g[c.frame] += cross(pose[t], f);
   }
 }

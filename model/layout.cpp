@@ -306,47 +306,42 @@ class Builder {
       mark_path(link.arms, bears[*it]);
       bears[link.parent] |= bears[*it];
     }
-    // A stiffness that identification varies may be zero at first.
-    const auto bears_spring = [&](double stiffness) { return stiffness > 0 || purpose_ == Purpose::dynamics; };
-    for (const Spring& s : scene_.springs) {
-      if (bears_spring(s.stiffness))
-        mark_path(out_.path(s.a.body, scene_.local(s.a), s.b.body, scene_.local(s.b)), spring);
-    }
-    for (const TorsionSpring& s : scene_.torsion_springs) {
-      if (!bears_spring(s.stiffness) || out_.links[s.a].frame == out_.links[s.b].frame) continue;
-      mark(out_.links[s.a].frame, spring);
-      mark(out_.links[s.b].frame, spring);
-    }
-    for (const Stop& s : scene_.stops) {
-      if (s.kind == Stop::Kind::angle) {
-        mark(out_.links[s.body_a].frame, stop);
-        mark(out_.links[s.body_b].frame, stop);
-      } else if (s.kind == Stop::Kind::travel) {
-        mark(out_.travel[s.joint], stop);
-      } else {
-        mark_path(out_.path(s.a.body, scene_.local(s.a), s.b.body, scene_.local(s.b)), stop);
+    for (const Element& e : scene_.elements) {
+      if (stores_energy(e.law)) {
+        // A number that identification varies may be zero at first.
+        if (purpose_ == Purpose::dynamics || idle(e.law).empty()) mark_measure(e.on, spring);
+      } else if (purpose_ == Purpose::dynamics) {
+        mark_measure(e.on, damper);
       }
     }
-    if (purpose_ == Purpose::dynamics) find_what_moving_costs();
+    for (const Stop& s : scene_.stops) mark_measure(s.on, stop);
+    if (purpose_ == Purpose::dynamics) {
+      for (const Drive& d : scene_.drives) mark_measure(d.on, drive);
+    }
     note_what_never_enters(heavy);
   }
 
-  // Dampers, friction and drives: only a moving mechanism meets them.
-  void find_what_moving_costs() {
-    const auto mark_bodies = [&](int a, int b, unsigned reason) {
-      mark(out_.links[a].frame, reason);
-      mark(out_.links[b].frame, reason);
-    };
-    for (const Damper& d : scene_.dampers) {
-      mark_path(out_.path(d.a.body, scene_.local(d.a), d.b.body, scene_.local(d.b)), damper);
-    }
-    for (const TorsionDamper& d : scene_.torsion_dampers) mark_bodies(d.a, d.b, damper);
-    for (const Friction& f : scene_.frictions) mark_bodies(f.a, f.b, damper);
-    for (const Drive& d : scene_.drives) {
-      if (d.kind == Drive::Kind::angle)
-        mark_bodies(d.body_a, d.body_b, drive);
-      else
-        mark(out_.travel[d.joint], drive);
+  void mark_measure(const Measure& measure, unsigned reason) {
+    switch (measure.kind) {
+      case Measure::Kind::angle:
+        // Bodies of one frame never turn against each other.
+        if (out_.links[measure.body_a].frame == out_.links[measure.body_b].frame && reason != stop) break;
+        mark(out_.links[measure.body_a].frame, reason);
+        mark(out_.links[measure.body_b].frame, reason);
+        break;
+      case Measure::Kind::travel:
+        mark(out_.travel[measure.joint], reason);
+        break;
+      case Measure::Kind::distance:
+        mark_path(out_.path(measure.a.body, scene_.local(measure.a), measure.b.body, scene_.local(measure.b)), reason);
+        break;
+      case Measure::Kind::x:
+      case Measure::Kind::y:
+        mark_path(out_.path(0, {0, 0}, measure.b.body, scene_.local(measure.b)), reason);
+        break;
+      case Measure::Kind::sum:
+        for (const Measure::Term& term : measure.terms) mark_measure(term.measure, reason);
+        break;
     }
   }
 
@@ -361,15 +356,14 @@ class Builder {
       if (inertias > 0) {
         out_.dropped.push_back(fmt::format("moment of inertia of {}: nothing moves in statics", bodies(inertias)));
       }
-      const auto drop_all = [this](const auto& items, const char* kind, const char* why) {
-        for (const auto& item : items) out_.dropped.push_back(fmt::format("{} \"{}\": {}", kind, item.name, why));
-      };
-      drop_all(scene_.dampers, "damper", "nothing moves in statics");
-      drop_all(scene_.torsion_dampers, "torsion damper", "nothing moves in statics");
-      drop_all(
-          scene_.frictions, "friction",
-          "nothing moves in statics, but it may hold the mechanism elsewhere; rests are found as if it were not there");
-      drop_all(scene_.drives, "drive", "statics does not know drives, its coordinate is free");
+      for (const Element& e : scene_.elements) {
+        const std::string_view why = left_out_of_statics(e.law);
+        if (!why.empty()) out_.dropped.push_back(fmt::format("{} \"{}\": {}", e.family(), e.name, why));
+      }
+      for (const Drive& drive : scene_.drives) {
+        out_.dropped.push_back(
+            fmt::format("drive \"{}\": statics does not know drives, its coordinate is free", drive.name));
+      }
     }
     for (const Force& force : scene_.forces) {
       if (is_zero(force.vector)) out_.dropped.push_back(fmt::format("force \"{}\": it is zero", force.name));
@@ -381,16 +375,9 @@ class Builder {
         out_.dropped.push_back(fmt::format("torque \"{}\": it is zero", torque.name));
       }
     }
-    for (const Spring& s : scene_.springs) {
-      if (s.stiffness == 0 && purpose_ == Purpose::statics)
-        out_.dropped.push_back(fmt::format("spring \"{}\": its stiffness is zero", s.name));
-    }
-    for (const TorsionSpring& s : scene_.torsion_springs) {
-      if (purpose_ != Purpose::statics) break;
-      if (out_.links[s.a].frame == out_.links[s.b].frame) {
-        out_.dropped.push_back(fmt::format("torsion spring \"{}\": its bodies do not turn against each other", s.name));
-      } else if (s.stiffness == 0) {
-        out_.dropped.push_back(fmt::format("torsion spring \"{}\": its stiffness is zero", s.name));
+    for (const Element& e : scene_.elements) {
+      if (purpose_ == Purpose::statics && stores_energy(e.law) && !idle(e.law).empty()) {
+        out_.dropped.push_back(fmt::format("{} \"{}\": {}", e.family(), e.name, idle(e.law)));
       }
     }
   }

@@ -1,9 +1,11 @@
 #include "model/read_elements.hpp"
 
-#include <tuple>
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <span>
+#include <type_traits>
 #include <utility>
-
-#include "model/quantities.hpp"
 
 namespace poise {
 namespace {
@@ -14,109 +16,98 @@ std::vector<std::string> numbered(const std::string& what, std::size_t count) {
   return names;
 }
 
+/// "torsion_spring" -> "torsion spring".
+std::string spaced(std::string_view key) {
+  std::string text(key);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+using MeasureKeys = std::vector<std::string_view>;
+const MeasureKeys all_measures{"bodies", "points", "slide", "x", "y", "sum"};
+
 class ElementReader {
  public:
   ElementReader(const TomlTable& root, const SceneNames& names, Scene& scene)
       : root_(root), names_(names), scene_(scene), units_(scene.units) {}
 
   void read() {
-    read_family("spring", "spring", scene_.springs, &ElementReader::read_spring);
-    read_family("torsion_spring", "torsion spring", scene_.torsion_springs, &ElementReader::read_torsion_spring);
-    read_family("damper", "damper", scene_.dampers, &ElementReader::read_damper);
-    read_family("torsion_damper", "torsion damper", scene_.torsion_dampers, &ElementReader::read_torsion_damper);
-    read_family("friction", "friction", scene_.frictions, &ElementReader::read_friction);
-    read_family("drive", "drive", scene_.drives, &ElementReader::read_drive);
+    read_laws(std::type_identity<Law>{});
+    read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_loads();
-    read_family("stop", "stop", scene_.stops, &ElementReader::read_stop);
+    read_family("stop", scene_.stops, &ElementReader::read_stop);
   }
 
  private:
+  using Keys = std::vector<std::string_view>;
+
   /// The tables [[key]], which share one family of names: "WHAT 1", ... where none are given.
-  template <class Element>
-  void read_family(std::string_view key, const std::string& what, std::vector<Element>& family,
-                   Element (ElementReader::*read_one)(const TomlTable&) const) {
+  template <class Item, class ReadOne>
+  void read_family(std::string_view key, std::vector<Item>& family, ReadOne read_one) {
     const std::vector<TomlTable> tables = root_.tables(key);
-    const std::vector<std::string> names = names_of(tables, numbered(what, tables.size()), {});
+    const std::vector<std::string> names = names_of(tables, numbered(spaced(key), tables.size()), {});
     for (std::size_t i = 0; i < tables.size(); ++i) add(tables[i], names[i], family, read_one);
   }
 
-  template <class Element>
-  void add(const TomlTable& table, const std::string& name, std::vector<Element>& family,
-           Element (ElementReader::*read_one)(const TomlTable&) const) {
-    Element element = (this->*read_one)(table);
-    element.name = name;
-    element.line = table.place().line;
-    family.push_back(std::move(element));
+  template <class Item, class ReadOne>
+  void add(const TomlTable& table, const std::string& name, std::vector<Item>& family, ReadOne read_one) {
+    Item item = std::invoke(read_one, this, table);
+    item.name = name;
+    item.line = table.place().line;
+    family.push_back(std::move(item));
   }
 
-  Spring read_spring(const TomlTable& table) const {
-    table.allow_keys({"name", "points", "stiffness", "free_length", "acts"});
-    Spring spring;
-    std::tie(spring.a, spring.b) = names_.two_points(table);
-    spring.stiffness = table.number("stiffness", stiffness_unit(units_), Range::not_negative);
-    spring.free_length = table.number("free_length", units_.length, Range::not_negative);
-    if (const auto acts = table.find_text("acts")) {
-      constexpr Spring::Acts meanings[] = {Spring::Acts::both, Spring::Acts::tension, Spring::Acts::compression};
-      spring.acts = meanings[choose(*acts, {"both", "tension", "compression"})];
+  template <class... L>
+  void read_laws(std::type_identity<std::variant<L...>>) {
+    (read_tables_of<L>(), ...);
+  }
+
+  template <class L>
+  void read_tables_of() {
+    for (const LawTable& written : L::tables) {
+      read_family(written.key, scene_.elements,
+                  [&](const ElementReader*, const TomlTable& table) { return read_element<L>(table, written); });
     }
-    return spring;
   }
 
-  TorsionSpring read_torsion_spring(const TomlTable& table) const {
-    table.allow_keys({"name", "bodies", "stiffness", "free_angle"});
-    TorsionSpring spring;
-    std::tie(spring.a, spring.b) = names_.two_bodies(table);
-    spring.stiffness = table.number("stiffness", torsional_stiffness_unit(units_), Range::not_negative);
-    spring.free_angle = table.find_number("free_angle", units_.angle, Range::finite).value_or(0.0);
-    return spring;
-  }
-
-  Damper read_damper(const TomlTable& table) const {
-    table.allow_keys({"name", "points", "coefficient"});
-    Damper damper;
-    std::tie(damper.a, damper.b) = names_.two_points(table);
-    damper.coefficient = table.number("coefficient", damping_unit(units_), Range::not_negative);
-    return damper;
-  }
-
-  TorsionDamper read_torsion_damper(const TomlTable& table) const {
-    table.allow_keys({"name", "bodies", "coefficient"});
-    TorsionDamper damper;
-    std::tie(damper.a, damper.b) = names_.two_bodies(table);
-    damper.coefficient = table.number("coefficient", torsional_damping_unit(units_), Range::not_negative);
-    return damper;
-  }
-
-  Friction read_friction(const TomlTable& table) const {
-    table.allow_keys({"name", "bodies", "torque", "width"});
-    Friction friction;
-    std::tie(friction.a, friction.b) = names_.two_bodies(table);
-    friction.torque = table.number("torque", torque_unit(units_), Range::not_negative);
-    friction.width = table.find_number("width", units_.angle, Range::positive).value_or(friction.width);
-    return friction;
-  }
-
-  Drive read_drive(const TomlTable& table) const {
-    table.allow_keys({"name", "bodies", "slide", "start", "rate", "acceleration", "amplitude", "frequency", "phase"});
-    if (table.has("bodies") == table.has("slide")) {
-      table.place().fail("expected one of the keys bodies (relative angle), slide (travel)");
+  template <class L>
+  Element read_element(const TomlTable& table, const LawTable& written) const {
+    const MeasureKeys measures = written.angles_only ? MeasureKeys{"bodies"} : all_measures;
+    const bool is_angle = written.angles_only || reads_angle(table, measure_key(table, measures));
+    Keys allowed;
+    for (const Number& number : L::numbers) {
+      allowed.push_back(is_angle && !number.angle_key.empty() ? number.angle_key : number.key);
     }
-    Drive drive;
-    if (table.has("bodies")) {
-      drive.kind = Drive::Kind::angle;
-      std::tie(drive.body_a, drive.body_b) = names_.two_bodies(table);
-    } else {
-      drive.kind = Drive::Kind::travel;
-      drive.joint = names_.travelling_joint(table.text("slide"));
+    if constexpr (requires { L::choices; }) {
+      for (const LawChoice& choice : L::choices) allowed.push_back(choice.key);
     }
-    const double unit = drive_unit(drive.kind, units_);
-    drive.start = table.find_number("start", unit, Range::finite);
-    drive.rate = table.find_number("rate", unit, Range::finite).value_or(0.0);
-    drive.acceleration = table.find_number("acceleration", unit, Range::finite).value_or(0.0);
-    drive.amplitude = table.find_number("amplitude", unit, Range::finite).value_or(0.0);
-    drive.frequency = table.find_number("frequency", 1.0, Range::not_negative).value_or(0.0);
-    drive.phase = table.find_number("phase", units_.angle, Range::finite).value_or(0.0);
-    return drive;
+    Element element;
+    element.table = written.key;
+    element.on = read_measure(table, measures, allowed);
+    L law;
+    read_numbers(table, L::numbers, &law, &element.on);
+    if constexpr (requires { L::choices; }) {
+      for (const LawChoice& choice : L::choices) {
+        if (const auto word = table.find_text(choice.key)) {
+          choice.set(&law, choose(*word, {choice.words.begin(), choice.words.end()}));
+        }
+      }
+    }
+    element.law = law;
+    return element;
+  }
+
+  /// The numbers of an item that acts on a measure, or on none. Keys with a dot are read as vectors elsewhere.
+  void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on) const {
+    for (const Number& number : numbers) {
+      const std::string_view key = number.key_on(on);
+      const double unit = number.dimension_on(on).unit(units_);
+      const Range range = number.range_on(on);
+      if (number.needed_on(on))
+        number.set(item, table.number(key, unit, range));
+      else if (const auto value = table.find_number(key, unit, range))
+        number.set(item, *value);
+    }
   }
 
   void read_loads() {
@@ -151,17 +142,25 @@ class ElementReader {
     table.allow_keys({"name", "on", "value"});
     Torque torque;
     torque.body = names_.movable_body(table.text("on"));
-    torque.value = table.number("value", torque_unit(units_), Range::finite);
+    torque.value = table.number("value", dimension::torque.unit(units_), Range::finite);
     return torque;
   }
 
+  Drive read_drive(const TomlTable& table) const {
+    Drive drive;
+    Keys keys;
+    for (const Number& number : Drive::numbers) keys.push_back(number.key);
+    drive.on = read_measure(table, {"bodies", "slide"}, keys);
+    read_numbers(table, Drive::numbers, &drive, &drive.on);
+    return drive;
+  }
+
   Stop read_stop(const TomlTable& table) const {
-    table.allow_keys({"name", "bodies", "points", "slide", "min", "max"});
-    Stop stop = read_stopped(table);
-    const double unit = stop_unit(stop.kind, units_);
-    const Range range = stop_range(stop.kind);
-    stop.min = table.find_number("min", unit, range).value_or(stop.min);
-    stop.max = table.find_number("max", unit, range).value_or(stop.max);
+    Stop stop;
+    stop.on = read_measure(table, all_measures, {"min", "max"});
+    const double unit = stop.on.dimension().unit(units_);
+    stop.min = table.find_number("min", unit, stop.on.range()).value_or(stop.min);
+    stop.max = table.find_number("max", unit, stop.on.range()).value_or(stop.max);
     if (!table.has("min") && !table.has("max")) {
       table.place().fail("expected the key min, max or both; add max = NUMBER");
     }
@@ -169,23 +168,80 @@ class ElementReader {
     return stop;
   }
 
-  /// The quantity that a stop limits.
-  Stop read_stopped(const TomlTable& table) const {
-    if (table.has("bodies") + table.has("points") + table.has("slide") != 1) {
-      table.place().fail("expected one of the keys bodies (relative angle), points (distance), slide (travel)");
+  /// The measure of a table that holds one of the keys `measures` and, besides a name, the keys `others`.
+  Measure read_measure(const TomlTable& table, const MeasureKeys& measures, const Keys& others) const {
+    const std::optional<std::string_view> key = measure_key(table, measures);
+    Keys allowed{"name"};
+    if (key)
+      allowed.push_back(*key);
+    else
+      allowed.insert(allowed.end(), measures.begin(), measures.end());
+    allowed.insert(allowed.end(), others.begin(), others.end());
+    table.allow_keys(allowed);
+    if (!key) fail_without_measure(table, measures);
+    return measure_under(table, *key);
+  }
+
+  Measure measure_under(const TomlTable& table, std::string_view key) const {
+    if (key == "bodies") {
+      const auto [a, b] = names_.two_bodies(table);
+      return Measure::angle_between(a, b);
     }
-    Stop stop;
-    if (table.has("bodies")) {
-      stop.kind = Stop::Kind::angle;
-      std::tie(stop.body_a, stop.body_b) = names_.two_bodies(table);
-    } else if (table.has("points")) {
-      stop.kind = Stop::Kind::distance;
-      std::tie(stop.a, stop.b) = names_.two_points(table);
-    } else {
-      stop.kind = Stop::Kind::travel;
-      stop.joint = names_.travelling_joint(table.text("slide"));
+    if (key == "points") {
+      const auto [a, b] = names_.two_points(table);
+      return Measure::distance_between(a, b);
     }
-    return stop;
+    if (key == "slide") return Measure::travel_of(names_.travelling_joint(table.text("slide")));
+    if (key == "x") return Measure::x_of(names_.point(table.text("x")));
+    if (key == "y") return Measure::y_of(names_.point(table.text("y")));
+    std::vector<Measure::Term> terms;
+    for (const TomlTable& term : table.tables("sum")) {
+      Measure measure = read_measure(term, {"bodies", "points", "slide", "x", "y"}, {"factor"});
+      terms.push_back({term.number("factor", 1.0, Range::finite), std::move(measure)});
+      if (terms.back().measure.is_angle() != terms.front().measure.is_angle()) {
+        term.place().fail("expected terms that are all angles (bodies) or all lengths (points, slide, x, y)");
+      }
+    }
+    if (terms.empty())
+      table.place_of("sum").fail("expected one term or more, { factor = NUMBER, slide = \"...\" }, say");
+    return Measure::sum_of(std::move(terms));
+  }
+
+  /// Whether the measure under this key is an angle, before it is read: it decides which other keys the table may have.
+  static bool reads_angle(const TomlTable& table, std::optional<std::string_view> key) {
+    if (key != "sum") return key == "bodies";
+    const std::vector<TomlTable> terms = table.tables("sum");
+    return !terms.empty() && terms.front().has("bodies");
+  }
+
+  /// The one key among them that the table has; none where it has none of them. Fails where it has several.
+  static std::optional<std::string_view> measure_key(const TomlTable& table, const MeasureKeys& measures) {
+    std::optional<std::string_view> key;
+    for (const std::string_view measure : measures) {
+      if (!table.has(measure)) continue;
+      if (key) fail_without_measure(table, measures);
+      key = measure;
+    }
+    return key;
+  }
+
+  [[noreturn]] static void fail_without_measure(const TomlTable& table, const MeasureKeys& measures) {
+    if (measures.size() == 1) {
+      // Says how the key is written.
+      table.two_texts(measures.front());
+    }
+    std::string list;
+    for (const std::string_view measure : measures) {
+      list += (list.empty() ? "" : ", ") + std::string(measure) + " (" + std::string(meaning_of(measure)) + ")";
+    }
+    table.place().fail("expected one of the keys " + list);
+  }
+
+  static std::string_view meaning_of(std::string_view measure) {
+    if (measure == "bodies") return "relative angle";
+    if (measure == "points") return "distance";
+    if (measure == "slide") return "travel";
+    return measure == "sum" ? "of the others" : "of a point";
   }
 
   const TomlTable& root_;
@@ -195,6 +251,18 @@ class ElementReader {
 };
 
 }  // namespace
+
+std::vector<std::string_view> element_tables() {
+  std::vector<std::string_view> keys;
+  const auto add = [&]<class... L>(std::type_identity<std::variant<L...>>) {
+    const auto add_law = [&](const auto& tables) {
+      for (const LawTable& table : tables) keys.emplace_back(table.key);
+    };
+    (add_law(L::tables), ...);
+  };
+  add(std::type_identity<Law>{});
+  return keys;
+}
 
 void read_elements(const TomlTable& root, const SceneNames& names, Scene& scene) {
   ElementReader(root, names, scene).read();

@@ -3,11 +3,17 @@
 // What acts on the bodies of a scene file: springs, dampers, friction, drives, loads and stops. Private to the readers
 // of model/.
 
+#include <string_view>
+#include <vector>
+
 #include "model/scene.hpp"
 #include "model/scene_names.hpp"
 #include "model/toml_reader.hpp"
 
 namespace poise {
+
+/// The tables of force elements, "spring", "torsion_spring", ..., in the order in which they are read.
+std::vector<std::string_view> element_tables();
 
 /// Reads these tables of the document `root` and adds what they hold to the scene, whose units, bodies and joints were
 /// read before and are known to `names`. Throws InputError with file, line and item.

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "model/nearest_name.hpp"
-#include "model/quantities.hpp"
 #include "model/read_elements.hpp"
 #include "model/scene.hpp"
 #include "model/scene_names.hpp"
@@ -52,9 +51,11 @@ class SceneReader {
   SceneReader(const TomlTable& root, const std::string& file) : root_(root), names_(scene_) { scene_.file = file; }
 
   Scene read() {
-    root_.allow_keys({"title",          "source",      "gravity", "units", "ground", "body",           "pin",
-                      "slide",          "pin_in_slot", "weld",    "bar",   "spring", "torsion_spring", "damper",
-                      "torsion_damper", "friction",    "drive",   "force", "torque", "stop",           "start"});
+    std::vector<std::string_view> keys{"title", "source", "gravity",     "units", "ground", "body",
+                                       "pin",   "slide",  "pin_in_slot", "weld",  "bar"};
+    for (const std::string_view key : element_tables()) keys.push_back(key);
+    keys.insert(keys.end(), {"drive", "force", "torque", "stop", "start"});
+    root_.allow_keys(keys);
     read_units();
     read_header();
     read_bodies();
@@ -106,7 +107,7 @@ class SceneReader {
     body.line = table.place().line;
     body.mass = table.find_number("mass", units().mass, Range::not_negative).value_or(0.0);
     body.center = table.find_vector("center", units().length).value_or(Vec2{});
-    body.inertia = table.find_number("inertia", inertia_unit(units()), Range::not_negative).value_or(0.0);
+    body.inertia = table.find_number("inertia", dimension::inertia.unit(units()), Range::not_negative).value_or(0.0);
     read_points(table, index);
     return index;
   }

@@ -19,6 +19,12 @@ Vec2 normalised(const Vec2& a, const std::string& joint) {
 
 }  // namespace
 
+std::string Element::family() const {
+  std::string words = table;
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
 Scene::Scene() { add_body("ground"); }
 
 int Scene::add_body(std::string name) {

@@ -2,42 +2,35 @@
 
 #include <array>
 #include <filesystem>
-#include <limits>
 #include <optional>
-#include <stdexcept>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "model/input_error.hpp"
+#include "model/laws/drive.hpp"
+#include "model/laws/laws.hpp"
+#include "model/laws/stop.hpp"
+#include "model/measure.hpp"
+#include "model/number.hpp"
 #include "model/planar.hpp"
+#include "model/point_ref.hpp"
+#include "model/units.hpp"
 
 namespace poise {
-
-/// Something is wrong with what the user gave: one line "file:line: item: what was expected; a likely fix".
-/// The command line answers it with exit code 2.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// SI value of one unit of the scene. Every number in a Scene is SI already (m, N, kg, rad); the units are kept
-/// so that results can be shown in what the user wrote.
-struct Units {
-  std::string length_name = "m";
-  std::string force_name = "N";
-  std::string mass_name = "kg";
-  std::string angle_name = "rad";
-  double length = 1.0;
-  double force = 1.0;
-  double mass = 1.0;
-  double angle = 1.0;
-};
 
 /// A point fixed in a body, in the body's own frame, m.
 struct NamedPoint {
   std::string name;
   Vec2 at;
+
+  static const std::array<Number, 2> numbers;
 };
+
+inline constexpr std::array<Number, 2> NamedPoint::numbers{
+    component_number<&NamedPoint::at, 0>("x", dimension::length),
+    component_number<&NamedPoint::at, 1>("y", dimension::length)};
 
 /// A rigid body. Bodies[0] of every scene is the ground, whose frame is the world's.
 struct Body {
@@ -47,13 +40,38 @@ struct Body {
   Vec2 center{};         ///< centre of mass in the body's frame, m
   double inertia = 0.0;  ///< about the centre of mass, kg m^2
   int line = 0;          ///< where the scene file declares it
+
+  static const std::array<Number, 4> numbers;
 };
 
-/// A point of a body: indices into Scene::bodies and Body::points.
-struct PointRef {
-  int body = 0;
-  int point = 0;
+/// Inertia of a body about the origin of its frame: mass, first moment, moment of inertia.
+template <class T>
+struct BodyInertia {
+  T mass{};           ///< m, kg
+  Planar<T> first{};  ///< m c, kg m
+  T moment{};         ///< I + m |c|^2, kg m^2
 };
+
+/// How that changes per unit of Body::numbers[number].
+inline BodyInertia<double> inertia_by(const Body& body, int number) {
+  const Vec2& c = body.center;
+  switch (number) {
+    case 0:
+      return {1.0, c, dot(c, c)};
+    case 1:
+      return {0.0, {}, 1.0};
+    case 2:
+      return {0.0, {body.mass, 0.0}, 2 * body.mass * c.x};
+    default:
+      return {0.0, {0.0, body.mass}, 2 * body.mass * c.y};
+  }
+}
+
+inline constexpr std::array<Number, 4> Body::numbers{
+    plain_number<&Body::mass>("mass", dimension::mass, Range::not_negative),
+    plain_number<&Body::inertia>("inertia", dimension::inertia, Range::not_negative),
+    component_number<&Body::center, 0>("center.x", dimension::length),
+    component_number<&Body::center, 1>("center.y", dimension::length)};
 
 /// A joint between points a and b.
 ///
@@ -76,72 +94,38 @@ struct Joint {
 
   bool has_travel() const { return kind == Kind::slide || kind == Kind::pin_in_slot; }
   bool keeps_angle() const { return kind == Kind::slide || kind == Kind::weld; }
+
+  /// Of this kind of joint.
+  std::span<const Number> numbers() const;
+
+ private:
+  static const std::array<Number, 1> bar_numbers, angle_numbers;
 };
 
-/// Line spring, energy k/2 (r - free_length)^2 with r = |b - a|; a tension (compression) spring is slack, without
-/// force or energy, while r is below (above) its free length.
-struct Spring {
-  enum class Acts { both, tension, compression };
-  std::string name;
-  PointRef a, b;
-  double stiffness = 0.0;    ///< N/m
-  double free_length = 0.0;  ///< m
-  Acts acts = Acts::both;
-  int line = 0;
-};
+inline constexpr std::array<Number, 1> Joint::bar_numbers{[] {
+  Number length = plain_number<&Joint::length>("length", dimension::length, Range::positive);
+  length.needed = Number::Needed::always;
+  return length;
+}()};
 
-/// Torsion spring, energy k/2 (angle(b) - angle(a) - free_angle)^2, angles unwrapped: turns count.
-struct TorsionSpring {
-  std::string name;
-  int a = 0, b = 0;         ///< bodies
-  double stiffness = 0.0;   ///< N m/rad
-  double free_angle = 0.0;  ///< rad
-  int line = 0;
-};
+inline constexpr std::array<Number, 1> Joint::angle_numbers{plain_number<&Joint::angle>("angle", dimension::angle)};
 
-/// Viscous damper between two points: pulls them together with  coefficient dr/dt,  r = |b - a|.
-struct Damper {
-  std::string name;
-  PointRef a, b;
-  double coefficient = 0.0;  ///< N s/m
-  int line = 0;
-};
+inline std::span<const Number> Joint::numbers() const {
+  if (kind == Kind::bar) return bar_numbers;
+  if (keeps_angle()) return angle_numbers;
+  return {};
+}
 
-/// Viscous damper between two bodies: the torque  -coefficient d(angle(b) - angle(a))/dt  on b, its opposite on a.
-struct TorsionDamper {
+/// A force element: a law upon a measure. The torsion spring of a scene file is a linear spring upon an angle.
+struct Element {
+  std::string table;  ///< of the scene file in which it stands, "spring": the family of its name
   std::string name;
-  int a = 0, b = 0;          ///< bodies
-  double coefficient = 0.0;  ///< N m s/rad
+  Measure on;
+  Law law;
   int line = 0;
-};
 
-/// Dry friction between two bodies: the torque  -torque tanh(w / width)  on b, its opposite on a, where
-/// w = d(angle(b) - angle(a))/dt: Coulomb's law made smooth, so that the bodies creep instead of sticking.
-struct Friction {
-  std::string name;
-  int a = 0, b = 0;     ///< bodies
-  double torque = 0.0;  ///< N m, of sliding
-  double width = 0.01;  ///< rad/s
-  int line = 0;
-};
-
-/// A motor that prescribes a quantity as a function of time t, whatever force that takes:
-///   start + rate t + acceleration t^2/2 + amplitude (sin(2 pi frequency t + phase) - sin(phase)).
-/// The quantity is the relative angle angle(b) - angle(a) of two bodies or the travel of a joint; rad or m.
-/// Statics does not know drives.
-struct Drive {
-  enum class Kind { angle, travel };
-  Kind kind = Kind::angle;
-  std::string name;
-  int body_a = 0, body_b = 0;   ///< angle
-  int joint = -1;               ///< travel: index into Scene::joints
-  std::optional<double> start;  ///< absent: where the mechanism stands when it is assembled
-  double rate = 0.0;
-  double acceleration = 0.0;
-  double amplitude = 0.0;
-  double frequency = 0.0;  ///< Hz
-  double phase = 0.0;      ///< rad
-  int line = 0;
+  /// "torsion spring", for messages.
+  std::string family() const;
 };
 
 /// Force at a point, N. A dead load keeps its direction in the world; a follower force keeps its direction in the
@@ -152,7 +136,28 @@ struct Force {
   Vec2 vector{};
   int follows = -1;  ///< body, or -1 for a dead load
   int line = 0;
+
+  static const std::array<Number, 1> numbers;
 };
+
+/// The magnitude along the force's direction.
+inline constexpr std::array<Number, 1> Force::numbers{[] {
+  Number number{"", dimension::force, Range::not_negative};
+  number.get = [](const void* item) { return std::optional<double>(norm(static_cast<const Force*>(item)->vector)); };
+  number.set = [](void* item, double value) {
+    Vec2& vector = static_cast<Force*>(item)->vector;
+    const double magnitude = norm(vector);
+    if (magnitude == 0.0) {
+      throw InputError("expected a force with a direction, its vector is [0, 0]; give another vector");
+    }
+    vector = {vector.x / magnitude * value, vector.y / magnitude * value};
+  };
+  number.scale = [](void* item, double factor) {
+    Vec2& vector = static_cast<Force*>(item)->vector;
+    vector = factor * vector;
+  };
+  return number;
+}()};
 
 /// Torque on a body from the ground, N m, counter-clockwise positive.
 struct Torque {
@@ -160,21 +165,11 @@ struct Torque {
   int body = 0;
   double value = 0.0;
   int line = 0;
+
+  static const std::array<Number, 1> numbers;
 };
 
-/// A stop keeps min <= g <= max: g is the relative angle angle(b) - angle(a) of two bodies, the distance between
-/// two points, or the travel of a joint.
-struct Stop {
-  enum class Kind { angle, distance, travel };
-  Kind kind = Kind::angle;
-  std::string name;
-  int body_a = 0, body_b = 0;  ///< angle
-  PointRef a, b;               ///< distance
-  int joint = -1;              ///< travel: index into Scene::joints
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  int line = 0;
-};
+inline constexpr std::array<Number, 1> Torque::numbers{plain_number<&Torque::value>("", dimension::torque)};
 
 /// Guesses from which loops are closed and solvers start; absent guesses are zero. Angles are absolute and
 /// unwrapped, in rad; travels in m; positions (world place of a body's origin, m) matter only to bodies that no chain
@@ -194,11 +189,7 @@ struct Scene {
   Vec2 gravity{};  ///< m/s^2
   std::vector<Body> bodies;
   std::vector<Joint> joints;
-  std::vector<Spring> springs;
-  std::vector<TorsionSpring> torsion_springs;
-  std::vector<Damper> dampers;
-  std::vector<TorsionDamper> torsion_dampers;
-  std::vector<Friction> frictions;
+  std::vector<Element> elements;
   std::vector<Drive> drives;
   std::vector<Force> forces;
   std::vector<Torque> torques;
@@ -217,7 +208,12 @@ struct Scene {
   const Vec2& local(PointRef p) const { return bodies[p.body].points[p.point].at; }
   /// "crank.B".
   std::string name_of(PointRef p) const;
+
+  static const std::array<Number, 2> numbers;
 };
+
+inline constexpr std::array<Number, 2> Scene::numbers{component_number<&Scene::gravity, 0>("x", dimension::length),
+                                                      component_number<&Scene::gravity, 1>("y", dimension::length)};
 
 /// Reads a scene file (TOML; grammar in docs/scene-files.md), converts to SI and checks it.
 /// Throws InputError naming file, line, item, what was expected and the nearest valid name.
@@ -231,12 +227,14 @@ Scene parse_scene(std::string_view text, const std::string& name);
 ///   gravity.x | y
 ///   point.BODY.POINT.x | y   in the body's frame; BODY may be ground
 ///   body.NAME.mass | inertia | center.x | center.y
-///   spring.NAME.stiffness | free_length,  torsion_spring.NAME.stiffness | free_angle
-///   damper.NAME.coefficient,  torsion_damper.NAME.coefficient,  friction.NAME.torque | width
+///   TABLE.NAME.NUMBER     of a force element: spring.NAME.stiffness, friction.NAME.torque, ...; the numbers stand
+///   beside
+///                         each law in model/laws/
 ///   drive.NAME.start | rate | acceleration | amplitude | frequency | phase
-///   bar.NAME.length
+///   bar.NAME.length,  slide.NAME.angle,  weld.NAME.angle
 ///   stop.NAME.min | max
 ///   start.NAME            guess for the angle of a body or the travel of a joint
+///   start.NAME.x | y      guess for the place of a body
 /// Throws InputError naming the nearest valid path. Takes some 10 ns per number that the scene holds.
 void set_value(Scene& scene, std::string_view path, double value);
 

@@ -108,7 +108,7 @@ std::vector<std::string> TomlTable::keys() const {
   return result;
 }
 
-void TomlTable::allow_keys(std::initializer_list<std::string_view> valid) const {
+void TomlTable::allow_keys(std::span<const std::string_view> valid) const {
   for (auto&& [key, node] : *table_) {
     if (std::find(valid.begin(), valid.end(), key.str()) != valid.end()) continue;
     std::string list;

@@ -6,6 +6,7 @@
 #include <array>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,7 +62,8 @@ class TomlTable {
   /// The keys in the order of the file.
   std::vector<std::string> keys() const;
   /// Fails on the first key that is not among `valid`, with the nearest one that is.
-  void allow_keys(std::initializer_list<std::string_view> valid) const;
+  void allow_keys(std::span<const std::string_view> valid) const;
+  void allow_keys(std::initializer_list<std::string_view> valid) const { allow_keys(std::span(valid)); }
 
   /// The number under `key` times `unit`, the SI value of the unit it is written in. Fails unless it is an integer or a
   /// float that lies in `range`, also after conversion. The second kind is empty when the key is absent.

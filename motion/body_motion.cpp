@@ -1,5 +1,7 @@
 #include "motion/body_motion.hpp"
 
+#include "statics/body_measures.hpp"
+
 namespace poise {
 
 std::vector<BodyMotion> body_motions(const MotionModel& model, const std::vector<double>& x,
@@ -47,13 +49,22 @@ std::vector<BodyMotion> body_motions(const MotionModel& model, const std::vector
   return out;
 }
 
-double distance_rate(const Scene& scene, const std::vector<BodyMotion>& motions, const PointRef& a, const PointRef& b) {
-  const BodyMotion& first = motions[a.body];
-  const BodyMotion& second = motions[b.body];
-  const Vec2 d = second.pose.world(scene.local(b)) - first.pose.world(scene.local(a));
-  const double r = norm(d);
-  if (r == 0.0) return 0.0;
-  return dot(d, second.velocity_of(scene.local(b)) - first.velocity_of(scene.local(a))) / r;
+std::vector<BodyPose<double>> poses_of(const std::vector<BodyMotion>& motions) {
+  std::vector<BodyPose<double>> poses;
+  poses.reserve(motions.size());
+  for (const BodyMotion& motion : motions) poses.push_back(motion.pose);
+  return poses;
+}
+
+// The power of unit effort upon it.
+double rate_of(const Scene& scene, const std::vector<BodyMotion>& motions, const Measure& measure) {
+  double rate = 0.0;
+  for (const UnitEffort& effort : unit_efforts(scene, measure, poses_of(motions))) {
+    const BodyMotion& a = motions[effort.body_a];
+    const BodyMotion& b = motions[effort.body_b];
+    rate += dot(effort.force, b.velocity_at(effort.b) - a.velocity_at(effort.a)) + effort.moment * (b.rate - a.rate);
+  }
+  return rate;
 }
 
 }  // namespace poise

@@ -18,7 +18,9 @@ struct BodyMotion {
 
   /// Velocity of a point given in the body's frame, m/s:  v + i w r.
   Vec2 velocity_of(const Vec2& local) const { return velocity + rate * quarter_turn(local * unit(pose.angle)); }
-  /// Its acceleration, m/s^2:  a + (i alpha - w^2) r.
+  /// Velocity of the body's material point at a place of the world, m/s.
+  Vec2 velocity_at(const Vec2& place) const { return velocity + rate * quarter_turn(place - pose.origin); }
+  /// Acceleration of a point given in the body's frame, m/s^2:  a + (i alpha - w^2) r.
   Vec2 acceleration_of(const Vec2& local) const {
     const Vec2 r = local * unit(pose.angle);
     return acceleration + spin_up * quarter_turn(r) - (rate * rate) * r;
@@ -30,7 +32,10 @@ struct BodyMotion {
 std::vector<BodyMotion> body_motions(const MotionModel& model, const std::vector<double>& x,
                                      const std::vector<double>& v, const std::vector<double>& a);
 
-/// Rate at which the distance of two points of moving bodies grows, m/s; 0 where the points coincide.
-double distance_rate(const Scene& scene, const std::vector<BodyMotion>& motions, const PointRef& a, const PointRef& b);
+/// Their places.
+std::vector<BodyPose<double>> poses_of(const std::vector<BodyMotion>& motions);
+
+/// Rate of a measure of moving bodies, rad/s or m/s; 0 for the distance of points that coincide.
+double rate_of(const Scene& scene, const std::vector<BodyMotion>& motions, const Measure& measure);
 
 }  // namespace poise

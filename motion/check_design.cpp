@@ -61,7 +61,7 @@ DesignCheck check_design(const DesignProblem& problem, const DesignResult& resul
       const Actuator& jack = problem.actuators[i];
       const Vec2 d = place(at, jack.b) - place(at, jack.a);
       // Driven at 1 rad/s, rates are derivatives by the angle.
-      const double lever = std::abs(distance_rate(scene, at.bodies, jack.a, jack.b));
+      const double lever = std::abs(rate_of(scene, at.bodies, Measure::distance_between(jack.a, jack.b)));
       DesignFacts::Stroke& stroke = out.facts.strokes[i];
       stroke = {std::min(stroke.shortest, norm(d)), std::max(stroke.longest, norm(d)),
                 std::min(stroke.least_lever, lever)};

@@ -65,7 +65,7 @@ VectorXd SplitClosure::gap(const VectorXd& x) const {
   VectorXd c(m.constraints());
   m.place(x.data(), pose.data());
   m.constraint(x.data(), pose.data(), c.data());
-  return c.head(2 * m.closures());
+  return c.head(m.equalities());
 }
 
 MatrixXd SplitClosure::jacobian(const VectorXd& x) const {
@@ -74,7 +74,7 @@ MatrixXd SplitClosure::jacobian(const VectorXd& x) const {
   std::vector<double> values(m.jacobian_row().size());
   m.place(x.data(), pose.data());
   m.jacobian(pose.data(), values.data());
-  MatrixXd out = MatrixXd::Zero(2 * m.closures(), m.coordinates());
+  MatrixXd out = MatrixXd::Zero(m.equalities(), m.coordinates());
   for (std::size_t e = 0; e < values.size(); ++e) {
     if (m.jacobian_row()[e] < out.rows()) out(m.jacobian_row()[e], m.jacobian_column()[e]) += values[e];
   }
@@ -90,9 +90,9 @@ MatrixXd SplitClosure::free_columns(const MatrixXd& jacobian) const {
 VectorXd SplitClosure::curvature(const VectorXd& x, const VectorXd& v) const {
   const Mechanism<double>& m = model_.mechanism();
   std::vector<Planar<double>> pose(m.pose_size()), second(m.coordinates());
-  VectorXd out(2 * m.closures());
+  VectorXd out(m.equalities());
   m.place(x.data(), pose.data());
-  m.phasor_second(pose.data(), v.data(), v.data(), second.data());
+  m.phasors().second(pose.data(), v.data(), v.data(), second.data());
   m.closures_of(second.data(), out.data());
   return out;
 }

@@ -5,6 +5,9 @@
 #include <numeric>
 #include <utility>
 
+#include "motion/stop_room.hpp"
+#include "solvers/linear_algebra.hpp"
+#include "statics/body_measures.hpp"
 #include "statics/curvature.hpp"
 #include "statics/free_bodies.hpp"
 
@@ -21,17 +24,6 @@ constexpr double touching = 1e-8;
 constexpr double rate_tolerance = 1e-9;
 // Part of the largest force that rounding may leave unbalanced.
 constexpr double balanced_within = 1e-9;
-
-double rate_of(const Scene& scene, const std::vector<BodyMotion>& motions, const Drive& drive) {
-  if (drive.kind == Drive::Kind::angle) return motions[drive.body_b].rate - motions[drive.body_a].rate;
-  const Joint& joint = scene.joints[drive.joint];
-  const BodyMotion& a = motions[joint.a.body];
-  // The line turns with the first body, so b moves along it with the travel's rate relative to that body.
-  const Vec2 b_in_a =
-      (motions[joint.b.body].pose.world(scene.local(joint.b)) - a.pose.origin) * conj(unit(a.pose.angle));
-  const Vec2 relative = motions[joint.b.body].velocity_of(scene.local(joint.b)) - a.velocity_of(b_in_a);
-  return dot(joint.axis * unit(a.pose.angle), relative);
-}
 
 // Whether pins and welds keep two points together.
 bool coincide(const Scene& scene, const PointRef& p, const PointRef& q) {
@@ -51,6 +43,26 @@ bool coincide(const Scene& scene, const PointRef& p, const PointRef& q) {
     }
   }
   return false;
+}
+
+// Whether a measure depends on nothing but a driven one.
+bool is_parallel(const MotionModel& model, const Measure& measure, const Measure& driven) {
+  const Scene& scene = model.scene();
+  if (driven.kind == Measure::Kind::angle) {
+    const auto frames = [&](const Measure& m) {
+      const auto frame = [&](int body) { return model.layout().links[static_cast<std::size_t>(body)].frame; };
+      return std::minmax({frame(m.body_a), frame(m.body_b)});
+    };
+    return measure.kind == Measure::Kind::angle && frames(measure) == frames(driven);
+  }
+  if (driven.kind != Measure::Kind::travel) return false;
+  if (measure.kind == Measure::Kind::travel) return measure.joint == driven.joint;
+  if (measure.kind != Measure::Kind::distance) return false;
+  const Joint& joint = scene.joints[static_cast<std::size_t>(driven.joint)];
+  const bool between_both = joint.kind == Joint::Kind::slide &&
+                            std::minmax({measure.a.body, measure.b.body}) == std::minmax({joint.a.body, joint.b.body});
+  return between_both || (coincide(scene, measure.a, joint.a) && coincide(scene, measure.b, joint.b)) ||
+         (coincide(scene, measure.a, joint.b) && coincide(scene, measure.b, joint.a));
 }
 
 class InverseDynamics {
@@ -81,28 +93,15 @@ class InverseDynamics {
   }
 
   void add_resistance() {
-    const auto world = [&](PointRef p) { return out_.motions[p.body].pose.world(scene_.local(p)); };
-    for (const Damper& d : scene_.dampers) {
-      const Vec2 along = world(d.b) - world(d.a);
-      const double r = norm(along);
-      const double tension = d.coefficient * distance_rate(scene_, out_.motions, d.a, d.b);
-      out_.damper_tension.push_back(tension);
-      if (r == 0.0) continue;
-      const Vec2 pull = tension / r * along;
-      additions_.loads.push_back({d.a.body, world(d.a), pull, 0.0});
-      additions_.loads.push_back({d.b.body, world(d.b), -pull, 0.0});
-    }
-    const auto resist = [&](int a, int b, double moment) {
-      additions_.loads.push_back({b, out_.motions[b].pose.origin, {}, moment});
-      additions_.loads.push_back({a, out_.motions[a].pose.origin, {}, -moment});
-      return moment;
-    };
-    const auto rate = [&](int a, int b) { return out_.motions[b].rate - out_.motions[a].rate; };
-    for (const TorsionDamper& d : scene_.torsion_dampers) {
-      out_.torsion_damper_moment.push_back(resist(d.a, d.b, -d.coefficient * rate(d.a, d.b)));
-    }
-    for (const Friction& f : scene_.frictions) {
-      out_.friction_moment.push_back(resist(f.a, f.b, -f.torque * std::tanh(rate(f.a, f.b) / f.width)));
+    const std::vector<BodyPose<double>> poses = poses_of(out_.motions);
+    for (const Element& e : scene_.elements) {
+      double& force = out_.element_force.emplace_back(0.0);
+      if (!resists_motion(e.law)) continue;
+      force = force_of_motion(e.law, value_of(scene_, e.on, poses), rate_of(scene_, out_.motions, e.on)).value;
+      for (const UnitEffort& effort : unit_efforts(scene_, e.on, poses)) {
+        additions_.loads.push_back({effort.body_a, effort.a, force * effort.force, force * effort.moment});
+        additions_.loads.push_back({effort.body_b, effort.b, -force * effort.force, -force * effort.moment});
+      }
     }
   }
 
@@ -115,7 +114,7 @@ class InverseDynamics {
       const bool at_min = rooms[s].past_min >= -touching;
       sides.push_back(at_max && at_min ? 2 : at_max ? 1 : at_min ? -1 : 0);
       if (sides.back() != 0) touched.push_back(static_cast<int>(s));
-      const double unit = scene_.stops[s].kind == Stop::Kind::angle ? 1.0 : model_.scales().length;
+      const double unit = scene_.stops[s].on.is_angle() ? 1.0 : model_.scales().length;
       out_.overrun.push_back(rooms[s].overrun() > touching ? unit * rooms[s].overrun() : 0.0);
     }
     for (const int s : decided_by_drives(touched)) {
@@ -128,9 +127,9 @@ class InverseDynamics {
   // Those of the stops whose rate is a sum of the drives' rates in whatever way the loops let the mechanism move.
   std::vector<int> decided_by_drives(const std::vector<int>& stops) const {
     if (stops.empty() || additions_.drives.empty()) return {};
-    std::vector<int> closure_rows(2 * m_.closures()), stop_rows;
+    std::vector<int> closure_rows(m_.equalities()), stop_rows;
     std::iota(closure_rows.begin(), closure_rows.end(), 0);
-    for (const int s : stops) stop_rows.push_back(2 * m_.closures() + s);
+    for (const int s : stops) stop_rows.push_back(m_.stop_row(s));
     const MatrixXd basis = ReducedHessian<double>(m_, x_, closure_rows).basis;
     const MatrixXd stop_rates = (DensePoint<double>(m_, x_, stop_rows).jacobian * basis).transpose();
     MatrixXd drive_rates(basis.cols(), static_cast<Index>(additions_.drives.size()));
@@ -140,39 +139,35 @@ class InverseDynamics {
       const std::vector<BodyMotion> motions = body_motions(model_, x_, {direction.begin(), direction.end()}, none);
       for (Index d = 0; d < drive_rates.cols(); ++d) {
         const Drive& drive = additions_.drives[static_cast<std::size_t>(d)];
-        const double unit = drive.kind == Drive::Kind::angle ? 1.0 : model_.scales().length;
-        drive_rates(k, d) = rate_of(scene_, motions, drive) / unit;
+        const double unit = drive.on.is_angle() ? 1.0 : model_.scales().length;
+        drive_rates(k, d) = rate_of(scene_, motions, drive.on) / unit;
       }
     }
     // At a dead centre of the drives nothing is left of their rates but rounding.
     if (drive_rates.size() == 0 || drive_rates.cwiseAbs().maxCoeff() < rate_tolerance) return {};
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
-    factors.setThreshold(rate_tolerance);
-    factors.compute(drive_rates);
-    const MatrixXd left = stop_rates - drive_rates * factors.solve(stop_rates);
+    const solvers::LeastSquares<double> drives(drive_rates, solvers::known_to::closed_point);
     std::vector<int> decided;
     for (std::size_t k = 0; k < stops.size(); ++k) {
-      if (left.col(static_cast<Index>(k)).norm() <= rate_tolerance) decided.push_back(stops[k]);
+      const VectorXd rates = stop_rates.col(static_cast<Index>(k));
+      if ((rates - drive_rates * drives.solve(rates)).norm() <= rate_tolerance) decided.push_back(stops[k]);
     }
     return decided;
   }
 
   void balance_bodies() {
-    std::vector<BodyPose<double>> poses;
-    for (const BodyMotion& motion : out_.motions) poses.push_back(motion.pose);
-    FreeBodies bodies = balance(scene_, poses, pressable_stops(), model_.scales().length, additions_);
+    FreeBodies bodies = balance(scene_, poses_of(out_.motions), pressable_stops(), model_.scales().length, additions_);
     const auto first_drive = bodies.reactions.end() - static_cast<std::ptrdiff_t>(additions_.drives.size());
     for (std::size_t k = 0; k < additions_.drives.size(); ++k) {
       const Drive& drive = additions_.drives[k];
       const Reaction& found = first_drive[static_cast<std::ptrdiff_t>(k)];
-      DriveEffort effort{drive.name, drive.kind, 0.0, rate_of(scene_, out_.motions, drive), 0.0, found.determined};
-      effort.value = drive.kind == Drive::Kind::angle ? found.moment : -found.axial;
+      DriveEffort effort{drive.name, drive.on.is_angle(), 0.0, rate_of(scene_, out_.motions, drive.on),
+                         0.0,        found.determined};
+      effort.value = effort.is_angle ? found.moment : -found.axial;
       effort.power = effort.value * effort.rate;
       out_.drives.push_back(std::move(effort));
     }
     out_.reactions.assign(bodies.reactions.begin(), first_drive);
-    out_.spring_tension = std::move(bodies.spring_tension);
-    out_.torsion_spring_moment = std::move(bodies.spring_moment);
+    for (std::size_t i = 0; i < scene_.elements.size(); ++i) out_.element_force[i] += bodies.element_force[i];
     out_.redundancy = bodies.redundancy;
     out_.imbalance = bodies.imbalance;
     out_.worst_body = scene_.bodies.size() > 1 ? scene_.bodies[bodies.worst_body].name : "";
@@ -183,24 +178,24 @@ class InverseDynamics {
 
   // The same motion in the phasor model: power, and virtual work along every free direction.
   void look_at_phasors() {
-    std::vector<int> rows(2 * m_.closures());
+    std::vector<int> rows(m_.equalities());
     std::iota(rows.begin(), rows.end(), 0);
-    for (int s : pressing_) rows.push_back(2 * m_.closures() + s);
+    for (int s : pressing_) rows.push_back(m_.stop_row(s));
     const ReducedHessian<double> free(m_, x_, rows);
     std::vector<Planar<double>> pose(m_.pose_size());
     m_.place(x_.data(), pose.data());
 
     const std::size_t n = x_.size();
     std::vector<Planar<double>> velocity(n), acceleration(n), bending(n), push(n);
-    m_.phasor_first(pose.data(), v_.data(), velocity.data());
-    m_.phasor_first(pose.data(), a_.data(), acceleration.data());
-    m_.phasor_second(pose.data(), v_.data(), v_.data(), bending.data());
+    m_.phasors().first(pose.data(), v_.data(), velocity.data());
+    m_.phasors().first(pose.data(), a_.data(), acceleration.data());
+    m_.phasors().second(pose.data(), v_.data(), v_.data(), bending.data());
     for (std::size_t t = 0; t < n; ++t) acceleration[t] += bending[t];
     out_.loop_error = std::max(opening(velocity), opening(acceleration));
 
     VectorXd inertia = VectorXd::Zero(static_cast<Index>(n));
     model_.inertia().weigh(acceleration.data(), push.data());
-    m_.add_projection(pose.data(), push.data(), inertia.data());
+    m_.phasors().add_projection(pose.data(), push.data(), inertia.data());
     for (Index k = 0; k < inertia.size(); ++k) inertia[k] += model_.inertia().moment(static_cast<int>(k)) * a_[k];
     VectorXd loads(inertia.size());
     m_.negative_force(x_.data(), pose.data(), loads.data());
@@ -225,7 +220,7 @@ class InverseDynamics {
       const std::vector<BodyMotion> motions = body_motions(model_, x_, {direction.begin(), direction.end()}, none);
       double work = left[k];
       for (std::size_t d = 0; d < out_.drives.size(); ++d) {
-        work -= out_.drives[d].value * rate_of(scene_, motions, additions_.drives[d]);
+        work -= out_.drives[d].value * rate_of(scene_, motions, additions_.drives[d].on);
       }
       if (out_.largest_force == 0.0) continue;
       out_.work_error = std::max(out_.work_error, std::abs(work) / (out_.largest_force * model_.scales().length));
@@ -237,7 +232,7 @@ class InverseDynamics {
     double largest = 0.0;
     for (const Planar<double>& d : derivative) largest = std::max(largest, norm(d));
     if (largest == 0.0) return 0.0;
-    std::vector<double> c(2 * m_.closures());
+    std::vector<double> c(m_.equalities());
     m_.closures_of(derivative.data(), c.data());
     double widest = 0.0;
     for (double value : c) widest = std::max(widest, std::abs(value));
@@ -256,33 +251,12 @@ class InverseDynamics {
 }  // namespace
 
 std::vector<ParallelElement> parallel_elements(const MotionModel& model, const std::vector<Drive>& drives) {
-  const Scene& scene = model.scene();
+  const std::vector<Element>& elements = model.scene().elements;
   std::vector<ParallelElement> out;
   for (const Drive& drive : drives) {
-    const auto list = [&](const char* kind, const auto& items, const auto& is_parallel) {
-      for (const auto& item : items) {
-        if (is_parallel(item)) out.push_back({kind + item.name, drive.name});
-      }
-    };
-    if (drive.kind == Drive::Kind::angle) {
-      const auto frame = [&](int body) { return model.layout().links[static_cast<std::size_t>(body)].frame; };
-      const auto turns = [&](const auto& item) {
-        return std::minmax({frame(item.a), frame(item.b)}) == std::minmax({frame(drive.body_a), frame(drive.body_b)});
-      };
-      list("torsion_spring.", scene.torsion_springs, turns);
-      list("torsion_damper.", scene.torsion_dampers, turns);
-      list("friction.", scene.frictions, turns);
-      continue;
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      if (is_parallel(model, elements[i].on, drive.on)) out.push_back({i, drive.name});
     }
-    const Joint& joint = scene.joints[static_cast<std::size_t>(drive.joint)];
-    const auto spans = [&](const auto& item) {
-      const bool along = joint.kind == Joint::Kind::slide &&
-                         std::minmax({item.a.body, item.b.body}) == std::minmax({joint.a.body, joint.b.body});
-      return along || (coincide(scene, item.a, joint.a) && coincide(scene, item.b, joint.b)) ||
-             (coincide(scene, item.a, joint.b) && coincide(scene, item.b, joint.a));
-    };
-    list("spring.", scene.springs, spans);
-    list("damper.", scene.dampers, spans);
   }
   return out;
 }

@@ -12,7 +12,7 @@ namespace poise {
 /// What a drive has to give.
 struct DriveEffort {
   std::string name;
-  Drive::Kind kind = Drive::Kind::angle;
+  bool is_angle = true;    ///< it drives an angle, else a length
   double value = 0.0;      ///< torque on its second body, N m, or force along the travel, N; the opposite on the first
   double rate = 0.0;       ///< of what it drives, rad/s or m/s
   double power = 0.0;      ///< W: value times rate
@@ -34,15 +34,12 @@ struct PowerBalance {
 struct Forces {
   std::vector<BodyMotion> motions;  ///< of all bodies, then of all bars
   std::vector<DriveEffort> drives;
-  std::vector<Reaction> reactions;            ///< of joints, bars and pressing stops
-  std::vector<double> spring_tension;         ///< N
-  std::vector<double> torsion_spring_moment;  ///< N m on the second body
-  std::vector<double> damper_tension;         ///< N: coefficient dr/dt
-  std::vector<double> torsion_damper_moment;  ///< N m on the second body
-  std::vector<double> friction_moment;        ///< N m on the second body
-  std::vector<std::string> idle_stops;        ///< touched, but the drives alone decide what they limit and carry it all
-  std::vector<double> overrun;                ///< per stop, rad or m: how far the pose is beyond it; 0 where it is not
-  int redundancy = 0;                         ///< independent sets of reactions and drive efforts that balance nothing
+  std::vector<Reaction> reactions;  ///< of joints, bars and pressing stops
+  /// T of every element of the scene, N or N m: positive where it tends to diminish its measure.
+  std::vector<double> element_force;
+  std::vector<std::string> idle_stops;  ///< touched, but the drives alone decide what they limit and carry it all
+  std::vector<double> overrun;          ///< per stop, rad or m: how far the pose is beyond it; 0 where it is not
+  int redundancy = 0;                   ///< independent sets of reactions and drive efforts that balance nothing
 
   double imbalance = 0.0;  ///< N: largest force, or moment / size, that neither reactions nor drives can take up
   std::string worst_body;
@@ -56,15 +53,15 @@ struct Forces {
   double work_error = 0.0;
 };
 
-/// A spring, damper or dry friction in parallel with a drive: what it carries depends on nothing but the quantity that
-/// is driven, so that the drive bears the mechanism's load less (or plus) exactly that.
+/// A force element in parallel with a drive: what it carries depends on nothing but the quantity that is driven, so
+/// that the drive bears the mechanism's load and exactly that.
 struct ParallelElement {
-  std::string element;  ///< as in the paths of set_value: "spring.oil"
+  std::size_t element = 0;  ///< index into Scene::elements
   std::string drive;
 };
 
-/// Those between bodies whose relative angle a drive turns; between the bodies of a driven slide; and between points
-/// that pins and welds keep at the two points of a driven joint.
+/// Those upon the relative angle that a drive turns; upon the travel that it moves; upon a distance between the bodies
+/// of a driven slide, or between points that pins and welds keep at the two points of a driven joint.
 std::vector<ParallelElement> parallel_elements(const MotionModel& model, const std::vector<Drive>& drives);
 
 /// Inverse dynamics by d'Alembert's principle: every body cut free under its loads, springs, dampers, friction and

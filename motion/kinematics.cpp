@@ -44,11 +44,11 @@ std::vector<DrivenCoordinate> driven_coordinates(const MotionModel& model) {
   const Scene& scene = model.scene();
   std::vector<DrivenCoordinate> out;
   for (const Drive& drive : scene.drives) {
-    const bool is_angle = drive.kind == Drive::Kind::angle;
-    const Link& link = model.layout().links[drive.body_b];
+    const bool is_angle = drive.on.is_angle();
+    const Link& link = model.layout().links[drive.on.body_b];
     const DrivenCoordinate driven =
         is_angle ? DrivenCoordinate{link.frame, link.turn, 1.0}
-                 : DrivenCoordinate{model.layout().travel[drive.joint], 0.0, model.scales().length};
+                 : DrivenCoordinate{model.layout().travel[drive.on.joint], 0.0, model.scales().length};
     if (driven.coordinate < 0) {
       throw InputError(
           fmt::format("{}drive \"{}\": expected a body that can turn, this one keeps its angle; drive the "
@@ -244,8 +244,7 @@ class Sweep {
   std::string words(const PathEnd& end) const {
     const Stop& stop = model_.scene().stops[static_cast<std::size_t>(end.stop)];
     return fmt::format("the stop \"{}\" is met at {} (its {}, {})", stop.name, drive_words(end.pose.x),
-                       end.at_max ? "max" : "min",
-                       in_units(end.at_max ? stop.max : stop.min, stop.kind == Stop::Kind::angle));
+                       end.at_max ? "max" : "min", in_units(end.at_max ? stop.max : stop.min, stop.on.is_angle()));
   }
 
   std::string in_units(double value, bool is_angle) const {
@@ -336,15 +335,14 @@ Drive find_drive(const Scene& scene, const std::string& name) {
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     names.push_back(scene.bodies[i].name);
     if (names.back() != name) continue;
-    drive.body_b = static_cast<int>(i);
+    drive.on = Measure::angle_between(0, static_cast<int>(i));
     return drive;
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     if (!scene.joints[j].has_travel()) continue;
     names.push_back(scene.joints[j].name);
     if (names.back() != name) continue;
-    drive.kind = Drive::Kind::travel;
-    drive.joint = static_cast<int>(j);
+    drive.on = Measure::travel_of(static_cast<int>(j));
     return drive;
   }
   throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",

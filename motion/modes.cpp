@@ -9,6 +9,7 @@
 
 #include "motion/body_motion.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "statics/body_measures.hpp"
 #include "statics/curvature.hpp"
 
 namespace poise {
@@ -32,7 +33,7 @@ constexpr double no_growth = 1e-7;
 
 // Closure rows and the stops that press at x.
 std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<double>& x) {
-  const int closures = 2 * m.closures();
+  const int closures = m.equalities();
   std::vector<int> rows(closures);
   std::iota(rows.begin(), rows.end(), 0);
   const DensePoint<double> at(m, x, rows);
@@ -63,26 +64,25 @@ std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<doub
   return rows;
 }
 
-// C = sum of coefficient r r^T over all dampers, r the rates of their lengths (angles) with each column of the basis.
+// C = sum of dT/dw r r^T over all elements that damp small motions, with r the rates of their measures along the
+// columns of the basis.
 MatrixXd reduced_damping(const MotionModel& model, const std::vector<double>& x, const MatrixXd& basis) {
   const Scene& scene = model.scene();
   MatrixXd c = MatrixXd::Zero(basis.cols(), basis.cols());
-  if (scene.dampers.empty() && scene.torsion_dampers.empty()) return c;
+  const auto damps = [](const Element& e) { return damps_small_motion(e.law); };
+  if (std::none_of(scene.elements.begin(), scene.elements.end(), damps)) return c;
   std::vector<std::vector<BodyMotion>> motions;
   const std::vector<double> none(x.size(), 0.0);
   for (Index k = 0; k < basis.cols(); ++k) {
     motions.push_back(body_motions(model, x, {basis.col(k).begin(), basis.col(k).end()}, none));
   }
-  const auto add = [&](double coefficient, auto rate) {
+  const std::vector<BodyPose<double>> poses = model.poses(x);
+  for (const Element& e : scene.elements) {
+    if (!damps(e)) continue;
     VectorXd r(basis.cols());
-    for (Index k = 0; k < r.size(); ++k) r[k] = rate(motions[k]);
+    for (Index k = 0; k < r.size(); ++k) r[k] = rate_of(scene, motions[k], e.on);
+    const double coefficient = force_of_motion(e.law, value_of(scene, e.on, poses), 0.0).by_rate;
     c += coefficient / model.scales().energy() * r * r.transpose();
-  };
-  for (const Damper& d : scene.dampers) {
-    add(d.coefficient, [&](const auto& motion) { return distance_rate(scene, motion, d.a, d.b); });
-  }
-  for (const TorsionDamper& d : scene.torsion_dampers) {
-    add(d.coefficient, [&](const auto& motion) { return motion[d.b].rate - motion[d.a].rate; });
   }
   return c;
 }
@@ -151,7 +151,7 @@ class Linear {
     mass_ = reduced_mass(model, x, basis_);
     damping_ = reduced_damping(model, x, basis_);
     out_.freedoms = static_cast<int>(basis_.cols());
-    out_.held = static_cast<int>(rows.size()) - 2 * m.closures();
+    out_.held = static_cast<int>(rows.size()) - m.equalities();
   }
 
   Modes modes() {

@@ -8,16 +8,15 @@
 
 namespace poise {
 
-/// A number of the scene whose effect on motion is asked for: part of a body's inertia, or an element of force.
+/// A number of the scene whose effect on motion is asked for: part of a body's inertia, or a number of a force.
 struct Influence {
   int body =
       -1;  ///< inertial where >= 0: the change of (m, m x, m y, J about the body's origin) per unit of the number
   double mass = 0.0;
   Vec2 first{};
   double moment = 0.0;
-  Mechanism<double>::Element element{};  ///< else
-  int index = 0;
-  double by = 1.0;
+  ForceNumber force{};  ///< else
+  double by = 1.0;      ///< change of that number per unit
 };
 
 /// The equations of motion of a mechanism in its independent coordinates z, f = freedoms() of the n coordinates q.
@@ -103,13 +102,12 @@ class ReducedMotion {
   /// Sets the accelerations that alpha, whatever causes it, means for all coordinates.
   void accelerate_as(const T* alpha);
   /// B^T of what moving and holding one more body inertia takes at the accelerations last set: f values.
-  void reduced_inertia(int body, const typename Inertia<T>::BodyInertia& part, T* f) const;
+  void reduced_inertia(int body, const BodyInertia<T>& part, T* f) const;
 
  private:
-  struct DriveRow {
+  struct DriveRow {  // g(q) = start + moved(t)
     Drive drive;
-    int a = -1, b = -1;  // coordinates: q_b - q_a + constant = value(t)
-    T constant{};
+    CompiledMeasure<T> on;
     T start{};
   };
   template <class S>
@@ -121,9 +119,9 @@ class ReducedMotion {
   void solve_rows(const T* rows, T* full) const;  // full[dependent] = -Jd^-1 rows, full[independent] = 0
   void place_accelerations();
   void find_multipliers();
-  void linearize_direction(const T* dq, const T* dv, T* da, T* dalpha);
+  void linearize_direction(const T* dq, const T* dv, const T* drive_rows, T* da, T* dalpha);
   void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
-  T value(const DriveRow& d, const T& t, int derivative) const;
+  Configuration<T> here() const { return {mechanism_.phasors(), pose_.data(), drive_scratch_.data()}; }
   void project(const T* full, T* reduced) const;
   void divide_by_mass(T* reduced) const;
   T& jacobian(int row, int column) { return J_[static_cast<std::size_t>(row) * n_ + column]; }
@@ -144,10 +142,10 @@ class ReducedMotion {
   // State, and scratch that is mutable because it carries no meaning between calls.
   std::vector<T> q_, v_, a_, alpha_, c_, J_, values_, B_, drift_, force_, full_force_, mass_, multipliers_;
   std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_;
-  std::vector<T> mass_columns_, drive_multipliers_, zero_;
+  std::vector<T> mass_columns_, drive_multipliers_, drive_rows_, zero_;
   std::vector<Planar<T>> weight_columns_;
   std::vector<Planar<T>> second_, weight_;
-  mutable std::vector<Planar<T>> pose_, work_, work2_;
+  mutable std::vector<Planar<T>> pose_, work_, work2_, drive_scratch_;
   mutable std::vector<T> full_, rows_work_, small_, small_rows_;
   SmallLu<T> lu_;
 };

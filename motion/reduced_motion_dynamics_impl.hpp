@@ -27,12 +27,15 @@ void ReducedMotion<T>::divide_by_mass(T* b) const {
 // a0: what the accelerations must be where alpha is zero.
 template <class T>
 void ReducedMotion<T>::place_accelerations() {
-  mechanism_.phasor_second(pose_.data(), v_.data(), v_.data(), second_.data());
+  mechanism_.phasors().second(pose_.data(), v_.data(), v_.data(), second_.data());
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
   mechanism_.closures_of(second_.data(), rows_work_.data());
-  for (int k = 0; k < drives(); ++k) rows_work_[2 * mechanism_.closures() + k] = -value(drives_[k], t_, 2);
+  for (int k = 0; k < drives(); ++k) {
+    rows_work_[mechanism_.equalities() + k] =
+        drives_[k].on.second(here(), v_.data(), v_.data()) - drives_[k].drive.moved(t_, 2);
+  }
   solve_rows(rows_work_.data(), a_.data());
-  mechanism_.phasor_first(pose_.data(), a_.data(), work_.data());
+  mechanism_.phasors().first(pose_.data(), a_.data(), work_.data());
   for (int t = 0; t < n_; ++t) second_[t] += work_[t];
 }
 
@@ -44,16 +47,16 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   inertia_.weigh(second_.data(), weight_.data());
   mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
   mechanism_.add_resistance(pose_.data(), v_.data(), full_force_.data());
-  mechanism_.add_projection(pose_.data(), weight_.data(), full_force_.data());
+  mechanism_.phasors().add_projection(pose_.data(), weight_.data(), full_force_.data());
   for (int i = 0; i < n_; ++i) full_force_[i] += inertia_.moment(i) * a_[i];
 
   for (int k = 0; k < f; ++k) {
     Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
     T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
-    mechanism_.phasor_first(pose_.data(), B(k), work_.data());
+    mechanism_.phasors().first(pose_.data(), B(k), work_.data());
     inertia_.weigh(work_.data(), weighed);
     for (int i = 0; i < n_; ++i) moved[i] = inertia_.moment(i) * B(k)[i];
-    mechanism_.add_projection(pose_.data(), weighed, moved);
+    mechanism_.phasors().add_projection(pose_.data(), weighed, moved);
     project(moved, small_.data());
     for (int j = 0; j < f; ++j) mass_[static_cast<std::size_t>(j) * f + k] = small_[j];
   }
@@ -79,7 +82,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
     const T* column = B(k);
     const T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
     const Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
-    mechanism_.phasor_first(pose_.data(), column, work_.data());
+    mechanism_.phasors().first(pose_.data(), column, work_.data());
     for (int i = 0; i < n_; ++i) {
       a_[i] += alpha_[k] * column[i];
       full_force_[i] += alpha_[k] * moved[i];
@@ -98,29 +101,30 @@ void ReducedMotion<T>::find_multipliers() {
   for (std::size_t i = 0; i < dependent_.size(); ++i) small_rows_[i] = -full_force_[dependent_[i]];
   lu_.solve_transposed(small_rows_.data());
   drive_multipliers_.assign(drives_.size(), T(0));
-  const int closure_rows = 2 * mechanism_.closures();
+  const int equalities = mechanism_.equalities();
   for (std::size_t i = 0; i < used_rows_.size(); ++i) {
-    if (used_rows_[i] < closure_rows)
+    if (used_rows_[i] < equalities)
       multipliers_[used_rows_[i]] = small_rows_[i];
     else
-      drive_multipliers_[used_rows_[i] - closure_rows] = small_rows_[i];
+      drive_multipliers_[used_rows_[i] - equalities] = small_rows_[i];
   }
 }
 
-// With q' = B_k or 0 and v' for one direction: from the phasors' known second time derivative change `work_` (all but
-// that of the unknown alpha'), finds a' = a'0 + B alpha' with  B^T dG = 0.
+// With q' = B_k or 0 and v' for one direction: from the phasors' known second time derivative change `work_`, and that
+// of the driven measures `drive_rows` (all but that of the unknown alpha'), finds a' = a'0 + B alpha' with  B^T dG = 0.
 template <class T>
-void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, T* da, T* dalpha) {
+void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const T* drive_rows, T* da, T* dalpha) {
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
   mechanism_.closures_of(work_.data(), rows_work_.data());
+  for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = drive_rows[k];
   solve_rows(rows_work_.data(), da);
-  mechanism_.phasor_first(pose_.data(), da, work2_.data());
+  mechanism_.phasors().first(pose_.data(), da, work2_.data());
   for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
   inertia_.weigh(work_.data(), work2_.data());
   for (int i = 0; i < n_; ++i) force_[i] = inertia_.moment(i) * da[i];
-  mechanism_.add_projection(pose_.data(), work2_.data(), force_.data());
+  mechanism_.phasors().add_projection(pose_.data(), work2_.data(), force_.data());
   if (dq != nullptr) {
-    mechanism_.add_projection_change(pose_.data(), dq, weight_.data(), force_.data());
+    mechanism_.phasors().add_projection_change(pose_.data(), dq, weight_.data(), force_.data());
     const auto& row = mechanism_.tangent_row();
     const auto& column = mechanism_.tangent_column();
     const bool full = mechanism_.has_follower_loads();
@@ -128,6 +132,7 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, T* da, T* d
       force_[row[e]] += tangent_[e] * dq[column[e]];
       if (!full && row[e] != column[e]) force_[column[e]] += tangent_[e] * dq[row[e]];
     }
+    for (int k = 0; k < drives(); ++k) drives_[k].on.add_bend(here(), dq, drive_multipliers_[k], force_.data());
   }
   mechanism_.add_resistance_change(pose_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv, force_.data());
   project(force_.data(), dalpha);
@@ -148,29 +153,36 @@ void ReducedMotion<T>::linearize() {
     const T* dq = B(k);
     T* dv = &v_z_[at];
     // Along z_k: J v' = -D2c[v, q'].
-    mechanism_.phasor_second(pose_.data(), v_.data(), dq, work_.data());
+    mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
     std::fill(rows_work_.begin(), rows_work_.end(), T(0));
     mechanism_.closures_of(work_.data(), rows_work_.data());
+    for (int d = 0; d < drives(); ++d) {
+      rows_work_[mechanism_.equalities() + d] = drives_[d].on.second(here(), v_.data(), dq);
+    }
     solve_rows(rows_work_.data(), dv);
-    mechanism_.phasor_third(pose_.data(), v_.data(), v_.data(), dq, work_.data());
-    mechanism_.phasor_second(pose_.data(), v_.data(), dv, work2_.data());
+    mechanism_.phasors().third(pose_.data(), v_.data(), v_.data(), dq, work_.data());
+    mechanism_.phasors().second(pose_.data(), v_.data(), dv, work2_.data());
     for (int t = 0; t < n_; ++t) work_[t] += T(2) * work2_[t];
-    mechanism_.phasor_second(pose_.data(), a_.data(), dq, work2_.data());
+    mechanism_.phasors().second(pose_.data(), a_.data(), dq, work2_.data());
     for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
-    linearize_direction(dq, dv, &a_z_[at], &alpha_z_[at_small]);
+    for (int d = 0; d < drives(); ++d) {
+      const CompiledMeasure<T>& on = drives_[d].on;
+      drive_rows_[d] = on.third(here(), v_.data(), v_.data(), dq) + 2 * on.second(here(), v_.data(), dv) +
+                       on.second(here(), a_.data(), dq);
+    }
+    linearize_direction(dq, dv, drive_rows_.data(), &a_z_[at], &alpha_z_[at_small]);
     // Along w_k: v' = B_k.
-    mechanism_.phasor_second(pose_.data(), v_.data(), dq, work_.data());
+    mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
     for (int t = 0; t < n_; ++t) work_[t] = T(2) * work_[t];
-    linearize_direction(nullptr, dq, &a_w_[at], &alpha_w_[at_small]);
+    for (int d = 0; d < drives(); ++d) drive_rows_[d] = 2 * drives_[d].on.second(here(), v_.data(), dq);
+    linearize_direction(nullptr, dq, drive_rows_.data(), &a_w_[at], &alpha_w_[at_small]);
   }
 }
 
 template <class T>
 void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const {
   if (influence.body < 0) {
-    const auto element = static_cast<typename Mechanism<T>::Element>(influence.element);
-    mechanism_.add_force_derivative(element, influence.index, static_cast<T>(influence.by), q_.data(), pose_.data(),
-                                    v_.data(), g);
+    mechanism_.add_force_derivative(influence.force, static_cast<T>(influence.by), pose_.data(), v_.data(), g);
     return;
   }
   inertia_.add_body(influence.body,
@@ -191,7 +203,7 @@ template <class T>
 void ReducedMotion<T>::accelerate_as(const T* alpha) {
   place_accelerations();
   for (int k = 0; k < freedoms(); ++k) {
-    mechanism_.phasor_first(pose_.data(), B(k), work_.data());
+    mechanism_.phasors().first(pose_.data(), B(k), work_.data());
     for (int i = 0; i < n_; ++i) {
       a_[i] += alpha[k] * B(k)[i];
       second_[i] += alpha[k] * work_[i];
@@ -200,7 +212,7 @@ void ReducedMotion<T>::accelerate_as(const T* alpha) {
 }
 
 template <class T>
-void ReducedMotion<T>::reduced_inertia(int body, const typename Inertia<T>::BodyInertia& part, T* f) const {
+void ReducedMotion<T>::reduced_inertia(int body, const BodyInertia<T>& part, T* f) const {
   std::fill(full_.begin(), full_.end(), T(0));
   inertia_.add_body(body, part, pose_.data(), a_.data(), second_.data(), full_.data());
   project(full_.data(), f);
@@ -208,7 +220,7 @@ void ReducedMotion<T>::reduced_inertia(int body, const typename Inertia<T>::Body
 
 template <class T>
 T ReducedMotion<T>::kinetic_energy() const {
-  mechanism_.phasor_first(pose_.data(), v_.data(), work_.data());
+  mechanism_.phasors().first(pose_.data(), v_.data(), work_.data());
   inertia_.weigh(work_.data(), work2_.data());
   T twice(0);
   for (int i = 0; i < n_; ++i) twice += dot(work_[i], work2_[i]) + inertia_.moment(i) * v_[i] * v_[i];
@@ -221,7 +233,7 @@ T ReducedMotion<T>::power() const {
   mechanism_.add_resistance(pose_.data(), v_.data(), full_.data());
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];
-  for (int k = 0; k < drives(); ++k) power += drive_force(k) * value(drives_[k], t_, 1);
+  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].drive.moved(t_, 1);
   return power;
 }
 
@@ -229,7 +241,7 @@ template <class T>
 std::vector<T> ReducedMotion<T>::stop_values() const {
   std::vector<T> c(mechanism_.constraints());
   mechanism_.constraint(q_.data(), pose_.data(), c.data());
-  return {c.begin() + 2 * mechanism_.closures(), c.end()};
+  return {c.begin() + mechanism_.equalities(), c.end()};
 }
 
 template <class T>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "motion/reduced_motion.hpp"
 
@@ -12,21 +11,14 @@ namespace poise {
 template <class T>
 ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanism, const Inertia<T>& inertia)
     : mechanism_(mechanism), inertia_(inertia), n_(mechanism.coordinates()), singular_limit_(1e-9) {
-  const Layout& layout = mechanism.layout();
+  int scratch = 0;
   for (const Drive& drive : scene.drives) {
-    DriveRow row{drive, -1, -1, T(0), T(0)};
-    if (drive.kind == Drive::Kind::travel) {
-      row.b = layout.travel[drive.joint];
-    } else {
-      const Link& a = layout.links[drive.body_a];
-      const Link& b = layout.links[drive.body_b];
-      row.a = a.frame;
-      row.b = b.frame;
-      row.constant = static_cast<T>(b.turn) - static_cast<T>(a.turn);
-    }
-    drives_.push_back(row);
+    drives_.push_back({drive, {scene, mechanism.layout(), mechanism.phasors(), drive.on}, T(0)});
+    scratch = std::max(scratch, drives_.back().on.scratch_size());
   }
-  rows_ = 2 * mechanism.closures() + drives();
+  drive_scratch_.resize(scratch);
+  drive_rows_.assign(drives_.size(), T(0));
+  rows_ = mechanism.equalities() + drives();
   const std::size_t n = static_cast<std::size_t>(n_);
   for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_}) full->assign(n, T(0));
   const std::size_t constraints = static_cast<std::size_t>(mechanism.constraints()) + drives_.size();
@@ -39,27 +31,10 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
 }
 
 template <class T>
-T ReducedMotion<T>::value(const DriveRow& d, const T& t, int derivative) const {
-  using std::cos;
-  using std::sin;
-  const T omega = 2 * std::numbers::pi * static_cast<T>(d.drive.frequency);
-  const T turn = omega * t + static_cast<T>(d.drive.phase);
-  const T amplitude = static_cast<T>(d.drive.amplitude);
-  const T rate = static_cast<T>(d.drive.rate);
-  const T acceleration = static_cast<T>(d.drive.acceleration);
-  if (derivative == 0) {
-    return d.start + rate * t + acceleration * t * t / 2 + amplitude * (sin(turn) - sin(static_cast<T>(d.drive.phase)));
-  }
-  if (derivative == 1) return rate + acceleration * t + amplitude * omega * cos(turn);
-  return acceleration - amplitude * omega * omega * sin(turn);
-}
-
-template <class T>
 void ReducedMotion<T>::start_drives(const T* q) {
-  for (DriveRow& d : drives_) {
-    d.start = d.constant + (d.b >= 0 ? q[d.b] : T(0)) - (d.a >= 0 ? q[d.a] : T(0));
-    if (d.drive.start) d.start = static_cast<T>(*d.drive.start);
-  }
+  known_ = false;
+  mechanism_.place(q, pose_.data());
+  for (DriveRow& d : drives_) d.start = d.drive.start ? static_cast<T>(*d.drive.start) : d.on.value(here());
 }
 
 template <class T>
@@ -68,13 +43,13 @@ void ReducedMotion<T>::fill_jacobian() {
   mechanism_.jacobian(pose_.data(), values_.data());
   const auto& row = mechanism_.jacobian_row();
   const auto& column = mechanism_.jacobian_column();
-  const int closure_rows = 2 * mechanism_.closures();
+  const int equalities = mechanism_.equalities();
   for (std::size_t e = 0; e < row.size(); ++e) {
-    if (row[e] < closure_rows) jacobian(row[e], column[e]) += values_[e];
+    if (row[e] < equalities) jacobian(row[e], column[e]) += values_[e];
   }
   for (int k = 0; k < drives(); ++k) {
-    if (drives_[k].b >= 0) jacobian(closure_rows + k, drives_[k].b) += T(1);
-    if (drives_[k].a >= 0) jacobian(closure_rows + k, drives_[k].a) -= T(1);
+    const CompiledMeasure<T>& on = drives_[k].on;
+    on.gradient(here(), [&](int i, const T& by) { jacobian(equalities + k, on.support()[i]) += by; });
   }
 }
 
@@ -83,8 +58,7 @@ void ReducedMotion<T>::residual(const T& t) {
   mechanism_.constraint(q_.data(), pose_.data(), c_.data());
   for (int k = 0; k < drives(); ++k) {
     const DriveRow& d = drives_[k];
-    c_[2 * mechanism_.closures() + k] =
-        d.constant + (d.b >= 0 ? q_[d.b] : T(0)) - (d.a >= 0 ? q_[d.a] : T(0)) - value(d, t, 0);
+    c_[mechanism_.equalities() + k] = d.on.value(here()) - d.start - d.drive.moved(t, 0);
   }
 }
 
@@ -202,9 +176,12 @@ void ReducedMotion<T>::predict(const T& dt, const T* z) {
   if (drives() > 0) {
     for (int i = 0; i < n_; ++i) full_[i] += dt * drift_[i];
   }
-  mechanism_.phasor_second(pose_.data(), full_.data(), full_.data(), work_.data());
+  mechanism_.phasors().second(pose_.data(), full_.data(), full_.data(), work_.data());
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
   mechanism_.closures_of(work_.data(), rows_work_.data());
+  for (int k = 0; k < drives(); ++k) {
+    rows_work_[mechanism_.equalities() + k] = drives_[k].on.second(here(), full_.data(), full_.data());
+  }
   solve_rows(rows_work_.data(), force_.data());
   reach_ = T(0);
   for (int i = 0; i < n_; ++i) {
@@ -271,7 +248,7 @@ template <class T>
 void ReducedMotion<T>::move(const T* w) {
   if (drives() > 0) {
     std::fill(rows_work_.begin(), rows_work_.end(), T(0));
-    for (int k = 0; k < drives(); ++k) rows_work_[2 * mechanism_.closures() + k] = -value(drives_[k], t_, 1);
+    for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = -drives_[k].drive.moved(t_, 1);
     solve_rows(rows_work_.data(), drift_.data());
   }
   std::copy(drift_.begin(), drift_.end(), v_.begin());

@@ -23,7 +23,7 @@ double largest_gap(const MotionModel& motion, const std::vector<double>& x) {
   m.place(x.data(), pose.data());
   m.constraint(x.data(), pose.data(), c.data());
   double widest = 0.0;
-  for (int r = 0; r < 2 * m.closures(); ++r) widest = std::max(widest, std::abs(c[r]));
+  for (int r = 0; r < m.equalities(); ++r) widest = std::max(widest, std::abs(c[r]));
   return widest;
 }
 

@@ -298,7 +298,7 @@ class Simulation {
     out_.potential.push_back(energy * reduced_.potential_energy());
     out_.work.push_back(energy * y_[static_cast<std::size_t>(2 * f)]);
     for (int d = 0; d < reduced_.drives(); ++d) {
-      const bool turns = model_.scene().drives[static_cast<std::size_t>(d)].kind == Drive::Kind::angle;
+      const bool turns = model_.scene().drives[static_cast<std::size_t>(d)].on.is_angle();
       out_.drive_force[static_cast<std::size_t>(d)].push_back(reduced_.drive_force(d) *
                                                               (turns ? energy : model_.scales().force));
     }

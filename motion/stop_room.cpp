@@ -11,7 +11,7 @@ std::vector<StopRoom> stop_rooms(const MotionModel& model, std::span<const doubl
   m.constraint(x.data(), pose.data(), c.data());
   std::vector<StopRoom> rooms;
   for (int s = 0; s < m.stops(); ++s) {
-    const double g = c[2 * m.closures() + s];
+    const double g = c[m.stop_row(s)];
     rooms.push_back({g - m.upper()[s], m.lower()[s] - g});
   }
   return rooms;

@@ -11,6 +11,7 @@
 #include "solvers/kkt.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
+#include "statics/body_measures.hpp"
 #include "statics/curvature.hpp"
 #include "statics/free_bodies.hpp"
 #include "statics/kinks.hpp"
@@ -58,21 +59,6 @@ double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<do
   return wide;
 }
 
-// Travel of a slide or pin in a slot, m.
-double travel(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses) {
-  const BodyPose<double>& a = poses[joint.a.body];
-  const Vec2 d = poses[joint.b.body].world(scene.local(joint.b)) - a.world(scene.local(joint.a));
-  return dot(joint.axis * unit(a.angle), d);
-}
-
-// Value of a stop, rad or m.
-double value(const Scene& scene, const Stop& stop, const std::vector<BodyPose<double>>& poses) {
-  if (stop.kind == Stop::Kind::angle) return poses[stop.body_b].angle - poses[stop.body_a].angle;
-  const auto world = [&](PointRef p) { return poses[p.body].world(scene.local(p)); };
-  if (stop.kind == Stop::Kind::distance) return norm(world(stop.b) - world(stop.a));
-  return travel(scene, scene.joints[stop.joint], poses);
-}
-
 bool is_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
 }
@@ -115,7 +101,8 @@ class Judge {
       // A travel that only closes a loop moves no body: it has to be what the places of the bodies show.
       const int t = model_.layout().travel[j];
       if (t >= 0 && t < model_.layout().kept) {
-        wide = std::max(wide, std::abs(travel(scene_, joint, poses_) - size_ * x_[t]));
+        wide =
+            std::max(wide, std::abs(value_of(scene_, Measure::travel_of(static_cast<int>(j)), poses_) - size_ * x_[t]));
       }
       if (wide > out_.closure_error || out_.worst_joint.empty()) {
         out_.closure_error = wide;
@@ -132,8 +119,8 @@ class Judge {
   void measure_stops() {
     out_.stops_kept = true;
     for (const Stop& stop : scene_.stops) {
-      const double unit_size = stop.kind == Stop::Kind::angle ? 1.0 : size_;
-      const double g = value(scene_, stop, poses_);
+      const double unit_size = stop.on.is_angle() ? 1.0 : size_;
+      const double g = value_of(scene_, stop.on, poses_);
       const double beyond = std::max({0.0, g - stop.max, stop.min - g}) / unit_size;
       const double near = tolerances_.stop * unit_size;
       const bool at_max = g >= stop.max - near;
@@ -159,18 +146,14 @@ class Judge {
     out_.redundancy = bodies.redundancy;
     pressing_ = bodies.pressing;
     largest_load_ = bodies.largest_load;
-    if (const Spring* cone = pushing_at_zero_length()) {
-      object(fmt::format(
-          "spring \"{}\" is pressed to length zero, where it pushes in no direction: nothing rests there", cone->name));
+    if (const Element* cone = pushing_at_zero_length()) {
+      object(fmt::format("{} \"{}\" is pressed to length zero, where it pushes in no direction: nothing rests there",
+                         cone->family(), cone->name));
       return;
     }
     // What a place known to a few rounding errors does to the stiffest spring cannot be balanced any better.
     double stiffest = 0.0;
-    for (const Spring& s : scene_.springs) stiffest = std::max(stiffest, s.stiffness * size_);
-    for (const TorsionSpring& s : scene_.torsion_springs) {
-      const double turns = std::abs(poses_[s.a].angle) + std::abs(poses_[s.b].angle) + std::abs(s.free_angle);
-      stiffest = std::max(stiffest, s.stiffness * turns / size_);
-    }
+    for (const Element& e : scene_.elements) stiffest = std::max(stiffest, rounding_size(e));
     const double rounding = 1e-14 * stiffest;
     if (!std::isfinite(out_.imbalance) || !std::isfinite(out_.largest_force)) {
       object("forces overflow double precision, so nothing can be balanced");
@@ -193,12 +176,23 @@ class Judge {
     return exact.refined && exact.error <= tolerances_.closure;
   }
 
+  // Force that an element would exert over the whole size of what its measure is computed from.
+  double rounding_size(const Element& e) const {
+    const double k = std::abs(force_at_rest(e.law, value_of(scene_, e.on, poses_)).by_measure);
+    if (!e.on.is_angle()) return k * size_;
+    double turns = std::abs(value_of(scene_, e.on, poses_));
+    if (e.on.kind == Measure::Kind::angle) {
+      turns = std::abs(poses_[e.on.body_a].angle) + std::abs(poses_[e.on.body_b].angle);
+    }
+    if (const auto* spring = std::get_if<LinearSpring>(&e.law)) turns += std::abs(spring->free_length);
+    return k * turns / size_;
+  }
+
   // Its energy is the tip of a cone there, which no derivative sees.
-  const Spring* pushing_at_zero_length() const {
-    for (const Spring& s : scene_.springs) {
-      const Vec2 d = poses_[s.b.body].world(scene_.local(s.b)) - poses_[s.a.body].world(scene_.local(s.a));
-      const bool pushes = s.acts != Spring::Acts::tension && s.stiffness > 0.0 && s.free_length > 0.0;
-      if (pushes && norm(d) <= no_length * size_) return &s;
+  const Element* pushing_at_zero_length() const {
+    for (const Element& e : scene_.elements) {
+      if (e.on.kind != Measure::Kind::distance) continue;
+      if (value_of(scene_, e.on, poses_) <= no_length * size_ && force_at_rest(e.law, 0.0).value < 0.0) return &e;
     }
     return nullptr;
   }
@@ -243,9 +237,9 @@ class Judge {
   // Closure rows and the stops that press.
   std::vector<int> holding_rows() const {
     const Mechanism<double>& m = model_.mechanism();
-    std::vector<int> rows(2 * m.closures());
+    std::vector<int> rows(m.equalities());
     std::iota(rows.begin(), rows.end(), 0);
-    for (int stop : pressing_) rows.push_back(2 * m.closures() + stop);
+    for (int stop : pressing_) rows.push_back(m.stop_row(stop));
     return rows;
   }
 
@@ -325,7 +319,7 @@ class Judge {
     out_.descent_directions = out_.stability == Stability::unstable ? 1 : 0;
     out_.neutral_directions = out_.stability == Stability::neutral ? 1 : 0;
     out_.stability_note = fmt::format("spring \"{}\" is just about to act: both sides were looked at",
-                                      scene_.springs[kinks.front()].name);
+                                      scene_.elements[kinks.front()].name);
     if (out_.stability == Stability::unknown) {
       out_.stability_note += ", and with more than one freedom they do not decide";
     }
@@ -339,7 +333,7 @@ class Judge {
   // The length of one more Newton step, open closures included:  J v = -c,  Z^T (F + K (v + Z z)) = 0,  d = v + Z z.
   double step_to_rest(const ReducedHessian<double>& reduced) const {
     Eigen::VectorXd v = Eigen::VectorXd::Zero(reduced.basis.rows());
-    const Eigen::Index closures = 2 * model_.mechanism().closures();
+    const Eigen::Index closures = model_.mechanism().equalities();
     if (closures > 0) {
       v = -solvers::minimum_norm_solution<double>(reduced.jacobian.topRows(closures),
                                                   Eigen::VectorXd::Map(reduced.kept.data(), closures),

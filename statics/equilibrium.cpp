@@ -33,7 +33,7 @@ double elapsed(std::chrono::steady_clock::time_point since) {
 // independent the list is empty, which means all. Mechanisms too large for a dense factor are taken as they are.
 std::vector<int> independent_rows(const StaticModel& model, const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
-  const int equalities = 2 * m.closures();
+  const int equalities = m.equalities();
   if (equalities == 0 || equalities > 400) return {};
   std::vector<int> rows(equalities);
   std::iota(rows.begin(), rows.end(), 0);

@@ -13,7 +13,7 @@ class EquilibriumProblem final : public solvers::Problem {
   explicit EquilibriumProblem(const Mechanism<double>& mechanism);
 
   int variables() const override { return mechanism_.coordinates(); }
-  int equalities() const override { return 2 * mechanism_.closures(); }
+  int equalities() const override { return mechanism_.equalities(); }
   const std::vector<double>& lower() const override { return mechanism_.lower(); }
   const std::vector<double>& upper() const override { return mechanism_.upper(); }
   bool has_objective() const override { return !mechanism_.has_follower_loads(); }

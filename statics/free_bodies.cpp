@@ -4,7 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Sparse>
+
 #include "solvers/linear_algebra.hpp"
+#include "statics/body_measures.hpp"
 #include "statics/sparse_least_squares.hpp"
 
 namespace poise {
@@ -20,6 +23,7 @@ struct Unknown {
   Vec2 at;
   Vec2 force;
   double moment;
+  std::vector<Unknown> with;  // other terms of the same unknown: of a sum
 };
 
 // What a set of unknowns belongs to.
@@ -47,24 +51,16 @@ class Statics {
     for (const Torque& t : scene_.torques) push(t.body, poses_[t.body].origin, {}, t.value);
     for (const BodyLoad& load : additions) push(load.body, load.at, load.force, load.moment);
     largest_applied_ = largest_load_;
-    for (const Spring& s : scene_.springs) {
-      const Vec2 a = world(s.a);
-      const Vec2 b = world(s.b);
-      const double r = norm(b - a);
-      const double tension = s.stiffness * (r - s.free_length);
-      const bool slack =
-          (s.acts == Spring::Acts::tension && tension < 0) || (s.acts == Spring::Acts::compression && tension > 0);
-      spring_tension_.push_back(r == 0 || slack ? 0.0 : tension);
-      if (r == 0 || slack) continue;
-      const Vec2 pull = tension / r * (b - a);
-      push(s.a.body, a, pull, 0.0);
-      push(s.b.body, b, -pull, 0.0);
-    }
-    for (const TorsionSpring& s : scene_.torsion_springs) {
-      const double torque = s.stiffness * (poses_[s.b].angle - poses_[s.a].angle - s.free_angle);
-      spring_moment_.push_back(-torque);
-      push(s.a, poses_[s.a].origin, {}, torque);
-      push(s.b, poses_[s.b].origin, {}, -torque);
+    for (const Element& e : scene_.elements) {
+      const double force = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value;
+      element_force_.push_back(0.0);
+      if (force == 0.0) continue;
+      for (const UnitEffort& effort : unit_efforts(scene_, e.on, poses_)) {
+        if (effort.force == Vec2{} && effort.moment == 0.0) continue;
+        element_force_.back() = force;
+        push(effort.body_a, effort.a, force * effort.force, force * effort.moment);
+        push(effort.body_b, effort.b, -force * effort.force, -force * effort.moment);
+      }
     }
   }
 
@@ -82,7 +78,7 @@ class Statics {
         reaction.at = b;
       };
       const auto act = [&](Vec2 force, double moment) {
-        unknowns_.push_back({static_cast<int>(items_.size()) - 1, joint.a.body, joint.b.body, b, force, moment});
+        unknowns_.push_back({static_cast<int>(items_.size()) - 1, joint.a.body, joint.b.body, b, force, moment, {}});
       };
       switch (joint.kind) {
         case Joint::Kind::pin:
@@ -125,38 +121,15 @@ class Statics {
     item.side = side;
     items_.push_back(item);
     const int number = static_cast<int>(items_.size()) - 1;
-    Reaction& reaction = items_.back().reaction;
-    if (stop.kind == Stop::Kind::angle) {
-      reaction.at = poses_[stop.body_b].origin;
-      unknowns_.push_back({number, stop.body_a, stop.body_b, reaction.at, {}, size_});
-    } else if (stop.kind == Stop::Kind::distance) {
-      const Vec2 along = world(stop.b) - world(stop.a);
-      reaction.at = world(stop.b);
-      items_.back().axis = norm(along) > 0 ? 1 / norm(along) * along : Vec2{1, 0};
-      unknowns_.push_back({number, stop.a.body, stop.b.body, reaction.at, items_.back().axis, 0});
-    } else {
-      const Joint& joint = scene_.joints[stop.joint];
-      reaction.at = world(joint.b);
-      items_.back().axis = joint.axis * unit(poses_[joint.a.body].angle);
-      unknowns_.push_back({number, joint.a.body, joint.b.body, reaction.at, items_.back().axis, 0});
-    }
+    add_measure(number, stop.on);
   }
 
   void add_drive(const Drive& drive) {
     Item item;
     item.reaction.name = drive.name;
     item.reaction.kind = "drive";
-    const int number = static_cast<int>(items_.size());
-    if (drive.kind == Drive::Kind::angle) {
-      item.reaction.at = poses_[drive.body_b].origin;
-      unknowns_.push_back({number, drive.body_a, drive.body_b, item.reaction.at, {}, size_});
-    } else {
-      const Joint& joint = scene_.joints[drive.joint];
-      item.reaction.at = world(joint.b);
-      item.axis = joint.axis * unit(poses_[joint.a.body].angle);
-      unknowns_.push_back({number, joint.a.body, joint.b.body, item.reaction.at, item.axis, 0});
-    }
     items_.push_back(item);
+    add_measure(static_cast<int>(items_.size()) - 1, drive.on);
   }
 
   // Least-squares reactions, minimum norm where they are not unique (dense sizes). Returns the stop that pulls
@@ -192,8 +165,7 @@ class Statics {
     out.is_moment = worst % 3 == 2;
     out.largest_load = largest_load_;
     out.largest_applied = largest_applied_;
-    out.spring_tension = spring_tension_;
-    out.spring_moment = spring_moment_;
+    out.element_force = element_force_;
     out.largest_force = std::max(largest_load_, count > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
     int pulling = -1;
     double hardest = 1e-9 * out.largest_force;
@@ -226,6 +198,24 @@ class Statics {
   }
 
  private:
+  // The unknown effort upon a measure, positive where it tends to enlarge it. Of a sum the terms act together, each
+  // with its share.
+  void add_measure(int number, const Measure& measure) {
+    Item& item = items_[number];
+    const std::vector<UnitEffort> efforts = unit_efforts(scene_, measure, poses_);
+    for (const UnitEffort& effort : efforts) {
+      Unknown unknown{number, effort.body_a, effort.body_b, effort.b, effort.force, size_ * effort.moment, {}};
+      // Where its points coincide a distance is taken as that along x.
+      if (effort.force == Vec2{} && effort.moment == 0.0) unknown.force = {1.0, 0.0};
+      if (!measure.is_angle()) item.axis = unknown.force;
+      item.reaction.at = effort.b;
+      if (&effort == &efforts.front())
+        unknowns_.push_back(unknown);
+      else
+        unknowns_.back().with.push_back(unknown);
+    }
+  }
+
   Vec2 world(PointRef p) const { return poses_[p.body].world(scene_.local(p)); }
 
   void push(int body, Vec2 at, Vec2 force, double moment) {
@@ -240,27 +230,27 @@ class Statics {
 
   // What every unknown does to every moving body.
   Eigen::SparseMatrix<double> equations() const {
-    const auto count = static_cast<Eigen::Index>(unknowns_.size());
-    Eigen::SparseMatrix<double> a(static_cast<Eigen::Index>(load_.size()), count);
-    a.reserve(4 * count);
-    for (Eigen::Index u = 0; u < count; ++u) {
-      const Unknown& k = unknowns_[u];
-      a.startVec(u);
-      const bool in_order = k.body_a < k.body_b;
-      add_to_body(a, u, in_order ? k.body_a : k.body_b, k, in_order ? -1.0 : 1.0);
-      add_to_body(a, u, in_order ? k.body_b : k.body_a, k, in_order ? 1.0 : -1.0);
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(4 * unknowns_.size());
+    for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+      add_entries(static_cast<int>(u), unknowns_[u], entries);
+      for (const Unknown& term : unknowns_[u].with) add_entries(static_cast<int>(u), term, entries);
     }
-    a.finalize();
+    Eigen::SparseMatrix<double> a(static_cast<Eigen::Index>(load_.size()), static_cast<Eigen::Index>(unknowns_.size()));
+    a.setFromTriplets(entries.begin(), entries.end());
     return a;
   }
 
-  void add_to_body(Eigen::SparseMatrix<double>& a, Eigen::Index column, int body, const Unknown& k, double sign) const {
-    if (body == 0) return;
-    const int row = 3 * (body - 1);
-    if (k.force.x != 0) a.insertBack(row, column) = sign * k.force.x;
-    if (k.force.y != 0) a.insertBack(row + 1, column) = sign * k.force.y;
-    const double turning = (cross(k.at - poses_[body].origin, k.force) + k.moment) / size_;
-    if (turning != 0) a.insertBack(row + 2, column) = sign * turning;
+  void add_entries(int column, const Unknown& k, std::vector<Eigen::Triplet<double>>& entries) const {
+    for (const double sign : {-1.0, 1.0}) {
+      const int body = sign < 0.0 ? k.body_a : k.body_b;
+      if (body == 0) continue;
+      const int row = 3 * (body - 1);
+      if (k.force.x != 0) entries.emplace_back(row, column, sign * k.force.x);
+      if (k.force.y != 0) entries.emplace_back(row + 1, column, sign * k.force.y);
+      const double turning = (cross(k.at - poses_[body].origin, k.force) + k.moment) / size_;
+      if (turning != 0) entries.emplace_back(row + 2, column, sign * turning);
+    }
   }
 
   const Scene& scene_;
@@ -269,7 +259,7 @@ class Statics {
   std::vector<double> load_;  // per moving body: force x, y, moment about its origin / size
   double largest_load_ = 0.0;
   double largest_applied_ = 0.0;
-  std::vector<double> spring_tension_, spring_moment_;
+  std::vector<double> element_force_;
   std::vector<Unknown> unknowns_;
   std::vector<Item> items_;
 };

@@ -30,12 +30,12 @@ struct Additions {
 struct FreeBodies {
   double imbalance = 0.0;  ///< N: largest residual force, or moment / size, of a body
   int worst_body = 0;
-  bool is_moment = false;              ///< the worst residual is a moment
-  double largest_force = 0.0;          ///< N
-  double largest_load = 0.0;           ///< N: without reactions
-  double largest_applied = 0.0;        ///< N: weights, forces, torques and additions only
-  std::vector<double> spring_tension;  ///< N: pull of every line spring
-  std::vector<double> spring_moment;   ///< N m: on the second body of every torsion spring
+  bool is_moment = false;        ///< the worst residual is a moment
+  double largest_force = 0.0;    ///< N
+  double largest_load = 0.0;     ///< N: without reactions
+  double largest_applied = 0.0;  ///< N: weights, forces, torques and additions only
+  /// T at rest of every element of the scene, N or N m: positive where it tends to diminish its measure.
+  std::vector<double> element_force;
   std::vector<Reaction> reactions;
   std::vector<int> pressing;  ///< stops that press, indices into Scene::stops
   int redundancy = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "solvers/linear_algebra.hpp"
+#include "statics/body_measures.hpp"
 #include "statics/curvature.hpp"
 
 namespace poise {
@@ -13,10 +14,15 @@ constexpr double at_kink = 1e-9;  // of the mechanism's size
 constexpr double beyond = 1e-8;   // by which free lengths are moved to have springs act, or not
 constexpr double aside = 1e-5;    // rad or sizes: how far a side is looked at
 
-double length_of(const StaticModel& model, const Spring& spring, const std::vector<double>& x) {
-  const std::vector<BodyPose<double>> poses = model.poses(x);
-  const Scene& scene = model.scene();
-  return norm(poses[spring.b.body].world(scene.local(spring.b)) - poses[spring.a.body].world(scene.local(spring.a)));
+double value_at(const StaticModel& model, const Element& element, const std::vector<double>& x) {
+  return value_of(model.scene(), element.on, model.poses(x));
+}
+
+LinearSpring& spring_of(Element& element) { return std::get<LinearSpring>(element.law); }
+const LinearSpring& spring_of(const Element& element) { return std::get<LinearSpring>(element.law); }
+
+double unit_of(const StaticModel& model, const Element& element) {
+  return element.on.is_angle() ? 1.0 : model.scales().length;
 }
 
 ReducedHessian<double> reduced_with(const StaticModel& model, const std::vector<double>& x,
@@ -24,9 +30,10 @@ ReducedHessian<double> reduced_with(const StaticModel& model, const std::vector<
                                     const std::vector<char>& act) {
   Scene scene = model.scene();
   for (std::size_t k = 0; k < springs.size(); ++k) {
-    Spring& spring = scene.springs[springs[k]];
-    const bool longer = (spring.acts == Spring::Acts::tension) != (act[k] != 0);
-    spring.free_length += (longer ? beyond : -beyond) * model.scales().length;
+    Element& element = scene.elements[springs[k]];
+    LinearSpring& spring = spring_of(element);
+    const bool longer = (spring.acts == LinearSpring::Acts::tension) != (act[k] != 0);
+    spring.free_length += (longer ? beyond : -beyond) * unit_of(model, element);
   }
   const StaticModel changed(scene, model.scales());
   return {changed.mechanism(), x, rows};
@@ -42,11 +49,13 @@ int sign_of_least(const ReducedHessian<double>& reduced, double zero) {
 
 std::vector<int> springs_at_kinks(const StaticModel& model, const std::vector<double>& x) {
   std::vector<int> out;
-  const std::vector<Spring>& springs = model.scene().springs;
-  for (std::size_t s = 0; s < springs.size(); ++s) {
-    if (springs[s].acts == Spring::Acts::both || springs[s].free_length == 0.0 || springs[s].stiffness == 0.0) continue;
-    const double over = length_of(model, springs[s], x) - springs[s].free_length;
-    if (std::abs(over) <= at_kink * model.scales().length) out.push_back(static_cast<int>(s));
+  const std::vector<Element>& elements = model.scene().elements;
+  for (std::size_t s = 0; s < elements.size(); ++s) {
+    const auto* const spring = std::get_if<LinearSpring>(&elements[s].law);
+    if (spring == nullptr || spring->acts == LinearSpring::Acts::both || spring->stiffness == 0.0) continue;
+    if (elements[s].on.kind == Measure::Kind::distance && spring->free_length == 0.0) continue;
+    const double over = value_at(model, elements[s], x) - spring->free_length;
+    if (std::abs(over) <= at_kink * unit_of(model, elements[s])) out.push_back(static_cast<int>(s));
   }
   return out;
 }
@@ -65,9 +74,9 @@ Stability stability_at_kinks(const StaticModel& model, const std::vector<double>
     for (std::size_t i = 0; i < x.size(); ++i) moved[i] += side * none.basis(static_cast<Eigen::Index>(i), 0);
     std::vector<char> act;
     for (int s : springs) {
-      const Spring& spring = model.scene().springs[s];
-      const bool longer = length_of(model, spring, moved) > length_of(model, spring, x);
-      act.push_back(longer == (spring.acts == Spring::Acts::tension));
+      const Element& element = model.scene().elements[s];
+      const bool longer = value_at(model, element, moved) > value_at(model, element, x);
+      act.push_back(longer == (spring_of(element).acts == LinearSpring::Acts::tension));
     }
     least = std::min(least, sign_of_least(reduced_with(model, x, rows, springs, act), zero));
   }

@@ -21,7 +21,7 @@ constexpr double beside = 0.1;  // rad or mechanism sizes
 constexpr int tries = 8;
 
 std::vector<int> closure_rows(const Mechanism<double>& mechanism) {
-  std::vector<int> rows(2 * mechanism.closures());
+  std::vector<int> rows(mechanism.equalities());
   std::iota(rows.begin(), rows.end(), 0);
   return rows;
 }

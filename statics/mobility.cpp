@@ -48,18 +48,19 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
   m.constraint(out.x.data(), pose.data(), c.data());
   const double in_units = model.scales().length / scene.units.length;
   double widest = 0.0;
-  for (int l = 0; l < m.closures(); ++l) {
-    const double wide = std::hypot(c[2 * l], c[2 * l + 1]);
+  for (const ConstraintBlock& block : m.blocks()) {
+    double wide = 0.0;
+    for (int r = block.first_row; r < block.first_row + block.rows; ++r) wide = std::hypot(wide, c[r]);
     if (wide <= widest) continue;
     widest = wide;
-    const Closure& closure = m.layout().closures[l];
+    const Closure& closure = m.layout().closures[block.closure];
     out.gap_line = scene.joints[closure.joint].line;
     out.gap = fmt::format("the loop closed by joint \"{}\" stays open by {:.4g} {}", closure.name, wide * in_units,
                           scene.units.length_name);
   }
   std::string held;
   for (int s = 0; s < m.stops(); ++s) {
-    const double g = c[2 * m.closures() + s];
+    const double g = c[m.stop_row(s)];
     const double beyond = std::max({0.0, g - m.upper()[s], m.lower()[s] - g});
     if (g > m.upper()[s] - 1e-6 || g < m.lower()[s] + 1e-6) {
       held += fmt::format("{} stop \"{}\"", held.empty() ? " while held by" : " and", scene.stops[s].name);
@@ -67,7 +68,7 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
     if (beyond <= widest) continue;
     widest = beyond;
     const Stop& stop = scene.stops[s];
-    const bool is_angle = stop.kind == Stop::Kind::angle;
+    const bool is_angle = stop.on.is_angle();
     out.gap_line = stop.line;
     out.gap = fmt::format("stop \"{}\" stays overrun by {:.4g} {}", stop.name,
                           is_angle ? beyond / scene.units.angle : beyond * in_units,
@@ -76,10 +77,20 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
   out.gap += held;
 }
 
+// The closures of which a row is one of those that repeat others.
+template <class Repeats>
+void name_redundant(const Mechanism<double>& m, Repeats repeats, Mobility& out) {
+  for (const ConstraintBlock& block : m.blocks()) {
+    bool any = false;
+    for (int r = block.first_row; r < block.first_row + block.rows; ++r) any = any || repeats(r);
+    if (any) out.redundant.push_back(m.layout().closures[block.closure].name);
+  }
+}
+
 // Closures whose row is a combination of the others: those with a part in the left null space of J.
 void find_redundancy(const ScaledModel& model, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
-  const int rows = 2 * m.closures();
+  const int rows = m.equalities();
   if (rows == 0) return;
   std::vector<Planar<double>> pose(m.pose_size());
   std::vector<double> values(m.jacobian_row().size());
@@ -95,19 +106,15 @@ void find_redundancy(const ScaledModel& model, Mobility& out) {
   if (rows > dense_limit) {
     const NullSpace repeats = SparseLeastSquares(jacobian).left_null_space();
     out.rank = rows - repeats.dimension;
-    for (int l = 0; l < m.closures(); ++l) {
-      if (repeats.touches[2 * l] || repeats.touches[2 * l + 1]) out.redundant.push_back(m.layout().closures[l].name);
-    }
+    name_redundant(
+        m, [&](int row) { return static_cast<bool>(repeats.touches[row]); }, out);
     return;
   }
   const Eigen::MatrixXd null =
       solvers::null_space(Eigen::MatrixXd(jacobian.transpose()), solvers::known_to::closed_point);
   out.rank = rows - static_cast<int>(null.cols());
-  for (int l = 0; l < m.closures(); ++l) {
-    if (null.row(2 * l).norm() > 1e-8 || null.row(2 * l + 1).norm() > 1e-8) {
-      out.redundant.push_back(m.layout().closures[l].name);
-    }
-  }
+  name_redundant(
+      m, [&](int row) { return null.row(row).norm() > 1e-8; }, out);
 }
 
 }  // namespace
@@ -120,7 +127,7 @@ Mobility analyse_mobility(const ScaledModel& model) {
   out.joints = static_cast<int>(model.scene().joints.size());
   out.gruebler = gruebler_count(model.scene());
   out.coordinates = m.coordinates();
-  out.closures = 2 * m.closures();
+  out.closures = m.equalities();
 
   const EquilibriumProblem problem(m);
   solvers::Newton newton(problem);

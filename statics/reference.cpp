@@ -27,17 +27,16 @@ constexpr double touching = 1e-7;  // of a stop that holds
 class Refinement {
  public:
   Refinement(const StaticModel& model, const std::vector<double>& x)
-      : model_(model),
-        mechanism_(model.scene(), lay_out(model.scene(), Purpose::statics), Purpose::statics, model.scales()) {
+      : model_(model), mechanism_(scaled(model.scene(), model.scales()), Purpose::statics) {
     for (double v : x) q_.emplace_back(v);
     from_ = q_;
-    rows_.resize(2 * mechanism_.closures());
+    rows_.resize(mechanism_.equalities());
     std::iota(rows_.begin(), rows_.end(), 0);
   }
 
   // Stops that press: touching, and needed for balance with the right sign.
   void hold_stops() {
-    const auto closures = static_cast<std::size_t>(2 * mechanism_.closures());
+    const auto closures = static_cast<std::size_t>(mechanism_.equalities());
     target_.assign(closures, Real(0));
     std::vector<int> sides(closures, 0);
     if (mechanism_.stops() == 0) return;
@@ -46,11 +45,11 @@ class Refinement {
     mechanism_.place(q_.data(), pose.data());
     mechanism_.constraint(q_.data(), pose.data(), constraint.data());
     for (int s = 0; s < mechanism_.stops(); ++s) {
-      const Real& g = constraint[2 * mechanism_.closures() + s];
+      const Real& g = constraint[mechanism_.stop_row(s)];
       const bool at_top = abs(g - mechanism_.upper()[s]) < touching;
       const bool at_bottom = abs(g - mechanism_.lower()[s]) < touching;
       if (!at_top && !at_bottom) continue;
-      rows_.push_back(2 * mechanism_.closures() + s);
+      rows_.push_back(mechanism_.stop_row(s));
       target_.push_back(at_top ? mechanism_.upper()[s] : mechanism_.lower()[s]);
       sides.push_back(at_top && at_bottom ? 0 : at_top ? 1 : -1);
     }

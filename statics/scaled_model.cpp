@@ -1,19 +1,22 @@
 #include "statics/scaled_model.hpp"
 
+#include <optional>
 #include <utility>
 
 namespace poise {
 
-ScaledModel::ScaledModel(Scene scene, Purpose purpose) : scene_(std::move(scene)), mechanism_(compiled(purpose)) {}
+ScaledModel::ScaledModel(Scene scene, Purpose purpose)
+    : scene_(std::move(scene)), mechanism_(compiled(purpose, std::nullopt)) {}
 
 ScaledModel::ScaledModel(Scene scene, Purpose purpose, const Scales& scales)
-    : scene_(std::move(scene)), scales_(scales), mechanism_(scene_, lay_out(scene_, purpose), purpose, scales_) {}
+    : scene_(std::move(scene)), mechanism_(compiled(purpose, scales)) {}
 
-// The layout tells the scales, and serves to compile.
-Mechanism<double> ScaledModel::compiled(Purpose purpose) {
+// One layout tells the scales and, measured in them, serves to compile the scaled scene.
+Mechanism<double> ScaledModel::compiled(Purpose purpose, const std::optional<Scales>& scales) {
   Layout layout = lay_out(scene_, purpose);
-  scales_ = choose_scales(scene_, layout.size);
-  return {scene_, std::move(layout), purpose, scales_};
+  scales_ = scales ? *scales : choose_scales(scene_, layout.size);
+  layout.scale_lengths(scales_.per_length());
+  return {scaled(scene_, scales_), std::move(layout), purpose};
 }
 
 std::vector<double> ScaledModel::to_si(std::vector<double> x) const {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "model/mechanism.hpp"
+#include "model/parameters.hpp"
 #include "model/scene.hpp"
 #include "statics/scaling.hpp"
 
@@ -31,7 +33,7 @@ class ScaledModel {
   std::vector<BodyPose<double>> poses(const std::vector<double>& x) const;
 
  private:
-  Mechanism<double> compiled(Purpose purpose);
+  Mechanism<double> compiled(Purpose purpose, const std::optional<Scales>& scales);
 
   Scene scene_;
   Scales scales_;

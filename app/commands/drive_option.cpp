@@ -20,10 +20,6 @@ std::optional<double> number(std::string_view text) {
 
 }  // namespace
 
-Quantity quantity_of(const Drive& drive) {
-  return drive.kind == Drive::Kind::angle ? Quantity::angle : Quantity::length;
-}
-
 DriveRange read_drive(const std::string& text, const Scene& scene) {
   const std::size_t equals = text.rfind('=');
   const std::string expected = "; expected NAME=FROM..TO, say crank=0..360";
@@ -34,7 +30,7 @@ DriveRange read_drive(const std::string& text, const Scene& scene) {
   const auto to = dots == std::string_view::npos ? from : number(range.substr(dots + 2));
   if (!from || !to) throw InputError(fmt::format("--drive {}: \"{}\" is no range of numbers{}", text, range, expected));
   DriveRange out{text.substr(0, equals), 0.0, 0.0};
-  const double unit = unit_value(quantity_of(find_drive(scene, out.name)), scene.units);
+  const double unit = unit_value(quantity_of(find_drive(scene, out.name).on), scene.units);
   out.from = *from * unit;
   out.to = *to * unit;
   return out;

@@ -7,9 +7,6 @@
 
 namespace poise::app {
 
-/// What a drive moves: an angle or a length.
-Quantity quantity_of(const Drive& drive);
-
 /// Reads "crank=0..360", or "crank=30" for one place, in the scene's units. Throws InputError naming --drive.
 DriveRange read_drive(const std::string& text, const Scene& scene);
 

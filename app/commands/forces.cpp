@@ -16,7 +16,6 @@
 #include "app/commands/session.hpp"
 #include "app/interrupt.hpp"
 #include "app/motion_record.hpp"
-#include "app/readings.hpp"
 #include "app/report/forces_report.hpp"
 #include "identification/record.hpp"
 #include "motion/given_motion.hpp"
@@ -70,7 +69,7 @@ Scene with_drives(Scene scene, const std::vector<std::string>& drives) {
 void expect_within_stops(const Scene& scene, const Forces& forces) {
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     if (forces.overrun[s] == 0.0) continue;
-    const Quantity quantity = quantity_of(scene.stops[s]);
+    const Quantity quantity = quantity_of(scene.stops[s].on);
     throw InputError(
         fmt::format("{}: drive: the pose in which the drives begin is beyond the stop \"{}\" by {} {}; "
                     "expected one within the stops; change a drive's start, or say --drive NAME=VALUE",
@@ -95,7 +94,7 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request, 
   for (const std::string& text : request.drives) ranges.push_back(read_drive(text, scene));
   std::size_t moving = 0;
   while (moving + 1 < ranges.size() && ranges[moving].from == ranges[moving].to) ++moving;
-  const Quantity quantity = quantity_of(scene.drives[moving]);
+  const Quantity quantity = quantity_of(scene.drives[moving].on);
   SweepOptions options;
   options.steps = request.steps;
   options.interrupt = &watch_for_interrupt();

@@ -45,7 +45,7 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
     if (!(*request.rate > 0.0) || !std::isfinite(*request.rate)) {
       throw InputError(fmt::format("--rate: expected a number > 0, found {}", *request.rate));
     }
-    options.rate = *request.rate * unit_value(quantity_of(find_drive(scene, ranges.front().name)), scene.units);
+    options.rate = *request.rate * unit_value(quantity_of(find_drive(scene, ranges.front().name).on), scene.units);
   }
   progress.now("driving the mechanism");
   const KinematicsResult result = sweep(scene, ranges, options);

@@ -8,16 +8,18 @@
 namespace poise::app {
 namespace {
 
-/// How many springs, bars and earlier dampers have their ends where damper i has its own.
-int count_parallel(const Stage& stage, std::size_t i) {
+/// How many springs, bars and earlier dampers have their ends where a damper has its own.
+int count_parallel(const Stage& stage, const Strung& damper) {
   constexpr double same = 1.0;
-  std::vector<std::pair<PointRef, PointRef>> others = stage.strung();
-  others.resize(stage.scene.springs.size() + i);
+  std::vector<std::pair<PointRef, PointRef>> others;
+  for (const Strung& s : stage.strung()) {
+    if (s.element < damper.element || stores_energy(stage.scene.elements[s.element].law)) others.emplace_back(s.a, s.b);
+  }
   for (const Joint& joint : stage.scene.joints) {
     if (joint.kind == Joint::Kind::bar) others.emplace_back(joint.a, joint.b);
   }
-  const Vec2 a = stage.page(stage.scene.dampers[i].a);
-  const Vec2 b = stage.page(stage.scene.dampers[i].b);
+  const Vec2 a = stage.page(damper.a);
+  const Vec2 b = stage.page(damper.b);
   const auto near = [](Vec2 p, Vec2 q) { return norm(q - p) < same; };
   return static_cast<int>(std::count_if(others.begin(), others.end(), [&](const auto& ends) {
     const Vec2 c = stage.page(ends.first);
@@ -26,8 +28,7 @@ int count_parallel(const Stage& stage, std::size_t i) {
   }));
 }
 
-void draw_damper(Stage& stage, std::size_t i) {
-  const Damper& damper = stage.scene.dampers[i];
+void draw_damper(Stage& stage, const Strung& damper) {
   const bool full = stage.detail == Detail::full;
   const Vec2 a = stage.page(damper.a);
   const Vec2 b = stage.page(damper.b);
@@ -35,19 +36,21 @@ void draw_damper(Stage& stage, std::size_t i) {
   Vec2 side = quarter_turn(b - a);
   if (norm(side) > 0) side = (1 / norm(side)) * side;
   if (side.y < 0) side = -side;
-  const Vec2 shift = ((full ? 20.0 : 10.0) * count_parallel(stage, i)) * side;
+  const Vec2 shift = ((full ? 20.0 : 10.0) * count_parallel(stage, damper)) * side;
   draw_dashpot(stage.canvas, a, b, shift, {.stroke = ink::damper, .width = full ? 1.6 : 0.9});
   stage.signs.insert(Sign::damper);
   if (!full) return;
   stage.setter.avoid(a + shift, b + shift, 14.0);
-  stage.label(damper.name, 0.5 * (a + b) + shift, side, 10, ink::damper);
+  stage.label(stage.scene.elements[damper.element].name, 0.5 * (a + b) + shift, side, 10, ink::damper);
 }
 
 }  // namespace
 
 void draw_dampers(Stage& stage) {
   stage.canvas.open("dampers");
-  for (std::size_t i = 0; i < stage.scene.dampers.size(); ++i) draw_damper(stage, i);
+  for (const Strung& strung : stage.strung()) {
+    if (!stores_energy(stage.scene.elements[strung.element].law)) draw_damper(stage, strung);
+  }
   stage.canvas.close();
 }
 

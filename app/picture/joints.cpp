@@ -57,7 +57,7 @@ Track track_of(const Stage& stage, std::size_t j) {
   if (stage.before) include(stage.before->travel[j]);
   if (joint.a.body != 0) include(0.0);
   for (const Stop& stop : stage.scene.stops) {
-    if (stop.kind != Stop::Kind::travel || stop.joint != static_cast<int>(j)) continue;
+    if (stop.on.kind != Measure::Kind::travel || stop.on.joint != static_cast<int>(j)) continue;
     if (std::isfinite(stop.min)) include(stop.min);
     if (std::isfinite(stop.max)) include(stop.max);
   }
@@ -150,8 +150,8 @@ void name_places(Stage& stage) {
     const std::vector<Vec2> points = stage.points_of(static_cast<int>(i), stage.now);
     for (std::size_t p = 0; p < points.size(); ++p) names.add(points[p], stage.scene.bodies[i].points[p].name);
   }
-  for (const auto& [a, b] : stage.strung()) {
-    for (const PointRef& end : {a, b}) {
+  for (const Strung& strung : stage.strung()) {
+    for (const PointRef& end : {strung.a, strung.b}) {
       if (end.body == 0) names.add(stage.page(end), stage.scene.bodies[0].points[end.point].name);
     }
   }
@@ -192,8 +192,8 @@ void draw_supports(Stage& stage) {
       stage.setter.avoid(at, at + 24.0 * down, 26.0);
     }
   }
-  for (const auto& [a, b] : stage.strung()) {
-    for (const PointRef& end : {a, b}) {
+  for (const Strung& strung : stage.strung()) {
+    for (const PointRef& end : {strung.a, strung.b}) {
       if (end.body != 0 || !stage.shows_ground || !supported.insert(end.point).second) continue;
       const Vec2 at = stage.page(end);
       const Vec2 down = far_side(stage.members_at(at));

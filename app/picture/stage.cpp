@@ -52,9 +52,9 @@ void Stage::choose_scale() {
     if (!joint.has_travel() || joint.a.body != 0) include(joint.a);
     include(joint.b);
   }
-  for (const auto& [a, b] : strung()) {
-    include(a);
-    include(b);
+  for (const Strung& s : strung()) {
+    include(s.a);
+    include(s.b);
   }
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
@@ -80,11 +80,16 @@ void Stage::choose_scale() {
   pin_radius = std::clamp(0.55 * bar_width, 1.6, 4.5);
 }
 
-std::vector<std::pair<PointRef, PointRef>> Stage::strung() const {
-  std::vector<std::pair<PointRef, PointRef>> ends;
-  for (const Spring& spring : scene.springs) ends.emplace_back(spring.a, spring.b);
-  for (const Damper& damper : scene.dampers) ends.emplace_back(damper.a, damper.b);
-  return ends;
+std::vector<Strung> Stage::strung() const {
+  std::vector<Strung> found;
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const Element& element = scene.elements[i];
+    if (!stores_energy(element.law) && !std::holds_alternative<Damper>(element.law)) continue;
+    const Measure& on = element.on;
+    if (on.kind == Measure::Kind::distance) found.push_back({i, on.a, on.b});
+    if (on.kind == Measure::Kind::travel) found.push_back({i, scene.joints[on.joint].a, scene.joints[on.joint].b});
+  }
+  return found;
 }
 
 std::vector<Vec2> Stage::points_of(int body, const Readings& readings) const {
@@ -110,7 +115,7 @@ std::vector<Vec2> Stage::members_at(Vec2 place) const {
     add(page(a), page(b));
     add(page(b), page(a));
   };
-  for (const auto& [a, b] : strung()) add_both(a, b);
+  for (const Strung& s : strung()) add_both(s.a, s.b);
   for (const Joint& joint : scene.joints) {
     if (joint.kind == Joint::Kind::bar) add_both(joint.a, joint.b);
   }

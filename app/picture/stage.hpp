@@ -2,6 +2,7 @@
 
 // What every part of a figure shares: the mechanism at rest, its scale on the page, and the labels that wait to be set.
 
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <string>
@@ -39,6 +40,12 @@ enum class Detail {
   sketch    ///< lines only: hundreds of bodies and more
 };
 
+/// A force element drawn between two points.
+struct Strung {
+  std::size_t element = 0;  ///< index into Scene::elements
+  PointRef a, b;
+};
+
 /// A mechanism on its way to the page.
 class Stage {
  public:
@@ -69,8 +76,8 @@ class Stage {
   /// Direction on the page of a world direction.
   static Vec2 page_direction(Vec2 world) { return conj(world); }
 
-  /// The ends of everything strung between two points: springs, then dampers.
-  std::vector<std::pair<PointRef, PointRef>> strung() const;
+  /// The springs and dampers drawn between two points: upon a distance, or upon the travel of a joint.
+  std::vector<Strung> strung() const;
   /// Points of a body on the page, at rest or in the starting pose.
   std::vector<Vec2> points_of(int body, const Readings& readings) const;
   /// Directions in which things leave a place on the page: bodies, bars, springs and dampers that have a point there.

@@ -24,8 +24,8 @@ const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
 
 void label_pressed(Stage& stage, const Stop& stop, const Reaction& reaction, Vec2 at, Vec2 toward, double gap) {
   if (stage.detail != Detail::full) return;
-  const std::string carried = stop.kind == Stop::Kind::angle ? stage.value(std::abs(reaction.moment), Quantity::moment)
-                                                             : stage.value(norm(reaction.force), Quantity::force);
+  const std::string carried = stop.on.is_angle() ? stage.value(std::abs(reaction.moment), Quantity::moment)
+                                                 : stage.value(norm(reaction.force), Quantity::force);
   stage.label(stop.name + " presses: " + carried + (reaction.determined ? "" : "*"), at, toward, gap, ink::stop);
 }
 
@@ -43,9 +43,9 @@ Vec2 hand_of(const Stage& stage, int body, Vec2 pivot) {
 
 /// An arc over the range that a stop leaves to the moving body, with a mark at each limit.
 void draw_angle_stop(Stage& stage, const Stop& stop, double now, const Reaction* pressed) {
-  const int moving = stop.body_b != 0 ? stop.body_b : stop.body_a;
-  const double sense = stop.body_b != 0 ? 1.0 : -1.0;
-  const Vec2 pivot = stage.pivot(stop.body_a, stop.body_b);
+  const int moving = stop.on.body_b != 0 ? stop.on.body_b : stop.on.body_a;
+  const double sense = stop.on.body_b != 0 ? 1.0 : -1.0;
+  const Vec2 pivot = stage.pivot(stop.on.body_a, stop.on.body_b);
   const double hand = seen_angle(hand_of(stage, moving, pivot));
   const double radius = 30.0;
   // A mark stands beside the bar that leans on it: below the smallest angle, above the largest.
@@ -66,8 +66,8 @@ void draw_angle_stop(Stage& stage, const Stop& stop, double now, const Reaction*
 }
 
 void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* pressed) {
-  const Vec2 a = stage.page(stop.a);
-  const Vec2 b = stage.page(stop.b);
+  const Vec2 a = stage.page(stop.on.a);
+  const Vec2 b = stage.page(stop.on.b);
   const auto [colour, width] = colours(pressed != nullptr);
   stage.canvas.line(a, b, {.stroke = colour, .width = width, .dash = pressed ? "" : "2 4"});
   if (!pressed) return;
@@ -75,18 +75,33 @@ void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* pressed)
   label_pressed(stage, stop, *pressed, 0.5 * (a + b), {0, -1}, 5);
 }
 
-/// Marks across the guide line, where the block's face would meet them.
-void draw_travel_stop(Stage& stage, const Stop& stop, double now, const Reaction* pressed) {
-  const Joint& joint = stage.scene.joints[stop.joint];
-  const Vec2 along = stage.page_direction(joint.axis * unit(stage.now.poses[joint.a.body].angle));
-  const Vec2 across = quarter_turn(along);
-  const double face = joint.kind == Joint::Kind::slide ? 18.0 : stage.pin_radius + 2;
+/// The line on the page along which a length is limited: where it is zero, its direction, and how far what meets the
+/// stop reaches beyond its place.
+struct LimitedLine {
+  Vec2 origin, along;
+  double face = 0.0;  ///< px
+};
+
+LimitedLine guide_line(const Stage& stage, const Joint& joint) {
+  return {stage.page(joint.a), stage.page_direction(joint.axis * unit(stage.now.poses[joint.a.body].angle)),
+          joint.kind == Joint::Kind::slide ? 18.0 : stage.pin_radius + 2};
+}
+
+/// Parallel to a world axis through a point whose coordinate on that axis is `now`.
+LimitedLine world_line(const Stage& stage, PointRef point, double now, Vec2 axis) {
+  const Vec2 along = stage.page_direction(axis);
+  return {stage.page(point) - (stage.scale * now) * along, along, stage.pin_radius + 2};
+}
+
+/// Marks across the line, where the block's face would meet them.
+void draw_line_stop(Stage& stage, const Stop& stop, const LimitedLine& line, double now, const Reaction* pressed) {
+  const Vec2 across = quarter_turn(line.along);
   const auto mark = [&](double limit, double sign) {
     const bool touched = pressed != nullptr && limit == pressed_limit(stop, now).value;
-    const Vec2 at = stage.page(joint.a) + (stage.scale * limit + sign * face) * along;
+    const Vec2 at = line.origin + (stage.scale * limit + sign * line.face) * line.along;
     const Colours c = colours(touched);
     stage.canvas.line(at - 12.0 * across, at + 12.0 * across, {.stroke = c.line, .width = 1.4 * c.width});
-    if (touched) label_pressed(stage, stop, *pressed, at, sign * along, 8);
+    if (touched) label_pressed(stage, stop, *pressed, at, sign * line.along, 8);
   };
   if (std::isfinite(stop.min)) mark(stop.min, -1.0);
   if (std::isfinite(stop.max)) mark(stop.max, 1.0);
@@ -99,19 +114,28 @@ void draw_stops(Stage& stage) {
   stage.canvas.open("stops");
   for (std::size_t i = 0; i < stage.scene.stops.size(); ++i) {
     const Stop& stop = stage.scene.stops[i];
+    const double now = stage.now.stops[i];
     const Reaction* pressed = reaction_of(stage, stop);
-    stage.signs.insert(pressed ? Sign::pressed_stop : Sign::free_stop);
-    switch (stop.kind) {
-      case Stop::Kind::angle:
-        draw_angle_stop(stage, stop, stage.now.stops[i], pressed);
+    switch (stop.on.kind) {
+      case Measure::Kind::angle:
+        draw_angle_stop(stage, stop, now, pressed);
         break;
-      case Stop::Kind::distance:
+      case Measure::Kind::distance:
         draw_distance_stop(stage, stop, pressed);
         break;
-      case Stop::Kind::travel:
-        draw_travel_stop(stage, stop, stage.now.stops[i], pressed);
+      case Measure::Kind::travel:
+        draw_line_stop(stage, stop, guide_line(stage, stage.scene.joints[stop.on.joint]), now, pressed);
         break;
+      case Measure::Kind::x:
+        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {1, 0}), now, pressed);
+        break;
+      case Measure::Kind::y:
+        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {0, 1}), now, pressed);
+        break;
+      case Measure::Kind::sum:
+        continue;  // it has no place of its own
     }
+    stage.signs.insert(pressed ? Sign::pressed_stop : Sign::free_stop);
   }
   stage.canvas.close();
 }

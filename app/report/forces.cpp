@@ -11,15 +11,34 @@
 namespace poise::app {
 namespace {
 
+/// Name of the body on which a measure's force acts, the opposite acting on the first; a sum has several.
+std::string second_body(const Scene& scene, const Measure& on) {
+  switch (on.kind) {
+    case Measure::Kind::angle:
+      return scene.bodies[on.body_b].name;
+    case Measure::Kind::travel:
+      return scene.bodies[scene.joints[on.joint].b.body].name;
+    case Measure::Kind::distance:
+    case Measure::Kind::x:
+    case Measure::Kind::y:
+      return scene.bodies[on.b.body].name;
+    case Measure::Kind::sum:
+      break;
+  }
+  return "(sum)";
+}
+
 std::string line_spring_section(const StaticModel& model, const Readings& readings, const Palette& palette) {
   const Scene& scene = model.scene();
   std::vector<std::string> names;
   std::vector<Cell> notes;
   std::vector<double> lengths, forces;
-  for (std::size_t i = 0; i < scene.springs.size(); ++i) {
-    const SpringReading& reading = readings.springs[i];
-    names.push_back(scene.springs[i].name);
-    lengths.push_back(reading.length);
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const Element& element = scene.elements[i];
+    if (!stores_energy(element.law) || element.on.is_angle()) continue;
+    const ElementReading& reading = readings.elements[i];
+    names.push_back(element.name);
+    lengths.push_back(reading.value);
     forces.push_back(reading.force);
     const bool pushes = reading.force < -rounding_of(model, Quantity::force);
     const bool pulls = reading.force > rounding_of(model, Quantity::force);
@@ -38,37 +57,35 @@ std::string line_spring_section(const StaticModel& model, const Readings& readin
 std::string torsion_spring_section(const StaticModel& model, const Readings& readings, const Palette& palette) {
   const Scene& scene = model.scene();
   std::vector<std::string> names, bodies;
-  for (const TorsionSpring& spring : scene.torsion_springs) {
-    names.push_back(spring.name);
-    bodies.push_back(scene.bodies[spring.b].name);
+  std::vector<double> moments;
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const Element& element = scene.elements[i];
+    if (!stores_energy(element.law) || !element.on.is_angle()) continue;
+    names.push_back(element.name);
+    bodies.push_back(second_body(scene, element.on));
+    moments.push_back(-readings.elements[i].force);
   }
   Table table;
   table.add_text_column("name", names);
   table.add_text_column("on", bodies);
   table.add_number_column(with_unit("moment", Quantity::moment, scene.units),
-                          aligned(in_units(model, Quantity::moment, readings.torsion_moments), force_digits));
+                          aligned(in_units(model, Quantity::moment, moments), force_digits));
   return section("Torsion springs, moment on the named body", table.print(palette), palette);
 }
 
 /// The body that a reaction acts on, by the name of its joint or stop.
 class ReactionBodies {
  public:
-  explicit ReactionBodies(const Scene& scene) : scene_(scene) {
-    for (const Joint& joint : scene.joints) joints_.emplace(joint.name, joint.b.body);
-    for (const Stop& stop : scene.stops) {
-      const int body = stop.kind == Stop::Kind::angle      ? stop.body_b
-                       : stop.kind == Stop::Kind::distance ? stop.b.body
-                                                           : scene.joints[stop.joint].b.body;
-      stops_.emplace(stop.name, body);
-    }
+  explicit ReactionBodies(const Scene& scene) {
+    for (const Joint& joint : scene.joints) joints_.emplace(joint.name, scene.bodies[joint.b.body].name);
+    for (const Stop& stop : scene.stops) stops_.emplace(stop.name, second_body(scene, stop.on));
   }
   const std::string& of(const Reaction& reaction) const {
-    return scene_.bodies[(reaction.kind == "stop" ? stops_ : joints_).at(reaction.name)].name;
+    return (reaction.kind == "stop" ? stops_ : joints_).at(reaction.name);
   }
 
  private:
-  const Scene& scene_;
-  std::unordered_map<std::string, int> joints_, stops_;
+  std::unordered_map<std::string, std::string> joints_, stops_;
 };
 
 }  // namespace

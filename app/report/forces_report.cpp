@@ -71,18 +71,16 @@ std::string stop_facts(const MotionModel& model, const ForcesAnswer& answer, con
 /// What the drives work against though the mechanism's load does not ask for it.
 std::string parallel_facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   std::string out;
-  for (const auto& [parallel, course] : loaded_parallels(model, answer)) {
-    const std::string kind = parallel.element.substr(0, parallel.element.find('.'));
-    const char* field = kind.ends_with("spring") ? "stiffness" : kind == "friction" ? "torque" : "coefficient";
+  for (const auto& [element, drive, course] : loaded_parallels(model, answer)) {
     const double largest = *std::max_element(course.value.begin(), course.value.end(),
                                              [](double a, double b) { return std::abs(a) < std::abs(b); });
     out += fact("in parallel",
-                palette.paint(
-                    Tone::doubtful,
-                    fmt::format("{} acts on what the drive \"{}\" moves, so that it bears this too (up to {} "
-                                "{}); --set \"{}.{}=0\" leaves it out",
-                                parallel.element, parallel.drive, force_text(model, std::abs(largest), course.quantity),
-                                unit_name(course.quantity, model.scene().units), parallel.element, field)),
+                palette.paint(Tone::doubtful,
+                              fmt::format("{} acts on what the drive \"{}\" moves, so that it bears this too (up to {} "
+                                          "{}); --set \"{}.{}=0\" leaves it out",
+                                          course.name, drive, force_text(model, std::abs(largest), course.quantity),
+                                          unit_name(course.quantity, model.scene().units), course.name,
+                                          numbers_of(element.law).front().key_on(&element.on))),
                 palette);
   }
   return out;
@@ -118,7 +116,7 @@ std::string drive_section(const MotionModel& model, const Forces& forces, const 
   std::vector<std::string> names, efforts, of, powers;
   std::vector<Cell> notes;
   for (const DriveEffort& drive : forces.drives) {
-    const Quantity quantity = drive.kind == Drive::Kind::angle ? Quantity::moment : Quantity::force;
+    const Quantity quantity = drive.is_angle ? Quantity::moment : Quantity::force;
     names.push_back(drive.name);
     efforts.push_back(force_text(model, drive.value, quantity));
     of.push_back(unit_name(quantity, units));

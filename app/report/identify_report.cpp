@@ -79,7 +79,7 @@ std::string rms_in_words(const std::vector<double>& rms, const Experiment& exper
     const Sensor& sensor = experiment.sensors[k];
     text += fmt::format("{}{} {} {}", k > 0 ? ", " : "", sensor.name,
                         significant(in_unit(rms[k], sensor, units), residual_digits), unit_name(sensor, units));
-    if (sensor.kind != Sensor::Kind::angle || sensor.rate) continue;
+    if (quantity_of(sensor) != Quantity::angle || sensor.rate) continue;
     squares += rms[k] * rms[k];
     ++angles;
   }

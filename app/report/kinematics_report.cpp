@@ -98,8 +98,7 @@ std::vector<Course> courses_of(const std::vector<std::string>& points, const Sce
 std::string drive_words(const Scene& scene, const std::vector<DriveRange>& ranges, const std::vector<double>& values) {
   std::string out;
   for (std::size_t k = 0; k < ranges.size(); ++k) {
-    const Quantity quantity =
-        find_drive(scene, ranges[k].name).kind == Drive::Kind::angle ? Quantity::angle : Quantity::length;
+    const Quantity quantity = quantity_of(find_drive(scene, ranges[k].name).on);
     double shown = in_unit(values[k], quantity, scene.units);
     if (std::abs(shown) < 1e-9) shown = 0.0;  // singular poses are found to 1e-10
     out += fmt::format("{}{} = {} {}", out.empty() ? "" : ", ", ranges[k].name, significant(shown, 10),

@@ -101,7 +101,8 @@ std::string facts(const MotionModel& model, const ModesAnswer& answer, const Pal
   if (modes.held > 0) freedoms += "; held by " + count(modes.held, "stop that presses", "stops that press");
   out += fact("freedoms", freedoms, palette);
   if (!modes.known) return out + fact("why", modes.why, palette);
-  if (!scene.frictions.empty()) {
+  if (std::any_of(scene.elements.begin(), scene.elements.end(),
+                  [](const Element& e) { return std::holds_alternative<DryFriction>(e.law); })) {
     out += fact("left out", "dry friction, which is not linear: small swings see more of it than this tells", palette);
   }
   if (!scene.drives.empty()) out += fact("left out", "drives: what they move is free here", palette);

@@ -157,7 +157,7 @@ std::string drive_section(const MotionModel& model, const Motion& motion, const 
   std::vector<std::string> names, forces, of, times;
   for (std::size_t d = 0; d < motion.drive_force.size(); ++d) {
     const Drive& drive = model.scene().drives[d];
-    const Quantity quantity = drive.kind == Drive::Kind::angle ? Quantity::moment : Quantity::force;
+    const Quantity quantity = effort_of(drive.on);
     const LargestForce largest = largest_force(motion, d);
     names.push_back(drive.name);
     forces.push_back(significant(in_units(model, quantity, {largest.value}).front(), force_digits));

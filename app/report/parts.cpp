@@ -83,8 +83,9 @@ std::string left_out_section(const StaticModel& model, const Palette& palette) {
 
 std::string friction_line(const Scene& scene, const Palette& palette) {
   std::vector<std::string> names;
-  for (const Friction& friction : scene.frictions) {
-    if (friction.torque != 0.0) names.push_back("\"" + friction.name + "\"");
+  for (const Element& element : scene.elements) {
+    const auto* friction = std::get_if<DryFriction>(&element.law);
+    if (friction != nullptr && friction->force != 0.0) names.push_back("\"" + element.name + "\"");
   }
   if (names.empty()) return "";
   return palette.paint(Tone::doubtful, fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.",

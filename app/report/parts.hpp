@@ -50,7 +50,7 @@ std::string in_words(const Check& check);
 std::string coordinate_sections(const StaticModel& model, const std::vector<const Answer*>& answers,
                                 const std::vector<std::string>& titles, const Palette& palette);
 
-/// Length and force of every spring, moment of every torsion spring.
+/// Length and force of every spring, moment of every torsion spring; constant forces are among them.
 std::string spring_sections(const StaticModel& model, const Readings& readings, const Palette& palette);
 
 /// What every joint, bar and pressing stop carries; reactions that statics leaves open are marked.

@@ -76,7 +76,7 @@ std::string pressing_stops(const StaticModel& model, const Answer& answer) {
       const Stop& stop = scene.stops[i];
       if (stop.name != reaction.name) continue;
       const PressedLimit pressed = pressed_limit(stop, answer.readings->stops[i]);
-      const Quantity quantity = quantity_of(stop);
+      const Quantity quantity = quantity_of(stop.on);
       text +=
           fmt::format("{}\"{}\" presses at its {}, {} {}", text.empty() ? "" : "; ", stop.name, pressed.name,
                       significant(in_unit(pressed.value, quantity, scene.units), 6), unit_name(quantity, scene.units));

@@ -114,6 +114,8 @@ TEST(CommandLine, FreeBodiesHaveAHeadingOfTheirOwn) {
   EXPECT_PRED2(contains, run.out, "Places of free bodies (mm)");
   EXPECT_PRED2(contains, run.out, "tray.x");
   EXPECT_FALSE(contains(run.out, "Slides")) << run.out;
+  const Outcome moved = run_poise({"solve", folder.write("tray.toml", hung_tray), "--set", "start.tray.x=510"});
+  EXPECT_EQ(moved.exit_code, 0) << moved.err;
 }
 
 TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {

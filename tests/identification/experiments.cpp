@@ -15,7 +15,7 @@ Sensor angle_of(const Scene& scene, const std::string& body, double noise) {
   sensor.name = sensor.column = body;
   sensor.noise = noise;
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    if (scene.bodies[i].name == body) sensor.body_b = static_cast<int>(i);
+    if (scene.bodies[i].name == body) sensor.on = Measure::angle_between(0, static_cast<int>(i));
   }
   return sensor;
 }

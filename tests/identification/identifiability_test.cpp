@@ -10,6 +10,7 @@
 
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise {
@@ -58,8 +59,7 @@ rail = 0.02
                         "oscillator");
   Sensor travel;
   travel.name = "x";
-  travel.kind = Sensor::Kind::travel;
-  travel.item = 0;
+  travel.on = Measure::travel_of(0);
   travel.noise = 1e-5;
   e.sensors = {travel};
   e.unknowns = {test::unknown("body.block.mass"), test::unknown("spring.coil.stiffness"),
@@ -315,7 +315,7 @@ TEST(Identifiability, MassAndInertiaOfOneLink) {
   e.scene.bodies[1].center = {0.3, 0};
   e.scene.bodies[1].inertia = 0.2;
   test::add_torsion_spring(e.scene, 0, 1, 5.0);
-  e.scene.torsion_springs[0].name = "coil";
+  test::element(e.scene, "torsion_spring").name = "coil";
   e.sensors = {test::angle_of(e.scene, "1", 1e-4)};
   e.unknowns = {test::unknown("body.1.mass"), test::unknown("body.1.inertia")};
   Release turn;

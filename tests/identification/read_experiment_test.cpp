@@ -9,6 +9,7 @@
 #include "identification/experiment.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/identification/bench.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise {
@@ -58,36 +59,38 @@ TEST(ReadExperiment, ReadsEveryKindOfSensorInSi) {
           .read();
   const std::vector<Sensor>& sensors = experiment.sensors;
   ASSERT_EQ(sensors.size(), 7u);
-  EXPECT_EQ(sensors[0].kind, Sensor::Kind::angle);
+  EXPECT_EQ(sensors[0].on.kind, Measure::Kind::angle);
   EXPECT_EQ(sensors[0].name, "sensor 1");
   EXPECT_EQ(sensors[0].column, "sensor 1");
   EXPECT_EQ(sensors[0].line, 2);
-  EXPECT_EQ(sensors[0].body_a, 0);
-  EXPECT_EQ(sensors[0].body_b, 1);
+  EXPECT_EQ(sensors[0].on.body_a, 0);
+  EXPECT_EQ(sensors[0].on.body_b, 1);
   EXPECT_FALSE(sensors[0].rate);
   EXPECT_DOUBLE_EQ(sensors[0].noise, 0.5 * degree);
   EXPECT_DOUBLE_EQ(sensors[0].zero, 90 * degree);
   EXPECT_DOUBLE_EQ(sensors[0].unit, -2 * degree);
-  EXPECT_EQ(sensors[1].kind, Sensor::Kind::angle);
+  EXPECT_EQ(sensors[1].on.kind, Measure::Kind::angle);
   EXPECT_EQ(sensors[1].name, "knee");
   EXPECT_EQ(sensors[1].column, "phi");
-  EXPECT_EQ(sensors[1].body_a, 1);
-  EXPECT_EQ(sensors[1].body_b, 2);
+  EXPECT_EQ(sensors[1].on.body_a, 1);
+  EXPECT_EQ(sensors[1].on.body_b, 2);
   EXPECT_TRUE(sensors[1].rate);
   EXPECT_DOUBLE_EQ(sensors[1].unit, degree);
-  EXPECT_EQ(sensors[2].kind, Sensor::Kind::travel);
-  EXPECT_EQ(sensors[2].item, 3);
+  EXPECT_EQ(sensors[2].on.kind, Measure::Kind::travel);
+  EXPECT_EQ(sensors[2].on.joint, 3);
   EXPECT_DOUBLE_EQ(sensors[2].zero, 0.01);
   EXPECT_DOUBLE_EQ(sensors[2].unit, 1e-3);
-  EXPECT_EQ(sensors[3].kind, Sensor::Kind::distance);
-  EXPECT_EQ(experiment.scene.name_of(sensors[3].a), "ground.O");
-  EXPECT_EQ(experiment.scene.name_of(sensors[3].b), "rod.C");
-  EXPECT_EQ(sensors[4].kind, Sensor::Kind::x);
-  EXPECT_EQ(experiment.scene.name_of(sensors[4].b), "rod.B");
+  EXPECT_EQ(sensors[3].on.kind, Measure::Kind::distance);
+  EXPECT_EQ(experiment.scene.name_of(sensors[3].on.a), "ground.O");
+  EXPECT_EQ(experiment.scene.name_of(sensors[3].on.b), "rod.C");
+  EXPECT_EQ(sensors[4].on.kind, Measure::Kind::x);
+  EXPECT_EQ(experiment.scene.name_of(sensors[4].on.b), "rod.B");
   EXPECT_DOUBLE_EQ(sensors[4].unit, 1.0);
-  EXPECT_EQ(sensors[5].kind, Sensor::Kind::y);
-  EXPECT_EQ(sensors[6].kind, Sensor::Kind::spring_force);
-  EXPECT_EQ(sensors[6].item, 0);
+  EXPECT_EQ(sensors[5].on.kind, Measure::Kind::y);
+  EXPECT_TRUE(sensors[6].reads_force());
+  EXPECT_EQ(sensors[6].element, static_cast<int>(test::index_of(experiment.scene, "spring", 0)));
+  EXPECT_EQ(sensors[6].on.kind, Measure::Kind::distance);
+  for (int i = 0; i < 6; ++i) EXPECT_FALSE(sensors[i].reads_force());
   EXPECT_DOUBLE_EQ(sensors[6].noise, 0.5);
 }
 

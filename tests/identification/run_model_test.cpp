@@ -11,6 +11,7 @@
 
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
 
@@ -58,12 +59,17 @@ void expect_jacobian(const RunModel& run, double unknown_step, double nuisance_s
   }
 }
 
-Sensor with(Sensor::Kind kind, bool rate, int item = -1) {
+Sensor of(Measure on, bool rate) {
   Sensor sensor;
-  sensor.kind = kind;
+  sensor.on = std::move(on);
   sensor.rate = rate;
-  sensor.item = item;
   sensor.noise = 1e-3;
+  return sensor;
+}
+
+Sensor force_of_spring(const Scene& scene) {
+  Sensor sensor = of(test::element(scene, "spring").on, false);
+  sensor.element = static_cast<int>(test::index_of(scene, "spring"));
   return sensor;
 }
 
@@ -73,26 +79,22 @@ Experiment everything() {
   e.scene = test::four_bar_with_everything();
   const Scene& s = e.scene;
   for (const bool rate : {false, true}) {
-    e.sensors.push_back(with(Sensor::Kind::angle, rate));
-    e.sensors.back().body_a = 1;
-    e.sensors.back().body_b = 3;
-    e.sensors.push_back(with(Sensor::Kind::distance, rate));
-    e.sensors.back().a = test::point(s, "ground.S");
-    e.sensors.back().b = test::point(s, "coupler.P");
-    e.sensors.push_back(with(Sensor::Kind::y, rate));
-    e.sensors.back().b = test::point(s, "coupler.P");
+    e.sensors.push_back(of(Measure::angle_between(1, 3), rate));
+    e.sensors.push_back(of(Measure::distance_between(test::point(s, "ground.S"), test::point(s, "coupler.P")), rate));
+    e.sensors.push_back(of(Measure::y_of(test::point(s, "coupler.P")), rate));
   }
-  e.sensors.push_back(with(Sensor::Kind::spring_force, false, 0));
+  e.sensors.push_back(force_of_spring(s));
   for (const char* path : {"body.coupler.mass", "body.rocker.inertia", "body.crank.center.x", "body.coupler.center.y",
                            "load.F", "load.T"}) {
     e.unknowns.push_back(test::unknown(path));
   }
-  const std::string spring = "spring." + s.springs[0].name, coil = "torsion_spring." + s.torsion_springs[0].name;
-  for (const std::string& path :
+  const auto path = [&](const std::string& table) { return table + "." + test::element(s, table).name; };
+  const std::string spring = path("spring"), coil = path("torsion_spring");
+  for (const std::string& number :
        {spring + ".stiffness", spring + ".free_length", coil + ".stiffness", coil + ".free_angle",
-        "damper." + s.dampers[0].name + ".coefficient", "torsion_damper." + s.torsion_dampers[0].name + ".coefficient",
-        "friction." + s.frictions[0].name + ".torque"}) {
-    e.unknowns.push_back(test::unknown(path));
+        path("damper") + ".coefficient", path("torsion_damper") + ".coefficient", path("friction") + ".torque",
+        path("friction") + ".width"}) {
+    e.unknowns.push_back(test::unknown(number));
   }
   Release turn;
   turn.body = 1;
@@ -106,7 +108,7 @@ TEST(RunModel, JacobianByEveryKindOfNumberAndTheStart) {
   const Experiment e = everything();
   const FitProblem problem(e);
   const RunModel& run = problem.run(0);
-  EXPECT_EQ(run.unknowns(), 13);
+  EXPECT_EQ(run.unknowns(), 14);
   EXPECT_EQ(run.nuisances(), 2);
   expect_jacobian(run, 1e-4, 1e-4, 1e-7);
 }
@@ -115,11 +117,9 @@ TEST(RunModel, JacobianByEveryKindOfNumberAndTheStart) {
 TEST(RunModel, JacobianOfARunThatRests) {
   Experiment e = test::experiment("lift_experiment");
   e.unknowns.push_back(test::unknown("body.platform.center.y"));
-  e.sensors.push_back(with(Sensor::Kind::spring_force, false, 0));
-  e.sensors.push_back(with(Sensor::Kind::angle, true));
-  e.sensors.back().body_b = 1;
-  e.sensors.push_back(with(Sensor::Kind::y, false));
-  e.sensors.back().b = test::point(e.scene, "platform.Q");
+  e.sensors.push_back(force_of_spring(e.scene));
+  e.sensors.push_back(of(Measure::angle_between(0, 1), true));
+  e.sensors.push_back(of(Measure::y_of(test::point(e.scene, "platform.Q")), false));
   for (poise::Run& run : e.runs) run.sample_rate = 100;
   const FitProblem problem(e);
   for (const std::size_t r : {0U, 3U}) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "motion/simulate.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
 
@@ -20,13 +21,14 @@ std::vector<std::string> all_paths(const Scene& scene) {
       paths.push_back("body." + std::string(body) + "." + part);
     }
   }
-  paths.push_back("spring." + scene.springs[0].name + ".stiffness");
-  paths.push_back("spring." + scene.springs[0].name + ".free_length");
-  paths.push_back("torsion_spring." + scene.torsion_springs[0].name + ".stiffness");
-  paths.push_back("torsion_spring." + scene.torsion_springs[0].name + ".free_angle");
-  paths.push_back("damper." + scene.dampers[0].name + ".coefficient");
-  paths.push_back("torsion_damper." + scene.torsion_dampers[0].name + ".coefficient");
-  paths.push_back("friction." + scene.frictions[0].name + ".torque");
+  paths.push_back("spring." + test::element(scene, "spring").name + ".stiffness");
+  paths.push_back("spring." + test::element(scene, "spring").name + ".free_length");
+  paths.push_back("torsion_spring." + test::element(scene, "torsion_spring").name + ".stiffness");
+  paths.push_back("torsion_spring." + test::element(scene, "torsion_spring").name + ".free_angle");
+  paths.push_back("damper." + test::element(scene, "damper").name + ".coefficient");
+  paths.push_back("torsion_damper." + test::element(scene, "torsion_damper").name + ".coefficient");
+  paths.push_back("friction." + test::element(scene, "friction").name + ".torque");
+  paths.push_back("friction." + test::element(scene, "friction").name + ".width");
   paths.push_back("load.F");
   paths.push_back("load.T");
   return paths;

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,6 +16,7 @@
 #include "motion/body_motion.hpp"
 #include "motion/simulate.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/random_mechanism.hpp"
 
@@ -67,10 +71,7 @@ Taken take(const MotionModel& model, const Sensor& sensor, const State& state) {
     v.push_back(state.v[static_cast<std::size_t>(i)]);
   }
   Taken out{0.0, std::vector<double>(state.q.size(), 0.0), std::vector<double>(state.q.size(), 0.0)};
-  const Spring spring = sensor.kind == Sensor::Kind::spring_force
-                            ? model.scene().springs[static_cast<std::size_t>(sensor.item)]
-                            : Spring{};
-  out.value = reader.read(q.data(), v.data(), spring.stiffness, spring.free_length, by_q.data(), by_v.data());
+  out.value = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
   for (std::size_t i = 0; i < own.size(); ++i) {
     out.by_q[static_cast<std::size_t>(own[i])] = by_q[i];
     out.by_v[static_cast<std::size_t>(own[i])] = by_v[i];
@@ -92,35 +93,39 @@ double expected(const MotionModel& model, const Sensor& sensor, const State& sta
     const Vec2 d = place(b) - place(a);
     return sensor.rate ? dot(d, velocity(b) - velocity(a)) / norm(d) : norm(d);
   };
-  const BodyMotion& a = bodies[static_cast<std::size_t>(sensor.body_a)];
-  const BodyMotion& b = bodies[static_cast<std::size_t>(sensor.body_b)];
-  switch (sensor.kind) {
-    case Sensor::Kind::angle:
+  const Measure& on = sensor.on;
+  if (sensor.reads_force()) {
+    const Element& element = scene.elements[static_cast<std::size_t>(sensor.element)];
+    const auto& spring = std::get<LinearSpring>(element.law);
+    const double excess = apart(element.on.a, element.on.b) - spring.free_length;
+    if (spring.acts == LinearSpring::Acts::tension) return spring.stiffness * std::max(0.0, excess);
+    if (spring.acts == LinearSpring::Acts::compression) return spring.stiffness * std::min(0.0, excess);
+    return spring.stiffness * excess;
+  }
+  const BodyMotion& a = bodies[static_cast<std::size_t>(on.body_a)];
+  const BodyMotion& b = bodies[static_cast<std::size_t>(on.body_b)];
+  switch (on.kind) {
+    case Measure::Kind::angle:
       return sensor.rate ? b.rate - a.rate : b.pose.angle - a.pose.angle;
-    case Sensor::Kind::travel: {
+    case Measure::Kind::travel: {
       // Along the axis, which turns with the body of the joint's first point.
-      const Joint& joint = scene.joints[static_cast<std::size_t>(sensor.item)];
+      const Joint& joint = scene.joints[static_cast<std::size_t>(on.joint)];
       const BodyMotion& rail = bodies[static_cast<std::size_t>(joint.a.body)];
       const Vec2 axis = joint.axis * unit(rail.pose.angle);
       const Vec2 d = place(joint.b) - place(joint.a);
       if (!sensor.rate) return dot(axis, d);
       return dot(axis, velocity(joint.b) - velocity(joint.a)) + rail.rate * dot(quarter_turn(axis), d);
     }
-    case Sensor::Kind::distance:
-      return apart(sensor.a, sensor.b);
-    case Sensor::Kind::x:
-      return sensor.rate ? velocity(sensor.b).x : place(sensor.b).x;
-    case Sensor::Kind::y:
-      return sensor.rate ? velocity(sensor.b).y : place(sensor.b).y;
-    case Sensor::Kind::spring_force: {
-      const Spring& spring = scene.springs[static_cast<std::size_t>(sensor.item)];
-      const double excess = apart(spring.a, spring.b) - spring.free_length;
-      if (spring.acts == Spring::Acts::tension) return spring.stiffness * std::max(0.0, excess);
-      if (spring.acts == Spring::Acts::compression) return spring.stiffness * std::min(0.0, excess);
-      return spring.stiffness * excess;
-    }
+    case Measure::Kind::distance:
+      return apart(on.a, on.b);
+    case Measure::Kind::x:
+      return sensor.rate ? velocity(on.b).x : place(on.b).x;
+    case Measure::Kind::y:
+      return sensor.rate ? velocity(on.b).y : place(on.b).y;
+    case Measure::Kind::sum:
+      break;
   }
-  return 0.0;
+  throw std::logic_error("no sensor here reads a sum");
 }
 
 struct Case {
@@ -129,28 +134,24 @@ struct Case {
   std::vector<Sensor> sensors;
 };
 
-Sensor angle(int a, int b) {
+Sensor of(std::string name, Measure on) {
   Sensor s;
-  s.name = "angle";
-  s.body_a = a;
-  s.body_b = b;
+  s.name = std::move(name);
+  s.on = std::move(on);
   return s;
 }
 
-Sensor item(Sensor::Kind kind, int which) {
-  Sensor s;
-  s.name = kind == Sensor::Kind::travel ? "travel" : "force";
-  s.kind = kind;
-  s.item = which;
-  return s;
+Sensor angle(int a, int b) { return of("angle", Measure::angle_between(a, b)); }
+Sensor travel(int joint) { return of("travel", Measure::travel_of(joint)); }
+Sensor distance(const Scene& scene, const std::string& a, const std::string& b) {
+  return of(a + " " + b, Measure::distance_between(test::point(scene, a), test::point(scene, b)));
 }
+Sensor x(const Scene& scene, const std::string& p) { return of("x of " + p, Measure::x_of(test::point(scene, p))); }
+Sensor y(const Scene& scene, const std::string& p) { return of("y of " + p, Measure::y_of(test::point(scene, p))); }
 
-Sensor of_points(Sensor::Kind kind, const Scene& scene, const std::string& a, const std::string& b) {
-  Sensor s;
-  s.name = a + " " + b;
-  s.kind = kind;
-  s.a = test::point(scene, a);
-  s.b = test::point(scene, b);
+Sensor force_of_spring(const Scene& scene, int n) {
+  Sensor s = of("force", test::element(scene, "spring", n).on);
+  s.element = static_cast<int>(test::index_of(scene, "spring", n));
   return s;
 }
 
@@ -158,7 +159,7 @@ Sensor of_points(Sensor::Kind kind, const Scene& scene, const std::string& a, co
 Case both_ways(std::string name, Scene scene, std::vector<Sensor> sensors) {
   const std::size_t count = sensors.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (sensors[i].kind == Sensor::Kind::spring_force) continue;
+    if (sensors[i].reads_force()) continue;
     sensors.push_back(sensors[i]);
     sensors.back().rate = true;
     sensors.back().name += " rate";
@@ -167,31 +168,28 @@ Case both_ways(std::string name, Scene scene, std::vector<Sensor> sensors) {
 }
 
 std::vector<Case> cases() {
-  using Kind = Sensor::Kind;
   // A block on a rail that turns with the rocker; both share one angle.
   const Scene turning = test::quick_return();
   const int crank = 1, rocker = 2, block = 3;
   Case on_rail = both_ways(
       "QuickReturn", turning,
-      {angle(0, crank), angle(crank, rocker), angle(0, block), angle(rocker, block), angle(block, crank),
-       item(Kind::travel, 2), item(Kind::travel, 3), of_points(Kind::distance, turning, "ground.E", "block.c"),
-       of_points(Kind::distance, turning, "crank.B", "block.c"), of_points(Kind::x, turning, "block.c", "block.c"),
-       of_points(Kind::y, turning, "block.c", "block.c"), item(Kind::spring_force, 0)});
+      {angle(0, crank), angle(crank, rocker), angle(0, block), angle(rocker, block), angle(block, crank), travel(2),
+       travel(3), distance(turning, "ground.E", "block.c"), distance(turning, "crank.B", "block.c"),
+       x(turning, "block.c"), y(turning, "block.c"), force_of_spring(turning, 0)});
   // A carriage on a rail that stands still.
   const Scene still = test::driven_five_bar();
   const auto track =
       std::find_if(still.joints.begin(), still.joints.end(), [](const Joint& j) { return j.has_travel(); });
-  Case on_track = both_ways(
-      "FiveBar", still,
-      {item(Kind::travel, static_cast<int>(track - still.joints.begin())),
-       of_points(Kind::distance, still, "ground.A", "swing.D"),
-       of_points(Kind::distance, still, "carriage.E", "left.C"), of_points(Kind::x, still, "carriage.E", "carriage.E"),
-       of_points(Kind::y, still, "swing.D", "swing.D"), item(Kind::spring_force, 0)});
+  Case on_track = both_ways("FiveBar", still,
+                            {travel(static_cast<int>(track - still.joints.begin())),
+                             distance(still, "ground.A", "swing.D"), distance(still, "carriage.E", "left.C"),
+                             x(still, "carriage.E"), y(still, "swing.D"), force_of_spring(still, 0)});
   // Springs that take only pull or only push, one of each slack and taut as the states go.
-  Case one_sided{"OneSided", turning, {item(Kind::spring_force, 0), item(Kind::spring_force, 1)}};
-  one_sided.scene.springs.push_back(one_sided.scene.springs[0]);
-  one_sided.scene.springs[0].acts = Spring::Acts::tension;
-  one_sided.scene.springs[1].acts = Spring::Acts::compression;
+  Scene pair = turning;
+  pair.elements.push_back(test::element(pair, "spring"));
+  test::law<LinearSpring>(pair, "spring", 0).acts = LinearSpring::Acts::tension;
+  test::law<LinearSpring>(pair, "spring", 1).acts = LinearSpring::Acts::compression;
+  Case one_sided{"OneSided", pair, {force_of_spring(pair, 0), force_of_spring(pair, 1)}};
   return {std::move(on_rail), std::move(on_track), std::move(one_sided)};
 }
 
@@ -205,7 +203,7 @@ TEST_P(SensorReaders, ReadWhatTheBodiesDo) {
   for (const Sensor& sensor : GetParam().sensors) {
     for (const State& state : moving_states(model)) {
       EXPECT_NEAR(take(model, sensor, state).value, expected(model, sensor, state),
-                  sensor.kind == Sensor::Kind::spring_force ? 1e-10 : 1e-12)
+                  sensor.reads_force() ? 1e-10 : 1e-12)
           << sensor.name;
     }
   }
@@ -262,11 +260,11 @@ TEST(SensorReader, WhatTheModelDropsIsCarriedAlong) {
   ASSERT_EQ(model.layout().kept, 1);
   const State state{{0.3}, {2.0}};
   const Vec2 at = 2.5 * (Vec2{0.6, 0.8} * unit(0.3));
-  Sensor y = of_points(Sensor::Kind::y, scene, "bead.c", "bead.c");
-  EXPECT_NEAR(take(model, y, state).value, at.y, 1e-14);
-  y.rate = true;
-  EXPECT_NEAR(take(model, y, state).value, 2.0 * at.x, 1e-14);
-  EXPECT_DOUBLE_EQ(take(model, item(Sensor::Kind::travel, 1), state).value, 2.5);
+  Sensor height = y(scene, "bead.c");
+  EXPECT_NEAR(take(model, height, state).value, at.y, 1e-14);
+  height.rate = true;
+  EXPECT_NEAR(take(model, height, state).value, 2.0 * at.x, 1e-14);
+  EXPECT_DOUBLE_EQ(take(model, travel(1), state).value, 2.5);
 }
 
 TEST(SensorReader, BodiesThatNothingMovesStandAtTheirStart) {
@@ -280,8 +278,7 @@ TEST(SensorReader, BodiesThatNothingMovesStandAtTheirStart) {
   const State state{{0.3}, {2.0}};
   EXPECT_DOUBLE_EQ(take(model, angle(0, 2), state).value, 0.7);
   EXPECT_DOUBLE_EQ(take(model, angle(1, 2), state).value, 0.4);
-  EXPECT_NEAR(take(model, of_points(Sensor::Kind::x, scene, "pointer.b", "pointer.b"), state).value,
-              0.5 * std::cos(0.7), 1e-15);
+  EXPECT_NEAR(take(model, x(scene, "pointer.b"), state).value, 0.5 * std::cos(0.7), 1e-15);
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 #include "model/scene.hpp"
 #include "statics/curvature.hpp"
 #include "statics/static_model.hpp"
+#include "tests/support/elements.hpp"
+#include "tests/support/every_measure.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 #include "tests/support/vector_mechanics.hpp"
@@ -138,6 +140,27 @@ TEST(MechanismDerivatives, OfDataSetsMatchDifferences) {
   });
 }
 
+// The same with elements, and stops, upon every kind of measure.
+void for_every_measure(const std::function<void(const Scene&, Random&)>& expect) {
+  for_random_mechanisms(3, [&](const PlantedMechanism& planted, Random& random) {
+    Scene scene = planted.at_rest;
+    test::add_elements_upon_every_measure(scene, random);
+    for (const auto& [name, measure] : test::measures_of(scene, random)) {
+      Stop& stop = scene.stops.emplace_back();
+      stop.name = name;
+      stop.on = measure;
+    }
+    expect(scene, random);
+  });
+}
+
+TEST(MechanismDerivatives, UponEveryMeasureMatchDifferences) {
+  for_every_measure([](const Scene& scene, Random& random) {
+    const StaticModel model(scene);
+    expect_derivatives(model.mechanism(), shaken(model.start(), 0.5, random), random);
+  });
+}
+
 TEST(Mechanism, ClosuresAreTheGapsOfJoints) {
   const auto expect_gaps = [](const Scene& scene, Random& random) {
     const Mechanism<double> mechanism(scene);
@@ -192,8 +215,8 @@ TEST(Mechanism, StopsAreMeasuredBetweenThePlacesOfBodies) {
       const test::Poses poses = mechanism.poses(q.data());
       for (int s = 0; s < mechanism.stops(); ++s) {
         const Stop& stop = planted.scene.stops[s];
-        if (pass == 1 && stop.kind == Stop::Kind::travel) continue;
-        EXPECT_NEAR(c[2 * mechanism.closures() + s], test::stop_value(planted.scene, stop, poses),
+        if (pass == 1 && stop.on.kind == Measure::Kind::travel) continue;
+        EXPECT_NEAR(c[mechanism.stop_row(s)], test::measured(planted.scene, stop.on, poses),
                     1e-12 * (1.0 + mechanism.layout().size))
             << stop.name;
         EXPECT_EQ(mechanism.lower()[s], stop.min);
@@ -204,19 +227,63 @@ TEST(Mechanism, StopsAreMeasuredBetweenThePlacesOfBodies) {
   });
 }
 
+void expect_energy(const Scene& scene, Random& random) {
+  const Mechanism<double> mechanism(scene);
+  const VectorXd p = shaken(mechanism.start(), 1.0, random);
+  const VectorXd q = shaken(mechanism.start(), 1.0, random);
+  const double from = test::potential_energy(scene, mechanism.poses(p.data()));
+  const double to = test::potential_energy(scene, mechanism.poses(q.data()));
+  EXPECT_NEAR(energy(mechanism, q)[0] - energy(mechanism, p)[0], to - from,
+              1e-12 * (std::abs(from) + std::abs(to) + std::abs(energy(mechanism, q)[0])));
+}
+
 TEST(Mechanism, EnergyDiffersByWhatLoadsAndSpringsDo) {
-  const auto expect_energy = [](const Scene& scene, Random& random) {
-    const Mechanism<double> mechanism(scene);
-    const VectorXd p = shaken(mechanism.start(), 1.0, random);
-    const VectorXd q = shaken(mechanism.start(), 1.0, random);
-    const double from = test::potential_energy(scene, mechanism.poses(p.data()));
-    const double to = test::potential_energy(scene, mechanism.poses(q.data()));
-    EXPECT_NEAR(energy(mechanism, q)[0] - energy(mechanism, p)[0], to - from,
-                1e-12 * (std::abs(from) + std::abs(to) + std::abs(energy(mechanism, q)[0])));
-  };
   for_random_mechanisms(6,
                         [&](const PlantedMechanism& planted, Random& random) { expect_energy(planted.scene, random); });
   for_data_sets(expect_energy);
+}
+
+// Open chains with elements upon every kind of measure: all travels are theirs in any pose.
+void for_open_chains(const std::function<void(const Scene&, Random&)>& expect) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    Scene scene = test::plant_mechanism(seed, {.loops = 0}).at_rest;
+    test::add_elements_upon_every_measure(scene, random);
+    expect(scene, random);
+  }
+}
+
+TEST(Mechanism, EnergyUponEveryMeasureIsThatOfThePlacesOfBodies) { for_open_chains(expect_energy); }
+
+TEST(Mechanism, ResistanceTakesThePowerSeenInThePlacesOfBodies) {
+  for_open_chains([](const Scene& scene, Random& random) {
+    const Mechanism<double> mechanism(scene, Purpose::dynamics);
+    const VectorXd q = shaken(mechanism.start(), 1.0, random);
+    const VectorXd v = shaken(std::vector<double>(q.size(), 0.0), 2.0, random);
+    // sum T(dg/dt) g, with the forces as they are here and now: its gradient is what resists.
+    const auto places = [&](const VectorXd& p) { return mechanism.poses(p.data()); };
+    std::vector<double> resistance;
+    for (const Element& element : scene.elements) {
+      constexpr double h = 1e-3;
+      const auto g = [&](double t) { return test::measured(scene, element.on, places(q + t * v)); };
+      const double rate = (8 * (g(h) - g(-h)) - (g(2 * h) - g(-2 * h))) / (12 * h);
+      resistance.push_back(force_of_motion(element.law, g(0), rate).value);
+    }
+    const auto frozen = [&](const VectorXd& p) -> VectorXd {
+      double sum = 0.0;
+      const test::Poses poses = places(p);
+      for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+        sum += resistance[e] * test::measured(scene, scene.elements[e].on, poses);
+      }
+      return VectorXd::Constant(1, sum);
+    };
+    std::vector<Planar<double>> pose(mechanism.pose_size());
+    mechanism.place(q.data(), pose.data());
+    VectorXd force = VectorXd::Zero(q.size());
+    mechanism.add_resistance(pose.data(), v.data(), force.data());
+    EXPECT_LT(error_against_differences(frozen, q, force.transpose()), 1e-9);
+  });
 }
 
 TEST(Mechanism, FollowerForcesDoTheWorkSeenInThePlacesOfBodies) {
@@ -279,15 +346,11 @@ struct Sketch {
     force.vector = vector;
     return scene.forces.emplace_back(force);
   }
-  Spring& spring(int a, Vec2 at_a, int b, Vec2 at_b, double stiffness, double free_length, Spring::Acts acts) {
-    Spring s;
-    s.name = "s" + std::to_string(scene.springs.size());
-    s.a = point(a, at_a);
-    s.b = point(b, at_b);
-    s.stiffness = stiffness;
-    s.free_length = free_length;
-    s.acts = acts;
-    return scene.springs.emplace_back(s);
+  void spring(int a, Vec2 at_a, int b, Vec2 at_b, double stiffness, double free_length, LinearSpring::Acts acts) {
+    const std::string name = "s" + std::to_string(test::count_of(scene, "spring"));
+    const PointRef from = point(a, at_a);
+    const PointRef to = point(b, at_b);
+    scene.elements.push_back(test::line_spring(name, from, to, stiffness, free_length, acts));
   }
 };
 
@@ -329,11 +392,11 @@ TEST(MechanismDerivatives, HoldForSpringsAndStopsOfVanishingLength) {
   for (const double apart : {1e-1, 1e-3, 1e-5, 1e-7}) {
     SCOPED_TRACE(apart);
     Sketch sketch = chain({0.3, 0.3 + M_PI + apart});
-    sketch.spring(0, {0, 0}, 2, {1, 0}, 2.0, 0.5, Spring::Acts::both);
+    sketch.spring(0, {0, 0}, 2, {1, 0}, 2.0, 0.5, LinearSpring::Acts::both);
     Stop stop;
-    stop.kind = Stop::Kind::distance;
-    stop.a = sketch.point(0, {0, 0});
-    stop.b = sketch.point(2, {1, 0});
+    const PointRef from = sketch.point(0, {0, 0});
+    const PointRef to = sketch.point(2, {1, 0});
+    stop.on = Measure::distance_between(from, to);
     sketch.scene.stops.push_back(stop);
     Random random(2);
     const Mechanism<double> mechanism(sketch.scene);
@@ -344,7 +407,7 @@ TEST(MechanismDerivatives, HoldForSpringsAndStopsOfVanishingLength) {
 
 TEST(Mechanism, IsFiniteWhereSpringEndsMeet) {
   Sketch sketch = chain({0.0});
-  sketch.spring(0, {1, 0}, 1, {1, 0}, 2.0, 0.5, Spring::Acts::both);
+  sketch.spring(0, {1, 0}, 1, {1, 0}, 2.0, 0.5, LinearSpring::Acts::both);
   const Mechanism<double> mechanism(sketch.scene);
   DensePoint<double> point = at(mechanism, VectorXd::Zero(1));
   EXPECT_DOUBLE_EQ(energy(mechanism, VectorXd::Zero(1))[0], 0.25);
@@ -367,7 +430,7 @@ TEST(Mechanism, WeighsBodies) {
 
 TEST(Mechanism, CountsTurnsOfTorsionSprings) {
   Sketch sketch = chain({0.7});
-  sketch.scene.torsion_springs.push_back({"t", 0, 1, 3.0, 2 * M_PI});
+  sketch.scene.elements.push_back(test::torsion_spring("t", 0, 1, 3.0, 2 * M_PI));
   const Mechanism<double> mechanism(sketch.scene);
   EXPECT_NEAR(at(mechanism, VectorXd::Constant(1, 0.7)).force[0], 3.0 * (0.7 - 2 * M_PI), 1e-14);
   EXPECT_NEAR(at(mechanism, VectorXd::Constant(1, 0.7 + 2 * M_PI)).force[0], 3.0 * 0.7, 1e-14);
@@ -376,13 +439,14 @@ TEST(Mechanism, CountsTurnsOfTorsionSprings) {
 TEST(Mechanism, SlackSpringsHaveNeitherEnergyNorForce) {
   // The end of the link is 0.5 from (1.5, 0): a free length of 1 leaves it short, one of 0.25 stretched.
   struct Case {
-    Spring::Acts acts;
+    LinearSpring::Acts acts;
     double free_length;
     bool slack;
   };
-  for (const Case& c : {Case{Spring::Acts::tension, 1.0, true}, Case{Spring::Acts::tension, 0.25, false},
-                        Case{Spring::Acts::compression, 1.0, false}, Case{Spring::Acts::compression, 0.25, true},
-                        Case{Spring::Acts::both, 1.0, false}, Case{Spring::Acts::both, 0.25, false}}) {
+  for (const Case& c :
+       {Case{LinearSpring::Acts::tension, 1.0, true}, Case{LinearSpring::Acts::tension, 0.25, false},
+        Case{LinearSpring::Acts::compression, 1.0, false}, Case{LinearSpring::Acts::compression, 0.25, true},
+        Case{LinearSpring::Acts::both, 1.0, false}, Case{LinearSpring::Acts::both, 0.25, false}}) {
     SCOPED_TRACE(c.free_length);
     Sketch sketch = chain({0.3});
     const Vec2 end = unit(0.3);
@@ -405,8 +469,8 @@ TEST(Mechanism, FollowerLoadsMakeTheTangentUnsymmetric) {
   constexpr double k = 2.0;
   constexpr double p = 0.7;
   Sketch sketch = chain({0.0, 0.0});
-  sketch.scene.torsion_springs.push_back({"t1", 0, 1, k, 0.0});
-  sketch.scene.torsion_springs.push_back({"t2", 1, 2, k, 0.0});
+  sketch.scene.elements.push_back(test::torsion_spring("t1", 0, 1, k, 0.0));
+  sketch.scene.elements.push_back(test::torsion_spring("t2", 1, 2, k, 0.0));
   Force& force = sketch.push(2, {1, 0}, {-p, 0});
   force.follows = 2;
   const Mechanism<double> mechanism(sketch.scene);
@@ -458,7 +522,7 @@ TEST(Mechanism, NamesLoadsThatDoNothing) {
   Sketch sketch = chain({0.3});
   sketch.push(1, {1, 0}, {0, -1});
   sketch.push(1, {1, 0}, {0, 0});
-  sketch.spring(0, {1, 1}, 1, {1, 0}, 0.0, 0.5, Spring::Acts::both);
+  sketch.spring(0, {1, 1}, 1, {1, 0}, 0.0, 0.5, LinearSpring::Acts::both);
   const int block = sketch.body("block");
   sketch.join(Joint::Kind::slide, 0, {0, 0}, block, {0, 0});
   sketch.scene.torques.push_back({"twist", block, 1.0});
@@ -472,27 +536,25 @@ TEST(Mechanism, NamesLoadsThatDoNothing) {
 TEST(Mechanism, NamesTorquesAndTorsionSpringsThatDoNothing) {
   Sketch sketch = chain({0.3});
   sketch.push(1, {1, 0}, {0, -1});
-  const int block = sketch.body("block");
-  sketch.join(Joint::Kind::slide, 1, {0, 0}, block, {0, 0});
   sketch.scene.torques.push_back({"idle", 1, 0.0});
-  sketch.scene.torsion_springs.push_back({"soft", 0, 1, 0.0});
-  sketch.scene.torsion_springs.push_back({"between parallels", 1, block, 5.0});
+  sketch.scene.elements.push_back(test::torsion_spring("soft", 0, 1, 0.0));
   const std::string dropped = joined(lay_out(sketch.scene, Purpose::statics).dropped);
   EXPECT_PRED2(contains, dropped, "torque \"idle\": it is zero");
   EXPECT_PRED2(contains, dropped, "torsion spring \"soft\": its stiffness is zero");
-  EXPECT_PRED2(contains, dropped, "torsion spring \"between parallels\": its bodies do not turn against each other");
 }
 
 TEST(Mechanism, NamesWhatOnlyMotionMeets) {
   Sketch sketch = chain({0.3});
   sketch.push(1, {1, 0}, {0, -1});
   Scene& scene = sketch.scene;
-  scene.dampers.push_back({"oil", scene.add_point(0, "far", {1, 1}), scene.add_point(1, "near", {1, 0}), 1.0});
-  scene.torsion_dampers.push_back({"grease", 0, 1, 1.0});
-  scene.frictions.push_back({"dry", 0, 1, 1.0});
+  const PointRef far = scene.add_point(0, "far", {1, 1});
+  const PointRef near = scene.add_point(1, "near", {1, 0});
+  scene.elements.push_back(test::line_damper("oil", far, near, 1.0));
+  scene.elements.push_back(test::torsion_damper("grease", 0, 1, 1.0));
+  scene.elements.push_back(test::friction("dry", 0, 1, 1.0));
   Drive motor;
   motor.name = "motor";
-  motor.body_b = 1;
+  motor.on = Measure::angle_between(0, 1);
   scene.drives.push_back(motor);
   const std::string dropped = joined(lay_out(scene, Purpose::statics).dropped);
   EXPECT_PRED2(contains, dropped, "damper \"oil\": nothing moves in statics");
@@ -554,7 +616,7 @@ TEST(Mechanism, FreeBodiesGetTheirWorldCoordinates) {
   Sketch sketch;
   const int raft = sketch.body("raft", 0.2);
   sketch.scene.start.position[raft] = Vec2{1.0, 2.0};
-  sketch.spring(0, {0, 0}, raft, {0.5, 0}, 1.0, 0.1, Spring::Acts::both);
+  sketch.spring(0, {0, 0}, raft, {0.5, 0}, 1.0, 0.1, LinearSpring::Acts::both);
   const Mechanism<double> mechanism(sketch.scene);
   const Layout& layout = mechanism.layout();
   ASSERT_EQ(layout.kept, 3);

@@ -5,10 +5,12 @@
 #include <limits>
 #include <ostream>
 #include <string>
+#include <variant>
 
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
+#include "tests/support/elements.hpp"
 
 namespace poise {
 namespace {
@@ -233,61 +235,168 @@ TEST(ReadScene, ReadsJointsOfAllKindsInTheOrderOfTheFile) {
 
 TEST(ReadScene, ReadsSprings) {
   const Scene scene = parse_scene(everything, "all.toml");
-  ASSERT_EQ(scene.springs.size(), 3u);
-  EXPECT_EQ(scene.springs[0].name, "spring 1");
-  EXPECT_EQ(scene.springs[1].name, "return");
-  EXPECT_EQ(scene.springs[2].name, "spring 3");
-  EXPECT_DOUBLE_EQ(scene.springs[0].stiffness, 3 * pound_force / inch);
-  EXPECT_NEAR(scene.springs[0].stiffness, 525.380, 1e-3);
-  EXPECT_DOUBLE_EQ(scene.springs[0].free_length, 5 * inch);
-  EXPECT_EQ(scene.springs[0].acts, Spring::Acts::tension);
-  EXPECT_EQ(scene.springs[1].acts, Spring::Acts::compression);
-  EXPECT_EQ(scene.springs[2].acts, Spring::Acts::both);
-  EXPECT_EQ(scene.name_of(scene.springs[0].a), "ground.O");
-  EXPECT_EQ(scene.name_of(scene.springs[0].b), "block.D");
-  ASSERT_EQ(scene.torsion_springs.size(), 1u);
-  const TorsionSpring& torsion = scene.torsion_springs[0];
+  ASSERT_EQ(test::count_of(scene, "spring"), 3);
+  EXPECT_EQ(test::element(scene, "spring", 0).name, "spring 1");
+  EXPECT_EQ(test::element(scene, "spring", 1).name, "return");
+  EXPECT_EQ(test::element(scene, "spring", 2).name, "spring 3");
+  const auto spring = [&](int n) { return test::law<LinearSpring>(scene, "spring", n); };
+  EXPECT_DOUBLE_EQ(spring(0).stiffness, 3 * pound_force / inch);
+  EXPECT_NEAR(spring(0).stiffness, 525.380, 1e-3);
+  EXPECT_DOUBLE_EQ(spring(0).free_length, 5 * inch);
+  EXPECT_EQ(spring(0).acts, LinearSpring::Acts::tension);
+  EXPECT_EQ(spring(1).acts, LinearSpring::Acts::compression);
+  EXPECT_EQ(spring(2).acts, LinearSpring::Acts::both);
+  const Measure& on = test::element(scene, "spring", 0).on;
+  EXPECT_EQ(on.kind, Measure::Kind::distance);
+  EXPECT_EQ(scene.name_of(on.a), "ground.O");
+  EXPECT_EQ(scene.name_of(on.b), "block.D");
+  ASSERT_EQ(test::count_of(scene, "torsion_spring"), 1);
+  const Element& torsion = test::element(scene, "torsion_spring");
   EXPECT_EQ(torsion.name, "torsion spring 1");
-  EXPECT_EQ(torsion.a, 0);
-  EXPECT_EQ(torsion.b, 1);
-  EXPECT_DOUBLE_EQ(torsion.stiffness, 7 * pound_force * inch / degree);
-  EXPECT_DOUBLE_EQ(torsion.free_angle, 450 * degree);
+  EXPECT_EQ(torsion.on.kind, Measure::Kind::angle);
+  EXPECT_EQ(torsion.on.body_a, 0);
+  EXPECT_EQ(torsion.on.body_b, 1);
+  const auto& coil = std::get<LinearSpring>(torsion.law);
+  EXPECT_DOUBLE_EQ(coil.stiffness, 7 * pound_force * inch / degree);
+  EXPECT_DOUBLE_EQ(coil.free_length, 450 * degree);
+  EXPECT_EQ(coil.acts, LinearSpring::Acts::both);
 }
 
 TEST(ReadScene, ReadsDampersAndFriction) {
   const Scene scene = parse_scene(everything, "all.toml");
-  ASSERT_EQ(scene.dampers.size(), 2u);
-  EXPECT_EQ(scene.dampers[0].name, "damper 1");
-  EXPECT_EQ(scene.dampers[0].line, scene.stops[2].line + 4);
-  EXPECT_EQ(scene.name_of(scene.dampers[0].a), "ground.O");
-  EXPECT_EQ(scene.name_of(scene.dampers[0].b), "block.D");
-  EXPECT_DOUBLE_EQ(scene.dampers[0].coefficient, 0.5 * pound_force / inch);
-  EXPECT_EQ(scene.dampers[1].name, "oil");
-  EXPECT_EQ(scene.dampers[1].coefficient, 0.0);
-  ASSERT_EQ(scene.torsion_dampers.size(), 1u);
-  EXPECT_EQ(scene.torsion_dampers[0].name, "torsion damper 1");
-  EXPECT_EQ(scene.torsion_dampers[0].a, 0);
-  EXPECT_EQ(scene.torsion_dampers[0].b, 1);
-  EXPECT_DOUBLE_EQ(scene.torsion_dampers[0].coefficient, 0.25 * pound_force * inch / degree);
-  ASSERT_EQ(scene.frictions.size(), 2u);
-  EXPECT_EQ(scene.frictions[0].name, "friction 1");
-  EXPECT_EQ(scene.frictions[0].a, 1);
-  EXPECT_EQ(scene.frictions[0].b, 3);
-  EXPECT_DOUBLE_EQ(scene.frictions[0].torque, 3 * pound_force * inch);
-  EXPECT_DOUBLE_EQ(scene.frictions[0].width, 2 * degree);
-  EXPECT_EQ(scene.frictions[1].name, "dry");
-  EXPECT_EQ(scene.frictions[1].torque, 0.0);
-  EXPECT_EQ(scene.frictions[1].width, 0.01) << "rad/s, whatever the unit of angles";
+  ASSERT_EQ(test::count_of(scene, "damper"), 2);
+  const Element& damper = test::element(scene, "damper", 0);
+  EXPECT_EQ(damper.name, "damper 1");
+  EXPECT_EQ(damper.line, scene.stops[2].line + 4);
+  EXPECT_EQ(damper.on.kind, Measure::Kind::distance);
+  EXPECT_EQ(scene.name_of(damper.on.a), "ground.O");
+  EXPECT_EQ(scene.name_of(damper.on.b), "block.D");
+  EXPECT_DOUBLE_EQ(test::law<Damper>(scene, "damper", 0).coefficient, 0.5 * pound_force / inch);
+  EXPECT_EQ(test::element(scene, "damper", 1).name, "oil");
+  EXPECT_EQ(test::law<Damper>(scene, "damper", 1).coefficient, 0.0);
+  ASSERT_EQ(test::count_of(scene, "torsion_damper"), 1);
+  const Element& torsion = test::element(scene, "torsion_damper");
+  EXPECT_EQ(torsion.name, "torsion damper 1");
+  EXPECT_EQ(torsion.on.kind, Measure::Kind::angle);
+  EXPECT_EQ(torsion.on.body_a, 0);
+  EXPECT_EQ(torsion.on.body_b, 1);
+  EXPECT_DOUBLE_EQ(test::law<Damper>(scene, "torsion_damper").coefficient, 0.25 * pound_force * inch / degree);
+  ASSERT_EQ(test::count_of(scene, "friction"), 2);
+  const Element& friction = test::element(scene, "friction", 0);
+  EXPECT_EQ(friction.name, "friction 1");
+  EXPECT_EQ(friction.on.kind, Measure::Kind::angle);
+  EXPECT_EQ(friction.on.body_a, 1);
+  EXPECT_EQ(friction.on.body_b, 3);
+  EXPECT_DOUBLE_EQ(test::law<DryFriction>(scene, "friction", 0).force, 3 * pound_force * inch);
+  EXPECT_DOUBLE_EQ(test::law<DryFriction>(scene, "friction", 0).width, 2 * degree);
+  EXPECT_EQ(test::element(scene, "friction", 1).name, "dry");
+  EXPECT_EQ(test::law<DryFriction>(scene, "friction", 1).force, 0.0);
+  EXPECT_EQ(test::law<DryFriction>(scene, "friction", 1).width, 0.01) << "rad/s, whatever the unit of angles";
+}
+
+// Two bodies, a slide between the ground and one of them, and the elements.
+Scene with_elements(const std::string& elements) {
+  return parse_scene(
+      "[units]\nlength = 'in'\nforce = 'lbf'\nangle = 'deg'\n"
+      "[ground]\npoints = { O = [0, 0], S = [1, 0] }\n[body.crank]\npoints = { O = [0, 0], B = [1, 0] }\n"
+      "[body.rod]\npoints = { B = [0, 0] }\n"
+      "[[slide]]\nname = 'ram'\npoints = ['ground.S', 'rod.B']\naxis = [1, 0]\n" +
+          elements,
+      "s.toml");
+}
+
+TEST(ReadScene, ReadsElementsUponEveryMeasure) {
+  const Scene scene = with_elements(R"toml(
+    [[spring]]
+    bodies = ["crank", "rod"]
+    stiffness = 3
+    acts = "compression"
+    [[spring]]
+    slide = "ram"
+    stiffness = 3
+    free_length = -2
+    [[spring]]
+    x = "crank.B"
+    stiffness = 3
+    free_length = 2
+    [[spring]]
+    y = "crank.B"
+    stiffness = 3
+    free_length = -2
+    [[spring]]
+    sum = [{ factor = 2, slide = "ram" }, { factor = -0.5, points = ["ground.O", "rod.B"] }]
+    stiffness = 3
+    free_length = 2
+    [[spring]]
+    sum = [{ factor = 2, bodies = ["ground", "crank"] }, { factor = 3, bodies = ["crank", "rod"] }]
+    stiffness = 3
+    free_angle = 2
+    [[constant_force]]
+    slide = "ram"
+    force = -7
+    [[constant_force]]
+    name = "clockwork"
+    bodies = ["ground", "crank"]
+    torque = 7
+    [[damper]]
+    bodies = ["ground", "crank"]
+    coefficient = 5
+    [[friction]]
+    slide = "ram"
+    force = 4
+    width = 2
+    [[stop]]
+    x = "crank.B"
+    min = -2)toml");
+  const auto spring = [&](int n) { return test::law<LinearSpring>(scene, "spring", n); };
+  const auto on = [&](int n) { return test::element(scene, "spring", n).on; };
+  ASSERT_EQ(test::count_of(scene, "spring"), 6);
+  EXPECT_EQ(on(0).kind, Measure::Kind::angle);
+  EXPECT_EQ(on(0).body_a, 1);
+  EXPECT_EQ(on(0).body_b, 2);
+  EXPECT_DOUBLE_EQ(spring(0).stiffness, 3 * pound_force * inch / degree);
+  EXPECT_EQ(spring(0).free_length, 0.0);
+  EXPECT_EQ(spring(0).acts, LinearSpring::Acts::compression);
+  EXPECT_EQ(on(1).kind, Measure::Kind::travel);
+  EXPECT_EQ(on(1).joint, 0);
+  EXPECT_DOUBLE_EQ(spring(1).stiffness, 3 * pound_force / inch);
+  EXPECT_DOUBLE_EQ(spring(1).free_length, -2 * inch);
+  EXPECT_EQ(on(2).kind, Measure::Kind::x);
+  EXPECT_EQ(scene.name_of(on(2).b), "crank.B");
+  EXPECT_EQ(on(3).kind, Measure::Kind::y);
+  EXPECT_EQ(scene.name_of(on(3).b), "crank.B");
+  EXPECT_DOUBLE_EQ(spring(3).free_length, -2 * inch);
+  EXPECT_EQ(on(4).kind, Measure::Kind::sum);
+  EXPECT_FALSE(on(4).is_angle());
+  ASSERT_EQ(on(4).terms.size(), 2u);
+  EXPECT_EQ(on(4).terms[0].factor, 2.0);
+  EXPECT_EQ(on(4).terms[0].measure.kind, Measure::Kind::travel);
+  EXPECT_EQ(on(4).terms[1].factor, -0.5);
+  EXPECT_EQ(on(4).terms[1].measure.kind, Measure::Kind::distance);
+  EXPECT_EQ(scene.name_of(on(4).terms[1].measure.a), "ground.O");
+  EXPECT_TRUE(on(5).is_angle());
+  EXPECT_DOUBLE_EQ(spring(5).stiffness, 3 * pound_force * inch / degree);
+  EXPECT_DOUBLE_EQ(spring(5).free_length, 2 * degree);
+  ASSERT_EQ(test::count_of(scene, "constant_force"), 2);
+  EXPECT_EQ(test::element(scene, "constant_force", 0).name, "constant force 1");
+  EXPECT_DOUBLE_EQ(test::law<ConstantForce>(scene, "constant_force", 0).force, -7 * pound_force);
+  EXPECT_EQ(test::element(scene, "constant_force", 1).name, "clockwork");
+  EXPECT_DOUBLE_EQ(test::law<ConstantForce>(scene, "constant_force", 1).force, 7 * pound_force * inch);
+  EXPECT_DOUBLE_EQ(test::law<Damper>(scene, "damper").coefficient, 5 * pound_force * inch / degree);
+  EXPECT_DOUBLE_EQ(test::law<DryFriction>(scene, "friction").force, 4 * pound_force);
+  EXPECT_DOUBLE_EQ(test::law<DryFriction>(scene, "friction").width, 2 * inch);
+  EXPECT_EQ(scene.stops[0].on.kind, Measure::Kind::x);
+  EXPECT_DOUBLE_EQ(scene.stops[0].min, -2 * inch);
 }
 
 TEST(ReadScene, ReadsDrives) {
   const Scene scene = parse_scene(everything, "all.toml");
   ASSERT_EQ(scene.drives.size(), 2u);
   const Drive& turning = scene.drives[0];
-  EXPECT_EQ(turning.kind, Drive::Kind::angle);
+  EXPECT_EQ(turning.on.kind, Measure::Kind::angle);
   EXPECT_EQ(turning.name, "drive 1");
-  EXPECT_EQ(turning.body_a, 0);
-  EXPECT_EQ(turning.body_b, 1);
+  EXPECT_EQ(turning.on.body_a, 0);
+  EXPECT_EQ(turning.on.body_b, 1);
   EXPECT_DOUBLE_EQ(turning.start.value(), 30 * degree);
   EXPECT_DOUBLE_EQ(turning.rate, -360 * degree);
   EXPECT_DOUBLE_EQ(turning.acceleration, 12 * degree);
@@ -295,10 +404,10 @@ TEST(ReadScene, ReadsDrives) {
   EXPECT_EQ(turning.frequency, 2.5);
   EXPECT_DOUBLE_EQ(turning.phase, 90 * degree);
   const Drive& feed = scene.drives[1];
-  EXPECT_EQ(feed.kind, Drive::Kind::travel);
+  EXPECT_EQ(feed.on.kind, Measure::Kind::travel);
   EXPECT_EQ(feed.name, "feed");
   EXPECT_EQ(feed.line, turning.line + 9);
-  EXPECT_EQ(feed.joint, 0);
+  EXPECT_EQ(feed.on.joint, 0);
   EXPECT_FALSE(feed.start.has_value());
   EXPECT_DOUBLE_EQ(feed.rate, 1.5 * inch);
   EXPECT_DOUBLE_EQ(feed.acceleration, -2 * inch);
@@ -325,19 +434,19 @@ TEST(ReadScene, ReadsLoads) {
 TEST(ReadScene, ReadsStops) {
   const Scene scene = parse_scene(everything, "all.toml");
   ASSERT_EQ(scene.stops.size(), 3u);
-  EXPECT_EQ(scene.stops[0].kind, Stop::Kind::angle);
+  EXPECT_EQ(scene.stops[0].on.kind, Measure::Kind::angle);
   EXPECT_EQ(scene.stops[0].name, "stop 1");
-  EXPECT_EQ(scene.stops[0].body_a, 0);
-  EXPECT_EQ(scene.stops[0].body_b, 1);
+  EXPECT_EQ(scene.stops[0].on.body_a, 0);
+  EXPECT_EQ(scene.stops[0].on.body_b, 1);
   EXPECT_DOUBLE_EQ(scene.stops[0].min, -10 * degree);
   EXPECT_DOUBLE_EQ(scene.stops[0].max, 200 * degree);
-  EXPECT_EQ(scene.stops[1].kind, Stop::Kind::distance);
+  EXPECT_EQ(scene.stops[1].on.kind, Measure::Kind::distance);
   EXPECT_EQ(scene.stops[1].name, "tether");
-  EXPECT_EQ(scene.name_of(scene.stops[1].b), "block.D");
+  EXPECT_EQ(scene.name_of(scene.stops[1].on.b), "block.D");
   EXPECT_EQ(scene.stops[1].min, -std::numeric_limits<double>::infinity());
   EXPECT_DOUBLE_EQ(scene.stops[1].max, 12 * inch);
-  EXPECT_EQ(scene.stops[2].kind, Stop::Kind::travel);
-  EXPECT_EQ(scene.stops[2].joint, 0);
+  EXPECT_EQ(scene.stops[2].on.kind, Measure::Kind::travel);
+  EXPECT_EQ(scene.stops[2].on.joint, 0);
   EXPECT_DOUBLE_EQ(scene.stops[2].min, -1 * inch);
   EXPECT_EQ(scene.stops[2].max, std::numeric_limits<double>::infinity());
 }
@@ -448,7 +557,7 @@ TEST(ReadScene, ReadsTheExampleOfItsDocumentation) {
   const Scene scene = parse_scene(text.substr(begin + fence.size(), end - begin - fence.size()), "scene-files.md");
   EXPECT_EQ(scene.bodies.size(), 4u);
   EXPECT_EQ(scene.joints.size(), 4u);
-  EXPECT_DOUBLE_EQ(scene.springs[0].stiffness, 2500.0);
+  EXPECT_DOUBLE_EQ(test::law<LinearSpring>(scene, "spring").stiffness, 2500.0);
   EXPECT_EQ(scene.start.travel[3].value(), 0.3);
 }
 
@@ -483,6 +592,9 @@ const std::string two_bodies =
     "points = { O = [0, 0], B = [1, 0] }\n"
     "[body.rod]\n"
     "points = { B = [0, 0] }\n";
+
+const std::string every_measure =
+    "bodies (relative angle), points (distance), slide (travel), x (of a point), y (of a point), sum (of the others)";
 
 const std::string slide_ram = two_bodies + "[[slide]]\nname = 'ram'\npoints = ['ground.S', 'rod.B']\naxis = [1, 0]\n";
 
@@ -519,12 +631,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, pin_in_slot, "
-            "weld, bar, spring, torsion_spring, damper, torsion_damper, friction, drive, force, torque, stop, start; "
+            "weld, bar, spring, torsion_spring, constant_force, damper, torsion_damper, friction, drive, force, torque, "
+            "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo?dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
-                 "pin_in_slot, weld, bar, spring, torsion_spring, damper, torsion_damper, friction, drive, force, "
-                 "torque, stop, start; did you mean \"body\"?"},
+                 "pin_in_slot, weld, bar, spring, torsion_spring, constant_force, damper, torsion_damper, friction, "
+                 "drive, force, torque, stop, start; did you mean \"body\"?"},
         BadScene{"TitleNotText", "title = 3\n", "1: title: expected a string, found a number"},
         BadScene{"SourceNotText", "source = 2024-01-01\n", "1: source: expected a string, found a date or time"},
         BadScene{"GravityNotVector", "gravity = 9.81\n", "1: gravity: expected two numbers [X, Y], found a number"},
@@ -639,7 +752,7 @@ INSTANTIATE_TEST_SUITE_P(
     SpringsAndLoads, ReadBadScene,
     testing::Values(
         after("SpringKey", "[[spring]]\nstifness = 1\n",
-              "8: spring 1.stifness: expected one of the keys name, points, stiffness, free_length, acts; "
+              "8: spring 1.stifness: expected one of the keys name, bodies, points, slide, x, y, sum, stiffness, free_length, acts; "
               "did you mean \"stiffness\"?"),
         after("SpringStiffnessMissing", "[[spring]]\npoints = ['ground.O', 'rod.B']\nfree_length = 1\n",
               "7: spring 1: expected the key stiffness; add stiffness = NUMBER"),
@@ -661,7 +774,7 @@ INSTANTIATE_TEST_SUITE_P(
               "[[spring]]\nname = 'k'\n",
               "13: spring \"k\".name: expected a name of its own; \"k\" is taken in line 8"),
         after("TorsionKey", "[[torsion_spring]]\npoints = ['ground.O', 'rod.B']\n",
-              "8: torsion_spring 1.points: expected one of the keys name, bodies, stiffness, free_angle; "
+              "8: torsion_spring 1.points: expected one of the keys name, bodies, stiffness, free_angle, acts; "
               "did you mean \"bodies\"?"),
         after("TorsionBody", "[[torsion_spring]]\nbodies = ['gruond', 'rod']\nstiffness = 1\n",
               "8: torsion_spring 1.bodies: expected the name of a body, found \"gruond\"; did you mean \"ground\"?"),
@@ -699,14 +812,14 @@ INSTANTIATE_TEST_SUITE_P(
     DampersAndDrives, ReadBadScene,
     testing::Values(
         after("DamperKey", "[[damper]]\nstiffness = 1\n",
-              "8: damper 1.stiffness: expected one of the keys name, points, coefficient; "
+              "8: damper 1.stiffness: expected one of the keys name, bodies, points, slide, x, y, sum, coefficient; "
               "did you mean \"points\"?"),
         after("DamperCoefficientMissing", "[[damper]]\nname = 'oil'\npoints = ['ground.O', 'rod.B']\n",
               "7: damper \"oil\": expected the key coefficient; add coefficient = NUMBER"),
         after("DamperCoefficientNegative", "[[damper]]\npoints = ['ground.O', 'rod.B']\ncoefficient = -1\n",
               "9: damper 1.coefficient: expected a finite number >= 0, found -1"),
         after("DamperPointsMissing", "[[damper]]\ncoefficient = 1\n",
-              "7: damper 1: expected the key points; add points = [\"...\", \"...\"]"),
+              "7: damper 1: expected one of the keys " + every_measure),
         after("DamperInOneBody", "[[damper]]\npoints = ['crank.O', 'crank.B']\ncoefficient = 1\n",
               "8: damper 1.points: expected points of two different bodies, found two of \"crank\""),
         after("DamperUnknownPoint", "[[damper]]\npoints = ['ground.O', 'rod.C']\ncoefficient = 1\n",
@@ -729,7 +842,8 @@ INSTANTIATE_TEST_SUITE_P(
               "[[torsion_damper]]\nname = 'oil'\n",
               "12: torsion_damper \"oil\".name: expected a name of its own; \"oil\" is taken in line 8"),
         after("FrictionKey", "[[friction]]\nvalue = 1\n",
-              "8: friction 1.value: expected one of the keys name, bodies, torque, width; did you mean \"name\"?"),
+              "8: friction 1.value: expected one of the keys name, bodies, points, slide, x, y, sum, force, width; "
+              "did you mean \"name\"?"),
         after("FrictionTorqueMissing", "[[friction]]\nbodies = ['ground', 'rod']\n",
               "7: friction 1: expected the key torque; add torque = NUMBER"),
         after("FrictionTorqueNegative", "[[friction]]\nbodies = ['ground', 'rod']\ntorque = -1\n",
@@ -766,15 +880,60 @@ INSTANTIATE_TEST_SUITE_P(
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(
+    Measures, ReadBadScene,
+    testing::Values(
+        after("SpringOfNothing", "[[spring]]\nstiffness = 1\nfree_length = 1\n",
+              "7: spring 1: expected one of the keys " + every_measure),
+        after("SpringOfTwoThings", "[[spring]]\nbodies = ['ground', 'rod']\nx = 'rod.B'\nstiffness = 1\n",
+              "7: spring 1: expected one of the keys " + every_measure),
+        after("SpringOfAnAngleKey", "[[spring]]\nbodies = ['ground', 'rod']\nstiffness = 1\nfree_length = 1\n",
+              "10: spring 1.free_length: expected one of the keys name, bodies, stiffness, free_angle, acts; "
+              "did you mean \"free_angle\"?"),
+        after_slide("SpringOfASlideKey", "[[spring]]\nslide = 'ram'\nstiffness = 1\nfree_angle = 1\n",
+                    "14: spring 1.free_angle: expected one of the keys name, slide, stiffness, free_length, acts; "
+                    "did you mean \"free_length\"?"),
+        after_slide("SpringOfASlideFreeLengthMissing", "[[spring]]\nslide = 'ram'\nstiffness = 1\n",
+                    "11: spring 1: expected the key free_length; add free_length = NUMBER"),
+        after_slide("SpringSlideUnknown", "[[spring]]\nslide = 'rma'\nstiffness = 1\nfree_length = 1\n",
+                    "12: spring 1.slide: expected the name of a slide or pin_in_slot, found \"rma\"; "
+                    "did you mean \"ram\"?"),
+        after("SpringXUnknown", "[[spring]]\nx = 'rod.C'\nstiffness = 1\nfree_length = 1\n",
+              "8: spring 1.x: expected a point of \"rod\", found \"rod.C\"; did you mean \"rod.B\"?"),
+        after_slide("FrictionOfASlideKey", "[[friction]]\nslide = 'ram'\ntorque = 1\n",
+                    "13: friction 1.torque: expected one of the keys name, slide, force, width; "
+                    "did you mean \"force\"?"),
+        after_slide("FrictionForceMissing", "[[friction]]\nslide = 'ram'\n",
+                    "11: friction 1: expected the key force; add force = NUMBER"),
+        after("ConstantForceMissing", "[[constant_force]]\nx = 'rod.B'\n",
+              "7: constant_force 1: expected the key force; add force = NUMBER"),
+        after("ConstantForceNotFinite", "[[constant_force]]\nbodies = ['ground', 'rod']\ntorque = inf\n",
+              "9: constant_force 1.torque: expected a finite number, found inf"),
+        after("SumEmpty", "[[spring]]\nsum = []\nstiffness = 1\nfree_length = 1\n",
+              "8: spring 1.sum: expected one term or more, { factor = NUMBER, slide = \"...\" }, say"),
+        after("SumOfAnglesAndLengths",
+              "[[spring]]\nsum = [{ factor = 1, x = 'rod.B' },\n{ factor = 1, bodies = ['ground', 'rod'] }]\n"
+              "stiffness = 1\nfree_length = 1\n",
+              "9: spring 1.sum 2: expected terms that are all angles (bodies) or all lengths (points, slide, x, y)"),
+        after("SumFactorMissing", "[[spring]]\nsum = [{ x = 'rod.B' }]\nstiffness = 1\nfree_length = 1\n",
+              "8: spring 1.sum 1: expected the key factor; add factor = NUMBER"),
+        after("SumTermOfNothing", "[[spring]]\nsum = [{ factor = 1 }]\nstiffness = 1\nfree_length = 1\n",
+              "8: spring 1.sum 1: expected one of the keys bodies (relative angle), points (distance), slide (travel), "
+              "x (of a point), y (of a point)"),
+        after("DriveOfAPoint", "[[drive]]\nx = 'rod.B'\n",
+              "8: drive 1.x: expected one of the keys name, bodies, slide, start, rate, acceleration, amplitude, "
+              "frequency, phase; did you mean \"name\"?")),
+    name_of_case);
+
+INSTANTIATE_TEST_SUITE_P(
     StopsAndStart, ReadBadScene,
     testing::Values(
         after("StopKey", "[[stop]]\nbody = ['ground', 'rod']\n",
-              "8: stop 1.body: expected one of the keys name, bodies, points, slide, min, max; "
+              "8: stop 1.body: expected one of the keys name, bodies, points, slide, x, y, sum, min, max; "
               "did you mean \"bodies\"?"),
         after("StopOfNothing", "[[stop]]\nmin = 1\n",
-              "7: stop 1: expected one of the keys bodies (relative angle), points (distance), slide (travel)"),
+              "7: stop 1: expected one of the keys " + every_measure),
         after("StopOfTwoThings", "[[stop]]\nbodies = ['ground', 'rod']\npoints = ['ground.O', 'rod.B']\nmin = 1\n",
-              "7: stop 1: expected one of the keys bodies (relative angle), points (distance), slide (travel)"),
+              "7: stop 1: expected one of the keys " + every_measure),
         after("StopWithoutLimit", "[[stop]]\nbodies = ['ground', 'rod']\n",
               "7: stop 1: expected the key min, max or both; add max = NUMBER"),
         after("StopLimitsExchanged", "[[stop]]\nbodies = ['ground', 'rod']\nmin = 2\nmax = 1\n",

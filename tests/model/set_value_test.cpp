@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
+#include "tests/support/elements.hpp"
 
 namespace poise {
 namespace {
@@ -129,10 +130,10 @@ TEST_F(SetValue, SetsSprings) {
   set_value(scene, "spring.spring 1.free_length", 3);
   set_value(scene, "torsion_spring.coil.stiffness", 4);
   set_value(scene, "torsion_spring.coil.free_angle", -400);
-  EXPECT_DOUBLE_EQ(scene.springs[0].stiffness, 2 * pound_force / inch);
-  EXPECT_DOUBLE_EQ(scene.springs[0].free_length, 3 * inch);
-  EXPECT_DOUBLE_EQ(scene.torsion_springs[0].stiffness, 4 * pound_force * inch / degree);
-  EXPECT_DOUBLE_EQ(scene.torsion_springs[0].free_angle, -400 * degree);
+  EXPECT_DOUBLE_EQ(test::law<LinearSpring>(scene, "spring").stiffness, 2 * pound_force / inch);
+  EXPECT_DOUBLE_EQ(test::law<LinearSpring>(scene, "spring").free_length, 3 * inch);
+  EXPECT_DOUBLE_EQ(test::law<LinearSpring>(scene, "torsion_spring").stiffness, 4 * pound_force * inch / degree);
+  EXPECT_DOUBLE_EQ(test::law<LinearSpring>(scene, "torsion_spring").free_length, -400 * degree);
 }
 
 TEST_F(SetValue, SetsDampersAndFriction) {
@@ -140,10 +141,10 @@ TEST_F(SetValue, SetsDampersAndFriction) {
   set_value(scene, "torsion_damper.grease.coefficient", 3);
   set_value(scene, "friction.dry.torque", 4);
   set_value(scene, "friction.dry.width", 5);
-  EXPECT_DOUBLE_EQ(scene.dampers[0].coefficient, 2 * pound_force / inch);
-  EXPECT_DOUBLE_EQ(scene.torsion_dampers[0].coefficient, 3 * pound_force * inch / degree);
-  EXPECT_DOUBLE_EQ(scene.frictions[0].torque, 4 * pound_force * inch);
-  EXPECT_DOUBLE_EQ(scene.frictions[0].width, 5 * degree);
+  EXPECT_DOUBLE_EQ(test::law<Damper>(scene, "damper").coefficient, 2 * pound_force / inch);
+  EXPECT_DOUBLE_EQ(test::law<Damper>(scene, "torsion_damper").coefficient, 3 * pound_force * inch / degree);
+  EXPECT_DOUBLE_EQ(test::law<DryFriction>(scene, "friction").force, 4 * pound_force * inch);
+  EXPECT_DOUBLE_EQ(test::law<DryFriction>(scene, "friction").width, 5 * degree);
 }
 
 TEST_F(SetValue, SetsDrives) {
@@ -250,7 +251,7 @@ TEST_F(SetValue, RefusesValuesOutOfRangeAndKeepsTheOld) {
   EXPECT_EQ(message("drive.motor.frequency", -1), "drive.motor.frequency: expected a finite number >= 0, found -1");
   EXPECT_EQ(message("drive.motor.start", nan), "drive.motor.start: expected a finite number, found nan");
   EXPECT_EQ(message("point.crank.B.x", nan), "point.crank.B.x: expected a finite number, found nan");
-  EXPECT_DOUBLE_EQ(scene.frictions[0].width, 1 * degree);
+  EXPECT_DOUBLE_EQ(test::law<DryFriction>(scene, "friction").width, 1 * degree);
   EXPECT_FALSE(scene.drives[0].start.has_value());
   EXPECT_DOUBLE_EQ(norm(scene.forces[0].vector), 5 * pound_force);
   EXPECT_DOUBLE_EQ(scene.joints[2].length, 1 * inch);
@@ -351,7 +352,7 @@ TEST_F(SetValue, NamesTheNearestPathToReadToo) {
 }
 
 TEST_F(SetValue, RefusesTwoValuesOfTheSameName) {
-  scene.springs.push_back(scene.springs[0]);
+  scene.elements.push_back(test::element(scene, "spring"));
   EXPECT_EQ(message("spring.spring 1.stiffness", 1),
             "spring.spring 1.stiffness: expected one value, found several; give them different names");
 }

@@ -10,6 +10,7 @@
 #include "motion/rest_pose.hpp"
 #include "statics/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
@@ -70,8 +71,8 @@ TEST(InverseDynamics, SwingingPendulumPullsAtItsPin) {
 TEST(InverseDynamics, MotorGivesTheMomentThatTheMotionTakes) {
   constexpr double m = 3.0, inertia = 0.2, q = 0.9, w = -1.7, spin_up = 40.0;
   Scene scene = pendulum(m, inertia);
-  scene.torsion_dampers.push_back({"oil", 0, 1, 0.6, 0});
-  scene.frictions.push_back({"rub", 0, 1, 1.5, 0.1, 0});
+  scene.elements.push_back(test::torsion_damper("oil", 0, 1, 0.6));
+  scene.elements.push_back(test::friction("rub", 0, 1, 1.5, 0.1));
   test::add_torsion_spring(scene, 0, 1, 7.0, 0.2);
   const MotionModel model(scene);
   const Forces forces = forces_at(model, {q}, {w}, {spin_up}, {find_drive(scene, "arm")});
@@ -82,9 +83,11 @@ TEST(InverseDynamics, MotorGivesTheMomentThatTheMotionTakes) {
               (inertia + m * 0.16) * spin_up + m * gravity * 0.4 * std::cos(q) + 7.0 * (q - 0.2) + 0.6 * w + friction,
               1e-11);
   EXPECT_NEAR(forces.drives[0].power, forces.drives[0].value * w, 1e-12);
-  EXPECT_NEAR(forces.torsion_damper_moment[0], -0.6 * w, 1e-15);
-  EXPECT_NEAR(forces.friction_moment[0], -friction, 1e-15);
-  EXPECT_NEAR(forces.torsion_spring_moment[0], -7.0 * (q - 0.2), 1e-15);
+  // The moments on the second body are their opposites.
+  const auto against = [&](const char* table) { return forces.element_force[test::index_of(scene, table)]; };
+  EXPECT_NEAR(-against("torsion_damper"), -0.6 * w, 1e-15);
+  EXPECT_NEAR(-against("friction"), -friction, 1e-15);
+  EXPECT_NEAR(-against("torsion_spring"), -7.0 * (q - 0.2), 1e-15);
 }
 
 TEST(InverseDynamics, SaysWhatNothingTakesUp) {
@@ -108,7 +111,7 @@ TEST(InverseDynamics, BlockOnATurningRodFeelsCoriolis) {
   scene.bodies[2].inertia = 0.02;
   test::add_pin(scene, "ground.O", "rod.a", "O");
   test::add_slide(scene, "rod.a", "block.a", {1, 0}, "run");
-  scene.dampers.push_back({"drag", test::point(scene, "ground.O"), test::point(scene, "block.a"), c, 0});
+  scene.elements.push_back(test::line_damper("drag", test::point(scene, "ground.O"), test::point(scene, "block.a"), c));
   const MotionModel model(scene);
   const std::vector<Drive> drives = {find_drive(scene, "rod"), find_drive(scene, "run")};
   const Forces forces = forces_at(model, {q, s}, {w, s1}, {w1, s2}, drives);
@@ -117,7 +120,7 @@ TEST(InverseDynamics, BlockOnATurningRodFeelsCoriolis) {
               1e-12);
   EXPECT_NEAR(forces.drives[1].value, m * (s2 - s * w * w + gravity * std::sin(q)) + c * s1, 1e-12);
   EXPECT_NEAR(forces.drives[1].rate, s1, 1e-15);
-  EXPECT_NEAR(forces.damper_tension[0], c * s1, 1e-14);
+  EXPECT_NEAR(forces.element_force[test::index_of(scene, "damper")], c * s1, 1e-14);
 }
 
 // Thesis eqs. 44-46: the pose that hangs in balance takes no torque at the first bar, and its pins carry the weights
@@ -193,7 +196,7 @@ TEST(InverseDynamics, FourBarReactionsChangeTheMomenta) {
 // Power of the motor over a full turn of the crank is what the damper took: the energies come back to themselves.
 TEST(InverseDynamics, MotorPaysForTheDamperOverATurn) {
   Scene scene = read_scene(test::dataset("four_bar_gravity.toml"));
-  scene.torsion_dampers.push_back({"oil", 0, 3, 0.8, 0});
+  scene.elements.push_back(test::torsion_damper("oil", 0, 3, 0.8));
   const MotionModel model(scene);
   SweepOptions options;
   options.rate = 3.0;
@@ -218,7 +221,7 @@ TEST(InverseDynamics, CylinderHoldsTheLift) {
   for (const json& known : answers.at("entries")) {
     SCOPED_TRACE(known.dump());
     Scene scene = read_scene(test::dataset("lift.toml"));
-    scene.springs.clear();
+    test::erase_elements(scene, "spring");
     set_value(scene, "body.payload.mass", known.at("payload"));
     const MotionModel model(scene);
     const double q = known.at("q");
@@ -235,7 +238,7 @@ TEST(InverseDynamics, CylinderHoldsTheLift) {
     expect_consistent(moves);
     const double rate = 0.3 * known.at("dl_dq").get<double>();
     EXPECT_NEAR(moves.drives[0].rate, rate, 1e-10 * rate);
-    EXPECT_NEAR(moves.damper_tension[0], 4000 * rate, 1e-6 * rate);
+    EXPECT_NEAR(moves.element_force[test::index_of(scene, "damper")], 4000 * rate, 1e-6 * rate);
   }
 }
 
@@ -253,8 +256,8 @@ TEST(InverseDynamics, FreeMotionsOfRandomMechanismsAreInBalance) {
       scene.bodies[i].inertia += 0.1;
     }
     const int last = static_cast<int>(scene.bodies.size()) - 1;
-    scene.torsion_dampers.push_back({"oil", 1, last, 0.4, 0});
-    scene.frictions.push_back({"rub", 0, last, 0.7, 0.5, 0});
+    scene.elements.push_back(test::torsion_damper("oil", 1, last, 0.4));
+    scene.elements.push_back(test::friction("rub", 0, last, 0.7, 0.5));
     const StaticModel statics(scene);
     const MotionModel model(scene);
     const std::vector<double> x = motion_coordinates(model, statics, assemble(statics));
@@ -363,24 +366,26 @@ TEST(InverseDynamics, NamesWhatActsInParallelWithADrive) {
     std::string out;
     for (const ParallelElement& p : parallel_elements(MotionModel(scene), {find_drive(scene, drive)})) {
       EXPECT_EQ(p.drive, drive);
-      out += p.element + " ";
+      out += scene.elements[p.element].name + ", ";
     }
     return out;
   };
   // The oil acts between A and D, which pins keep at the cylinder's ends.
   const Scene lift = read_scene(test::dataset("lift.toml"));
-  EXPECT_EQ(named(lift, "stroke"), "spring.oil damper.oil film ");
+  EXPECT_EQ(named(lift, "stroke"), "oil, oil film, ");
   EXPECT_EQ(named(lift, "obd"), "");
   Scene scene = test::chain(3, 1.0, 1.0);
   const auto body = [&](const std::string& name) { return test::point(scene, name + ".a").body; };
-  scene.torsion_dampers.push_back({"back", body("1"), 0, 1.0});
-  scene.frictions.push_back({"elsewhere", body("1"), body("2"), 1.0});
+  scene.elements.push_back(test::torsion_damper("back", body("1"), 0, 1.0));
+  scene.elements.push_back(test::friction("elsewhere", body("1"), body("2"), 1.0));
   test::add_link(scene, "block", 0.1);
-  test::add_slide(scene, "3.a", "block.a", {1, 0}, "run");
-  scene.springs.push_back({"beside", test::point(scene, "block.b"), test::point(scene, "3.b"), 5.0});
-  scene.springs.push_back({"to the ground", test::point(scene, "ground.O"), test::point(scene, "block.b"), 5.0});
-  EXPECT_EQ(named(scene, "1"), "torsion_damper.back ");
-  EXPECT_EQ(named(scene, "run"), "spring.beside ");
+  const int run = test::add_slide(scene, "3.a", "block.a", {1, 0}, "run");
+  const PointRef end = test::point(scene, "block.b");
+  scene.elements.push_back(test::line_spring("beside", end, test::point(scene, "3.b"), 5.0, 0.1));
+  scene.elements.push_back(test::line_spring("to the ground", test::point(scene, "ground.O"), end, 5.0, 0.1));
+  scene.elements.push_back(test::make_element("spring", "lock", Measure::travel_of(run), LinearSpring{5.0}));
+  EXPECT_EQ(named(scene, "1"), "back, ");
+  EXPECT_EQ(named(scene, "run"), "beside, lock, ");
 }
 
 TEST(InverseDynamics, MeasuresRatesThatOpenALoop) {

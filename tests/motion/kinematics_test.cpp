@@ -298,8 +298,7 @@ TEST(Kinematics, StopThatIsPassedWithinOneStepIsMet) {
   constexpr double r = 0.05, l = 0.17, short_by = 1e-7;
   Scene scene = slider_crank(r, l, -0.7);
   Stop stop;
-  stop.kind = Stop::Kind::travel;
-  stop.joint = 3;
+  stop.on = Measure::travel_of(3);
   stop.max = r + l - short_by;
   scene.stops.push_back(stop);
   const KinematicsResult result = sweep(scene, {{"crank", -0.73, 0.8}});

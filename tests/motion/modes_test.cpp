@@ -9,6 +9,7 @@
 #include "motion/rest_pose.hpp"
 #include "statics/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise {
@@ -51,25 +52,15 @@ Scene spring_mass_chain(int count, double m, double k) {
     scene.bodies[body].mass = m;
     const int joint = test::add_slide(scene, "ground.O", name + ".c", {1, 0}, "x" + name);
     scene.start.travel[joint] = i + 0.1;
-    Spring spring;
-    spring.name = "s" + name;
-    spring.a = test::point(scene, before);
-    spring.b = test::point(scene, name + ".c");
-    spring.stiffness = k;
-    spring.free_length = 1.0;
-    scene.springs.push_back(spring);
+    scene.elements.push_back(
+        test::line_spring("s" + name, test::point(scene, before), test::point(scene, name + ".c"), k, 1.0));
     before = name + ".c";
   }
   return scene;
 }
 
 void add_damper(Scene& scene, const std::string& a, const std::string& b, double coefficient) {
-  Damper damper;
-  damper.name = a + "-" + b;
-  damper.a = test::point(scene, a);
-  damper.b = test::point(scene, b);
-  damper.coefficient = coefficient;
-  scene.dampers.push_back(damper);
+  scene.elements.push_back(test::line_damper(a + "-" + b, test::point(scene, a), test::point(scene, b), coefficient));
 }
 
 TEST(Modes, PendulumSwingsByItsMomentAboutThePin) {
@@ -166,18 +157,14 @@ TEST(Modes, ExponentsSolveTheQuadraticEigenproblem) {
 
 TEST(Modes, TorsionDamperTakesFromARelativeTurn) {
   Scene scene = pendulum(-1.5);
-  TorsionDamper damper;
-  damper.name = "joint";
-  damper.b = 1;
-  damper.coefficient = 0.3;
-  scene.torsion_dampers.push_back(damper);
+  scene.elements.push_back(test::torsion_damper("joint", 0, 1, 0.3));
   const Vibration mode = modes_at_rest(scene).vibrations.at(0);
   EXPECT_NEAR(mode.growth, -0.3 / (2 * (0.2 + 3.0 * 0.4 * 0.4)), 1e-13);
 }
 
 TEST(Modes, FreeBlockIsNeutral) {
   Scene scene = spring_mass_chain(2, 1.0, 20.0);
-  scene.springs.erase(scene.springs.begin());  // the pair may drift, and swings against itself
+  scene.elements.erase(scene.elements.begin());  // the pair may drift, and swings against itself
   const Modes modes = modes_at_rest(scene);
   ASSERT_EQ(modes.vibrations.size(), 2u);
   EXPECT_EQ(modes.vibrations[0].kind, Kind::neutral);
@@ -205,7 +192,7 @@ TEST(Modes, MasslessBlockFollowsItsSprings) {
 TEST(Modes, SayWhatNeitherInertiaNorStiffnessHolds) {
   Scene scene = spring_mass_chain(3, 3.0, 40.0);
   scene.bodies[2].mass = scene.bodies[3].mass = 0.0;
-  scene.springs.erase(scene.springs.begin() + 1);
+  scene.elements.erase(scene.elements.begin() + 1);
   const Modes modes = modes_at_rest(scene);
   EXPECT_FALSE(modes.known);
   EXPECT_NE(modes.why.find("moves without inertia and without stiffness"), std::string::npos) << modes.why;
@@ -256,7 +243,7 @@ TEST(Modes, LittleDampingLowersZieglersLoad) {
   const auto damped = [](double load) {
     Scene scene = ziegler(load);
     for (int i = 1; i <= 2; ++i)
-      scene.torsion_dampers.push_back({std::string("c").append(std::to_string(i)), i - 1, i, 1e-3, 0});
+      scene.elements.push_back(test::torsion_damper(std::string("c").append(std::to_string(i)), i - 1, i, 1e-3));
     return modes_at_rest(scene);
   };
   EXPECT_EQ(damped(41.0 / 28 - 1e-3).vibrations[0].kind, Kind::swings);
@@ -266,9 +253,8 @@ TEST(Modes, LittleDampingLowersZieglersLoad) {
 TEST(Modes, PressingStopHolds) {
   Scene scene = spring_mass_chain(2, 1.0, 20.0);
   Stop stop;
-  stop.kind = Stop::Kind::travel;
+  stop.on = Measure::travel_of(1);
   stop.name = "wall";
-  stop.joint = 1;
   stop.max = 1.5;
   scene.stops.push_back(stop);
   scene.start.travel[0] = 0.9;
@@ -301,8 +287,8 @@ TEST(Modes, LiftSwingsAsItsReducedEquationSays) {
     SCOPED_TRACE(known.dump());
     Scene scene = read_scene(test::dataset("lift.toml"));
     set_value(scene, "body.payload.mass", known.at("payload"));
-    scene.springs[0].free_length =
-        known.at("l").get<double>() + known.at("cyl_force_N").get<double>() / scene.springs[0].stiffness;
+    auto& spring = test::law<LinearSpring>(scene, "spring");
+    spring.free_length = known.at("l").get<double>() + known.at("cyl_force_N").get<double>() / spring.stiffness;
     const double q = known.at("q");
     const KinematicSample at = sweep(scene, {{"obd", q, q}}).samples.front();
     for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.start.angle[i] = at.bodies[i].pose.angle;

@@ -9,6 +9,7 @@
 
 #include "motion/modes.hpp"
 #include "motion/simulate.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/motions.hpp"
 
@@ -102,7 +103,7 @@ TEST(MotionReferences, AndrewsSqueezer) {
 
 Scene undamped_lift() {
   Scene scene = read_scene(dataset("lift.toml"));
-  scene.dampers.clear();
+  test::erase_elements(scene, "damper");
   return scene;
 }
 

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <functional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -15,6 +17,7 @@
 #include "solvers/real50.hpp"
 #include "tests/motion/compiled_motion.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/random_mechanism.hpp"
@@ -29,7 +32,6 @@ using test::evaluate;
 using test::random_state;
 using test::start;
 using test::State;
-using Element = Mechanism<double>::Element;
 
 State<Real> in_50_digits(const State<double>& s) {
   return {Real(s.t), {s.q.begin(), s.q.end()}, {s.z.begin(), s.z.end()}, {s.w.begin(), s.w.end()}};
@@ -62,9 +64,8 @@ constexpr double same = 1e-18;
 
 Scene friction_pendulum() {
   Scene scene = read_scene(test::dataset("double_pendulum.toml"));
-  for (Friction& f : scene.frictions) {
-    f.torque = 2e-2;
-    f.width = 0.9;
+  for (int k = 0; k < test::count_of(scene, "friction"); ++k) {
+    test::law<DryFriction>(scene, "friction", k) = {2e-2, 0.9};
   }
   return scene;
 }
@@ -79,6 +80,7 @@ std::vector<Case> cases() {
           {"FourBar", test::four_bar_with_everything},
           {"Follower", test::four_bar_with_follower},
           {"QuickReturn", test::quick_return},
+          {"EveryMeasure", test::quick_return_with_every_measure},
           {"Driven", test::driven_five_bar},
           {"Lift", [] { return read_scene(test::dataset("lift.toml")); }},
           {"Andrews", [] { return read_scene(test::dataset("andrews.toml")); }}};
@@ -190,10 +192,9 @@ Influence inertial(int body, double mass, Vec2 first, double moment) {
   return influence;
 }
 
-Influence forceful(Element element, int index) {
+Influence forceful(const ForceNumber& number) {
   Influence influence;
-  influence.element = element;
-  influence.index = index;
+  influence.force = number;
   return influence;
 }
 
@@ -219,30 +220,34 @@ std::vector<Number> inertias_of(const Scene& scene) {
   return numbers;
 }
 
-// Items of one list of the scene, each with one number on which forces depend linearly.
-template <class Item>
-void list(std::vector<Number>& numbers, const std::vector<Item>& items, std::vector<Item> Scene::*where,
-          double Item::*number, Element element) {
-  for (int i = 0; i < static_cast<int>(items.size()); ++i) {
-    numbers.push_back({"element " + std::to_string(static_cast<int>(element)) + " of " + std::to_string(i),
-                       forceful(element, i), [=](Scene& s, double by) { (s.*where)[i].*number += by; }});
+// All numbers of all force elements.
+std::vector<Number> elements_of(const Scene& scene) {
+  std::vector<Number> numbers;
+  for (int i = 0; i < static_cast<int>(scene.elements.size()); ++i) {
+    const Element& element = scene.elements[i];
+    const std::span<const poise::Number> all = numbers_of(element.law);
+    for (int k = 0; k < static_cast<int>(all.size()); ++k) {
+      const auto add = [=](Scene& s, double by) {
+        std::visit([&](auto& law) { law.numbers[k].set(&law, law.numbers[k].get(&law).value() + by); },
+                   s.elements[i].law);
+      };
+      numbers.push_back({element.family() + " \"" + element.name + "\", " + std::string(all[k].key),
+                         forceful({ForceNumber::Of::element, i, k}), add});
+    }
   }
+  return numbers;
 }
 
-std::vector<Number> elements_of(const Scene& s) {
+std::vector<Number> loads_of(const Scene& s) {
   std::vector<Number> numbers;
-  list(numbers, s.springs, &Scene::springs, &Spring::stiffness, Element::stiffness);
-  list(numbers, s.springs, &Scene::springs, &Spring::free_length, Element::free_length);
-  list(numbers, s.torsion_springs, &Scene::torsion_springs, &TorsionSpring::stiffness, Element::torsion_stiffness);
-  list(numbers, s.torsion_springs, &Scene::torsion_springs, &TorsionSpring::free_angle, Element::free_angle);
-  list(numbers, s.dampers, &Scene::dampers, &Damper::coefficient, Element::damping);
-  list(numbers, s.torsion_dampers, &Scene::torsion_dampers, &TorsionDamper::coefficient, Element::torsion_damping);
-  list(numbers, s.frictions, &Scene::frictions, &Friction::torque, Element::friction);
-  list(numbers, s.torques, &Scene::torques, &Torque::value, Element::torque);
+  for (int i = 0; i < static_cast<int>(s.torques.size()); ++i) {
+    numbers.push_back({"torque " + s.torques[i].name, forceful({ForceNumber::Of::torque, i, 0}),
+                       [=](Scene& scene, double by) { scene.torques[i].value += by; }});
+  }
   for (int i = 0; i < static_cast<int>(s.forces.size()); ++i) {
     if (s.forces[i].follows >= 0) continue;
     const Vec2 along = (1 / norm(s.forces[i].vector)) * s.forces[i].vector;
-    numbers.push_back({"force " + s.forces[i].name, forceful(Element::force, i),
+    numbers.push_back({"force " + s.forces[i].name, forceful({ForceNumber::Of::force, i, 0}),
                        [=](Scene& scene, double by) { scene.forces[i].vector += by * along; }});
   }
   return numbers;
@@ -260,7 +265,8 @@ Values changed(const Scene& scene, const Number& number, double by, const std::v
 }
 
 TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
-  // The least inertia here is 1e-7 kg m^2; forces are linear in their numbers, so that only rounding of these counts.
+  // The least inertia here is 1e-7 kg m^2. Forces are linear in loads, so that only rounding of these counts, and smooth
+  // in the numbers of elements, where the steps are exact in double.
   struct Group {
     std::vector<Number> numbers;
     double step, tolerance;
@@ -271,7 +277,8 @@ TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
   start(at, q0_, state);
   ASSERT_TRUE(evaluate(at, state));
   for (const auto& [numbers, by, tolerance] :
-       {Group{inertias_of(scene_), 0x1p-70, 1e-15}, Group{elements_of(scene_), 0x1p-3, 1e-12}}) {
+       {Group{inertias_of(scene_), 0x1p-70, 1e-15}, Group{elements_of(scene_), 0x1p-25, 1e-12},
+        Group{loads_of(scene_), 0x1p-3, 1e-12}}) {
     for (const Number& number : numbers) {
       SCOPED_TRACE(number.name);
       const Values more = changed(scene_, number, by, q0_, state);

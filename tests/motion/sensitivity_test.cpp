@@ -4,11 +4,13 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "motion/simulate.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/motions.hpp"
 #include "tests/support/moving_scenes.hpp"
@@ -17,8 +19,6 @@
 namespace poise {
 namespace {
 
-using Element = Mechanism<double>::Element;
-
 // A number of the scene, SI, and what the equations of motion depend on where it grows by one unit.
 struct Number {
   std::string name;
@@ -26,15 +26,23 @@ struct Number {
   std::function<Influence(const Scales&)> influence;
 };
 
-Number force_number(const std::string& name, Element element, int index, std::function<double&(Scene&)> in,
+Number force_number(const std::string& name, const ForceNumber& number, std::function<double&(Scene&)> in,
                     std::function<double(const Scales&)> by) {
   return {name, std::move(in), [=](const Scales& scales) {
             Influence influence;
-            influence.element = element;
-            influence.index = index;
+            influence.force = number;
             influence.by = by(scales);
             return influence;
           }};
+}
+
+// Of the law of the table's one element its number k, the member `in`.
+template <class L>
+Number element_number(const std::string& name, const Scene& scene, const char* table, double L::*in, int k,
+                      std::function<double(const Scales&)> by) {
+  return force_number(
+      name, {ForceNumber::Of::element, static_cast<int>(test::index_of(scene, table)), k},
+      [=](Scene& s) -> double& { return test::law<L>(s, table).*in; }, std::move(by));
 }
 
 double stiffness_unit(const Scales& s) { return s.length / s.force; }
@@ -68,37 +76,31 @@ struct Case {
   int body;  // whose inertia is asked about
 };
 
-std::vector<Number> line_numbers() {
-  return {force_number(
-              "stiffness", Element::stiffness, 0, [](Scene& s) -> double& { return s.springs[0].stiffness; },
-              stiffness_unit),
-          force_number(
-              "free length", Element::free_length, 0, [](Scene& s) -> double& { return s.springs[0].free_length; },
-              length_unit),
-          force_number(
-              "damping", Element::damping, 0, [](Scene& s) -> double& { return s.dampers[0].coefficient; },
-              stiffness_unit)};
+std::vector<Number> line_numbers(const Scene& s) {
+  return {element_number("stiffness", s, "spring", &LinearSpring::stiffness, 0, stiffness_unit),
+          element_number("free length", s, "spring", &LinearSpring::free_length, 1, length_unit),
+          element_number("damping", s, "damper", &Damper::coefficient, 0, stiffness_unit)};
 }
 
-std::vector<Number> four_bar_numbers() {
-  std::vector<Number> numbers = line_numbers();
+std::vector<Number> four_bar_numbers(const Scene& s) {
+  std::vector<Number> numbers = line_numbers(s);
+  numbers.push_back(element_number("torsion", s, "torsion_spring", &LinearSpring::stiffness, 0, torque_unit));
+  numbers.push_back(element_number("friction", s, "friction", &DryFriction::force, 0, torque_unit));
   numbers.push_back(force_number(
-      "torsion", Element::torsion_stiffness, 0, [](Scene& s) -> double& { return s.torsion_springs[0].stiffness; },
+      "torque", {ForceNumber::Of::torque, 0, 0}, [](Scene& scene) -> double& { return scene.torques[0].value; },
       torque_unit));
-  numbers.push_back(force_number(
-      "friction", Element::friction, 0, [](Scene& s) -> double& { return s.frictions[0].torque; }, torque_unit));
-  numbers.push_back(force_number(
-      "torque", Element::torque, 0, [](Scene& s) -> double& { return s.torques[0].value; }, torque_unit));
   return numbers;
 }
 
+Scene lift() { return read_scene(test::dataset("lift.toml")); }
+
 std::vector<Case> cases() {
-  return {
-      {"FourBar", test::four_bar_with_everything, {{}, {{"crank", 3.0}}}, four_bar_numbers(), 1.0, 2},
-      {"Follower", test::four_bar_with_follower, {}, four_bar_numbers(), 1.5, 3},
-      {"QuickReturn", test::quick_return, {{}, {{"crank", 4.0}}}, line_numbers(), 0.6, 2},
-      {"Driven", test::driven_five_bar, {}, line_numbers(), 0.6, 3},
-      {"Lift", [] { return read_scene(test::dataset("lift.toml")); }, {{{"obd", 0.39}}, {}}, line_numbers(), 1.0, 6}};
+  return {{"FourBar", test::four_bar_with_everything, {{}, {{"crank", 3.0}}}, four_bar_numbers(test::four_bar_with_everything()),
+           1.0, 2},
+          {"Follower", test::four_bar_with_follower, {}, four_bar_numbers(test::four_bar_with_follower()), 1.5, 3},
+          {"QuickReturn", test::quick_return, {{}, {{"crank", 4.0}}}, line_numbers(test::quick_return()), 0.6, 2},
+          {"Driven", test::driven_five_bar, {}, line_numbers(test::driven_five_bar()), 0.6, 3},
+          {"Lift", lift, {{{"obd", 0.39}}, {}}, line_numbers(lift()), 1.0, 6}};
 }
 
 class Sensitivities : public testing::TestWithParam<Case> {

@@ -12,6 +12,7 @@
 #include "motion/inverse_dynamics.hpp"
 #include "motion/kinematics.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/motions.hpp"
 #include "tests/support/moving_scenes.hpp"
@@ -26,37 +27,39 @@ std::vector<double> times(double end, int count) {
   return t;
 }
 
-// m x'' + c x' + k (x - 1) = 0 on a rail, from x = 1.5 at rest.
+// m x'' + c x' + k (x - 1) = 0 on a rail, from x = 1.5 at rest: x is the distance of two points, the travel, a
+// coordinate, or half the sum of two of them.
 TEST(Simulate, MassOnASpringDiesAwayByItsClosedForm) {
   constexpr double m = 2.0, k = 50.0, c = 1.2;
-  Scene scene;
-  scene.add_point(0, "O", {0, 0});
-  const int body = scene.add_body("mass");
-  scene.add_point(body, "c", {0, 0});
-  scene.bodies[body].mass = m;
-  scene.start.travel[test::add_slide(scene, "ground.O", "mass.c", {1, 0}, "x")] = 1.5;
-  const PointRef a = test::point(scene, "ground.O");
-  const PointRef b = test::point(scene, "mass.c");
-  Spring spring;
-  spring.a = a;
-  spring.b = b;
-  spring.stiffness = k;
-  spring.free_length = 1.0;
-  scene.springs.push_back(spring);
-  scene.dampers.push_back({"oil", a, b, c, 0});
-  const MotionModel model(scene);
-  const Motion motion = test::moved(model, test::released(model, {}), 10.0);
+  Scene rail;
+  rail.add_point(0, "O", {0, 0});
+  const int body = rail.add_body("mass");
+  rail.add_point(body, "c", {0, 0});
+  rail.bodies[body].mass = m;
+  const int x_travel = test::add_slide(rail, "ground.O", "mass.c", {1, 0}, "x");
+  rail.start.travel[x_travel] = 1.5;
+  const PointRef b = test::point(rail, "mass.c");
+  const Measure distance = Measure::distance_between(test::point(rail, "ground.O"), b);
+  const Measure travel = Measure::travel_of(x_travel);
   const double decay = c / (2 * m);
   const double omega = std::sqrt(k / m - decay * decay);
-  const std::vector<double> t = times(10.0, 777);
-  const std::vector<test::Reading> read = test::read_at(motion, t);
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    const double fading = 0.5 * std::exp(-decay * t[i]);
-    const double x = 1 + fading * (std::cos(omega * t[i]) + decay / omega * std::sin(omega * t[i]));
-    ASSERT_NEAR(read[i].q[0], x, 1e-10) << t[i];
-    ASSERT_NEAR(read[i].v[0], -fading * (omega + decay * decay / omega) * std::sin(omega * t[i]), 1e-9) << t[i];
+  for (const Measure& on : {distance, travel, Measure::x_of(b), Measure::sum_of({{0.5, distance}, {0.5, travel}})}) {
+    SCOPED_TRACE(static_cast<int>(on.kind));
+    Scene scene = rail;
+    scene.elements.push_back(test::make_element("spring", "", on, LinearSpring{k, 1.0}));
+    scene.elements.push_back(test::make_element("damper", "oil", on, Damper{c}));
+    const MotionModel model(scene);
+    const Motion motion = test::moved(model, test::released(model, {}), 10.0);
+    const std::vector<double> t = times(10.0, 777);
+    const std::vector<test::Reading> read = test::read_at(motion, t);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      const double fading = 0.5 * std::exp(-decay * t[i]);
+      const double x = 1 + fading * (std::cos(omega * t[i]) + decay / omega * std::sin(omega * t[i]));
+      ASSERT_NEAR(read[i].q[0], x, 1e-10) << t[i];
+      ASSERT_NEAR(read[i].v[0], -fading * (omega + decay * decay / omega) * std::sin(omega * t[i]), 1e-9) << t[i];
+    }
+    EXPECT_LT(motion.energy_error, 1e-11);
   }
-  EXPECT_LT(motion.energy_error, 1e-11);
 }
 
 // I w' = -T tanh(w / width) - dry friction alone:  sinh(w / width) = sinh(w0 / width) exp(-T t / (I width)).
@@ -67,7 +70,7 @@ TEST(Simulate, DryFrictionBringsAWheelToACreep) {
   test::add_link(scene, "wheel", 1.0);
   scene.bodies[1].inertia = moment;
   test::add_pin(scene, "ground.O", "wheel.a");
-  scene.frictions.push_back({"rub", 0, 1, torque, width, 0});
+  scene.elements.push_back(test::friction("rub", 0, 1, torque, width));
   const MotionModel model(scene);
   const Motion motion = test::moved(model, test::released(model, {{}, {{"wheel", w0}}}), 8.0);
   const std::vector<double> t = times(8.0, 200);
@@ -77,6 +80,35 @@ TEST(Simulate, DryFrictionBringsAWheelToACreep) {
     ASSERT_NEAR(read[i].v[0], w, 1e-9 * w0) << t[i];
   }
   EXPECT_LT(motion.work.back(), -0.99 * moment * w0 * w0 / 2);
+}
+
+// The same of a block, m v' = -F tanh(v / width); and with a constant force in place of friction v = v0 - F t / m.
+TEST(Simulate, DryFrictionOnARailBringsABlockToACreep) {
+  constexpr double m = 2.0, force = 3.0, width = 0.25, v0 = 4.0;
+  Scene scene;
+  scene.add_point(0, "O", {0, 0});
+  const int body = scene.add_body("block");
+  scene.add_point(body, "c", {0, 0});
+  scene.bodies[body].mass = m;
+  const int rail = test::add_slide(scene, "ground.O", "block.c", {0.6, 0.8}, "rail");
+  scene.elements.push_back(test::make_element("friction", "rub", Measure::travel_of(rail), DryFriction{force, width}));
+  const std::vector<double> t = times(4.0, 200);
+  const auto rates = [&](const Scene& given) {
+    const MotionModel model(given);
+    std::vector<double> v;
+    for (const auto& read : test::read_at(test::moved(model, test::released(model, {{}, {{"rail", v0}}}), 4.0), t)) {
+      v.push_back(read.v[0]);
+    }
+    return v;
+  };
+  const std::vector<double> rubbed = rates(scene);
+  test::element(scene, "friction").law = ConstantForce{force};
+  const std::vector<double> pulled = rates(scene);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double v = width * std::asinh(std::sinh(v0 / width) * std::exp(-force * t[i] / (m * width)));
+    ASSERT_NEAR(rubbed[i], v, 1e-9 * v0) << t[i];
+    ASSERT_NEAR(pulled[i], v0 - force / m * t[i], 1e-12 * v0) << t[i];
+  }
 }
 
 struct Case {
@@ -90,6 +122,7 @@ std::vector<Case> cases() {
   return {{"FourBar", test::four_bar_with_everything, {{}, {{"crank", 3.0}}}},
           {"Follower", test::four_bar_with_follower, {}},
           {"QuickReturn", test::quick_return, {{}, {{"crank", 4.0}}}},
+          {"EveryMeasure", test::quick_return_with_every_measure, {{}, {{"crank", 4.0}}}},
           {"Driven", test::driven_five_bar, {}},
           {"Lift", lift, {{{"obd", 0.42}}, {}}}};
 }
@@ -160,7 +193,7 @@ TEST(Simulate, FullyDrivenFourBarMovesAsKinematicsSays) {
   constexpr double rate = 5.0;
   Drive drive;
   drive.name = "motor";
-  drive.body_b = 1;
+  drive.on = Measure::angle_between(0, 1);
   drive.rate = rate;
   drive.start = 1.0;
   scene.drives.push_back(drive);
@@ -282,8 +315,7 @@ TEST(Simulate, IsStuckWhereADriveMeetsADeadCentre) {
   scene.start.travel[rail] = 1.1;
   Drive drive;
   drive.name = "winch";
-  drive.kind = Drive::Kind::travel;
-  drive.joint = rail;
+  drive.on = Measure::travel_of(rail);
   drive.start = 1.0;
   drive.rate = 0.5;
   scene.drives.push_back(drive);
@@ -302,7 +334,7 @@ TEST(Simulate, NamesTheStopsItRanThrough) {
   Scene scene = pendulum();
   Stop stop;
   stop.name = "buffer";
-  stop.body_b = 1;
+  stop.on = Measure::angle_between(0, 1);
   stop.max = 4.0;
   scene.stops.push_back(stop);
   stop.name = "far";

@@ -14,6 +14,7 @@
 
 #include "model/scene.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise {
@@ -375,7 +376,7 @@ INSTANTIATE_TEST_SUITE_P(Springs, Slack,
 TEST(SlackSpring, ASpringThatIsSlackHoldsNothing) {
   // A hanger that could only press, already let go.
   Scene scene = block(2.0, 0.0, hanger);
-  scene.springs[0].acts = Spring::Acts::compression;
+  test::law<LinearSpring>(scene, "spring").acts = LinearSpring::Acts::compression;
   const StaticModel model(scene);
   for (const Method method : methods) {
     EXPECT_EQ(to_string(solve(model, by(method)).status), "not found") << to_string(method);

@@ -15,6 +15,7 @@
 #include "statics/equilibrium.hpp"
 #include "statics/reference.hpp"
 #include "statics/static_model.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/random_mechanism.hpp"
 
 namespace poise {
@@ -107,7 +108,9 @@ TEST(Planted, SampleIsMixed) {
     const Scene& scene = sample.model.scene();
     bool seen[5] = {}, pulled[3] = {};
     for (const Joint& joint : scene.joints) seen[static_cast<int>(joint.kind)] = true;
-    for (const Spring& spring : scene.springs) pulled[static_cast<int>(spring.acts)] = true;
+    for (int k = 0; k < test::count_of(scene, "spring"); ++k) {
+      pulled[static_cast<int>(test::law<LinearSpring>(scene, "spring", k).acts)] = true;
+    }
     for (int k = 0; k < 5; ++k) kinds[k] += seen[k];
     for (int k = 0; k < 3; ++k) acts[k] += pulled[k];
     ASSERT_EQ(sample.model.mechanism().closures(), sample.planted.loops);
@@ -116,7 +119,7 @@ TEST(Planted, SampleIsMixed) {
     ++freedoms[sample.planted.freedoms];
     unstable += sample.planted.falling() > 0;
     redundant += sample.planted.redundant > 0;
-    torsion += !scene.torsion_springs.empty();
+    torsion += test::count_of(scene, "torsion_spring") > 0;
   });
   for (const int count : kinds) EXPECT_GT(count, 40);
   for (const int count : acts) EXPECT_GT(count, 40);

@@ -17,6 +17,7 @@
 #include "statics/mobility.hpp"
 #include "statics/reference.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise {
@@ -265,7 +266,7 @@ TEST_F(References, ToggleNextToSnapping) {
 TEST_F(References, MechanicalAdvantageOfAToggle) {
   for (const auto& [text, ratio] : at("static.toggle_MA").items()) {
     Scene scene = read_scene(dataset("toggle.toml"));
-    scene.springs.clear();
+    test::erase_elements(scene, "spring");
     set_value(scene, "load.P", 1.0);
     test::add_force(scene, "block.C", {-number(ratio), 0.0}, "R");
     const double alpha = std::stod(text);
@@ -565,10 +566,9 @@ TEST_F(References, ScissorLiftsHeldByAStop) {
     if (theta < 1e-3) continue;  // cos(theta) says too little of theta in double
     Scene scene = test::scissor(std::stoi(key.substr(1, cut - 1)), 50.0, 1000.0, theta);
     Stop stop;
-    stop.kind = Stop::Kind::travel;
     stop.name = "buffer";
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-      if (scene.joints[j].name == "base") stop.joint = static_cast<int>(j);
+      if (scene.joints[j].name == "base") stop.on = Measure::travel_of(static_cast<int>(j));
     }
     stop.max = std::cos(theta);
     scene.stops.push_back(stop);

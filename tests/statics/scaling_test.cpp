@@ -9,9 +9,11 @@
 
 #include <gtest/gtest.h>
 
+#include "model/parameters.hpp"
 #include "model/scene.hpp"
 #include "statics/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
@@ -58,11 +60,8 @@ TEST(Scales, OfALoadlessSceneComeFromItsSprings) {
   Scene scene = test::chain(1, 1.0, 1.0);
   test::add_torsion_spring(scene, 0, 1, 30.0, 0.3);
   EXPECT_EQ(choose_scales(scene, 2.0).force, 16.0);
-  Spring spring;
-  spring.a = test::point(scene, "ground.O");
-  spring.b = test::point(scene, "1.b");
-  spring.stiffness = 1000.0;
-  scene.springs.push_back(spring);
+  scene.elements.push_back(
+      test::line_spring("", test::point(scene, "ground.O"), test::point(scene, "1.b"), 1000.0, 0.0));
   EXPECT_EQ(choose_scales(scene, 2.0).force, 2048.0);
 }
 
@@ -96,13 +95,11 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.joints[k].angle, b.joints[k].angle);
     EXPECT_EQ(a.joints[k].axis, b.joints[k].axis);
   }
-  for (std::size_t k = 0; k < a.springs.size(); ++k) {
-    EXPECT_EQ(a.springs[k].stiffness, b.springs[k].stiffness);
-    EXPECT_EQ(a.springs[k].free_length, b.springs[k].free_length);
-  }
-  for (std::size_t k = 0; k < a.torsion_springs.size(); ++k) {
-    EXPECT_EQ(a.torsion_springs[k].stiffness, b.torsion_springs[k].stiffness);
-    EXPECT_EQ(a.torsion_springs[k].free_angle, b.torsion_springs[k].free_angle);
+  for (std::size_t k = 0; k < a.elements.size(); ++k) {
+    const auto* spring = std::get_if<LinearSpring>(&a.elements[k].law);
+    if (spring == nullptr) continue;
+    EXPECT_EQ(spring->stiffness, std::get<LinearSpring>(b.elements[k].law).stiffness);
+    EXPECT_EQ(spring->free_length, std::get<LinearSpring>(b.elements[k].law).free_length);
   }
   for (std::size_t k = 0; k < a.forces.size(); ++k) EXPECT_EQ(a.forces[k].vector, b.forces[k].vector);
   for (std::size_t k = 0; k < a.torques.size(); ++k) EXPECT_EQ(a.torques[k].value, b.torques[k].value);
@@ -136,10 +133,10 @@ TEST(Scaled, HasWeightsInUnitsOfForce) {
 TEST(Scaled, LeavesAnglesAndAbsentLimitsAlone) {
   Scene scene = test::chain(1, 2.0, 3.0);
   Stop stop;
-  stop.body_b = 1;
+  stop.on = Measure::angle_between(0, 1);
   stop.max = 0.75;
   scene.stops.push_back(stop);
-  stop.kind = Stop::Kind::distance;
+  stop.on = Measure::distance_between({}, {});
   scene.stops.push_back(stop);
   scene.start.angle[1] = 0.3;
   const Scene small = scaled(scene, {4.0, 16.0});
@@ -149,33 +146,69 @@ TEST(Scaled, LeavesAnglesAndAbsentLimitsAlone) {
   EXPECT_EQ(small.start.angle[1], 0.3);
 }
 
-// Everything a mechanism says at q, stops and follower loads included.
-std::vector<double> all_values(const Mechanism<double>& mechanism, const std::vector<double>& q) {
+// SI value of one unit of a scaled scene's coordinates and constraint rows.
+struct ScaledUnits {
+  ScaledUnits(const Scene& scene, const Mechanism<double>& mechanism, const Scales& scales) {
+    for (int t = 0; t < mechanism.coordinates(); ++t) {
+      coordinate.push_back(t < mechanism.layout().angles ? 1.0 : scales.length);
+    }
+    row.assign(mechanism.equalities(), scales.length);
+    for (const Stop& stop : scene.stops) row.push_back(stop.on.is_angle() ? 1.0 : scales.length);
+  }
+  std::vector<double> coordinate, row;
+};
+
+// Everything that the mechanism of a scene measured in `scales` says at q (given in SI), in SI, stops and follower
+// loads included.
+std::vector<double> all_values(const Scene& scene, Purpose purpose, const Scales& scales, std::vector<double> q) {
+  const Scene measured = scaled(scene, scales);
+  const Mechanism<double> mechanism(measured, lay_out(measured, purpose), purpose);
+  const ScaledUnits units(scene, mechanism, scales);
+  const auto n = static_cast<std::size_t>(mechanism.coordinates());
+  const auto rows = static_cast<std::size_t>(mechanism.constraints());
+  for (std::size_t i = 0; i < n; ++i) q[i] /= units.coordinate[i];
   std::vector<Planar<double>> pose(mechanism.pose_size());
   mechanism.place(q.data(), pose.data());
-  std::vector<double> out = {mechanism.energy(q.data(), pose.data()), mechanism.layout().size};
-  const auto add = [&](std::size_t count, const auto& fill) {
-    const std::size_t first = out.size();
-    out.resize(first + count);
-    fill(out.data() + first);
+  std::vector<double> out = {mechanism.energy(q.data(), pose.data()) * scales.energy(),
+                             mechanism.layout().size * scales.length};
+  // The values that fill() writes, value k times unit(k).
+  const auto add = [&](std::size_t count, const auto& fill, const auto& unit) {
+    std::vector<double> values(count, 0.0);
+    fill(values.data());
+    for (std::size_t k = 0; k < count; ++k) out.push_back(values[k] * unit(k));
   };
-  add(q.size(), [&](double* g) { mechanism.negative_force(q.data(), pose.data(), g); });
-  add(mechanism.constraints(), [&](double* c) { mechanism.constraint(q.data(), pose.data(), c); });
-  add(mechanism.jacobian_row().size(), [&](double* values) { mechanism.jacobian(pose.data(), values); });
-  const std::vector<double> multipliers(mechanism.constraints(), 0.7);
-  add(mechanism.tangent_row().size(),
-      [&](double* values) { mechanism.tangent(pose.data(), multipliers.data(), values); });
-  add(q.size(), [&](double* g) { mechanism.add_resistance(pose.data(), q.data(), g); });
+  const auto force_unit = [&](std::size_t i) { return scales.energy() / units.coordinate[i]; };
+  add(
+      n, [&](double* g) { mechanism.negative_force(q.data(), pose.data(), g); }, force_unit);
+  add(
+      rows, [&](double* c) { mechanism.constraint(q.data(), pose.data(), c); },
+      [&](std::size_t r) { return units.row[r]; });
+  add(
+      mechanism.jacobian_row().size(), [&](double* values) { mechanism.jacobian(pose.data(), values); },
+      [&](std::size_t e) {
+        return units.row[mechanism.jacobian_row()[e]] / units.coordinate[mechanism.jacobian_column()[e]];
+      });
+  std::vector<double> multipliers(rows);
+  for (std::size_t r = 0; r < rows; ++r) multipliers[r] = 0.7 * units.row[r] / scales.energy();
+  add(
+      mechanism.tangent_row().size(),
+      [&](double* values) { mechanism.tangent(pose.data(), multipliers.data(), values); },
+      [&](std::size_t e) {
+        return scales.energy() / (units.coordinate[mechanism.tangent_row()[e]] *
+                                  units.coordinate[mechanism.tangent_column()[e]]);
+      });
+  add(
+      n, [&](double* g) { mechanism.add_resistance(pose.data(), q.data(), g); }, force_unit);
   for (const auto* limits : {&mechanism.lower(), &mechanism.upper()}) {
-    out.insert(out.end(), limits->begin(), limits->end());
+    for (std::size_t s = 0; s < limits->size(); ++s) out.push_back((*limits)[s] * units.row[mechanism.stop_row(s)]);
   }
   for (const BodyPose<double>& place : mechanism.poses(q.data())) {
-    out.insert(out.end(), {place.origin.x, place.origin.y, place.angle});
+    out.insert(out.end(), {place.origin.x * scales.length, place.origin.y * scales.length, place.angle});
   }
   return out;
 }
 
-TEST(Scaled, ACompiledSceneIsTheSameInItsOwnUnitsAsCompiledInScales) {
+TEST(Scaled, AMechanismSaysTheSameToTheLastBit) {
   std::vector<Scene> scenes;
   for (const char* name : names) scenes.push_back(read_scene(dataset(name)));
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
@@ -185,10 +218,13 @@ TEST(Scaled, ACompiledSceneIsTheSameInItsOwnUnitsAsCompiledInScales) {
   for (const Scene& scene : scenes) {
     for (const Purpose purpose : {Purpose::statics, Purpose::dynamics}) {
       SCOPED_TRACE(scene.file);
+      const std::vector<double> start = Mechanism<double>(scene, purpose).start();
       const Mechanism<double> small(scaled(scene, scales), purpose);
-      const Mechanism<double> same(scene, lay_out(scene, purpose), purpose, scales);
-      EXPECT_EQ(same.start(), small.start());
-      EXPECT_EQ(all_values(same, same.start()), all_values(small, small.start()));
+      const ScaledUnits units(scene, small, scales);
+      std::vector<double> same = small.start();
+      for (std::size_t i = 0; i < same.size(); ++i) same[i] *= units.coordinate[i];
+      EXPECT_EQ(same, start);
+      EXPECT_EQ(all_values(scene, purpose, scales, start), all_values(scene, purpose, {}, start));
     }
   }
 }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/support/elements.hpp"
+
 namespace poise::test {
 namespace {
 
@@ -87,21 +89,15 @@ void add_force(Scene& scene, const std::string& at, Vec2 vector, const std::stri
 void add_stop(Scene& scene, const std::string& name, int a, int b, double min, double max) {
   Stop stop;
   stop.name = name;
-  stop.body_a = a;
-  stop.body_b = b;
+  stop.on = Measure::angle_between(a, b);
   stop.min = min;
   stop.max = max;
   scene.stops.push_back(stop);
 }
 
 void add_torsion_spring(Scene& scene, int a, int b, double stiffness, double free_angle) {
-  TorsionSpring spring;
-  spring.name = "torsion spring " + std::to_string(scene.torsion_springs.size() + 1);
-  spring.a = a;
-  spring.b = b;
-  spring.stiffness = stiffness;
-  spring.free_angle = free_angle;
-  scene.torsion_springs.push_back(spring);
+  const std::string name = "torsion spring " + std::to_string(count_of(scene, "torsion_spring") + 1);
+  scene.elements.push_back(torsion_spring(name, a, b, stiffness, free_angle));
 }
 
 Scene chain(int count, double length, double mass) {

@@ -1,6 +1,8 @@
 #include "tests/support/moving_scenes.hpp"
 
 #include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
+#include "tests/support/every_measure.hpp"
 
 namespace poise::test {
 
@@ -125,6 +127,14 @@ slot = 0.7
 rail = 0.15
 )",
                      "quick_return");
+}
+
+Scene quick_return_with_every_measure() {
+  Scene scene = quick_return();
+  Random random(5);
+  add_elements_upon_every_measure(scene, random);
+  for (int k = 0; k < count_of(scene, "spring"); ++k) law<LinearSpring>(scene, "spring", k).acts = LinearSpring::Acts::both;
+  return scene;
 }
 
 Scene driven_five_bar() {

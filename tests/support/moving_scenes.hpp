@@ -17,6 +17,9 @@ Scene four_bar_with_follower();
 /// against the ground: two freedoms, two travels in a frame that turns.
 Scene quick_return();
 
+/// The same with a spring, a constant force, a damper and friction upon measures of every kind.
+Scene quick_return_with_every_measure();
+
 /// A five-bar on a driven crank and on a carriage that is driven along the ground: one freedom is left.
 Scene driven_five_bar();
 

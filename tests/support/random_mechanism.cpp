@@ -7,15 +7,15 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "model/mechanism.hpp"
+#include "model/parameters.hpp"
 #include "statics/curvature.hpp"
-#include "statics/scaling.hpp"
+#include "tests/support/elements.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
 namespace poise::test {
@@ -68,7 +68,7 @@ struct Pose {
 };
 
 std::vector<int> closure_rows(const Mechanism<double>& mechanism) {
-  std::vector<int> rows(2 * mechanism.closures());
+  std::vector<int> rows(mechanism.equalities());
   std::iota(rows.begin(), rows.end(), 0);
   return rows;
 }
@@ -415,25 +415,22 @@ class Planting {
   void add_springs() {
     const int line_springs = 1 + random_.index(3);
     for (int k = 0; k < line_springs; ++k) {
-      Spring spring;
-      spring.name = fmt::format("s{}", k);
-      std::tie(spring.a, spring.b) = two_points();
-      spring.stiffness = random_.uniform(0.5, 5.0);
+      const std::pair<PointRef, PointRef> ends = two_points();
+      const double stiffness = random_.uniform(0.5, 5.0);
       // Far enough from its present length that a disturbed start does not change who is slack.
       const double stretch = random_.chance(0.5) ? random_.uniform(0.4, 0.7) : random_.uniform(1.3, 1.6);
-      spring.free_length = stretch * norm(place(scene(), spring.b) - place(scene(), spring.a));
-      spring.acts = static_cast<Spring::Acts>(random_.index(3));
-      scene().springs.push_back(spring);
+      const double free_length = stretch * norm(place(scene(), ends.second) - place(scene(), ends.first));
+      const auto acts = static_cast<LinearSpring::Acts>(random_.index(3));
+      scene().elements.push_back(
+          line_spring(fmt::format("s{}", k), ends.first, ends.second, stiffness, free_length, acts));
     }
     const int torsion_springs = random_.index(3);
     for (int k = 0; k < torsion_springs; ++k) {
-      TorsionSpring spring;
-      spring.name = fmt::format("t{}", k);
-      spring.b = moving_body();
-      spring.a = random_.index(spring.b);
-      spring.stiffness = random_.uniform(0.2, 2.0);
-      spring.free_angle = angle_between(spring.a, spring.b) + random_.uniform(-1.5, 1.5);
-      scene().torsion_springs.push_back(spring);
+      const int b = moving_body();
+      const int a = random_.index(b);
+      const double stiffness = random_.uniform(0.2, 2.0);
+      const double free_angle = angle_between(a, b) + random_.uniform(-1.5, 1.5);
+      scene().elements.push_back(torsion_spring(fmt::format("t{}", k), a, b, stiffness, free_angle));
     }
   }
 
@@ -474,15 +471,16 @@ class Planting {
     for (int k = 0; k < stops; ++k) {
       Stop stop;
       stop.name = fmt::format("stop{}", k);
-      stop.kind = static_cast<Stop::Kind>(random_.index(3));
-      if (stop.kind == Stop::Kind::travel && runs.empty()) stop.kind = Stop::Kind::distance;
-      if (stop.kind == Stop::Kind::angle) {
-        stop.body_b = moving_body();
-        stop.body_a = random_.index(stop.body_b);
-      } else if (stop.kind == Stop::Kind::distance) {
-        std::tie(stop.a, stop.b) = two_points();
+      auto kind = static_cast<Measure::Kind>(random_.index(3));
+      if (kind == Measure::Kind::travel && runs.empty()) kind = Measure::Kind::distance;
+      if (kind == Measure::Kind::angle) {
+        const int b = moving_body();
+        stop.on = Measure::angle_between(random_.index(b), b);
+      } else if (kind == Measure::Kind::distance) {
+        const auto [a, b] = two_points();
+        stop.on = Measure::distance_between(a, b);
       } else {
-        stop.joint = runs[random_.index(runs.size())];
+        stop.on = Measure::travel_of(runs[random_.index(runs.size())]);
       }
       scene().stops.push_back(stop);
     }
@@ -493,7 +491,7 @@ class Planting {
     const Mechanism<double> mechanism(scene());
     std::vector<int> rows = closure_rows(mechanism);
     for (int s = 0; s < mechanism.stops(); ++s) {
-      const int row = 2 * mechanism.closures() + s;
+      const int row = mechanism.stop_row(s);
       const double g = Pose(mechanism, scene(), {row}).point.constraint[row];
       Stop& stop = scene().stops[s];
       rows.push_back(row);
@@ -507,7 +505,7 @@ class Planting {
       } else {
         const double room = random_.uniform(0.2, 0.6);
         stop.max = g + room;
-        stop.min = stop.kind == Stop::Kind::distance ? std::max(0.0, g - room) : g - room;
+        stop.min = stop.on.kind == Measure::Kind::distance ? std::max(0.0, g - room) : g - room;
         rows.pop_back();
       }
     }
@@ -516,7 +514,7 @@ class Planting {
   // -Q of all loads and of the stops that press.
   VectorXd negative_force(const Mechanism<double>& mechanism) {
     std::vector<int> rows;
-    for (const int s : out_.pressing) rows.push_back(2 * mechanism.closures() + s);
+    for (const int s : out_.pressing) rows.push_back(mechanism.stop_row(s));
     const Pose at(mechanism, scene(), rows);
     return at.point.force + at.point.jacobian.transpose() * Eigen::Map<const VectorXd>(push_.data(), push_.size());
   }
@@ -590,7 +588,7 @@ class Planting {
   bool measure() {
     const Mechanism<double> mechanism(scene());
     std::vector<int> rows = closure_rows(mechanism);
-    for (const int s : out_.pressing) rows.push_back(2 * mechanism.closures() + s);
+    for (const int s : out_.pressing) rows.push_back(mechanism.stop_row(s));
     Pose at(mechanism, scene(), rows);
     const Motion motion(at.point.jacobian, draft_.redundant);
     if (!motion.is_regular()) return false;
@@ -623,7 +621,7 @@ class Planting {
       VectorXd gap(at.point.kept.size());
       for (std::size_t r = 0; r < at.point.kept.size(); ++r) {
         const int row = at.point.kept[r];
-        gap[r] = now.constraint[row] - (row < 2 * mechanism.closures() ? 0.0 : at.point.constraint[row]);
+        gap[r] = now.constraint[row] - (row < mechanism.equalities() ? 0.0 : at.point.constraint[row]);
       }
       if (gap.size() == 0 || gap.cwiseAbs().maxCoeff() < 1e-14) break;
       Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;

@@ -1,6 +1,7 @@
 #include "tests/support/vector_mechanics.hpp"
 
 #include <algorithm>
+#include <variant>
 
 namespace poise::test {
 
@@ -16,15 +17,15 @@ double potential_energy(const Scene& scene, const Poses& poses) {
     if (force.follows < 0) v -= dot(force.vector, world(scene, force.at, poses));
   }
   for (const Torque& torque : scene.torques) v -= torque.value * poses[torque.body].angle;
-  for (const Spring& spring : scene.springs) {
-    const double stretch = norm(world(scene, spring.b, poses) - world(scene, spring.a, poses)) - spring.free_length;
-    if (spring.acts == Spring::Acts::tension && stretch < 0) continue;
-    if (spring.acts == Spring::Acts::compression && stretch > 0) continue;
-    v += spring.stiffness / 2 * stretch * stretch;
-  }
-  for (const TorsionSpring& spring : scene.torsion_springs) {
-    const double wind = poses[spring.b].angle - poses[spring.a].angle - spring.free_angle;
-    v += spring.stiffness / 2 * wind * wind;
+  for (const Element& element : scene.elements) {
+    const double g = measured(scene, element.on, poses);
+    if (const auto* constant = std::get_if<ConstantForce>(&element.law)) v += constant->force * g;
+    const auto* spring = std::get_if<LinearSpring>(&element.law);
+    if (spring == nullptr) continue;
+    const double stretch = g - spring->free_length;
+    if (spring->acts == LinearSpring::Acts::tension && stretch < 0) continue;
+    if (spring->acts == LinearSpring::Acts::compression && stretch > 0) continue;
+    v += spring->stiffness / 2 * stretch * stretch;
   }
   return v;
 }
@@ -40,11 +41,27 @@ Vec2 gap(const Scene& scene, int joint, double travel, const Poses& poses) {
   return apart - j.length * unit(bar.angle);
 }
 
-double stop_value(const Scene& scene, const Stop& stop, const Poses& poses) {
-  if (stop.kind == Stop::Kind::angle) return poses[stop.body_b].angle - poses[stop.body_a].angle;
-  if (stop.kind == Stop::Kind::distance) return norm(world(scene, stop.b, poses) - world(scene, stop.a, poses));
-  const Joint& joint = scene.joints[stop.joint];
-  return dot(joint.axis * unit(poses[joint.a.body].angle), world(scene, joint.b, poses) - world(scene, joint.a, poses));
+double measured(const Scene& scene, const Measure& measure, const Poses& poses) {
+  switch (measure.kind) {
+    case Measure::Kind::angle:
+      return poses[measure.body_b].angle - poses[measure.body_a].angle;
+    case Measure::Kind::distance:
+      return norm(world(scene, measure.b, poses) - world(scene, measure.a, poses));
+    case Measure::Kind::travel: {
+      const Joint& joint = scene.joints[measure.joint];
+      return dot(joint.axis * unit(poses[joint.a.body].angle),
+                 world(scene, joint.b, poses) - world(scene, joint.a, poses));
+    }
+    case Measure::Kind::x:
+      return world(scene, measure.b, poses).x;
+    case Measure::Kind::y:
+      return world(scene, measure.b, poses).y;
+    case Measure::Kind::sum:
+      break;
+  }
+  double sum = 0.0;
+  for (const Measure::Term& term : measure.terms) sum += term.factor * measured(scene, term.measure, poses);
+  return sum;
 }
 
 }  // namespace poise::test

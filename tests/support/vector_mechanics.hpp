@@ -15,8 +15,8 @@ using Poses = std::vector<BodyPose<double>>;
 /// World coordinates of a point, m.
 Vec2 world(const Scene& scene, PointRef p, const Poses& poses);
 
-/// Potential of dead loads, gravity and springs, J:
-///   V = - sum F . p - sum torque angle - sum m g . p_center + sum k/2 (r - L0)^2 + sum k/2 (angle - free angle)^2.
+/// Potential of dead loads, gravity, springs and constant forces upon measures g, J:
+///   V = - sum F . p - sum torque angle - sum m g . p_center + sum k/2 (g - g0)^2 + sum T g.
 /// Follower forces have none and are left out.
 double potential_energy(const Scene& scene, const Poses& poses);
 
@@ -24,7 +24,7 @@ double potential_energy(const Scene& scene, const Poses& poses);
 /// at its two ends; its place follows those of the bodies in the order of the joints.
 Vec2 gap(const Scene& scene, int joint, double travel, const Poses& poses);
 
-/// What a stop limits, rad or m.
-double stop_value(const Scene& scene, const Stop& stop, const Poses& poses);
+/// The measure, rad or m.
+double measured(const Scene& scene, const Measure& measure, const Poses& poses);
 
 }  // namespace poise::test

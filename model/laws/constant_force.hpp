@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "model/laws/law_force.hpp"
+#include "model/number.hpp"
+
+namespace poise {
+
+/// Constant force: T = F whatever the measure, V = F g. A counterweight on a rope, a constant-force spring.
+struct ConstantForce {
+  double force = 0.0;  ///< F: N or N m, positive where it tends to diminish g
+
+  template <class S>
+  S energy(const S& g) const {
+    return S(force) * g;
+  }
+
+  template <class S>
+  LawForce<S> at_rest(const S&) const {
+    return {S(force), S(0), S(0)};
+  }
+
+  template <class S>
+  S force_by(int, const S&, const S&) const {
+    return S(1);
+  }
+
+  double force_scale(double) const { return force < 0.0 ? -force : force; }
+
+  std::string_view idle() const { return force == 0.0 ? "it is zero" : ""; }
+
+  static constexpr std::array tables{LawTable{"constant_force"}};
+  static const std::array<Number, 1> numbers;
+};
+
+inline constexpr std::array<Number, 1> ConstantForce::numbers = [] {
+  Number force = plain_number<&ConstantForce::force>("force", {});
+  force.angle_key = "torque";
+  force.effort_power = 1;
+  force.needed = Number::Needed::always;
+  return std::array{force};
+}();
+
+}  // namespace poise

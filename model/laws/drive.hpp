@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "model/number.hpp"
+
+namespace poise {
+
+/// A motor that prescribes its measure, an angle or a travel, as a function of time t, whatever force that takes:
+///   g(t) = start + rate t + acceleration t^2/2 + amplitude (sin(2 pi frequency t + phase) - sin(phase)).
+/// rad or m. Statics leaves drives out.
+struct Drive {
+  std::string name;
+  Measure on;
+  std::optional<double> start;  ///< absent: where the mechanism stands when it is assembled
+  double rate = 0.0;
+  double acceleration = 0.0;
+  double amplitude = 0.0;
+  double frequency = 0.0;  ///< Hz
+  double phase = 0.0;      ///< rad
+  int line = 0;
+
+  /// g(t) - start, or its first or second derivative by time.
+  template <class S>
+  S moved(const S& t, int derivative) const {
+    using std::cos;
+    using std::sin;
+    const S omega = 2 * std::numbers::pi * static_cast<S>(frequency);
+    const S turn = omega * t + static_cast<S>(phase);
+    if (derivative == 0) {
+      return S(rate) * t + S(acceleration) * t * t / 2 + S(amplitude) * (sin(turn) - sin(static_cast<S>(phase)));
+    }
+    if (derivative == 1) return S(rate) + S(acceleration) * t + S(amplitude) * omega * cos(turn);
+    return S(acceleration) - S(amplitude) * omega * omega * sin(turn);
+  }
+
+  static const std::array<Number, 6> numbers;
+};
+
+inline constexpr std::array<Number, 6> Drive::numbers = [] {
+  const auto of_measure = [](Number number) {
+    number.measure_power = 1;
+    return number;
+  };
+  return std::array{of_measure(optional_number<&Drive::start>("start", {})),
+                    of_measure(plain_number<&Drive::rate>("rate", {})),
+                    of_measure(plain_number<&Drive::acceleration>("acceleration", {})),
+                    of_measure(plain_number<&Drive::amplitude>("amplitude", {})),
+                    plain_number<&Drive::frequency>("frequency", {}, Range::not_negative),
+                    plain_number<&Drive::phase>("phase", dimension::angle)};
+}();
+
+}  // namespace poise

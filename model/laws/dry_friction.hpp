@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "model/laws/law_force.hpp"
+#include "model/number.hpp"
+
+namespace poise {
+
+/// Dry friction: T = F tanh((dg/dt) / width), Coulomb's law made smooth, so that bodies creep instead of sticking.
+struct DryFriction {
+  double force = 0.0;   ///< F, of sliding: N or N m
+  double width = 0.01;  ///< m/s or rad/s
+
+  template <class S>
+  LawForce<S> resisting(const S&, const S& rate) const {
+    using std::tanh;
+    const S shape = tanh(rate / S(width));
+    return {S(force) * shape, S(0), S(force) * (1 - shape * shape) / S(width)};
+  }
+
+  template <class S>
+  S force_by(int number, const S& g, const S& rate) const {
+    using std::tanh;
+    if (number == 0) return tanh(rate / S(width));
+    return -resisting(g, rate).by_rate * rate / S(width);
+  }
+
+  std::string_view idle() const { return {}; }
+
+  // Its slope at rest comes only of making Coulomb's law smooth.
+  static constexpr bool damps_small_motion = false;
+  static constexpr std::string_view left_out =
+      "nothing moves in statics, but it may hold the mechanism elsewhere; rests are found as if it were not there";
+  static constexpr std::array tables{LawTable{"friction"}};
+  static const std::array<Number, 2> numbers;
+};
+
+inline constexpr std::array<Number, 2> DryFriction::numbers = [] {
+  Number force = plain_number<&DryFriction::force>("force", {}, Range::not_negative);
+  force.angle_key = "torque";
+  force.effort_power = 1;
+  force.needed = Number::Needed::always;
+  Number width = plain_number<&DryFriction::width>("width", {}, Range::positive);
+  width.measure_power = 1;
+  return std::array{force, width};
+}();
+
+}  // namespace poise

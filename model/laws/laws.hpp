@@ -1,0 +1,128 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <variant>
+
+#include "model/laws/constant_force.hpp"
+#include "model/laws/damper.hpp"
+#include "model/laws/dry_friction.hpp"
+#include "model/laws/linear_spring.hpp"
+
+namespace poise {
+
+/// Every force law there is. A new one is a file beside these and one name here.
+using Law = std::variant<LinearSpring, ConstantForce, Damper, DryFriction>;
+
+/// A law that stores energy, and so acts on a mechanism at rest.
+template <class L>
+concept StoresEnergy = requires(const L& law, double g) {
+  law.energy(g);
+  law.at_rest(g);
+};
+
+/// A law that resists motion, and is without force where nothing moves.
+template <class L>
+concept ResistsMotion = requires(const L& law, double g) {
+  law.resisting(g, g);
+};
+
+inline bool stores_energy(const Law& law) {
+  return std::visit([]<class L>(const L&) { return StoresEnergy<L>; }, law);
+}
+
+inline bool resists_motion(const Law& law) {
+  return std::visit([]<class L>(const L&) { return ResistsMotion<L>; }, law);
+}
+
+/// True where the force is proportional to small rates, so that small oscillations know it as damping.
+inline bool damps_small_motion(const Law& law) {
+  return std::visit(
+      []<class L>(const L&) {
+        if constexpr (ResistsMotion<L>)
+          return L::damps_small_motion;
+        else
+          return false;
+      },
+      law);
+}
+
+inline std::span<const Number> numbers_of(const Law& law) {
+  return std::visit([](const auto& l) { return std::span<const Number>(l.numbers); }, law);
+}
+
+/// Why the law never acts, with the numbers it has; empty where it does.
+inline std::string_view idle(const Law& law) {
+  return std::visit([](const auto& l) { return l.idle(); }, law);
+}
+
+/// Why statics leaves the law out; empty where it acts at rest.
+inline std::string_view left_out_of_statics(const Law& law) {
+  return std::visit(
+      []<class L>(const L&) -> std::string_view {
+        if constexpr (StoresEnergy<L>)
+          return {};
+        else
+          return L::left_out;
+      },
+      law);
+}
+
+/// Size of the force at rest where the measure has changed by `change`; 0 for laws that store no energy.
+inline double force_scale(const Law& law, double change) {
+  return std::visit(
+      [&]<class L>(const L& l) {
+        if constexpr (StoresEnergy<L>)
+          return l.force_scale(change);
+        else
+          return 0.0;
+      },
+      law);
+}
+
+/// V(g), 0 for laws that store none.
+template <class S>
+S energy(const Law& law, const S& g) {
+  return std::visit(
+      [&]<class L>(const L& l) {
+        if constexpr (StoresEnergy<L>)
+          return l.energy(g);
+        else
+          return S(0);
+      },
+      law);
+}
+
+/// What the law does to a mechanism at rest.
+template <class S>
+LawForce<S> force_at_rest(const Law& law, const S& g) {
+  return std::visit(
+      [&]<class L>(const L& l) {
+        if constexpr (StoresEnergy<L>)
+          return l.at_rest(g);
+        else
+          return LawForce<S>{};
+      },
+      law);
+}
+
+/// What the law does at the rate w beyond that.
+template <class S>
+LawForce<S> force_of_motion(const Law& law, const S& g, const S& w) {
+  return std::visit(
+      [&]<class L>(const L& l) {
+        if constexpr (ResistsMotion<L>)
+          return l.resisting(g, w);
+        else
+          return LawForce<S>{};
+      },
+      law);
+}
+
+/// dT / d numbers_of(law)[number].
+template <class S>
+S force_by_number(const Law& law, int number, const S& g, const S& w) {
+  return std::visit([&](const auto& l) { return l.force_by(number, g, w); }, law);
+}
+
+}  // namespace poise

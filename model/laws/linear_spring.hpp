@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "model/laws/law_force.hpp"
+#include "model/number.hpp"
+
+namespace poise {
+
+/// Linear spring: T = k (g - g0), V = k/2 (g - g0)^2, with the free length (free angle) g0. One that acts in tension
+/// (compression) only is slack, without force or energy, while g is below (above) g0.
+struct LinearSpring {
+  enum class Acts { both, tension, compression };
+  double stiffness = 0.0;    ///< k: N/m or N m/rad
+  double free_length = 0.0;  ///< g0: m or rad
+  Acts acts = Acts::both;
+
+  template <class S>
+  bool slack(const S& g) const {
+    return (acts == Acts::tension && g <= S(free_length)) || (acts == Acts::compression && g >= S(free_length));
+  }
+
+  template <class S>
+  S energy(const S& g) const {
+    if (slack(g)) return S(0);
+    const S stretch = g - S(free_length);
+    return S(stiffness) * stretch * stretch / 2;
+  }
+
+  template <class S>
+  LawForce<S> at_rest(const S& g) const {
+    if (slack(g)) return {};
+    return {S(stiffness) * (g - S(free_length)), S(stiffness), S(0)};
+  }
+
+  template <class S>
+  S force_by(int number, const S& g, const S&) const {
+    if (slack(g)) return S(0);
+    return number == 0 ? S(g - S(free_length)) : S(-S(stiffness));
+  }
+
+  /// Size of the force where g has changed by `change`: sets the scale of a scene without loads.
+  double force_scale(double change) const { return stiffness * change; }
+
+  std::string_view idle() const { return stiffness == 0.0 ? "its stiffness is zero" : ""; }
+
+  static constexpr std::array tables{LawTable{"spring"}, LawTable{"torsion_spring", true}};
+  static const std::array<Number, 2> numbers;
+  static const std::array<LawChoice, 1> choices;
+};
+
+inline constexpr std::array<LawChoice, 1> LinearSpring::choices{
+    {{"acts", {"both", "tension", "compression"}, [](void* law, std::size_t word) {
+        constexpr Acts meanings[] = {Acts::both, Acts::tension, Acts::compression};
+        static_cast<LinearSpring*>(law)->acts = meanings[word];
+      }}}};
+
+inline constexpr std::array<Number, 2> LinearSpring::numbers = [] {
+  Number stiffness = plain_number<&LinearSpring::stiffness>("stiffness", {}, Range::not_negative);
+  stiffness.effort_power = 1;
+  stiffness.measure_power = -1;
+  stiffness.needed = Number::Needed::always;
+  Number free_length = plain_number<&LinearSpring::free_length>("free_length", {});
+  free_length.angle_key = "free_angle";
+  free_length.measure_power = 1;
+  free_length.range_of_measure = true;
+  free_length.needed = Number::Needed::as_length;
+  return std::array{stiffness, free_length};
+}();
+
+}  // namespace poise

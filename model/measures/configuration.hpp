@@ -1,0 +1,25 @@
+#pragma once
+
+#include "model/phasors.hpp"
+
+namespace poise {
+
+/// A configuration of a mechanism, as Phasors::place() left it, and scratch behind it.
+template <class T>
+struct Configuration {
+  const Phasors<T>& phasors;
+  const Planar<T>* pose;
+  Planar<T>* scratch;  ///< as many as the measure's scratch_size() says
+
+  const T& value(int coordinate) const { return phasors.value(pose, coordinate); }
+};
+
+// What a compiled measure g(q) provides, by slots: places in the sorted list support() of coordinates that move it.
+//   value(at)                          g
+//   gradient(at, use)                  use(slot, dg/dq) for every slot whose derivative may differ from zero
+//   curvature(at, force, slope, add)   add(i, j, value) by slots i >= j, summed up:  force D2g + slope Dg Dg^T
+//   second(at, u, v), third(at, u, v, w)   D2g[u, v], D3g[u, v, w] along directions of the coordinates
+//   bend(at, u, use)                   use(slot, D2g[u, .])
+//   scratch_size()
+
+}  // namespace poise

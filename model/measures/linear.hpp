@@ -1,0 +1,71 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "model/measures/configuration.hpp"
+
+namespace poise {
+
+/// A measure that is linear in the coordinates,  g = constant + sum_i factor_i q_i:  angles and travels.
+template <class T>
+class LinearMeasure {
+ public:
+  LinearMeasure() = default;
+  explicit LinearMeasure(const T& constant) : constant_(constant) {}
+
+  /// g += factor q_coordinate, with a coordinate that was dropped at its start value, and none (-1) at zero.
+  void add(const Phasors<T>& phasors, int coordinate, const T& factor) {
+    if (coordinate < 0) return;
+    if (phasors.dropped(coordinate)) {
+      constant_ += factor * phasors.start(coordinate);
+      return;
+    }
+    std::size_t at = 0;
+    while (at < support_.size() && support_[at] < coordinate) ++at;
+    if (at < support_.size() && support_[at] == coordinate) {
+      factor_[at] += factor;
+      if (factor_[at] != 0) return;
+      support_.erase(support_.begin() + static_cast<std::ptrdiff_t>(at));
+      factor_.erase(factor_.begin() + static_cast<std::ptrdiff_t>(at));
+      return;
+    }
+    support_.insert(support_.begin() + static_cast<std::ptrdiff_t>(at), coordinate);
+    factor_.insert(factor_.begin() + static_cast<std::ptrdiff_t>(at), factor);
+  }
+
+  const std::vector<int>& support() const { return support_; }
+  int scratch_size() const { return 0; }
+
+  T value(const Configuration<T>& at) const {
+    T g = constant_;
+    for (std::size_t i = 0; i < support_.size(); ++i) g += factor_[i] * at.value(support_[i]);
+    return g;
+  }
+
+  template <class Use>
+  void gradient(const Configuration<T>&, Use use) const {
+    for (std::size_t i = 0; i < support_.size(); ++i) use(static_cast<int>(i), factor_[i]);
+  }
+
+  template <class Add>
+  void curvature(const Configuration<T>&, const T&, const T& slope, Add add) const {
+    for (std::size_t i = 0; i < support_.size(); ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        add(static_cast<int>(i), static_cast<int>(j), slope * factor_[i] * factor_[j]);
+      }
+    }
+  }
+
+  T second(const Configuration<T>&, const T*, const T*) const { return T(0); }
+  T third(const Configuration<T>&, const T*, const T*, const T*) const { return T(0); }
+  template <class Use>
+  void bend(const Configuration<T>&, const T*, Use) const {}
+
+ private:
+  std::vector<int> support_;
+  std::vector<T> factor_;
+  T constant_{};
+};
+
+}  // namespace poise

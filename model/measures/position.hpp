@@ -1,0 +1,63 @@
+#pragma once
+
+#include <utility>
+
+#include "model/measures/configuration.hpp"
+#include "model/phasor_sum.hpp"
+
+namespace poise {
+
+/// World coordinate of a point along a fixed direction e:  g = e.p,  p a sum of phasors; e = (1, 0) for x, (0, 1) for
+/// y.
+template <class T>
+class PositionMeasure {
+ public:
+  PositionMeasure() = default;
+  PositionMeasure(PhasorSum<T> p, const Planar<T>& direction) : p_(std::move(p)), e_(direction) {}
+
+  const std::vector<int>& support() const { return p_.support(); }
+  int scratch_size() const { return p_.size(); }
+
+  T value(const Configuration<T>& at) const { return dot(e_, p_.at(at.pose)); }
+
+  template <class Use>
+  void gradient(const Configuration<T>& at, Use use) const {
+    p_.derivative(at.phasors, at.pose, at.scratch);
+    for (int i = 0; i < p_.size(); ++i) use(i, dot(e_, at.scratch[i]));
+  }
+
+  template <class Add>
+  void curvature(const Configuration<T>& at, const T& force, const T& slope, Add add) const {
+    if (slope != 0) {
+      p_.derivative(at.phasors, at.pose, at.scratch);
+      for (int i = 0; i < p_.size(); ++i) {
+        const T by = slope * dot(e_, at.scratch[i]);
+        for (int j = 0; j <= i; ++j) add(i, j, T(by * dot(e_, at.scratch[j])));
+      }
+    }
+    p_.second_derivative(at.phasors, at.pose,
+                         [&](int i, int j, const Planar<T>& p_ij) { add(i, j, T(force * dot(e_, p_ij))); });
+  }
+
+  T second(const Configuration<T>& at, const T* u, const T* v) const {
+    return dot(e_, p_.along(at.phasors, at.pose, u, v));
+  }
+  T third(const Configuration<T>& at, const T* u, const T* v, const T* w) const {
+    return dot(e_, p_.along(at.phasors, at.pose, u, v, w));
+  }
+
+  template <class Use>
+  void bend(const Configuration<T>& at, const T* u, Use use) const {
+    p_.second_derivative(at.phasors, at.pose, [&](int i, int j, const Planar<T>& p_ij) {
+      const T part = dot(e_, p_ij);
+      use(i, T(part * u[p_.support()[j]]));
+      if (i != j) use(j, T(part * u[p_.support()[i]]));
+    });
+  }
+
+ private:
+  PhasorSum<T> p_;
+  Planar<T> e_{};
+};
+
+}  // namespace poise

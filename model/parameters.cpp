@@ -1,0 +1,238 @@
+#include "model/parameters.hpp"
+
+#include <span>
+
+#include "model/nearest_name.hpp"
+
+namespace poise {
+namespace {
+
+constexpr std::array<Number, 1> angle_guess{[] {
+  Number number{"", dimension::angle};
+  number.get = [](const void* item) { return *static_cast<const std::optional<double>*>(item); };
+  number.set = [](void* item, double value) { *static_cast<std::optional<double>*>(item) = value; };
+  number.scale = [](void* item, double factor) {
+    auto& guess = *static_cast<std::optional<double>*>(item);
+    if (guess) *guess *= factor;
+  };
+  return number;
+}()};
+
+constexpr std::array<Number, 1> travel_guess{[] {
+  Number number = angle_guess[0];
+  number.dimension = dimension::length;
+  return number;
+}()};
+
+template <int Component>
+constexpr Number place_guess(std::string_view key) {
+  Number number{key, dimension::length};
+  number.get = [](const void* item) {
+    const auto& guess = *static_cast<const std::optional<Vec2>*>(item);
+    return guess ? std::optional<double>(Component == 0 ? guess->x : guess->y) : std::nullopt;
+  };
+  number.set = [](void* item, double value) {
+    auto& guess = *static_cast<std::optional<Vec2>*>(item);
+    if (!guess) guess.emplace();
+    (Component == 0 ? guess->x : guess->y) = value;
+  };
+  number.scale = [](void* item, double factor) {
+    auto& guess = *static_cast<std::optional<Vec2>*>(item);
+    if (guess) (Component == 0 ? guess->x : guess->y) *= factor;
+  };
+  return number;
+}
+
+constexpr std::array<Number, 2> place_guesses{place_guess<0>("x"), place_guess<1>("y")};
+
+/// Where the numbers of one item stand: use(prefix of their path, place, item, numbers, measure of the item or null).
+template <class AnyScene, class Use>
+void visit_items(AnyScene& scene, Use use) {
+  using Parts = std::array<std::string_view, 4>;
+  const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
+  const Measure* const none = nullptr;
+  use(Parts{"gravity"}, ParameterPlace{Owner::scene}, scene, std::span<const Number>(Scene::numbers), none);
+  for (int i = 0; i < count(scene.forces); ++i) {
+    auto& force = scene.forces[i];
+    use(Parts{"load", force.name}, ParameterPlace{Owner::force, i}, force, std::span<const Number>(Force::numbers),
+        none);
+  }
+  for (int i = 0; i < count(scene.torques); ++i) {
+    auto& torque = scene.torques[i];
+    use(Parts{"load", torque.name}, ParameterPlace{Owner::torque, i}, torque, std::span<const Number>(Torque::numbers),
+        none);
+  }
+  for (int i = 0; i < count(scene.bodies); ++i) {
+    auto& body = scene.bodies[i];
+    for (int p = 0; p < count(body.points); ++p) {
+      use(Parts{"point", body.name, body.points[p].name}, ParameterPlace{Owner::point, i, p}, body.points[p],
+          std::span<const Number>(NamedPoint::numbers), none);
+    }
+    if (i == 0) continue;
+    use(Parts{"body", body.name}, ParameterPlace{Owner::body, i}, body, std::span<const Number>(Body::numbers), none);
+    use(Parts{"start", body.name}, ParameterPlace{Owner::start, i, 0}, scene.start.angle.at(i),
+        std::span<const Number>(angle_guess), none);
+    use(Parts{"start", body.name}, ParameterPlace{Owner::start, i, 2}, scene.start.position.at(i),
+        std::span<const Number>(place_guesses), none);
+  }
+  for (int i = 0; i < count(scene.elements); ++i) {
+    auto& element = scene.elements[i];
+    std::visit(
+        [&](auto& law) {
+          use(Parts{element.table, element.name}, ParameterPlace{Owner::element, i}, law,
+              std::span<const Number>(law.numbers), &element.on);
+        },
+        element.law);
+  }
+  for (int i = 0; i < count(scene.drives); ++i) {
+    auto& drive = scene.drives[i];
+    use(Parts{"drive", drive.name}, ParameterPlace{Owner::drive, i}, drive, std::span<const Number>(Drive::numbers),
+        &drive.on);
+  }
+  for (int i = 0; i < count(scene.joints); ++i) {
+    auto& joint = scene.joints[i];
+    constexpr std::string_view kinds[] = {"pin", "slide", "pin_in_slot", "weld", "bar"};
+    use(Parts{kinds[static_cast<int>(joint.kind)], joint.name}, ParameterPlace{Owner::joint, i}, joint, joint.numbers(),
+        none);
+    if (!joint.has_travel()) continue;
+    use(Parts{"start", joint.name}, ParameterPlace{Owner::start, i, 1}, scene.start.travel.at(i),
+        std::span<const Number>(travel_guess), none);
+  }
+  for (int i = 0; i < count(scene.stops); ++i) {
+    auto& stop = scene.stops[i];
+    use(Parts{"stop", stop.name}, ParameterPlace{Owner::stop, i}, stop, std::span<const Number>(Stop::numbers),
+        &stop.on);
+  }
+}
+
+/// use(row, item, number) for every number.
+template <class AnyScene, class Use>
+void visit_numbers(AnyScene& scene, Use use) {
+  visit_items(scene, [&](const std::array<std::string_view, 4>& prefix, ParameterPlace place, auto& item,
+                         std::span<const Number> numbers, const Measure* on) {
+    for (const Number& number : numbers) {
+      ParameterRow row{{prefix}, place, number.dimension_on(on), number.range_on(on)};
+      row.path.parts[3] = number.key_on(on);
+      use(row, item, number);
+      ++place.number;
+    }
+  });
+}
+
+/// Calls use(row, item, number) for the one number that has this path.
+template <class AnyScene, class Use>
+void at_path(AnyScene& scene, std::string_view path, Use use) {
+  int found = 0;
+  visit_numbers(scene, [&](const ParameterRow& row, auto&, const Number&) { found += row.path.is(path); });
+  // Only a scene built in code can have two of the same name.
+  if (found > 1) throw InputError(std::string(path) + ": expected one value, found several; give them different names");
+  if (found == 0) {
+    std::vector<std::string> valid;
+    visit_numbers(scene, [&](const ParameterRow& row, auto&, const Number&) { valid.push_back(row.path.text()); });
+    throw InputError(std::string(path) + ": expected the path of a number of the scene" + did_you_mean(path, valid));
+  }
+  visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
+    if (row.path.is(path)) use(row, item, number);
+  });
+}
+
+[[noreturn]] void fail(const ParameterRow& row, const std::string& message) {
+  throw InputError(row.path.text() + ": " + message);
+}
+
+}  // namespace
+
+std::string ParameterPath::text() const {
+  std::string joined;
+  for (const std::string_view part : parts) {
+    if (!part.empty()) joined += (joined.empty() ? "" : ".") + std::string(part);
+  }
+  return joined;
+}
+
+bool ParameterPath::is(std::string_view path) const {
+  bool first = true;
+  for (const std::string_view part : parts) {
+    if (part.empty()) continue;
+    if (!first) {
+      if (!path.starts_with('.')) return false;
+      path.remove_prefix(1);
+    }
+    first = false;
+    if (!path.starts_with(part)) return false;
+    path.remove_prefix(part.size());
+  }
+  return path.empty();
+}
+
+std::vector<ParameterRow> parameter_table(const Scene& scene) {
+  std::vector<ParameterRow> rows;
+  visit_numbers(scene, [&](const ParameterRow& row, auto&, const Number&) { rows.push_back(row); });
+  return rows;
+}
+
+std::optional<ParameterRow> find_parameter(const Scene& scene, std::string_view path) {
+  std::optional<ParameterRow> found;
+  visit_numbers(scene, [&](const ParameterRow& row, auto&, const Number&) {
+    if (!found && row.path.is(path)) found = row;
+  });
+  return found;
+}
+
+ParameterRow parameter(const Scene& scene, std::string_view path) {
+  ParameterRow found;
+  at_path(scene, path, [&](const ParameterRow& row, auto&, const Number&) { found = row; });
+  return found;
+}
+
+std::optional<double> value_at(const Scene& scene, const ParameterPlace& place) {
+  std::optional<double> value;
+  visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
+    if (row.place == place) value = number.get(&item);
+  });
+  return value;
+}
+
+void set_value_at(Scene& scene, const ParameterPlace& place, double si) {
+  visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
+    if (row.place == place) number.set(&item, si);
+  });
+}
+
+void set_value(Scene& scene, std::string_view path, double value) {
+  at_path(scene, path, [&](const ParameterRow& row, auto& item, const Number& number) {
+    const double si = value * row.dimension.unit(scene.units);
+    if (!contains(row.range, si)) fail(row, out_of_range(row.range, value));
+    try {
+      number.set(&item, si);
+    } catch (const InputError& error) {
+      fail(row, error.what());
+    }
+  });
+}
+
+double get_value(const Scene& scene, std::string_view path) {
+  double value = 0.0;
+  at_path(scene, path, [&](const ParameterRow& row, auto& item, const Number& number) {
+    const std::optional<double> si = number.get(&item);
+    if (!si && row.place.owner == Owner::drive) {
+      fail(row, "expected a drive with a start, this one begins where the mechanism stands; give it one");
+    }
+    value = si.value_or(0.0) / row.dimension.unit(scene.units);
+  });
+  return value;
+}
+
+double value_unit(const Scene& scene, std::string_view path) {
+  return parameter(scene, path).dimension.unit(scene.units);
+}
+
+Scene scaled(const Scene& scene, const Scales& scales) {
+  Scene out = scene;
+  visit_numbers(out, [&](const ParameterRow& row, auto& item, const Number& number) {
+    number.scale(&item, row.dimension.per_scale(scales));
+  });
+  return out;
+}
+
+}  // namespace poise

@@ -1,0 +1,152 @@
+#pragma once
+
+#include <vector>
+
+#include "model/layout.hpp"
+#include "model/planar.hpp"
+
+namespace poise {
+
+/// The phasors of a mechanism's coordinates q, n = coordinates() of them, angles first:
+///   phi_k = exp(i q_k)                 for an angle,
+///   phi_t = q_t exp(i q_f(t)) or q_t   for a length along a line fixed in frame f(t) or in the ground.
+/// place() evaluates them once per configuration into a caller's buffer `pose`; all else reads it. Directions u, v, w
+/// have n values, phasor arrays n entries; D is a derivative with respect to q.
+template <class T>
+class Phasors {
+ public:
+  /// With `keeps_values`, `pose` holds the coordinates too: measures of angles and lengths read them there.
+  Phasors(const Layout& layout, bool keeps_values)
+      : angles_(layout.angles), keeps_values_(keeps_values), start_(layout.coordinates.size()) {
+    for (int t = 0; t < layout.kept; ++t) frame_.push_back(layout.coordinates[t].frame);
+    for (std::size_t t = 0; t < start_.size(); ++t) start_[t] = static_cast<T>(layout.coordinates[t].start);
+    for (const Coordinate& c : layout.coordinates) {
+      is_angle_.push_back(c.kind == Coordinate::Kind::angle);
+      any_frame_.push_back(c.frame);
+    }
+  }
+
+  int coordinates() const { return static_cast<int>(frame_.size()); }
+  int angles() const { return angles_; }
+  /// Coordinate of the angle of the frame in which the line of length t is fixed; -1 for the ground, and for angles.
+  int frame(int t) const { return frame_[t]; }
+
+  /// Size of `pose`: phasors, directions of the lengths' lines, and the coordinates where it keeps them.
+  int pose_size() const { return (keeps_values_ ? 3 : 2) * coordinates() - angles_; }
+  void place(const T* q, Planar<T>* pose) const {
+    const int n = coordinates();
+    for (int k = 0; k < angles_; ++k) pose[k] = unit(q[k]);
+    for (int t = angles_; t < n; ++t) {
+      const int f = frame_[t];
+      Planar<T>& along = pose[n + t - angles_];
+      along = f >= 0 ? pose[f] : Planar<T>{T(1), T(0)};
+      pose[t] = q[t] * along;
+    }
+    if (!keeps_values_) return;
+    Planar<T>* values = pose + 2 * n - angles_;
+    for (int t = 0; t < n; ++t) values[t].x = q[t];
+  }
+  /// The same for some coordinates only, sorted, among them the frames of the lengths; `phasors` false: just the
+  /// values.
+  void place_some(const T* q, const std::vector<int>& some, bool phasors, Planar<T>* pose) const {
+    const int n = coordinates();
+    for (const int t : some) {
+      if (keeps_values_) pose[2 * n - angles_ + t].x = q[t];
+      if (!phasors) continue;
+      if (t < angles_) {
+        pose[t] = unit(q[t]);
+        continue;
+      }
+      Planar<T>& along = pose[n + t - angles_];
+      along = frame_[t] >= 0 ? pose[frame_[t]] : Planar<T>{T(1), T(0)};
+      pose[t] = q[t] * along;
+    }
+  }
+  /// exp(i theta_f(t)), the direction of the line along which length coordinate t runs; 1 on the ground.
+  const Planar<T>& line_direction(const Planar<T>* pose, int t) const { return pose[coordinates() + t - angles_]; }
+  /// q_t.
+  const T& value(const Planar<T>* pose, int t) const { return pose[2 * coordinates() - angles_ + t].x; }
+
+  /// Phasor and line of a coordinate that the mechanism dropped, at its start value.
+  bool dropped(int t) const { return t >= coordinates(); }
+  const T& start(int t) const { return start_[t]; }
+  bool is_angle(int t) const { return is_angle_[t]; }
+  int any_frame(int t) const { return any_frame_[t]; }
+
+  /// Directional derivatives of all phasors:  D phi_t[u],  D2 phi_t[u, v],  D3 phi_t[u, v, w].
+  void first(const Planar<T>* pose, const T* u, Planar<T>* out) const;
+  void second(const Planar<T>* pose, const T* u, const T* v, Planar<T>* out) const;
+  void third(const Planar<T>* pose, const T* u, const T* v, const T* w, Planar<T>* out) const;
+  /// g_a += sum_t Re(conj(d phi_t/dq_a) f_t): what a force f_t on every phasor does along each coordinate.
+  void add_projection(const Planar<T>* pose, const Planar<T>* f, T* g) const;
+  /// g_a += sum_t Re(conj(d/dq_a D phi_t[u]) f_t): how that changes along u while f stays.
+  void add_projection_change(const Planar<T>* pose, const T* u, const Planar<T>* f, T* g) const;
+
+ private:
+  int angles_;
+  bool keeps_values_;
+  std::vector<int> frame_;
+  std::vector<T> start_;
+  std::vector<char> is_angle_;
+  std::vector<int> any_frame_;
+};
+
+template <class T>
+void Phasors<T>::first(const Planar<T>* pose, const T* u, Planar<T>* out) const {
+  for (int k = 0; k < angles(); ++k) out[k] = u[k] * quarter_turn(pose[k]);
+  for (int t = angles(); t < coordinates(); ++t) {
+    out[t] = u[t] * line_direction(pose, t);
+    if (frame(t) >= 0) out[t] += u[frame(t)] * quarter_turn(pose[t]);
+  }
+}
+
+template <class T>
+void Phasors<T>::second(const Planar<T>* pose, const T* u, const T* v, Planar<T>* out) const {
+  for (int k = 0; k < angles(); ++k) out[k] = (-u[k] * v[k]) * pose[k];
+  for (int t = angles(); t < coordinates(); ++t) {
+    const int f = frame(t);
+    if (f < 0) {
+      out[t] = {};
+      continue;
+    }
+    out[t] = (u[t] * v[f] + u[f] * v[t]) * quarter_turn(line_direction(pose, t));
+    out[t] -= (u[f] * v[f]) * pose[t];
+  }
+}
+
+template <class T>
+void Phasors<T>::third(const Planar<T>* pose, const T* u, const T* v, const T* w, Planar<T>* out) const {
+  for (int k = 0; k < angles(); ++k) out[k] = (-u[k] * v[k] * w[k]) * quarter_turn(pose[k]);
+  for (int t = angles(); t < coordinates(); ++t) {
+    const int f = frame(t);
+    if (f < 0) {
+      out[t] = {};
+      continue;
+    }
+    out[t] = (-(u[t] * v[f] * w[f] + u[f] * v[t] * w[f] + u[f] * v[f] * w[t])) * line_direction(pose, t);
+    out[t] -= (u[f] * v[f] * w[f]) * quarter_turn(pose[t]);
+  }
+}
+
+template <class T>
+void Phasors<T>::add_projection(const Planar<T>* pose, const Planar<T>* f, T* g) const {
+  for (int k = 0; k < angles(); ++k) g[k] += cross(pose[k], f[k]);
+  for (int t = angles(); t < coordinates(); ++t) {
+    g[t] += dot(line_direction(pose, t), f[t]);
+    if (frame(t) >= 0) g[frame(t)] += cross(pose[t], f[t]);
+  }
+}
+
+template <class T>
+void Phasors<T>::add_projection_change(const Planar<T>* pose, const T* u, const Planar<T>* f, T* g) const {
+  for (int k = 0; k < angles(); ++k) g[k] -= u[k] * dot(pose[k], f[k]);
+  for (int t = angles(); t < coordinates(); ++t) {
+    const int of = frame(t);
+    if (of < 0) continue;
+    const T across = cross(line_direction(pose, t), f[t]);
+    g[t] += u[of] * across;
+    g[of] += u[t] * across - u[of] * dot(pose[t], f[t]);
+  }
+}
+
+}  // namespace poise

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+namespace poise {
+
+/// SI value of one unit of the scene. Every number in a Scene is SI already (m, N, kg, rad); the units are kept
+/// so that results can be shown in what the user wrote.
+struct Units {
+  std::string length_name = "m";
+  std::string force_name = "N";
+  std::string mass_name = "kg";
+  std::string angle_name = "rad";
+  double length = 1.0;
+  double force = 1.0;
+  double mass = 1.0;
+  double angle = 1.0;
+};
+
+}  // namespace poise

@@ -1,0 +1,152 @@
+// Force laws upon a measure: their forces against their energies, and derivatives against differences in 50 digits.
+
+#include "model/laws/laws.hpp"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "solvers/real50.hpp"
+
+namespace poise {
+namespace {
+
+using Real = Real50;
+
+// Every law there is, its numbers between 0.75 and 2.
+std::vector<Law> every_law() {
+  std::vector<Law> laws;
+  const auto add = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (laws.emplace_back(std::variant_alternative_t<I, Law>{}), ...);
+  };
+  add(std::make_index_sequence<std::variant_size_v<Law>>{});
+  for (Law& law : laws) {
+    double value = 0.75;
+    for (const Number& number : numbers_of(law)) {
+      std::visit([&](auto& l) { number.set(&l, value); }, law);
+      value += 0.375;
+    }
+  }
+  return laws;
+}
+
+// T(g, w) and its derivatives.
+template <class S>
+LawForce<S> whole_force(const Law& law, const S& g, const S& w) {
+  const LawForce<S> rest = force_at_rest(law, g);
+  const LawForce<S> motion = force_of_motion(law, g, w);
+  return {rest.value + motion.value, rest.by_measure + motion.by_measure, rest.by_rate + motion.by_rate};
+}
+
+// On both sides of the free length, at rest and moving both ways.
+struct Sample {
+  Real g, w;
+};
+const std::vector<Sample> samples{{Real(-2.5), Real(0)},   {Real(0.25), Real(-3)}, {Real(0.9), Real(0.125)},
+                                  {Real(1.75), Real(0.5)}, {Real(4), Real(-0.25)}, {Real(7.5), Real(2)}};
+
+void expect_same(const Real& found, const Real& expected, const std::string& what) {
+  EXPECT_LT(static_cast<double>(abs(found - expected)), 1e-14 * (1 + static_cast<double>(abs(expected)))) << what;
+}
+
+void expect_derivatives(const Law& law, const Sample& at) {
+  const Real h = Real(1e-12);
+  const auto value = [&](const Real& g, const Real& w) -> Real { return whole_force(law, g, w).value; };
+  const LawForce<Real> force = whole_force(law, at.g, at.w);
+  expect_same((energy(law, Real(at.g + h)) - energy(law, Real(at.g - h))) / (2 * h), force_at_rest(law, at.g).value,
+              "dV/dg");
+  expect_same((value(at.g + h, at.w) - value(at.g - h, at.w)) / (2 * h), force.by_measure, "dT/dg");
+  expect_same((value(at.g, at.w + h) - value(at.g, at.w - h)) / (2 * h), force.by_rate, "dT/dw");
+  for (int k = 0; k < static_cast<int>(numbers_of(law).size()); ++k) {
+    const Number& number = numbers_of(law)[k];
+    // Exact in double, so that only the third derivative counts.
+    const double step = 0x1p-26;
+    const auto changed = [&](double by) -> Real {
+      Law other = law;
+      std::visit([&](auto& l) { number.set(&l, number.get(&l).value() + by); }, other);
+      return whole_force(other, at.g, at.w).value;
+    };
+    expect_same((changed(step) - changed(-step)) / Real(2 * step), force_by_number(law, k, at.g, at.w),
+                "dT/d" + std::string(number.key));
+  }
+}
+
+TEST(Laws, KnowTheirDerivatives) {
+  for (const Law& law : every_law()) {
+    SCOPED_TRACE(law.index());
+    ASSERT_FALSE(numbers_of(law).empty());
+    for (const Sample& at : samples) expect_derivatives(law, at);
+  }
+}
+
+TEST(Laws, ActAtRestOrResistMotion) {
+  for (const Law& law : every_law()) {
+    SCOPED_TRACE(law.index());
+    EXPECT_TRUE(stores_energy(law) || resists_motion(law));
+    EXPECT_EQ(left_out_of_statics(law).empty(), stores_energy(law));
+    EXPECT_EQ(idle(law), "") << "its numbers are not zero";
+    for (const Sample& at : samples) {
+      EXPECT_EQ(force_at_rest(law, at.g).by_rate, 0);
+      EXPECT_EQ(force_of_motion(law, at.g, Real(0)).value, 0);
+      EXPECT_GE(force_of_motion(law, at.g, at.w).value * at.w, 0) << "takes power";
+      if (!stores_energy(law)) {
+        EXPECT_EQ(energy(law, at.g), 0);
+        EXPECT_EQ(force_at_rest(law, at.g).value, 0);
+      }
+    }
+  }
+}
+
+TEST(Laws, AreTheFormulasOfTheirDocumentation) {
+  const LinearSpring spring{3.0, 0.5};
+  EXPECT_EQ(energy(spring, 2.5), 6.0);
+  EXPECT_EQ(force_at_rest(spring, 2.5).value, 6.0);
+  EXPECT_EQ(force_at_rest(spring, 0.0).value, -1.5);
+  EXPECT_EQ(force_at_rest(spring, 0.0).by_measure, 3.0);
+  const ConstantForce weight{4.0};
+  EXPECT_EQ(energy(weight, -2.0), -8.0);
+  EXPECT_EQ(force_at_rest(weight, -2.0).value, 4.0);
+  EXPECT_EQ(force_of_motion(weight, 1.0, 1.0).value, 0.0);
+  EXPECT_EQ(force_of_motion(Damper{0.5}, 1.0, -3.0).value, -1.5);
+  const DryFriction friction{2.0, 0.25};
+  EXPECT_DOUBLE_EQ(force_of_motion(friction, 0.0, 0.1).value, 2.0 * std::tanh(0.4));
+  EXPECT_EQ(force_of_motion(friction, 0.0, 100.0).value, 2.0);
+  EXPECT_EQ(force_of_motion(friction, 0.0, 0.0).by_rate, 2.0 / 0.25);
+}
+
+TEST(Laws, OneWaySpringsAreSlackOnTheOtherSide) {
+  using Acts = LinearSpring::Acts;
+  const LinearSpring both{3.0, 0.5, Acts::both};
+  for (const double g : {-1.0, 0.0, 0.25, 0.5, 0.75, 2.0}) {
+    SCOPED_TRACE(g);
+    for (const Acts acts : {Acts::tension, Acts::compression}) {
+      const LinearSpring spring{3.0, 0.5, acts};
+      const bool slack = acts == Acts::tension ? g <= 0.5 : g >= 0.5;
+      EXPECT_EQ(spring.slack(g), slack);
+      EXPECT_EQ(energy(spring, g), slack ? 0.0 : energy(both, g));
+      EXPECT_EQ(force_at_rest(spring, g).value, slack ? 0.0 : force_at_rest(both, g).value);
+      EXPECT_EQ(force_at_rest(spring, g).by_measure, slack ? 0.0 : 3.0);
+      for (const int number : {0, 1}) {
+        EXPECT_EQ(force_by_number(spring, number, g, 1.0), slack ? 0.0 : force_by_number(both, number, g, 1.0));
+      }
+      if (g == 0.5) continue;
+      expect_derivatives(spring, {Real(g), Real(1)});
+    }
+    EXPECT_FALSE(both.slack(g));
+  }
+}
+
+TEST(Laws, SayWhyTheyNeverAct) {
+  EXPECT_EQ(idle(LinearSpring{0.0, 1.0}), "its stiffness is zero");
+  EXPECT_EQ(idle(ConstantForce{0.0}), "it is zero");
+  EXPECT_EQ(left_out_of_statics(Damper{1.0}), "nothing moves in statics");
+  EXPECT_TRUE(left_out_of_statics(DryFriction{1.0}).starts_with("nothing moves in statics"));
+  EXPECT_EQ(left_out_of_statics(LinearSpring{1.0, 1.0}), "");
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,282 @@
+// Equilibria that force elements upon every kind of measure keep, against closed forms, and confirmed body by body.
+
+#include "tests/support/elements.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "model/scene.hpp"
+#include "statics/equilibrium.hpp"
+#include "tests/support/every_measure.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/vector_mechanics.hpp"
+
+namespace poise {
+namespace {
+
+constexpr Method methods[] = {Method::virtual_work, Method::energy};
+
+double tolerance(Method method) { return method == Method::energy ? 1e-8 : 1e-12; }
+
+Equilibrium found_by(const StaticModel& model, Method method, const char* stability) {
+  const Equilibrium found = solve(model, test::by(method));
+  EXPECT_EQ(found.status, Status::confirmed) << to_string(method) << ": " << found.why;
+  EXPECT_TRUE(found.check.is_equilibrium()) << found.check.objection;
+  EXPECT_EQ(to_string(found.check.stability), stability) << to_string(method);
+  return found;
+}
+
+// A block of 2 kg under 10 m/s^2 on a rail that climbs by 3 in 5, from 1 m along it: 12 N pull it down.
+Scene block_on_a_rail(const std::string& elements) {
+  return parse_scene(R"(
+    gravity = [0, -10]
+    [ground]
+    points = { O = [0.3, 0.1], S = [5, 5] }
+    [body.block]
+    points = { c = [0, 0], eye = [0.2, 0.1] }
+    mass = 2
+    [[slide]]
+    name = "guide"
+    points = ["ground.O", "block.c"]
+    axis = [0.8, 0.6]
+    [start]
+    guide = 1
+  )" + elements,
+                     "block.toml");
+}
+
+void expect_travel(const std::string& elements, double travel) {
+  const StaticModel model(block_on_a_rail(elements));
+  for (const Method method : methods) {
+    const Equilibrium found = found_by(model, method, "stable");
+    EXPECT_NEAR(test::travel_of(model, found.x, "guide"), travel, tolerance(method)) << to_string(method);
+  }
+}
+
+TEST(Elements, SpringOnASlide) {
+  // 40 (s - L0) + 12 = 0
+  expect_travel("[[spring]]\nslide = \"guide\"\nstiffness = 40\nfree_length = 2\n", 1.7);
+  expect_travel("[[spring]]\nslide = \"guide\"\nstiffness = 40\nfree_length = -2\n", -2.3);
+  // One that can only press is pressed.
+  expect_travel("[[spring]]\nslide = \"guide\"\nstiffness = 40\nfree_length = 2\nacts = \"compression\"\n", 1.7);
+  // 40 (s - 2) + 10 (s + 2) + 12 = 0 with the second pulling back.
+  expect_travel(
+      "[[spring]]\nslide = \"guide\"\nstiffness = 40\nfree_length = 2\n"
+      "[[spring]]\nslide = \"guide\"\nstiffness = 10\nfree_length = -2\nacts = \"tension\"\n",
+      0.96);
+}
+
+TEST(Elements, SpringOnAnXAndAY) {
+  // x of the eye is 0.5 + 0.8 s, y is 0.2 + 0.6 s:  0.8 50 (x - 4) + 12 = 0,  0.6 50 (y - 4) + 12 = 0.
+  expect_travel("[[spring]]\nx = \"block.eye\"\nstiffness = 50\nfree_length = 4\n", (3.7 - 0.5) / 0.8);
+  expect_travel("[[spring]]\ny = \"block.eye\"\nstiffness = 50\nfree_length = 4\n", (3.6 - 0.2) / 0.6);
+  expect_travel("[[spring]]\ny = \"block.eye\"\nstiffness = 50\nfree_length = -1\n", (-1.4 - 0.2) / 0.6);
+}
+
+TEST(Elements, ConstantForces) {
+  // A counterweight of 20 N on a rope along the rail holds more than 12 N; the spring takes the rest:
+  //   40 (s - 2) + 12 - 20 = 0.
+  const std::string spring = "[[spring]]\nslide = \"guide\"\nstiffness = 40\nfree_length = 2\n";
+  expect_travel(spring + "[[constant_force]]\nslide = \"guide\"\nforce = -20\n", 2.2);
+  // Upwards at the eye: 0.6 20 = 12 N along the rail.
+  expect_travel(spring + "[[constant_force]]\ny = \"block.eye\"\nforce = -20\n", 2.0);
+}
+
+TEST(Elements, DampersAndFrictionStayOutOfStatics) {
+  expect_travel(
+      "[[spring]]\nslide = \"guide\"\nstiffness = 40\nfree_length = 2\n[[damper]]\nslide = \"guide\"\ncoefficient = 5\n"
+      "[[friction]]\nslide = \"guide\"\nforce = 3\nwidth = 0.1\n",
+      1.7);
+}
+
+// Two blocks on vertical rails. A tackle takes twice the left one's travel and the right one's:
+//   T = 300 (2 s + r - 4),  2 T + 80 = 0 on the left,  T + 50 + 200 (r - 1) = 0 on the right.
+TEST(Elements, SpringOnASumIsATackle) {
+  const StaticModel model(parse_scene(R"(
+    gravity = [0, -10]
+    [ground]
+    points = { L = [0, 0], R = [1, 0] }
+    [body.left]
+    points = { c = [0, 0] }
+    mass = 8
+    [body.right]
+    points = { c = [0, 0] }
+    mass = 5
+    [[slide]]
+    name = "s"
+    points = ["ground.L", "left.c"]
+    axis = [0, 1]
+    [[slide]]
+    name = "r"
+    points = ["ground.R", "right.c"]
+    axis = [0, 1]
+    [[spring]]
+    name = "tackle"
+    sum = [{ factor = 2, slide = "s" }, { factor = 1, slide = "r" }]
+    stiffness = 300
+    free_length = 4
+    [[spring]]
+    name = "hanger"
+    slide = "r"
+    stiffness = 200
+    free_length = 1
+  )",
+                                      "tackle.toml"));
+  const double r = 1 - (50.0 - 40.0) / 200;
+  const double s = (4 - 40.0 / 300 - r) / 2;
+  for (const Method method : methods) {
+    const Equilibrium found = found_by(model, method, "stable");
+    EXPECT_NEAR(test::travel_of(model, found.x, "r"), r, 10 * tolerance(method));
+    EXPECT_NEAR(test::travel_of(model, found.x, "s"), s, 10 * tolerance(method));
+  }
+}
+
+// Two wheels with an elastic mesh, k (q1 + 3 q2 - f), a torque M on the first and a coil on the second:
+//   k (q1 + 3 q2 - f) = M,  3 M + c q2 = 0.
+TEST(Elements, SpringOnASumOfAnglesIsAMesh) {
+  const StaticModel model(parse_scene(R"(
+    [ground]
+    points = { A = [0, 0], B = [1, 0] }
+    [body.one]
+    points = { A = [0, 0] }
+    [body.two]
+    points = { B = [0, 0] }
+    [[pin]]
+    points = ["ground.A", "one.A"]
+    [[pin]]
+    points = ["ground.B", "two.B"]
+    [[spring]]
+    sum = [{ factor = 1, bodies = ["ground", "one"] }, { factor = 3, bodies = ["ground", "two"] }]
+    stiffness = 20
+    free_angle = 0.5
+    [[torsion_spring]]
+    bodies = ["ground", "two"]
+    stiffness = 15
+    [[torque]]
+    on = "one"
+    value = 4
+  )",
+                                      "mesh.toml"));
+  for (const Method method : methods) {
+    const Equilibrium found = found_by(model, method, "stable");
+    EXPECT_NEAR(test::angle_of(model, found.x, "two"), -0.8, 10 * tolerance(method));
+    EXPECT_NEAR(test::angle_of(model, found.x, "one"), 0.5 + 4.0 / 20 + 2.4, 10 * tolerance(method));
+  }
+}
+
+// An arm of 2 m with 30 N at its tip, at q from the horizontal.
+Scene arm(double q, const std::string& elements) {
+  return parse_scene(fmt::format(R"(
+    gravity = [0, -10]
+    [ground]
+    points = {{ O = [0, 0], S = [0, 3] }}
+    [body.arm]
+    points = {{ O = [0, 0], P = [2, 0] }}
+    mass = 3
+    center = [2, 0]
+    [[pin]]
+    points = ["ground.O", "arm.O"]
+    {}
+    [start]
+    arm = {}
+  )",
+                                 elements, q),
+                     "arm.toml");
+}
+
+// The spring's far end rides along a wall, so that it stays level:  V = 30 2 sin q + k/2 (2 cos q)^2  has rests at
+// sin q = 30 / 2 k, which fall, and upright, which stands where k 2 > 30.
+TEST(Elements, LevelSpringHoldsAnArmUpright) {
+  const std::string spring = "[[spring]]\nx = \"arm.P\"\nstiffness = 25\nfree_length = 0\n";
+  const StaticModel leaning(arm(0.6, spring));
+  const Equilibrium falls = found_by(leaning, Method::virtual_work, "unstable");
+  EXPECT_NEAR(test::angle_of(leaning, falls.x, "arm"), std::asin(0.6), 1e-12);
+  const StaticModel upright(arm(1.5, spring));
+  for (const Method method : methods) {
+    const Equilibrium stands = found_by(upright, method, "stable");
+    EXPECT_NEAR(test::angle_of(upright, stands.x, "arm"), M_PI_2, tolerance(method));
+  }
+}
+
+// A counterweight of F = 25 N on a rope over S, 3 m above the hinge: V = 30 2 sin q + F r  rests where
+// r = 3 F / 30, and falls.
+TEST(Elements, CounterweightOnARopeBalancesAnArm) {
+  const double r = 2.5;
+  const double sine = (2 * 2 + 3 * 3 - r * r) / (2 * 2 * 3);
+  const StaticModel model(arm(0.5, "[[constant_force]]\npoints = [\"ground.S\", \"arm.P\"]\nforce = 25\n"));
+  const Equilibrium found = found_by(model, Method::virtual_work, "unstable");
+  EXPECT_NEAR(test::angle_of(model, found.x, "arm"), std::asin(sine), 1e-12);
+}
+
+// A clockwork of 15 N m winds a coil by 15 / 10 rad.
+TEST(Elements, ClockworkWindsACoil) {
+  const StaticModel model(parse_scene(R"(
+    [ground]
+    points = { O = [0, 0] }
+    [body.wheel]
+    points = { O = [0, 0] }
+    [[pin]]
+    points = ["ground.O", "wheel.O"]
+    [[constant_force]]
+    bodies = ["ground", "wheel"]
+    torque = -15
+    [[torsion_spring]]
+    bodies = ["ground", "wheel"]
+    stiffness = 10
+  )",
+                                      "clockwork.toml"));
+  for (const Method method : methods) {
+    const Equilibrium found = found_by(model, method, "stable");
+    EXPECT_NEAR(test::angle_of(model, found.x, "wheel"), 1.5, tolerance(method));
+  }
+}
+
+// Three ways to stop the block at half a metre along the rail.
+TEST(Elements, StopsUponEveryMeasureHold) {
+  for (const std::string& on :
+       {std::string("y = \"block.eye\"\nmin = 0.5"), std::string("x = \"block.eye\"\nmin = 0.9"),
+        std::string("sum = [{ factor = -2, slide = \"guide\" }]\nmax = -1")}) {
+    SCOPED_TRACE(on);
+    const StaticModel model(block_on_a_rail("[[stop]]\nname = \"rest\"\n" + on + "\n"));
+    for (const Method method : methods) {
+      const Equilibrium found = found_by(model, method, "stable");
+      EXPECT_NEAR(test::travel_of(model, found.x, "guide"), 0.5, tolerance(method));
+      EXPECT_EQ(test::reaction_of(found.check, "rest").kind, "stop");
+    }
+  }
+}
+
+// The check cuts every body free and knows nothing of the phasor model; energies come from the places of the bodies.
+TEST(Elements, UponEveryMeasureOfRandomMechanismsAreConfirmedBodyByBody) {
+  int confirmed = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    test::Random random(seed);
+    Scene scene = test::plant_mechanism(seed, {.loops = static_cast<int>(seed % 4)}).at_rest;
+    test::add_elements_upon_every_measure(scene, random);
+    const StaticModel model(scene);
+    const Equilibrium found = solve(model, test::by(Method::virtual_work, Seek::stable));
+    if (!found.found()) continue;
+    ASSERT_EQ(found.status, Status::confirmed) << found.why;
+    ++confirmed;
+    const std::vector<double> other = assemble(model);
+    const auto energy = [&](const std::vector<double>& x) {
+      std::vector<Planar<double>> pose(model.mechanism().pose_size());
+      model.mechanism().place(x.data(), pose.data());
+      return model.mechanism().energy(x.data(), pose.data()) * model.scales().energy();
+    };
+    const double from = test::potential_energy(scene, model.poses(other));
+    const double to = test::potential_energy(scene, model.poses(found.x));
+    EXPECT_NEAR(found.energy - energy(other), to - from,
+                1e-10 * (std::abs(from) + std::abs(to) + std::abs(found.energy)));
+  }
+  EXPECT_GT(confirmed, 30);
+}
+
+}  // namespace
+}  // namespace poise

@@ -1,0 +1,61 @@
+#include "tests/support/every_measure.hpp"
+
+#include "tests/support/elements.hpp"
+
+namespace poise::test {
+
+std::vector<NamedMeasure> measures_of(Scene& scene, Random& random) {
+  std::vector<PointRef> probes;
+  for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
+    probes.push_back(scene.add_point(b, "probe", {random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7)}));
+  }
+  const auto body_but = [&](int other) {
+    for (;;) {
+      const int body = random.index(scene.bodies.size());
+      if (body != other) return body;
+    }
+  };
+  const auto angle = [&] {
+    const int b = body_but(0);
+    return Measure::angle_between(body_but(b), b);
+  };
+  const auto distance = [&] {
+    const int b = body_but(0);
+    return Measure::distance_between(probes[body_but(b)], probes[b]);
+  };
+  const auto x = [&] { return Measure::x_of(probes[body_but(0)]); };
+  const auto y = [&] { return Measure::y_of(probes[body_but(0)]); };
+  std::vector<NamedMeasure> all{{"angle", angle()}, {"distance", distance()}, {"x", x()}, {"y", y()}};
+  std::vector<Measure> lengths{distance(), x(), y()};
+  for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
+    if (!scene.joints[j].has_travel()) continue;
+    all.push_back({"travel of " + scene.joints[j].name, Measure::travel_of(j)});
+    lengths.push_back(Measure::travel_of(j));
+  }
+  std::vector<Measure::Term> terms;
+  for (const Measure& length : lengths) terms.push_back({random.uniform(-2.0, 2.0), length});
+  all.push_back({"sum of lengths", Measure::sum_of(terms)});
+  all.push_back({"sum of angles", Measure::sum_of({{2.0, angle()}, {-3.0, angle()}})});
+  all.push_back({"sum of sums", Measure::sum_of({{0.5, Measure::sum_of(terms)}, {-1.5, distance()}})});
+  const Measure turn = angle();
+  all.push_back({"nothing", Measure::sum_of({{1.0, turn}, {-1.0, turn}})});
+  return all;
+}
+
+void add_elements_upon_every_measure(Scene& scene, Random& random) {
+  for (const auto& [name, measure] : measures_of(scene, random)) {
+    const double stiffness = random.uniform(0.2, 1.0);
+    const double free_length = random.uniform(0.0, 1.0);
+    const auto acts = static_cast<LinearSpring::Acts>(random.index(3));
+    scene.elements.push_back(
+        make_element("spring", "spring " + name, measure, LinearSpring{stiffness, free_length, acts}));
+    scene.elements.push_back(
+        make_element("constant_force", "weight " + name, measure, ConstantForce{random.uniform(-0.3, 0.3)}));
+    scene.elements.push_back(make_element("damper", "damper " + name, measure, Damper{random.uniform(0.0, 0.5)}));
+    const double force = random.uniform(0.0, 0.3);
+    scene.elements.push_back(
+        make_element("friction", "friction " + name, measure, DryFriction{force, random.uniform(0.5, 1.0)}));
+  }
+}
+
+}  // namespace poise::test
