@@ -1,6 +1,7 @@
 #include <utility>
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include "solvers/linear_algebra_impl.hpp"
 
@@ -12,6 +13,7 @@ using Eigen::VectorXd;
 template PivotOrder pivot_order(const MatrixXd&, double);
 template MatrixXd null_space(const MatrixXd&, double);
 template class LeastSquares<double>;
+template VectorXd symmetric_eigenvalues(const MatrixXd&);
 
 MatrixXd triangular_factor(MatrixXd& a) {
   const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> qr(a);
@@ -43,5 +45,26 @@ double FullyPivotedLu::largest_pivot() const { return factors_->lu.maxPivot(); }
 double FullyPivotedLu::reciprocal_condition() const { return factors_->lu.isInvertible() ? factors_->lu.rcond() : 0.0; }
 
 double FullyPivotedLu::determinant() const { return factors_->lu.determinant(); }
+
+SymmetricEigen symmetric_eigen(const MatrixXd& a) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigenpairs eigenpairs(const MatrixXd& a) {
+  const Eigen::EigenSolver<MatrixXd> eigen(a);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigen::Index SingularValues::rank(double tolerance) const {
+  return values.size() > 0 ? (values.array() >= tolerance * values[0] && values.array() > 0.0).count() : 0;
+}
+
+SingularValues singular_value_decomposition(const MatrixXd& a) {
+  const Eigen::JacobiSVD<MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeFullV);
+  return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
+}
+
+VectorXd singular_values(const MatrixXd& a) { return Eigen::BDCSVD<MatrixXd>(a).singularValues(); }
 
 }  // namespace poise::solvers

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Sparse>
-
 #include "solvers/linear_algebra.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/sparse_least_squares.hpp"

@@ -9,10 +9,11 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 #include "motion/simulate.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
@@ -64,9 +65,7 @@ void expect_same_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd both(a.rows() + b.rows(), a.cols());
   both << a, b;
   const auto rank = [](const Eigen::MatrixXd& m) {
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(m.transpose());
-    qr.setThreshold(1e-5);  // shares are written with six digits
-    return qr.rank();
+    return solvers::rank<double>(m.transpose(), 1e-5);  // shares are written with six digits
   };
   EXPECT_EQ(rank(a), rank(b));
   EXPECT_EQ(rank(both), rank(b));

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
+#include "solvers/linear_algebra.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
@@ -258,7 +259,7 @@ double plain_levenberg_marquardt(const FitProblem& problem, const Record& record
     const Eigen::MatrixXd H = J.transpose() * J;
     const Eigen::VectorXd g = J.transpose() * R.col(n);
     const Eigen::MatrixXd damped = H + damping * Eigen::MatrixXd(H.diagonal().asDiagonal());
-    const Eigen::VectorXd next = x - damped.ldlt().solve(g);
+    const Eigen::VectorXd next = x - solvers::FullyPivotedLu(damped).solve(g);
     const Eigen::MatrixXd there = next[0] > 0 ? triangle(next) : Eigen::MatrixXd();
     const double before = R.col(n).squaredNorm();
     if (there.size() == 0 || !(there.col(n).squaredNorm() < before)) {

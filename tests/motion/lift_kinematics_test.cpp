@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/SVD>
 #include <gtest/gtest.h>
 
 #include "motion/driven_path.hpp"
 #include "motion/kinematics.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
@@ -131,7 +131,7 @@ TEST_F(Lift, KeepsAwayFromSingularPosesAsItsFacts) {
     Eigen::MatrixXd jacobian =
         closure.jacobian(Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())));
     for (int k = 0; k < model.layout().angles; ++k) jacobian.col(k) *= model.scales().length;
-    const Eigen::VectorXd values = closure.free_columns(jacobian).jacobiSvd().singularValues();
+    const Eigen::VectorXd values = solvers::singular_value_decomposition(closure.free_columns(jacobian)).values;
     conditions.push_back(values[0] / values[values.size() - 1]);
   }
   std::sort(conditions.begin(), conditions.end());

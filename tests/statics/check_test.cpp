@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -425,7 +425,8 @@ TEST(Redundancy, OnlyTheDoublyGuidedCarriageIsUndetermined) {
   Eigen::MatrixXd equations(2, 4);
   equations << 1, 1, 0, 0, 0, 2, size, size;
   const Eigen::Vector2d loads(30, 35);
-  const Eigen::VectorXd shortest = equations.transpose() * (equations * equations.transpose()).inverse() * loads;
+  const Eigen::Matrix2d normal = equations * equations.transpose();
+  const Eigen::VectorXd shortest = equations.transpose() * (normal.inverse() * loads);
   expect_vector(reaction_of(check, "left").force, {0.0, shortest[0]}, 1e-11);
   expect_vector(reaction_of(check, "right").force, {0.0, shortest[1]}, 1e-11);
   EXPECT_NEAR(reaction_of(check, "left").moment, size * shortest[2], 1e-11);
@@ -479,7 +480,8 @@ TEST_P(Parallelogram, SharesItsLoadByMinimumNorm) {
   Eigen::MatrixXd equations(2, cranks);
   for (int i = 0; i < cranks; ++i) equations.col(i) << 1.0, i;
   const Eigen::Vector2d loads(coupler_load * along.y, coupler_load / along.y);
-  const Eigen::VectorXd share = equations.transpose() * (equations * equations.transpose()).inverse() * loads;
+  const Eigen::Matrix2d normal = equations * equations.transpose();
+  const Eigen::VectorXd share = equations.transpose() * (normal.inverse() * loads);
   for (int i = 0; i < cranks; ++i) {
     Vec2 force = share[i] * along;
     if (i == 0) force += coupler_load * std::cos(crank_angle) * quarter_turn(along);

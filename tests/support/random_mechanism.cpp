@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "model/mechanism.hpp"
 #include "model/parameters.hpp"
+#include "solvers/linear_algebra.hpp"
 #include "statics/curvature.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/vector_mechanics.hpp"
@@ -84,10 +84,10 @@ struct Motion {
       least = 0.0;
       return;
     }
-    const Eigen::JacobiSVD<MatrixXd> svd(jacobian, Eigen::ComputeFullV);
-    basis = svd.matrixV().rightCols(n - rank);
-    if (rank > 0) least = svd.singularValues()[rank - 1];
-    if (redundant > 0 && rank < svd.singularValues().size()) most_redundant = svd.singularValues()[rank];
+    const solvers::SingularValues svd = solvers::singular_value_decomposition(jacobian);
+    basis = svd.right.rightCols(n - rank);
+    if (rank > 0) least = svd.values[rank - 1];
+    if (redundant > 0 && rank < svd.values.size()) most_redundant = svd.values[rank];
   }
 
   bool is_regular() const { return least > least_singular_value && most_redundant < 1e-12; }
@@ -545,19 +545,18 @@ class Planting {
       work.rightCols(1) = motion.basis.transpose() * added;
     }
     if (work.cols() < freedoms) return false;
-    const Eigen::ColPivHouseholderQR<MatrixXd> qr(work);
-    const auto& order = qr.colsPermutation().indices();
+    const std::vector<int> order = solvers::pivot_order(work, solvers::known_to::rounding).columns;
     MatrixXd chosen(freedoms, freedoms);
     for (int k = 0; k < freedoms; ++k) chosen.col(k) = work.col(order[k]);
-    const Eigen::FullPivLU<MatrixXd> factors(chosen);
-    if (!factors.isInvertible()) return false;
+    const solvers::FullyPivotedLu factors(chosen);
+    if (factors.reciprocal_condition() == 0.0) return false;
 
     // Once, and once more for what rounding left.
     const Scene unloaded = scene();
     VectorXd size = VectorXd::Zero(freedoms);
     for (int pass = 0; pass < 2; ++pass) {
       const VectorXd left = negative_force(Mechanism<double>(scene()));
-      size += factors.solve(motion.basis.transpose() * left);
+      size += factors.solve(VectorXd(motion.basis.transpose() * left));
       scene() = unloaded;
       for (int k = 0; k < freedoms; ++k) candidates[order[k]](size[k]);
     }
@@ -594,8 +593,8 @@ class Planting {
     if (!motion.is_regular()) return false;
     const MatrixXd reduced = wish_.followers ? by_forces(mechanism, at, motion) : by_energy(mechanism, at, motion);
     if (reduced.size() > 0) {
-      const Eigen::EigenSolver<MatrixXd> eigen(reduced);
-      out_.curvature.assign(eigen.eigenvalues().begin(), eigen.eigenvalues().end());
+      const Eigen::VectorXcd values = solvers::eigenpairs(reduced).values;
+      out_.curvature.assign(values.begin(), values.end());
     }
     for (const auto& e : out_.curvature) {
       if (std::abs(e.real()) < least_curvature) return false;
@@ -605,7 +604,7 @@ class Planting {
     MatrixXd system = MatrixXd::Zero(n + m, n + m);
     system << at.point.tangent(at.point.multipliers()), at.point.jacobian.transpose(), at.point.jacobian,
         MatrixXd::Zero(m, m);
-    const VectorXd singular = Eigen::JacobiSVD<MatrixXd>(system).singularValues();
+    const VectorXd singular = solvers::singular_value_decomposition(system).values;
     out_.sensitivity = 1.0 / singular[singular.size() - 1 - draft_.redundant];
     return out_.sensitivity < largest_sensitivity;
   }
@@ -624,10 +623,8 @@ class Planting {
         gap[r] = now.constraint[row] - (row < mechanism.equalities() ? 0.0 : at.point.constraint[row]);
       }
       if (gap.size() == 0 || gap.cwiseAbs().maxCoeff() < 1e-14) break;
-      Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
-      factors.setThreshold(1e-2);  // redundant rows have pivots of the order of the displacement here
-      factors.compute(now.jacobian);
-      x -= factors.solve(gap);
+      // Redundant rows have pivots of the order of the displacement here.
+      x -= solvers::minimum_norm_solution(now.jacobian, gap, 1e-2);
     }
     return q;
   }
