@@ -16,8 +16,6 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::size_t most_sensors_drawn = 3;
 constexpr std::size_t most_runs_drawn = 4;
 constexpr std::size_t most_parameters_drawn = 8;
@@ -115,15 +113,15 @@ std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer
   return panels;
 }
 
-json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
+Json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   const std::vector<std::string> units = parameter_units(problem);
   const bool simulated = is_simulated(problem.experiment());
-  json out = json::array();
+  Json out = Json::array();
   for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
     const Estimate& e = fitted.estimates[i];
     const auto number = [&](double si, bool known) {
-      return known && !e.withheld ? json_number(si / e.unit) : json(nullptr);
+      return known && !e.withheld ? json_number(si / e.unit) : Json(nullptr);
     };
     out.push_back({{"name", e.name},
                    {"path", unknown_of(problem, i).path},
@@ -131,31 +129,31 @@ json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
                    {"value", number(e.value, true)},
                    {"deviation", number(e.deviation, fitted.identifiability.ok)},
                    {"truth", number(e.truth, simulated)},
-                   {"withheld", e.withheld ? json(e.why) : json(nullptr)}});
+                   {"withheld", e.withheld ? Json(e.why) : Json(nullptr)}});
   }
   return out;
 }
 
-json json_rms(const std::vector<double>& rms, const Experiment& experiment) {
-  json out = json::array();
+Json json_rms(const std::vector<double>& rms, const Experiment& experiment) {
+  Json out = Json::array();
   for (std::size_t k = 0; k < rms.size(); ++k) {
     out.push_back(json_number(in_unit(rms[k], experiment.sensors[k], experiment.scene.units)));
   }
   return out;
 }
 
-json json_runs(const FitProblem& problem, const Fit& fitted) {
+Json json_runs(const FitProblem& problem, const Fit& fitted) {
   const Units& units = problem.experiment().scene.units;
-  json out = json::array();
+  Json out = Json::array();
   for (std::size_t r = 0; r < fitted.runs.size(); ++r) {
     const RunFit& run = fitted.runs[r];
     const std::vector<std::string> names = problem.run(r).nuisance_names();
     const std::vector<Quantity> quantities = nuisance_quantities(problem.run(r));
-    json found = json::object();
+    Json found = Json::object();
     for (std::size_t i = 0; i < run.nuisances.size(); ++i) {
       found[names[i]] = json_number(in_unit(run.nuisances[i], quantities[i], units));
     }
-    json lagged = json::array();
+    Json lagged = Json::array();
     for (const double a : run.autocorrelation) lagged.push_back(json_number(a));
     out.push_back({{"name", run.name},
                    {"rms", json_rms(run.rms, problem.experiment())},
@@ -192,21 +190,21 @@ std::vector<std::size_t> worst_first(const FitProblem& problem, const Fit& fitte
 std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings) {
   const Fit& fitted = answer.fit;
   const Experiment& experiment = problem.experiment();
-  json out = json_experiment(problem, settings);
+  Json out = json_experiment(problem, settings);
   out["status"] = to_string(fitted.status);
   out["why"] = fitted.why;
   out["start"] = fitted.start;
   out["degrees_of_freedom"] = fitted.degrees;
-  out["misfit"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.misfit);
-  out["colour"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.colour);
-  out["misfit_deviation"] = fitted.runs.empty() ? json(nullptr) : json_number(fitted.expected);
+  out["misfit"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.misfit);
+  out["colour"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.colour);
+  out["misfit_deviation"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.expected);
   out["iterations"] = fitted.iterations;
   out["evaluations"] = fitted.evaluations;
   out["tries"] = fitted.tries;
   out["microseconds"] = json_number(fitted.microseconds);
   out["estimates"] = json_estimates(problem, answer);
   out["identifiability"] = json_identifiability(problem, fitted.identifiability);
-  out["sensors"] = json::array();
+  out["sensors"] = Json::array();
   for (const Sensor& sensor : experiment.sensors) {
     out["sensors"].push_back({{"name", sensor.name},
                               {"unit", unit_name(sensor, experiment.scene.units)},
@@ -214,7 +212,7 @@ std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const s
   }
   out["rms"] = json_rms(fitted.rms, experiment);
   out["rms_from_first_readings"] =
-      answer.rms_from_readings.empty() ? json(nullptr) : json_rms(answer.rms_from_readings, experiment);
+      answer.rms_from_readings.empty() ? Json(nullptr) : json_rms(answer.rms_from_readings, experiment);
   out["residuals"] = json_runs(problem, fitted);
   return json_text(out, experiment.scene);
 }

@@ -14,8 +14,6 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::size_t most_curves = 12;
 
 std::vector<double> shown(const ForceCourse& course, const Units& units) {
@@ -116,22 +114,22 @@ std::string forces_json(const MotionModel& model, const ForcesAnswer& answer,
                         const std::vector<std::string>& settings) {
   const Scene& scene = model.scene();
   const auto numbers = [](const std::vector<double>& values) {
-    json out = json::array();
+    Json out = Json::array();
     for (double v : values) out.push_back(json_number(v));
     return out;
   };
-  json out = {{"poise", POISE_VERSION},
+  Json out = {{"poise", POISE_VERSION},
               {"scene", json_scene(scene, settings)},
               {"units", json_units(scene.units)},
               {"how", answer.how},
               {"complete", answer.complete},
               {"why", answer.why},
               {"stop", json_stop(answer.stop, scene)},
-              {"parallel", json::array()},
+              {"parallel", Json::array()},
               {"balanced", answer.balanced()},
               {"along", answer.along},
               {"at", numbers(places(answer, scene.units))},
-              {"forces", json::object()}};
+              {"forces", Json::object()}};
   for (const ForceCourse& course : force_courses(scene, answer)) {
     out["forces"][course.name] = numbers(shown(course, scene.units));
   }
@@ -151,8 +149,8 @@ std::string forces_json(const MotionModel& model, const ForcesAnswer& answer,
     work = std::max(work, forces.work_error);
     power = std::max(power, forces.power.error);
   }
-  out["undetermined"] = undetermined;
-  out["idle_stops"] = idle;
+  out["undetermined"] = std::vector(undetermined.begin(), undetermined.end());
+  out["idle_stops"] = std::vector(idle.begin(), idle.end());
   out["work_error"] = work;
   out["power_error"] = power;
   return json_text(out, scene);

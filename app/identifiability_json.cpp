@@ -5,9 +5,7 @@
 
 namespace poise::app {
 
-using nlohmann::json;
-
-json json_experiment(const FitProblem& problem, const std::vector<std::string>& settings) {
+Json json_experiment(const FitProblem& problem, const std::vector<std::string>& settings) {
   const Experiment& experiment = problem.experiment();
   std::size_t readings = 0;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
@@ -28,23 +26,23 @@ json json_experiment(const FitProblem& problem, const std::vector<std::string>& 
           {"nuisances", nuisances(problem)}};
 }
 
-json json_identifiability(const FitProblem& problem, const Identifiability& known) {
-  json out = {{"ok", known.ok}, {"why", known.why}, {"rank", known.rank}, {"gap", json_number(known.gap)}};
-  out["singular_values"] = json::array();
+Json json_identifiability(const FitProblem& problem, const Identifiability& known) {
+  Json out = {{"ok", known.ok}, {"why", known.why}, {"rank", known.rank}, {"gap", json_number(known.gap)}};
+  out["singular_values"] = Json::array();
   for (const double s : known.singular_values) out["singular_values"].push_back(json_number(s));
   const std::vector<Parameter>& parameters = problem.parameters();
-  out["correlation"] = json::array();
+  out["correlation"] = Json::array();
   for (Eigen::Index i = 0; i < known.correlation.rows(); ++i) {
-    json row = json::array();
+    Json row = Json::array();
     for (Eigen::Index j = 0; j < known.correlation.cols(); ++j) {
       const bool told = known.told[static_cast<std::size_t>(i)] && known.told[static_cast<std::size_t>(j)];
-      row.push_back(told ? json_number(known.correlation(i, j)) : json(nullptr));
+      row.push_back(told ? json_number(known.correlation(i, j)) : Json(nullptr));
     }
     out["correlation"].push_back(std::move(row));
   }
-  out["untold"] = json::array();
+  out["untold"] = Json::array();
   for (const Identifiability::Direction& direction : known.untold) {
-    json part = json::object();
+    Json part = Json::object();
     for (std::size_t i = 0; i < direction.part.size(); ++i) part[parameters[i].name] = json_number(direction.part[i]);
     out["untold"].push_back({{"words", direction.words},
                              {"remedy", direction.remedy},

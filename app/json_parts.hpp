@@ -5,22 +5,21 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "app/json.hpp"
 #include "model/scene.hpp"
 
 namespace poise::app {
 
 /// The number, or null: JSON knows no NaN and no infinity.
-nlohmann::json json_number(double value);
+Json json_number(double value);
 
 /// {file, title, source, set}.
-nlohmann::json json_scene(const Scene& scene, const std::vector<std::string>& settings);
+Json json_scene(const Scene& scene, const std::vector<std::string>& settings);
 
 /// {length, force, mass, angle, moment, energy}: the names of the units.
-nlohmann::json json_units(const Units& units);
+Json json_units(const Units& units);
 
 /// The text of a document, indented for people unless the scene is larger than anyone reads through.
-std::string json_text(const nlohmann::json& document, const Scene& scene);
+std::string json_text(const Json& document, const Scene& scene);
 
 }  // namespace poise::app

@@ -1,7 +1,5 @@
 #include "app/json_report.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include "app/json_parts.hpp"
 #include "app/quantity.hpp"
 #include "app/shown_values.hpp"
@@ -9,16 +7,14 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 /// Writes SI values in the units of a scene.
 class Writer {
  public:
   explicit Writer(const StaticModel& model) : model_(model), scene_(model.scene()), units_(scene_.units) {}
 
-  json answer(const Answer& answer) const {
+  Json answer(const Answer& answer) const {
     const Equilibrium& rest = answer.rest;
-    json out;
+    Json out;
     out["method"] = to_string(rest.method);
     out["seek"] = rest.seek == Seek::stable ? "stable" : "nearest";
     out["status"] = to_string(rest.status);
@@ -57,14 +53,14 @@ class Writer {
   }
 
  private:
-  json shown(double si, Quantity quantity) const { return json_number(in_unit(si, quantity, units_)); }
-  json shown(Vec2 si, Quantity quantity) const { return {shown(si.x, quantity), shown(si.y, quantity)}; }
+  Json shown(double si, Quantity quantity) const { return json_number(in_unit(si, quantity, units_)); }
+  Json shown(Vec2 si, Quantity quantity) const { return {shown(si.x, quantity), shown(si.y, quantity)}; }
 
-  json reference(const Answer& answer) const {
+  Json reference(const Answer& answer) const {
     if (!answer.reference) return nullptr;
     const Reference& reference = *answer.reference;
-    json out = {{"refined", reference.refined}, {"digits", reference.digits}, {"why", reference.why}};
-    out["coordinates"] = json::array();
+    Json out = {{"refined", reference.refined}, {"digits", reference.digits}, {"why", reference.why}};
+    out["coordinates"] = Json::array();
     for (std::size_t i = 0; i < reference.decimal.size(); ++i) {
       const Coordinate& c = model_.layout().coordinates[i];
       out["coordinates"].push_back({{"name", c.name},
@@ -74,20 +70,20 @@ class Writer {
     return out;
   }
 
-  json modes(const Check& check) const {
-    json out = json::array();
+  Json modes(const Check& check) const {
+    Json out = Json::array();
     for (const Mode& mode : check.modes) {
-      json moves = json::object();
+      Json moves = Json::object();
       for (const auto& [name, part] : mode.moves) moves[name] = json_number(part);
       out.push_back({{"curvature", shown(mode.curvature, Quantity::energy)}, {"moves", moves}});
     }
     return out;
   }
 
-  json points(const Readings& readings) const {
-    json out = json::object();
+  Json points(const Readings& readings) const {
+    Json out = Json::object();
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      json of_body = json::object();
+      Json of_body = Json::object();
       for (const NamedPoint& p : scene_.bodies[i].points) {
         of_body[p.name] = shown(readings.poses[i].world(p.at), Quantity::length);
       }
@@ -96,24 +92,24 @@ class Writer {
     return out;
   }
 
-  json angles(const Readings& readings) const {
-    json out = json::object();
+  Json angles(const Readings& readings) const {
+    Json out = Json::object();
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       out[scene_.bodies[i].name] = shown(readings.poses[i].angle, Quantity::angle);
     }
     return out;
   }
 
-  json slides(const Readings& readings) const {
-    json out = json::object();
+  Json slides(const Readings& readings) const {
+    Json out = Json::object();
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       if (scene_.joints[j].has_travel()) out[scene_.joints[j].name] = shown(readings.travel[j], Quantity::length);
     }
     return out;
   }
 
-  json places(const Readings& readings) const {
-    json out = json::object();
+  Json places(const Readings& readings) const {
+    Json out = Json::object();
     for (const std::size_t i : free_bodies(model_.layout())) {
       out[scene_.bodies[i].name] = shown(readings.poses[i].origin, Quantity::length);
     }
@@ -121,12 +117,12 @@ class Writer {
   }
 
   /// The name of an element; with its table in front where one of another table has taken the name.
-  static std::string key_of(const Element& element, const json& taken) {
+  static std::string key_of(const Element& element, const Json& taken) {
     return taken.contains(element.name) ? element.table + "." + element.name : element.name;
   }
 
-  json springs(const Readings& readings) const {
-    json out = json::object();
+  Json springs(const Readings& readings) const {
+    Json out = Json::object();
     for (std::size_t i = 0; i < scene_.elements.size(); ++i) {
       const Element& element = scene_.elements[i];
       if (!stores_energy(element.law) || element.on.is_angle()) continue;
@@ -138,8 +134,8 @@ class Writer {
     return out;
   }
 
-  json torsion_springs(const Readings& readings) const {
-    json out = json::object();
+  Json torsion_springs(const Readings& readings) const {
+    Json out = Json::object();
     for (std::size_t i = 0; i < scene_.elements.size(); ++i) {
       const Element& element = scene_.elements[i];
       if (!stores_energy(element.law) || !element.on.is_angle()) continue;
@@ -148,8 +144,8 @@ class Writer {
     return out;
   }
 
-  json stops(const Readings& readings, const Check& check) const {
-    json out = json::object();
+  Json stops(const Readings& readings, const Check& check) const {
+    Json out = Json::object();
     for (std::size_t i = 0; i < scene_.stops.size(); ++i) {
       const Stop& stop = scene_.stops[i];
       out[stop.name] = {{"value", shown(readings.stops[i], quantity_of(stop.on))},
@@ -165,8 +161,8 @@ class Writer {
     return out;
   }
 
-  json reactions(const Check& check) const {
-    json out = json::array();
+  Json reactions(const Check& check) const {
+    Json out = Json::array();
     for (const Reaction& r : check.reactions) {
       out.push_back({{"name", r.name},
                      {"kind", r.kind},
@@ -179,7 +175,7 @@ class Writer {
     return out;
   }
 
-  json residuals(const Check& check) const {
+  Json residuals(const Check& check) const {
     return {{"closure_error", shown(check.closure_error, Quantity::length)},
             {"worst_joint", check.worst_joint},
             {"imbalance", shown(check.imbalance, Quantity::force)},
@@ -200,7 +196,7 @@ class Writer {
 
 std::string solve_json(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings) {
   const Writer writer(model);
-  json document = writer.answer(answer);
+  Json document = writer.answer(answer);
   document["poise"] = POISE_VERSION;
   document["scene"] = json_scene(model.scene(), settings);
   document["units"] = json_units(model.scene().units);
@@ -211,11 +207,11 @@ std::string solve_json(const StaticModel& model, const Answer& answer, const std
 std::string compare_json(const StaticModel& model, const std::vector<Answer>& answers,
                          const std::vector<std::string>& settings) {
   const Writer writer(model);
-  json document = {{"poise", POISE_VERSION},
+  Json document = {{"poise", POISE_VERSION},
                    {"scene", json_scene(model.scene(), settings)},
                    {"units", json_units(model.scene().units)},
                    {"left_out", model.layout().dropped}};
-  document["methods"] = json::array();
+  document["methods"] = Json::array();
   for (const Answer& answer : answers) document["methods"].push_back(writer.answer(answer));
   const Agreement agreement = compare_answers(model, answers);
   if (agreement.confirmed < 2)

@@ -11,20 +11,18 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::size_t most_curves = 12;
 
 Quantity quantity_of(const Scene& scene, const DriveRange& range) {
   return app::quantity_of(find_drive(scene, range.name).on);
 }
 
-json in_json(Vec2 si, const Units& units) {
+Json in_json(Vec2 si, const Units& units) {
   return {json_number(in_unit(si.x, Quantity::length, units)), json_number(in_unit(si.y, Quantity::length, units))};
 }
 
-json points(const Scene& scene, const KinematicSample& sample) {
-  json out = json::object();
+Json points(const Scene& scene, const KinematicSample& sample) {
+  Json out = Json::object();
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     for (const NamedPoint& p : scene.bodies[i].points) {
       const BodyMotion& body = sample.bodies[i];
@@ -36,8 +34,8 @@ json points(const Scene& scene, const KinematicSample& sample) {
   return out;
 }
 
-json drive_values(const Scene& scene, const std::vector<DriveRange>& ranges, const std::vector<double>& values) {
-  json out = json::object();
+Json drive_values(const Scene& scene, const std::vector<DriveRange>& ranges, const std::vector<double>& values) {
+  Json out = Json::object();
   for (std::size_t k = 0; k < ranges.size(); ++k) {
     out[ranges[k].name] = json_number(in_unit(values[k], quantity_of(scene, ranges[k]), scene.units));
   }
@@ -128,7 +126,7 @@ std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, c
   return csv_text(header, columns);
 }
 
-json json_stop(const std::optional<MetStop>& met, const Scene& scene) {
+Json json_stop(const std::optional<MetStop>& met, const Scene& scene) {
   if (!met) return nullptr;
   const Stop& stop = scene.stops[met->stop];
   return {{"name", stop.name},
@@ -138,11 +136,11 @@ json json_stop(const std::optional<MetStop>& met, const Scene& scene) {
 
 std::string kinematics_json(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges,
                             const std::vector<std::string>& settings) {
-  json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
+  Json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
   out["complete"] = result.complete;
   out["why"] = result.why;
   out["stop"] = json_stop(result.stop, scene);
-  out["drives"] = json::array();
+  out["drives"] = Json::array();
   for (const DriveRange& range : ranges) {
     const Quantity quantity = quantity_of(scene, range);
     out["drives"].push_back({{"name", range.name},
@@ -150,23 +148,23 @@ std::string kinematics_json(const Scene& scene, const KinematicsResult& result, 
                              {"to", json_number(in_unit(range.to, quantity, scene.units))}});
   }
   const std::vector<Course> courses = coordinate_courses(scene, result);
-  out["samples"] = json::array();
+  out["samples"] = Json::array();
   for (std::size_t s = 0; s < result.samples.size(); ++s) {
     const KinematicSample& sample = result.samples[s];
-    json row = {{"drive", drive_values(scene, ranges, sample.drive)},
-                {"angles", json::object()},
-                {"lengths", json::object()},
+    Json row = {{"drive", drive_values(scene, ranges, sample.drive)},
+                {"angles", Json::object()},
+                {"lengths", Json::object()},
                 {"points", points(scene, sample)},
                 {"closeness_to_singular", json_number(sample.closeness_to_singular)}};
     for (const Course& course : courses) {
-      json& values = row[course.quantity == Quantity::angle ? "angles" : "lengths"][course.name];
+      Json& values = row[course.quantity == Quantity::angle ? "angles" : "lengths"][course.name];
       for (const double si : {course.value[s], course.rate[s], course.second[s]}) {
         values.push_back(json_number(in_unit(si, course.quantity, scene.units)));
       }
     }
     out["samples"].push_back(std::move(row));
   }
-  out["singular"] = json::array();
+  out["singular"] = Json::array();
   for (const SingularPose& pose : result.singular) {
     out["singular"].push_back({{"kind", pose.kind == SingularPose::Kind::change_point ? "change point" : "dead centre"},
                                {"before_range", pose.before_range},

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "app/json.hpp"
 #include "app/plot.hpp"
 #include "app/quantity.hpp"
 #include "motion/kinematics.hpp"
@@ -34,7 +33,7 @@ std::vector<Course> point_courses(const Scene& scene, const KinematicsResult& re
 std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges);
 
 /// {name, limit: "min" or "max", value} of the stop at which a range ends, or null.
-nlohmann::json json_stop(const std::optional<MetStop>& stop, const Scene& scene);
+Json json_stop(const std::optional<MetStop>& stop, const Scene& scene);
 
 /// A JSON object: poise, scene {file, title, source, set}, units {...}, complete, why, stop (as json_stop: it is met in
 /// the last sample), drives [{name, from, to}], samples [{drive {name: value}, angles, lengths {name: [value, rate,

@@ -13,8 +13,6 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::size_t most_curves = 12;
 
 struct Extent {
@@ -95,10 +93,10 @@ Panel energy_panel(const MotionRecord& record, const Units& units) {
   return panel;
 }
 
-json moved(const MotionModel& model, const MotionAnswer& answer, Quantity quantity) {
+Json moved(const MotionModel& model, const MotionAnswer& answer, Quantity quantity) {
   const Trajectory& path = answer.motion.trajectory;
   const Units& units = model.scene().units;
-  json out = json::object();
+  Json out = Json::object();
   if (path.nodes() == 0) return out;
   const std::size_t last = (path.nodes() - 1) * static_cast<std::size_t>(path.coordinates);
   for (const Channel& channel : answer.record.channels) {
@@ -163,7 +161,7 @@ std::string motion_json(const MotionModel& model, const MotionAnswer& answer,
                         const std::vector<std::string>& settings) {
   const Scene& scene = model.scene();
   const Motion& motion = answer.motion;
-  json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
+  Json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
   out["status"] = to_string(motion.status);
   out["why"] = motion.why;
   out["confirmed"] = answer.confirmed();
@@ -171,24 +169,24 @@ std::string motion_json(const MotionModel& model, const MotionAnswer& answer,
   out["duration"] = answer.duration;
   out["reached"] = motion.trajectory.t.empty() ? 0.0 : motion.trajectory.t.back();
   out["accuracy"] = answer.accuracy;
-  out["error"] = answer.error ? json_number(*answer.error) : json(nullptr);
+  out["error"] = answer.error ? json_number(*answer.error) : Json(nullptr);
   out["energy_error"] = json_number(motion.energy_error);
   out["freedoms"] = motion.freedoms;
   out["steps"] = motion.steps;
   out["rejected"] = motion.rejected;
   out["evaluations"] = motion.evaluations;
   out["microseconds"] = json_number(motion.microseconds);
-  const auto energies = [&](std::size_t node) -> json {
+  const auto energies = [&](std::size_t node) -> Json {
     const auto shown = [&](double si) { return json_number(in_unit(si, Quantity::energy, scene.units)); };
     return {{"kinetic", shown(motion.kinetic[node])},
             {"potential", shown(motion.potential[node])},
             {"work", shown(motion.work[node])}};
   };
-  out["energies"] = motion.kinetic.empty() ? json(nullptr)
-                                           : json{{"start", energies(0)}, {"end", energies(motion.kinetic.size() - 1)}};
+  out["energies"] = motion.kinetic.empty() ? Json(nullptr)
+                                           : Json{{"start", energies(0)}, {"end", energies(motion.kinetic.size() - 1)}};
   out["angles"] = moved(model, answer, Quantity::angle);
   out["slides"] = moved(model, answer, Quantity::length);
-  out["drives"] = json::array();
+  out["drives"] = Json::array();
   for (std::size_t d = 0; d < motion.drive_force.size(); ++d) {
     const Quantity quantity = effort_of(scene.drives[d].on);
     const LargestForce largest = largest_force(motion, d);

@@ -11,8 +11,6 @@ namespace {
 
 using comparison::CaseResult;
 using comparison::HardCase;
-using nlohmann::json;
-
 std::string expected(const HardCase& hard) {
   switch (hard.expect) {
     case comparison::Expect::locked:
@@ -24,7 +22,7 @@ std::string expected(const HardCase& hard) {
   }
 }
 
-json json_cell(const comparison::Cell& cell, const std::string& method) {
+Json json_cell(const comparison::Cell& cell, const std::string& method) {
   return {{"method", method},
           {"refused", cell.refused},
           {"starts", cell.starts},
@@ -70,18 +68,18 @@ std::string stress_csv(const StressRun& run) {
 }
 
 std::string stress_json(const StressRun& run) {
-  json out = {{"poise", POISE_VERSION}, {"command", run.command}, {"interrupted", run.interrupted}};
-  out["cases"] = json::array();
+  Json out = {{"poise", POISE_VERSION}, {"command", run.command}, {"interrupted", run.interrupted}};
+  out["cases"] = Json::array();
   for (const CaseResult& result : run.results) {
     const HardCase& hard = result.hard;
-    json entry = {{"name", hard.name},
+    Json entry = {{"name", hard.name},
                   {"kind", hard.kind},
                   {"title", hard.title},
                   {"source", hard.source},
                   {"seek", hard.seek == Seek::stable ? "stable" : "nearest"},
                   {"expect", expected(hard)},
                   {"why", hard.why},
-                  {"methods", json::array()}};
+                  {"methods", Json::array()}};
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
       entry["methods"].push_back(json_cell(result.cells[k], run.methods[k]));
     }

@@ -18,14 +18,12 @@ using comparison::Ending;
 using comparison::KnownRest;
 using comparison::MeasuredRun;
 using comparison::WorkPrecision;
-using nlohmann::json;
-
 constexpr double least_drawn_error = 1e-17;
 
-json json_rest(const StaticModel& model, const KnownRest& rest) {
-  json out = {{"digits", rest.digits},     {"stability", to_string(rest.stability)},
+Json json_rest(const StaticModel& model, const KnownRest& rest) {
+  Json out = {{"digits", rest.digits},     {"stability", to_string(rest.stability)},
               {"neutral", rest.neutral},   {"accuracy", json_number(rest.accuracy)},
-              {"found_by", json::array()}, {"coordinates", json::array()}};
+              {"found_by", Json::array()}, {"coordinates", Json::array()}};
   for (const Method method : rest.found_by) out["found_by"].push_back(to_string(method));
   for (std::size_t i = 0; i < rest.x.size(); ++i) {
     const Coordinate& c = model.layout().coordinates[i];
@@ -37,12 +35,12 @@ json json_rest(const StaticModel& model, const KnownRest& rest) {
   return out;
 }
 
-json json_run(const MeasuredRun& run) {
+Json json_run(const MeasuredRun& run) {
   return {{"tolerance", run.tolerance},
           {"status", status_of(run)},
           {"claimed", run.claimed},
           {"confirmed", run.confirmed},
-          {"rest", run.rest < 0 ? json(nullptr) : json(run.rest + 1)},
+          {"rest", run.rest < 0 ? Json(nullptr) : Json(run.rest + 1)},
           {"error", json_number(run.error)},
           {"microseconds", json_number(run.microseconds)},
           {"repeats", run.repeats},
@@ -116,23 +114,21 @@ std::string work_precision_csv(const WorkPrecision& result) {
 
 std::string work_precision_json(const StaticModel& model, const WorkPrecision& result,
                                 const std::vector<std::string>& settings) {
-  json out = {{"poise", POISE_VERSION},
+  Json out = {{"poise", POISE_VERSION},
               {"scene", json_scene(model.scene(), settings)},
               {"left_out", model.layout().dropped},
-              {"rests", json::array()},
-              {"refused", json::array()},
-              {"methods", json::array()}};
+              {"rests", Json::array()},
+              {"refused", Json::array()},
+              {"methods", Json::array()}};
   for (const KnownRest& rest : result.rests) out["rests"].push_back(json_rest(model, rest));
   for (const comparison::Refusal& refusal : result.refused) {
     out["refused"].push_back({{"method", to_string(refusal.method)}, {"why", refusal.why}});
   }
-  for (const MeasuredRun& run : result.runs) {
-    json& methods = out["methods"];
-    const std::string name = to_string(run.method);
-    if (methods.empty() || methods.back()["method"] != name) {
-      methods.push_back({{"method", name}, {"runs", json::array()}});
-    }
-    methods.back()["runs"].push_back(json_run(run));
+  for (auto run = result.runs.begin(); run != result.runs.end();) {
+    const Method method = run->method;
+    Json runs = Json::array();
+    for (; run != result.runs.end() && run->method == method; ++run) runs.push_back(json_run(*run));
+    out["methods"].push_back({{"method", to_string(method)}, {"runs", runs}});
   }
   return json_text(out, model.scene());
 }

@@ -12,8 +12,6 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 constexpr int digits = 6;
 constexpr double degree = std::numbers::pi / 180;
 
@@ -120,7 +118,7 @@ std::string design_json(const DesignProblem& problem, const DesignResult& result
   const Units& units = problem.scene.units;
   const auto shown = [&](double si) { return json_number(in_unit(si, Quantity::length, units)); };
   const DesignModel model(problem);
-  json out = {{"poise", POISE_VERSION},
+  Json out = {{"poise", POISE_VERSION},
               {"design", {{"file", problem.file}, {"title", problem.title}, {"source", problem.source}}},
               {"units", json_units(units)},
               {"met", result.met && check.met},
@@ -133,12 +131,12 @@ std::string design_json(const DesignProblem& problem, const DesignResult& result
                   {"shortest", shown(problem.shortest)}, {"longest", shown(problem.longest)}};
   if (result.values.empty()) return json_text(out, problem.scene);
   const DesignFacts& facts = check.closeness > 0.0 ? check.facts : result.facts;
-  json& reached = out["facts"];
+  Json& reached = out["facts"];
   reached = {{"travel", shown(facts.travel)},
              {"drift", shown(facts.drift)},
              {"inclination", json_number(facts.inclination)},
-             {"transmission", json::object()},
-             {"actuators", json::array()},
+             {"transmission", Json::object()},
+             {"actuators", Json::array()},
              {"shortest", shown(facts.shortest)},
              {"longest", shown(facts.longest)},
              {"closeness_to_singular", json_number(check.closeness)}};

@@ -14,8 +14,6 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 /// Value in the scene, with what other bodies add to it, SI.
 double shown_value(const FitProblem& problem, std::size_t i) {
   return problem.parameters()[i].truth + unknown_of(problem, i).includes;
@@ -106,10 +104,10 @@ std::string identifiability_report(const FitProblem& problem, const Identifiabil
 
 std::string identifiability_json(const FitProblem& problem, const IdentifiabilityAnswer& answer,
                                  const std::vector<std::string>& settings) {
-  json out = json_experiment(problem, settings);
+  Json out = json_experiment(problem, settings);
   const Identifiability& known = answer.known;
   const std::vector<std::string> units = parameter_units(problem);
-  out["predicted"] = json::array();
+  out["predicted"] = Json::array();
   for (std::size_t i = 0; known.ok && i < problem.parameters().size(); ++i) {
     const Unknown& unknown = unknown_of(problem, i);
     const bool told = known.told[i];
@@ -118,7 +116,7 @@ std::string identifiability_json(const FitProblem& problem, const Identifiabilit
                                 {"unit", units[i]},
                                 {"value", json_number(shown_value(problem, i) / unknown.unit)},
                                 {"told", told},
-                                {"deviation", told ? json_number(known.deviation[i] / unknown.unit) : json(nullptr)}});
+                                {"deviation", told ? json_number(known.deviation[i] / unknown.unit) : Json(nullptr)}});
   }
   out["identifiability"] = json_identifiability(problem, known);
   out["base_parameters"] = {{"parameters", answer.base.parameters},

@@ -13,7 +13,6 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
 using Kind = Vibration::Kind;
 
 constexpr int frequency_digits = 10;
@@ -133,15 +132,15 @@ std::string mode_section(const MotionModel& model, const Modes& modes, const Pal
   return section("Modes, shapes in rad and mechanism sizes", table.print(palette), palette);
 }
 
-json mode_json(const Vibration& mode) {
-  json out = {{"kind", name_of(mode.kind)},
+Json mode_json(const Vibration& mode) {
+  Json out = {{"kind", name_of(mode.kind)},
               {"frequency", json_number(mode.frequency)},
               {"damping_ratio", json_number(mode.damping_ratio)},
               {"damped_frequency", json_number(mode.damped_frequency)},
               {"growth", json_number(mode.growth)},
-              {"roots", json::array()},
-              {"shape", json::array()}};
-  const auto pair = [](const std::complex<double>& z) { return json{json_number(z.real()), json_number(z.imag())}; };
+              {"roots", Json::array()},
+              {"shape", Json::array()}};
+  const auto pair = [](const std::complex<double>& z) { return Json{json_number(z.real()), json_number(z.imag())}; };
   for (const auto& root : mode.roots) out["roots"].push_back(pair(root));
   for (const auto& part : mode.shape) out["shape"].push_back(pair(part));
   return out;
@@ -157,19 +156,19 @@ std::string modes_report(const MotionModel& model, const ModesAnswer& answer, co
 std::string modes_json(const MotionModel& model, const ModesAnswer& answer, const std::vector<std::string>& settings) {
   const Scene& scene = model.scene();
   const Modes& modes = answer.modes;
-  json out = {{"poise", POISE_VERSION},
+  Json out = {{"poise", POISE_VERSION},
               {"scene", json_scene(scene, settings)},
               {"units", json_units(scene.units)},
               {"status", to_string(answer.rest.status)},
               {"why", answer.rest.why},
               {"stability", to_string(answer.rest.check.stability)},
-              {"coordinates", json::array()},
+              {"coordinates", Json::array()},
               {"freedoms", modes.freedoms},
               {"massless", modes.massless},
               {"held", modes.held},
               {"known", modes.known},
               {"why_unknown", modes.why},
-              {"modes", json::array()}};
+              {"modes", Json::array()}};
   const std::vector<double> q = answer.x.empty() ? answer.x : model.to_si(answer.x);
   for (std::size_t i = 0; i < q.size(); ++i) {
     const Coordinate& c = model.layout().coordinates[i];

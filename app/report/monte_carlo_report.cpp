@@ -14,8 +14,6 @@
 namespace poise::app {
 namespace {
 
-using nlohmann::json;
-
 constexpr double nominal_coverage = 0.95;
 // A statistic farther than so many of its own deviations from what it should be is no accident.
 constexpr double remarkable = 4.0;
@@ -115,29 +113,29 @@ std::string monte_carlo_report(const FitProblem& problem, const MonteCarloOption
 
 std::string monte_carlo_json(const FitProblem& problem, const MonteCarloOptions& options, const MonteCarlo& answer,
                              const std::vector<std::string>& settings) {
-  json out = json_experiment(problem, settings);
+  Json out = json_experiment(problem, settings);
   out["trials_asked"] = options.trials;
   out["trials"] = answer.trials;
   out["converged"] = answer.converged;
   out["arrived"] = answer.arrived;
   out["interrupted"] = answer.interrupted;
   out["seed"] = options.seed;
-  out["off"] = options.use_starts ? json(options.off) : json(nullptr);
+  out["off"] = options.use_starts ? Json(options.off) : Json(nullptr);
   out["misfit"] = json_number(answer.misfit);
   out["evaluations"] = json_number(answer.evaluations);
   out["seconds"] = json_number(answer.seconds);
   const std::vector<std::string> units = parameter_units(problem);
-  out["estimates"] = json::array();
+  out["estimates"] = Json::array();
   for (std::size_t i = 0; answer.converged > 0 && i < answer.parameters.size(); ++i) {
     const TrialStatistics& s = answer.parameters[i];
     const Statistics all = statistics_of(s, answer.converged);
     out["estimates"].push_back({{"name", s.name},
                                 {"unit", units[i]},
                                 {"truth", json_number(s.truth / s.unit)},
-                                {"bound", is_told(s) ? json_number(s.bound / s.unit) : json(nullptr)},
+                                {"bound", is_told(s) ? json_number(s.bound / s.unit) : Json(nullptr)},
                                 {"bias", json_number(s.bias / s.unit)},
                                 {"rmse", json_number(s.rmse / s.unit)},
-                                {"rmse_over_bound", is_told(s) ? json_number(all.rmse.value) : json(nullptr)},
+                                {"rmse_over_bound", is_told(s) ? json_number(all.rmse.value) : Json(nullptr)},
                                 {"coverage", json_number(s.coverage)},
                                 {"coverage_deviation", json_number(all.coverage.deviation)}});
   }
