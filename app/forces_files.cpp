@@ -159,7 +159,8 @@ std::string forces_json(const MotionModel& model, const ForcesAnswer& answer,
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAnswer& answer) {
   const std::vector<double> x = places(answer, scene.units);
   const std::string x_label =
-      answer.measure ? with_unit(answer.along, *answer.measure, scene.units) : answer.along + " (s)";
+      (answer.measure ? with_unit(answer.along, *answer.measure, scene.units) : answer.along + " (s)") +
+      up_to_stop(answer.stop, scene);
   std::vector<Panel> panels;
   const auto panel = [&](const std::string& title, Quantity quantity) -> Panel& {
     for (Panel& p : panels) {

@@ -134,6 +134,10 @@ Json json_stop(const std::optional<MetStop>& met, const Scene& scene) {
           {"value", json_number(in_unit(met->at_max ? stop.max : stop.min, quantity_of(stop.on), scene.units))}};
 }
 
+std::string up_to_stop(const std::optional<MetStop>& met, const Scene& scene) {
+  return met ? fmt::format(", up to the stop \"{}\"", scene.stops[met->stop].name) : "";
+}
+
 std::string kinematics_json(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges,
                             const std::vector<std::string>& settings) {
   Json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
@@ -189,7 +193,8 @@ std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult&
   const std::vector<Course> courses = coordinate_courses(scene, result);
   const Course drive = drive_course(scene, result, 0, ranges);
   const std::vector<double> x = in_unit(drive.value, drive.quantity, scene.units);
-  const std::string label = fmt::format("{} ({})", drive.name, unit_name(drive.quantity, scene.units));
+  const std::string label =
+      fmt::format("{} ({}){}", drive.name, unit_name(drive.quantity, scene.units), up_to_stop(result.stop, scene));
   std::vector<Panel> panels;
   for (const Quantity quantity : {Quantity::angle, Quantity::length}) {
     for (const Sight& sight : sights) {

@@ -35,6 +35,9 @@ std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, c
 /// {name, limit: "min" or "max", value} of the stop at which a range ends, or null.
 Json json_stop(const std::optional<MetStop>& stop, const Scene& scene);
 
+/// What an axis says of it: `, up to the stop "cowl"`, or nothing.
+std::string up_to_stop(const std::optional<MetStop>& stop, const Scene& scene);
+
 /// A JSON object: poise, scene {file, title, source, set}, units {...}, complete, why, stop (as json_stop: it is met in
 /// the last sample), drives [{name, from, to}], samples [{drive {name: value}, angles, lengths {name: [value, rate,
 /// second]}, points {body.point: {position, velocity, acceleration: [x, y]}}, closeness_to_singular}], singular [{kind,

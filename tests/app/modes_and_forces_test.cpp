@@ -146,6 +146,7 @@ TEST(ForcesCommand, EndsTheRangeAtAStopAndSaysSo) {
   const std::string table = contents(csv);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 7);
   EXPECT_EQ(objection_to_xml(contents(svg)), "");
+  EXPECT_NE(contents(svg).find("up to the stop"), std::string::npos);
   const Outcome run = run_poise({"forces", scene, "--drive", "bar=0..-90"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.out.find("ends early: the stop \"floor\" is met at bar = -45 deg (its min, -45 deg)"),
