@@ -100,7 +100,10 @@ double ActiveSet::gap(const Evaluation& at, int row) const {
 }
 
 void ActiveSet::gaps(const Evaluation& at, std::span<double> out) const {
-  for (int r = 0; r < equalities_; ++r) out[r] = holds(r) ? at.constraint[r] : 0.0;
+  for (int r = 0; r < equalities_; ++r) out[r] = at.constraint[r];
+  for (int r = 0; first_inequality_ < equalities_ && r < equalities_; ++r) {
+    if (!holds(r)) out[r] = 0.0;
+  }
   for (int r = equalities_; r < static_cast<int>(out.size()); ++r) out[r] = holds(r) ? gap(at, r) : 0.0;
 }
 

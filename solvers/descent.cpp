@@ -19,8 +19,7 @@ constexpr int neighbours = 8;  // variables, at most, that are perturbed by them
 
 }  // namespace
 
-Descent::Descent(NewtonSystem& system, LoopClosing& closing)
-    : at_(system), closing_(closing), direction_(system.start.size()), perturbed_(system.start.size()) {}
+Descent::Descent(NewtonSystem& system, LoopClosing& closing) : at_(system), closing_(closing) {}
 
 Outcome Descent::run() {
   shift_ = 0.0;
@@ -79,7 +78,7 @@ Outcome Descent::descend() {
     if (positive_definite && (length <= options.step_tolerance || rounded)) return at_.arrive(true);
     const bool at_saddle = !positive_definite && corrects && length < 0.01;
     if (at_saddle && leave_saddle()) continue;
-    if (!step(options.safeguards.line_search ? std::min(1.0, options.longest_step / length) : 1.0)) {
+    if (!step(at_.bounded_part(length))) {
       return positive_definite && at_.at_rest() ? at_.arrive(false) : Outcome::stalled;
     }
     if (!std::isfinite(largest(at_.now->x))) return Outcome::stalled;
@@ -99,13 +98,14 @@ bool Descent::ran_away() const {
 void Descent::shift_until_positive_definite() {
   const double scale = at_.largest_curvature();
   double shift = std::max({shift_ / 16.0, 1e-8 * scale, 1e-12});
-  while (at_.kkt->factor(shift) != Kkt::Factors::positive && shift < 1e12 * (1.0 + scale)) shift *= 4.0;
+  while (at_.kkt->factor_shifted(shift) != Kkt::Factors::positive && shift < 1e12 * (1.0 + scale)) shift *= 4.0;
   shift_ = shift;
 }
 
 // Inverse iteration with the barely positive definite factors turns any vector towards the most negative curvature.
 bool Descent::leave_saddle() {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  direction_.resize(at_.variables());
   for (double& d : direction_) d = uniform(at_.random);
   for (int k = 0; k < inverse_iterations; ++k) {
     at_.kkt->solve(direction_, {}, at_.step);

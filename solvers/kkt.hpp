@@ -31,18 +31,19 @@ class Kkt {
   /// y, zero for rows switched off, with least |F + J^T y|, or where tells_multipliers() with F + J^T y = 0 in as many
   /// places as J has independent rows. May overwrite the factors.
   virtual void multipliers(std::span<const double> field, std::span<double> y) = 0;
+  /// multipliers(), and residual = F + J^T y with them.
+  virtual void balance(std::span<const double> field, std::span<double> y, std::span<double> residual) = 0;
   /// out = F + J^T y, y zero for rows switched off.
   virtual void unbalanced(std::span<const double> field, std::span<const double> y, std::span<double> out) const = 0;
 
-  /// Takes the values of K.
-  virtual void set_tangent(std::span<const double> values) = 0;
-  /// K = identity: solve() then gives the shortest d with J d = -c.
-  virtual void set_identity() = 0;
-
   enum class Factors { positive, indefinite, singular };
-  /// Factors the system; tells whether K + shift I is positive definite on the null space of J. For an unsymmetric K
-  /// only `singular` or not is meaningful.
-  virtual Factors factor(double shift) = 0;
+  /// Takes the values of K and factors the system; tells whether K is positive definite on the null space of J. For an
+  /// unsymmetric K only `singular` or not is meaningful.
+  virtual Factors factor_tangent(std::span<const double> values) = 0;
+  /// The same for K = identity: solve() then gives the shortest d with J d = -c.
+  virtual Factors factor_identity() = 0;
+  /// The same for K + shift I with the last K, shift > 0.
+  virtual Factors factor_shifted(double shift) = 0;
 
   /// d of the current factors; an empty field or c is zero.
   virtual void solve(std::span<const double> field, std::span<const double> c, std::span<double> d) = 0;

@@ -5,7 +5,7 @@
 namespace poise::solvers {
 
 LoadStepping::LoadStepping(NewtonSystem& system, LoopClosing& closing, StationarySearch& stationary, Descent& descent)
-    : at_(system), closing_(closing), stationary_(stationary), descent_(descent), reached_(system.start.size()) {}
+    : at_(system), closing_(closing), stationary_(stationary), descent_(descent) {}
 
 void LoadStepping::run() {
   at_.begin_at(at_.start);

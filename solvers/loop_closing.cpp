@@ -10,7 +10,6 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double violated_beyond = 1e-14;
 constexpr int chord_steps = 20;                        // of one pull_back()
 constexpr int sparse_starts = 3;                       // displaced ones, where a problem is too large for dense factors
 constexpr double least_reach = 0.1, more_reach = 3.0;  // of displaced starts: of the first, and how much it grows
@@ -19,8 +18,7 @@ constexpr double least_reach = 0.1, more_reach = 3.0;  // of displaced starts: o
 
 LoopClosing::LoopClosing(NewtonSystem& system)
     : at_(system),
-      starts_(system.dense ? system.options.closing_starts : std::min(sparse_starts, system.options.closing_starts)),
-      best_(system.start.size()) {}
+      starts_(system.dense ? system.options.closing_starts : std::min(sparse_starts, system.options.closing_starts)) {}
 
 bool LoopClosing::run() {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -49,13 +47,12 @@ double LoopClosing::close(Stops stops) {
   double left = 0.0;
   for (int k = 0; k < at_.options.iterations; ++k) {
     if (stops == Stops::while_violated) at_.active.release_inequalities();
-    at_.active.activate_violated(*at_.now, violated_beyond);
-    at_.active.gaps(*at_.now, at_.gap);
+    at_.activate_violated();
+    at_.find_gap();
     left = largest(at_.gap);
     if (!(left > at_.options.rounding) || at_.interrupted()) break;
     if (!at_.kkt->set_jacobian(*at_.now, at_.active.flags())) break;
-    at_.kkt->set_identity();
-    at_.kkt->factor(0.0);
+    at_.kkt->factor_identity();
     at_.kkt->solve({}, at_.gap, at_.step);
     ++at_.result.iterations;
     if (!shorten(stops)) break;

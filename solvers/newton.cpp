@@ -85,7 +85,7 @@ class Newton::Method {
   }
 
   bool is_open() {
-    at_.active.gaps(*at_.now, at_.gap);
+    at_.find_gap();
     return largest(at_.gap) > options.active_set.touching;
   }
 
@@ -105,7 +105,7 @@ class Newton::Method {
     result.x = at_.now->x;
     result.multipliers = at_.y;
     result.active = at_.active.flags();
-    at_.active.gaps(*at_.now, at_.gap);
+    at_.find_gap();
     result.constraint_error = largest(at_.gap);
   }
 

@@ -118,7 +118,8 @@ struct NewtonResult {
 /// load stepping: where all this stalls, the closed start is held in balance by the artificial load F + J^T y that it
 ///   lacks, and that load is let go by steps, each solved from the last.
 ///
-/// All buffers are sized in the constructor; solve() allocates nothing.
+/// Iterations allocate nothing: all that they use is sized in the constructor. Only other starts and load stepping keep
+/// points of their own, from when they are first needed.
 class Newton {
  public:
   /// `problem` must outlive this.

@@ -20,6 +20,7 @@ NewtonSystem::NewtonSystem(const Problem& given_problem, const NewtonOptions& gi
     : problem(given_problem),
       options(given_options),
       result(given_result),
+      bounded(problem.inequalities() > 0),
       dense(!problem.has_objective() || small_enough(problem, options)),
       kkt(dense ? make_null_space(problem, options.safeguards.rank_revealing) : make_sparse_kkt(problem)),
       active(problem, {}, options.active_set),
@@ -27,17 +28,18 @@ NewtonSystem::NewtonSystem(const Problem& given_problem, const NewtonOptions& gi
       trial(&points_[1]),
       points_{problem.make_evaluation(), problem.make_evaluation()},
       tangent_(problem.tangent_pattern().size()) {
-  for (auto* v : {&start, &residual, &step, &load}) v->resize(problem.variables());
-  for (auto* v : {&y, &y_next, &gap, &trial_gap}) v->resize(problem.constraints());
+  for (auto* v : {&start, &residual, &step}) v->resize(problem.variables());
+  for (auto* v : {&y, &y_next, &trial_gap}) v->resize(problem.constraints());
+  if (bounded) gap_.resize(problem.constraints());
 }
 
 void NewtonSystem::begin_at(std::span<const double> x) {
   std::copy(x.begin(), x.end(), now->x.begin());
-  active.reset();
+  if (bounded) active.reset();
   std::fill(y.begin(), y.end(), 0.0);
   forget_multipliers();
   evaluate(*now);
-  active.activate_touched(*now);
+  if (bounded) active.activate_touched(*now);
 }
 
 void NewtonSystem::evaluate(Evaluation& at) {
@@ -57,12 +59,21 @@ void NewtonSystem::try_step(double alpha) {
   evaluate(*trial);
 }
 
+void NewtonSystem::find_gap() {
+  gap = now->constraint;
+  if (!bounded) return;
+  active.gaps(*now, gap_);
+  gap = gap_;
+}
+
 bool NewtonSystem::linearize() {
-  active.gaps(*now, gap);
+  find_gap();
   if (!kkt->set_jacobian(*now, active.flags())) return false;
-  if (kkt->tells_multipliers() || multipliers_for_ != active.changes()) kkt->multipliers(now->gradient, y);
+  if (kkt->tells_multipliers() || multipliers_for_ != active.changes())
+    kkt->balance(now->gradient, y, residual);
+  else
+    kkt->unbalanced(now->gradient, y, residual);
   multipliers_for_ = active.changes();
-  kkt->unbalanced(now->gradient, y, residual);
   gap_norm = std::sqrt(dot(gap, gap));
   force_norm = std::sqrt(dot(residual, residual));
   return true;
@@ -70,8 +81,7 @@ bool NewtonSystem::linearize() {
 
 Kkt::Factors NewtonSystem::factor_tangent() {
   problem.tangent(*now, y, tangent_);
-  kkt->set_tangent(tangent_);
-  return kkt->factor(0.0);
+  return kkt->factor_tangent(tangent_);
 }
 
 void NewtonSystem::solve_for_step() { kkt->solve(residual, gap, step); }
@@ -90,7 +100,7 @@ bool NewtonSystem::at_rest() const {
 }
 
 ActiveSet::Pulling NewtonSystem::release_pulling(std::span<const double> multipliers, double least) {
-  if (active.rows().size() == static_cast<std::size_t>(problem.equalities())) return ActiveSet::Pulling::none;
+  if (!bounded) return ActiveSet::Pulling::none;
   const double noise = rounded_pull * (1.0 + largest(now->gradient));
   const ActiveSet::Pulling pulling = active.release_pulling(multipliers, std::max(least, noise));
   if (pulling == ActiveSet::Pulling::released) active.clear_inactive(y);
@@ -100,11 +110,6 @@ ActiveSet::Pulling NewtonSystem::release_pulling(std::span<const double> multipl
 void NewtonSystem::note(Outcome outcome) {
   result.outcome = outcome;
   result.met_lock = result.met_lock || outcome == Outcome::locked;
-}
-
-bool NewtonSystem::gave_up() const {
-  return result.outcome == Outcome::stalled || result.outcome == Outcome::locked ||
-         result.outcome == Outcome::iteration_limit;
 }
 
 // Where J loses rank no finite multipliers balance F; beside such a pose rounded closures let them seem to. They are

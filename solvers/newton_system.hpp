@@ -28,7 +28,8 @@ class NewtonSystem {
   const Problem& problem;
   const NewtonOptions& options;
   NewtonResult& result;
-  const bool dense;  ///< null space, else sparse factors
+  const bool bounded;  ///< there are inequalities
+  const bool dense;    ///< null space, else sparse factors
   std::unique_ptr<Kkt> kkt;
   ActiveSet active;
   std::minstd_rand random;  ///< the same for every run, so that runs repeat
@@ -36,7 +37,7 @@ class NewtonSystem {
   std::vector<double> start;      ///< x that the run was given
   Evaluation *now, *trial;        ///< where the run is, and where it may go
   std::vector<double> y;          ///< multipliers at now
-  std::vector<double> gap;        ///< of linearize(): c of the rows that hold, 0 of others
+  std::span<const double> gap;    ///< of find_gap(): c of the rows that hold at now, 0 of others
   std::vector<double> residual;   ///< of linearize(): F - held f + J^T y
   std::vector<double> step;       ///< of solve_for_step()
   std::vector<double> y_next;     ///< of solve_for_multipliers(): those at the end of the step
@@ -59,6 +60,14 @@ class NewtonSystem {
   /// trial = now + alpha step.
   void try_step(double alpha);
 
+  /// Good until now moves.
+  void find_gap();
+  /// How much of a step whose largest entry is `length` may be taken at once. Without a division where all of it may,
+  /// which small problems would wait for.
+  double bounded_part(double length) const {
+    const bool whole = length <= options.longest_step || !options.safeguards.line_search;
+    return whole ? 1.0 : options.longest_step / length;
+  }
   /// The next linearize() takes least-squares multipliers instead of those that go with the last ones.
   void forget_multipliers() { multipliers_for_ = -1; }
   /// J, y, gap and residual at now. False where J cannot be used as it is, which leaves the other two undefined.
@@ -76,20 +85,27 @@ class NewtonSystem {
 
   /// Residuals are nothing but rounding, after linearize().
   bool at_rest() const;
+  /// Inequalities that `now` violates join; true where any did.
+  bool activate_violated() { return bounded && active.activate_violated(*now, violated_beyond); }
   /// Lets go of the inequality that pulls hardest by more than `least` and what rounding makes of multipliers.
   ActiveSet::Pulling release_pulling(std::span<const double> multipliers, double least);
 
   /// Notes how a stage of the run ended.
   void note(Outcome outcome);
   /// A stage ended in a way after which another may do better.
-  bool gave_up() const;
+  bool gave_up() const {
+    return result.outcome == Outcome::stalled || result.outcome == Outcome::locked ||
+           result.outcome == Outcome::iteration_limit;
+  }
 
   /// How a run ends whose steps or residuals met their tolerances; takes the last step where asked to.
   Outcome arrive(bool with_last_step);
 
  private:
+  static constexpr double violated_beyond = 1e-14;
+
   Evaluation points_[2];
-  std::vector<double> tangent_;
+  std::vector<double> tangent_, gap_;
   int multipliers_for_ = -1;  // ActiveSet::changes() for which y was found
 };
 

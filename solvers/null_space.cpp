@@ -12,9 +12,11 @@
 // compile-time constants.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include <Eigen/QR>
 
@@ -36,6 +38,27 @@ constexpr double smallest_pivot = 1e-12;
 // Pivots of the reduced tangent below this fraction of the largest entry of K count as zero.
 constexpr double singular_below = 1e-15;
 
+// n - r and a b, compile-time constants where both are.
+template <int n, int r>
+constexpr std::integral_constant<int, n - r> difference(std::integral_constant<int, n>,
+                                                        std::integral_constant<int, r>) {
+  return {};
+}
+constexpr int difference(int n, int r) { return n - r; }
+
+template <int a, int b>
+constexpr std::integral_constant<int, a * b> times(std::integral_constant<int, a>, std::integral_constant<int, b>) {
+  return {};
+}
+constexpr int times(int a, int b) { return a * b; }
+
+// A buffer of n numbers: in registers where n is a compile-time constant.
+template <int n>
+std::array<double, n> buffer(std::vector<double>&, std::integral_constant<int, n>) {
+  return {};
+}
+double* buffer(std::vector<double>& kept, int) { return kept.data(); }
+
 class NullSpace final : public Kkt {
  public:
   NullSpace(const Problem& problem, bool rank_revealing)
@@ -54,26 +77,27 @@ class NullSpace final : public Kkt {
     const auto m = static_cast<std::size_t>(m_);
     for (auto* v : {&jacobian_, &dependence_}) v->resize(m * n);
     for (auto* v : {&tangent_, &product_, &reduced_, &metric_, &factors_}) v->resize(n * n);
-    for (auto* v : {&normal_, &right_, &step_}) v->resize(n);
+    for (auto* v : {&normal_, &right_, &primary_, &step_}) v->resize(n);
     inverse_.resize(m * m);
     for (auto* v : {&order_, &place_, &permutation_}) v->resize(n);
     for (auto* v : {&rows_, &pivot_}) v->resize(m);
     used_.reserve(jacobian_pattern_.size());
     tangent_target_.resize(tangent_pattern_.size());
-    tangent_mirror_.resize(tangent_pattern_.size());
     last_active_.resize(m);
   }
 
   bool set_jacobian(const Evaluation& at, const std::vector<char>& active) override {
-    if (all_rows_used_ && same_rows(active)) {
-      scatter(at);
-      if (invert() <= dependence_limit) return true;
+    for (bool anew = !all_rows_used_ || !same_rows(active);; anew = true) {
+      if (anew) {
+        last_active_ = active;
+        choose_partition(at);
+      }
+      for (const Used& entry : used_) jacobian_[entry.target] = at.jacobian[entry.source];
+      const double growth = invert();
+      // Without ranks a singular Jo is met as any program meets it that does not look: with no solution.
+      if (anew) return std::isfinite(growth) || rank_revealing_;
+      if (growth <= dependence_limit) return true;
     }
-    last_active_ = active;
-    choose_partition(at);
-    scatter(at);
-    // Without ranks a singular Jo is met as any program meets it that does not look: with no solution.
-    return std::isfinite(invert()) || rank_revealing_;
   }
 
   bool redundant() const override { return !all_rows_used_; }
@@ -82,8 +106,22 @@ class NullSpace final : public Kkt {
 
   void multipliers(std::span<const double> field, std::span<double> y) override {
     with_sizes([&](auto, auto r) {
-      for (int i = 0; i < r; ++i) right_[i] = field[order_[i]];
-      ordinary_multipliers(y, r);
+      auto right = buffer(right_, r);
+      for (int i = 0; i < r; ++i) right[i] = field[order_[i]];
+      ordinary_multipliers(right, y, r);
+    });
+  }
+
+  void balance(std::span<const double> field, std::span<double> y, std::span<double> residual) override {
+    with_sizes([&](auto n, auto r) {
+      auto right = buffer(right_, n);
+      for (int i = 0; i < n; ++i) right[i] = field[order_[i]];
+      ordinary_multipliers(right, y, r);
+      for (int i = 0; i < n; ++i) {
+        double sum = right[i];
+        for (int k = 0; k < r; ++k) sum += jacobian_[k * n + i] * y[rows_[k]];
+        residual[order_[i]] = sum;
+      }
     });
   }
 
@@ -97,80 +135,76 @@ class NullSpace final : public Kkt {
     });
   }
 
-  void set_tangent(std::span<const double> values) override {
-    largest_tangent_ = 0.0;
+  Factors factor_tangent(std::span<const double> values) override {
+    double largest = 0.0;
     for (int e = 0; e < static_cast<int>(values.size()); ++e) {
-      tangent_[tangent_target_[e]] = tangent_[tangent_mirror_[e]] = values[e];
-      largest_tangent_ = std::max(largest_tangent_, std::abs(values[e]));
+      const double value = values[e];
+      tangent_[tangent_target_[e].first] = tangent_[tangent_target_[e].second] = value;
+      largest = std::max(largest, std::abs(value));
     }
-    reduce();
+    largest_tangent_ = largest;
+    return with_sizes([&](auto n, auto r) {
+      reduce(n, r);
+      return factor_reduced(0.0, difference(n, r));
+    });
   }
 
-  void set_identity() override {
+  Factors factor_identity() override {
     std::fill(tangent_.begin(), tangent_.end(), 0.0);
     for (int i = 0; i < n_; ++i) tangent_[i * n_ + i] = 1.0;
     largest_tangent_ = 1.0;
-    reduce();
+    reduce(n_, rank_);
+    return factor_reduced(0.0, n_ - rank_);
   }
 
-  Factors factor(double shift) override {
-    return with_sizes([&](auto n, auto r) {
-      const auto p = n - r;
-      if (shift > 0) measure(p, r);
-      double largest = largest_tangent_;
-      const auto load = [&] {
-        for (int i = 0; i < p * p; ++i) {
-          factors_[i] = shift > 0 ? reduced_[i] + shift * metric_[i] : reduced_[i];
-          largest = std::max(largest, std::abs(factors_[i]));
-        }
-      };
-      load();
-      positive_definite_ = symmetric_ && factor_positive_definite(largest, p);
-      if (positive_definite_) return Factors::positive;
-      if (symmetric_) load();
-      return eliminate(largest, p) ? Factors::indefinite : Factors::singular;
-    });
+  Factors factor_shifted(double shift) override {
+    measure(n_ - rank_, rank_);
+    return factor_reduced(shift, n_ - rank_);
   }
 
   void solve(std::span<const double> field, std::span<const double> c, std::span<double> d) override {
     with_sizes([&](auto n, auto r) {
-      const auto p = n - r;
-      normal_step(c, r);
+      const auto p = difference(n, r);
+      auto normal = buffer(normal_, r);
+      auto right = buffer(right_, n);
+      auto primary = buffer(primary_, p);
+      normal_step(c, normal, r);
       // right = F + K v, then its reduction N^T (.)
       for (int i = 0; i < n; ++i) {
         double sum = !field.empty() ? field[order_[i]] : 0.0;
-        for (int k = 0; k < r; ++k) sum += tangent_[i * n + k] * normal_[k];
-        right_[i] = sum;
+        for (int k = 0; k < r; ++k) sum += tangent_[i * n + k] * normal[k];
+        right[i] = sum;
       }
       for (int k = 0; k < p; ++k) {
-        double sum = right_[r + k];
-        for (int i = 0; i < r; ++i) sum -= dependence_[i * p + k] * right_[i];
-        step_[r + k] = -sum;
+        double sum = right[r + k];
+        for (int i = 0; i < r; ++i) sum -= dependence_[i * p + k] * right[i];
+        primary[k] = -sum;
       }
-      back_substitute(step_.data() + r, p);
+      back_substitute(primary, p);
       for (int i = 0; i < r; ++i) {
-        double sum = normal_[i];
-        for (int k = 0; k < p; ++k) sum -= dependence_[i * p + k] * step_[r + k];
-        step_[i] = sum;
+        double sum = normal[i];
+        for (int k = 0; k < p; ++k) sum -= dependence_[i * p + k] * primary[k];
+        step_[i] = d[order_[i]] = sum;
       }
-      for (int i = 0; i < n; ++i) d[order_[i]] = step_[i];
+      for (int k = 0; k < p; ++k) step_[r + k] = d[order_[r + k]] = primary[k];
     });
   }
 
   // y = -Jo^-T (F + K d)_o
   void solved_multipliers(std::span<const double> field, std::span<double> y) override {
     with_sizes([&](auto n, auto r) {
+      auto right = buffer(right_, r);
       for (int i = 0; i < r; ++i) {
         double sum = !field.empty() ? field[order_[i]] : 0.0;
         for (int k = 0; k < n; ++k) sum += tangent_[i * n + k] * step_[k];
-        right_[i] = sum;
+        right[i] = sum;
       }
-      ordinary_multipliers(y, r);
+      ordinary_multipliers(right, y, r);
     });
   }
 
   void restore(std::span<const double> c, std::span<double> d) override {
-    normal_step(c, rank_);
+    normal_step(c, normal_, rank_);
     for (int i = 0; i < rank_; ++i) d[order_[i]] = normal_[i];
     for (int i = rank_; i < n_; ++i) d[order_[i]] = 0.0;
   }
@@ -196,26 +230,26 @@ class NullSpace final : public Kkt {
     return true;
   }
 
-  // y = -Jo^-T right_ for the rows used, 0 for all others.
-  template <class R>
-  void ordinary_multipliers(std::span<double> y, R r) const {
-    for (int i = 0; i < m_; ++i) y[i] = 0.0;
+  // y = -Jo^-T right for the rows used, 0 for all others.
+  template <class Right, class R>
+  void ordinary_multipliers(const Right& right, std::span<double> y, R r) const {
+    if (r < m_) std::fill(y.begin(), y.end(), 0.0);
     for (int j = 0; j < r; ++j) {
       double sum = 0.0;
-      for (int i = 0; i < r; ++i) sum -= inverse_[i * r + j] * right_[i];
+      for (int i = 0; i < r; ++i) sum -= inverse_[i * r + j] * right[i];
       y[rows_[j]] = sum;
     }
   }
 
-  // normal_ = -Jo^-1 c in the ordinary places.
-  template <class R>
-  void normal_step(std::span<const double> c, R r) {
+  // normal = -Jo^-1 c, in the ordinary places.
+  template <class Normal, class R>
+  void normal_step(std::span<const double> c, Normal& normal, R r) const {
     for (int i = 0; i < r; ++i) {
       double sum = 0.0;
       if (!c.empty()) {
         for (int j = 0; j < r; ++j) sum -= inverse_[i * r + j] * c[rows_[j]];
       }
-      normal_[i] = sum;
+      normal[i] = sum;
     }
   }
 
@@ -266,21 +300,16 @@ class NullSpace final : public Kkt {
     for (int e = 0; e < tangent_pattern_.size(); ++e) {
       const int i = place_[tangent_pattern_.row[e]];
       const int j = place_[tangent_pattern_.column[e]];
-      tangent_target_[e] = i * n_ + j;
-      tangent_mirror_[e] = symmetric_ ? j * n_ + i : i * n_ + j;
+      tangent_target_[e] = {i * n_ + j, symmetric_ ? j * n_ + i : i * n_ + j};
     }
     std::fill(jacobian_.begin(), jacobian_.end(), 0.0);
     std::fill(tangent_.begin(), tangent_.end(), 0.0);
   }
 
-  void scatter(const Evaluation& at) {
-    for (const Used& entry : used_) jacobian_[entry.target] = at.jacobian[entry.source];
-  }
-
   // inverse_ = Jo^-1, dependence_ = B. Returns the largest |B|, infinite where a pivot vanishes.
   double invert() {
     return with_sizes([&](auto n, auto r) {
-      const auto p = n - r;
+      const auto p = difference(n, r);
       if (!(r == 2 ? invert_two() : invert_by_elimination(r))) return std::numeric_limits<double>::infinity();
       double worst = 0.0;
       for (int i = 0; i < r; ++i) {
@@ -344,24 +373,41 @@ class NullSpace final : public Kkt {
   }
 
   // reduced_ = N^T K N.
-  void reduce() {
-    with_sizes([&](auto n, auto r) {
-      const auto p = n - r;
-      for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < p; ++k) {
-          double sum = tangent_[i * n + r + k];
-          for (int c = 0; c < r; ++c) sum -= tangent_[i * n + c] * dependence_[c * p + k];
-          product_[i * p + k] = sum;
-        }
+  template <class N, class R>
+  void reduce(N n, R r) {
+    const auto p = difference(n, r);
+    auto product = buffer(product_, times(n, p));
+    for (int i = 0; i < n; ++i) {
+      for (int k = 0; k < p; ++k) {
+        double sum = tangent_[i * n + r + k];
+        for (int c = 0; c < r; ++c) sum -= tangent_[i * n + c] * dependence_[c * p + k];
+        product[i * p + k] = sum;
       }
-      for (int a = 0; a < p; ++a) {
-        for (int b = 0; b < p; ++b) {
-          double sum = product_[(r + a) * p + b];
-          for (int c = 0; c < r; ++c) sum -= dependence_[c * p + a] * product_[c * p + b];
-          reduced_[a * p + b] = sum;
-        }
+    }
+    for (int a = 0; a < p; ++a) {
+      for (int b = 0; b < p; ++b) {
+        double sum = product[(r + a) * p + b];
+        for (int c = 0; c < r; ++c) sum -= dependence_[c * p + a] * product[c * p + b];
+        reduced_[a * p + b] = sum;
       }
-    });
+    }
+  }
+
+  // Of reduced_ + shift metric_, p x p.
+  template <class P>
+  Factors factor_reduced(double shift, P p) {
+    double largest = largest_tangent_;
+    const auto load = [&] {
+      for (int i = 0; i < p * p; ++i) {
+        factors_[i] = shift > 0 ? reduced_[i] + shift * metric_[i] : reduced_[i];
+        largest = std::max(largest, std::abs(factors_[i]));
+      }
+    };
+    load();
+    positive_definite_ = symmetric_ && factor_positive_definite(largest, p);
+    if (positive_definite_) return Factors::positive;
+    if (symmetric_) load();
+    return eliminate(largest, p) ? Factors::indefinite : Factors::singular;
   }
 
   // metric_ = N^T N = I + B^T B.
@@ -417,8 +463,8 @@ class NullSpace final : public Kkt {
     return regular;
   }
 
-  template <class P>
-  void back_substitute(double* z, P p) const {
+  template <class Z, class P>
+  void back_substitute(Z& z, P p) const {
     if (positive_definite_) {
       for (int i = 0; i < p; ++i) {
         for (int c = 0; c < i; ++c) z[i] -= factors_[i * p + c] * z[c];
@@ -455,9 +501,10 @@ class NullSpace final : public Kkt {
   std::vector<int> order_;  // variables, ordinary first
   std::vector<int> place_;  // where in order_ a variable stands
   std::vector<int> rows_;   // independent constraint rows
-  std::vector<int> pivot_, permutation_, tangent_target_, tangent_mirror_;
+  std::vector<int> pivot_, permutation_;
+  std::vector<std::pair<int, int>> tangent_target_;  // of each entry of K, and of its mirror image
   std::vector<double> jacobian_, tangent_, inverse_, dependence_, product_, reduced_, metric_, factors_, normal_,
-      right_, step_;
+      right_, primary_, step_;
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace poise::solvers {
 
 Restarts::Restarts(NewtonSystem& system, LoopClosing& closing, StationarySearch& stationary, Descent& descent)
-    : at_(system), closing_(closing), stationary_(stationary), descent_(descent), displaced_(system.start.size()) {}
+    : at_(system), closing_(closing), stationary_(stationary), descent_(descent) {}
 
 void Restarts::run(bool by_descent) {
   const int most = at_.variables() <= at_.options.restarts_up_to ? at_.options.restarts : 0;

@@ -67,10 +67,14 @@ class SparseKkt final : public Kkt {
   bool tells_multipliers() const override { return false; }
 
   void multipliers(std::span<const double> field, std::span<double> y) override {
-    set_identity();
-    factor(0.0);
+    factor_identity();
     solve(field, {});
     solved_multipliers(field, y);
+  }
+
+  void balance(std::span<const double> field, std::span<double> y, std::span<double> residual) override {
+    multipliers(field, y);
+    unbalanced(field, y, residual);
   }
 
   void unbalanced(std::span<const double> field, std::span<const double> y, std::span<double> out) const override {
@@ -78,16 +82,18 @@ class SparseKkt final : public Kkt {
     for (int a = 0; a < jacobian_pattern_.size(); ++a) out[column_of(a)] += jacobian_[a] * y[row_of(a)];
   }
 
-  void set_tangent(std::span<const double> values) override {
+  Factors factor_tangent(std::span<const double> values) override {
     std::copy(values.begin(), values.end(), tangent_.begin());
+    return factor_shifted(0.0);
   }
 
-  void set_identity() override {
+  Factors factor_identity() override {
     std::fill(tangent_.begin(), tangent_.end(), 0.0);
     std::fill(tangent_.begin(), tangent_.begin() + n_, 1.0);
+    return factor_shifted(0.0);
   }
 
-  Factors factor(double shift) override {
+  Factors factor_shifted(double shift) override {
     shift_ = shift;
     double largest = 0.0;
     for (int i = 0; i < n_; ++i) largest = std::max(largest, std::abs(tangent_[i] + shift));
@@ -124,7 +130,7 @@ class SparseKkt final : public Kkt {
     return negative_ == m_ ? Factors::positive : Factors::indefinite;
   }
 
-  // Negative eigenvalues of K + shift I on the null space of J, after factor().
+  // Negative eigenvalues of K + shift I on the null space of J, after it was factored.
   int negative_directions() const { return negative_ - m_; }
 
   void solve(std::span<const double> field, std::span<const double> c, std::span<double> d) override {
@@ -361,9 +367,9 @@ Inertia inertia_at(const Problem& problem, const std::vector<double>& x, const s
   kkt.set_jacobian(at, active);
   kkt.multipliers(at.gradient, multipliers);
   problem.tangent(at, multipliers, tangent);
-  kkt.set_tangent(tangent);
+
   Inertia inertia;
-  inertia.known = kkt.factor(0.0) != Kkt::Factors::singular;
+  inertia.known = kkt.factor_tangent(tangent) != Kkt::Factors::singular;
   inertia.negative = kkt.negative_directions();
   return inertia;
 }

@@ -10,7 +10,6 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double violated_beyond = 1e-14;
 constexpr double closed_within = 1e-13;  // gaps that trials may leave where constraints repeat each other
 
 }  // namespace
@@ -41,11 +40,10 @@ Outcome StationarySearch::run() {
       continue;
     }
     if (!std::isfinite(length)) return Outcome::stalled;
-    const bool bounded = at_.options.safeguards.line_search;
-    if (!shorten(bounded ? std::min(1.0, at_.options.longest_step / length) : 1.0)) {
+    if (!shorten(at_.bounded_part(length))) {
       return at_.at_rest() ? at_.arrive(false) : Outcome::stalled;
     }
-    if (at_.active.activate_violated(*at_.now, violated_beyond) && !begin_anew()) return Outcome::stalled;
+    if (at_.activate_violated() && !begin_anew()) return Outcome::stalled;
   }
   return Outcome::iteration_limit;
 }

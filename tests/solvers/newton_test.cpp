@@ -310,8 +310,7 @@ TEST(Kkt, BothAlgebrasGiveTheSameStepAndMultipliers) {
     const double gap[] = {at.constraint[0], 0.05};
     const auto solve = [&](Kkt& kkt, std::vector<double>& d, std::vector<double>& y) {
       kkt.set_jacobian(at, active);
-      kkt.set_tangent(tangent);
-      EXPECT_EQ(kkt.factor(0.0), Kkt::Factors::positive);
+      EXPECT_EQ(kkt.factor_tangent(tangent), Kkt::Factors::positive);
       kkt.solve(at.gradient, gap, d);
       kkt.solved_multipliers(at.gradient, y);
     };
@@ -343,9 +342,8 @@ TEST(Kkt, TellsPositiveDefiniteFromIndefinite) {
       kkt->multipliers(at.gradient, y);
       EXPECT_NEAR(y[0], bottom ? -1.0 : -4.0, 1e-9);
       parabola.tangent(at, y, tangent);
-      kkt->set_tangent(tangent);
-      EXPECT_EQ(kkt->factor(0.0), bottom ? Kkt::Factors::positive : Kkt::Factors::indefinite);
-      EXPECT_EQ(kkt->factor(10.0), Kkt::Factors::positive);
+      EXPECT_EQ(kkt->factor_tangent(tangent), bottom ? Kkt::Factors::positive : Kkt::Factors::indefinite);
+      EXPECT_EQ(kkt->factor_shifted(10.0), Kkt::Factors::positive);
     }
     EXPECT_EQ(inertia_at(parabola, at.x, {1}).negative, bottom ? 0 : 1);
   }
