@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 
+#include "solvers/linear_algebra.hpp"
 #include "solvers/vectors.hpp"
 
 namespace poise::solvers {
@@ -76,7 +76,7 @@ std::vector<double> least_squares_multipliers(const Problem& problem, const Eval
   const SparseMatrix a = transposed_rows(problem, at, rows);
   const Eigen::VectorXd b = -Eigen::Map<const Eigen::VectorXd>(at.gradient.data(), problem.variables());
   const Eigen::VectorXd solution = static_cast<int>(rows.size()) <= dense_rows
-                                       ? Eigen::MatrixXd(a).completeOrthogonalDecomposition().solve(b).eval()
+                                       ? minimum_norm_solution(Eigen::MatrixXd(a), b)
                                        : sparse_least_squares(a, b);
   for (int i = 0; i < static_cast<int>(rows.size()); ++i) y[rows[i]] = solution[i];
   return y;
