@@ -62,7 +62,8 @@ Outcome Descent::descend() {
     const double gap = largest(at_.gap);
     if (gap > 1e-10 && gap > loose_gap * length) {
       // A step that mostly closes loops says nothing of descent: close them first.
-      *at_.trial = *at_.now;
+      at_.trial->x = at_.now->x;
+      at_.trial->constraint = at_.now->constraint;
       if (closing_.pull_back(closed_within))
         std::swap(at_.now, at_.trial);
       else if (closing_.close() > options.active_set.touching)

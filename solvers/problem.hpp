@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,13 +16,18 @@ struct Pattern {
   int size() const { return static_cast<int>(row.size()); }
 };
 
+/// Intermediate values of a problem at one point.
+struct Scratch {
+  virtual ~Scratch() = default;
+};
+
 /// Everything a problem says of one point. Made by Problem::make_evaluation(), refilled by Problem::evaluate().
 struct Evaluation {
-  std::vector<double> x;           ///< variables
-  std::vector<double> gradient;    ///< grad f(x), or the field F(x) where there is no objective
-  std::vector<double> constraint;  ///< equalities, then inequalities
-  std::vector<double> jacobian;    ///< values in the order of jacobian_pattern()
-  std::vector<double> scratch;     ///< the problem's own intermediate values, valid for this x
+  std::vector<double> x;             ///< variables
+  std::vector<double> gradient;      ///< grad f(x), or the field F(x) where there is no objective
+  std::vector<double> constraint;    ///< equalities, then inequalities
+  std::vector<double> jacobian;      ///< values in the order of jacobian_pattern()
+  std::unique_ptr<Scratch> scratch;  ///< what the problem keeps of this x, for its own use; may be null
 };
 
 /// Find x with  c(x) = 0,  lower <= g(x) <= upper,  and either f minimal or stationary, or, where the field F is no
@@ -50,8 +56,8 @@ class Problem {
   virtual double objective(Evaluation& at) const = 0;
   /// Values of the tangent at an evaluated point; one multiplier for each constraint row.
   virtual void tangent(Evaluation& at, std::span<const double> multipliers, std::span<double> values) const = 0;
-  /// Length of Evaluation::scratch.
-  virtual int scratch_size() const { return 0; }
+  /// What Evaluation::scratch is to be, sized.
+  virtual std::unique_ptr<Scratch> make_scratch() const { return nullptr; }
 
   int inequalities() const { return static_cast<int>(lower().size()); }
   int constraints() const { return equalities() + inequalities(); }
@@ -63,7 +69,7 @@ class Problem {
     e.gradient.resize(variables());
     e.constraint.resize(constraints());
     e.jacobian.resize(jacobian_pattern().size());
-    e.scratch.resize(scratch_size());
+    e.scratch = make_scratch();
     return e;
   }
 };

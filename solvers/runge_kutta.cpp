@@ -6,11 +6,6 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
 namespace poise::solvers {
-namespace {
-
-struct CannotEvaluate {};
-
-}  // namespace
 
 class RungeKutta78::Stepper {
  public:
@@ -20,14 +15,12 @@ class RungeKutta78::Stepper {
 
   bool step(double t, const std::vector<double>& y, const std::vector<double>& dydt, double h,
             std::vector<double>& y_new, std::vector<double>& error) {
-    const auto rates = [this](const std::vector<double>& at, std::vector<double>& out, double time) {
-      if (!system_.rates(time, at.data(), out.data())) throw CannotEvaluate{};
+    bool known = true;
+    const auto rates = [&](const std::vector<double>& at, std::vector<double>& out, double time) {
+      known = known && system_.rates(time, at.data(), out.data());
     };
-    try {
-      method_.do_step(rates, y, dydt, t, y_new, h, error);
-    } catch (const CannotEvaluate&) {
-      return false;
-    }
+    method_.do_step(rates, y, dydt, t, y_new, h, error);
+    if (!known) return false;
     return std::all_of(y_new.begin(), y_new.end(), [](double value) { return std::isfinite(value); });
   }
 

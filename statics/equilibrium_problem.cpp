@@ -3,11 +3,11 @@
 namespace poise {
 namespace {
 
-// The scratch of an Evaluation holds the phasors, two doubles each.
-Planar<double>* pose_of(solvers::Evaluation& at) {
-  static_assert(sizeof(Planar<double>) == 2 * sizeof(double));
-  return reinterpret_cast<Planar<double>*>(at.scratch.data());
-}
+struct Pose final : solvers::Scratch {
+  std::vector<Planar<double>> phasors;
+};
+
+Planar<double>* pose_of(solvers::Evaluation& at) { return static_cast<Pose&>(*at.scratch).phasors.data(); }
 
 }  // namespace
 
@@ -15,6 +15,12 @@ EquilibriumProblem::EquilibriumProblem(const Mechanism<double>& mechanism) : mec
   const int n = mechanism.coordinates();
   jacobian_pattern_ = {mechanism.constraints(), n, mechanism.jacobian_row(), mechanism.jacobian_column()};
   tangent_pattern_ = {n, n, mechanism.tangent_row(), mechanism.tangent_column()};
+}
+
+std::unique_ptr<solvers::Scratch> EquilibriumProblem::make_scratch() const {
+  auto pose = std::make_unique<Pose>();
+  pose->phasors.resize(mechanism_.pose_size());
+  return pose;
 }
 
 void EquilibriumProblem::evaluate(solvers::Evaluation& at) const {

@@ -22,7 +22,7 @@ class EquilibriumProblem final : public solvers::Problem {
   void evaluate(solvers::Evaluation& at) const override;
   double objective(solvers::Evaluation& at) const override;
   void tangent(solvers::Evaluation& at, std::span<const double> multipliers, std::span<double> values) const override;
-  int scratch_size() const override { return 2 * mechanism_.pose_size(); }
+  std::unique_ptr<solvers::Scratch> make_scratch() const override;
 
  private:
   const Mechanism<double>& mechanism_;
