@@ -12,7 +12,6 @@ namespace {
 
 // Two links that a joint holds together; a bar makes two of them.
 struct Connection {
-  Joint::Kind kind;
   int joint;
   int link_a, link_b;
   Vec2 a, b;
@@ -100,7 +99,7 @@ class Builder {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) out_.links[i].body = static_cast<int>(i);
     bar_link_.assign(scene_.joints.size(), -1);
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-      if (scene_.joints[j].kind != Joint::Kind::bar) continue;
+      if (!scene_.joints[j].keeps_length()) continue;
       bar_link_[j] = static_cast<int>(out_.links.size());
       Link link;
       link.joint = static_cast<int>(j);
@@ -118,8 +117,8 @@ class Builder {
         throw InputError(fmt::format(
             "{}:{}: {} \"{}\": keeps the angle from {} to {} at {:.6g} rad, but other welds and slides keep it at "
             "{:.6g} rad; expected angles that agree, or a pin where the body may turn",
-            scene_.file, joint.line, joint.kind == Joint::Kind::weld ? "weld" : "slide", joint.name,
-            scene_.bodies[joint.a.body].name, scene_.bodies[joint.b.body].name, joint.angle, kept));
+            scene_.file, joint.line, joint.traits().key, joint.name, scene_.bodies[joint.a.body].name,
+            scene_.bodies[joint.b.body].name, joint.angle, kept));
       }
       out_.redundant_angle.push_back(static_cast<int>(j));
     }
@@ -162,9 +161,9 @@ class Builder {
       const int index = static_cast<int>(j);
       const Vec2 a = scene_.local(joint.a);
       const Vec2 b = scene_.local(joint.b);
-      if (joint.kind == Joint::Kind::bar) {
-        add({Joint::Kind::bar, index, joint.a.body, bar_link_[j], a, {0, 0}});
-        add({Joint::Kind::bar, index, bar_link_[j], joint.b.body, {joint.length, 0}, b});
+      if (joint.keeps_length()) {
+        add({index, joint.a.body, bar_link_[j], a, {0, 0}});
+        add({index, bar_link_[j], joint.b.body, {joint.length, 0}, b});
         continue;
       }
       if (joint.has_travel()) {
@@ -176,7 +175,7 @@ class Builder {
         c.start = scene_.start.travel[j].value_or(0.0);
         out_.coordinates.push_back(c);
       }
-      add({joint.kind, index, joint.a.body, joint.b.body, a, b});
+      add({index, joint.a.body, joint.b.body, a, b});
     }
   }
 
@@ -200,7 +199,7 @@ class Builder {
     const auto reach = [&](int link) {
       reached[link] = true;
       out_.tree_order.push_back(link);
-      for (int c : around_[link]) (connections_[c].kind == Joint::Kind::bar ? bars : front).push_back(c);
+      for (int c : around_[link]) (scene_.joints[connections_[c].joint].keeps_length() ? bars : front).push_back(c);
     };
     const auto cross = [&](int index) {
       const Connection& c = connections_[index];

@@ -91,9 +91,7 @@ void visit_items(AnyScene& scene, Use use) {
   }
   for (int i = 0; i < count(scene.joints); ++i) {
     auto& joint = scene.joints[i];
-    constexpr std::string_view kinds[] = {"pin", "slide", "pin_in_slot", "weld", "bar"};
-    use(Parts{kinds[static_cast<int>(joint.kind)], joint.name}, ParameterPlace{Owner::joint, i}, joint, joint.numbers(),
-        none);
+    use(Parts{joint.traits().key, joint.name}, ParameterPlace{Owner::joint, i}, joint, joint.numbers(), none);
     if (!joint.has_travel()) continue;
     use(Parts{"start", joint.name}, ParameterPlace{Owner::start, i, 1}, scene.start.travel.at(i),
         std::span<const Number>(travel_guess), none);

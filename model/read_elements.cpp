@@ -85,7 +85,7 @@ class ElementReader {
     element.table = written.key;
     element.on = read_measure(table, measures, allowed);
     L law;
-    read_numbers(table, L::numbers, &law, &element.on);
+    read_numbers(table, L::numbers, &law, &element.on, units_);
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) {
         if (const auto word = table.find_text(choice.key)) {
@@ -95,19 +95,6 @@ class ElementReader {
     }
     element.law = law;
     return element;
-  }
-
-  /// The numbers of an item that acts on a measure, or on none. Keys with a dot are read as vectors elsewhere.
-  void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on) const {
-    for (const Number& number : numbers) {
-      const std::string_view key = number.key_on(on);
-      const double unit = number.dimension_on(on).unit(units_);
-      const Range range = number.range_on(on);
-      if (number.needed_on(on))
-        number.set(item, table.number(key, unit, range));
-      else if (const auto value = table.find_number(key, unit, range))
-        number.set(item, *value);
-    }
   }
 
   void read_loads() {
@@ -151,7 +138,7 @@ class ElementReader {
     Keys keys;
     for (const Number& number : Drive::numbers) keys.push_back(number.key);
     drive.on = read_measure(table, {"bodies", "slide"}, keys);
-    read_numbers(table, Drive::numbers, &drive, &drive.on);
+    read_numbers(table, Drive::numbers, &drive, &drive.on, units_);
     return drive;
   }
 
@@ -251,6 +238,19 @@ class ElementReader {
 };
 
 }  // namespace
+
+void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on,
+                  const Units& units) {
+  for (const Number& number : numbers) {
+    const std::string_view key = number.key_on(on);
+    const double unit = number.dimension_on(on).unit(units);
+    const Range range = number.range_on(on);
+    if (number.needed_on(on))
+      number.set(item, table.number(key, unit, range));
+    else if (const auto value = table.find_number(key, unit, range))
+      number.set(item, *value);
+  }
+}
 
 std::vector<std::string_view> element_tables() {
   std::vector<std::string_view> keys;

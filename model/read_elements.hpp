@@ -3,6 +3,7 @@
 // What acts on the bodies of a scene file: springs, dampers, friction, drives, loads and stops. Private to the readers
 // of model/.
 
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,11 @@
 #include "model/toml_reader.hpp"
 
 namespace poise {
+
+/// Reads these numbers of an item at its address `item`, which acts on the measure `on` or on none (null), under their
+/// keys. Fails where one that is needed is absent.
+void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on,
+                  const Units& units);
 
 /// The tables of force elements, "spring", "torsion_spring", ..., in the order in which they are read.
 std::vector<std::string_view> element_tables();

@@ -23,17 +23,6 @@ constexpr Unit force_units[] = {{"N", 1.0}, {"kN", 1e3}, {"lbf", 4.4482216152605
 constexpr Unit mass_units[] = {{"kg", 1.0}, {"g", 1e-3}, {"lb", 0.45359237}};
 constexpr Unit angle_units[] = {{"rad", 1.0}, {"deg", pi / 180.0}};
 
-struct JointKey {
-  std::string_view key;
-  Joint::Kind kind;
-};
-
-constexpr JointKey joint_keys[] = {{"pin", Joint::Kind::pin},
-                                   {"slide", Joint::Kind::slide},
-                                   {"pin_in_slot", Joint::Kind::pin_in_slot},
-                                   {"weld", Joint::Kind::weld},
-                                   {"bar", Joint::Kind::bar}};
-
 template <class List>
 void read_unit(const TomlTable& table, std::string_view key, const List& list, std::string& name, double& si) {
   const std::optional<TomlText> text = table.find_text(key);
@@ -51,8 +40,8 @@ class SceneReader {
   SceneReader(const TomlTable& root, const std::string& file) : root_(root), names_(scene_) { scene_.file = file; }
 
   Scene read() {
-    std::vector<std::string_view> keys{"title", "source", "gravity",     "units", "ground", "body",
-                                       "pin",   "slide",  "pin_in_slot", "weld",  "bar"};
+    std::vector<std::string_view> keys{"title", "source", "gravity", "units", "ground", "body"};
+    for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
     for (const std::string_view key : element_tables()) keys.push_back(key);
     keys.insert(keys.end(), {"drive", "force", "torque", "stop", "start"});
     root_.allow_keys(keys);
@@ -105,9 +94,8 @@ class SceneReader {
     const int index = scene_.add_body(name);
     Body& body = scene_.bodies[index];
     body.line = table.place().line;
-    body.mass = table.find_number("mass", units().mass, Range::not_negative).value_or(0.0);
+    read_numbers(table, std::span(Body::numbers).first<2>(), &body, nullptr, units());
     body.center = table.find_vector("center", units().length).value_or(Vec2{});
-    body.inertia = table.find_number("inertia", dimension::inertia.unit(units()), Range::not_negative).value_or(0.0);
     read_points(table, index);
     return index;
   }
@@ -125,8 +113,10 @@ class SceneReader {
 
   void read_joints() {
     std::vector<std::pair<TomlTable, Joint::Kind>> tables;
-    for (const JointKey& entry : joint_keys) {
-      for (TomlTable& table : root_.tables(entry.key)) tables.emplace_back(std::move(table), entry.kind);
+    for (std::size_t kind = 0; kind < Joint::kinds.size(); ++kind) {
+      for (TomlTable& table : root_.tables(Joint::kinds[kind].key)) {
+        tables.emplace_back(std::move(table), static_cast<Joint::Kind>(kind));
+      }
     }
     // Joints of all kinds stay in the order of the file.
     std::stable_sort(tables.begin(), tables.end(),
@@ -153,30 +143,16 @@ class SceneReader {
     Joint joint;
     joint.kind = kind;
     joint.line = table.place().line;
-    switch (kind) {
-      case Joint::Kind::pin:
-        table.allow_keys({"name", "points"});
-        break;
-      case Joint::Kind::slide:
-        table.allow_keys({"name", "points", "axis", "angle"});
-        break;
-      case Joint::Kind::pin_in_slot:
-        table.allow_keys({"name", "points", "axis"});
-        break;
-      case Joint::Kind::weld:
-        table.allow_keys({"name", "points", "angle"});
-        break;
-      case Joint::Kind::bar:
-        table.allow_keys({"name", "points", "length"});
-        joint.length = table.number("length", units().length, Range::positive);
-        break;
-    }
+    std::vector<std::string_view> keys{"name", "points"};
+    if (joint.has_travel()) keys.emplace_back("axis");
+    for (const Number& number : joint.numbers()) keys.push_back(number.key);
+    table.allow_keys(keys);
+    read_numbers(table, joint.numbers(), &joint, nullptr, units());
     std::tie(joint.a, joint.b) = names_.two_points(table);
     if (joint.has_travel()) {
       joint.axis = table.vector("axis", 1.0);
       if (joint.axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give [1, 0], say");
     }
-    if (joint.keeps_angle()) joint.angle = table.find_number("angle", units().angle, Range::finite).value_or(0.0);
     return joint;
   }
 

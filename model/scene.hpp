@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/input_error.hpp"
+#include "model/joint.hpp"
 #include "model/laws/drive.hpp"
 #include "model/laws/laws.hpp"
 #include "model/laws/stop.hpp"
@@ -72,49 +73,6 @@ inline constexpr std::array<Number, 4> Body::numbers{
     plain_number<&Body::inertia>("inertia", dimension::inertia, Range::not_negative),
     component_number<&Body::center, 0>("center.x", dimension::length),
     component_number<&Body::center, 1>("center.y", dimension::length)};
-
-/// A joint between points a and b.
-///
-/// pin          b coincides with a, the bodies turn freely
-/// slide        b runs on the line through a along `axis` (fixed in a's body); angle(b) - angle(a) stays `angle`
-/// pin_in_slot  b runs on that line and turns freely
-/// weld         b coincides with a; angle(b) - angle(a) stays `angle`
-/// bar          massless rod, keeps |b - a| = length
-///
-/// The travel of a slide or pin in a slot is the signed distance from a to b along the axis, m.
-struct Joint {
-  enum class Kind { pin, slide, pin_in_slot, weld, bar };
-  Kind kind = Kind::pin;
-  std::string name{};  ///< as given, or "ground.O-crank.O"
-  PointRef a, b;
-  Vec2 axis{1.0, 0.0};  ///< unit vector
-  double angle = 0.0;   ///< rad
-  double length = 0.0;  ///< m
-  int line = 0;
-
-  bool has_travel() const { return kind == Kind::slide || kind == Kind::pin_in_slot; }
-  bool keeps_angle() const { return kind == Kind::slide || kind == Kind::weld; }
-
-  /// Of this kind of joint.
-  std::span<const Number> numbers() const;
-
- private:
-  static const std::array<Number, 1> bar_numbers, angle_numbers;
-};
-
-inline constexpr std::array<Number, 1> Joint::bar_numbers{[] {
-  Number length = plain_number<&Joint::length>("length", dimension::length, Range::positive);
-  length.needed = Number::Needed::always;
-  return length;
-}()};
-
-inline constexpr std::array<Number, 1> Joint::angle_numbers{plain_number<&Joint::angle>("angle", dimension::angle)};
-
-inline std::span<const Number> Joint::numbers() const {
-  if (kind == Kind::bar) return bar_numbers;
-  if (keeps_angle()) return angle_numbers;
-  return {};
-}
 
 /// A force element: a law upon a measure. The torsion spring of a scene file is a linear spring upon an angle.
 struct Element {

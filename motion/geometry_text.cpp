@@ -46,7 +46,7 @@ std::string joint_text(const Scene& scene, const Joint& joint) {
                                 quoted(joint.name), quoted(scene.name_of(joint.a)), quoted(scene.name_of(joint.b)));
   if (joint.has_travel()) out += "axis = " + vector(joint.axis) + "\n";
   if (joint.keeps_angle() && joint.angle != 0.0) out += "angle = " + number(joint.angle / scene.units.angle) + "\n";
-  if (joint.kind == Joint::Kind::bar) out += "length = " + number(joint.length / scene.units.length) + "\n";
+  if (joint.keeps_length()) out += "length = " + number(joint.length / scene.units.length) + "\n";
   return out;
 }
 

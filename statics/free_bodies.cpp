@@ -69,44 +69,24 @@ class Statics {
       const Vec2 a = world(joint.a);
       const Vec2 b = world(joint.b);
       const Vec2 axis = joint.axis * unit(poses_[joint.a.body].angle);
-      const auto item = [&](const char* kind) {
-        Reaction& reaction = items_.emplace_back().reaction;
-        reaction.name = joint.name;
-        reaction.kind = kind;
-        reaction.at = b;
-      };
+      Item& item = items_.emplace_back();
+      item.reaction.name = joint.name;
+      item.reaction.kind = joint.traits().key;
+      item.reaction.at = b;
       const auto act = [&](Vec2 force, double moment) {
         unknowns_.push_back({static_cast<int>(items_.size()) - 1, joint.a.body, joint.b.body, b, force, moment, {}});
       };
-      switch (joint.kind) {
-        case Joint::Kind::pin:
-          item("pin");
-          act({1, 0}, 0);
-          act({0, 1}, 0);
-          break;
-        case Joint::Kind::weld:
-          item("weld");
-          act({1, 0}, 0);
-          act({0, 1}, 0);
-          act({}, size_);
-          break;
-        case Joint::Kind::slide:
-          item("slide");
-          act(quarter_turn(axis), 0);
-          act({}, size_);
-          break;
-        case Joint::Kind::pin_in_slot:
-          item("pin_in_slot");
-          act(quarter_turn(axis), 0);
-          break;
-        case Joint::Kind::bar: {
-          item("bar");
-          const double r = norm(b - a);
-          items_.back().axis = r > 0 ? 1 / r * (b - a) : Vec2{1, 0};
-          act(items_.back().axis, 0);
-          break;
-        }
+      if (joint.keeps_length()) {
+        const double r = norm(b - a);
+        item.axis = r > 0 ? 1 / r * (b - a) : Vec2{1, 0};
+        act(item.axis, 0);
+      } else if (joint.has_travel()) {
+        act(quarter_turn(axis), 0);
+      } else {
+        act({1, 0}, 0);
+        act({0, 1}, 0);
       }
+      if (joint.keeps_angle()) act({}, size_);
     }
   }
 

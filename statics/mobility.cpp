@@ -20,21 +20,7 @@ constexpr int dense_limit = 400;
 
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
-  for (const Joint& joint : scene.joints) {
-    switch (joint.kind) {
-      case Joint::Kind::pin:
-      case Joint::Kind::slide:
-        count -= 2;
-        break;
-      case Joint::Kind::pin_in_slot:
-      case Joint::Kind::bar:
-        count -= 1;
-        break;
-      case Joint::Kind::weld:
-        count -= 3;
-        break;
-    }
-  }
+  for (const Joint& joint : scene.joints) count -= joint.traits().constraints();
   return count;
 }
 

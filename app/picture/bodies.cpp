@@ -145,7 +145,7 @@ void draw_bodies(Stage& stage) {
     for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) draw_body(stage, static_cast<int>(i));
   }
   for (const Joint& joint : stage.scene.joints) {
-    if (joint.kind != Joint::Kind::bar) continue;
+    if (!joint.keeps_length()) continue;
     const Vec2 a = stage.page(joint.a);
     const Vec2 b = stage.page(joint.b);
     draw_massless_bar(stage.canvas, a, b, stage.detail == Detail::sketch ? 1.0 : 0.6 * stage.bar_width);

@@ -16,7 +16,7 @@ int count_parallel(const Stage& stage, const Strung& damper) {
     if (s.element < damper.element || stores_energy(stage.scene.elements[s.element].law)) others.emplace_back(s.a, s.b);
   }
   for (const Joint& joint : stage.scene.joints) {
-    if (joint.kind == Joint::Kind::bar) others.emplace_back(joint.a, joint.b);
+    if (joint.keeps_length()) others.emplace_back(joint.a, joint.b);
   }
   const Vec2 a = stage.page(damper.a);
   const Vec2 b = stage.page(damper.b);

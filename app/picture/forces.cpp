@@ -83,7 +83,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const std::string colour = ink::reaction;
   const Vec2 at = stage.page(reaction.at);
   const std::string mark = reaction.determined ? "" : "*";
-  if (joint.kind == Joint::Kind::bar) {
+  if (joint.keeps_length()) {
     if (std::abs(reaction.axial) <= negligible * stage.largest_force) return;
     const Vec2 a = stage.page(joint.a);
     const Vec2 b = stage.page(joint.b);

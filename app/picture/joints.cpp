@@ -144,7 +144,7 @@ Vec2 outward(const std::vector<Vec2>& members) {
 void name_places(Stage& stage) {
   PlaceNames names;
   for (const Joint& joint : stage.scene.joints) {
-    if (joint.kind != Joint::Kind::bar) names.add(stage.page(joint.b), stage.short_name(joint));
+    if (!joint.keeps_length()) names.add(stage.page(joint.b), stage.short_name(joint));
   }
   for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
     const std::vector<Vec2> points = stage.points_of(static_cast<int>(i), stage.now);
@@ -222,7 +222,7 @@ void draw_pins(Stage& stage) {
     }
     for (const Joint& joint : stage.scene.joints) {
       if (joint.kind == Joint::Kind::weld || joint.kind == Joint::Kind::slide) continue;
-      if (joint.kind == Joint::Kind::bar) draw_pin(stage.canvas, stage.page(joint.a), stage.pin_radius);
+      if (joint.keeps_length()) draw_pin(stage.canvas, stage.page(joint.a), stage.pin_radius);
       draw_pin(stage.canvas, stage.page(joint.b), stage.pin_radius);
       stage.setter.avoid(stage.page(joint.b), stage.pin_radius);
     }

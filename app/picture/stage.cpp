@@ -117,7 +117,7 @@ std::vector<Vec2> Stage::members_at(Vec2 place) const {
   };
   for (const Strung& s : strung()) add_both(s.a, s.b);
   for (const Joint& joint : scene.joints) {
-    if (joint.kind == Joint::Kind::bar) add_both(joint.a, joint.b);
+    if (joint.keeps_length()) add_both(joint.a, joint.b);
   }
   return members;
 }
@@ -125,14 +125,14 @@ std::vector<Vec2> Stage::members_at(Vec2 place) const {
 std::string Stage::short_name(const Joint& joint) const {
   const std::string given_to_unnamed = scene.name_of(joint.a) + "-" + scene.name_of(joint.b);
   if (!joint.name.starts_with(given_to_unnamed)) return joint.name;
-  if (joint.kind == Joint::Kind::bar) return "";
+  if (joint.keeps_length()) return "";
   return scene.bodies[joint.a.body].points[joint.a.point].name;
 }
 
 Vec2 Stage::pivot(int a, int b) const {
   for (const Joint& joint : scene.joints) {
     const bool joins = (joint.a.body == a && joint.b.body == b) || (joint.a.body == b && joint.b.body == a);
-    if (joins && joint.kind != Joint::Kind::bar) return page(joint.b);
+    if (joins && !joint.keeps_length()) return page(joint.b);
   }
   return page(now.poses[b].origin);
 }

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "app/report/parts.hpp"
@@ -29,27 +31,18 @@ std::string body_section(const StaticModel& model, const Palette& palette) {
   return section("Bodies", table.print(palette), palette);
 }
 
-const char* in_words(Joint::Kind kind) {
-  switch (kind) {
-    case Joint::Kind::pin:
-      return "pin";
-    case Joint::Kind::slide:
-      return "slide";
-    case Joint::Kind::pin_in_slot:
-      return "pin in slot";
-    case Joint::Kind::weld:
-      return "weld";
-    case Joint::Kind::bar:
-      return "bar";
-  }
-  return "";
+// "pin in slot".
+std::string in_words(const Joint& joint) {
+  std::string words(joint.traits().key);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
 }
 
 std::string joint_section(const Scene& scene, const Palette& palette) {
   std::vector<std::string> names, kinds, from, to;
   for (const Joint& joint : scene.joints) {
     names.push_back(joint.name);
-    kinds.emplace_back(in_words(joint.kind));
+    kinds.emplace_back(in_words(joint));
     from.push_back(scene.name_of(joint.a));
     to.push_back(scene.name_of(joint.b));
   }

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "model/number.hpp"
+#include "model/planar.hpp"
+#include "model/point_ref.hpp"
+
+namespace poise {
+
+/// What a kind of joint keeps between its points a and b and their bodies. All that reads, compiles, counts, checks and
+/// cuts joints free follows from these.
+struct JointTraits {
+  std::string_view key;       ///< table of the scene file, and first part of paths
+  bool has_travel = false;    ///< b runs on the line through a along an axis of a's body; else b coincides with a
+  bool keeps_angle = false;   ///< angle(b) - angle(a) stays constant; else the bodies turn freely
+  bool keeps_length = false;  ///< a massless rod of constant length lies between a and b
+
+  /// Degrees of freedom that it takes from its two bodies.
+  int constraints() const { return keeps_length ? 1 : (has_travel ? 1 : 2) + (keeps_angle ? 1 : 0); }
+};
+
+/// A joint between points a and b.
+///
+/// pin          b coincides with a, the bodies turn freely
+/// slide        b runs on the line through a along `axis` (fixed in a's body); angle(b) - angle(a) stays `angle`
+/// pin_in_slot  b runs on that line and turns freely
+/// weld         b coincides with a; angle(b) - angle(a) stays `angle`
+/// bar          massless rod, keeps |b - a| = length
+///
+/// The travel of a slide or pin in a slot is the signed distance from a to b along the axis, m.
+struct Joint {
+  enum class Kind { pin, slide, pin_in_slot, weld, bar };
+  /// Traits by kind.
+  static constexpr std::array<JointTraits, 5> kinds{{{.key = "pin"},
+                                                     {.key = "slide", .has_travel = true, .keeps_angle = true},
+                                                     {.key = "pin_in_slot", .has_travel = true},
+                                                     {.key = "weld", .keeps_angle = true},
+                                                     {.key = "bar", .keeps_length = true}}};
+
+  Kind kind = Kind::pin;
+  std::string name{};  ///< as given, or "ground.O-crank.O"
+  PointRef a, b;
+  Vec2 axis{1.0, 0.0};  ///< unit vector
+  double angle = 0.0;   ///< rad
+  double length = 0.0;  ///< m
+  int line = 0;
+
+  const JointTraits& traits() const { return kinds[static_cast<std::size_t>(kind)]; }
+  bool has_travel() const { return traits().has_travel; }
+  bool keeps_angle() const { return traits().keeps_angle; }
+  bool keeps_length() const { return traits().keeps_length; }
+
+  /// Of this kind of joint.
+  std::span<const Number> numbers() const;
+
+ private:
+  static const std::array<Number, 1> length_numbers, angle_numbers;
+};
+
+inline constexpr std::array<Number, 1> Joint::length_numbers{[] {
+  Number number = plain_number<&Joint::length>("length", dimension::length, Range::positive);
+  number.needed = Number::Needed::always;
+  return number;
+}()};
+
+inline constexpr std::array<Number, 1> Joint::angle_numbers{plain_number<&Joint::angle>("angle", dimension::angle)};
+
+inline std::span<const Number> Joint::numbers() const {
+  if (keeps_length()) return length_numbers;
+  if (keeps_angle()) return angle_numbers;
+  return {};
+}
+
+}  // namespace poise
