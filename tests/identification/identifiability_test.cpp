@@ -339,6 +339,50 @@ TEST(Identifiability, MassAndInertiaOfOneLink) {
   EXPECT_FALSE(direction.remedy.empty());
 }
 
+// A wheel with a torsion spring, turned by a force at its rim that follows it: I a'' + k a = F r, so F r / k shifts the
+// angle about which it swings. The reading's derivative by F is (1 - cos(w t)) r / k.
+TEST(Identifiability, AFollowerForceIsToldByTheAngleAboutWhichItSwings) {
+  Experiment e;
+  e.scene = parse_scene(R"(
+    [ground]
+    points = { O = [0, 0] }
+    [body.wheel]
+    points = { O = [0, 0], rim = [0.2, 0] }
+    inertia = 0.5
+    [[pin]]
+    points = ["ground.O", "wheel.O"]
+    [[torsion_spring]]
+    name = "coil"
+    bodies = ["ground", "wheel"]
+    stiffness = 20
+    [[force]]
+    name = "F"
+    at = "wheel.rim"
+    vector = [0, 7]
+    follows = "wheel"
+  )",
+                        "wheel.toml");
+  const double noise = 1e-4;
+  e.sensors = {test::angle_of(e.scene, "wheel", noise)};
+  e.unknowns = {test::unknown("load.F")};
+  Release turn;
+  turn.body = 1;
+  turn.value = 0.3;
+  e.runs = {test::simulated(100, 300, {turn})};
+  e.runs[0].unknown_start = false;
+  const FitProblem problem(e);
+  const Identifiability told = assess_at_truth(problem);
+  ASSERT_TRUE(told.ok) << told.why;
+  EXPECT_EQ(told.rank, 1);
+  EXPECT_TRUE(told.untold.empty());
+  double information = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    const double slope = (1 - std::cos(std::sqrt(20 / 0.5) * 0.01 * i)) * 0.2 / 20;
+    information += slope * slope / (noise * noise);
+  }
+  EXPECT_NEAR(told.deviation[0] * std::sqrt(information), 1.0, 1e-6);
+}
+
 TEST(Identifiability, TheLiftWithoutPayloadDoesNotTellItsScale) {
   const Experiment e = test::experiment("lift_experiment_empty");
   const FitProblem problem(e);
