@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "model/laws/constant_force.hpp"
+#include "model/laws/cubic_spring.hpp"
 #include "model/laws/damper.hpp"
 #include "model/laws/dry_friction.hpp"
 #include "model/laws/linear_spring.hpp"
@@ -12,7 +13,7 @@
 namespace poise {
 
 /// Every force law there is. A new one is a file beside these and one name here.
-using Law = std::variant<LinearSpring, ConstantForce, Damper, DryFriction>;
+using Law = std::variant<LinearSpring, CubicSpring, ConstantForce, Damper, DryFriction>;
 
 /// A law that stores energy, and so acts on a mechanism at rest.
 template <class L>

@@ -631,12 +631,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, pin_in_slot, "
-            "weld, bar, spring, torsion_spring, constant_force, damper, torsion_damper, friction, drive, force, torque, "
+            "weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, friction, drive, "
+            "force, torque, "
             "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo?dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
-                 "pin_in_slot, weld, bar, spring, torsion_spring, constant_force, damper, torsion_damper, friction, "
+                 "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
+                 "torsion_damper, friction, "
                  "drive, force, torque, stop, start; did you mean \"body\"?"},
         BadScene{"TitleNotText", "title = 3\n", "1: title: expected a string, found a number"},
         BadScene{"SourceNotText", "source = 2024-01-01\n", "1: source: expected a string, found a date or time"},
@@ -752,7 +754,8 @@ INSTANTIATE_TEST_SUITE_P(
     SpringsAndLoads, ReadBadScene,
     testing::Values(
         after("SpringKey", "[[spring]]\nstifness = 1\n",
-              "8: spring 1.stifness: expected one of the keys name, bodies, points, slide, x, y, sum, stiffness, free_length, acts; "
+              "8: spring 1.stifness: expected one of the keys name, bodies, points, slide, x, y, sum, stiffness, "
+              "free_length, acts; "
               "did you mean \"stiffness\"?"),
         after("SpringStiffnessMissing", "[[spring]]\npoints = ['ground.O', 'rod.B']\nfree_length = 1\n",
               "7: spring 1: expected the key stiffness; add stiffness = NUMBER"),
@@ -930,8 +933,7 @@ INSTANTIATE_TEST_SUITE_P(
         after("StopKey", "[[stop]]\nbody = ['ground', 'rod']\n",
               "8: stop 1.body: expected one of the keys name, bodies, points, slide, x, y, sum, min, max; "
               "did you mean \"bodies\"?"),
-        after("StopOfNothing", "[[stop]]\nmin = 1\n",
-              "7: stop 1: expected one of the keys " + every_measure),
+        after("StopOfNothing", "[[stop]]\nmin = 1\n", "7: stop 1: expected one of the keys " + every_measure),
         after("StopOfTwoThings", "[[stop]]\nbodies = ['ground', 'rod']\npoints = ['ground.O', 'rod.B']\nmin = 1\n",
               "7: stop 1: expected one of the keys " + every_measure),
         after("StopWithoutLimit", "[[stop]]\nbodies = ['ground', 'rod']\n",

@@ -71,6 +71,14 @@ TEST(Elements, SpringOnASlide) {
       0.96);
 }
 
+TEST(Elements, CubicSpring) {
+  // 2 u + u^3 + 12 = 0 at u = s - 3 = -2;  a softening one:  40 u - u^3 + 12 = 0 at its root next to -0.3.
+  expect_travel("[[cubic_spring]]\nslide = \"guide\"\nstiffness = 2\ncubic = 1\nfree_length = 3\n", 1.0);
+  const double p = -40.0 / 3;
+  const double u = 2 * std::sqrt(-p) * std::cos(std::acos(6 / std::sqrt(-p * p * p)) / 3 - 2 * M_PI / 3);
+  expect_travel("[[cubic_spring]]\nslide = \"guide\"\nstiffness = 40\ncubic = -1\nfree_length = 3\n", 3 + u);
+}
+
 TEST(Elements, SpringOnAnXAndAY) {
   // x of the eye is 0.5 + 0.8 s, y is 0.2 + 0.6 s:  0.8 50 (x - 4) + 12 = 0,  0.6 50 (y - 4) + 12 = 0.
   expect_travel("[[spring]]\nx = \"block.eye\"\nstiffness = 50\nfree_length = 4\n", (3.7 - 0.5) / 0.8);

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "model/laws/law_force.hpp"
+#include "model/number.hpp"
+
+namespace poise {
+
+/// Hardening (c > 0) or softening (c < 0) spring:  T = k u + c u^3,  V = k/2 u^2 + c/4 u^4,  with u = g - g0.
+struct CubicSpring {
+  double stiffness = 0.0;    ///< k: N/m or N m/rad
+  double cubic = 0.0;        ///< c: N/m^3 or N m/rad^3
+  double free_length = 0.0;  ///< g0: m or rad
+
+  template <class S>
+  S energy(const S& g) const {
+    const S uu = (g - S(free_length)) * (g - S(free_length));
+    return (S(stiffness) / 2 + S(cubic) * uu / 4) * uu;
+  }
+
+  template <class S>
+  LawForce<S> at_rest(const S& g) const {
+    const S u = g - S(free_length);
+    const S uu = u * u;
+    return {(S(stiffness) + S(cubic) * uu) * u, S(stiffness) + 3 * S(cubic) * uu, S(0)};
+  }
+
+  template <class S>
+  S force_by(int number, const S& g, const S&) const {
+    const S u = g - S(free_length);
+    if (number == 0) return u;
+    return number == 1 ? S(u * u * u) : S(-at_rest(g).by_measure);
+  }
+
+  double force_scale(double change) const { return (stiffness + std::abs(cubic) * change * change) * change; }
+
+  std::string_view idle() const { return stiffness == 0.0 && cubic == 0.0 ? "its stiffness is zero" : ""; }
+
+  static constexpr std::array tables{LawTable{"cubic_spring"}};
+  static const std::array<Number, 3> numbers;
+};
+
+inline constexpr std::array<Number, 3> CubicSpring::numbers = [] {
+  Number k = plain_number<&CubicSpring::stiffness>("stiffness", {}, Range::not_negative);
+  k.effort_power = 1;
+  k.measure_power = -1;
+  k.needed = Number::Needed::always;
+  Number c = plain_number<&CubicSpring::cubic>("cubic", {});
+  c.effort_power = 1;
+  c.measure_power = -3;
+  c.needed = Number::Needed::always;
+  Number g0 = plain_number<&CubicSpring::free_length>("free_length", {});
+  g0.angle_key = "free_angle";
+  g0.measure_power = 1;
+  g0.range_of_measure = true;
+  g0.needed = Number::Needed::as_length;
+  return std::array{k, c, g0};
+}();
+
+}  // namespace poise
