@@ -12,7 +12,7 @@ std::string unit_name(const Dimension& dimension, int seconds, const Units& unit
   std::string above, below;
   const auto add = [&](const std::string& name, int power) {
     if (power == 0) return;
-    const std::string factor = name + (std::abs(power) == 2 ? "²" : "");
+    const std::string factor = name + (std::abs(power) == 2 ? "²" : std::abs(power) == 3 ? "³" : "");
     if (power > 0)
       above += (above.empty() ? "" : " ") + factor;
     else

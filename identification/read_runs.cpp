@@ -144,7 +144,11 @@ class RunsReader {
     std::vector<std::string> valid;
     for (const ParameterRow& row : parameter_table(scene)) {
       const std::string_view number = row.path.parts[3];
-      if (row.place.owner == Owner::element && (number == "free_length" || number == "free_angle")) {
+      // Balance is linear in it, so that RunModel finds it by one step.
+      const bool linear =
+          row.place.owner == Owner::element &&
+          std::holds_alternative<LinearSpring>(scene.elements[static_cast<std::size_t>(row.place.item)].law);
+      if (linear && (number == "free_length" || number == "free_angle")) {
         valid.push_back(row.path.text());
       }
     }
