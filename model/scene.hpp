@@ -103,16 +103,16 @@ inline constexpr std::array<Number, 1> Force::numbers{[] {
   Number number{"", dimension::force, Range::not_negative};
   number.get = [](const void* item) { return std::optional<double>(norm(static_cast<const Force*>(item)->vector)); };
   number.set = [](void* item, double value) {
-    Vec2& vector = static_cast<Force*>(item)->vector;
-    const double magnitude = norm(vector);
+    Vec2& F = static_cast<Force*>(item)->vector;
+    const double magnitude = norm(F);
     if (magnitude == 0.0) {
       throw InputError("expected a force with a direction, its vector is [0, 0]; give another vector");
     }
-    vector = {vector.x / magnitude * value, vector.y / magnitude * value};
+    F = {F.x / magnitude * value, F.y / magnitude * value};
   };
   number.scale = [](void* item, double factor) {
-    Vec2& vector = static_cast<Force*>(item)->vector;
-    vector = factor * vector;
+    Vec2& F = static_cast<Force*>(item)->vector;
+    F = factor * F;
   };
   return number;
 }()};

@@ -36,11 +36,11 @@ struct ConstantForce {
 };
 
 inline constexpr std::array<Number, 1> ConstantForce::numbers = [] {
-  Number force = plain_number<&ConstantForce::force>("force", {});
-  force.angle_key = "torque";
-  force.effort_power = 1;
-  force.needed = Number::Needed::always;
-  return std::array{force};
+  Number F = plain_number<&ConstantForce::force>("force", {});
+  F.angle_key = "torque";
+  F.effort_power = 1;
+  F.needed = Number::Needed::always;
+  return std::array{F};
 }();
 
 }  // namespace poise

@@ -31,11 +31,11 @@ struct Damper {
 };
 
 inline constexpr std::array<Number, 1> Damper::numbers = [] {
-  Number coefficient = plain_number<&Damper::coefficient>("coefficient", {}, Range::not_negative);
-  coefficient.effort_power = 1;
-  coefficient.measure_power = -1;
-  coefficient.needed = Number::Needed::always;
-  return std::array{coefficient};
+  Number c = plain_number<&Damper::coefficient>("coefficient", {}, Range::not_negative);
+  c.effort_power = 1;
+  c.measure_power = -1;
+  c.needed = Number::Needed::always;
+  return std::array{c};
 }();
 
 }  // namespace poise

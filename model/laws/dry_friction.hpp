@@ -39,13 +39,13 @@ struct DryFriction {
 };
 
 inline constexpr std::array<Number, 2> DryFriction::numbers = [] {
-  Number force = plain_number<&DryFriction::force>("force", {}, Range::not_negative);
-  force.angle_key = "torque";
-  force.effort_power = 1;
-  force.needed = Number::Needed::always;
-  Number width = plain_number<&DryFriction::width>("width", {}, Range::positive);
-  width.measure_power = 1;
-  return std::array{force, width};
+  Number F = plain_number<&DryFriction::force>("force", {}, Range::not_negative);
+  F.angle_key = "torque";
+  F.effort_power = 1;
+  F.needed = Number::Needed::always;
+  Number w = plain_number<&DryFriction::width>("width", {}, Range::positive);
+  w.measure_power = 1;
+  return std::array{F, w};
 }();
 
 }  // namespace poise

@@ -57,16 +57,16 @@ inline constexpr std::array<LawChoice, 1> LinearSpring::choices{
       }}}};
 
 inline constexpr std::array<Number, 2> LinearSpring::numbers = [] {
-  Number stiffness = plain_number<&LinearSpring::stiffness>("stiffness", {}, Range::not_negative);
-  stiffness.effort_power = 1;
-  stiffness.measure_power = -1;
-  stiffness.needed = Number::Needed::always;
-  Number free_length = plain_number<&LinearSpring::free_length>("free_length", {});
-  free_length.angle_key = "free_angle";
-  free_length.measure_power = 1;
-  free_length.range_of_measure = true;
-  free_length.needed = Number::Needed::as_length;
-  return std::array{stiffness, free_length};
+  Number k = plain_number<&LinearSpring::stiffness>("stiffness", {}, Range::not_negative);
+  k.effort_power = 1;
+  k.measure_power = -1;
+  k.needed = Number::Needed::always;
+  Number g0 = plain_number<&LinearSpring::free_length>("free_length", {});
+  g0.angle_key = "free_angle";
+  g0.measure_power = 1;
+  g0.range_of_measure = true;
+  g0.needed = Number::Needed::as_length;
+  return std::array{k, g0};
 }();
 
 }  // namespace poise

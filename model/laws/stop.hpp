@@ -32,11 +32,11 @@ struct Stop {
     };
     number.set = [](void* item, double value) {
       Stop& stop = *static_cast<Stop*>(item);
-      const double min = is_max ? stop.min : value;
-      const double max = is_max ? value : stop.max;
-      if (!(min <= max)) throw InputError("expected min <= max; set the other limit first");
-      stop.min = min;
-      stop.max = max;
+      const double lower = is_max ? stop.min : value;
+      const double upper = is_max ? value : stop.max;
+      if (!(lower <= upper)) throw InputError("expected min <= max; set the other limit first");
+      stop.min = lower;
+      stop.max = upper;
     };
     number.scale = [](void* item, double factor) {
       Stop& stop = *static_cast<Stop*>(item);
