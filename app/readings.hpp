@@ -29,9 +29,6 @@ Readings read_off(const StaticModel& model, const std::vector<double>& x);
 /// World coordinates of a point, m.
 Vec2 world(const Scene& scene, const Readings& readings, PointRef point);
 
-/// Value of a measure, rad or m.
-double value_of(const Scene& scene, const Readings& readings, const Measure& on);
-
 /// The limit that a pressed stop leans on.
 struct PressedLimit {
   const char* name = "";  ///< "min" or "max"

@@ -320,6 +320,31 @@ class Builder {
     note_what_never_enters(heavy);
   }
 
+  // Of a distance or a coordinate of a point.
+  std::vector<Arm> arms_of(const Measure& measure) const {
+    if (measure.kind == Measure::Kind::distance) {
+      return out_.path(measure.a.body, scene_.local(measure.a), measure.b.body, scene_.local(measure.b));
+    }
+    return out_.path(0, {0, 0}, measure.b.body, scene_.local(measure.b));
+  }
+
+  // False for a measure that no motion changes: an angle between parallel bodies, a distance on one body.
+  bool changes(const Measure& measure) const {
+    switch (measure.kind) {
+      case Measure::Kind::angle:
+        return out_.links[measure.body_a].frame != out_.links[measure.body_b].frame;
+      case Measure::Kind::travel:
+        return true;
+      case Measure::Kind::sum:
+        return std::any_of(measure.terms.begin(), measure.terms.end(),
+                           [this](const Measure::Term& term) { return changes(term.measure); });
+      default: {
+        const std::vector<Arm> arms = arms_of(measure);
+        return std::any_of(arms.begin(), arms.end(), [](const Arm& arm) { return arm.coordinate >= 0; });
+      }
+    }
+  }
+
   void mark_measure(const Measure& measure, unsigned reason) {
     switch (measure.kind) {
       case Measure::Kind::angle:
@@ -332,11 +357,9 @@ class Builder {
         mark(out_.travel[measure.joint], reason);
         break;
       case Measure::Kind::distance:
-        mark_path(out_.path(measure.a.body, scene_.local(measure.a), measure.b.body, scene_.local(measure.b)), reason);
-        break;
       case Measure::Kind::x:
       case Measure::Kind::y:
-        mark_path(out_.path(0, {0, 0}, measure.b.body, scene_.local(measure.b)), reason);
+        mark_path(arms_of(measure), reason);
         break;
       case Measure::Kind::sum:
         for (const Measure::Term& term : measure.terms) mark_measure(term.measure, reason);
@@ -375,9 +398,11 @@ class Builder {
       }
     }
     for (const Element& e : scene_.elements) {
-      if (purpose_ == Purpose::statics && stores_energy(e.law) && !idle(e.law).empty()) {
-        out_.dropped.push_back(fmt::format("{} \"{}\": {}", e.family(), e.name, idle(e.law)));
-      }
+      if (purpose_ != Purpose::statics || !stores_energy(e.law)) continue;
+      const std::string_view why = !idle(e.law).empty() ? idle(e.law)
+                                   : changes(e.on)      ? ""
+                                                        : "nothing changes its measure";
+      if (!why.empty()) out_.dropped.push_back(fmt::format("{} \"{}\": {}", e.family(), e.name, why));
     }
   }
 

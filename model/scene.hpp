@@ -185,8 +185,7 @@ Scene parse_scene(std::string_view text, const std::string& name);
 ///   gravity.x | y
 ///   point.BODY.POINT.x | y   in the body's frame; BODY may be ground
 ///   body.NAME.mass | inertia | center.x | center.y
-///   TABLE.NAME.NUMBER     of a force element: spring.NAME.stiffness, friction.NAME.torque, ...; the numbers stand
-///   beside
+///   TABLE.NAME.NUMBER     of a force element: spring.NAME.stiffness, friction.NAME.torque, ...; they stand beside
 ///                         each law in model/laws/
 ///   drive.NAME.start | rate | acceleration | amplitude | frequency | phase
 ///   bar.NAME.length,  slide.NAME.angle,  weld.NAME.angle
