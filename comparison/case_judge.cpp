@@ -109,7 +109,7 @@ Verdict CaseJudge::judge(const Equilibrium& rest) const {
   }
   Verdict verdict;
   verdict.why = rest.why;
-  const bool said_to_lock = hard_.expect == Expect::locked && (rest.check.locked || rest.met_lock);
+  const bool said_to_lock = hard_.expect == Expect::locked && (rest.check.singular || rest.met_singular);
   const bool denied = rest.status == Status::refuted;
   if (said_to_lock || (hard_.expect == Expect::none && !denied)) {
     verdict.kind = Verdict::Kind::arrived;
@@ -122,9 +122,9 @@ Verdict CaseJudge::judge(const Equilibrium& rest) const {
 Verdict CaseJudge::judge_confirmed(const Equilibrium& rest) const {
   Verdict verdict;
   if (hard_.expect == Expect::locked) {
-    // What rests elsewhere is right to say so, but the question was whether the lock was told.
+    // What rests elsewhere is right to say so, but the question was whether the singular configuration was told.
     verdict = judge_by_reference(rest);
-    if (verdict.kind == Verdict::Kind::arrived && !rest.met_lock) {
+    if (verdict.kind == Verdict::Kind::arrived && !rest.met_singular) {
       verdict.kind = Verdict::Kind::failed;
       verdict.why = "it rests elsewhere and does not say that the start is locked";
     }

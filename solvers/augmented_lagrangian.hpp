@@ -32,7 +32,7 @@ struct AugmentedLagrangianOptions : SearchOptions {
 ///
 /// Inequalities are held by an active set: violated ones join the equations, ones that pull leave them.
 /// Converged when max |c| <= tolerance and max |F + J^T y| <= tolerance (1 + max |F|), unless multipliers exceed 1e6 of
-/// that scale (the constraints lock) or rows left out do not hold. `rows` lists the constraint rows to keep, all of
+/// that scale (a singular configuration) or rows left out do not hold. `rows` lists the constraint rows to keep, all of
 /// them when empty. Multipliers returned are y. Source: SAMTECH, MECANO Motion Theory, 2000.
 SearchResult solve_with_augmented_lagrangian(const Problem& problem, const std::vector<double>& start,
                                              const AugmentedLagrangianOptions& options = {},

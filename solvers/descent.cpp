@@ -26,8 +26,8 @@ Outcome Descent::run() {
   if (!closing_.run()) return at_.interrupted() ? Outcome::interrupted : Outcome::not_closed;
   Outcome outcome = descend();
   const int most = at_.options.safeguards.restarts ? at_.options.perturbations : 0;
-  for (int k = 0; k < most && (outcome == Outcome::stalled || outcome == Outcome::locked) && perturb(); ++k) {
-    at_.result.met_lock = at_.result.met_lock || outcome == Outcome::locked;
+  for (int k = 0; k < most && (outcome == Outcome::stalled || outcome == Outcome::singular) && perturb(); ++k) {
+    at_.result.met_singular = at_.result.met_singular || outcome == Outcome::singular;
     outcome = descend();
   }
   return outcome;
@@ -160,7 +160,7 @@ bool Descent::step(double alpha) {
 
 // Where branches of motion cross, J loses rank and no step along its null space need lead on. From there random
 // displacements, closed again by shortest steps, are tried until one has less energy: of all variables by turns and of
-// a few neighbours, which lets one loop out of its lock and leaves the others in peace.
+// a few neighbours, which lets one loop out of its singular configuration and leaves the others in peace.
 bool Descent::perturb() {
   const double before = at_.objective(*at_.now);
   perturbed_ = at_.now->x;

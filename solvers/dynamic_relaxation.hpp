@@ -15,7 +15,7 @@ namespace poise::solvers {
 /// masses chosen afresh. First order: the tangent serves the masses alone. Works for fields without a potential.
 ///
 /// Inequalities are held by an active set. Converged when max |c| <= tolerance and max |F + J^T y| <= tolerance (1 +
-/// max |F|), unless multipliers exceed 1e6 of that scale (the constraints lock) or rows left out do not hold.
+/// max |F|), unless multipliers exceed 1e6 of that scale (a singular configuration) or rows left out do not hold.
 /// Iterations are time steps. `rows` lists the constraint rows to keep, all of them when empty.
 /// Source: A. S. Day, An introduction to dynamic relaxation, The Engineer 219 (1965); kinetic damping: P. Cundall,
 /// 1976.

@@ -22,7 +22,7 @@ std::string describe(Outcome outcome) {
       return "the loops could not be closed from this start";
     case Outcome::stalled:
       return "no step led any further";
-    case Outcome::locked:
+    case Outcome::singular:
       return "the joints lock: no finite forces in them hold the loads here";
     case Outcome::unbounded:
       return "the energy falls without end: the mechanism runs away";
@@ -80,7 +80,7 @@ class Newton::Method {
     result.outcome = Outcome::not_solved;
     result.iterations = result.evaluations = 0;
     result.constraint_error = 0.0;
-    result.descended = result.restarted = result.load_stepped = result.met_lock = false;
+    result.descended = result.restarted = result.load_stepped = result.met_singular = false;
     at_.begin_at(at_.start);
   }
 

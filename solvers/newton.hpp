@@ -24,7 +24,7 @@ enum class Outcome {
   converged,        ///< the last step, or what rounding leaves of residuals, met the tolerances
   not_closed,       ///< no point with c(x) = 0 was found from the start
   stalled,          ///< no step led any further
-  locked,           ///< it closed in on a pose where J loses rank and only infinite multipliers would balance F
+  singular,         ///< it closed in on a pose where J loses rank and only infinite multipliers would balance F
   unbounded,        ///< the objective falls without end, or x runs away
   iteration_limit,  ///< NewtonOptions::iterations used up
   interrupted       ///< NewtonOptions::interrupt was set
@@ -99,7 +99,7 @@ struct NewtonResult {
   bool descended = false;     ///< Goal::stationary fell back on descending the objective
   bool restarted = false;     ///< it took a start displaced at random
   bool load_stepped = false;  ///< it took load stepping to get there
-  bool met_lock = false;      ///< some stage ended as Outcome::locked, even if a later one went on
+  bool met_singular = false;  ///< some stage ended as Outcome::singular, even if a later one went on
 };
 
 /// Newton's method for a Problem, made to arrive from anywhere.
@@ -113,8 +113,8 @@ struct NewtonResult {
 ///   at a saddle or maximum it follows a direction of negative curvature. The Lagrangian falls from step to step, so
 ///   the run can only end in a minimum, run away, or be cut off.
 /// Inequalities are held by an active set: a step ends where it meets one; one whose multiplier pulls is released.
-/// restarts: a run that gives up or ends in a lock begins again from the start displaced at random and closed, ever
-///   farther.
+/// restarts: a run that gives up or ends in a singular configuration begins again from the start displaced at random
+///   and closed, ever farther.
 /// load stepping: where all this stalls, the closed start is held in balance by the artificial load F + J^T y that it
 ///   lacks, and that load is let go by steps, each solved from the last.
 ///

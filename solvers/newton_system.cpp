@@ -109,7 +109,7 @@ ActiveSet::Pulling NewtonSystem::release_pulling(std::span<const double> multipl
 
 void NewtonSystem::note(Outcome outcome) {
   result.outcome = outcome;
-  result.met_lock = result.met_lock || outcome == Outcome::locked;
+  result.met_singular = result.met_singular || outcome == Outcome::singular;
 }
 
 // Where J loses rank no finite multipliers balance F; beside such a pose rounded closures let them seem to. They are
@@ -122,12 +122,12 @@ Outcome NewtonSystem::arrive(bool with_last_step) {
   const double most = largest(y);
   if (!(most > options.heavy_multipliers * (1.0 + largest(now->gradient)))) return Outcome::converged;
   if (with_last_step) evaluate(*now);
-  if (!kkt->set_jacobian(*now, active.flags())) return Outcome::locked;
+  if (!kkt->set_jacobian(*now, active.flags())) return Outcome::singular;
   factor_tangent();
   for (int r = 0; r < rows(); ++r) trial_gap[r] = active.holds(r) ? (r % 2 == 0 ? rounded_gap : -rounded_gap) : 0.0;
   kkt->solve({}, trial_gap, step);
   kkt->solved_multipliers({}, y_next);
-  return largest(y_next) <= options.settled_multipliers * most ? Outcome::converged : Outcome::locked;
+  return largest(y_next) <= options.settled_multipliers * most ? Outcome::converged : Outcome::singular;
 }
 
 }  // namespace poise::solvers

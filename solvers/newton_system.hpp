@@ -94,7 +94,7 @@ class NewtonSystem {
   void note(Outcome outcome);
   /// A stage ended in a way after which another may do better.
   bool gave_up() const {
-    return result.outcome == Outcome::stalled || result.outcome == Outcome::locked ||
+    return result.outcome == Outcome::stalled || result.outcome == Outcome::singular ||
            result.outcome == Outcome::iteration_limit;
   }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr int dense_rows = 200;
 constexpr double relax = 1e-13;  // keeps J J^T factored where rows repeat each other
 constexpr int refinements = 20;
-constexpr double locked_beyond = 1e6;
+constexpr double singular_beyond = 1e6;
 constexpr double left_out_within = 1e-9;
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -83,7 +83,7 @@ std::vector<double> least_squares_multipliers(const Problem& problem, const Eval
 }
 
 const char* objection(const Evaluation& at, const ActiveSet& active, const std::vector<double>& y, double tolerance) {
-  if (largest(y) > locked_beyond * (1.0 + largest(at.gradient))) {
+  if (largest(y) > singular_beyond * (1.0 + largest(at.gradient))) {
     return "the constraints lock: no finite multipliers balance";
   }
   if (active.largest_left_out(at) > std::max(left_out_within, tolerance))

@@ -15,8 +15,8 @@
 #include "statics/curvature.hpp"
 #include "statics/free_bodies.hpp"
 #include "statics/kinks.hpp"
-#include "statics/lock.hpp"
 #include "statics/reference.hpp"
+#include "statics/singular_configuration.hpp"
 
 namespace poise {
 namespace {
@@ -81,7 +81,7 @@ class Judge {
     measure_closure();
     measure_stops();
     balance_bodies();
-    look_for_a_lock();
+    look_for_a_singular_configuration();
     if (out_.is_equilibrium())
       find_stability();
     else
@@ -212,15 +212,15 @@ class Judge {
 
   // A pose where the closures lose rank may hold no load at all: a rounding error beside it reactions grow beyond all
   // measure and seem to balance. Whether there is an equilibrium is then decided in 50 digits.
-  void look_for_a_lock() {
+  void look_for_a_singular_configuration() {
     if (!out_.closed) return;
     if (!out_.balanced) {
-      const std::optional<Lock> lock = find_lock(model_, x_);
-      if (!lock) return;
+      const std::optional<SingularConfiguration> singular = find_singular_configuration(model_, x_);
+      if (!singular) return;
       out_.objection = fmt::format(
           "no finite joint forces hold the loads in this singular pose: its joints lock, only {} of {} closures being "
           "independent",
-          lock->rank, lock->rank_beside);
+          singular->rank, singular->rank_beside);
     } else {
       if (out_.largest_force <= heavy_reactions * largest_load_ || model_.mechanism().coordinates() > all_curvatures ||
           lies_close_in_50_digits(tolerances_.position)) {
@@ -231,7 +231,7 @@ class Judge {
           "no finite joint forces hold the loads: here the joints lock (reactions of more than a thousand times the "
           "loads, and no equilibrium in 50 digits)");
     }
-    out_.locked = true;
+    out_.singular = true;
   }
 
   // Closure rows and the stops that press.

@@ -68,8 +68,8 @@ struct Check {
   std::vector<Mode> modes;  ///< lowest curvatures first, at most six
   std::string stability_note;
 
-  /// The joints lock here: no finite forces in them hold the loads, because the closures lose rank.
-  bool locked = false;
+  /// In a singular configuration: the closures lose rank and no finite joint forces hold the loads.
+  bool singular = false;
   /// How far rounding of the scene's numbers and of their evaluation may move this equilibrium, rad or mechanism
   /// sizes, all scaled: the larger of 64 eps / |smallest curvature|, which is far more than eps next to a fold, where
   /// equilibria merge, and of what gaps of 4 eps do to it, which is far more beside a singular pose, where reactions

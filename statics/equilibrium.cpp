@@ -17,8 +17,8 @@
 #include "solvers/newton.hpp"
 #include "solvers/nlopt_program.hpp"
 #include "statics/curvature.hpp"
-#include "statics/lock.hpp"
 #include "statics/mobility.hpp"
+#include "statics/singular_configuration.hpp"
 
 namespace poise {
 namespace {
@@ -68,8 +68,8 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   } else if (result.descended) {
     out.why += " (by descending the energy, after plain Newton stalled)";
   }
-  out.met_lock = result.met_lock || find_lock(model, x).has_value();
-  if (out.met_lock && result.outcome != solvers::Outcome::locked) {
+  out.met_singular = result.met_singular || find_singular_configuration(model, x).has_value();
+  if (out.met_singular && result.outcome != solvers::Outcome::singular) {
     out.why += "; it left a singular pose, whose joints lock: no finite forces in them hold the loads there";
   }
   if (result.outcome == solvers::Outcome::interrupted) out.status = Status::interrupted;
@@ -229,7 +229,7 @@ Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const 
     next.iterations += out.iterations;
     next.evaluations += out.evaluations;
     next.microseconds += out.microseconds;
-    next.met_lock = next.met_lock || out.met_lock;
+    next.met_singular = next.met_singular || out.met_singular;
     if (next.found()) next.why += "; the start was displaced, because the check denied what was found from it";
     out = std::move(next);
   }

@@ -47,7 +47,7 @@ struct Equilibrium {
   Status status = Status::not_solved;
   bool claimed = false;  ///< the solver's own word
   /// The search met a pose where closures lose rank and no finite joint forces hold the loads (virtual work only).
-  bool met_lock = false;
+  bool met_singular = false;
   std::string why;  ///< one sentence: the solver's own word, and the objection where there is one
   int iterations = 0;
   int evaluations = 0;

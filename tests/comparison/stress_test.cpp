@@ -120,10 +120,10 @@ TEST(Stress, WhereThereIsNoRestNothingMayBeClaimed) {
   EXPECT_NE(rests.why.find("nothing holds it"), std::string::npos) << rests.why;
 }
 
-TEST(Stress, ALockHasToBeSaid) {
+TEST(Stress, ASingularConfigurationHasToBeSaid) {
   const std::string locked = "expect = \"locked\"\nwhy = \"no finite pull\"\nreach = 0\n";
   expect_all_arrive(cell_of("taut_bars", locked));
-  // It rests, which is right, but nobody speaks of a lock.
+  // It rests, which is right, but nobody speaks of a singular configuration.
   const Cell rests = cell_of("pendulum", locked);
   EXPECT_EQ(rests.arrived + rests.wrong, 0);
   EXPECT_NE(rests.why.find("does not say"), std::string::npos) << rests.why;
@@ -301,11 +301,11 @@ TEST_F(JudgeTest, NoConditionExcusesAnotherPlace) {
   EXPECT_EQ(judge(std::nan(""), Stability::stable).kind, Verdict::Kind::wrong);
 }
 
-TEST_F(JudgeTest, WhoMeetsALockAndRestsElsewhereMustRest) {
+TEST_F(JudgeTest, WhoMeetsASingularConfigurationAndRestsElsewhereMustRest) {
   hard.expect = Expect::locked;
   Equilibrium rest;
   rest.status = Status::confirmed;
-  rest.met_lock = true;
+  rest.met_singular = true;
   rest.x = {-M_PI / 2};
   rest.check.accuracy = 1e-14;
   EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
@@ -330,7 +330,7 @@ TEST_F(JudgeTest, TellsDenialsFromFailures) {
   EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
   hard.expect = Expect::locked;
   EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
-  rest.check.locked = true;
+  rest.check.singular = true;
   EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
 }
 

@@ -1,4 +1,4 @@
-#include "statics/lock.hpp"
+#include "statics/singular_configuration.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 constexpr int most_coordinates = 60;
 constexpr double closed_within = 1e-7;
 constexpr double unbalanced_beyond = 1e-6;  // of the largest load
-// A search that closes in on a lock stops some way off, because small gaps move such poses far.
+// A search that closes in on a singular configuration stops some way off, because small gaps move such poses far.
 constexpr double rank_tolerance = solvers::known_to::singular_point;
 constexpr double beside = 0.1;  // rad or mechanism sizes
 constexpr int tries = 8;
@@ -36,7 +36,7 @@ double largest_gap(const DensePoint<double>& point) {
   return worst;
 }
 
-// With the rank at which it locks: singular values below the tolerance carry nothing.
+// With the rank of the singular configuration: singular values below the tolerance carry nothing.
 bool balances(const DensePoint<double>& point) {
   const Eigen::MatrixXd directions = point.jacobian.transpose();
   const Eigen::VectorXd left =
@@ -46,15 +46,16 @@ bool balances(const DensePoint<double>& point) {
 
 }  // namespace
 
-std::optional<Lock> find_lock(const StaticModel& model, const std::vector<double>& x) {
+std::optional<SingularConfiguration> find_singular_configuration(const StaticModel& model,
+                                                                 const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
   const std::vector<int> rows = closure_rows(m);
   if (rows.empty() || m.coordinates() > most_coordinates) return std::nullopt;
   const DensePoint<double> here(m, x, rows);
   if (largest_gap(here) > closed_within || balances(here)) return std::nullopt;
-  Lock lock;
-  lock.rank = rank_of(here.jacobian);
-  if (lock.rank == std::min<int>(static_cast<int>(rows.size()), m.coordinates())) return std::nullopt;
+  SingularConfiguration singular;
+  singular.rank = rank_of(here.jacobian);
+  if (singular.rank == std::min<int>(static_cast<int>(rows.size()), m.coordinates())) return std::nullopt;
   solvers::Newton closing(model.problem());
   std::minstd_rand random(20220531);
   std::uniform_real_distribution<double> uniform(-beside, beside);
@@ -62,9 +63,10 @@ std::optional<Lock> find_lock(const StaticModel& model, const std::vector<double
     std::vector<double> moved = x;
     for (double& v : moved) v += uniform(random);
     const DensePoint<double> there(m, closing.close(moved).x, rows);
-    if (largest_gap(there) <= closed_within) lock.rank_beside = std::max(lock.rank_beside, rank_of(there.jacobian));
+    if (largest_gap(there) <= closed_within)
+      singular.rank_beside = std::max(singular.rank_beside, rank_of(there.jacobian));
   }
-  return lock.rank_beside > lock.rank ? std::optional(lock) : std::nullopt;
+  return singular.rank_beside > singular.rank ? std::optional(singular) : std::nullopt;
 }
 
 }  // namespace poise
