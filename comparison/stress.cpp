@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "comparison/case_judge.hpp"
+#include "comparison/case_check.hpp"
 #include "comparison/random.hpp"
 #include "comparison/time_limit.hpp"
 
@@ -119,7 +119,7 @@ class Tally {
 
 bool interrupted(const StressOptions& options) { return options.interrupt != nullptr && *options.interrupt; }
 
-Cell run(const HardCase& hard, const StaticModel& model, const CaseJudge& judge, const MethodVariant& by,
+Cell run(const HardCase& hard, const StaticModel& model, const CaseCheck& case_check, const MethodVariant& by,
          const StressOptions& options) {
   SolveOptions settings;
   settings.method = by.method;
@@ -148,7 +148,7 @@ Cell run(const HardCase& hard, const StaticModel& model, const CaseJudge& judge,
       tally.give_up(fmt::format("given up after {:.3g} s", StressOptions::patience * options.seconds));
       break;
     }
-    tally.add(rest, judge.judge(rest));
+    tally.add(rest, case_check.verdict_on(rest));
   }
   return tally.cell();
 }
@@ -160,12 +160,12 @@ std::vector<CaseResult> run_all(const std::vector<HardCase>& cases, const std::v
     if (interrupted(options)) break;
     results.push_back({hard, {}});
     const StaticModel model(scene_of(hard));
-    const CaseJudge judge(hard, model);
+    const CaseCheck case_check(hard, model);
     for (const MethodVariant& by : variants) {
       if (options.progress) {
         options.progress(fmt::format("{} ({} of {}) by {}", hard.name, results.size(), cases.size(), by.name()));
       }
-      const Cell cell = run(hard, model, judge, by, options);
+      const Cell cell = run(hard, model, case_check, by, options);
       if (interrupted(options) && cell.starts == 0) break;
       results.back().cells.push_back(cell);
     }

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "motion/judge_motion.hpp"
+#include "motion/motion_error.hpp"
 #include "motion/reduced_system.hpp"
 #include "motion/singular_passage.hpp"
 #include "solvers/runge_kutta.hpp"

@@ -63,9 +63,9 @@ bool is_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
 }
 
-class Judge {
+class EquilibriumCheck {
  public:
-  Judge(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances)
+  EquilibriumCheck(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances)
       : model_(model),
         scene_(model.scene()),
         x_(x),
@@ -73,7 +73,7 @@ class Judge {
         poses_(model.poses(x)),
         size_(model.scales().length) {}
 
-  Check judge() {
+  Check run() {
     if (!is_finite(x_)) {
       out_.objection = "a coordinate is not a finite number";
       return out_;
@@ -256,13 +256,13 @@ class Judge {
       out_.accuracy = force_rounding;
       out_.stability_note = "the stops that press leave no freedom";
     } else if (m.has_follower_loads()) {
-      judge_followers(reduced);
+      check_followers(reduced);
     } else {
-      judge_curvatures(reduced);
+      check_curvatures(reduced);
     }
   }
 
-  void judge_curvatures(const ReducedHessian<double>& reduced) {
+  void check_curvatures(const ReducedHessian<double>& reduced) {
     const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(reduced.matrix);
     std::vector<double> curvature(eigen.values.begin(), eigen.values.end());
     const bool doubtful = std::any_of(curvature.begin(), curvature.end(), [&](double c) {
@@ -270,7 +270,7 @@ class Judge {
     });
     const std::vector<int> kinks = springs_at_kinks(model_, x_);
     if (!kinks.empty()) {
-      judge_kinks(kinks, tolerances_.neutral * std::max(1.0, reduced.largest));
+      check_kinks(kinks, tolerances_.neutral * std::max(1.0, reduced.largest));
       return;
     }
     double smallest = std::numeric_limits<double>::infinity();
@@ -280,7 +280,7 @@ class Judge {
     const bool beside_a_fold = !(step * std::max(1.0, reduced.largest) <= safe_step * smallest);
     if (doubtful || beside_a_fold) {
       const double within = doubtful ? beside_a_cusp : tolerances_.position;
-      if (!judge_in_50_digits(reduced, eigen.vectors, curvature, within)) return;
+      if (!check_in_50_digits(reduced, eigen.vectors, curvature, within)) return;
     } else if (!is_close(step)) {
       return;
     }
@@ -314,7 +314,7 @@ class Judge {
     return largest;
   }
 
-  void judge_kinks(const std::vector<int>& kinks, double zero) {
+  void check_kinks(const std::vector<int>& kinks, double zero) {
     out_.stability = stability_at_kinks(model_, x_, holding_rows(), kinks, zero);
     out_.descent_directions = out_.stability == Stability::unstable ? 1 : 0;
     out_.neutral_directions = out_.stability == Stability::neutral ? 1 : 0;
@@ -361,7 +361,7 @@ class Judge {
   // Beside a fold, where equilibria merge and vanish, double precision can neither tell the sign of a curvature nor
   // whether there is an equilibrium at all. Where 50 digits find none, only a freedom along which nothing changes is
   // left as an explanation.
-  bool judge_in_50_digits(const ReducedHessian<double>& reduced, const Eigen::MatrixXd& directions,
+  bool check_in_50_digits(const ReducedHessian<double>& reduced, const Eigen::MatrixXd& directions,
                           std::vector<double>& curvature, double within) {
     const std::vector<double> exact = refined_curvatures(model_, x_);
     if (exact.size() == curvature.size() && lies_close_in_50_digits(within)) {
@@ -421,7 +421,7 @@ class Judge {
   // Without a potential the reduced stiffness K is not symmetric. What statics can see of it, whatever the units of the
   // coordinates, is the sign of its determinant: negative means divergence. With more than one freedom a positive one
   // does not exclude flutter, which only masses can decide.
-  void judge_followers(const ReducedHessian<double>& reduced) {
+  void check_followers(const ReducedHessian<double>& reduced) {
     if (!is_close(step_to_rest(reduced))) return;
     out_.accuracy = force_rounding / solvers::singular_value_decomposition(reduced.matrix).values.minCoeff();
     const double scale = std::max(1.0, reduced.largest);
@@ -477,7 +477,7 @@ std::string to_string(Stability stability) {
 }
 
 Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances) {
-  return Judge(model, x, tolerances).judge();
+  return EquilibriumCheck(model, x, tolerances).run();
 }
 
 }  // namespace poise

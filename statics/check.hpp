@@ -47,7 +47,7 @@ struct CheckTolerances {
   double neutral = 1e-13;
 };
 
-/// The judgement of mechanics that did not find the answer.
+/// What mechanics independent of the search says of an answer.
 struct Check {
   double closure_error = 0.0;  ///< m: largest gap of any joint, from the places of the bodies
   std::string worst_joint;
@@ -82,7 +82,7 @@ struct Check {
   std::string objection;
 };
 
-/// Judges the scaled coordinates x of a model:
+/// Checks the scaled coordinates x of a model:
 ///
 /// closure    every joint of the scene, measured between the places of its two bodies
 /// balance    vector statics: each body cut free under its loads and the reactions of its joints; the reactions are

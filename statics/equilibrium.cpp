@@ -164,7 +164,7 @@ double energy_at(const StaticModel& model, const std::vector<double>& x) {
 }
 
 // The check decides, whatever the solver said of itself.
-void judge(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
+void check_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
   out.check = check(model, out.x, options.check);
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;
@@ -178,7 +178,7 @@ void judge(const StaticModel& model, const SolveOptions& options, Equilibrium& o
                                                       : "; " + out.check.objection;
 }
 
-Equilibrium search_and_judge(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
+Equilibrium search_and_check(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
   Equilibrium out;
   out.method = options.method;
   out.seek = options.seek;
@@ -190,7 +190,7 @@ Equilibrium search_and_judge(const StaticModel& model, const std::vector<double>
     search(plain, plain.from_si(model.to_si(x)), options, out);
     out.x = model.from_si(plain.to_si(out.x));
   }
-  if (out.status != Status::refused) judge(model, options, out);
+  if (out.status != Status::refused) check_answer(model, options, out);
   return out;
 }
 
@@ -218,14 +218,14 @@ std::string to_string(Status status) {
 }
 
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
-  Equilibrium out = search_and_judge(model, x, options);
+  Equilibrium out = search_and_check(model, x, options);
   const bool again = options.method == Method::virtual_work && options.safeguards.restarts;
   std::minstd_rand random(20220531);
   for (int k = 1; again && is_denied(out) && k <= most_displaced; ++k) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     std::vector<double> displaced = x;
     for (double& v : displaced) v += M_PI * k / most_displaced * uniform(random);
-    Equilibrium next = search_and_judge(model, displaced, options);
+    Equilibrium next = search_and_check(model, displaced, options);
     next.iterations += out.iterations;
     next.evaluations += out.evaluations;
     next.microseconds += out.microseconds;

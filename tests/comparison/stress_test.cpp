@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "comparison/case_judge.hpp"
+#include "comparison/case_check.hpp"
 #include "tests/comparison/toy_catalogue.hpp"
 
 namespace poise::comparison {
@@ -259,16 +259,16 @@ TEST(Stress, UnknownNamesOfASeriesAreTold) {
   }
 }
 
-// Answers made up, so that what solvers never do is judged too.
-class JudgeTest : public testing::Test {
+// Answers made up, so that what solvers never do is checked too.
+class CaseCheckTest : public testing::Test {
  protected:
-  Verdict judge(double angle, Stability stability, double accuracy = 1e-14) const {
+  Verdict verdict_on(double angle, Stability stability, double accuracy = 1e-14) const {
     Equilibrium rest;
     rest.status = Status::confirmed;
     rest.x = {angle};
     rest.check.stability = stability;
     rest.check.accuracy = accuracy;
-    return CaseJudge(hard, model).judge(rest);
+    return CaseCheck(hard, model).verdict_on(rest);
   }
 
   static Scene scene() { return parse_scene(app_tests::pendulum, "pendulum.toml"); }
@@ -277,61 +277,61 @@ class JudgeTest : public testing::Test {
   HardCase hard;
 };
 
-TEST_F(JudgeTest, OfTwoThatNearlyCoincideTheNearerDecides) {
+TEST_F(CaseCheckTest, OfTwoThatNearlyCoincideTheNearerDecides) {
   hard.complete = true;
   hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}, {{{"rod", 0.1 + 1e-8}}, {}, Stability::unstable}};
   const double loose = 1e-7;
-  EXPECT_EQ(judge(0.1 + 2e-9, Stability::stable, loose).kind, Verdict::Kind::arrived);
-  EXPECT_EQ(judge(0.1 + 2e-9, Stability::unstable, loose).kind, Verdict::Kind::wrong);
-  EXPECT_EQ(judge(0.1 + 8e-9, Stability::unstable, loose).kind, Verdict::Kind::arrived);
-  EXPECT_EQ(judge(0.1 + 8e-9, Stability::stable, loose).kind, Verdict::Kind::wrong);
-  EXPECT_EQ(judge(0.1, Stability::unknown, loose).kind, Verdict::Kind::failed);
+  EXPECT_EQ(verdict_on(0.1 + 2e-9, Stability::stable, loose).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(verdict_on(0.1 + 2e-9, Stability::unstable, loose).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(verdict_on(0.1 + 8e-9, Stability::unstable, loose).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(verdict_on(0.1 + 8e-9, Stability::stable, loose).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(verdict_on(0.1, Stability::unknown, loose).kind, Verdict::Kind::failed);
 }
 
-TEST_F(JudgeTest, NoConditionExcusesAnotherPlace) {
+TEST_F(CaseCheckTest, NoConditionExcusesAnotherPlace) {
   hard.complete = true;
   hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}};
-  EXPECT_EQ(judge(0.102, Stability::stable, 1.0).kind, Verdict::Kind::wrong);
-  EXPECT_EQ(judge(0.102, Stability::stable, std::numeric_limits<double>::infinity()).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(verdict_on(0.102, Stability::stable, 1.0).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(verdict_on(0.102, Stability::stable, std::numeric_limits<double>::infinity()).kind, Verdict::Kind::wrong);
   // Where the condition is not known, what is near is no arrival, but not wrong either.
   const double unknown = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(judge(0.1, Stability::stable, unknown).kind, Verdict::Kind::arrived);
-  EXPECT_EQ(judge(0.1 + 1e-8, Stability::stable, unknown).kind, Verdict::Kind::inexact);
-  EXPECT_EQ(judge(0.102, Stability::stable, unknown).kind, Verdict::Kind::wrong);
-  EXPECT_EQ(judge(std::nan(""), Stability::stable).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(verdict_on(0.1, Stability::stable, unknown).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(verdict_on(0.1 + 1e-8, Stability::stable, unknown).kind, Verdict::Kind::inexact);
+  EXPECT_EQ(verdict_on(0.102, Stability::stable, unknown).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(verdict_on(std::nan(""), Stability::stable).kind, Verdict::Kind::wrong);
 }
 
-TEST_F(JudgeTest, WhoMeetsASingularConfigurationAndRestsElsewhereMustRest) {
+TEST_F(CaseCheckTest, WhoMeetsASingularConfigurationAndRestsElsewhereMustRest) {
   hard.expect = Expect::locked;
   Equilibrium rest;
   rest.status = Status::confirmed;
   rest.met_singular = true;
   rest.x = {-M_PI / 2};
   rest.check.accuracy = 1e-14;
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::arrived);
   rest.x = {-1.0};
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::wrong);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::wrong);
 }
 
-TEST_F(JudgeTest, TellsDenialsFromFailures) {
+TEST_F(CaseCheckTest, TellsDenialsFromFailures) {
   hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}};
   Equilibrium rest;
   rest.x = {0.1};
   rest.why = "it stopped";
   rest.status = Status::refuted;
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::denied);
   rest.status = Status::not_found;
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::failed);
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).why, "it stopped");
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::failed);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).why, "it stopped");
   hard.known.clear();
   hard.expect = Expect::none;
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::arrived);
   rest.status = Status::refuted;
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::denied);
   hard.expect = Expect::locked;
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::denied);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::denied);
   rest.check.singular = true;
-  EXPECT_EQ(CaseJudge(hard, model).judge(rest).kind, Verdict::Kind::arrived);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::arrived);
 }
 
 TEST(Median, IsTheMiddle) {

@@ -1,4 +1,4 @@
-#include "comparison/case_judge.hpp"
+#include "comparison/case_check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -48,11 +48,11 @@ int index_of(const List& list, const std::string& name, Fits fits) {
 
 }  // namespace
 
-CaseJudge::CaseJudge(const HardCase& hard, const StaticModel& model) : hard_(hard), model_(model) {
+CaseCheck::CaseCheck(const HardCase& hard, const StaticModel& model) : hard_(hard), model_(model) {
   for (const KnownEquilibrium& known : hard.known) known_.push_back(target_of(known));
 }
 
-CaseJudge::Target CaseJudge::target_of(const KnownEquilibrium& known) const {
+CaseCheck::Target CaseCheck::target_of(const KnownEquilibrium& known) const {
   const Scene& scene = model_.scene();
   Target target;
   target.stability = known.stability;
@@ -75,7 +75,7 @@ CaseJudge::Target CaseJudge::target_of(const KnownEquilibrium& known) const {
   return target;
 }
 
-double CaseJudge::distance(const std::vector<double>& x, const std::vector<BodyPose<double>>& poses,
+double CaseCheck::distance(const std::vector<double>& x, const std::vector<BodyPose<double>>& poses,
                            const Target& target) const {
   double largest = 0.0;
   // What is not a number is far from everything.
@@ -90,7 +90,7 @@ double CaseJudge::distance(const std::vector<double>& x, const std::vector<BodyP
   return largest;
 }
 
-CaseJudge::Bounds CaseJudge::bounds_at(const Equilibrium& rest) const {
+CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& rest) const {
   const CheckTolerances passed;
   const Check& check = rest.check;
   // The scaled force that was let pass, which the softest curvature turns into distance; where that is not known,
@@ -101,9 +101,9 @@ CaseJudge::Bounds CaseJudge::bounds_at(const Equilibrium& rest) const {
   return {bounded(check.accuracy, exact), bounded(given_way + passed.closure + stops, elsewhere)};
 }
 
-Verdict CaseJudge::judge(const Equilibrium& rest) const {
+Verdict CaseCheck::verdict_on(const Equilibrium& rest) const {
   if (rest.found()) {
-    Verdict verdict = judge_confirmed(rest);
+    Verdict verdict = verdict_on_confirmed(rest);
     if (verdict.kind == Verdict::Kind::wrong) verdict.why += "; it is at " + pose_in_words(model_, rest.x);
     return verdict;
   }
@@ -119,11 +119,11 @@ Verdict CaseJudge::judge(const Equilibrium& rest) const {
   return verdict;
 }
 
-Verdict CaseJudge::judge_confirmed(const Equilibrium& rest) const {
+Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& rest) const {
   Verdict verdict;
   if (hard_.expect == Expect::locked) {
     // What rests elsewhere is right to say so, but the question was whether the singular configuration was told.
-    verdict = judge_by_reference(rest);
+    verdict = verdict_by_reference(rest);
     if (verdict.kind == Verdict::Kind::arrived && !rest.met_singular) {
       verdict.kind = Verdict::Kind::failed;
       verdict.why = "it rests elsewhere and does not say that the start is locked";
@@ -138,12 +138,12 @@ Verdict CaseJudge::judge_confirmed(const Equilibrium& rest) const {
       verdict.why = fmt::format("confirmed as {}, but it rests everywhere", to_string(rest.check.stability));
     }
   } else {
-    verdict = judge_by_list(rest);
+    verdict = verdict_by_list(rest);
   }
   return verdict;
 }
 
-Verdict CaseJudge::judge_by_list(const Equilibrium& rest) const {
+Verdict CaseCheck::verdict_by_list(const Equilibrium& rest) const {
   const std::vector<BodyPose<double>> poses = model_.poses(rest.x);
   const Target* nearest = nullptr;
   double apart = std::numeric_limits<double>::infinity();
@@ -157,7 +157,7 @@ Verdict CaseJudge::judge_by_list(const Equilibrium& rest) const {
   const Bounds bounds = bounds_at(rest);
   const std::string claim = "confirmed as " + to_string(rest.check.stability);
   if (!(apart <= bounds.confirmed)) {
-    if (!hard_.complete) return judge_by_reference(rest);
+    if (!hard_.complete) return verdict_by_reference(rest);
     return {Verdict::Kind::wrong, apart, rest.check.accuracy,
             fmt::format("{}, but {:.2g} (rad or sizes) from the nearest that is known", claim, apart)};
   }
@@ -166,19 +166,19 @@ Verdict CaseJudge::judge_by_list(const Equilibrium& rest) const {
     return {told ? Verdict::Kind::wrong : Verdict::Kind::failed, apart, rest.check.accuracy,
             fmt::format("{}, but it is {}", claim, to_string(nearest->stability))};
   }
-  return judge_distance(apart, rest, bounds);
+  return verdict_by_distance(apart, rest, bounds);
 }
 
-Verdict CaseJudge::judge_by_reference(const Equilibrium& rest) const {
+Verdict CaseCheck::verdict_by_reference(const Equilibrium& rest) const {
   const Reference reference = refine(model_, rest.x);
-  if (reference.refined) return judge_distance(reference.error, rest, bounds_at(rest));
+  if (reference.refined) return verdict_by_distance(reference.error, rest, bounds_at(rest));
   Verdict verdict;
   verdict.kind = Verdict::Kind::wrong;
   verdict.why = "confirmed, but not by 50 digits: " + reference.why;
   return verdict;
 }
 
-Verdict CaseJudge::judge_distance(double apart, const Equilibrium& rest, const Bounds& bounds) {
+Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& rest, const Bounds& bounds) {
   if (apart <= bounds.arrived) return {Verdict::Kind::arrived, apart, rest.check.accuracy, ""};
   return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::wrong, apart, rest.check.accuracy,
           fmt::format("{:.2g} (rad or sizes) off, where rounding explains {:.1g}", apart, bounds.arrived)};

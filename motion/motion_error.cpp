@@ -1,4 +1,4 @@
-#include "motion/judge_motion.hpp"
+#include "motion/motion_error.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -35,12 +35,12 @@ struct Verdict {
 /// locked       It must be said that the joints lock. Who goes on to a rest elsewhere must say it too, and 50 digits
 ///              must find that rest.
 /// none         Nothing may be confirmed; where nothing is claimed either the method has arrived.
-class CaseJudge {
+class CaseCheck {
  public:
   /// `hard` and `model` must outlive this. Throws InputError where a known equilibrium names no body or travel.
-  CaseJudge(const HardCase& hard, const StaticModel& model);
+  CaseCheck(const HardCase& hard, const StaticModel& model);
 
-  Verdict judge(const Equilibrium& rest) const;
+  Verdict verdict_on(const Equilibrium& rest) const;
 
  private:
   struct Value {
@@ -58,10 +58,10 @@ class CaseJudge {
   Target target_of(const KnownEquilibrium& known) const;
   double distance(const std::vector<double>& x, const std::vector<BodyPose<double>>& poses, const Target& target) const;
   Bounds bounds_at(const Equilibrium& rest) const;
-  Verdict judge_confirmed(const Equilibrium& rest) const;
-  Verdict judge_by_list(const Equilibrium& rest) const;
-  Verdict judge_by_reference(const Equilibrium& rest) const;
-  static Verdict judge_distance(double apart, const Equilibrium& rest, const Bounds& bounds);
+  Verdict verdict_on_confirmed(const Equilibrium& rest) const;
+  Verdict verdict_by_list(const Equilibrium& rest) const;
+  Verdict verdict_by_reference(const Equilibrium& rest) const;
+  static Verdict verdict_by_distance(double apart, const Equilibrium& rest, const Bounds& bounds);
 
   const HardCase& hard_;
   const StaticModel& model_;
