@@ -38,7 +38,7 @@ class Writer {
     out["stability_note"] = check.stability_note;
     out["descent_directions"] = check.descent_directions;
     out["neutral_directions"] = check.neutral_directions;
-    out["modes"] = modes(check);
+    out["modes"] = principal_directions(check);
     out["points"] = points(*answer.readings);
     out["angles"] = angles(*answer.readings);
     out["slides"] = slides(*answer.readings);
@@ -70,12 +70,12 @@ class Writer {
     return out;
   }
 
-  Json modes(const Check& check) const {
+  Json principal_directions(const Check& check) const {
     Json out = Json::array();
-    for (const Mode& mode : check.modes) {
+    for (const CurvatureDirection& direction : check.principal_directions) {
       Json moves = Json::object();
-      for (const auto& [name, part] : mode.moves) moves[name] = json_number(part);
-      out.push_back({{"curvature", shown(mode.curvature, Quantity::energy)}, {"moves", moves}});
+      for (const auto& [name, part] : direction.moves) moves[name] = json_number(part);
+      out.push_back({{"curvature", shown(direction.curvature, Quantity::energy)}, {"moves", moves}});
     }
     return out;
   }

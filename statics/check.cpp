@@ -25,7 +25,7 @@ namespace {
 constexpr int all_curvatures = 300;
 // Curvatures below this part of the tangent are looked at in 50 digits.
 constexpr double doubtful_below = 1e-6;
-constexpr std::size_t modes = 6;
+constexpr std::size_t most_directions = 6;
 // Reactions of so many times the loads may hide what they leave unbalanced: 50 digits then decide.
 constexpr double heavy_reactions = 1e3;
 // Part of the largest force that the rounding of stiff springs may leave unbalanced without a further look, and at all.
@@ -286,8 +286,9 @@ class EquilibriumCheck {
     }
     out_.accuracy = std::max({force_rounding / smallest, shift_by_rounded_closures(reduced), least_accuracy});
     const Eigen::MatrixXd directions = reduced.basis * eigen.vectors;
-    for (std::size_t k = 0; k < std::min(modes, curvature.size()); ++k) {
-      out_.modes.push_back(mode(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
+    for (std::size_t k = 0; k < std::min(most_directions, curvature.size()); ++k) {
+      out_.principal_directions.push_back(
+          curvature_direction(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
     }
     const double zero = tolerances_.neutral * std::max(1.0, reduced.largest);
     settle(static_cast<int>(std::count_if(curvature.begin(), curvature.end(), [&](double c) { return c < -zero; })),
@@ -403,8 +404,8 @@ class EquilibriumCheck {
     out_.stability = falling > 0 ? Stability::unstable : neutral > 0 ? Stability::neutral : Stability::stable;
   }
 
-  Mode mode(double curvature, const Eigen::VectorXd& direction) const {
-    Mode out;
+  CurvatureDirection curvature_direction(double curvature, const Eigen::VectorXd& direction) const {
+    CurvatureDirection out;
     out.curvature = curvature * model_.scales().energy();
     std::vector<int> order(direction.size());
     std::iota(order.begin(), order.end(), 0);

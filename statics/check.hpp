@@ -17,7 +17,7 @@ std::string to_string(Stability stability);
 
 /// A principal direction of the reduced Hessian  Z^T (grad2 V + sum lambda grad2 c) Z,  Z an orthonormal basis of the
 /// null space of the closure Jacobian in scaled coordinates (rad, mechanism sizes).
-struct Mode {
+struct CurvatureDirection {
   double curvature = 0.0;  ///< J per (unit of scaled coordinates)^2
   /// Coordinates that move, largest first, with their part of the unit direction.
   std::vector<std::pair<std::string, double>> moves;
@@ -65,7 +65,7 @@ struct Check {
   Stability stability = Stability::unknown;
   int descent_directions = 0;
   int neutral_directions = 0;
-  std::vector<Mode> modes;  ///< lowest curvatures first, at most six
+  std::vector<CurvatureDirection> principal_directions;  ///< lowest curvatures first, at most six
   std::string stability_note;
 
   /// In a singular configuration: the closures lose rank and no finite joint forces hold the loads.

@@ -86,14 +86,15 @@ std::string pressing_stops(const StaticModel& model, const Answer& answer) {
 }
 
 /// "falls along handle +0.94, link -0.33".
-std::string modes(const Check& check, const Palette& palette) {
+std::string leading_directions(const Check& check, const Palette& palette) {
   std::string out;
-  for (std::size_t k = 0; k < check.modes.size(); ++k) {
+  for (std::size_t k = 0; k < check.principal_directions.size(); ++k) {
     const int index = static_cast<int>(k);
     if (index >= check.descent_directions + check.neutral_directions) break;
     std::string text = index < check.descent_directions ? "falls along" : "indifferent along";
-    for (const auto& [name, part] : check.modes[k].moves) {
-      text += fmt::format("{} {} {:+.2f}", &name == &check.modes[k].moves.front().first ? "" : ",", name, part);
+    const auto& moves = check.principal_directions[k].moves;
+    for (const auto& [name, part] : moves) {
+      text += fmt::format("{} {} {:+.2f}", &name == &moves.front().first ? "" : ",", name, part);
     }
     out += fact("", text, palette);
   }
@@ -107,7 +108,7 @@ std::string facts(const StaticModel& model, const Answer& answer, const Palette&
   out += fact(rest.found() ? "ended" : "why", rest.why, palette);
   if (!answer.readings) return out;
   out += fact("stability", palette.paint(tone_of(check.stability), in_words(check)), palette);
-  out += modes(check, palette);
+  out += leading_directions(check, palette);
   if (!check.stability_note.empty()) out += fact("", check.stability_note, palette);
   if (std::isfinite(rest.energy)) {
     const double energy = in_units(model, Quantity::energy, {rest.energy}).front();

@@ -631,7 +631,7 @@ TEST(Stops, TouchedWithoutPressureHoldNothing) {
   const Check check = poise::check(model, at(model, {{"arm", -M_PI_2}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   EXPECT_EQ(check.stability, Stability::stable);
-  EXPECT_EQ(check.modes.size(), 1u);
+  EXPECT_EQ(check.principal_directions.size(), 1u);
   for (const Reaction& reaction : check.reactions) {
     if (reaction.kind == "stop") {
       EXPECT_NEAR(reaction.moment, 0.0, 1e-12);
@@ -691,13 +691,13 @@ TEST(StabilityOf, PendulumsByEachOrientationOfTheirLinks) {
     ASSERT_TRUE(check.is_equilibrium()) << check.objection;
     EXPECT_EQ(check.descent_directions, standing);
     EXPECT_EQ(check.stability, standing > 0 ? Stability::unstable : Stability::stable);
-    ASSERT_EQ(check.modes.size(), 3u);
+    ASSERT_EQ(check.principal_directions.size(), 3u);
     // Uncoupled: each link's curvature is the weight it carries times its arm, sign by its sense.
     const std::vector<double> stiffness = {25.0, 15.0, 5.0};
     std::vector<double> expected;
     for (int i = 0; i < 3; ++i) expected.push_back((up >> i & 1) != 0 ? -stiffness[i] : stiffness[i]);
     std::sort(expected.begin(), expected.end());
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(check.modes[i].curvature, expected[i], 1e-12);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(check.principal_directions[i].curvature, expected[i], 1e-12);
   }
 }
 
@@ -706,10 +706,10 @@ TEST(StabilityOf, ModesNameWhatMoves) {
   scene.gravity = {0.0, -10.0};
   const StaticModel model(scene);
   const Check check = poise::check(model, at(model, {{"1", M_PI_2}, {"2", -M_PI_2}}));
-  ASSERT_EQ(check.modes.size(), 2u);
-  EXPECT_EQ(check.modes[0].moves.front().first, "1");
-  EXPECT_NEAR(check.modes[0].moves.front().second, 1.0, 1e-12);
-  EXPECT_EQ(check.modes[1].moves.front().first, "2");
+  ASSERT_EQ(check.principal_directions.size(), 2u);
+  EXPECT_EQ(check.principal_directions[0].moves.front().first, "1");
+  EXPECT_NEAR(check.principal_directions[0].moves.front().second, 1.0, 1e-12);
+  EXPECT_EQ(check.principal_directions[1].moves.front().first, "2");
 }
 
 TEST(StabilityOf, ABalancedArmIsNeutralAtEveryAngle) {

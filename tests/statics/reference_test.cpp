@@ -224,9 +224,9 @@ TEST(RefinedCurvatures, AgreeWithTheModesOfTheCheck) {
     const Equilibrium found = solve(model);
     ASSERT_TRUE(found.found()) << found.why;
     const std::vector<double> curvature = refined_curvatures(model, found.x);
-    ASSERT_EQ(curvature.size(), found.check.modes.size());
+    ASSERT_EQ(curvature.size(), found.check.principal_directions.size());
     for (std::size_t k = 0; k < curvature.size(); ++k) {
-      const double shown = found.check.modes[k].curvature / model.scales().energy();
+      const double shown = found.check.principal_directions[k].curvature / model.scales().energy();
       EXPECT_NEAR(curvature[k], shown, 1e-9 * std::abs(shown));
     }
   }
@@ -244,8 +244,8 @@ TEST(RefinedCurvatures, SeeASignThatDoubleCannot) {
     ASSERT_TRUE(check.is_equilibrium()) << check.objection;
     EXPECT_EQ(check.stability, excess > 0 ? Stability::stable : Stability::unstable);
     EXPECT_NE(check.stability_note.find("50 digits"), std::string::npos) << check.stability_note;
-    ASSERT_EQ(check.modes.size(), 1u);
-    EXPECT_NEAR(check.modes[0].curvature, 8.0 * excess, 1e-3 * 8e-12);
+    ASSERT_EQ(check.principal_directions.size(), 1u);
+    EXPECT_NEAR(check.principal_directions[0].curvature, 8.0 * excess, 1e-3 * 8e-12);
   }
 }
 
@@ -253,7 +253,7 @@ TEST(RefinedCurvatures, AreNoneWhereStopsLeaveNoFreedom) {
   const StaticModel model(read_scene(dataset("toggle_clamp.toml")));
   const Equilibrium found = solve(model);
   ASSERT_TRUE(found.found()) << found.why;
-  EXPECT_TRUE(found.check.modes.empty());
+  EXPECT_TRUE(found.check.principal_directions.empty());
   EXPECT_TRUE(refined_curvatures(model, found.x).empty());
 }
 
@@ -267,8 +267,8 @@ TEST(RefinedCurvatures, AreEmptyWithFollowerLoads) {
   EXPECT_TRUE(refine(model, {-M_PI_2, -M_PI_2}).refined);
 }
 
-// A load that follows the last of 90 links holds it nowhere: its row of the tangent is empty. Large systems are factored
-// as sparse ones.
+// A load that follows the last of 90 links holds it nowhere: its row of the tangent is empty. Large systems are
+// factored as sparse ones.
 TEST(Reference, RefusesALargeSystemThatIsSingular) {
   Scene scene = test::chain(90, 1.0, 1.0);
   scene.gravity = {};

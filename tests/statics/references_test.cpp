@@ -178,7 +178,7 @@ Scene zeeman(const json& reference) {
 // V'' of the only freedom, J/rad^2.
 double curvature_at(const Scene& scene, const Pose& pose) {
   const StaticModel model(test::started_at(scene, pose));
-  return solve(model).check.modes.at(0).curvature;
+  return solve(model).check.principal_directions.at(0).curvature;
 }
 
 TEST_F(References, ZeemansMachine) {
@@ -370,7 +370,7 @@ TEST_F(References, FoldsOfThePendulum) {
     // Rounded to a double, lambda lies on one side of the fold or the other: there are two equilibria some 1e-8 apart,
     // or none. Double precision cannot tell, 50 digits do.
     if (at_fold.is_equilibrium()) {
-      EXPECT_LE(std::abs(at_fold.modes.at(0).curvature), 1e-6);
+      EXPECT_LE(std::abs(at_fold.principal_directions.at(0).curvature), 1e-6);
       EXPECT_GE(at_fold.accuracy, 1e-8);
     } else {
       EXPECT_NE(at_fold.objection.find("50 digits find no equilibrium"), std::string::npos) << at_fold.objection;
