@@ -50,7 +50,7 @@ Course drive_course(const Scene& scene, const KinematicsResult& result, std::siz
   for (const KinematicSample& sample : result.samples) {
     out.value.push_back(sample.drive[drive]);
     out.rate.push_back(sample.rate[result.drive_coordinates[drive]]);
-    out.second.push_back(0.0);
+    out.acceleration.push_back(0.0);
   }
   return out;
 }
@@ -63,7 +63,7 @@ std::vector<Course> coordinate_courses(const Scene& scene, const KinematicsResul
     for (const KinematicSample& sample : result.samples) {
       course.value.push_back(sample.bodies[i].pose.angle);
       course.rate.push_back(sample.bodies[i].rate);
-      course.second.push_back(sample.bodies[i].spin_up);
+      course.acceleration.push_back(sample.bodies[i].angular_acceleration);
     }
     out.push_back(std::move(course));
   }
@@ -73,7 +73,7 @@ std::vector<Course> coordinate_courses(const Scene& scene, const KinematicsResul
     for (const KinematicSample& sample : result.samples) {
       course.value.push_back(sample.q[t]);
       course.rate.push_back(sample.rate[t]);
-      course.second.push_back(sample.second[t]);
+      course.acceleration.push_back(sample.acceleration[t]);
     }
     out.push_back(std::move(course));
   }
@@ -94,8 +94,8 @@ std::vector<Course> point_courses(const Scene& scene, const KinematicsResult& re
         y.value.push_back(at.y);
         x.rate.push_back(v.x);
         y.rate.push_back(v.y);
-        x.second.push_back(a.x);
-        y.second.push_back(a.y);
+        x.acceleration.push_back(a.x);
+        y.acceleration.push_back(a.y);
       }
       out.push_back(std::move(x));
       out.push_back(std::move(y));
@@ -116,7 +116,7 @@ std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, c
   for (Course& course : point_courses(scene, result)) courses.push_back(std::move(course));
   for (const Course& course : courses) {
     header.insert(header.end(), {course.name, course.name + ".rate", course.name + ".second"});
-    for (const auto* values : {&course.value, &course.rate, &course.second}) {
+    for (const auto* values : {&course.value, &course.rate, &course.acceleration}) {
       columns.push_back(in_unit(*values, course.quantity, scene.units));
     }
   }
@@ -162,7 +162,7 @@ std::string kinematics_json(const Scene& scene, const KinematicsResult& result, 
                 {"closeness_to_singular", json_number(sample.closeness_to_singular)}};
     for (const Course& course : courses) {
       Json& values = row[course.quantity == Quantity::angle ? "angles" : "lengths"][course.name];
-      for (const double si : {course.value[s], course.rate[s], course.second[s]}) {
+      for (const double si : {course.value[s], course.rate[s], course.acceleration[s]}) {
         values.push_back(json_number(in_unit(si, course.quantity, scene.units)));
       }
     }
@@ -189,7 +189,7 @@ std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult&
   static constexpr std::array<Sight, 3> sights = {
       {{"Angles", "Lengths", "", &Course::value},
        {"Angular velocities", "Speeds", "/s", &Course::rate},
-       {"Angular accelerations", "Accelerations along the joints", "/s²", &Course::second}}};
+       {"Angular accelerations", "Accelerations along the joints", "/s²", &Course::acceleration}}};
   const std::vector<Course> courses = coordinate_courses(scene, result);
   const Course drive = drive_course(scene, result, 0, ranges);
   const std::vector<double> x = in_unit(drive.value, drive.quantity, scene.units);

@@ -18,7 +18,7 @@ namespace poise::app {
 struct Course {
   std::string name;
   Quantity quantity = Quantity::angle;
-  std::vector<double> value, rate, second;
+  std::vector<double> value, rate, acceleration;
 };
 
 /// A drive's values over the range, SI.

@@ -25,7 +25,7 @@ std::vector<BodyMotion> body_motions(const MotionModel& model, const std::vector
     motion.pose = poses[i];
     const Moving angle = moving(link.frame);
     motion.rate = angle.rate;
-    motion.spin_up = angle.acceleration;
+    motion.angular_acceleration = angle.acceleration;
     if (link.parent >= 0) {
       motion.velocity = out[link.parent].velocity;
       motion.acceleration = out[link.parent].acceleration;

@@ -11,10 +11,10 @@ namespace poise {
 /// How a body moves in the world: its frame's place, and the first and second time derivatives of it. SI.
 struct BodyMotion {
   BodyPose<double> pose;
-  Vec2 velocity{};       ///< of the origin, m/s
-  double rate = 0.0;     ///< rad/s
-  Vec2 acceleration{};   ///< of the origin, m/s^2
-  double spin_up = 0.0;  ///< angular acceleration, rad/s^2
+  Vec2 velocity{};                    ///< of the origin, m/s
+  double rate = 0.0;                  ///< rad/s
+  Vec2 acceleration{};                ///< of the origin, m/s^2
+  double angular_acceleration = 0.0;  ///< rad/s^2
 
   /// Velocity of a point given in the body's frame, m/s:  v + i w r.
   Vec2 velocity_of(const Vec2& local) const { return velocity + rate * quarter_turn(local * unit(pose.angle)); }
@@ -23,7 +23,7 @@ struct BodyMotion {
   /// Acceleration of a point given in the body's frame, m/s^2:  a + (i alpha - w^2) r.
   Vec2 acceleration_of(const Vec2& local) const {
     const Vec2 r = local * unit(pose.angle);
-    return acceleration + spin_up * quarter_turn(r) - (rate * rate) * r;
+    return acceleration + angular_acceleration * quarter_turn(r) - (rate * rate) * r;
   }
 };
 

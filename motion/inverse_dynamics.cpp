@@ -88,7 +88,8 @@ class InverseDynamics {
       const Body& body = scene_.bodies[i];
       const BodyMotion& motion = out_.motions[i];
       additions_.loads.push_back({static_cast<int>(i), motion.pose.world(body.center),
-                                  -body.mass * motion.acceleration_of(body.center), -body.inertia * motion.spin_up});
+                                  -body.mass * motion.acceleration_of(body.center),
+                                  -body.inertia * motion.angular_acceleration});
     }
   }
 

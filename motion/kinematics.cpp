@@ -274,7 +274,7 @@ class Sweep {
     sample.drive = drive_values(pose.x);
     sample.q = in_si(pose.x);
     sample.rate = in_si(v);
-    sample.second = in_si(a);
+    sample.acceleration = in_si(a);
     const auto list = [](const VectorXd& x) { return std::vector<double>(x.data(), x.data() + x.size()); };
     sample.bodies = body_motions(model_, list(pose.x), list(v), list(a));
     sample.bodies.resize(model_.scene().bodies.size());

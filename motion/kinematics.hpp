@@ -30,7 +30,7 @@ struct KinematicSample {
   std::vector<double> drive;         ///< values of the driven quantities
   std::vector<double> q;             ///< coordinates
   std::vector<double> rate;          ///< dq/dt
-  std::vector<double> second;        ///< d2q/dt2, at drives without acceleration
+  std::vector<double> acceleration;  ///< d2q/dt2, at drives without acceleration
   std::vector<BodyMotion> bodies;    ///< one per body of the scene
   double closeness_to_singular = 1;  ///< smallest over largest singular value of the closures with the drives held
 };

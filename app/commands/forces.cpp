@@ -119,7 +119,7 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request, 
     const std::vector<double> still(at.q.size(), 0.0);
     if (!single) answer.at.push_back(at.drive[moving]);
     answer.poses.push_back(forces_of(model, model.from_si(at.q), request.rate ? model.from_si(at.rate) : still,
-                                     request.rate ? model.from_si(at.second) : still, scene.drives));
+                                     request.rate ? model.from_si(at.acceleration) : still, scene.drives));
   }
   return answer;
 }

@@ -53,7 +53,7 @@ std::string course_section(const std::string& title, const std::vector<Course>& 
   table.add_number_column(with_unit(drive.name, drive.quantity, units),
                           column(drive.value, drive.quantity, value_digits, units, stride, largest_of(drive.value)));
   // Second derivatives of what turns evenly are nothing against the square of its speed, not against themselves.
-  double largest = values == &Course::second ? std::pow(largest_of(drive.rate), 2) : 0.0;
+  double largest = values == &Course::acceleration ? std::pow(largest_of(drive.rate), 2) : 0.0;
   for (const Course& course : courses) largest = std::max(largest, largest_of(course.*values));
   for (const Course& course : courses) {
     if (values == &Course::value && course.name == drive.name) continue;
@@ -74,7 +74,7 @@ std::string course_sections(const std::string& noun, const std::vector<Course>& 
   };
   return show(fmt::format("{} ({})", noun, unit), &Course::value, value_digits) +
          show(fmt::format("{}: rates ({}/s)", noun, unit), &Course::rate, rate_digits) +
-         show(fmt::format("{}: accelerations ({}/s²)", noun, unit), &Course::second, rate_digits);
+         show(fmt::format("{}: accelerations ({}/s²)", noun, unit), &Course::acceleration, rate_digits);
 }
 
 std::vector<Course> courses_of(const std::vector<std::string>& points, const Scene& scene,

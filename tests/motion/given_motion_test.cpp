@@ -51,12 +51,12 @@ TEST_P(GivenMotionOfTheLift, CompletesWhatOneAngleTells) {
     EXPECT_NEAR(motion.a[k][obd], swing.second[k], inside ? 1e-8 : 1e-6);
     const KinematicSample at = sweep(scene, {{"obd", swing.angle[k], swing.angle[k] + 0.01}}).samples.front();
     const std::vector<double> x = model.from_si(at.q), per_angle = model.from_si(at.rate),
-                              bend = model.from_si(at.second);
-    const double w = motion.v[k][obd], spin_up = motion.a[k][obd];
+                              bend = model.from_si(at.acceleration);
+    const double w = motion.v[k][obd], angular_acceleration = motion.a[k][obd];
     for (std::size_t i = 0; i < x.size(); ++i) {
       EXPECT_NEAR(motion.x[k][i], x[i], 1e-11);
       EXPECT_NEAR(motion.v[k][i], per_angle[i] * w, 1e-11);
-      EXPECT_NEAR(motion.a[k][i], per_angle[i] * spin_up + bend[i] * w * w, 1e-10);
+      EXPECT_NEAR(motion.a[k][i], per_angle[i] * angular_acceleration + bend[i] * w * w, 1e-10);
     }
   }
 }

@@ -58,29 +58,30 @@ Scene pendulum(double m, double inertia) {
 TEST(InverseDynamics, SwingingPendulumPullsAtItsPin) {
   constexpr double m = 3.0, l = 0.4, inertia = 0.2, below = 0.7, w = 2.3;
   const double about_pin = inertia + m * l * l;
-  const double spin_up = -m * gravity * l * std::sin(below) / about_pin;
+  const double angular_acceleration = -m * gravity * l * std::sin(below) / about_pin;
   const MotionModel model(pendulum(m, inertia));
-  const Forces forces = forces_at(model, {below - M_PI / 2}, {w}, {spin_up});
+  const Forces forces = forces_at(model, {below - M_PI / 2}, {w}, {angular_acceleration});
   expect_consistent(forces);
   const Vec2 outward = unit(below - M_PI / 2);
   const Vec2 force = reaction(forces, "O").force;
   EXPECT_NEAR(-dot(force, outward), m * gravity * std::cos(below) + m * l * w * w, 1e-12);
-  EXPECT_NEAR(cross(outward, force), m * l * spin_up + m * gravity * std::sin(below), 1e-12);
+  EXPECT_NEAR(cross(outward, force), m * l * angular_acceleration + m * gravity * std::sin(below), 1e-12);
 }
 
 TEST(InverseDynamics, MotorGivesTheMomentThatTheMotionTakes) {
-  constexpr double m = 3.0, inertia = 0.2, q = 0.9, w = -1.7, spin_up = 40.0;
+  constexpr double m = 3.0, inertia = 0.2, q = 0.9, w = -1.7, angular_acceleration = 40.0;
   Scene scene = pendulum(m, inertia);
   scene.elements.push_back(test::torsion_damper("oil", 0, 1, 0.6));
   scene.elements.push_back(test::friction("rub", 0, 1, 1.5, 0.1));
   test::add_torsion_spring(scene, 0, 1, 7.0, 0.2);
   const MotionModel model(scene);
-  const Forces forces = forces_at(model, {q}, {w}, {spin_up}, {find_drive(scene, "arm")});
+  const Forces forces = forces_at(model, {q}, {w}, {angular_acceleration}, {find_drive(scene, "arm")});
   expect_consistent(forces);
   const double friction = 1.5 * std::tanh(w / 0.1);
   ASSERT_EQ(forces.drives.size(), 1u);
   EXPECT_NEAR(forces.drives[0].value,
-              (inertia + m * 0.16) * spin_up + m * gravity * 0.4 * std::cos(q) + 7.0 * (q - 0.2) + 0.6 * w + friction,
+              (inertia + m * 0.16) * angular_acceleration + m * gravity * 0.4 * std::cos(q) + 7.0 * (q - 0.2) +
+                  0.6 * w + friction,
               1e-11);
   EXPECT_NEAR(forces.drives[0].power, forces.drives[0].value * w, 1e-12);
   // The moments on the second body are their opposites.
@@ -167,7 +168,7 @@ TEST(InverseDynamics, FourBarReactionsChangeTheMomenta) {
   const KinematicsResult path = sweep(scene, {{"crank", q - 2 * h * rate, q + 2 * h * rate}}, options);
   ASSERT_TRUE(path.complete);
   const KinematicSample& at = path.samples[2];
-  const Forces forces = forces_at(model, at.q, at.rate, at.second, {find_drive(scene, "crank")});
+  const Forces forces = forces_at(model, at.q, at.rate, at.acceleration, {find_drive(scene, "crank")});
   expect_consistent(forces);
   // Second differences of fourth order of a quantity of the samples.
   const auto second = [&](auto quantity) {
@@ -206,7 +207,7 @@ TEST(InverseDynamics, MotorPaysForTheDamperOverATurn) {
   double given = 0.0, taken = 0.0;
   for (std::size_t k = 0; k + 1 < path.samples.size(); ++k) {
     const KinematicSample& at = path.samples[k];
-    const Forces forces = forces_at(model, at.q, at.rate, at.second, {find_drive(scene, "crank")});
+    const Forces forces = forces_at(model, at.q, at.rate, at.acceleration, {find_drive(scene, "crank")});
     given += forces.drives[0].power;
     taken += 0.8 * std::pow(at.bodies[3].rate, 2);
     ASSERT_LT(forces.power.error, 1e-10);
@@ -234,7 +235,7 @@ TEST(InverseDynamics, CylinderHoldsTheLift) {
     expect_consistent(holds);
     const double exact = known.at("cyl_force_N");
     EXPECT_NEAR(holds.drives[0].value, exact, 1e-10 * exact);
-    const Forces moves = forces_at(model, at.q, at.rate, at.second, cylinder);
+    const Forces moves = forces_at(model, at.q, at.rate, at.acceleration, cylinder);
     expect_consistent(moves);
     const double rate = 0.3 * known.at("dl_dq").get<double>();
     EXPECT_NEAR(moves.drives[0].rate, rate, 1e-10 * rate);
@@ -393,7 +394,7 @@ TEST(InverseDynamics, MeasuresRatesThatOpenALoop) {
   const MotionModel model(scene);
   KinematicSample at = sweep(scene, {{"crank", 1.0, 1.2}}).samples.front();
   at.rate[1] += 1e-3;
-  EXPECT_GT(forces_at(model, at.q, at.rate, at.second).loop_error, 1e-5);
+  EXPECT_GT(forces_at(model, at.q, at.rate, at.acceleration).loop_error, 1e-5);
 }
 
 }  // namespace

@@ -106,8 +106,8 @@ TEST(Kinematics, FourBarMovesByTheClosedForm) {
     EXPECT_NEAR(at.bodies[3].pose.angle, t4, 1e-13);
     EXPECT_NEAR(at.bodies[2].rate, w3, 1e-12);
     EXPECT_NEAR(at.bodies[3].rate, w4, 1e-12);
-    EXPECT_NEAR(at.bodies[2].spin_up, a3, 1e-11);
-    EXPECT_NEAR(at.bodies[3].spin_up, a4, 1e-11);
+    EXPECT_NEAR(at.bodies[2].angular_acceleration, a3, 1e-11);
+    EXPECT_NEAR(at.bodies[3].angular_acceleration, a4, 1e-11);
     const Vec2 middle{b / 2, 0};
     const Vec2 velocity = a * w * quarter_turn(unit(t2)) + w3 * quarter_turn(middle * unit(t3));
     const Vec2 acceleration = -a * w * w * unit(t2) + Vec2{-w3 * w3, a3} * (middle * unit(t3));
@@ -129,7 +129,8 @@ TEST(Kinematics, SliderCrankMovesByTheClosedForm) {
     const double root = std::sqrt(l * l - s * s);
     EXPECT_NEAR(at.q[rail], c + root, 1e-14);
     EXPECT_NEAR(at.rate[rail], w * (-s - s * c / root), 1e-11);
-    EXPECT_NEAR(at.second[rail], w * w * (-c - (c * c - s * s) / root - s * s * c * c / (root * root * root)), 1e-8);
+    EXPECT_NEAR(at.acceleration[rail], w * w * (-c - (c * c - s * s) / root - s * s * c * c / (root * root * root)),
+                1e-8);
   }
 }
 
@@ -166,7 +167,7 @@ TEST(Kinematics, DerivativesAreThoseOfThePositions) {
         return (8 * (f(s[k + 1]) - f(s[k - 1])) - (f(s[k + 2]) - f(s[k - 2]))) / (12 * h);
       };
       EXPECT_NEAR(s[k].rate[i], slope([&](const auto& at) { return at.q[i]; }), 1e-10);
-      EXPECT_NEAR(s[k].second[i], slope([&](const auto& at) { return at.rate[i]; }), 1e-9);
+      EXPECT_NEAR(s[k].acceleration[i], slope([&](const auto& at) { return at.rate[i]; }), 1e-9);
     }
   }
 }
@@ -188,7 +189,7 @@ TEST(Kinematics, RockerStopsAtItsDeadCentre) {
   EXPECT_GT(result.samples.back().drive[0], dead.drive[0]);
   EXPECT_LT(result.samples.back().drive[0], dead.drive[0] + 1.0 / 72);
   for (const KinematicSample& at : result.samples) {
-    EXPECT_TRUE(std::all_of(at.second.begin(), at.second.end(), [](double v) { return std::isfinite(v); }));
+    EXPECT_TRUE(std::all_of(at.acceleration.begin(), at.acceleration.end(), [](double v) { return std::isfinite(v); }));
   }
 }
 
@@ -222,7 +223,7 @@ TEST(Kinematics, ParallelogramKeepsItsBranchThroughItsChangePoints) {
     EXPECT_NEAR(at.bodies[3].rate, 1.0, 1e-7);
     EXPECT_NEAR(at.bodies[2].pose.angle, 0.0, 1e-9);
     EXPECT_NEAR(at.bodies[2].rate, 0.0, 1e-7);
-    EXPECT_NEAR(at.bodies[3].spin_up, 0.0, 1e-5);
+    EXPECT_NEAR(at.bodies[3].angular_acceleration, 0.0, 1e-5);
   }
   ASSERT_EQ(result.singular.size(), 5u);
   for (std::size_t k = 0; k < 5; ++k) {
