@@ -39,17 +39,17 @@ Json json_cell(const comparison::Cell& cell, const std::string& method) {
 
 }  // namespace
 
-std::string stress_csv(const StressRun& run) {
+std::string stress_csv(const StressOutcome& outcome) {
   const std::vector<std::string> header = {"case",    "kind",       "expect",       "method",  "why",
                                            "refused", "starts",     "arrived",      "inexact", "wrong",
                                            "denied",  "iterations", "microseconds", "error",   "allowed"};
   std::vector<std::vector<std::string>> words(5);
   std::vector<std::vector<double>> columns(10);
-  for (const CaseResult& result : run.results) {
+  for (const CaseResult& result : outcome.results) {
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
       const comparison::Cell& cell = result.cells[k];
       const std::array<std::string, 5> text = {result.hard.name, result.hard.kind, expected(result.hard),
-                                               run.methods[k], cell.why};
+                                               outcome.methods[k], cell.why};
       const std::array<double, 10> numbers = {static_cast<double>(cell.refused),
                                               static_cast<double>(cell.starts),
                                               static_cast<double>(cell.arrived),
@@ -67,10 +67,10 @@ std::string stress_csv(const StressRun& run) {
   return csv_text(header, columns, words);
 }
 
-std::string stress_json(const StressRun& run) {
-  Json out = {{"poise", POISE_VERSION}, {"command", run.command}, {"interrupted", run.interrupted}};
+std::string stress_json(const StressOutcome& outcome) {
+  Json out = {{"poise", POISE_VERSION}, {"command", outcome.command}, {"interrupted", outcome.interrupted}};
   out["cases"] = Json::array();
-  for (const CaseResult& result : run.results) {
+  for (const CaseResult& result : outcome.results) {
     const HardCase& hard = result.hard;
     Json entry = {{"name", hard.name},
                   {"kind", hard.kind},
@@ -81,7 +81,7 @@ std::string stress_json(const StressRun& run) {
                   {"why", hard.why},
                   {"methods", Json::array()}};
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
-      entry["methods"].push_back(json_cell(result.cells[k], run.methods[k]));
+      entry["methods"].push_back(json_cell(result.cells[k], outcome.methods[k]));
     }
     out["cases"].push_back(entry);
   }

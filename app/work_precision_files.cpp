@@ -16,8 +16,8 @@ namespace {
 
 using comparison::Ending;
 using comparison::KnownRest;
-using comparison::MeasuredRun;
 using comparison::WorkPrecision;
+using comparison::WorkPrecisionRow;
 constexpr double least_drawn_error = 1e-17;
 
 Json json_rest(const StaticModel& model, const KnownRest& rest) {
@@ -35,29 +35,29 @@ Json json_rest(const StaticModel& model, const KnownRest& rest) {
   return out;
 }
 
-Json json_run(const MeasuredRun& run) {
-  return {{"tolerance", run.tolerance},
-          {"status", status_of(run)},
-          {"claimed", run.claimed},
-          {"confirmed", run.confirmed},
-          {"rest", run.rest < 0 ? Json(nullptr) : Json(run.rest + 1)},
-          {"error", json_number(run.error)},
-          {"microseconds", json_number(run.microseconds)},
-          {"repeats", run.repeats},
-          {"iterations", run.iterations},
-          {"evaluations", run.evaluations},
-          {"why", run.why}};
+Json json_row(const WorkPrecisionRow& row) {
+  return {{"tolerance", row.tolerance},
+          {"status", status_of(row)},
+          {"claimed", row.claimed},
+          {"confirmed", row.confirmed},
+          {"rest", row.rest < 0 ? Json(nullptr) : Json(row.rest + 1)},
+          {"error", json_number(row.error)},
+          {"microseconds", json_number(row.microseconds)},
+          {"repeats", row.repeats},
+          {"iterations", row.iterations},
+          {"evaluations", row.evaluations},
+          {"why", row.why}};
 }
 
-bool same_run(const MeasuredRun& a, const MeasuredRun& b) {
+bool same_outcome(const WorkPrecisionRow& a, const WorkPrecisionRow& b) {
   const bool same_error = a.error == b.error || (std::isnan(a.error) && std::isnan(b.error));
   return same_error && a.rest == b.rest && a.iterations == b.iterations && a.evaluations == b.evaluations &&
          a.ending == b.ending && a.confirmed == b.confirmed;
 }
 
-SharedRun shared(const MeasuredRun* first, const MeasuredRun* end) {
+ToleranceSpan span_of(const WorkPrecisionRow* first, const WorkPrecisionRow* end) {
   std::vector<double> times;
-  for (const MeasuredRun* run = first; run != end; ++run) times.push_back(run->microseconds);
+  for (const WorkPrecisionRow* row = first; row != end; ++row) times.push_back(row->microseconds);
   const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
   std::nth_element(times.begin(), middle, times.end());
   return {first, end - 1, *middle};
@@ -65,23 +65,23 @@ SharedRun shared(const MeasuredRun* first, const MeasuredRun* end) {
 
 }  // namespace
 
-std::vector<std::vector<SharedRun>> shared_runs(const WorkPrecision& result) {
-  std::vector<std::vector<SharedRun>> out;
-  const MeasuredRun* const end = result.runs.data() + result.runs.size();
-  for (const MeasuredRun* first = result.runs.data(); first != end;) {
-    const MeasuredRun* next = first + 1;
-    while (next != end && next->method == first->method && same_run(*first, *next)) ++next;
+std::vector<std::vector<ToleranceSpan>> tolerance_spans(const WorkPrecision& result) {
+  std::vector<std::vector<ToleranceSpan>> out;
+  const WorkPrecisionRow* const end = result.rows.data() + result.rows.size();
+  for (const WorkPrecisionRow* first = result.rows.data(); first != end;) {
+    const WorkPrecisionRow* next = first + 1;
+    while (next != end && next->method == first->method && same_outcome(*first, *next)) ++next;
     if (out.empty() || out.back().front().loosest->method != first->method) out.emplace_back();
-    out.back().push_back(shared(first, next));
+    out.back().push_back(span_of(first, next));
     first = next;
   }
   return out;
 }
 
-std::string status_of(const MeasuredRun& run) {
-  switch (run.ending) {
+std::string status_of(const WorkPrecisionRow& row) {
+  switch (row.ending) {
     case Ending::arrived:
-      return run.confirmed ? "confirmed" : "claimed";
+      return row.confirmed ? "confirmed" : "claimed";
     case Ending::elsewhere:
       return "another place";
     case Ending::gave_up:
@@ -93,18 +93,18 @@ std::string status_of(const MeasuredRun& run) {
 std::string work_precision_csv(const WorkPrecision& result) {
   std::vector<std::string> methods, statuses;
   std::vector<std::vector<double>> columns(9);
-  for (const MeasuredRun& run : result.runs) {
-    methods.push_back(to_string(run.method));
-    statuses.push_back(status_of(run));
-    const double values[] = {run.tolerance,
-                             run.microseconds,
-                             run.error,
-                             static_cast<double>(run.iterations),
-                             static_cast<double>(run.evaluations),
-                             run.claimed ? 1.0 : 0.0,
-                             run.confirmed ? 1.0 : 0.0,
-                             static_cast<double>(run.repeats),
-                             run.rest < 0 ? std::numeric_limits<double>::quiet_NaN() : run.rest + 1.0};
+  for (const WorkPrecisionRow& row : result.rows) {
+    methods.push_back(to_string(row.method));
+    statuses.push_back(status_of(row));
+    const double values[] = {row.tolerance,
+                             row.microseconds,
+                             row.error,
+                             static_cast<double>(row.iterations),
+                             static_cast<double>(row.evaluations),
+                             row.claimed ? 1.0 : 0.0,
+                             row.confirmed ? 1.0 : 0.0,
+                             static_cast<double>(row.repeats),
+                             row.rest < 0 ? std::numeric_limits<double>::quiet_NaN() : row.rest + 1.0};
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c].push_back(values[c]);
   }
   return csv_text({"method", "status", "tolerance", "microseconds", "error", "iterations", "evaluations", "claimed",
@@ -124,10 +124,10 @@ std::string work_precision_json(const StaticModel& model, const WorkPrecision& r
   for (const comparison::Refusal& refusal : result.refused) {
     out["refused"].push_back({{"method", to_string(refusal.method)}, {"why", refusal.why}});
   }
-  for (auto run = result.runs.begin(); run != result.runs.end();) {
-    const Method method = run->method;
+  for (auto row = result.rows.begin(); row != result.rows.end();) {
+    const Method method = row->method;
     Json runs = Json::array();
-    for (; run != result.runs.end() && run->method == method; ++run) runs.push_back(json_run(*run));
+    for (; row != result.rows.end() && row->method == method; ++row) runs.push_back(json_row(*row));
     out["methods"].push_back({{"method", to_string(method)}, {"runs", runs}});
   }
   return json_text(out, model.scene());
@@ -143,16 +143,16 @@ std::vector<Panel> work_precision_panels(const StaticModel& model, const WorkPre
               .x_falls = true,
               .tall = true};
   std::vector<std::string> absent;
-  for (const std::vector<SharedRun>& runs : shared_runs(result)) {
-    const Method method = runs.front().loosest->method;
+  for (const std::vector<ToleranceSpan>& spans : tolerance_spans(result)) {
+    const Method method = spans.front().loosest->method;
     Curve curve{.name = to_string(method), .style = Curve::Style::marked, .colour = static_cast<int>(method)};
     bool any = false;
-    for (const SharedRun& run : runs) {
-      const bool arrived = run.loosest->ending == Ending::arrived;
+    for (const ToleranceSpan& span : spans) {
+      const bool arrived = span.loosest->ending == Ending::arrived;
       const double gap = std::numeric_limits<double>::quiet_NaN();
       any = any || arrived;
-      curve.x.push_back(arrived ? std::max(run.loosest->error, least_drawn_error) : gap);
-      curve.y.push_back(arrived ? run.microseconds : gap);
+      curve.x.push_back(arrived ? std::max(span.loosest->error, least_drawn_error) : gap);
+      curve.y.push_back(arrived ? span.microseconds : gap);
     }
     if (any)
       panel.curves.push_back(std::move(curve));

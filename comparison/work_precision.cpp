@@ -46,10 +46,10 @@ class Study {
     for (const Method method : methods_) {
       if (!refuses(method)) run_rows(method);
     }
-    for (const MeasuredRun& row : out_.runs) {
+    for (const WorkPrecisionRow& row : out_.rows) {
       if (row.confirmed && nearest_rest(row.x).rest < 0) learn(row.x, check(model_, row.x), nullptr);
     }
-    for (MeasuredRun& row : out_.runs) tell_error(row);
+    for (WorkPrecisionRow& row : out_.rows) tell_error(row);
     return std::move(out_);
   }
 
@@ -114,7 +114,7 @@ class Study {
   void run_row(Method method, double tolerance) {
     SolveOptions settings = settings_of(method);
     settings.tolerance = tolerance;
-    MeasuredRun row;
+    WorkPrecisionRow row;
     row.method = method;
     row.tolerance = tolerance;
     std::vector<double> times;
@@ -134,7 +134,7 @@ class Study {
     } while (wants_more(times.size(), begin));
     row.repeats = static_cast<int>(times.size());
     row.microseconds = median(std::move(times));
-    out_.runs.push_back(std::move(row));
+    out_.rows.push_back(std::move(row));
   }
 
   bool wants_more(std::size_t runs, std::chrono::steady_clock::time_point since) const {
@@ -167,7 +167,7 @@ class Study {
     return neutral;
   }
 
-  void tell_error(MeasuredRun& row) const {
+  void tell_error(WorkPrecisionRow& row) const {
     const Nearest nearest = nearest_rest(row.x);
     row.rest = nearest.rest;
     row.error = nearest.error;

@@ -37,7 +37,7 @@ enum class Ending {
 };
 
 /// One method at one tolerance.
-struct MeasuredRun {
+struct WorkPrecisionRow {
   Method method{};
   double tolerance = 0.0;
   Ending ending = Ending::gave_up;
@@ -61,8 +61,8 @@ struct Refusal {
 struct WorkPrecision {
   std::vector<KnownRest> rests;
   std::vector<Refusal> refused;
-  std::vector<MeasuredRun> runs;  ///< method by method, in the order of the tolerances
-  bool interrupted = false;       ///< rows not finished are left out
+  std::vector<WorkPrecisionRow> rows;  ///< method by method, in the order of the tolerances
+  bool interrupted = false;            ///< rows not finished are left out
 };
 
 /// What accuracy costs each method: time, achieved error and effort of runs from the scene's assembled start.

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A [[run]] as written; one whose data file is split becomes many runs.
-struct WrittenRun {
+struct RunTable {
   Run run;
   RunSource source;
 };
@@ -32,22 +32,22 @@ class RunsReader {
       defaults.push_back(table.has("split") ? "segment" : "run " + std::to_string(defaults.size() + 1));
     }
     const std::vector<std::string> names = names_of({tables_.begin(), tables_.end()}, defaults, {});
-    std::vector<WrittenRun> runs;
+    std::vector<RunTable> runs;
     for (std::size_t i = 0; i < tables_.size(); ++i) {
       runs.push_back(read_run(tables_[i], folder));
       runs.back().run.name = names[i];
     }
     DataFiles files(experiment_.sensors);
     if (!data.empty()) take_data_from(data, runs);
-    for (const WrittenRun& written : runs) {
+    for (const RunTable& written : runs) {
       if (!written.run.data.empty()) files.want(written.run.data, written.source);
     }
-    for (WrittenRun& written : runs) add(std::move(written), files);
+    for (RunTable& written : runs) add(std::move(written), files);
   }
 
  private:
-  WrittenRun read_run(const TomlTable& table, const fs::path& folder) {
-    WrittenRun written;
+  RunTable read_run(const TomlTable& table, const fs::path& folder) {
+    RunTable written;
     Run& run = written.run;
     run.line = table.place().line;
     if (table.has("data")) {
@@ -183,9 +183,9 @@ class RunsReader {
     }
   }
 
-  static void take_data_from(const fs::path& data, std::vector<WrittenRun>& runs) {
+  static void take_data_from(const fs::path& data, std::vector<RunTable>& runs) {
     const fs::path* named = nullptr;
-    for (WrittenRun& written : runs) {
+    for (RunTable& written : runs) {
       if (written.run.data.empty()) continue;
       if (named != nullptr && written.run.data != *named) {
         written.source.place.fail("expected all runs to name one data file, for --data to take its place");
@@ -195,12 +195,12 @@ class RunsReader {
     if (named == nullptr) {
       throw InputError("--data " + data.string() + ": expected an experiment with measured runs; give one a data file");
     }
-    for (WrittenRun& written : runs) {
+    for (RunTable& written : runs) {
       if (!written.run.data.empty()) written.run.data = data;
     }
   }
 
-  void add(WrittenRun written, DataFiles& files) {
+  void add(RunTable written, DataFiles& files) {
     const RunSource& source = written.source;
     if (written.run.data.empty()) {
       add_run(std::move(written.run), {});

@@ -90,7 +90,8 @@ std::string command_of(const StressRequest& request) {
   return text;
 }
 
-StressRun run_cases(const StressRequest& request, const std::vector<comparison::HardCase>& cases, Progress& progress) {
+StressOutcome run_cases(const StressRequest& request, const std::vector<comparison::HardCase>& cases,
+                        Progress& progress) {
   comparison::StressOptions options;
   options.methods = read_methods("--methods", request.methods.value_or("all"));
   options.starts = request.starts.value_or(options.starts);
@@ -98,22 +99,22 @@ StressRun run_cases(const StressRequest& request, const std::vector<comparison::
   options.interrupt = &watch_for_interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
 
-  StressRun run;
-  run.command = command_of(request);
-  run.safeguards = request.safeguards;
-  run.seconds = request.seconds;
-  run.asked = cases.size();
+  StressOutcome outcome;
+  outcome.command = command_of(request);
+  outcome.safeguards = request.safeguards;
+  outcome.seconds = request.seconds;
+  outcome.asked = cases.size();
   if (request.safeguards) {
     for (const comparison::Variant& variant : comparison::safeguard_variants()) {
-      run.methods.push_back(run.methods.empty() ? variant.name : "without " + variant.name);
+      outcome.methods.push_back(outcome.methods.empty() ? variant.name : "without " + variant.name);
     }
-    run.results = comparison::stress_safeguards(cases, options);
+    outcome.results = comparison::stress_safeguards(cases, options);
   } else {
-    for (const Method method : options.methods) run.methods.push_back(to_string(method));
-    run.results = comparison::stress(cases, options);
+    for (const Method method : options.methods) outcome.methods.push_back(to_string(method));
+    outcome.results = comparison::stress(cases, options);
   }
-  run.interrupted = *options.interrupt;
-  return run;
+  outcome.interrupted = *options.interrupt;
+  return outcome;
 }
 
 int run_stress(const StressRequest& request, const Palette& palette) {
@@ -128,16 +129,16 @@ int run_stress(const StressRequest& request, const Palette& palette) {
     return solved;
   }
   OutputFiles files(request.common);
-  const StressRun run = run_cases(request, cases, progress);
+  const StressOutcome outcome = run_cases(request, cases, progress);
   progress.now("writing the result");
   const std::string written =
-      files.write(files.wants_json() ? stress_json(run) : "", "", files.wants_csv() ? stress_csv(run) : "",
-                  files.wants_markdown() ? stress_markdown(run) : "");
+      files.write(files.wants_json() ? stress_json(outcome) : "", "", files.wants_csv() ? stress_csv(outcome) : "",
+                  files.wants_markdown() ? stress_markdown(outcome) : "");
   progress.done();
-  print((request.cases.empty() ? stress_overview(run, palette) : stress_details(run, palette)) +
+  print((request.cases.empty() ? stress_overview(outcome, palette) : stress_details(outcome, palette)) +
         (written.empty() ? "" : "\n" + written));
-  const StressFailures failures = failures_of(run);
-  return failures.wrong == 0 && failures.missed.empty() && !run.interrupted ? solved : not_solved;
+  const StressFailures failures = failures_of(outcome);
+  return failures.wrong == 0 && failures.missed.empty() && !outcome.interrupted ? solved : not_solved;
 }
 
 }  // namespace

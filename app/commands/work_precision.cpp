@@ -85,8 +85,8 @@ int run_work_precision(const Request& request, comparison::WorkPrecisionOptions 
   }
   progress.done();
   print(work_precision_report(model, result, options, palette) + (written.empty() ? "" : "\n" + written));
-  const bool any = std::any_of(result.runs.begin(), result.runs.end(),
-                               [](const comparison::MeasuredRun& run) { return status_of(run) == "confirmed"; });
+  const bool any = std::any_of(result.rows.begin(), result.rows.end(),
+                               [](const comparison::WorkPrecisionRow& row) { return status_of(row) == "confirmed"; });
   return any && !result.interrupted ? solved : not_solved;
 }
 

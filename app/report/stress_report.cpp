@@ -28,18 +28,18 @@ Tone tone_of(const HardCase& hard, const Tried& cell) {
   return must && !comparison::mastered(cell) ? Tone::doubtful : Tone::plain;
 }
 
-std::string verdict(const StressRun& run, const Palette& palette) {
-  const StressFailures failures = failures_of(run);
+std::string verdict(const StressOutcome& outcome, const Palette& palette) {
+  const StressFailures failures = failures_of(outcome);
   std::string out;
-  if (run.interrupted) {
+  if (outcome.interrupted) {
     out += palette.paint(Tone::doubtful, fmt::format("Interrupted in case {} of {}.",
-                                                     std::max<std::size_t>(1, run.results.size()), run.asked)) +
+                                                     std::max<std::size_t>(1, outcome.results.size()), outcome.asked)) +
            "\n";
   }
   if (failures.wrong > 0) {
     out += palette.paint(Tone::bad, fmt::format("{} wrongly claimed.", count(failures.wrong, "rest is", "rests are"))) +
            "\n";
-  } else if (!run.results.empty()) {
+  } else if (!outcome.results.empty()) {
     out += palette.paint(Tone::good, "No claim that the check confirms is wrong.") + "\n";
   }
   if (!failures.missed.empty()) {
@@ -51,16 +51,16 @@ std::string verdict(const StressRun& run, const Palette& palette) {
   return out;
 }
 
-std::string arrival_table(const StressRun& run, const Palette& palette) {
+std::string arrival_table(const StressOutcome& outcome, const Palette& palette) {
   std::vector<Cell> cases, asked;
-  std::vector<std::vector<Cell>> columns(run.methods.size());
+  std::vector<std::vector<Cell>> columns(outcome.methods.size());
   const auto add_heading = [&](const std::string& kind) {
     cases.push_back({kind, Tone::strong});
     asked.push_back({});
     for (std::vector<Cell>& column : columns) column.push_back({});
   };
   std::string kind;
-  for (const CaseResult* result : shown_cases(run)) {
+  for (const CaseResult* result : shown_cases(outcome)) {
     if (result->hard.kind != kind) add_heading(kind = result->hard.kind);
     cases.push_back({"  " + result->hard.name});
     asked.push_back({asked_for(result->hard), Tone::faint});
@@ -85,10 +85,10 @@ std::string arrival_table(const StressRun& run, const Palette& palette) {
          "\n";
 }
 
-std::string method_table(const StressRun& run, const Palette& palette) {
+std::string method_table(const StressOutcome& outcome, const Palette& palette) {
   std::vector<std::string> numbers, names, taken, mastered, iterations, times, denied, inexact;
   std::vector<Cell> wrong;
-  for (const MethodSummary& s : summaries(run)) {
+  for (const MethodSummary& s : summaries(outcome)) {
     numbers.push_back(std::to_string(numbers.size() + 1));
     names.push_back(s.name);
     mastered.push_back(fmt::format("{} of {}", s.mastered, s.taken));
@@ -100,7 +100,7 @@ std::string method_table(const StressRun& run, const Palette& palette) {
   }
   Table table;
   table.add_number_column("", numbers);
-  table.add_text_column(run.safeguards ? "virtual work" : "method", names);
+  table.add_text_column(outcome.safeguards ? "virtual work" : "method", names);
   table.add_number_column("mastered", mastered);
   table.add_number_cells("wrong", wrong);
   table.add_number_column("denied", denied);
@@ -116,9 +116,9 @@ std::string method_table(const StressRun& run, const Palette& palette) {
          "\n";
 }
 
-std::string no_answer_section(const StressRun& run, const Palette& palette) {
+std::string no_answer_section(const StressOutcome& outcome, const Palette& palette) {
   std::string out;
-  for (const CaseResult& result : run.results) {
+  for (const CaseResult& result : outcome.results) {
     if (result.hard.why.empty()) continue;
     out += fmt::format("  {}: {}\n", result.hard.name, one_line(result.hard.why));
   }
@@ -141,13 +141,13 @@ std::string known_in_words(const HardCase& hard) {
   return listed(parts) + (hard.complete ? "; that is all" : "; others are refined in 50 digits");
 }
 
-std::string detail_table(const StressRun& run, const CaseResult& result, const Palette& palette) {
+std::string detail_table(const StressOutcome& outcome, const CaseResult& result, const Palette& palette) {
   std::vector<std::string> names, starts, inexact, denied, iterations, times, errors, digits;
   std::vector<Cell> arrived, wrong;
   for (std::size_t k = 0; k < result.cells.size(); ++k) {
     const Tried& cell = result.cells[k];
     const auto number = [&](int value) { return cell.refused ? std::string("-") : std::to_string(value); };
-    names.push_back(run.methods[k]);
+    names.push_back(outcome.methods[k]);
     starts.push_back(number(cell.starts));
     arrived.push_back({arrival(cell), tone_of(result.hard, cell)});
     inexact.push_back(number(cell.inexact));
@@ -159,7 +159,7 @@ std::string detail_table(const StressRun& run, const CaseResult& result, const P
     digits.push_back(digits_of(cell.allowed));
   }
   Table table;
-  table.add_text_column(run.safeguards ? "virtual work" : "method", names);
+  table.add_text_column(outcome.safeguards ? "virtual work" : "method", names);
   table.add_number_column("starts", starts);
   table.add_number_cells("arrived, %", arrived);
   table.add_number_column("inexact", inexact);
@@ -172,7 +172,7 @@ std::string detail_table(const StressRun& run, const CaseResult& result, const P
   return table.print(palette);
 }
 
-std::string case_details(const StressRun& run, const CaseResult& result, const Palette& palette) {
+std::string case_details(const StressOutcome& outcome, const CaseResult& result, const Palette& palette) {
   const HardCase& hard = result.hard;
   std::string out = heading(fmt::format("{}: {}", hard.name, hard.title), hard.source, palette);
   out += fact("asked for", hard.seek == Seek::stable ? "a stable rest" : "the nearest rest", palette);
@@ -181,11 +181,11 @@ std::string case_details(const StressRun& run, const CaseResult& result, const P
               fmt::format("every coordinate within {} (rad, or mechanism sizes) of the scene's own start",
                           significant(hard.reach, 3)),
               palette);
-  out += "\n" + detail_table(run, result, palette);
+  out += "\n" + detail_table(outcome, result, palette);
   std::string words;
   for (std::size_t k = 0; k < result.cells.size(); ++k) {
     const Tried& cell = result.cells[k];
-    if (!cell.why.empty()) words += fmt::format("  {}: {}\n", run.methods[k], one_line(cell.why));
+    if (!cell.why.empty()) words += fmt::format("  {}: {}\n", outcome.methods[k], one_line(cell.why));
   }
   return out + (words.empty() ? "" : "\n" + words);
 }
@@ -220,27 +220,28 @@ std::string stress_list(const std::vector<HardCase>& cases, const Palette& palet
   return table.print(palette);
 }
 
-std::string stress_overview(const StressRun& run, const Palette& palette) {
-  const std::string arrivals = arrival_table(run, palette);
-  const std::string differing = run.safeguards ? "Starts that arrive, per cent, where a safeguard makes a difference"
-                                               : "Starts that arrive, per cent";
-  return verdict(run, palette) + section(differing, arrivals, palette) +
-         section(run.safeguards ? "What each form comes to" : "What each method comes to", method_table(run, palette),
-                 palette) +
-         (run.safeguards ? "" : no_answer_section(run, palette));
+std::string stress_overview(const StressOutcome& outcome, const Palette& palette) {
+  const std::string arrivals = arrival_table(outcome, palette);
+  const std::string differing = outcome.safeguards
+                                    ? "Starts that arrive, per cent, where a safeguard makes a difference"
+                                    : "Starts that arrive, per cent";
+  return verdict(outcome, palette) + section(differing, arrivals, palette) +
+         section(outcome.safeguards ? "What each form comes to" : "What each method comes to",
+                 method_table(outcome, palette), palette) +
+         (outcome.safeguards ? "" : no_answer_section(outcome, palette));
 }
 
-std::string stress_details(const StressRun& run, const Palette& palette) {
+std::string stress_details(const StressOutcome& outcome, const Palette& palette) {
   std::string out;
-  for (const CaseResult& result : run.results) out += case_details(run, result, palette) + "\n";
-  if (!run.results.empty()) {
+  for (const CaseResult& result : outcome.results) out += case_details(outcome, result, palette) + "\n";
+  if (!outcome.results.empty()) {
     out += palette.paint(Tone::faint,
                          "  error: largest of all arrivals from the known rest (rad, or length over mechanism size); "
                          "digits: those that\n  the condition of that rest allows; iterations, time: medians over "
                          "arrivals") +
            "\n\n";
   }
-  return out + verdict(run, palette);
+  return out + verdict(outcome, palette);
 }
 
 }  // namespace poise::app

@@ -9,7 +9,7 @@
 namespace poise::app {
 
 /// What `poise stress` has run.
-struct StressRun {
+struct StressOutcome {
   std::string command;               ///< as it was asked for: "poise stress --starts 100"
   std::vector<std::string> methods;  ///< names of the cells of every case: methods, or forms of virtual work
   bool safeguards = false;           ///< they are forms of virtual work
@@ -31,13 +31,13 @@ std::string stress_list(const std::vector<comparison::HardCase>& cases, const Pa
 
 /// All cases on one sheet: arrivals case by case and method by method, what each method comes to, and why some cases
 /// have no answer. Of safeguards only the cases where one makes a difference.
-std::string stress_overview(const StressRun& run, const Palette& palette);
+std::string stress_overview(const StressOutcome& outcome, const Palette& palette);
 
 /// The same case by case, with effort and errors.
-std::string stress_details(const StressRun& run, const Palette& palette);
+std::string stress_details(const StressOutcome& outcome, const Palette& palette);
 
 /// The overview as a page for docs/.
-std::string stress_markdown(const StressRun& run);
+std::string stress_markdown(const StressOutcome& outcome);
 
 /// What was wrongly claimed, and what virtual work (with all its safeguards) fails to master although there is an
 /// answer.
@@ -45,6 +45,6 @@ struct StressFailures {
   int wrong = 0;                    ///< claims
   std::vector<std::string> missed;  ///< cases
 };
-StressFailures failures_of(const StressRun& run);
+StressFailures failures_of(const StressOutcome& outcome);
 
 }  // namespace poise::app

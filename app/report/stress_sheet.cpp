@@ -10,13 +10,13 @@ namespace poise::app {
 using comparison::CaseResult;
 using comparison::Expect;
 
-std::vector<MethodSummary> summaries(const StressRun& run) {
+std::vector<MethodSummary> summaries(const StressOutcome& outcome) {
   std::vector<MethodSummary> out;
-  for (std::size_t k = 0; k < run.methods.size(); ++k) {
+  for (std::size_t k = 0; k < outcome.methods.size(); ++k) {
     MethodSummary s;
-    s.name = run.methods[k];
+    s.name = outcome.methods[k];
     std::vector<double> iterations, times;
-    for (const CaseResult& result : run.results) {
+    for (const CaseResult& result : outcome.results) {
       if (k >= result.cells.size() || result.cells[k].refused) continue;
       const comparison::Cell& cell = result.cells[k];
       s.wrong += cell.wrong;
@@ -36,13 +36,13 @@ std::vector<MethodSummary> summaries(const StressRun& run) {
   return out;
 }
 
-std::vector<const CaseResult*> shown_cases(const StressRun& run) {
+std::vector<const CaseResult*> shown_cases(const StressOutcome& outcome) {
   std::vector<const CaseResult*> out;
-  for (const CaseResult& result : run.results) {
+  for (const CaseResult& result : outcome.results) {
     const bool differs = std::any_of(result.cells.begin(), result.cells.end(), [&](const comparison::Cell& cell) {
       return arrival(cell) != arrival(result.cells.front());
     });
-    if (!run.safeguards || differs) out.push_back(&result);
+    if (!outcome.safeguards || differs) out.push_back(&result);
   }
   return out;
 }
@@ -62,14 +62,14 @@ std::string digits_of(double allowed) {
   return fmt::format("{:.1f}", std::max(0.0, -std::log10(allowed)));
 }
 
-StressFailures failures_of(const StressRun& run) {
+StressFailures failures_of(const StressOutcome& outcome) {
   StressFailures out;
-  for (const CaseResult& result : run.results) {
+  for (const CaseResult& result : outcome.results) {
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
       const comparison::Cell& cell = result.cells[k];
       out.wrong += cell.wrong;
       // Of safeguards only the first form has all of them.
-      const bool must = cell.method == Method::virtual_work && (!run.safeguards || k == 0);
+      const bool must = cell.method == Method::virtual_work && (!outcome.safeguards || k == 0);
       if (must && result.hard.expect == Expect::equilibrium && !comparison::mastered(cell)) {
         out.missed.push_back(result.hard.name);
       }

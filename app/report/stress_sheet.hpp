@@ -18,10 +18,10 @@ struct MethodSummary {
   double iterations = 0.0, microseconds = 0.0;  ///< medians over cases; not a number where it never arrived
 };
 
-std::vector<MethodSummary> summaries(const StressRun& run);
+std::vector<MethodSummary> summaries(const StressOutcome& outcome);
 
 /// The cases of the overview: all, or, of safeguards, those where switching one off changes the arrivals.
-std::vector<const comparison::CaseResult*> shown_cases(const StressRun& run);
+std::vector<const comparison::CaseResult*> shown_cases(const StressOutcome& outcome);
 
 /// Digits that an error leaves: "9.4"; "-" where it is not known.
 std::string digits_of(double allowed);

@@ -16,12 +16,12 @@ namespace {
 
 using comparison::Ending;
 using comparison::KnownRest;
-using comparison::MeasuredRun;
 using comparison::WorkPrecision;
+using comparison::WorkPrecisionRow;
 
 constexpr std::array<double, 4> milestones = {1e-3, 1e-6, 1e-9, 1e-12};
 
-using Runs = std::vector<SharedRun>;
+using Spans = std::vector<ToleranceSpan>;
 
 /// "1e-6".
 std::string power(double tolerance) {
@@ -57,42 +57,42 @@ std::string known_rests(const WorkPrecision& result, const Palette& palette) {
   return out.empty() ? fact("rests", "none is known in 50 digits, so no error can be told", palette) : out;
 }
 
-bool arrived(const SharedRun& run) { return run.loosest->ending == Ending::arrived; }
+bool arrived(const ToleranceSpan& span) { return span.loosest->ending == Ending::arrived; }
 
-std::string least_time(const Runs& runs, double error) {
+std::string least_time(const Spans& spans, double error) {
   double least = std::numeric_limits<double>::infinity();
-  for (const SharedRun& run : runs) {
-    if (arrived(run) && run.loosest->error <= error) least = std::min(least, run.microseconds);
+  for (const ToleranceSpan& span : spans) {
+    if (arrived(span) && span.loosest->error <= error) least = std::min(least, span.microseconds);
   }
   return std::isfinite(least) ? duration(least) : "-";
 }
 
-double least_error(const Runs& runs) {
+double least_error(const Spans& spans) {
   double least = std::numeric_limits<double>::quiet_NaN();
-  for (const SharedRun& run : runs) {
-    if (arrived(run) && !(run.loosest->error >= least)) least = run.loosest->error;
+  for (const ToleranceSpan& span : spans) {
+    if (arrived(span) && !(span.loosest->error >= least)) least = span.loosest->error;
   }
   return least;
 }
 
-std::string arrivals(const Runs& runs) {
+std::string arrivals(const Spans& spans) {
   std::ptrdiff_t there = 0, all = 0;
-  for (const SharedRun& run : runs) {
-    const std::ptrdiff_t tolerances = run.tightest - run.loosest + 1;
+  for (const ToleranceSpan& span : spans) {
+    const std::ptrdiff_t tolerances = span.tightest - span.loosest + 1;
     all += tolerances;
-    if (arrived(run)) there += tolerances;
+    if (arrived(span)) there += tolerances;
   }
   return fmt::format("{} of {}", there, all);
 }
 
-std::string summary(const std::vector<Runs>& methods, const Palette& palette) {
+std::string summary(const std::vector<Spans>& methods, const Palette& palette) {
   std::vector<std::string> names, errors, counts;
   std::array<std::vector<std::string>, milestones.size()> times;
-  for (const Runs& runs : methods) {
-    names.push_back(to_string(runs.front().loosest->method));
-    for (std::size_t m = 0; m < milestones.size(); ++m) times[m].push_back(least_time(runs, milestones[m]));
-    errors.push_back(small_number(least_error(runs)));
-    counts.push_back(arrivals(runs));
+  for (const Spans& spans : methods) {
+    names.push_back(to_string(spans.front().loosest->method));
+    for (std::size_t m = 0; m < milestones.size(); ++m) times[m].push_back(least_time(spans, milestones[m]));
+    errors.push_back(small_number(least_error(spans)));
+    counts.push_back(arrivals(spans));
   }
   Table table;
   table.add_text_column("method", names);
@@ -102,25 +102,25 @@ std::string summary(const std::vector<Runs>& methods, const Palette& palette) {
   return section("Least time to an error below", table.print(palette), palette);
 }
 
-Cell status_cell(const MeasuredRun& run) {
-  const std::string status = status_of(run);
-  if (run.ending == Ending::arrived) return {status, run.confirmed ? Tone::good : Tone::plain};
-  return {run.confirmed ? status + ", confirmed" : status, Tone::bad};
+Cell status_cell(const WorkPrecisionRow& row) {
+  const std::string status = status_of(row);
+  if (row.ending == Ending::arrived) return {status, row.confirmed ? Tone::good : Tone::plain};
+  return {row.confirmed ? status + ", confirmed" : status, Tone::bad};
 }
 
-std::string method_section(const Runs& runs, bool several_rests, const Palette& palette) {
+std::string method_section(const Spans& spans, bool several_rests, const Palette& palette) {
   std::vector<std::string> tolerances, times, errors, iterations, evaluations, rests;
   std::vector<Cell> statuses;
-  for (const SharedRun& shared : runs) {
-    const MeasuredRun& run = *shared.loosest;
-    tolerances.push_back(power(run.tolerance) +
-                         (shared.tightest == shared.loosest ? "" : " .. " + power(shared.tightest->tolerance)));
-    times.push_back(duration(shared.microseconds));
-    errors.push_back(small_number(run.error));
-    iterations.push_back(std::to_string(run.iterations));
-    evaluations.push_back(std::to_string(run.evaluations));
-    rests.push_back(run.rest < 0 ? "-" : std::to_string(run.rest + 1));
-    statuses.push_back(status_cell(run));
+  for (const ToleranceSpan& span : spans) {
+    const WorkPrecisionRow& row = *span.loosest;
+    tolerances.push_back(power(row.tolerance) +
+                         (span.tightest == span.loosest ? "" : " .. " + power(span.tightest->tolerance)));
+    times.push_back(duration(span.microseconds));
+    errors.push_back(small_number(row.error));
+    iterations.push_back(std::to_string(row.iterations));
+    evaluations.push_back(std::to_string(row.evaluations));
+    rests.push_back(row.rest < 0 ? "-" : std::to_string(row.rest + 1));
+    statuses.push_back(status_cell(row));
   }
   Table table;
   table.add_text_column("tolerance", tolerances);
@@ -131,12 +131,12 @@ std::string method_section(const Runs& runs, bool several_rests, const Palette& 
   if (several_rests) table.add_number_column("rest", rests);
   table.add_text_column("status", statuses);
   std::string body = table.print(palette);
-  const auto failed = std::find_if_not(runs.begin(), runs.end(), arrived);
-  if (failed != runs.end()) {
-    const MeasuredRun& run = *failed->loosest;
-    body += palette.paint(Tone::faint, fmt::format("  at {}: {}", power(run.tolerance), run.why)) + "\n";
+  const auto failed = std::find_if_not(spans.begin(), spans.end(), arrived);
+  if (failed != spans.end()) {
+    const WorkPrecisionRow& row = *failed->loosest;
+    body += palette.paint(Tone::faint, fmt::format("  at {}: {}", power(row.tolerance), row.why)) + "\n";
   }
-  const MethodTraits& method = traits(runs.front().loosest->method);
+  const MethodTraits& method = traits(spans.front().loosest->method);
   return section(fmt::format("{}: {}", method.name, method.what), body, palette);
 }
 
@@ -147,7 +147,7 @@ std::string work_precision_report(const StaticModel& model, const WorkPrecision&
   std::string out = heading(model, palette);
   if (result.interrupted) {
     out += palette.paint(Tone::bad, fmt::format("Interrupted: {} finished.",
-                                                count(static_cast<int>(result.runs.size()), "row was", "rows were"))) +
+                                                count(static_cast<int>(result.rows.size()), "row was", "rows were"))) +
            "\n";
   }
   out += friction_line(model.scene(), palette) + known_rests(result, palette);
@@ -155,13 +155,13 @@ std::string work_precision_report(const StaticModel& model, const WorkPrecision&
               fmt::format("of the search alone, median of {}; more where they take microseconds",
                           count(options.repeats, "run", "runs")),
               palette);
-  const std::vector<Runs> methods = shared_runs(result);
+  const std::vector<Spans> methods = tolerance_spans(result);
   out += summary(methods, palette);
   for (const comparison::Refusal& refusal : result.refused) {
     out +=
         palette.paint(Tone::doubtful, fmt::format("  {} refuses: {}", to_string(refusal.method), refusal.why)) + "\n";
   }
-  for (const Runs& runs : methods) out += method_section(runs, result.rests.size() > 1, palette);
+  for (const Spans& spans : methods) out += method_section(spans, result.rests.size() > 1, palette);
   if (!methods.empty()) {
     out += "\n" +
            palette.paint(Tone::faint,

@@ -130,8 +130,8 @@ TEST(WorkPrecisionCommand, RefusalsAreTold) {
   EXPECT_TRUE(contains(run.out, "energy refuses: force \"jet\" follows a body")) << run.out;
 }
 
-comparison::MeasuredRun run_with(Ending ending, bool confirmed, double error) {
-  comparison::MeasuredRun run;
+comparison::WorkPrecisionRow run_with(Ending ending, bool confirmed, double error) {
+  comparison::WorkPrecisionRow run;
   run.method = Method::cobyla;
   run.tolerance = 1e-3;
   run.ending = ending;
@@ -151,29 +151,29 @@ TEST(WorkPrecisionFiles, StatusesAreToldApart) {
 
 TEST(WorkPrecisionFiles, TolerancesThatChangeNothingShareARun) {
   comparison::WorkPrecision result;
-  result.runs = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::arrived, true, 1e-4),
+  result.rows = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::arrived, true, 1e-4),
                  run_with(Ending::arrived, true, 1e-4), run_with(Ending::arrived, true, 1e-9)};
-  result.runs[1].microseconds = 7.0;
-  result.runs[2].microseconds = 6.0;
-  result.runs.push_back(result.runs.back());
-  result.runs.back().method = Method::slsqp;
-  const std::vector<std::vector<SharedRun>> shared = shared_runs(result);
+  result.rows[1].microseconds = 7.0;
+  result.rows[2].microseconds = 6.0;
+  result.rows.push_back(result.rows.back());
+  result.rows.back().method = Method::slsqp;
+  const std::vector<std::vector<ToleranceSpan>> shared = tolerance_spans(result);
   ASSERT_EQ(shared.size(), 2U) << "methods share nothing";
   ASSERT_EQ(shared[0].size(), 2U);
-  EXPECT_EQ(shared[0][0].loosest, &result.runs[0]);
-  EXPECT_EQ(shared[0][0].tightest, &result.runs[2]);
+  EXPECT_EQ(shared[0][0].loosest, &result.rows[0]);
+  EXPECT_EQ(shared[0][0].tightest, &result.rows[2]);
   EXPECT_EQ(shared[0][0].microseconds, 6.0) << "the median";
-  EXPECT_EQ(shared[0][1].loosest, &result.runs[3]);
+  EXPECT_EQ(shared[0][1].loosest, &result.rows[3]);
 }
 
 TEST(WorkPrecisionFiles, ThePictureShowsOnlyRunsThatArrived) {
   const StaticModel model(parse_scene(app_tests::pendulum, "scene"));
   comparison::WorkPrecision result;
-  result.runs = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::gave_up, false, 1e-5),
+  result.rows = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::gave_up, false, 1e-5),
                  run_with(Ending::arrived, true, 0.0)};
-  comparison::MeasuredRun lost = run_with(Ending::elsewhere, false, NAN);
+  comparison::WorkPrecisionRow lost = run_with(Ending::elsewhere, false, NAN);
   lost.method = Method::slsqp;
-  result.runs.push_back(lost);
+  result.rows.push_back(lost);
   const std::vector<Panel> panels = work_precision_panels(model, result);
   ASSERT_EQ(panels.size(), 1U);
   EXPECT_TRUE(panels[0].log_x && panels[0].log_y && panels[0].x_falls);
@@ -192,8 +192,8 @@ TEST(WorkPrecisionReport, AnInterruptedStudyPrintsWhatItHas) {
   const StaticModel model(parse_scene(app_tests::pendulum, "scene"));
   comparison::WorkPrecision result;
   result.interrupted = true;
-  result.runs = {run_with(Ending::gave_up, true, 1e-9)};
-  result.runs[0].why = "out of patience";
+  result.rows = {run_with(Ending::gave_up, true, 1e-9)};
+  result.rows[0].why = "out of patience";
   const std::string text = work_precision_report(model, result, {}, Palette());
   EXPECT_TRUE(contains(text, "Interrupted: 1 row was finished.")) << text;
   EXPECT_TRUE(contains(text, "gave up, confirmed")) << text;

@@ -67,9 +67,9 @@ TEST(WorkPrecision, ErrorsOfAPendulumAreThoseFromItsClosedForm) {
   EXPECT_FALSE(rest.neutral);
   EXPECT_FALSE(result.interrupted);
   EXPECT_TRUE(result.refused.empty());
-  ASSERT_EQ(result.runs.size(), 2 * decades.size());
-  for (std::size_t k = 0; k < result.runs.size(); ++k) {
-    const MeasuredRun& run = result.runs[k];
+  ASSERT_EQ(result.rows.size(), 2 * decades.size());
+  for (std::size_t k = 0; k < result.rows.size(); ++k) {
+    const WorkPrecisionRow& run = result.rows[k];
     EXPECT_EQ(run.method, independent[k / decades.size()]);
     EXPECT_EQ(run.tolerance, decades[k % decades.size()]);
     EXPECT_EQ(run.ending, Ending::arrived);
@@ -78,18 +78,18 @@ TEST(WorkPrecision, ErrorsOfAPendulumAreThoseFromItsClosedForm) {
     EXPECT_GT(run.microseconds, 0.0);
     EXPECT_GE(run.evaluations, run.iterations);
     if (k % decades.size() > 0) {
-      EXPECT_LE(run.error, result.runs[k - 1].error + 1e-15) << "tighter is no worse";
+      EXPECT_LE(run.error, result.rows[k - 1].error + 1e-15) << "tighter is no worse";
     }
   }
-  EXPECT_LT(result.runs[decades.size() - 1].error, 1e-15);
-  EXPECT_LT(result.runs.back().error, 1e-13);
+  EXPECT_LT(result.rows[decades.size() - 1].error, 1e-15);
+  EXPECT_LT(result.rows.back().error, 1e-13);
 }
 
 TEST(WorkPrecision, NewtonLeavesTheSquareOfItsTolerance) {
   const StaticModel model(read_scene(test::dataset("six_bar.toml")));
   const WorkPrecision result = measure(model, {Method::virtual_work}, {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7});
   double coarsest = 0.0;
-  for (const MeasuredRun& run : result.runs) {
+  for (const WorkPrecisionRow& run : result.rows) {
     EXPECT_EQ(run.ending, Ending::arrived);
     EXPECT_LT(run.error, 10 * run.tolerance * run.tolerance + 1e-14) << run.tolerance;
     coarsest = std::max(coarsest, run.error);
@@ -100,12 +100,12 @@ TEST(WorkPrecision, NewtonLeavesTheSquareOfItsTolerance) {
 TEST(WorkPrecision, CoarseAnswersAreClaimedAndFineOnesConfirmed) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
   const WorkPrecision result = measure(model, independent, {1e-2, 1e-14});
-  for (std::size_t k = 0; k < result.runs.size(); k += 2) {
-    EXPECT_EQ(result.runs[k].ending, Ending::arrived);
-    EXPECT_FALSE(result.runs[k].confirmed) << "the check has its own bounds, not those of the run";
-    EXPECT_GT(result.runs[k].error, 1e-7);
-    EXPECT_TRUE(result.runs[k + 1].confirmed);
-    EXPECT_LT(result.runs[k + 1].error, 1e-14);
+  for (std::size_t k = 0; k < result.rows.size(); k += 2) {
+    EXPECT_EQ(result.rows[k].ending, Ending::arrived);
+    EXPECT_FALSE(result.rows[k].confirmed) << "the check has its own bounds, not those of the run";
+    EXPECT_GT(result.rows[k].error, 1e-7);
+    EXPECT_TRUE(result.rows[k + 1].confirmed);
+    EXPECT_LT(result.rows[k + 1].error, 1e-14);
   }
 }
 
@@ -119,7 +119,7 @@ TEST(WorkPrecision, EachRunIsMeasuredFromTheRestNextToIt) {
   EXPECT_EQ(result.rests[0].found_by, std::vector<Method>{Method::virtual_work});
   EXPECT_EQ(result.rests[1].found_by, std::vector<Method>{Method::energy});
   for (int k = 0; k < 2; ++k) {
-    const MeasuredRun& run = result.runs[static_cast<std::size_t>(k)];
+    const WorkPrecisionRow& run = result.rows[static_cast<std::size_t>(k)];
     EXPECT_EQ(run.ending, Ending::arrived);
     EXPECT_EQ(run.rest, k);
     EXPECT_LT(run.error, 1e-10);
@@ -131,7 +131,7 @@ TEST(WorkPrecision, TheIndependentMethodsAreWitnessesOfAnyOther) {
   const WorkPrecision result = measure(model, {Method::energy}, {1e-8});
   ASSERT_EQ(result.rests.size(), 1U);
   EXPECT_EQ(result.rests[0].found_by, (std::vector<Method>{Method::energy, Method::virtual_work}));
-  EXPECT_EQ(result.runs.size(), 1U);
+  EXPECT_EQ(result.rows.size(), 1U);
 }
 
 TEST(WorkPrecision, WholeTurnsAreNoError) {
@@ -139,7 +139,7 @@ TEST(WorkPrecision, WholeTurnsAreNoError) {
   const WorkPrecision result = measure(model, independent, {1e-10});
   ASSERT_EQ(result.rests.size(), 1U);
   EXPECT_NEAR(result.rests[0].x.front(), 1.5 * M_PI, 1e-15);
-  for (const MeasuredRun& run : result.runs) EXPECT_LT(run.error, 1e-9);
+  for (const WorkPrecisionRow& run : result.rows) EXPECT_LT(run.error, 1e-9);
 }
 
 TEST(WorkPrecision, RefusalsAreNamedAndNotRun) {
@@ -148,17 +148,17 @@ TEST(WorkPrecision, RefusalsAreNamedAndNotRun) {
   for (const Refusal& refusal : result.refused) {
     EXPECT_TRUE(traits(refusal.method).needs_potential);
     EXPECT_NE(refusal.why.find("\"jet\""), std::string::npos) << refusal.why;
-    for (const MeasuredRun& run : result.runs) EXPECT_NE(run.method, refusal.method);
+    for (const WorkPrecisionRow& run : result.rows) EXPECT_NE(run.method, refusal.method);
   }
-  EXPECT_EQ(result.refused.size() + result.runs.size(), all_methods().size());
-  EXPECT_NEAR(result.runs.front().x.front(), 1.0, 1e-12);
+  EXPECT_EQ(result.refused.size() + result.rows.size(), all_methods().size());
+  EXPECT_NEAR(result.rows.front().x.front(), 1.0, 1e-12);
 }
 
 TEST(WorkPrecision, WhereNothingRestsNoRunArrives) {
   const WorkPrecision result = measure(model_of(app_tests::runaway), independent, {1e-3, 1e-9});
   EXPECT_TRUE(result.rests.empty());
-  ASSERT_EQ(result.runs.size(), 4U);
-  for (const MeasuredRun& run : result.runs) {
+  ASSERT_EQ(result.rows.size(), 4U);
+  for (const WorkPrecisionRow& run : result.rows) {
     EXPECT_NE(run.ending, Ending::arrived);
     EXPECT_TRUE(std::isnan(run.error));
     EXPECT_EQ(run.rest, -1);
@@ -171,11 +171,11 @@ TEST(WorkPrecision, SuccessClaimedFarFromAnyRestIsAnotherPlace) {
   // To a tolerance of 0.9 Ipopt finds the start good enough, 2 rad from the rest.
   const StaticModel model = pendulum_from(0.5);
   const WorkPrecision result = measure(model, {Method::energy}, {0.9, 1e-10});
-  ASSERT_EQ(result.runs.size(), 2U);
-  EXPECT_EQ(result.runs[0].ending, Ending::elsewhere) << result.runs[0].x.front() << result.runs[0].why;
-  EXPECT_TRUE(result.runs[0].claimed);
-  EXPECT_TRUE(std::isnan(result.runs[0].error));
-  EXPECT_EQ(result.runs[1].ending, Ending::arrived);
+  ASSERT_EQ(result.rows.size(), 2U);
+  EXPECT_EQ(result.rows[0].ending, Ending::elsewhere) << result.rows[0].x.front() << result.rows[0].why;
+  EXPECT_TRUE(result.rows[0].claimed);
+  EXPECT_TRUE(std::isnan(result.rows[0].error));
+  EXPECT_EQ(result.rows[1].ending, Ending::arrived);
 }
 
 TEST(WorkPrecision, OfAContinuumOfRestsNoneIsFarAway) {
@@ -184,7 +184,7 @@ TEST(WorkPrecision, OfAContinuumOfRestsNoneIsFarAway) {
   ASSERT_EQ(result.rests.size(), 1U);
   EXPECT_TRUE(result.rests[0].neutral);
   EXPECT_EQ(result.rests[0].found_by, independent);
-  for (const MeasuredRun& run : result.runs) {
+  for (const WorkPrecisionRow& run : result.rows) {
     EXPECT_EQ(run.ending, Ending::arrived);
     EXPECT_LT(run.error, 1e-12);
   }
@@ -196,9 +196,9 @@ TEST(WorkPrecision, RunsOfMicrosecondsAreRepeatedMore) {
   options.tolerances = {1e-9};
   options.repeats = 3;
   const WorkPrecision result = work_precision(model_of(app_tests::pendulum), options);
-  ASSERT_EQ(result.runs.size(), 1U);
-  EXPECT_GE(result.runs[0].repeats, 3);
-  EXPECT_LE(result.runs[0].repeats, 300);
+  ASSERT_EQ(result.rows.size(), 1U);
+  EXPECT_GE(result.rows[0].repeats, 3);
+  EXPECT_LE(result.rows[0].repeats, 300);
 }
 
 TEST(WorkPrecision, InterruptKeepsFinishedRows) {
@@ -214,9 +214,9 @@ TEST(WorkPrecision, InterruptKeepsFinishedRows) {
   };
   const WorkPrecision result = work_precision(model, options);
   EXPECT_TRUE(result.interrupted);
-  ASSERT_EQ(result.runs.size(), 2U);
-  EXPECT_EQ(result.runs.back().tolerance, 1e-4);
-  EXPECT_EQ(result.runs.back().ending, Ending::arrived);
+  ASSERT_EQ(result.rows.size(), 2U);
+  EXPECT_EQ(result.rows.back().tolerance, 1e-4);
+  EXPECT_EQ(result.rows.back().ending, Ending::arrived);
 }
 
 TEST(Difference, CountsTurnsOnlyWhereSomethingDoes) {
