@@ -105,7 +105,7 @@ void race_sensitivities(Table& table, const FitProblem& problem) {
   alone.duration = 2.0;
   MotionOptions with = alone;
   with.sensitivities = true;
-  for (const SceneNumber& number : run.numbers())
+  for (const SceneParameter& number : run.numbers())
     with.influences.push_back(number.influence(run.scene(), model.scales()));
   Motion motion, sensitive;
   const std::vector<double> seconds =

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "comparison/series.hpp"
-#include "model/read_changes.hpp"
+#include "model/read_parameter_changes.hpp"
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
@@ -81,7 +81,7 @@ class CasesReader {
     return hard;
   }
 
-  /// The scene of the file, with its settings made; none where a series is named, which may be huge.
+  /// The scene of the file, with its changes made; none where a series is named, which may be huge.
   std::optional<Scene> read_its_scene(const TomlTable& table, HardCase& hard) const {
     if (table.has("scene") == table.has("series")) table.place().fail("expected one of the keys scene, series");
     if (table.has("series")) {
@@ -97,7 +97,7 @@ class CasesReader {
     }
     hard.scene = file.string();
     Scene scene = read_scene(file);
-    hard.settings = read_changes(table, scene);
+    hard.changes = read_parameter_changes(table, scene);
     return scene;
   }
 
@@ -219,7 +219,7 @@ std::vector<HardCase> read_catalogue(const fs::path& folder) {
 
 Scene scene_of(const HardCase& hard) {
   Scene scene = hard.scene.empty() ? series_scene(hard.series, hard.size) : read_scene(hard.scene);
-  for (const Change& change : hard.settings) set_value(scene, change.path, change.value);
+  for (const ParameterChange& change : hard.changes) set_value(scene, change.path, change.value);
   return scene;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "model/change.hpp"
+#include "model/parameter_change.hpp"
 #include "model/scene.hpp"
 #include "statics/check.hpp"
 #include "statics/equilibrium.hpp"
@@ -28,14 +28,14 @@ enum class Expect {
 
 /// A scene, what is sought in it, from where, and what is known.
 struct HardCase {
-  std::string name;              ///< unique: "toggle-1e-14"
-  std::string kind;              ///< the heading it stands under: "Snap-through"
-  std::string title;             ///< one line: what is hard
-  std::string source;            ///< where the answer comes from
-  std::string scene;             ///< file, resolved; empty where a series is named
-  std::string series;            ///< of comparison/series.hpp: "hanging chain"
-  int size = 0;                  ///< of the series
-  std::vector<Change> settings;  ///< of the scene
+  std::string name;                      ///< unique: "toggle-1e-14"
+  std::string kind;                      ///< the heading it stands under: "Snap-through"
+  std::string title;                     ///< one line: what is hard
+  std::string source;                    ///< where the answer comes from
+  std::string scene;                     ///< file, resolved; empty where a series is named
+  std::string series;                    ///< of comparison/series.hpp: "hanging chain"
+  int size = 0;                          ///< of the series
+  std::vector<ParameterChange> changes;  ///< of the scene
   Seek seek = Seek::nearest;
   Expect expect = Expect::equilibrium;
   std::string why;           ///< where it is not an equilibrium that is expected: what a person should be told
@@ -48,11 +48,11 @@ struct HardCase {
 };
 
 /// Reads the catalogue of a folder: catalogue.toml lists files of cases, in the order in which they are shown (grammar
-/// in docs/hard-cases.md). Scene files are read too, so that names and settings are known to fit; series are not built.
+/// in docs/hard-cases.md). Scene files are read too, so that names and changes are known to fit; series are not built.
 /// Throws InputError (file, line, item, what was expected).
 std::vector<HardCase> read_catalogue(const std::filesystem::path& folder);
 
-/// The scene of a case with its settings. Throws InputError.
+/// The scene of a case with its changes. Throws InputError.
 Scene scene_of(const HardCase& hard);
 
 }  // namespace poise::comparison

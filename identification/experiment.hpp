@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "identification/record.hpp"
-#include "model/change.hpp"
+#include "model/parameter_change.hpp"
 #include "model/scene.hpp"
 
 namespace poise {
@@ -67,7 +67,7 @@ struct Release {
 /// One free motion: simulated, or measured.
 struct Run {
   std::string name;
-  std::vector<Change> changes;                              ///< of the scene, known: a payload, say
+  std::vector<ParameterChange> changes;                     ///< of the scene, known: a payload, say
   std::vector<std::pair<std::string, std::string>> labels;  ///< {"height", "low"}
   double duration = 0.0;                                    ///< s; simulated runs
   double sample_rate = 0.0;                                 ///< Hz

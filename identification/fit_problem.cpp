@@ -36,11 +36,11 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   std::map<std::pair<std::size_t, std::string>, int> known;
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
     const Run& run = experiment.runs[r];
-    std::vector<SceneNumber> numbers;
+    std::vector<SceneParameter> numbers;
     used_.emplace_back();
     for (std::size_t u = 0; u < experiment.unknowns.size(); ++u) {
       const Unknown& unknown = experiment.unknowns[u];
-      const std::optional<SceneNumber> number = SceneNumber::find(experiment.scene, unknown.path);
+      const std::optional<SceneParameter> number = SceneParameter::find(experiment.scene, unknown.path);
       if (!number) {
         throw InputError(fmt::format(
             "{}:{}: unknown \"{}\": expected a number that leaves the geometry as it is (a mass, centre, inertia, "
@@ -80,7 +80,7 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   }
 }
 
-const SceneNumber& FitProblem::number(int parameter) const {
+const SceneParameter& FitProblem::number(int parameter) const {
   for (std::size_t r = 0; r < models_.size(); ++r) {
     const auto at = std::find(used_[r].begin(), used_[r].end(), parameter);
     if (at != used_[r].end()) return models_[r].numbers()[static_cast<std::size_t>(at - used_[r].begin())];

@@ -34,7 +34,7 @@ class FitProblem {
   const RunModel& run(std::size_t r) const { return models_[r]; }
   /// Parameters that run r depends on, in the order of its unknowns.
   const std::vector<int>& parameters_of(std::size_t r) const { return used_[r]; }
-  const SceneNumber& number(int parameter) const;
+  const SceneParameter& number(int parameter) const;
 
   /// Accuracy of simulate() at which its error is far below what the noise of run r lets tell.
   double accuracy(std::size_t r) const { return accuracy_[r]; }

@@ -36,7 +36,7 @@ void explain(const FitProblem& problem, Identifiability::Direction& direction) {
     if (std::abs(direction.part[i]) < worth_a_word) continue;
     ++parts;
     alike += direction.part[i] > 0 ? 1 : -1;
-    const SceneNumber& number = problem.number(static_cast<int>(i));
+    const SceneParameter& number = problem.number(static_cast<int>(i));
     all_scale = all_scale && number.scales_with_force();
     inertial = inertial || number.is_inertial();
   }

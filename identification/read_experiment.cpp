@@ -6,10 +6,10 @@
 
 #include "identification/experiment.hpp"
 #include "identification/read_runs.hpp"
-#include "identification/setting.hpp"
+#include "identification/set_parameter.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
-#include "model/read_changes.hpp"
+#include "model/read_parameter_changes.hpp"
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
 
@@ -46,8 +46,8 @@ class ExperimentReader {
       name.place.fail(fmt::format("expected a scene file, relative to this file; there is no \"{}\"", scene.string()));
     }
     experiment_.scene = read_scene(scene);
-    read_changes(root_, experiment_.scene);
-    for (const std::string& setting : options.settings) apply_setting(experiment_.scene, setting);
+    read_parameter_changes(root_, experiment_.scene);
+    for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }
 
   SceneNames names_of_scene() const {
@@ -221,7 +221,7 @@ class ExperimentReader {
         fail("per", fmt::format("expected \"run\" or a label that all runs have, run \"{}\" has no \"{}\"{}", run.name,
                                 unknown.per, did_you_mean(unknown.per, valid)));
       }
-      for (const Change& change : run.changes) {
+      for (const ParameterChange& change : run.changes) {
         if (change.path != unknown.path) continue;
         fail("path", fmt::format("expected a number that no run sets, run \"{}\" does in line {}; take it out of one",
                                  run.name, change.line));

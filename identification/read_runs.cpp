@@ -7,7 +7,7 @@
 #include "identification/run_data.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
-#include "model/read_changes.hpp"
+#include "model/read_parameter_changes.hpp"
 
 namespace poise {
 namespace {
@@ -61,7 +61,7 @@ class RunsReader {
       read_simulation(table, run);
     }
     Scene scene = experiment_.scene;
-    run.changes = read_changes(table, scene);
+    run.changes = read_parameter_changes(table, scene);
     read_labels(table, run);
     if (const auto rest = table.find_table("rest")) run.rest = read_rest(*rest, scene);
     read_release(table, "release", false, run);

@@ -29,9 +29,9 @@ std::pair<int, double> RunModel::coordinate_of(const Scene& scene, const Layout&
   return {link.frame, link.turn};
 }
 
-RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneNumber> numbers)
+RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers)
     : experiment_(experiment), run_(experiment.runs[run]), scene_(experiment.scene), numbers_(std::move(numbers)) {
-  for (const Change& change : run_.changes) set_value(scene_, change.path, change.value);
+  for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
   start_unknown_ = run_.unknown_start;
   rest_unknown_ = run_.rest && run_.rest->unknown;
   const MotionModel model(scene_);
@@ -39,7 +39,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   const Layout& layout = model.layout();
   std::vector<StartValue> wanted;
   if (run_.rest) {
-    set_by_rest_ = SceneNumber::find(scene_, run_.rest->by);
+    set_by_rest_ = SceneParameter::find(scene_, run_.rest->by);
     if (!set_by_rest_ || set_by_rest_->scales_with_force()) {
       throw InputError(at(experiment, run_.rest->line) +
                        "rest.by: expected the free length of a spring or the free angle "
@@ -93,7 +93,7 @@ std::vector<std::string> RunModel::nuisance_names() const {
 
 std::vector<double> RunModel::scene_values() const {
   std::vector<double> values;
-  for (const SceneNumber& number : numbers_) values.push_back(number.get(scene_));
+  for (const SceneParameter& number : numbers_) values.push_back(number.get(scene_));
   return values;
 }
 
@@ -154,7 +154,7 @@ RunModel::Built RunModel::build(const double* unknowns, double rest, bool deriva
       const double at_per_z = again.B(0)[rest_coordinate_];
       const double z_unit = rest_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
       out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
-      for (const SceneNumber& number : numbers_) {
+      for (const SceneParameter& number : numbers_) {
         double alpha = 0.0;
         again.influence(number.influence(scene, scales_), &alpha);
         out.set_by.push_back(-alpha / by_set);
@@ -162,7 +162,7 @@ RunModel::Built RunModel::build(const double* unknowns, double rest, bool deriva
     }
   }
   out.model = std::make_unique<MotionModel>(scene, scales_);
-  for (const SceneNumber& number : numbers_) out.influences.push_back(number.influence(scene, scales_));
+  for (const SceneParameter& number : numbers_) out.influences.push_back(number.influence(scene, scales_));
   if (set_by_rest_) out.influences.push_back(set_by_rest_->influence(scene, scales_));
   return out;
 }
@@ -264,7 +264,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
       if (sensor.reads_force()) {
         for (int i = 0; i <= p; ++i) {
           if (i == p && !set_by_rest_) break;
-          const SceneNumber& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_rest_;
+          const SceneParameter& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_rest_;
           numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
         }
       }

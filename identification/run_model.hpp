@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "identification/experiment.hpp"
-#include "identification/scene_number.hpp"
+#include "identification/scene_parameter.hpp"
 #include "motion/simulate.hpp"
 
 namespace poise {
@@ -27,7 +27,7 @@ struct Prediction {
 class RunModel {
  public:
   /// `numbers`: those that are unknown in this run. Throws InputError where the run cannot be set up.
-  RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneNumber> numbers);
+  RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers);
 
   int unknowns() const { return static_cast<int>(numbers_.size()); }
   int nuisances() const { return (rest_unknown_ ? 1 : 0) + (start_unknown_ ? 2 * freedoms_ : 0); }
@@ -35,7 +35,7 @@ class RunModel {
   int sensors() const { return static_cast<int>(experiment_.sensors.size()); }
   int freedoms() const { return freedoms_; }
   const Run& run() const { return run_; }
-  const std::vector<SceneNumber>& numbers() const { return numbers_; }
+  const std::vector<SceneParameter>& numbers() const { return numbers_; }
   /// The scene of this run with its known changes, SI.
   const Scene& scene() const { return scene_; }
   /// Names of the nuisances: "rest obd", "start obd", "start rate obd".
@@ -94,8 +94,8 @@ class RunModel {
   const Experiment& experiment_;
   const Run& run_;
   Scene scene_;
-  std::vector<SceneNumber> numbers_;
-  std::optional<SceneNumber> set_by_rest_;
+  std::vector<SceneParameter> numbers_;
+  std::optional<SceneParameter> set_by_rest_;
   Scales scales_;
   std::vector<double> closed_;  // a closed pose, SI
   std::vector<int> independent_;

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/svg.hpp"
-#include "identification/setting.hpp"
+#include "identification/set_parameter.hpp"
 
 namespace poise::app {
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ void expect_different(const std::string& a, const std::string& name_a, const std
 
 Scene load_scene(const Request& request) {
   Scene scene = read_scene(request.scene);
-  for (const std::string& setting : request.settings) apply_setting(scene, setting);
+  for (const std::string& setting : request.settings) set_parameter(scene, setting);
   return scene;
 }
 

@@ -52,9 +52,9 @@ TEST(Catalogue, ReadsAllKeys) {
   EXPECT_EQ(first.title, "Toy");
   EXPECT_EQ(first.source, "ours");
   EXPECT_EQ(first.scene, (catalogue.path() / "pendulum.toml").lexically_normal().string());
-  ASSERT_EQ(first.settings.size(), 2U);
-  EXPECT_EQ(first.settings[0].path, "load.P");
-  EXPECT_EQ(first.settings[0].value, 2.5);
+  ASSERT_EQ(first.changes.size(), 2U);
+  EXPECT_EQ(first.changes[0].path, "load.P");
+  EXPECT_EQ(first.changes[0].value, 2.5);
   EXPECT_EQ(first.seek, Seek::stable);
   EXPECT_EQ(first.expect, Expect::equilibrium);
   EXPECT_EQ(first.starts, 20);

@@ -1,4 +1,4 @@
-#include "identification/setting.hpp"
+#include "identification/set_parameter.hpp"
 
 #include <string>
 
@@ -10,13 +10,13 @@
 namespace poise {
 namespace {
 
-TEST(ApplySetting, SaysWhatIsWrong) {
+TEST(SetParameter, SaysWhatIsWrong) {
   Scene scene = parse_scene(test::bench_scene, "scene.toml");
-  apply_setting(scene, "body.block.mass=+12");
+  set_parameter(scene, "body.block.mass=+12");
   EXPECT_DOUBLE_EQ(scene.bodies[3].mass, 0.012);
   const auto refused = [&](const std::string& setting) {
     try {
-      apply_setting(scene, setting);
+      set_parameter(scene, setting);
     } catch (const InputError& error) {
       return std::string(error.what());
     }

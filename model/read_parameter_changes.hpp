@@ -4,13 +4,13 @@
 
 #include <vector>
 
-#include "model/change.hpp"
+#include "model/parameter_change.hpp"
 #include "model/scene.hpp"
 #include "model/toml_reader.hpp"
 
 namespace poise {
 
 /// The key `set` of a table, { "load.P" = 40 }: changes, which are made in the scene as well.
-std::vector<Change> read_changes(const TomlTable& table, Scene& scene);
+std::vector<ParameterChange> read_parameter_changes(const TomlTable& table, Scene& scene);
 
 }  // namespace poise

@@ -9,12 +9,12 @@
 
 namespace poise {
 
-/// A number of a scene that the equations of motion depend on without changing its geometry: what can be identified.
+/// A parameter of a scene that the equations of motion depend on without changing its geometry: what can be identified.
 /// These are the numbers of bodies, force elements and loads; see set_value() for paths.
-class SceneNumber {
+class SceneParameter {
  public:
-  /// Empty where the scene has no such number, or it belongs to something else.
-  static std::optional<SceneNumber> find(const Scene& scene, std::string_view path);
+  /// Empty where the scene has no such parameter, or it belongs to something else.
+  static std::optional<SceneParameter> find(const Scene& scene, std::string_view path);
 
   const std::string& path() const { return path_; }
   const ParameterPlace& place() const { return place_; }
@@ -33,7 +33,7 @@ class SceneNumber {
   bool is_inertial() const { return place_.owner == Owner::body; }
 
  private:
-  SceneNumber(const ParameterRow& row) : place_(row.place), dimension_(row.dimension), path_(row.path.text()) {}
+  SceneParameter(const ParameterRow& row) : place_(row.place), dimension_(row.dimension), path_(row.path.text()) {}
 
   ParameterPlace place_;
   Dimension dimension_;

@@ -1,11 +1,11 @@
-#include "model/read_changes.hpp"
+#include "model/read_parameter_changes.hpp"
 
 #include <string>
 
 namespace poise {
 
-std::vector<Change> read_changes(const TomlTable& table, Scene& scene) {
-  std::vector<Change> changes;
+std::vector<ParameterChange> read_parameter_changes(const TomlTable& table, Scene& scene) {
+  std::vector<ParameterChange> changes;
   const auto set = table.find_table("set");
   if (!set) return changes;
   for (const std::string& path : set->keys()) {

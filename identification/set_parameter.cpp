@@ -1,4 +1,4 @@
-#include "identification/setting.hpp"
+#include "identification/set_parameter.hpp"
 
 #include <charconv>
 #include <string_view>
@@ -6,22 +6,22 @@
 
 namespace poise {
 
-void apply_setting(Scene& scene, const std::string& setting) {
+void set_parameter(Scene& scene, const std::string& change) {
   const auto fail = [&](const std::string& message) { throw InputError("--set " + message); };
   const std::string example = "; expected PATH=NUMBER, say load.P=40";
-  const std::size_t equals = setting.rfind('=');
-  if (equals == std::string::npos) fail(setting + ": there is no \"=\"" + example);
-  const std::string_view digits = std::string_view(setting).substr(equals + 1);
+  const std::size_t equals = change.rfind('=');
+  if (equals == std::string::npos) fail(change + ": there is no \"=\"" + example);
+  const std::string_view digits = std::string_view(change).substr(equals + 1);
   const char* begin = digits.data();
   const char* const end = begin + digits.size();
   if (begin != end && *begin == '+') ++begin;
   double value = 0.0;
   const auto [stopped, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stopped != end) {
-    fail(setting + ": \"" + std::string(digits) + "\" is not a number" + example);
+    fail(change + ": \"" + std::string(digits) + "\" is not a number" + example);
   }
   try {
-    set_value(scene, std::string_view(setting).substr(0, equals), value);
+    set_value(scene, std::string_view(change).substr(0, equals), value);
   } catch (const InputError& e) {
     fail(e.what());
   }

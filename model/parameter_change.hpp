@@ -4,8 +4,8 @@
 
 namespace poise {
 
-/// A number of a scene that a file changes, as --set does.
-struct Change {
+/// A parameter of a scene that a file changes, as --set does.
+struct ParameterChange {
   std::string path;    ///< of set_value: "load.P"
   double value = 0.0;  ///< in the scene's units
   int line = 0;

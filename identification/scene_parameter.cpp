@@ -1,8 +1,8 @@
-#include "identification/scene_number.hpp"
+#include "identification/scene_parameter.hpp"
 
 namespace poise {
 
-std::optional<SceneNumber> SceneNumber::find(const Scene& scene, std::string_view path) {
+std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::string_view path) {
   const std::optional<ParameterRow> row = find_parameter(scene, path);
   if (!row) return std::nullopt;
   switch (row->place.owner) {
@@ -10,18 +10,18 @@ std::optional<SceneNumber> SceneNumber::find(const Scene& scene, std::string_vie
     case Owner::element:
     case Owner::force:
     case Owner::torque:
-      return SceneNumber(*row);
+      return SceneParameter(*row);
     default:
       return std::nullopt;
   }
 }
 
-void SceneNumber::set(Scene& scene, double si) const {
+void SceneParameter::set(Scene& scene, double si) const {
   if (place_.owner == Owner::force && get(scene) == 0.0) return;
   set_value_at(scene, place_, si);
 }
 
-Influence SceneNumber::influence(const Scene& scene, const Scales& scales) const {
+Influence SceneParameter::influence(const Scene& scene, const Scales& scales) const {
   Influence out;
   if (is_inertial()) {
     const BodyInertia<double> by = inertia_by(scene.bodies[static_cast<std::size_t>(place_.item)], place_.number);
@@ -40,7 +40,7 @@ Influence SceneNumber::influence(const Scene& scene, const Scales& scales) const
   return out;
 }
 
-double SceneNumber::force_by(const Scene& scene, int element, double g, double w) const {
+double SceneParameter::force_by(const Scene& scene, int element, double g, double w) const {
   if (place_.owner != Owner::element || place_.item != element) return 0.0;
   return force_by_number(scene.elements[static_cast<std::size_t>(element)].law, place_.number, g, w);
 }

@@ -1,4 +1,4 @@
-#include "identification/scene_number.hpp"
+#include "identification/scene_parameter.hpp"
 
 #include <string>
 #include <vector>
@@ -35,10 +35,10 @@ std::vector<std::string> all_paths(const Scene& scene) {
 }
 
 // The same numbers as --set, whose scene is in SI here.
-TEST(SceneNumber, IsWhatItsPathSays) {
+TEST(SceneParameter, IsWhatItsPathSays) {
   const Scene scene = test::four_bar_with_everything();
   for (const std::string& path : all_paths(scene)) {
-    const auto number = SceneNumber::find(scene, path);
+    const auto number = SceneParameter::find(scene, path);
     ASSERT_TRUE(number) << path;
     EXPECT_EQ(number->path(), path);
     EXPECT_DOUBLE_EQ(number->get(scene), get_value(scene, path)) << path;
@@ -49,38 +49,38 @@ TEST(SceneNumber, IsWhatItsPathSays) {
   }
 }
 
-TEST(SceneNumber, IsNoneWhereGeometryWouldChange) {
+TEST(SceneParameter, IsNoneWhereGeometryWouldChange) {
   const Scene scene = test::four_bar_with_everything();
   for (const char* path : {"point.crank.B.x", "gravity.y", "start.crank", "body.crank", "body.nobody.mass",
                            "body.ground.mass", "friction.ground-crank.width", "load.G", ""}) {
-    EXPECT_FALSE(SceneNumber::find(scene, path)) << path;
+    EXPECT_FALSE(SceneParameter::find(scene, path)) << path;
   }
 }
 
-TEST(SceneNumber, ALumpBesideOtherMassesMayBeNegative) {
+TEST(SceneParameter, ALumpBesideOtherMassesMayBeNegative) {
   Scene scene = test::four_bar_with_everything();
-  const auto number = SceneNumber::find(scene, "body.coupler.mass");
+  const auto number = SceneParameter::find(scene, "body.coupler.mass");
   ASSERT_TRUE(number);
   number->set(scene, -0.5);
   EXPECT_EQ(scene.bodies[2].mass, -0.5);
 }
 
-TEST(SceneNumber, TurningALoadRoundKeepsItsLine) {
+TEST(SceneParameter, TurningALoadRoundKeepsItsLine) {
   Scene scene = test::four_bar_with_everything();
   const Vec2 before = scene.forces[0].vector;
-  const auto number = SceneNumber::find(scene, "load.F");
+  const auto number = SceneParameter::find(scene, "load.F");
   ASSERT_TRUE(number);
   number->set(scene, 2 * number->get(scene));
   EXPECT_NEAR(norm(scene.forces[0].vector - 2 * before), 0.0, 1e-15);
 }
 
 // Masses, inertias, stiffnesses, damping, friction and loads times one factor: the same motion.
-TEST(SceneNumber, ThoseThatScaleWithForceLeaveMotionAlone) {
+TEST(SceneParameter, ThoseThatScaleWithForceLeaveMotionAlone) {
   const Scene scene = test::four_bar_with_everything();
   Scene other = scene;
   int scaled_up = 0;
   for (const std::string& path : all_paths(scene)) {
-    const auto number = SceneNumber::find(scene, path);
+    const auto number = SceneParameter::find(scene, path);
     ASSERT_TRUE(number);
     if (!number->scales_with_force()) continue;
     number->set(other, 1.7 * number->get(scene));
