@@ -17,9 +17,10 @@ std::string expected(const HardCase& hard) {
       return "locked";
     case comparison::Expect::none:
       return "none";
-    default:
-      return "equilibrium";
+    case comparison::Expect::equilibrium:
+      break;
   }
+  return "equilibrium";
 }
 
 Json json_cell(const comparison::Cell& cell, const std::string& method) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -92,29 +93,8 @@ solvers::SearchResult nlopt_with(const solvers::Problem& problem, const std::vec
   return solvers::solve_with_nlopt(algorithm, problem, start, options, rows);
 }
 
-Program program_of(Method method) {
-  switch (method) {
-    case Method::augmented_lagrangian:
-      return augmented_with<solvers::Tangent::newton>;
-    case Method::augmented_lagrangian_modified:
-      return augmented_with<solvers::Tangent::modified>;
-    case Method::slsqp:
-      return nlopt_with<solvers::NloptAlgorithm::slsqp>;
-    case Method::auglag_lbfgs:
-      return nlopt_with<solvers::NloptAlgorithm::auglag_lbfgs>;
-    case Method::cobyla:
-      return nlopt_with<solvers::NloptAlgorithm::cobyla>;
-    case Method::dynamic_relaxation:
-      return solvers::solve_with_dynamic_relaxation;
-    case Method::least_squares:
-      return solvers::solve_with_least_squares;
-    default:
-      return solvers::solve_with_ipopt;
-  }
-}
-
-void search_by_program(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options,
-                       Equilibrium& out) {
+void search_by_program(Program program, const StaticModel& model, const std::vector<double>& x,
+                       const SolveOptions& options, Equilibrium& out) {
   const Mechanism<double>& m = model.mechanism();
   const MethodTraits& method = traits(options.method);
   if (method.needs_potential && m.has_follower_loads()) {
@@ -136,7 +116,6 @@ void search_by_program(const StaticModel& model, const std::vector<double>& x, c
                                         .iterations = method.iterations,
                                         .interrupt = options.interrupt};
   const std::vector<int> rows = independent_rows(model, closed);
-  const Program program = program_of(options.method);
   const auto begin = std::chrono::steady_clock::now();
   const solvers::SearchResult result = program(model.problem(), closed, settings, rows);
   out.microseconds = elapsed(begin);
@@ -148,11 +127,30 @@ void search_by_program(const StaticModel& model, const std::vector<double>& x, c
   out.claimed = result.claims_success;
 }
 
+// Without a default, so that the compiler tells which method is missing here.
 void search(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options, Equilibrium& out) {
-  if (options.method == Method::virtual_work)
-    search_by_virtual_work(model, x, options, out);
-  else
-    search_by_program(model, x, options, out);
+  const auto by = [&](Program program) { search_by_program(program, model, x, options, out); };
+  switch (options.method) {
+    case Method::virtual_work:
+      return search_by_virtual_work(model, x, options, out);
+    case Method::energy:
+      return by(solvers::solve_with_ipopt);
+    case Method::augmented_lagrangian:
+      return by(augmented_with<solvers::Tangent::newton>);
+    case Method::augmented_lagrangian_modified:
+      return by(augmented_with<solvers::Tangent::modified>);
+    case Method::slsqp:
+      return by(nlopt_with<solvers::NloptAlgorithm::slsqp>);
+    case Method::auglag_lbfgs:
+      return by(nlopt_with<solvers::NloptAlgorithm::auglag_lbfgs>);
+    case Method::cobyla:
+      return by(nlopt_with<solvers::NloptAlgorithm::cobyla>);
+    case Method::dynamic_relaxation:
+      return by(solvers::solve_with_dynamic_relaxation);
+    case Method::least_squares:
+      return by(solvers::solve_with_least_squares);
+  }
+  throw std::invalid_argument(fmt::format("there is no method {}", static_cast<int>(options.method)));
 }
 
 double energy_at(const StaticModel& model, const std::vector<double>& x) {

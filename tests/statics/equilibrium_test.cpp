@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -168,6 +169,30 @@ TEST(Status, MethodsHaveTheNamesOfTheCommandLine) {
 }
 
 // --- what cannot be solved for -----------------------------------------------------------------------------------
+
+// Each method speaks for itself: none runs another's program under its name.
+TEST(Dispatch, EveryMethodRunsItsOwnProgram) {
+  const std::map<Method, std::string> programs = {
+      {Method::virtual_work, "Newton: "},
+      {Method::energy, "Ipopt: "},
+      {Method::augmented_lagrangian, "augmented Lagrangian: "},
+      {Method::augmented_lagrangian_modified, "modified augmented Lagrangian: "},
+      {Method::slsqp, "NLopt SLSQP: "},
+      {Method::auglag_lbfgs, "NLopt AUGLAG with L-BFGS: "},
+      {Method::cobyla, "NLopt COBYLA: "},
+      {Method::dynamic_relaxation, "dynamic relaxation: "},
+      {Method::least_squares, "Ceres: "}};
+  const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
+  for (const MethodTraits& method : all_methods()) {
+    const Equilibrium found = solve(model, by(method.method));
+    EXPECT_TRUE(found.why.starts_with(programs.at(method.method))) << method.name << ": " << found.why;
+  }
+}
+
+TEST(Dispatch, AMethodThatIsNoneIsRefused) {
+  const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
+  EXPECT_THROW(solve(model, by(static_cast<Method>(all_methods().size()))), std::invalid_argument);
+}
 
 TEST(Assemble, NamesTheLoopThatStaysOpenAndItsGap) {
   // Three links of a metre cannot span 5 m: two are missing.
