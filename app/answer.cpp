@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "comparison/difference.hpp"
@@ -23,9 +22,9 @@ bool same_equilibrium(const StaticModel& model, const Answer& a, const Answer& b
 
 }  // namespace
 
-double error_of(const Answer& answer) {
-  return answer.reference && answer.reference->refined ? answer.reference->error
-                                                       : std::numeric_limits<double>::quiet_NaN();
+std::optional<double> error_of(const Answer& answer) {
+  if (!answer.reference || !answer.reference->refined) return std::nullopt;
+  return answer.reference->error;
 }
 
 Answer measure(const StaticModel& model, Equilibrium rest) {

@@ -20,8 +20,8 @@ struct Answer {
 /// What an energy that is shown counts; Mechanism::energy drops the constants.
 inline constexpr const char* energy_note = "springs in full, loads without the part that no motion changes";
 
-/// The error that is shown: against the 50-digit reference, not a number where there is none.
-double error_of(const Answer& answer);
+/// The error that is shown: against the 50-digit reference, empty where there is none.
+std::optional<double> error_of(const Answer& answer);
 
 /// Takes the readings of a result, and, of a confirmed one, its reference.
 Answer measure(const StaticModel& model, Equilibrium rest);

@@ -32,11 +32,11 @@ Json json_identifiability(const FitProblem& problem, const Identifiability& know
   for (const double s : known.singular_values) out["singular_values"].push_back(json_number(s));
   const std::vector<Parameter>& parameters = problem.parameters();
   out["correlation"] = Json::array();
-  for (Eigen::Index i = 0; i < known.correlation.rows(); ++i) {
+  for (std::size_t i = 0; i < known.correlation.size(); ++i) {
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < known.correlation.cols(); ++j) {
-      const bool told = known.told[static_cast<std::size_t>(i)] && known.told[static_cast<std::size_t>(j)];
-      row.push_back(told ? json_number(known.correlation(i, j)) : Json(nullptr));
+    for (std::size_t j = 0; j < known.correlation.size(); ++j) {
+      const bool told = known.told[i] && known.told[j];
+      row.push_back(told ? json_number(known.correlation[i][j]) : Json(nullptr));
     }
     out["correlation"].push_back(std::move(row));
   }

@@ -7,6 +7,7 @@
 namespace poise::app {
 
 Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json json_number(const std::optional<double>& value) { return value ? json_number(*value) : Json(nullptr); }
 
 Json json_scene(const Scene& scene, const std::vector<std::string>& settings) {
   return {{"file", scene.file}, {"title", scene.title}, {"source", scene.source}, {"set", settings}};

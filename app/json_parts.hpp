@@ -2,6 +2,7 @@
 
 // What all results in JSON have in common.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace poise::app {
 
 /// The number, or null: JSON knows no NaN and no infinity.
 Json json_number(double value);
+/// The same, and null where there is none.
+Json json_number(const std::optional<double>& value);
 
 /// {file, title, source, set}.
 Json json_scene(const Scene& scene, const std::vector<std::string>& settings);

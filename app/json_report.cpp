@@ -32,7 +32,7 @@ class Writer {
     }
     if (!answer.readings) return out;
     const Check& check = rest.check;
-    out["energy"] = json_number(in_unit(rest.energy, Quantity::energy, units_));
+    if (rest.energy) out["energy"] = json_number(in_unit(*rest.energy, Quantity::energy, units_));
     out["energy_note"] = energy_note;
     out["stability"] = to_string(check.stability);
     out["stability_note"] = check.stability_note;

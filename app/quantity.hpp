@@ -2,6 +2,8 @@
 
 // How numbers and their units are written for people.
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +30,11 @@ std::string unit_name(Quantity quantity, const Units& units);
 inline double in_unit(double si, Quantity quantity, const Units& units) { return si / unit_value(quantity, units); }
 /// The same for a row of values.
 std::vector<double> in_unit(std::vector<double> si, Quantity quantity, const Units& units);
+
+/// The value, or not a number, by which columns, curves and CSV files leave a gap, where there is none.
+inline double or_gap(const std::optional<double>& value) {
+  return value.value_or(std::numeric_limits<double>::quiet_NaN());
+}
 
 /// `value` to so many significant digits: "0.1234", "12340", "1.234e-07" outside 1e-4 .. 1e7; zeros at the end cut.
 /// Not a number is "-".

@@ -5,6 +5,7 @@
 
 #include "app/csv_file.hpp"
 #include "app/json_parts.hpp"
+#include "app/quantity.hpp"
 
 namespace poise::app {
 namespace {
@@ -57,10 +58,10 @@ std::string stress_csv(const StressOutcome& outcome) {
                                               static_cast<double>(cell.inexact),
                                               static_cast<double>(cell.wrong),
                                               static_cast<double>(cell.denied),
-                                              cell.iterations,
-                                              cell.microseconds,
-                                              cell.error,
-                                              cell.allowed};
+                                              or_gap(cell.iterations),
+                                              or_gap(cell.microseconds),
+                                              or_gap(cell.error),
+                                              or_gap(cell.allowed)};
       for (std::size_t c = 0; c < text.size(); ++c) words[c].push_back(text[c]);
       for (std::size_t c = 0; c < numbers.size(); ++c) columns[c].push_back(numbers[c]);
     }

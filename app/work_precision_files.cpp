@@ -1,8 +1,7 @@
 #include "app/work_precision_files.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -50,8 +49,7 @@ Json json_row(const WorkPrecisionRow& row) {
 }
 
 bool same_outcome(const WorkPrecisionRow& a, const WorkPrecisionRow& b) {
-  const bool same_error = a.error == b.error || (std::isnan(a.error) && std::isnan(b.error));
-  return same_error && a.rest == b.rest && a.iterations == b.iterations && a.evaluations == b.evaluations &&
+  return a.error == b.error && a.rest == b.rest && a.iterations == b.iterations && a.evaluations == b.evaluations &&
          a.ending == b.ending && a.confirmed == b.confirmed;
 }
 
@@ -98,13 +96,13 @@ std::string work_precision_csv(const WorkPrecision& result) {
     statuses.push_back(status_of(row));
     const double values[] = {row.tolerance,
                              row.microseconds,
-                             row.error,
+                             or_gap(row.error),
                              static_cast<double>(row.iterations),
                              static_cast<double>(row.evaluations),
                              row.claimed ? 1.0 : 0.0,
                              row.confirmed ? 1.0 : 0.0,
                              static_cast<double>(row.repeats),
-                             row.rest < 0 ? std::numeric_limits<double>::quiet_NaN() : row.rest + 1.0};
+                             or_gap(row.rest < 0 ? std::nullopt : std::optional(row.rest + 1.0))};
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c].push_back(values[c]);
   }
   return csv_text({"method", "status", "tolerance", "microseconds", "error", "iterations", "evaluations", "claimed",
@@ -149,10 +147,9 @@ std::vector<Panel> work_precision_panels(const StaticModel& model, const WorkPre
     bool any = false;
     for (const ToleranceSpan& span : spans) {
       const bool arrived = span.loosest->ending == Ending::arrived;
-      const double gap = std::numeric_limits<double>::quiet_NaN();
       any = any || arrived;
-      curve.x.push_back(arrived ? std::max(span.loosest->error, least_drawn_error) : gap);
-      curve.y.push_back(arrived ? span.microseconds : gap);
+      curve.x.push_back(arrived ? std::max(span.loosest->error.value(), least_drawn_error) : or_gap({}));
+      curve.y.push_back(arrived ? span.microseconds : or_gap({}));
     }
     if (any)
       panel.curves.push_back(std::move(curve));

@@ -19,9 +19,7 @@ constexpr double elsewhere = 1e-3;
 // The rounding of forces that Check::accuracy stands for.
 constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
 
-double bounded(double distance, double unknown) {
-  return std::isnan(distance) ? unknown : std::clamp(distance, exact, elsewhere);
-}
+double bounded(double distance) { return std::clamp(distance, exact, elsewhere); }
 
 // "left -1.571, right 1.571, rail 0 (rad, m)", as much of a pose as a line holds.
 std::string pose_in_words(const StaticModel& model, const std::vector<double>& x) {
@@ -95,10 +93,11 @@ CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& rest) const {
   const Check& check = rest.check;
   // The scaled force that was let pass, which the softest curvature turns into distance; where that is not known,
   // nothing near is too far.
+  if (!check.accuracy) return {exact, elsewhere};
   const double force = std::max(passed.imbalance * check.largest_force, check.imbalance) / model_.scales().force;
-  const double given_way = check.accuracy * std::max(1.0, force / force_rounding);
+  const double given_way = *check.accuracy * std::max(1.0, force / force_rounding);
   const double stops = model_.scene().stops.empty() ? 0.0 : passed.stop;
-  return {bounded(check.accuracy, exact), bounded(given_way + passed.closure + stops, elsewhere)};
+  return {bounded(*check.accuracy), bounded(given_way + passed.closure + stops)};
 }
 
 Verdict CaseCheck::verdict_on(const Equilibrium& rest) const {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,10 +18,10 @@ struct Verdict {
     failed    ///< nothing claimed
   };
   Kind kind = Kind::failed;
-  /// From the nearest known equilibrium, rad or mechanism sizes; not a number where there is none.
-  double error = std::numeric_limits<double>::quiet_NaN();
-  double allowed = std::numeric_limits<double>::quiet_NaN();  ///< what rounding may do there, Check::accuracy
-  std::string why;                                            ///< where it did not arrive
+  /// From the nearest known equilibrium, rad or mechanism sizes; empty where there is none.
+  std::optional<double> error{};
+  std::optional<double> allowed{};  ///< what rounding may do there, Check::accuracy
+  std::string why{};                ///< where it did not arrive
 };
 
 /// Holds answers against what is known of a case.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -107,7 +106,7 @@ class Tally {
     microseconds_.push_back(rest.microseconds);
     // Where nothing was to be found, this is how the method put it.
     if (!verdict.why.empty() && cell_.why.empty()) cell_.why = verdict.why;
-    if (!(verdict.error <= cell_.error)) {
+    if (!verdict.error || !cell_.error || *verdict.error > *cell_.error) {
       cell_.error = verdict.error;
       cell_.allowed = verdict.allowed;
     }
@@ -204,8 +203,8 @@ std::vector<CaseResult> stress_safeguards(const std::vector<HardCase>& cases, co
   return run_all(cases, variants, options);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+std::optional<double> median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;

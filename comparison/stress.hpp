@@ -2,7 +2,7 @@
 
 #include <atomic>
 #include <functional>
-#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,13 +35,13 @@ struct Cell {
   int inexact = 0;
   int wrong = 0;   ///< confirmed by the check and yet no equilibrium, or of another stability: must be 0
   int denied = 0;  ///< claimed by the solver and denied by the check
-  // Not a number where there is no arrival, or no equilibrium to be known:
-  double iterations = std::numeric_limits<double>::quiet_NaN();    ///< median over arrivals
-  double microseconds = std::numeric_limits<double>::quiet_NaN();  ///< median over arrivals
+  // Empty where there is no arrival, or no equilibrium to be known:
+  std::optional<double> iterations{};    ///< median over arrivals
+  std::optional<double> microseconds{};  ///< median over arrivals
   /// Largest over arrivals from the known equilibrium, rad or mechanism sizes.
-  double error = std::numeric_limits<double>::quiet_NaN();
+  std::optional<double> error{};
   /// What the condition of that equilibrium lets rounding do, same units (Check::accuracy).
-  double allowed = std::numeric_limits<double>::quiet_NaN();
+  std::optional<double> allowed{};
   std::string why;  ///< of the first start that was wrong, or else of the first that did not arrive
 };
 
@@ -74,7 +74,7 @@ inline constexpr double enough = 0.999;
 /// Whether it arrived in at least that part.
 bool mastered(const Cell& cell);
 
-/// The middle of the values, or the mean of the two in the middle; not a number where there are none.
-double median(std::vector<double> values);
+/// The middle of the values, or the mean of the two in the middle; empty where there are none.
+std::optional<double> median(std::vector<double> values);
 
 }  // namespace poise::comparison

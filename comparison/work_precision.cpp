@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,8 +18,6 @@ constexpr double same_rest = 1e-9;    // 50-digit refinements nearer than this a
 constexpr double patience = 3.0;      // s: a row that takes longer makes no further runs
 constexpr double sample_time = 1e-3;  // s per repeat: runs of microseconds go on until then
 constexpr int most_per_repeat = 100;  // runs
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
@@ -146,7 +143,7 @@ class Study {
 
   struct Nearest {
     int rest = -1;
-    double error = unknown;
+    std::optional<double> error{};
   };
 
   Nearest nearest_rest(const std::vector<double>& x) const {
@@ -157,7 +154,7 @@ class Study {
       const KnownRest& rest = out_.rests[k];
       if (rest.neutral) neutral.rest = static_cast<int>(k);
       const double distance = rest.neutral ? far_away : largest_difference(model_, rest.x, x).size;
-      if (distance < nearest.error) nearest = {static_cast<int>(k), distance};
+      if (distance < *nearest.error) nearest = {static_cast<int>(k), distance};
     }
     if (nearest.rest >= 0) return nearest;
     if (neutral.rest < 0) return {};

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,8 @@ struct KnownRest {
   Stability stability = Stability::unknown;
   /// One of a continuum of rests (only one of them is kept), so that the distance to this one is no error.
   bool neutral = false;
-  double accuracy = 0.0;         ///< how far rounding may move it, same units as errors (Check::accuracy)
-  std::vector<Method> found_by;  ///< methods whose default runs the check confirmed here; may be empty
+  std::optional<double> accuracy;  ///< how far rounding may move it, same units as errors (Check::accuracy)
+  std::vector<Method> found_by;    ///< methods whose default runs the check confirmed here; may be empty
 };
 
 /// How a run ended. Its own tolerance does not enter: judged by that, a loose run would always be right.
@@ -44,7 +45,7 @@ struct WorkPrecisionRow {
   bool claimed = false;    ///< the solver's own word
   bool confirmed = false;  ///< by statics/check at its default bounds, whatever the tolerance of the run
   int rest = -1;           ///< place of the nearest known rest in WorkPrecision::rests, -1 where none is within 0.5
-  double error = 0.0;      ///< from that rest; not a number where there is none
+  std::optional<double> error{};  ///< from that rest; empty where there is none
   double microseconds = 0.0;
   int repeats = 0;  ///< runs the median is taken over
   int iterations = 0;

@@ -137,14 +137,15 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
     explain(problem, direction);
     out.untold.push_back(std::move(direction));
   }
-  out.correlation = Eigen::MatrixXd::Constant(count, count, std::numeric_limits<double>::quiet_NaN());
+  out.correlation.assign(infinite.size(), std::vector<std::optional<double>>(infinite.size()));
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
     out.deviation.push_back(infinite[at] ? std::numeric_limits<double>::infinity()
                                          : scale[at] * std::sqrt(covariance(i, i)));
     for (Eigen::Index j = 0; j < count; ++j) {
-      if (infinite[at] || infinite[static_cast<std::size_t>(j)]) continue;
-      out.correlation(i, j) = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
+      const auto other = static_cast<std::size_t>(j);
+      if (infinite[at] || infinite[other]) continue;
+      out.correlation[at][other] = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
     }
   }
   out.ok = true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,8 @@ struct Identifiability {
   std::vector<Direction> untold;
   std::vector<bool> told;         ///< per parameter: has no part in an untold direction
   std::vector<double> deviation;  ///< per parameter: least standard deviation, SI; infinite in an exact direction
-  Eigen::MatrixXd correlation;    ///< of the parameters; NaN with those of infinite deviation
+  /// Of the parameters, [i][j]; empty with those of infinite deviation.
+  std::vector<std::vector<std::optional<double>>> correlation;
 };
 
 /// Where a change of 100 % makes fewer standard deviations than this in all readings, nothing is told.

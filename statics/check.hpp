@@ -1,6 +1,6 @@
 #pragma once
 
-#include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -73,8 +73,8 @@ struct Check {
   /// How far rounding of the scene's numbers and of their evaluation may move this equilibrium, rad or mechanism
   /// sizes, all scaled: the larger of 64 eps / |smallest curvature|, which is far more than eps next to a fold, where
   /// equilibria merge, and of what gaps of 4 eps do to it, which is far more beside a singular pose, where reactions
-  /// are heavy. Not a number where curvatures are unknown.
-  double accuracy = std::numeric_limits<double>::quiet_NaN();
+  /// are heavy. Empty where curvatures are unknown.
+  std::optional<double> accuracy;
 
   /// Closed, balanced and within its stops.
   bool is_equilibrium() const { return closed && balanced && stops_kept; }

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <stdexcept>
@@ -153,9 +152,9 @@ void search(const StaticModel& model, const std::vector<double>& x, const SolveO
   throw std::invalid_argument(fmt::format("there is no method {}", static_cast<int>(options.method)));
 }
 
-double energy_at(const StaticModel& model, const std::vector<double>& x) {
+std::optional<double> energy_at(const StaticModel& model, const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
-  if (m.has_follower_loads()) return std::numeric_limits<double>::quiet_NaN();
+  if (m.has_follower_loads()) return std::nullopt;
   std::vector<Planar<double>> pose(m.pose_size());
   m.place(x.data(), pose.data());
   return m.energy(x.data(), pose.data()) * model.scales().energy();

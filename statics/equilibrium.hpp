@@ -53,7 +53,8 @@ struct Equilibrium {
   int evaluations = 0;
   double microseconds = 0.0;  ///< of the search alone: reading, compiling, closing loops and check left out
   std::vector<double> x;      ///< scaled coordinates
-  double energy = 0.0;        ///< V, J; dead loads count from an arbitrary zero; NaN with follower loads
+  /// V, J; dead loads count from an arbitrary zero. Empty with follower loads, which have none, and before any search.
+  std::optional<double> energy;
   Check check;
 
   bool found() const { return status == Status::confirmed; }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -45,9 +44,9 @@ std::string method_table(const StaticModel& model, const std::vector<Answer>& an
     iterations.push_back(ran ? std::to_string(rest.iterations) : "-");
     evaluations.push_back(ran ? std::to_string(rest.evaluations) : "-");
     times.push_back(ran ? duration(rest.microseconds) : "-");
-    errors.push_back(small_number(error_of(answer)));
+    errors.push_back(small_number(or_gap(error_of(answer))));
     stabilities.push_back(rest.found() ? Cell{in_words(rest.check), tone_of(rest.check.stability)} : Cell{"-"});
-    energies.push_back(rest.found() ? rest.energy : std::numeric_limits<double>::quiet_NaN());
+    energies.push_back(or_gap(rest.found() ? rest.energy : std::nullopt));
   }
   Table table;
   table.add_text_column("method", methods);

@@ -16,14 +16,14 @@ namespace {
 constexpr int most_in_table = 12;
 constexpr double close = 0.9;
 
-std::string close_pairs(const FitProblem& problem, const Identifiability& known, const std::vector<int>& told) {
+std::string close_pairs(const FitProblem& problem, const Identifiability& known, const std::vector<std::size_t>& told) {
   std::string out;
-  for (const int i : told) {
-    for (const int j : told) {
-      if (j >= i || !(std::abs(known.correlation(i, j)) > close)) continue;
-      out += fmt::format("  {:+.3f}  {}, {}\n", known.correlation(i, j),
-                         problem.parameters()[static_cast<std::size_t>(j)].name,
-                         problem.parameters()[static_cast<std::size_t>(i)].name);
+  for (const std::size_t i : told) {
+    for (const std::size_t j : told) {
+      if (j >= i) continue;
+      const double r = known.correlation[i][j].value();
+      if (!(std::abs(r) > close)) continue;
+      out += fmt::format("  {:+.3f}  {}, {}\n", r, problem.parameters()[j].name, problem.parameters()[i].name);
     }
   }
   return out.empty() ? fmt::format("  none beyond {}\n", close) : out;
@@ -102,16 +102,16 @@ std::string per_cent(double deviation, double value) {
 
 std::string correlation_section(const FitProblem& problem, const Identifiability& known, const Palette& palette) {
   if (!known.ok) return "";
-  std::vector<int> told;
+  std::vector<std::size_t> told;
   for (std::size_t i = 0; i < known.told.size(); ++i) {
-    if (known.told[i]) told.push_back(static_cast<int>(i));
+    if (known.told[i]) told.push_back(i);
   }
   if (told.size() < 2) return "";
   const std::string title = "Correlations of what is told";
   if (told.size() > most_in_table) return section(title, close_pairs(problem, known, told), palette);
   Table table;
   std::vector<std::string> names;
-  for (const int i : told) names.push_back(problem.parameters()[static_cast<std::size_t>(i)].name);
+  for (const std::size_t i : told) names.push_back(problem.parameters()[i].name);
   table.add_text_column("", names);
   // Its columns are numbered by their rows: names would make it too wide.
   std::vector<std::string> numbers;
@@ -120,7 +120,7 @@ std::string correlation_section(const FitProblem& problem, const Identifiability
   for (std::size_t j = 0; j + 1 < told.size(); ++j) {
     std::vector<Cell> cells;
     for (std::size_t i = 0; i < told.size(); ++i) {
-      const double r = known.correlation(told[i], told[j]);
+      const double r = known.correlation[told[i]][told[j]].value();
       cells.push_back(i > j ? Cell{fmt::format("{:+.3f}", r), std::abs(r) > close ? Tone::doubtful : Tone::plain}
                             : Cell{"", Tone::plain});
     }

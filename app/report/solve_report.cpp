@@ -60,10 +60,10 @@ std::string accuracy(const Answer& answer) {
 }
 
 /// "good to 13 digits: ...": what the condition of this equilibrium lets anyone know in double precision.
-std::string condition(const Check& check) {
-  const int digits = std::max(0, static_cast<int>(std::floor(-std::log10(check.accuracy))));
+std::string condition(double accuracy) {
+  const int digits = std::max(0, static_cast<int>(std::floor(-std::log10(accuracy))));
   return fmt::format("good to {}: rounding may move it by {} (rad, or length over size)",
-                     count(digits, "digit", "digits"), small_number(check.accuracy));
+                     count(digits, "digit", "digits"), small_number(accuracy));
 }
 
 /// `"over_centre" at its min, -6 deg`.
@@ -110,8 +110,8 @@ std::string facts(const StaticModel& model, const Answer& answer, const Palette&
   out += fact("stability", palette.paint(tone_of(check.stability), in_words(check)), palette);
   out += leading_directions(check, palette);
   if (!check.stability_note.empty()) out += fact("", check.stability_note, palette);
-  if (std::isfinite(rest.energy)) {
-    const double energy = in_units(model, Quantity::energy, {rest.energy}).front();
+  if (rest.energy && std::isfinite(*rest.energy)) {
+    const double energy = in_units(model, Quantity::energy, {*rest.energy}).front();
     out += fact("energy",
                 fmt::format("{} {}: {}", significant(energy, coordinate_digits),
                             unit_name(Quantity::energy, model.scene().units), energy_note),
@@ -120,7 +120,9 @@ std::string facts(const StaticModel& model, const Answer& answer, const Palette&
   if (!model.scene().stops.empty()) out += fact("stops", pressing_stops(model, answer), palette);
   out += fact("residuals", residuals(model, check), palette);
   out += fact("error", accuracy(answer), palette);
-  if (std::isfinite(check.accuracy)) out += fact("condition", condition(check), palette);
+  if (check.accuracy && std::isfinite(*check.accuracy)) {
+    out += fact("condition", condition(*check.accuracy), palette);
+  }
   return out;
 }
 

@@ -53,8 +53,8 @@ std::string method_lines(const StressOutcome& outcome) {
   int number = 0;
   for (const MethodSummary& s : summaries(outcome)) {
     out += row({std::to_string(++number), s.name, fmt::format("{} of {}", s.mastered, s.taken), std::to_string(s.wrong),
-                std::to_string(s.denied), std::to_string(s.inexact), significant(s.iterations, 3),
-                duration(s.microseconds)});
+                std::to_string(s.denied), std::to_string(s.inexact), significant(or_gap(s.iterations), 3),
+                duration(or_gap(s.microseconds))});
   }
   return out;
 }

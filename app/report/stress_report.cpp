@@ -95,8 +95,8 @@ std::string method_table(const StressOutcome& outcome, const Palette& palette) {
     wrong.push_back({std::to_string(s.wrong), s.wrong > 0 ? Tone::bad : Tone::plain});
     denied.push_back(std::to_string(s.denied));
     inexact.push_back(std::to_string(s.inexact));
-    iterations.push_back(significant(s.iterations, 3));
-    times.push_back(duration(s.microseconds));
+    iterations.push_back(significant(or_gap(s.iterations), 3));
+    times.push_back(duration(or_gap(s.microseconds)));
   }
   Table table;
   table.add_number_column("", numbers);
@@ -153,9 +153,9 @@ std::string detail_table(const StressOutcome& outcome, const CaseResult& result,
     inexact.push_back(number(cell.inexact));
     wrong.push_back({number(cell.wrong), cell.wrong > 0 ? Tone::bad : Tone::plain});
     denied.push_back(number(cell.denied));
-    iterations.push_back(significant(cell.iterations, 3));
-    times.push_back(duration(cell.microseconds));
-    errors.push_back(small_number(cell.error));
+    iterations.push_back(significant(or_gap(cell.iterations), 3));
+    times.push_back(duration(or_gap(cell.microseconds)));
+    errors.push_back(small_number(or_gap(cell.error)));
     digits.push_back(digits_of(cell.allowed));
   }
   Table table;

@@ -26,8 +26,8 @@ std::vector<MethodSummary> summaries(const StressOutcome& outcome) {
       ++s.taken;
       if (comparison::mastered(cell)) ++s.mastered;
       if (cell.arrived == 0) continue;
-      iterations.push_back(cell.iterations);
-      times.push_back(cell.microseconds);
+      iterations.push_back(cell.iterations.value());
+      times.push_back(cell.microseconds.value());
     }
     s.iterations = comparison::median(iterations);
     s.microseconds = comparison::median(times);
@@ -57,9 +57,9 @@ std::string arrival(const comparison::Cell& cell) {
   return text + (cell.wrong > 0 ? "!" : "");
 }
 
-std::string digits_of(double allowed) {
-  if (std::isnan(allowed)) return "-";
-  return fmt::format("{:.1f}", std::max(0.0, -std::log10(allowed)));
+std::string digits_of(const std::optional<double>& allowed) {
+  if (!allowed) return "-";
+  return fmt::format("{:.1f}", std::max(0.0, -std::log10(*allowed)));
 }
 
 StressFailures failures_of(const StressOutcome& outcome) {

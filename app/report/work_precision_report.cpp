@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -50,7 +51,9 @@ std::string known_rests(const WorkPrecision& result, const Palette& palette) {
     std::string text = result.rests.size() > 1 ? fmt::format("{}: ", &rest - result.rests.data() + 1) : "";
     text += rest.stability == Stability::unknown ? "of unknown stability" : to_string(rest.stability);
     text += ", " + finders(rest);
-    if (std::isfinite(rest.accuracy)) text += fmt::format("; rounding can move it by {}", small_number(rest.accuracy));
+    if (rest.accuracy && std::isfinite(*rest.accuracy)) {
+      text += fmt::format("; rounding can move it by {}", small_number(*rest.accuracy));
+    }
     if (rest.neutral) text += "; one of a continuum";
     out += fact(out.empty() ? "rests" : "", text, palette);
   }
@@ -62,15 +65,15 @@ bool arrived(const ToleranceSpan& span) { return span.loosest->ending == Ending:
 std::string least_time(const Spans& spans, double error) {
   double least = std::numeric_limits<double>::infinity();
   for (const ToleranceSpan& span : spans) {
-    if (arrived(span) && span.loosest->error <= error) least = std::min(least, span.microseconds);
+    if (arrived(span) && span.loosest->error.value() <= error) least = std::min(least, span.microseconds);
   }
   return std::isfinite(least) ? duration(least) : "-";
 }
 
-double least_error(const Spans& spans) {
-  double least = std::numeric_limits<double>::quiet_NaN();
+std::optional<double> least_error(const Spans& spans) {
+  std::optional<double> least;
   for (const ToleranceSpan& span : spans) {
-    if (arrived(span) && !(span.loosest->error >= least)) least = span.loosest->error;
+    if (arrived(span) && (!least || span.loosest->error.value() < *least)) least = span.loosest->error;
   }
   return least;
 }
@@ -91,7 +94,7 @@ std::string summary(const std::vector<Spans>& methods, const Palette& palette) {
   for (const Spans& spans : methods) {
     names.push_back(to_string(spans.front().loosest->method));
     for (std::size_t m = 0; m < milestones.size(); ++m) times[m].push_back(least_time(spans, milestones[m]));
-    errors.push_back(small_number(least_error(spans)));
+    errors.push_back(small_number(or_gap(least_error(spans))));
     counts.push_back(arrivals(spans));
   }
   Table table;
@@ -116,7 +119,7 @@ std::string method_section(const Spans& spans, bool several_rests, const Palette
     tolerances.push_back(power(row.tolerance) +
                          (span.tightest == span.loosest ? "" : " .. " + power(span.tightest->tolerance)));
     times.push_back(duration(span.microseconds));
-    errors.push_back(small_number(row.error));
+    errors.push_back(small_number(or_gap(row.error)));
     iterations.push_back(std::to_string(row.iterations));
     evaluations.push_back(std::to_string(row.evaluations));
     rests.push_back(row.rest < 0 ? "-" : std::to_string(row.rest + 1));

@@ -130,7 +130,7 @@ TEST(WorkPrecisionCommand, RefusalsAreTold) {
   EXPECT_TRUE(contains(run.out, "energy refuses: force \"jet\" follows a body")) << run.out;
 }
 
-comparison::WorkPrecisionRow run_with(Ending ending, bool confirmed, double error) {
+comparison::WorkPrecisionRow run_with(Ending ending, bool confirmed, std::optional<double> error) {
   comparison::WorkPrecisionRow run;
   run.method = Method::cobyla;
   run.tolerance = 1e-3;
@@ -145,7 +145,7 @@ comparison::WorkPrecisionRow run_with(Ending ending, bool confirmed, double erro
 TEST(WorkPrecisionFiles, StatusesAreToldApart) {
   EXPECT_EQ(status_of(run_with(Ending::arrived, true, 0.0)), "confirmed");
   EXPECT_EQ(status_of(run_with(Ending::arrived, false, 0.1)), "claimed");
-  EXPECT_EQ(status_of(run_with(Ending::elsewhere, false, NAN)), "another place");
+  EXPECT_EQ(status_of(run_with(Ending::elsewhere, false, std::nullopt)), "another place");
   EXPECT_EQ(status_of(run_with(Ending::gave_up, true, 1e-9)), "gave up");
 }
 
@@ -171,7 +171,7 @@ TEST(WorkPrecisionFiles, ThePictureShowsOnlyRunsThatArrived) {
   comparison::WorkPrecision result;
   result.rows = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::gave_up, false, 1e-5),
                  run_with(Ending::arrived, true, 0.0)};
-  comparison::WorkPrecisionRow lost = run_with(Ending::elsewhere, false, NAN);
+  comparison::WorkPrecisionRow lost = run_with(Ending::elsewhere, false, std::nullopt);
   lost.method = Method::slsqp;
   result.rows.push_back(lost);
   const std::vector<Panel> panels = work_precision_panels(model, result);

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,12 +53,12 @@ const std::string complete = "complete = true\n";
 TEST(Stress, APendulumArrivesAtItsKnownRests) {
   const Cell nearest = cell_of("pendulum", complete + both_rests());
   expect_all_arrive(nearest);
-  EXPECT_LT(nearest.error, 1e-12);
-  EXPECT_GT(nearest.iterations, 0);
-  EXPECT_GT(nearest.microseconds, 0);
+  EXPECT_LT(nearest.error.value(), 1e-12);
+  EXPECT_GT(nearest.iterations.value(), 0);
+  EXPECT_GT(nearest.microseconds.value(), 0);
   // Torque (5 + 1) N * 2 m against the scaled curvature of order one: some units in the last place.
-  EXPECT_GT(nearest.allowed, 1e-15);
-  EXPECT_LT(nearest.allowed, 1e-13);
+  EXPECT_GT(nearest.allowed.value(), 1e-15);
+  EXPECT_LT(nearest.allowed.value(), 1e-13);
   expect_all_arrive(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_rests()));
   expect_all_arrive(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_rests(), Method::energy));
 }
@@ -114,7 +115,7 @@ TEST(Stress, WhereThereIsNoRestNothingMayBeClaimed) {
   const Cell runs_away = cell_of("runaway", none);
   expect_all_arrive(runs_away);
   EXPECT_FALSE(runs_away.why.empty());
-  EXPECT_TRUE(std::isnan(runs_away.error));
+  EXPECT_FALSE(runs_away.error);
   const Cell rests = cell_of("pendulum", none);
   expect_all_wrong(rests);
   EXPECT_NE(rests.why.find("nothing holds it"), std::string::npos) << rests.why;
@@ -144,7 +145,7 @@ TEST(Stress, ARefusalIsNoFailure) {
   EXPECT_TRUE(refused.refused);
   EXPECT_EQ(refused.starts, 0);
   EXPECT_NE(refused.why.find("jet"), std::string::npos) << refused.why;
-  EXPECT_TRUE(std::isnan(refused.iterations) && std::isnan(refused.microseconds));
+  EXPECT_FALSE(refused.iterations || refused.microseconds);
   // What statics tells must be what is known, no more.
   expect_all_wrong(cell_of("follower", complete + "reach = 0.5\n" + toy_rest("rod", "1.0", "unknown")));
 }
@@ -221,7 +222,7 @@ TEST(Stress, SafeguardsAreSwitchedOffOneByOne) {
   expect_all_arrive(cells[0]);
   // Newton is drawn to the maximum as well, and has to be brought back.
   EXPECT_EQ(safeguard_variants()[2].name, "inertia correction");
-  EXPECT_GT(cells[2].iterations, cells[0].iterations);
+  EXPECT_GT(cells[2].iterations.value(), cells[0].iterations.value());
   // Steps as long as they come fly around the pin.
   EXPECT_EQ(safeguard_variants()[3].name, "line search");
   EXPECT_LT(cells[3].arrived, starts);
@@ -262,7 +263,7 @@ TEST(Stress, UnknownNamesOfASeriesAreTold) {
 // Answers made up, so that what solvers never do is checked too.
 class CaseCheckTest : public testing::Test {
  protected:
-  Verdict verdict_on(double angle, Stability stability, double accuracy = 1e-14) const {
+  Verdict verdict_on(double angle, Stability stability, std::optional<double> accuracy = 1e-14) const {
     Equilibrium rest;
     rest.status = Status::confirmed;
     rest.x = {angle};
@@ -294,7 +295,7 @@ TEST_F(CaseCheckTest, NoConditionExcusesAnotherPlace) {
   EXPECT_EQ(verdict_on(0.102, Stability::stable, 1.0).kind, Verdict::Kind::wrong);
   EXPECT_EQ(verdict_on(0.102, Stability::stable, std::numeric_limits<double>::infinity()).kind, Verdict::Kind::wrong);
   // Where the condition is not known, what is near is no arrival, but not wrong either.
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  const std::optional<double> unknown;
   EXPECT_EQ(verdict_on(0.1, Stability::stable, unknown).kind, Verdict::Kind::arrived);
   EXPECT_EQ(verdict_on(0.1 + 1e-8, Stability::stable, unknown).kind, Verdict::Kind::inexact);
   EXPECT_EQ(verdict_on(0.102, Stability::stable, unknown).kind, Verdict::Kind::wrong);
@@ -335,7 +336,7 @@ TEST_F(CaseCheckTest, TellsDenialsFromFailures) {
 }
 
 TEST(Median, IsTheMiddle) {
-  EXPECT_TRUE(std::isnan(median({})));
+  EXPECT_FALSE(median({}));
   EXPECT_EQ(median({3.0}), 3.0);
   EXPECT_EQ(median({5.0, 1.0, 3.0}), 3.0);
   EXPECT_EQ(median({7.0, 1.0, 5.0, 3.0}), 4.0);

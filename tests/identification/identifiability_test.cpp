@@ -113,7 +113,8 @@ TEST(Identifiability, CovarianceIsTheInverseOfTheWholeInformation) {
       const double deviation = std::sqrt(covariance(at, at));
       EXPECT_NEAR(told.deviation[i] / deviation, 1.0, 1e-5) << problem.parameters()[i].name;
       for (Eigen::Index j = 0; j < at; ++j) {
-        EXPECT_NEAR(told.correlation(at, j), covariance(at, j) / (deviation * std::sqrt(covariance(j, j))), 1e-5);
+        EXPECT_NEAR(told.correlation[i][static_cast<std::size_t>(j)].value(),
+                    covariance(at, j) / (deviation * std::sqrt(covariance(j, j))), 1e-5);
       }
     }
   }
@@ -258,7 +259,13 @@ TEST(Identifiability, FreeDoublePendulumWithOneLumpKnown) {
   ASSERT_TRUE(told.ok);
   ASSERT_EQ(told.rank, 3);
   const Eigen::Map<const Eigen::Vector3d> deviation(told.deviation.data());
-  const Eigen::Matrix3d covariance = deviation.asDiagonal() * told.correlation * deviation.asDiagonal();
+  Eigen::Matrix3d correlation;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = told.correlation[i][j].value();
+    }
+  }
+  const Eigen::Matrix3d covariance = deviation.asDiagonal() * correlation * deviation.asDiagonal();
   Eigen::Matrix3d lumps;
   lumps << 1, 0, 0,  //
       0, 1, 1,       //

@@ -53,7 +53,7 @@ std::set<std::string> pressing_stops(const Check& check) {
 
 void expect_agrees(const StaticModel& model, const Equilibrium& found, const json& known, double tolerance) {
   ASSERT_EQ(found.status, Status::confirmed) << found.why;
-  const double allowed = std::max(tolerance, found.check.accuracy);
+  const double allowed = std::max(tolerance, found.check.accuracy.value_or(0.0));
   ASSERT_LE(test::error_of(model, found.x, coordinates(known)), allowed) << to_string(found.check.stability);
   for (const auto& [name, at] : known.at("points").items()) {
     const Vec2 place = test::place_of(model, found.x, name);

@@ -280,8 +280,8 @@ TEST(Elements, UponEveryMeasureOfRandomMechanismsAreConfirmedBodyByBody) {
     };
     const double from = test::potential_energy(scene, model.poses(other));
     const double to = test::potential_energy(scene, model.poses(found.x));
-    EXPECT_NEAR(found.energy - energy(other), to - from,
-                1e-10 * (std::abs(from) + std::abs(to) + std::abs(found.energy)));
+    EXPECT_NEAR(found.energy.value() - energy(other), to - from,
+                1e-10 * (std::abs(from) + std::abs(to) + std::abs(found.energy.value())));
   }
   EXPECT_GT(confirmed, 30);
 }

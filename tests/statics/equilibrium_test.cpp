@@ -91,7 +91,7 @@ TEST(Status, Confirmed) {
     EXPECT_GT(found.iterations, 0);
     EXPECT_GT(found.evaluations, 0);
     EXPECT_GT(found.microseconds, 0.0);
-    EXPECT_TRUE(std::isfinite(found.energy));
+    EXPECT_TRUE(found.energy && std::isfinite(*found.energy));
     EXPECT_NE(found.why, "");
   }
 }
@@ -147,7 +147,7 @@ TEST(Status, RefusedNamesTheForceWithoutPotential) {
   EXPECT_FALSE(found.found());
   const Equilibrium by_work = solve(model);
   EXPECT_TRUE(by_work.found()) << by_work.why;
-  EXPECT_TRUE(std::isnan(by_work.energy));
+  EXPECT_FALSE(by_work.energy);
 }
 
 TEST(Status, Interrupted) {
@@ -297,7 +297,7 @@ TEST(SeekStable, LeavesAnExactMaximum) {
       const double angle = angle_of(model, found.x, std::to_string(i));
       EXPECT_LE(std::abs(std::remainder(angle + M_PI_2, 2 * M_PI)), 1e-12) << i;
     }
-    EXPECT_LT(found.energy, top.energy);
+    EXPECT_LT(found.energy.value(), top.energy.value());
   }
 }
 
@@ -343,7 +343,7 @@ TEST(StopsInSearch, TheMethodsAgreeOnTheClamp) {
   }
   EXPECT_NEAR(test::reaction_of(work.check, "over_centre").moment,
               test::reaction_of(energy.check, "over_centre").moment, 1e-6);
-  EXPECT_NEAR(work.energy, energy.energy, 1e-8);
+  EXPECT_NEAR(work.energy.value(), energy.energy.value(), 1e-8);
 }
 
 TEST(StopsInSearch, TheClampLetsGoAndOpensToItsOtherStop) {

@@ -43,7 +43,7 @@ Tally run(const StaticModel& model, const SolveOptions& options, int count = sta
     out.iterations += static_cast<double>(found.iterations) / count;
     if (found.found()) {
       char energy[32];
-      std::snprintf(energy, sizeof energy, "%.6g J", found.energy);
+      std::snprintf(energy, sizeof energy, "%.6g J", found.energy.value());
       ++out.energies[energy];
     } else if (out.first_failure.empty()) {
       out.first_failure = "start " + std::to_string(k) + ": " + found.why;
@@ -111,7 +111,7 @@ TEST(Nearest, IsTheUnstableEquilibriumNextToThePrintedPose) {
   const Equilibrium rest = solve(model, test::by(Method::virtual_work, Seek::stable));
   ASSERT_EQ(rest.status, Status::confirmed) << rest.why;
   EXPECT_EQ(to_string(rest.check.stability), "stable");
-  EXPECT_LT(rest.energy, found.energy);
+  EXPECT_LT(rest.energy.value(), found.energy.value());
 }
 
 }  // namespace

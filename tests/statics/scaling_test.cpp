@@ -194,8 +194,8 @@ std::vector<double> all_values(const Scene& scene, Purpose purpose, const Scales
       mechanism.tangent_row().size(),
       [&](double* values) { mechanism.tangent(pose.data(), multipliers.data(), values); },
       [&](std::size_t e) {
-        return scales.energy() / (units.coordinate[mechanism.tangent_row()[e]] *
-                                  units.coordinate[mechanism.tangent_column()[e]]);
+        return scales.energy() /
+               (units.coordinate[mechanism.tangent_row()[e]] * units.coordinate[mechanism.tangent_column()[e]]);
       });
   add(
       n, [&](double* g) { mechanism.add_resistance(pose.data(), q.data(), g); }, force_unit);
@@ -245,7 +245,7 @@ TEST(Scaled, KeepsTheEquilibriumAndDividesItsForces) {
       EXPECT_NEAR(test::angle_of(other, same.x, scene.bodies[i].name),
                   test::angle_of(model, found.x, scene.bodies[i].name), 1e-13);
     }
-    EXPECT_NEAR(same.energy * scales.energy(), found.energy, 1e-11 * model.scales().energy());
+    EXPECT_NEAR(same.energy.value() * scales.energy(), found.energy.value(), 1e-11 * model.scales().energy());
     ASSERT_EQ(same.check.reactions.size(), found.check.reactions.size());
     for (std::size_t k = 0; k < same.check.reactions.size(); ++k) {
       const Vec2 difference = scales.force * same.check.reactions[k].force - found.check.reactions[k].force;
