@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -252,8 +253,8 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
       if (!jacobian) continue;
       std::fill(column.begin(), column.end(), 0.0);
       for (std::size_t i = 0; i < n; ++i) {
-        const double* q_p = trajectory.q_p(places[k][i]);
-        const double* v_p = trajectory.v_p(places[k][i]);
+        const std::span<const double> q_p = trajectory.q_p(places[k][i]);
+        const std::span<const double> v_p = trajectory.v_p(places[k][i]);
         const double on_q = by_q[i];
         const double on_v = by_v[i];
         for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_q * q_p[c];

@@ -69,7 +69,7 @@ std::vector<double> DesignModel::upper() const {
   return out;
 }
 
-std::vector<Vec2> DesignModel::points_of(const double* values) const {
+std::vector<Vec2> DesignModel::points_of(std::span<const double> values) const {
   std::vector<Vec2> points;
   points.reserve(chain_.slots());
   for (const Body& body : problem_.scene.bodies) {
@@ -83,7 +83,7 @@ std::vector<Vec2> DesignModel::points_of(const double* values) const {
   return points;
 }
 
-DesignFacts DesignModel::facts(const double* values, const std::vector<int>& signs, int positions) const {
+DesignFacts DesignModel::facts(std::span<const double> values, const std::vector<int>& signs, int positions) const {
   const std::vector<Vec2> points = points_of(values);
   const double from = values[problem_.variables.size()];
   const double turn = values[problem_.variables.size() + 1];
@@ -100,7 +100,7 @@ DesignFacts DesignModel::facts(const double* values, const std::vector<int>& sig
   double angle = 0.0;
   for (int k = 0; k < positions; ++k) {
     const double step = turn / (positions - 1);
-    out.gap += chain_.place(points.data(), from + k * step, signs.data(), poses.data(), cosines.data());
+    out.gap += chain_.place(points, from + k * step, signs, poses, cosines);
     for (std::size_t i = 0; i < cosines.size(); ++i) {
       out.transmission[i] = std::min(out.transmission[i], std::acos(std::min(1.0, std::abs(cosines[i]))));
     }
@@ -171,7 +171,8 @@ double DesignModel::misfit(const DesignFacts& facts, double part) const {
   return sum;
 }
 
-Scene DesignModel::scene_of(const double* values, const std::vector<int>& signs, const DesignFacts& facts) const {
+Scene DesignModel::scene_of(std::span<const double> values, const std::vector<int>& signs,
+                            const DesignFacts& facts) const {
   Scene scene = problem_.scene;
   const std::vector<Vec2> points = points_of(values);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -188,7 +189,7 @@ Scene DesignModel::scene_of(const double* values, const std::vector<int>& signs,
   }
   std::vector<DyadChain::Pose> poses(scene.bodies.size());
   std::vector<double> cosines(chain_.dyads().size());
-  chain_.place(points.data(), values[problem_.variables.size()], signs.data(), poses.data(), cosines.data());
+  chain_.place(points, values[problem_.variables.size()], signs, poses, cosines);
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     std::optional<double>& angle = scene.start.angle[i];
     if (chain_.places(static_cast<int>(i))) angle = std::atan2(poses[i].direction.y, poses[i].direction.x);
@@ -242,7 +243,7 @@ DesignResult design(const DesignProblem& problem, const DesignOptions& options) 
     for (int k = 0; k < options.draws; ++k) {
       for (std::size_t i = 0; i < x.size(); ++i) drawn[i] = lower[i] + uniform(random) * (upper[i] - lower[i]);
       for (int& sign : drawn_signs) sign = uniform(random) < 0.5 ? -1 : 1;
-      const double misfit = model.misfit(model.facts(drawn.data(), drawn_signs, search_positions), search_part);
+      const double misfit = model.misfit(model.facts(drawn, drawn_signs, search_positions), search_part);
       if (misfit >= least) continue;
       least = misfit;
       x = drawn;
@@ -252,11 +253,13 @@ DesignResult design(const DesignProblem& problem, const DesignOptions& options) 
     settings.evaluations = options.evaluations;
     settings.interrupt = options.interrupt;
     const solvers::NloptResult found = solvers::minimise_with_nlopt(
-        [&](const double* values) { return model.misfit(model.facts(values, signs, search_positions), search_part); },
+        [&](const double* values) {
+          return model.misfit(model.facts({values, model.size()}, signs, search_positions), search_part);
+        },
         lower, upper, x, settings);
     best.evaluations += options.draws + found.evaluations;
     ++best.starts;
-    const double misfit = model.misfit(model.facts(found.x.data(), signs, final_positions));
+    const double misfit = model.misfit(model.facts(found.x, signs, final_positions));
     if (misfit < best.misfit) {
       best.misfit = misfit;
       best.values = found.x;
@@ -266,8 +269,8 @@ DesignResult design(const DesignProblem& problem, const DesignOptions& options) 
     if (options.progress) options.progress(best.starts, best.misfit);
   }
   if (best.values.empty()) return best;
-  best.facts = model.facts(best.values.data(), best.signs, final_positions);
-  best.scene = model.scene_of(best.values.data(), best.signs, best.facts);
+  best.facts = model.facts(best.values, best.signs, final_positions);
+  best.scene = model.scene_of(best.values, best.signs, best.facts);
   best.from = best.values[problem.variables.size()] + best.facts.turned;
   best.to = best.from + best.values[problem.variables.size() + 1];
   return best;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -108,15 +109,15 @@ class DesignModel {
   std::vector<double> upper() const;
 
   /// `values` as DesignResult::values, at `positions` angles of the driver spread evenly.
-  DesignFacts facts(const double* values, const std::vector<int>& signs, int positions) const;
+  DesignFacts facts(std::span<const double> values, const std::vector<int>& signs, int positions) const;
   /// 0 where all goals are met, else the sum of log(value / limit) of those missed; far more where the dyads do not
   /// close. All limits are tightened to `part` of what is allowed.
   double misfit(const DesignFacts& facts, double part = 1.0) const;
   /// The scene with these dimensions after the similarity, started at the begin of its range.
-  Scene scene_of(const double* values, const std::vector<int>& signs, const DesignFacts& facts) const;
+  Scene scene_of(std::span<const double> values, const std::vector<int>& signs, const DesignFacts& facts) const;
 
  private:
-  std::vector<Vec2> points_of(const double* values) const;
+  std::vector<Vec2> points_of(std::span<const double> values) const;
   void start_jacks(Scene& scene, const std::vector<Vec2>& points, const std::vector<DyadChain::Pose>& poses,
                    const DesignFacts& facts) const;
 

@@ -78,7 +78,8 @@ DyadChain::DyadChain(const Scene& scene, int driver, const std::vector<int>& nee
   }
 }
 
-double DyadChain::place(const Vec2* points, double angle, const int* signs, Pose* poses, double* cosines) const {
+double DyadChain::place(std::span<const Vec2> points, double angle, std::span<const int> signs, std::span<Pose> poses,
+                        std::span<double> cosines) const {
   const auto local = [&](PointRef p) { return points[slot(p)]; };
   const auto turn_to = [&](int body, PointRef anchor, PointRef tip, Vec2 at, Vec2 towards) {
     Pose& pose = poses[body];

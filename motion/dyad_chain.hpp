@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,8 @@ class DyadChain {
   /// each dyad; one pose for each body of the scene. cosines (one for each dyad) become the cosine of the angle
   /// between its two bodies at their pin. Returns the sum of what the dyads' bodies are too short, or too long, over
   /// their lengths: 0 where all close. Where one does not, its bodies point towards each other.
-  double place(const Vec2* points, double angle, const int* signs, Pose* poses, double* cosines) const;
+  double place(std::span<const Vec2> points, double angle, std::span<const int> signs, std::span<Pose> poses,
+               std::span<double> cosines) const;
 
  private:
   std::vector<Dyad> dyads_;

@@ -200,7 +200,7 @@ class Simulation {
       nodes[known] = {t + h, reduced_.q()[i], reduced_.v()[i], reduced_.a()[i]};
       const double reach = std::max({reach_[i], std::abs(nodes[known].q - q_start_[i]), 1e-3 * far});
       const double rounding = 1e4 * eps * std::abs(nodes[known].q) + loops;
-      worst = std::max(worst, (reading_error(nodes.data(), known + 1, t + h / 2) - rounding) / (reach + tiny));
+      worst = std::max(worst, (reading_error({nodes.data(), known + 1}, t + h / 2) - rounding) / (reach + tiny));
     }
     return worst;
   }

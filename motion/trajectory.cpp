@@ -8,7 +8,8 @@
 
 namespace poise {
 
-double reading_error(const NodeValues* nodes, std::size_t count, double t) {
+double reading_error(std::span<const NodeValues> nodes, double t) {
+  const std::size_t count = nodes.size();
   const double scale = nodes[count - 1].t - nodes[0].t;
   std::array<double, 12> s{}, row{};
   for (std::size_t m = 0; m < 3 * count; ++m) {
@@ -54,7 +55,7 @@ TrajectoryReader::Nodes TrajectoryReader::best_nodes(std::size_t interval) const
           const std::size_t at = (first + k) * n + static_cast<std::size_t>(i);
           values[k] = {trajectory_.t[first + k], trajectory_.q[at], trajectory_.v[at], trajectory_.a[at]};
         }
-        error += reading_error(values.data(), count, middle);
+        error += reading_error({values.data(), count}, middle);
       }
       if (error < least) {
         least = error;

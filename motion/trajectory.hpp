@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace poise {
@@ -23,9 +24,9 @@ struct NodeValues {
   double t = 0.0, q = 0.0, v = 0.0, a = 0.0;
 };
 
-/// What the last two of the 3 `count` conditions add at time t to the polynomial that meets all others, by size: some
+/// What the last two of the 3 conditions per node add at time t to the polynomial that meets all others, by size: some
 /// more than its error there. Two to four nodes.
-double reading_error(const NodeValues* nodes, std::size_t count, double t);
+double reading_error(std::span<const NodeValues> nodes, double t);
 
 /// Reads some coordinates of a trajectory, and their sensitivities, at ascending times.
 class TrajectoryReader {
@@ -39,8 +40,8 @@ class TrajectoryReader {
   double q(std::size_t i) const { return value_[i * stride_]; }
   double v(std::size_t i) const { return rate_[i * stride_]; }
   /// `columns` sensitivities of the same.
-  const double* q_p(std::size_t i) const { return &value_[i * stride_ + 1]; }
-  const double* v_p(std::size_t i) const { return &rate_[i * stride_ + 1]; }
+  std::span<const double> q_p(std::size_t i) const { return {value_.data() + i * stride_ + 1, stride_ - 1}; }
+  std::span<const double> v_p(std::size_t i) const { return {rate_.data() + i * stride_ + 1, stride_ - 1}; }
 
  private:
   void enter(std::size_t interval);

@@ -52,7 +52,7 @@ TEST(DyadChain, AgreesWithTheGeneralKinematics) {
   std::vector<DyadChain::Pose> poses(problem.scene.bodies.size());
   std::vector<double> cosines(3);
   for (const KinematicSample& at : sweep(problem.scene, {{"obd", -0.12, 0.87}}).samples) {
-    EXPECT_EQ(chain.place(points.data(), at.drive[0], lift_signs.data(), poses.data(), cosines.data()), 0.0);
+    EXPECT_EQ(chain.place(points, at.drive[0], lift_signs, poses, cosines), 0.0);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (!chain.places(static_cast<int>(i))) continue;
       EXPECT_NEAR(norm(poses[i].origin - at.bodies[i].pose.origin), 0.0, 1e-12);
@@ -76,10 +76,10 @@ TEST(DyadChain, SaysByHowMuchItFailsToClose) {
     for (const NamedPoint& p : body.points) points.push_back(p.at);
   }
   std::vector<DyadChain::Pose> poses(4);
-  const int sign = 1;
-  double cosine = 0.0;
+  const std::vector<int> signs{1};
+  std::vector<double> cosines(1);
   // The crank's end is 4 from C, the two bars reach 2: half their sum is missing on either side.
-  EXPECT_NEAR(chain.place(points.data(), 0.0, &sign, poses.data(), &cosine), 1.0, 1e-15);
+  EXPECT_NEAR(chain.place(points, 0.0, signs, poses, cosines), 1.0, 1e-15);
   EXPECT_NEAR(norm(poses[2].direction - Vec2{1, 0}), 0.0, 1e-15);
   EXPECT_NEAR(norm(poses[3].direction - Vec2{-1, 0}), 0.0, 1e-15);
 }
@@ -93,7 +93,7 @@ TEST(DyadChain, RefusesBodiesThatNoDyadReaches) {
 TEST(Design, JudgesTheLiftByItsFacts) {
   const DesignProblem problem = lift_design();
   const DesignModel model(problem);
-  const DesignFacts facts = model.facts(lift_values(problem).data(), lift_signs, 121);
+  const DesignFacts facts = model.facts(lift_values(problem), lift_signs, 121);
   const auto known = test::read_json(test::dataset("lift_facts.json"));
   EXPECT_EQ(facts.gap, 0.0);
   EXPECT_NEAR(facts.scale, 1.5 / known["travel_Q"].get<double>(), 1e-5);
@@ -116,13 +116,13 @@ TEST(Design, ItsSceneIsTheSameMechanismUprightAndInTrueSize) {
   DesignProblem problem = lift_design();
   std::vector<double> values = lift_values(problem);
   const DesignModel model(problem);
-  const DesignFacts facts = model.facts(values.data(), lift_signs, 101);
+  const DesignFacts facts = model.facts(values, lift_signs, 101);
   DesignProblem again = problem;
-  again.scene = model.scene_of(values.data(), lift_signs, facts);
+  again.scene = model.scene_of(values, lift_signs, facts);
   const DesignModel upright(again);
   std::vector<double> true_size = lift_values(again);
   true_size[true_size.size() - 2] = values[values.size() - 2] + facts.turned;
-  const DesignFacts same = upright.facts(true_size.data(), lift_signs, 101);
+  const DesignFacts same = upright.facts(true_size, lift_signs, 101);
   EXPECT_NEAR(same.scale, 1.0, 1e-12);
   EXPECT_NEAR(same.turned, 0.0, 1e-12);
   EXPECT_NEAR(same.drift, facts.drift, 1e-12);

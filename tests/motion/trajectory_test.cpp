@@ -85,7 +85,7 @@ TEST(ReadingError, IsWhatTheLastTwoConditionsAdd) {
   // Two nodes of t^5: it is 3 t^3 (t - 1) + t^3 (t - 1)^2 and what four conditions see, t^3.
   const NodeValues nodes[] = {{0.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 5.0, 20.0}};
   for (double t : {0.25, 0.5}) {
-    EXPECT_NEAR(reading_error(nodes, 2, t), t * t * t * (2 * (1 - t) + (1 - t) * (1 - t)), 1e-15);
+    EXPECT_NEAR(reading_error({nodes, 2}, t), t * t * t * (2 * (1 - t) + (1 - t) * (1 - t)), 1e-15);
   }
 }
 
