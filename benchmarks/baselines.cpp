@@ -48,8 +48,8 @@ class Table {
     for (const SolverResult& result : results) {
       const bool is_best = &result == fastest(results, result.solver->family);
       const bool is_promised = is_best && &result != &ours && ours.arrives && layout.kept <= small;
-      fmt::print("{}{}\n", line(result, ours), is_promised ? judge(scene, result, ours) : "");
-      judge_answer(result);
+      fmt::print("{}{}\n", line(result, ours), is_promised ? check_promise(scene, result, ours) : "");
+      check_answer(result);
     }
     if (layout.kept <= small) note_absent(results);
     for (const std::string& why : benchmark.left_out()) fmt::print("  left out: {}\n", why);
@@ -102,7 +102,7 @@ class Table {
                        in_units(s.seconds), ratio);
   }
 
-  std::string judge(const std::string& scene, const SolverResult& theirs, const SolverResult& ours) {
+  std::string check_promise(const std::string& scene, const SolverResult& theirs, const SolverResult& ours) {
     const double limit = promises.at(theirs.solver->family);
     Promise& promise = kept_[theirs.solver->family];
     const double ratio = theirs.seconds / ours.seconds;
@@ -126,7 +126,7 @@ class Table {
   }
 
   // Ours are virtual work and the adapter to Ipopt; this one is asked for as little as will do.
-  void judge_answer(const SolverResult& s) {
+  void check_answer(const SolverResult& s) {
     const bool by_virtual_work = s.solver->family == "Poise";
     if (!by_virtual_work && s.solver->family != "Ipopt") return;
     const bool false_claim = by_virtual_work && s.false_claim;

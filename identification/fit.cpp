@@ -35,7 +35,7 @@ class Fitting {
   Fit run() {
     const auto begun = std::chrono::steady_clock::now();
     search();
-    if (best_cost_ < INFINITY) judge();
+    if (best_cost_ < INFINITY) evaluate();
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
     out_.microseconds = took.count();
     return std::move(out_);
@@ -237,7 +237,7 @@ class Fitting {
   }
 
   /// Everything that is said of the answer.
-  void judge() {
+  void evaluate() {
     out_.parameters = best_.parameters;
     out_.misfit = misfit_of(best_cost_);
     out_.expected = std::sqrt(0.5 / out_.degrees);
@@ -260,10 +260,10 @@ class Fitting {
       std::vector<double> e;
       triangles.push_back(problem_.triangle(r, best_.parameters, best_.nuisances[r], &records_[r],
                                             records_[r].time.size(), problem_.accuracy(r), &e));
-      out_.runs.push_back(judge_run(r, e, squares));
+      out_.runs.push_back(evaluate_run(r, e, squares));
       samples += records_[r].time.size();
     }
-    judge_colour();
+    evaluate_colour();
     for (const double square : squares) out_.rms.push_back(std::sqrt(square / static_cast<double>(samples)));
     out_.identifiability = assess(problem_, best_.parameters, triangles);
     const double enlarged = std::max(1.0, out_.misfit);
@@ -288,7 +288,7 @@ class Fitting {
     }
   }
 
-  void judge_colour() {
+  void evaluate_colour() {
     double mean = 0.0;
     int count = 0;
     bool white = true;
@@ -303,7 +303,7 @@ class Fitting {
     if (!white) out_.colour = std::sqrt((1 + r) / (1 - r));
   }
 
-  RunFit judge_run(std::size_t r, const std::vector<double>& e, std::vector<double>& squares) const {
+  RunFit evaluate_run(std::size_t r, const std::vector<double>& e, std::vector<double>& squares) const {
     RunFit out;
     out.name = problem_.run(r).run().name;
     out.nuisances = best_.nuisances[r];

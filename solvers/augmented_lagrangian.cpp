@@ -167,7 +167,7 @@ class AugmentedLagrangian {
       if (arrived()) {
         const ActiveSet::Pulling pulling = active_.release_pulling(y_, options_.tolerance * force_scale_);
         if (pulling == ActiveSet::Pulling::cycling) return end("an inequality is met and left again and again");
-        if (pulling == ActiveSet::Pulling::none) return judge();
+        if (pulling == ActiveSet::Pulling::none) return conclude();
         drop_multipliers();
         filter_.clear();
         continue;
@@ -180,7 +180,7 @@ class AugmentedLagrangian {
     }
   }
 
-  void judge() {
+  void conclude() {
     const char* flaw = objection(now_, active_, y_, options_.tolerance);
     result_.claims_success = flaw == nullptr;
     end(flaw == nullptr ? "converged" : flaw);

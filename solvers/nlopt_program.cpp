@@ -67,11 +67,11 @@ class Program {
         options_(options),
         kept_(all_where_empty(problem, rows)),
         rescaled_(problem, kept_),
-        judged_(problem.make_evaluation()) {}
+        checked_(problem.make_evaluation()) {}
 
   SearchResult run(const std::vector<double>& start) {
     result_.x = start;
-    best_ = judge(start);
+    best_ = optimality_of(start);
     int word = search(from_far());
     while (refine() && left_to_do()) {
       const double before = best_.error;
@@ -111,10 +111,10 @@ class Program {
 
   double scale() const { return algorithm_ == NloptAlgorithm::auglag_lbfgs ? lbfgs_scale : 1.0; }
 
-  Optimality judge(const std::vector<double>& x) {
-    judged_.x = x;
-    problem_.evaluate(judged_);
-    return optimality_at(problem_, judged_, kept_);
+  Optimality optimality_of(const std::vector<double>& x) {
+    checked_.x = x;
+    problem_.evaluate(checked_);
+    return optimality_at(problem_, checked_, kept_);
   }
 
   int search(RescaledProblem::Frame frame) {
@@ -136,7 +136,7 @@ class Program {
 
   void take(const std::vector<double>& x, bool whatever) {
     if (!is_finite(x)) return;
-    Optimality there = judge(x);
+    Optimality there = optimality_of(x);
     if (!whatever && !(there.error < best_.error)) return;
     result_.x = x;
     best_ = std::move(there);
@@ -207,7 +207,7 @@ class Program {
   const SearchOptions& options_;
   std::vector<int> kept_;
   RescaledProblem rescaled_;
-  Evaluation judged_;
+  Evaluation checked_;
   Optimality best_;  // of result_.x
   double steps_ = 0.0, gaps_ = 0.0;
   int searches_ = 0;
