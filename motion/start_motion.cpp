@@ -23,10 +23,16 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
   return solvers::minimum_norm_solution(B, change);
 }
 
-[[noreturn]] void fail(const MotionModel& model, const std::vector<StartValue>& wanted, const std::string& what) {
+[[noreturn]] void fail(const MotionModel& model, int freedoms, const std::vector<StartValue>& wanted,
+                       const std::string& what) {
   std::string names;
   for (const StartValue& s : wanted) {
     names += (names.empty() ? "" : ", ") + model.layout().coordinates[static_cast<std::size_t>(s.coordinate)].name;
+  }
+  if (freedoms == 0) {
+    throw InputError(
+        fmt::format("{}the start of the motion: no freedom is left to release; leave out the release of {}, or a drive",
+                    where(model), names));
   }
   throw InputError(
       fmt::format("{}the start of the motion: expected {} of {} that the mechanism can have at once; ask for "
@@ -71,12 +77,12 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
     if (places.empty() || miss.lpNorm<Eigen::Infinity>() < 1e-14) break;
     const bool settled = miss.lpNorm<Eigen::Infinity>() < 1e-12 && iteration > 20;
     if (settled) break;
-    if (iteration == 200) fail(model, places, "places");
+    if (f == 0 || iteration == 200) fail(model, f, places, "places");
     const double largest = miss.lpNorm<Eigen::Infinity>();
     Eigen::VectorXd dz = least_change(reduced, places, largest > 0.1 ? Eigen::VectorXd(miss * (0.1 / largest)) : miss);
-    if (!dz.allFinite() || dz.lpNorm<Eigen::Infinity>() > 1.0) fail(model, places, "places");
+    if (!dz.allFinite() || dz.lpNorm<Eigen::Infinity>() > 1.0) fail(model, f, places, "places");
     for (int k = 0; k < f; ++k) z[static_cast<std::size_t>(k)] += dz[k];
-    if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail(model, places, "places");
+    if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail(model, f, places, "places");
   }
   MotionState state;
   x.assign(reduced.q(), reduced.q() + x.size());
@@ -91,7 +97,7 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
   }
   reduced.move(w.data());
   for (const StartValue& s : rates) {
-    if (std::abs(reduced.v()[s.coordinate] - s.value) > 1e-9 * (1 + std::abs(s.value))) fail(model, rates, "rates");
+    if (std::abs(reduced.v()[s.coordinate] - s.value) > 1e-9 * (1 + std::abs(s.value))) fail(model, f, rates, "rates");
   }
   state.q = model.to_si(x);
   state.v = model.to_si({reduced.v(), reduced.v() + x.size()});

@@ -60,6 +60,7 @@ struct LeastSquares<T>::Factors {
 
 template <class T>
 LeastSquares<T>::LeastSquares(const DenseMatrix<T>& a, double tolerance) {
+  if (a.cols() == 0) return;  // nothing to factor, and Eigen would read a pivot that does not exist
   auto factors = std::make_unique<Factors>();
   factors->decomposition.setThreshold(pivot_limit(a, tolerance));
   factors->decomposition.compute(a);
@@ -71,16 +72,18 @@ LeastSquares<T>::~LeastSquares() = default;
 
 template <class T>
 DenseVector<T> LeastSquares<T>::solve(const DenseVector<T>& b) const {
+  if (!factors_) return {};
   return factors_->decomposition.solve(b);
 }
 
 template <class T>
 Eigen::Index LeastSquares<T>::rank() const {
-  return factors_->decomposition.rank();
+  return factors_ ? factors_->decomposition.rank() : 0;
 }
 
 template <class T>
 DenseMatrix<T> LeastSquares<T>::null_space() const {
+  if (!factors_) return {};
   const auto& of = factors_->decomposition;
   const DenseMatrix<T> z = of.matrixZ().transpose().rightCols(of.cols() - of.rank());
   return of.colsPermutation() * z;

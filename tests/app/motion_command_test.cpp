@@ -179,6 +179,17 @@ TEST(MotionCommand, ReportsWhatItCannotMove) {
   EXPECT_NE(nowhere.out.find("No rest to start from"), std::string::npos) << nowhere.out;
 }
 
+TEST(MotionCommand, NothingIsReleasedThatADriveCarries) {
+  const TempFolder folder;
+  const std::string scene = folder.write("a.toml", std::string(flywheel) + motor);
+  for (const char* option : {"--release", "--release-rate"}) {
+    const Outcome run = run_poise(words(scene, {"--duration", "2", option, "wheel=1"}));
+    EXPECT_EQ(run.exit_code, 2) << option;
+    EXPECT_NE(run.err.find("no freedom is left to release"), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  }
+}
+
 TEST(MotionCommand, BadWordsAreNamed) {
   const TempFolder folder;
   const std::string scene = folder.write("a.toml", oscillator);

@@ -85,6 +85,30 @@ TEST(StartMotion, RefusesWhatTheMechanismCannotHave) {
   EXPECT_NE(complaint(driven, {{}, {{"crank", 0.0}}}).find("rates of crank"), std::string::npos);
 }
 
+TEST(StartMotion, RefusesToReleaseWhatDrivesCarry) {
+  const MotionModel wheel(parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.wheel]
+points = { O = [0, 0] }
+inertia = 3
+[[pin]]
+points = ["ground.O", "wheel.O"]
+[[drive]]
+bodies = ["ground", "wheel"]
+start = 0.2
+rate = 0.5
+)",
+                                      "wheel"));
+  for (const test::Release& release : {test::Release{{{"wheel", 0.3}}, {}}, test::Release{{}, {{"wheel", 0.6}}}}) {
+    EXPECT_NE(
+        complaint(wheel, release).find("no freedom is left to release; leave out the release of wheel, or a drive"),
+        std::string::npos)
+        << complaint(wheel, release);
+  }
+  EXPECT_EQ(complaint(wheel, {{{"wheel", 0.2}}, {{"wheel", 0.5}}}), "no complaint");
+}
+
 TEST(StartMotion, RefusesDrivesThatCannotBegin) {
   Scene scene = test::driven_five_bar();
   scene.drives[1].start = 9.0;

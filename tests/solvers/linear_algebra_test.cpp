@@ -125,6 +125,15 @@ TYPED_TEST(LinearAlgebra, LeastSquaresSolutionIsTheShortest) {
   }
 }
 
+// Where nothing is unknown, b is missed whole.
+TYPED_TEST(LinearAlgebra, LeastSquaresWithoutUnknowns) {
+  using Fixture = LinearAlgebra<TypeParam>;
+  const LeastSquares<TypeParam> factors(typename Fixture::Matrix(2, 0));
+  EXPECT_EQ(factors.rank(), 0);
+  EXPECT_EQ(factors.solve(Fixture::Vector::Ones(2)).size(), 0);
+  EXPECT_EQ(factors.null_space().size(), 0);
+}
+
 // One equation in two unknowns: 3 x + 4 y = 10 is met next to the origin by (6, 8) / 5.
 TYPED_TEST(LinearAlgebra, MinimumNormOfALine) {
   using Fixture = LinearAlgebra<TypeParam>;
