@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -399,6 +403,52 @@ TEST(Parameters, OfElementsScaleWithWhatTheyActOn) {
   EXPECT_EQ(ratio("friction.rub.width"), 1.0 / 4);
   EXPECT_EQ(ratio("friction.dry.torque"), 1.0 / 1024);
   EXPECT_EQ(ratio("friction.dry.width"), 1.0);
+}
+
+// Rows of the tables of docs/scene-files.md.
+std::vector<std::string> rows_of_docs() {
+  std::ifstream file(std::filesystem::path(POISE_SOURCE_DIR) / "docs" / "scene-files.md");
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("| `")) rows.push_back(line);
+  }
+  return rows;
+}
+
+// The row that names the table and the key says the range of the number, and whether a file must give it.
+void expect_in_docs(const std::vector<std::string>& rows, const std::string& table, std::string_view key,
+                    const Number& number) {
+  const auto has = [](const std::string& row, const std::string& text) { return row.find(text) != std::string::npos; };
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const std::string& r) {
+    return has(r, "`" + table + ".") && has(r, "." + std::string(key) + "`");
+  });
+  ASSERT_NE(row, rows.end()) << table << "." << key;
+  EXPECT_EQ(has(*row, "| >= 0"), number.range == Range::not_negative || number.range_of_measure) << *row;
+  EXPECT_EQ(has(*row, "| > 0"), number.range == Range::positive) << *row;
+  if (number.needed == Number::Needed::always) {
+    EXPECT_TRUE(has(*row, "required")) << *row;
+  }
+}
+
+TEST(Parameters, AreInTheDocs) {
+  const std::vector<std::string> rows = rows_of_docs();
+  const auto expect_law = [&]<class L>(const L&) {
+    for (const LawTable& table : L::tables) {
+      for (const Number& number : L::numbers) {
+        const bool two_keys = !number.angle_key.empty();
+        if (!table.angles_only) expect_in_docs(rows, table.key, number.key, number);
+        if (two_keys) {
+          Number of_angle = number;
+          of_angle.range_of_measure = false;
+          expect_in_docs(rows, table.key, number.angle_key, of_angle);
+        } else if (table.angles_only) {
+          expect_in_docs(rows, table.key, number.key, number);
+        }
+      }
+    }
+  };
+  [&]<class... L>(std::type_identity<std::variant<L...>>) { (expect_law(L{}), ...); }(std::type_identity<Law>{});
+  for (const Number& number : Drive::numbers) expect_in_docs(rows, "drive", number.key, number);
 }
 
 }  // namespace
