@@ -5,9 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "solvers/linear_algebra.hpp"
-
 #include "motion/stop_room.hpp"
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {

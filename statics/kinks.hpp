@@ -7,8 +7,8 @@
 
 namespace poise {
 
-/// Indices into Scene::elements of the springs that act one way only and are just about to: |length - free length| within
-/// rounding of the mechanism's size. There the energy has a kink in its second derivative.
+/// Indices into Scene::elements of the springs that act one way only and are just about to: |length - free length|
+/// within rounding of the mechanism's size. There the energy has a kink in its second derivative.
 std::vector<int> springs_at_kinks(const StaticModel& model, const std::vector<double>& x);
 
 /// Stability of an equilibrium x with springs at kinks, `rows` of the constraints holding:

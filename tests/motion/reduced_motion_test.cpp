@@ -265,8 +265,8 @@ Values changed(const Scene& scene, const Number& number, double by, const std::v
 }
 
 TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
-  // The least inertia here is 1e-7 kg m^2. Forces are linear in loads, so that only rounding of these counts, and smooth
-  // in the numbers of elements, where the steps are exact in double.
+  // The least inertia here is 1e-7 kg m^2. Forces are linear in loads, so that only rounding of these counts, and
+  // smooth in the numbers of elements, where the steps are exact in double.
   struct Group {
     std::vector<Number> numbers;
     double step, tolerance;

@@ -95,8 +95,12 @@ std::vector<Number> four_bar_numbers(const Scene& s) {
 Scene lift() { return read_scene(test::dataset("lift.toml")); }
 
 std::vector<Case> cases() {
-  return {{"FourBar", test::four_bar_with_everything, {{}, {{"crank", 3.0}}}, four_bar_numbers(test::four_bar_with_everything()),
-           1.0, 2},
+  return {{"FourBar",
+           test::four_bar_with_everything,
+           {{}, {{"crank", 3.0}}},
+           four_bar_numbers(test::four_bar_with_everything()),
+           1.0,
+           2},
           {"Follower", test::four_bar_with_follower, {}, four_bar_numbers(test::four_bar_with_follower()), 1.5, 3},
           {"QuickReturn", test::quick_return, {{}, {{"crank", 4.0}}}, line_numbers(test::quick_return()), 0.6, 2},
           {"Driven", test::driven_five_bar, {}, line_numbers(test::driven_five_bar()), 0.6, 3},

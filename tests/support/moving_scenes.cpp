@@ -133,7 +133,8 @@ Scene quick_return_with_every_measure() {
   Scene scene = quick_return();
   Random random(5);
   add_elements_upon_every_measure(scene, random);
-  for (int k = 0; k < count_of(scene, "spring"); ++k) law<LinearSpring>(scene, "spring", k).acts = LinearSpring::Acts::both;
+  for (int k = 0; k < count_of(scene, "spring"); ++k)
+    law<LinearSpring>(scene, "spring", k).acts = LinearSpring::Acts::both;
   return scene;
 }
 
