@@ -130,7 +130,7 @@ class ExperimentReader {
   static Measure read_bodies(const TomlTable& table, const SceneNames& names) {
     if (!table.holds_list("angle")) return Measure::angle_between(0, names.movable_body(table.text("angle")));
     const std::array<TomlText, 2> bodies = table.two_texts("angle");
-    const Measure angle = Measure::angle_between(names.body(bodies[0]), names.body(bodies[1]));
+    Measure angle = Measure::angle_between(names.body(bodies[0]), names.body(bodies[1]));
     if (angle.body_a == angle.body_b) bodies[1].place.fail("expected two different bodies");
     return angle;
   }

@@ -36,7 +36,7 @@ std::string effort(const Equilibrium& rest) {
   const char* sought = method_traits.needs_potential                          ? "a minimum of the energy"
                        : method_traits.minimises || rest.seek == Seek::stable ? "stable rest"
                                                                               : "the nearest rest";
-  const std::string method = fmt::format("{}, seeking {}", to_string(rest.method), sought);
+  std::string method = fmt::format("{}, seeking {}", to_string(rest.method), sought);
   if (rest.status == Status::refused) return method;
   return fmt::format("{}: {}, {}, {}", method, count(rest.iterations, "iteration", "iterations"),
                      count(rest.evaluations, "evaluation", "evaluations"), duration(rest.microseconds));
