@@ -169,6 +169,8 @@ class Mechanism {
   Planar<T> world_force(const Planar<T>& force, int frame, const Planar<T>* pose) const {
     return frame >= 0 ? force * pose[frame] : force;
   }
+  // Dg over the support, as .x of the scratch behind that of the measure.
+  const Planar<T>* slopes_of(const ForceElement& e, const Configuration<T>& here) const;
   void need_scratch(int size);
   PhasorSum<T> path_to(const Scene& scene, PointRef point) const;
   void compile_loads(const Scene& scene);

@@ -109,7 +109,8 @@ void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
     ForceElement compiled{{scene, layout_, phasors_, element.on}, element.law, {}};
     const bool acts = stores_energy(element.law) && idle(element.law).empty() && !compiled.on.support().empty();
     if (!acts && purpose == Purpose::statics) continue;
-    need_scratch(compiled.on.scratch_size());
+    need_scratch(compiled.on.scratch_size() +
+                 (resists_motion(element.law) ? static_cast<int>(compiled.on.support().size()) : 0));
     elements_.push_back(std::move(compiled));
   }
 }

@@ -2,6 +2,8 @@
 
 // What a moving mechanism asks of its phasors; the rest of Mechanism is in model/mechanism_impl.hpp.
 
+#include <algorithm>
+
 #include "model/mechanism.hpp"
 
 namespace poise {
@@ -19,12 +21,24 @@ void Mechanism<T>::closures_of(const Planar<T>* f, T* c) const {
 }
 
 template <class T>
+const Planar<T>* Mechanism<T>::slopes_of(const ForceElement& e, const Configuration<T>& here) const {
+  Planar<T>* slopes = here.scratch + e.on.scratch_size();
+  std::fill(slopes, slopes + e.on.support().size(), Planar<T>{});
+  e.on.gradient(here, [&](int i, const T& by) { slopes[i].x = by; });
+  return slopes;
+}
+
+template <class T>
 void Mechanism<T>::add_resistance(Planar<T>* pose, const T* v, T* g) const {
   const Configuration<T> here = at(pose);
   for (const ForceElement& e : elements_) {
     if (!resists_motion(e.law)) continue;
-    const T w = e.on.along(here, v);
-    e.on.add_gradient(here, force_of_motion(e.law, e.on.value(here), w).value, g);
+    const std::vector<int>& support = e.on.support();
+    const Planar<T>* slopes = slopes_of(e, here);
+    T w(0);
+    for (std::size_t i = 0; i < support.size(); ++i) w += slopes[i].x * v[support[i]];
+    const T force = force_of_motion(e.law, e.on.value(here), w).value;
+    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += force * slopes[i].x;
   }
 }
 
@@ -34,9 +48,17 @@ void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* v, const T* d
   const Configuration<T> here = at(pose);
   for (const ForceElement& e : elements_) {
     if (!resists_motion(e.law)) continue;
-    const LawForce<T> force = force_of_motion(e.law, e.on.value(here), e.on.along(here, v));
-    const T w_change = e.on.second(here, v, dq) + e.on.along(here, dv);
-    e.on.add_gradient(here, force.by_measure * e.on.along(here, dq) + force.by_rate * w_change, g);
+    const std::vector<int>& support = e.on.support();
+    const Planar<T>* slopes = slopes_of(e, here);
+    T w(0), w_change = e.on.second(here, v, dq), g_change(0);
+    for (std::size_t i = 0; i < support.size(); ++i) {
+      w += slopes[i].x * v[support[i]];
+      w_change += slopes[i].x * dv[support[i]];
+      g_change += slopes[i].x * dq[support[i]];
+    }
+    const LawForce<T> force = force_of_motion(e.law, e.on.value(here), w);
+    const T change = force.by_measure * g_change + force.by_rate * w_change;
+    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += change * slopes[i].x;
     e.on.add_bend(here, dq, force.value, g);
   }
 }
