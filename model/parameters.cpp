@@ -225,11 +225,15 @@ double value_unit(const Scene& scene, std::string_view path) {
   return parameter(scene, path).dimension.unit(scene.units);
 }
 
-Scene scaled(const Scene& scene, const Scales& scales) {
-  Scene out = scene;
-  visit_numbers(out, [&](const ParameterRow& row, auto& item, const Number& number) {
+void scale(Scene& scene, const Scales& scales) {
+  visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     number.scale(&item, row.dimension.per_scale(scales));
   });
+}
+
+Scene scaled(const Scene& scene, const Scales& scales) {
+  Scene out = scene;
+  scale(out, scales);
   return out;
 }
 

@@ -60,5 +60,7 @@ void set_value_at(Scene& scene, const ParameterPlace& place, double si);
 /// lengths / length, forces / force, stiffness * length / force, torques and torsional stiffness / energy; masses and
 /// gravity so that weights come out in force and time stays in seconds. Angles are untouched.
 Scene scaled(const Scene& scene, const Scales& scales);
+/// The same in place; scaling by the reciprocal scales undoes it.
+void scale(Scene& scene, const Scales& scales);
 
 }  // namespace poise

@@ -11,12 +11,16 @@ ScaledModel::ScaledModel(Scene scene, Purpose purpose)
 ScaledModel::ScaledModel(Scene scene, Purpose purpose, const Scales& scales)
     : scene_(std::move(scene)), mechanism_(compiled(purpose, scales)) {}
 
-// One layout tells the scales and, measured in them, serves to compile the scaled scene.
+// One layout tells the scales and, measured in them, serves to compile the scaled scene. Large scenes are scaled in
+// place and back, which powers of two do exactly, instead of being copied.
 Mechanism<double> ScaledModel::compiled(Purpose purpose, const std::optional<Scales>& scales) {
   Layout layout = lay_out(scene_, purpose);
   scales_ = scales ? *scales : choose_scales(scene_, layout.size);
   layout.scale_lengths(scales_.per_length());
-  return {scaled(scene_, scales_), std::move(layout), purpose};
+  scale(scene_, scales_);
+  Mechanism<double> compiled(scene_, std::move(layout), purpose);
+  scale(scene_, {scales_.per_length(), scales_.per_force()});
+  return compiled;
 }
 
 std::vector<double> ScaledModel::to_si(std::vector<double> x) const {
