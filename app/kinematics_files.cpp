@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t most_curves = 12;
 
 Quantity quantity_of(const Scene& scene, const DriveRange& range) {
-  return app::quantity_of(find_drive(scene, range.name).on);
+  return poise::quantity_of(find_drive(scene, range.name).on);
 }
 
 Json in_json(Vec2 si, const Units& units) {

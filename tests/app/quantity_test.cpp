@@ -10,18 +10,6 @@
 namespace poise::app {
 namespace {
 
-TEST(Quantity, UnitsFollowFromThoseOfTheScene) {
-  Units units;
-  EXPECT_EQ(unit_name(Quantity::energy, units), "J");
-  EXPECT_EQ(unit_name(Quantity::moment, units), "N m");
-  units.length_name = "in";
-  units.length = 0.0254;
-  units.force_name = "lbf";
-  units.force = 4.4482216152605;
-  EXPECT_EQ(unit_name(Quantity::energy, units), "lbf in");
-  EXPECT_DOUBLE_EQ(in_unit(0.0254 * 4.4482216152605, Quantity::moment, units), 1.0);
-}
-
 TEST(Quantity, SignificantDigitsWithoutZerosAtTheEnd) {
   EXPECT_EQ(significant(0.0, 4), "0");
   EXPECT_EQ(significant(-0.0, 4), "0");
