@@ -3,6 +3,8 @@
 #include "app/json_parts.hpp"
 #include "app/quantity.hpp"
 #include "app/shown_values.hpp"
+#include "comparison/agreement.hpp"
+#include "statics/pose_values.hpp"
 
 namespace poise::app {
 namespace {
@@ -213,7 +215,7 @@ std::string compare_json(const StaticModel& model, const std::vector<Answer>& an
                    {"left_out", model.layout().dropped}};
   document["methods"] = Json::array();
   for (const Answer& answer : answers) document["methods"].push_back(writer.answer(answer));
-  const Agreement agreement = compare_answers(model, answers);
+  const comparison::Agreement agreement = comparison::compare_answers(model, answers);
   if (agreement.confirmed < 2)
     document["agreement"] = nullptr;
   else

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/answer.hpp"
+#include "statics/answer.hpp"
 
 namespace poise::app {
 

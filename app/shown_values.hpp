@@ -1,33 +1,16 @@
 #pragma once
 
-// Which numbers of a result are shown, by name.
+// Values as they are shown, without what is rounding in them.
 
-#include <string>
 #include <vector>
 
 #include "app/quantity.hpp"
-#include "app/readings.hpp"
+#include "statics/scaled_model.hpp"
 
 namespace poise::app {
 
-struct NamedValue {
-  std::string name;
-  double value = 0.0;      ///< SI
-  bool determined = true;  ///< false: nothing depends on it, it stayed at its start
-};
-
-/// Absolute unwrapped angles of the bodies that can turn, rad.
-std::vector<NamedValue> angles_of(const StaticModel& model, const Readings& readings);
-
-/// Travels of slides and pins in slots, m.
-std::vector<NamedValue> travels_of(const StaticModel& model, const Readings& readings);
-
-/// Bodies that no chain of joints ties to the ground: indices of Scene::bodies. Of those that joints tie together, the
-/// one whose place the model counts the others from.
-std::vector<std::size_t> free_bodies(const Layout& layout);
-
-/// Places of the free bodies' origins in the world, m: "block.x", "block.y".
-std::vector<NamedValue> places_of(const StaticModel& model, const Readings& readings);
+/// What an energy that is shown counts; Mechanism::energy drops the constants.
+inline constexpr const char* energy_note = "springs in full, loads without the part that no motion changes";
 
 /// Size below which a value of this mechanism is rounding and is shown as zero, SI: 1e-13 of the scale of its lengths,
 /// forces or work.

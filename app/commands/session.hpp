@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "app/answer.hpp"
 #include "app/commands/commands.hpp"
 #include "app/output_file.hpp"
 #include "app/progress.hpp"
+#include "statics/answer.hpp"
 
 namespace poise::app {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "app/answer.hpp"
 #include "app/commands/scene_options.hpp"
+#include "app/shown_values.hpp"
 
 namespace poise::app {
 

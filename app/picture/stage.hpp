@@ -12,8 +12,8 @@
 #include "app/picture/canvas.hpp"
 #include "app/picture/labels.hpp"
 #include "app/quantity.hpp"
-#include "app/readings.hpp"
 #include "statics/equilibrium.hpp"
+#include "statics/readings.hpp"
 
 namespace poise::app {
 

@@ -6,9 +6,12 @@
 #include "app/report/report.hpp"
 #include "app/shown_values.hpp"
 #include "app/table.hpp"
+#include "comparison/agreement.hpp"
 
 namespace poise::app {
 namespace {
+
+using comparison::Agreement;
 
 // With more methods than this, coordinates are shown once for each equilibrium.
 constexpr std::size_t most_side_by_side = 3;
@@ -131,7 +134,7 @@ Columns columns_of(const std::vector<Answer>& answers, const Agreement& agreemen
 }  // namespace
 
 std::string compare_report(const StaticModel& model, const std::vector<Answer>& answers, const Palette& palette) {
-  const Agreement agreement = compare_answers(model, answers);
+  const Agreement agreement = comparison::compare_answers(model, answers);
   std::string out = heading(model, palette) + method_table(model, answers, agreement, palette) + "\n";
   out += agreement_sentence(answers, agreement, palette);
   for (const Answer& answer : answers) {

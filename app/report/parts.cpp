@@ -6,6 +6,7 @@
 
 #include "app/shown_values.hpp"
 #include "app/table.hpp"
+#include "statics/pose_values.hpp"
 
 namespace poise::app {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "app/answer.hpp"
 #include "app/palette.hpp"
 #include "app/quantity.hpp"
+#include "statics/answer.hpp"
 
 namespace poise::app {
 

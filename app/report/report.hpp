@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/answer.hpp"
 #include "app/palette.hpp"
+#include "statics/answer.hpp"
 #include "statics/mobility.hpp"
 
 namespace poise::app {

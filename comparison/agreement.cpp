@@ -1,16 +1,11 @@
-#include "app/answer.hpp"
+#include "comparison/agreement.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include "comparison/difference.hpp"
 
-namespace poise::app {
+namespace poise::comparison {
 namespace {
-
-using comparison::Difference;
-using comparison::largest_difference;
 
 bool same_equilibrium(const StaticModel& model, const Answer& a, const Answer& b) {
   constexpr double same_reference = 1e-9;
@@ -21,21 +16,6 @@ bool same_equilibrium(const StaticModel& model, const Answer& a, const Answer& b
 }
 
 }  // namespace
-
-std::optional<double> error_of(const Answer& answer) {
-  if (!answer.reference || !answer.reference->refined) return std::nullopt;
-  return answer.reference->error;
-}
-
-Answer measure(const StaticModel& model, Equilibrium rest) {
-  Answer answer{std::move(rest), std::nullopt, std::nullopt};
-  const std::vector<double>& x = answer.rest.x;
-  const bool searched = answer.rest.status != Status::refused && answer.rest.status != Status::not_solved;
-  const bool finite = std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
-  if (searched && finite && !x.empty()) answer.readings = read_off(model, x);
-  if (answer.rest.found()) answer.reference = refine(model, x);
-  return answer;
-}
 
 Agreement compare_answers(const StaticModel& model, const std::vector<Answer>& answers) {
   Agreement agreement;
@@ -65,4 +45,4 @@ Agreement compare_answers(const StaticModel& model, const std::vector<Answer>& a
   return agreement;
 }
 
-}  // namespace poise::app
+}  // namespace poise::comparison

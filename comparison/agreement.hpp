@@ -1,30 +1,13 @@
 #pragma once
 
-#include <optional>
+#include <cstddef>
 #include <string>
 #include <vector>
 
-#include "app/readings.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/reference.hpp"
+#include "statics/answer.hpp"
+#include "statics/static_model.hpp"
 
-namespace poise::app {
-
-/// What one method answered, with all that is measured of it.
-struct Answer {
-  Equilibrium rest;
-  std::optional<Readings> readings;    ///< where the search ended; none when it did not begin
-  std::optional<Reference> reference;  ///< of confirmed answers
-};
-
-/// What an energy that is shown counts; Mechanism::energy drops the constants.
-inline constexpr const char* energy_note = "springs in full, loads without the part that no motion changes";
-
-/// The error that is shown: against the 50-digit reference, empty where there is none.
-std::optional<double> error_of(const Answer& answer);
-
-/// Takes the readings of a result, and, of a confirmed one, its reference.
-Answer measure(const StaticModel& model, Equilibrium rest);
+namespace poise::comparison {
 
 /// How the confirmed answers of several methods compare.
 struct Agreement {
@@ -42,4 +25,4 @@ struct Agreement {
 /// angle stop tells turns apart.
 Agreement compare_answers(const StaticModel& model, const std::vector<Answer>& answers);
 
-}  // namespace poise::app
+}  // namespace poise::comparison

@@ -1,19 +1,19 @@
-#include "app/readings.hpp"
+#include "statics/readings.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "statics/body_measures.hpp"
 
-namespace poise::app {
+namespace poise {
 
 Vec2 world(const Scene& scene, const Readings& readings, PointRef point) {
   return readings.poses[point.body].world(scene.local(point));
 }
 
-Readings read_off(const StaticModel& model, const std::vector<double>& x) {
-  const Scene& scene = model.scene();
+Readings readings_of(const Scene& scene, std::vector<BodyPose<double>> poses) {
   Readings r;
-  r.poses = model.poses(x);
+  r.poses = std::move(poses);
   r.poses.resize(scene.bodies.size());
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Measure travel = Measure::travel_of(static_cast<int>(j));
@@ -31,9 +31,13 @@ Readings read_off(const StaticModel& model, const std::vector<double>& x) {
   return r;
 }
 
+Readings read_off(const StaticModel& model, const std::vector<double>& x) {
+  return readings_of(model.scene(), model.poses(x));
+}
+
 PressedLimit pressed_limit(const Stop& stop, double value) {
   if (std::abs(value - stop.min) <= std::abs(value - stop.max)) return {"min", stop.min};
   return {"max", stop.max};
 }
 
-}  // namespace poise::app
+}  // namespace poise
