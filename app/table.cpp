@@ -7,11 +7,6 @@
 
 namespace poise::app {
 
-std::size_t screen_width(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-
 void Table::add_text_column(std::string title, std::vector<std::string> cells) {
   std::vector<Cell> plain;
   plain.reserve(cells.size());

@@ -4,8 +4,11 @@
 #include <vector>
 
 #include "app/palette.hpp"
+#include "app/quantity.hpp"
 
 namespace poise::app {
+
+inline namespace replaced {
 
 struct Cell {
   std::string text;
@@ -38,7 +41,5 @@ class Table {
   bool all_ = false;
 };
 
-/// Places that a text takes on the screen: its letters, read as UTF-8.
-std::size_t screen_width(const std::string& text);
-
+}  // namespace replaced
 }  // namespace poise::app

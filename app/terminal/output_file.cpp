@@ -1,4 +1,4 @@
-#include "app/output_file.hpp"
+#include "app/terminal/output_file.hpp"
 
 #include <cerrno>
 #include <cstring>

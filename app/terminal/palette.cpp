@@ -1,4 +1,4 @@
-#include "app/palette.hpp"
+#include "app/terminal/palette.hpp"
 
 #include <cstdlib>
 #include <string_view>

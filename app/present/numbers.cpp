@@ -1,6 +1,7 @@
-#include "app/quantity.hpp"
+#include "app/present/numbers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -65,6 +66,46 @@ std::vector<std::string> aligned(const std::vector<double>& values, int digits) 
     if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
   }
   return aligned(values, digits, largest);
+}
+
+ReadableUnit readable_unit(double size, const std::string& unit) {
+  struct Prefixed {
+    std::string_view unit, base;
+    int exponent;
+  };
+  static constexpr std::array<Prefixed, 18> known = {{{"N", "N", 0},
+                                                      {"kN", "N", 3},
+                                                      {"MN", "N", 6},
+                                                      {"m", "m", 0},
+                                                      {"mm", "m", -3},
+                                                      {"J", "J", 0},
+                                                      {"W", "W", 0},
+                                                      {"N m", "N m", 0},
+                                                      {"N mm", "N m", -3},
+                                                      {"kN m", "N m", 3},
+                                                      {"kN mm", "N m", 0},
+                                                      {"N/m", "N/m", 0},
+                                                      {"N/mm", "N/m", 3},
+                                                      {"kN/m", "N/m", 3},
+                                                      {"kN/mm", "N/m", 6},
+                                                      {"N m/rad", "N m/rad", 0},
+                                                      {"N s/m", "N s/m", 0},
+                                                      {"N m s/rad", "N m s/rad", 0}}};
+  static constexpr std::array<std::string_view, 9> prefixes = {"p", "n", "µ", "m", "", "k", "M", "G", "T"};
+  const bool plain = size == 0.0 || !std::isfinite(size) || (size >= smallest_plain && size < largest_plain);
+  const auto* const found =
+      std::find_if(known.begin(), known.end(), [&](const Prefixed& prefixed) { return prefixed.unit == unit; });
+  if (plain || found == known.end()) return {1.0, unit};
+  // Rounding up to the next power is left to the digits that are written: 999.99996 kN stays.
+  const int order = static_cast<int>(std::floor(std::log10(size))) + found->exponent;
+  const int step = std::clamp(static_cast<int>(std::floor(order / 3.0)), -4, 4);
+  return {std::pow(10.0, found->exponent - 3 * step),
+          std::string(prefixes[static_cast<std::size_t>(step + 4)]) + std::string(found->base)};
+}
+
+std::size_t screen_width(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 std::string duration(double microseconds) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "app/result/result.hpp"
+
+namespace poise::app {
+
+/// A result as a JSON object: poise (the version), verdict, warnings, and the items of its content under their keys, at
+/// every level of detail. Numbers have as few digits as tell them apart; one that is not finite is null. Text that is
+/// no UTF-8 is replaced.
+std::string json_text(const Result& result);
+
+}  // namespace poise::app

@@ -1,0 +1,58 @@
+#pragma once
+
+// How numbers are written for people.
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/quantity.hpp"
+
+namespace poise::app {
+
+/// The value, or not a number, by which columns, curves and CSV files leave a gap, where there is none.
+inline double or_gap(const std::optional<double>& value) {
+  return value.value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+/// `value` to so many significant digits: "0.1234", "12340", "1.234e-07" outside 1e-4 .. 1e7; zeros at the end cut.
+/// Not a number is "-".
+std::string significant(double value, int digits);
+
+/// An error or a residual: "0", "<1e-16", or two digits "2.2e-16". Not a number is "-".
+std::string small_number(double value);
+
+/// A column of numbers with their decimal points aligned, as many decimals as give a number of the size `scale` so many
+/// significant digits; what rounds to nothing is "0", not a number is "-".
+std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale);
+/// The same with the largest of the values as scale.
+std::vector<std::string> aligned(const std::vector<double>& values, int digits);
+
+/// A unit in which numbers of some size are read easily, and the factor to it.
+struct ReadableUnit {
+  double factor = 1.0;
+  std::string unit;
+};
+
+/// From 1e-4 to 1e7, and of 0, the unit itself; else, where it is a unit of force, moment, length, energy, power or
+/// stiffness that takes prefixes, with the prefix that leaves 1 to 1000: 22 080 000 N is 22.08 MN.
+ReadableUnit readable_unit(double size, const std::string& unit);
+
+/// Places that a text takes on the screen: its letters, read as UTF-8.
+std::size_t screen_width(std::string_view text);
+
+/// A span of time: "0.84 µs", "12.3 ms", "4.56 s".
+std::string duration(double microseconds);
+
+/// The text without line breaks and other control characters.
+std::string one_line(std::string_view text);
+
+/// "a", "a and b", "a, b and c", with whatever word joins the last.
+std::string listed(const std::vector<std::string>& names, std::string_view last_by = "and");
+
+/// "1 body", "3 bodies".
+std::string count(int number, std::string_view singular, std::string_view plural);
+
+}  // namespace poise::app

@@ -1,0 +1,114 @@
+#include "app/present/text.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "app/present/cells.hpp"
+#include "app/present/numbers.hpp"
+
+namespace poise::app {
+namespace {
+
+class Writer {
+ public:
+  Writer(const Palette& palette, Verbosity level) : palette_(palette), level_(level) {}
+
+  std::string text;
+
+  void line(const std::string& words, Tone tone) { text += palette_.paint(tone, words) + "\n"; }
+
+  void items(const Group& group) {
+    for (const Item& item : group.items()) {
+      if (!is_shown(item, level_)) continue;
+      if (!item.title.empty()) text += "\n" + palette_.paint(Tone::strong, item.title) + "\n";
+      std::visit([this](const auto& content) { write(content); }, item.content);
+    }
+  }
+
+ private:
+  void fact(const std::string& label, const std::string& words) {
+    text += "  " + palette_.paint(Tone::faint, fmt::format("{:<13}", label)) + words + "\n";
+  }
+
+  void write(const Line& content) {
+    const std::string words = palette_.paint(content.tone, content.text);
+    if (content.label.empty())
+      text += words + "\n";
+    else
+      fact(content.label, words);
+  }
+  void write(const Entry& content) { fact(content.label, text_of(content)); }
+  void write(const Listing& content) {
+    const std::size_t all = content.items.size();
+    const std::size_t shown = all <= most_rows + 1 || level_ == Verbosity::verbose ? all : most_rows;
+    for (std::size_t i = 0; i < shown; ++i) text += "  " + content.items[i] + "\n";
+    more(all - shown);
+  }
+  void write(const Branch& content) {
+    for (const Group& part : content.parts) items(part);
+  }
+  void write(const Table& table) {
+    const std::vector<TextColumn> columns = text_columns(table);
+    const std::vector<std::size_t> rows = shown_rows(table);
+    std::vector<std::size_t> widths;
+    for (const TextColumn& column : columns) {
+      std::size_t width = screen_width(column.title);
+      for (const std::size_t r : rows) width = std::max(width, screen_width(column.cells[r]));
+      widths.push_back(width);
+    }
+    row(columns, widths, [](const TextColumn& column) { return Piece{column.title, Tone::faint}; });
+    for (const std::size_t r : rows) {
+      row(columns, widths, [r](const TextColumn& column) {
+        const std::vector<Tone>& tones = column.column->tones;
+        return Piece{column.cells[r], tones.empty() ? Tone::plain : tones[r]};
+      });
+    }
+    if (table.shown == Table::Shown::first) more(table.size() - rows.size());
+    for (const std::string& note : table.footnotes) line("  " + note, Tone::faint);
+  }
+
+  struct Piece {
+    const std::string& text;
+    Tone tone;
+  };
+
+  void row(const std::vector<TextColumn>& columns, const std::vector<std::size_t>& widths, auto piece_of) {
+    std::string out;
+    std::size_t owed = 2;  // blanks before the next text, so that no line ends in blanks
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const auto [cell, tone] = piece_of(columns[c]);
+      const bool to_the_left = columns[c].column->is_words();
+      const std::size_t fill = widths[c] - screen_width(cell);
+      const std::size_t end = cell.find_last_not_of(' ') + 1;
+      if (!to_the_left) owed += fill;
+      if (end > 0) out += std::string(owed, ' ') + palette_.paint(tone, cell.substr(0, end));
+      owed = (end > 0 ? 0 : owed) + cell.size() - end + (to_the_left ? fill : 0) + 2;
+    }
+    text += out + "\n";
+  }
+
+  void more(std::size_t rows) {
+    if (rows > 0) line(fmt::format("  ... and {} more", rows), Tone::faint);
+  }
+
+  const Palette& palette_;
+  Verbosity level_;
+};
+
+}  // namespace
+
+std::string plain_text(const Result& result, const Palette& palette, Verbosity level) {
+  Writer writer(palette, level);
+  if (level > Verbosity::quiet && !result.title.empty()) {
+    writer.line(one_line(result.title), Tone::strong);
+    if (!result.source.empty()) writer.line("source: " + one_line(result.source), Tone::faint);
+    writer.text += "\n";
+  }
+  if (!result.verdict.text.empty()) writer.line(result.verdict.text, result.verdict.tone);
+  for (const Line& warning : result.warnings) writer.line(warning.text, warning.tone);
+  writer.items(result.content);
+  return std::move(writer.text);
+}
+
+}  // namespace poise::app

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace poise::app {
+
+/// A file that appears whole or not at all: written beside its place under a passing name, then renamed.
+/// What is no regular file (/dev/stdout, a pipe) is written directly.
+class OutputFile {
+ public:
+  /// Throws InputError, naming `option`, where the path cannot be written: no such folder, a folder itself, no
+  /// permission. Leaves nothing behind.
+  OutputFile(std::filesystem::path path, std::string option);
+  ~OutputFile();
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Writes the text under the passing name. Throws InputError where that fails (the disk is full, say).
+  void prepare(std::string_view text);
+  /// Puts what was prepared in its place.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const std::string& why) const;
+
+  std::filesystem::path path_;    // as given
+  std::filesystem::path target_;  // where links lead
+  std::filesystem::path passing_;
+  std::string option_;
+  bool direct_ = false;
+  bool prepared_ = false;
+};
+
+}  // namespace poise::app
