@@ -9,9 +9,6 @@
 
 namespace poise::app {
 
-/// What an energy that is shown counts; Mechanism::energy drops the constants.
-inline constexpr const char* energy_note = "springs in full, loads without the part that no motion changes";
-
 /// Size below which a value of this mechanism is rounding and is shown as zero, SI: 1e-13 of the scale of its lengths,
 /// forces or work.
 double rounding_of(const ScaledModel& model, Quantity quantity);

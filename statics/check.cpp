@@ -284,32 +284,49 @@ class EquilibriumCheck {
     } else if (!is_close(step)) {
       return;
     }
-    out_.accuracy = std::max({force_rounding / smallest, shift_by_rounded_closures(reduced), least_accuracy});
+    const solvers::FullyPivotedLu stiffness(reduced.matrix);
+    const auto solve = [&](const Eigen::VectorXd& right) { return Eigen::VectorXd(stiffness.solve(right)); };
+    out_.accuracy = std::max({force_rounding / smallest, shift_by_rounded_closures(reduced, solve), least_accuracy});
     const Eigen::MatrixXd directions = reduced.basis * eigen.vectors;
     for (std::size_t k = 0; k < std::min(most_directions, curvature.size()); ++k) {
       out_.principal_directions.push_back(
           curvature_direction(curvature[k], directions.col(static_cast<Eigen::Index>(k))));
     }
     const double zero = tolerances_.neutral * std::max(1.0, reduced.largest);
+    set_accuracy_across_neutral(reduced, eigen.vectors, curvature, zero);
     settle(static_cast<int>(std::count_if(curvature.begin(), curvature.end(), [&](double c) { return c < -zero; })),
            static_cast<int>(
                std::count_if(curvature.begin(), curvature.end(), [&](double c) { return std::abs(c) <= zero; })));
   }
 
+  // As the accuracy, with the inverse of the stiffness on the eigenvectors that are not neutral.
+  void set_accuracy_across_neutral(const ReducedHessian<double>& reduced, const Eigen::MatrixXd& vectors,
+                                   const std::vector<double>& curvature, double zero) {
+    Eigen::VectorXd flexibility(vectors.cols());
+    for (Eigen::Index k = 0; k < flexibility.size(); ++k) {
+      const double c = curvature[static_cast<std::size_t>(k)];
+      flexibility[k] = std::abs(c) <= zero ? 0.0 : 1.0 / c;
+    }
+    if ((flexibility.array() != 0.0).all()) return;
+    const Eigen::MatrixXd inverse = vectors * flexibility.asDiagonal() * vectors.transpose();
+    const auto solve = [&](const Eigen::VectorXd& right) { return Eigen::VectorXd(inverse * right); };
+    out_.accuracy_across_neutral = std::max({force_rounding * flexibility.cwiseAbs().maxCoeff(),
+                                             shift_by_rounded_closures(reduced, solve), least_accuracy});
+  }
+
   // How far the equilibrium moves with the closures when they are rounded otherwise: where reactions are heavy they
-  // push along whatever a gap of eps opens.
+  // push along whatever a gap of eps opens. `solve` applies the inverse of the reduced stiffness.
   //   J v = e,  Z^T K (v + Z z) = 0,  d = v + Z z
-  static double shift_by_rounded_closures(const ReducedHessian<double>& reduced) {
+  static double shift_by_rounded_closures(const ReducedHessian<double>& reduced, const auto& solve) {
     const Eigen::Index rows = reduced.jacobian.rows();
     if (rows == 0) return 0.0;
     const solvers::LeastSquares<double> closures(reduced.jacobian, solvers::known_to::solution);
-    const solvers::FullyPivotedLu stiffness(reduced.matrix);
     double largest = 0.0;
     for (Eigen::Index pattern = 1; pattern <= 4; ++pattern) {
       Eigen::VectorXd e(rows);
       for (Eigen::Index r = 0; r < rows; ++r) e[r] = (r / pattern) % 2 == 0 ? closure_rounding : -closure_rounding;
       const Eigen::VectorXd v = closures.solve(e);
-      const Eigen::VectorXd d = v - reduced.basis * stiffness.solve(Eigen::VectorXd(reduced.coupling * v));
+      const Eigen::VectorXd d = v - reduced.basis * solve(Eigen::VectorXd(reduced.coupling * v));
       largest = std::max(largest, d.cwiseAbs().maxCoeff());
     }
     return largest;

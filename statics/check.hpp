@@ -75,6 +75,9 @@ struct Check {
   /// equilibria merge, and of what gaps of 4 eps do to it, which is far more beside a singular pose, where reactions
   /// are heavy. Empty where curvatures are unknown.
   std::optional<double> accuracy;
+  /// The same of all coordinates across the neutral directions, along which the position is arbitrary. Empty where there
+  /// are none, or curvatures are unknown.
+  std::optional<double> accuracy_across_neutral;
 
   /// Closed, balanced and within its stops.
   bool is_equilibrium() const { return closed && balanced && stops_kept; }

@@ -4,7 +4,7 @@
 
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/report/report.hpp"
+#include "app/results/statics/check.hpp"
 
 namespace poise::app {
 namespace {
@@ -13,11 +13,14 @@ int run_check(const Request& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const StaticModel model(load_scene(request));
-  progress.now("looking at its mobility");
+  OutputFiles files(request);
+  progress.now("analysing its mobility");
   const Mobility mobility = analyse_mobility(model);
+  const Result result = check_result(model, mobility, request.settings);
+  const std::string written = files.write(result, "");
   progress.done();
-  print(check_report(model, mobility, palette));
-  // Where solve would refuse the scene, its sentence ends the check too. A scene without loads is fine to look at.
+  print(request, result, written, palette);
+  // Where solve would refuse the scene, its sentence ends the check too. A scene without loads can be checked.
   if (model.mechanism().coordinates() > 0) assemble(model);
   return solved;
 }
@@ -26,8 +29,9 @@ int run_check(const Request& request, const Palette& palette) {
 
 Command check_command() {
   const auto request = std::make_shared<Request>();
-  Command command{"check", "Tell what a scene is: bodies, joints, mobility, what the model keeps"};
+  Command command{"check", "Show what a scene is: bodies, joints, mobility, what the model keeps"};
   add_scene_options(command, *request);
+  add_output_options(command, *request, {});
   command.run = [request](const Palette& palette) { return run_check(*request, palette); };
   return command;
 }

@@ -8,12 +8,11 @@
 #include <fmt/format.h>
 
 #include "app/commands/method_options.hpp"
+#include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/commands/solve_options.hpp"
 #include "app/commands/work_precision.hpp"
-#include "app/interrupt.hpp"
-#include "app/json_report.hpp"
-#include "app/report/report.hpp"
+#include "app/results/statics/compare.hpp"
+#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -80,15 +79,15 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
     if (answers.back().rest.status == Status::interrupted) break;
   }
 
+  const Result result = compare_result(model, answers, request.settings);
   std::string written;
   if (answers.back().rest.status != Status::interrupted) {
     progress.now("writing the result");
     const Answer* drawn = files.wants_svg() ? best_of(answers) : nullptr;
-    written = files.write(files.wants_json() ? compare_json(model, answers, request.settings) : "",
-                          drawn != nullptr ? picture(model, *drawn) : "");
+    written = files.write(result, drawn != nullptr ? picture(model, *drawn) : "");
   }
   progress.done();
-  print(compare_report(model, answers, palette) + (written.empty() ? "" : "\n" + written));
+  print(request, result, written, palette);
   return succeeded(words, answers) ? solved : not_solved;
 }
 
@@ -96,8 +95,9 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
 
 Command compare_command() {
   const auto request = std::make_shared<CompareRequest>();
-  Command command{"compare", "Find where it rests, by several methods side by side"};
-  add_solve_options(command, request->common, request->seek);
+  Command command{"compare", "Find an equilibrium by several methods side by side"};
+  add_scene_options(command, request->common);
+  add_seek_option(command, request->seek);
   command.add({"--methods", &request->methods, "NAMES",
                "virtual-work,energy (the default), any other list of names, or\nall (the default with "
                "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
@@ -106,7 +106,9 @@ Command compare_command() {
                "Speed against error: runs at these tolerances, by decades\n(1e-2..1e-14) or as a list (1e-3,1e-6); "
                "--svg then draws the\nerror against the time; exit code 0 where some run is confirmed"});
   command.add({"--repeat", &request->repeat, "N", "Runs of each to take the median time of (7)"});
-  command.add({"--csv", &request->common.csv, "FILE", "Write the runs at all tolerances to FILE as CSV"});
+  add_output_options(command, request->common,
+                     {.svg = "Draw the mechanism in equilibrium, or, with --tolerances, error\nagainst time, into FILE",
+                      .csv = "Write the runs at all tolerances to FILE as CSV"});
   command.run = [request](const Palette& palette) {
     if (!request->tolerances) return run_side_by_side(*request, palette);
     return run_work_precision(request->common, work_precision_options(*request), palette);

@@ -7,7 +7,6 @@
 
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/commands/solve_options.hpp"
 #include "app/interrupt.hpp"
 #include "app/report/modes_report.hpp"
 #include "motion/rest_pose.hpp"

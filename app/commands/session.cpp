@@ -5,6 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "app/present/csv.hpp"
+#include "app/present/json.hpp"
+#include "app/present/markdown.hpp"
+#include "app/present/text.hpp"
 #include "app/svg.hpp"
 #include "identification/set_parameter.hpp"
 
@@ -70,6 +74,18 @@ std::string OutputFiles::write(const std::string& json, const std::string& svg, 
     lines += "wrote " + file->path().string() + "\n";
   }
   return lines;
+}
+
+std::string OutputFiles::write(const Result& result, const std::string& svg) {
+  const Table* const table = wants_csv() ? result.csv() : nullptr;
+  return write(wants_json() ? json_text(result) : "", wants_svg() ? svg : "", table != nullptr ? csv_text(*table) : "",
+               wants_markdown() ? markdown_text(result) : "");
+}
+
+void print(const Request& request, const Result& result, const std::string& written, const Palette& palette) {
+  if (request.quiet) return print(plain_text(result, palette, Verbosity::quiet));
+  const Verbosity level = request.verbose ? Verbosity::verbose : Verbosity::normal;
+  print(plain_text(result, palette, level) + (written.empty() ? "" : "\n" + written));
 }
 
 Answer search(const StaticModel& model, const SolveOptions& options, Progress& progress) {

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "app/commands/commands.hpp"
-#include "app/output_file.hpp"
-#include "app/progress.hpp"
+#include "app/result/result.hpp"
+#include "app/terminal/output_file.hpp"
+#include "app/terminal/palette.hpp"
+#include "app/terminal/progress.hpp"
 #include "statics/answer.hpp"
 
 namespace poise::app {
@@ -26,6 +28,9 @@ class OutputFiles {
   bool wants_svg() const { return svg_.has_value(); }
   bool wants_csv() const { return csv_.has_value(); }
   bool wants_markdown() const { return markdown_.has_value(); }
+  /// Writes the result in the forms asked for, and a picture, or, where that fails, throws InputError. An empty picture
+  /// is not written. Returns one line for each file written.
+  std::string write(const Result& result, const std::string& svg);
   /// Writes all or, where that fails, throws InputError. An empty text is not written.
   /// Returns one line for each file written.
   std::string write(const std::string& json, const std::string& svg, const std::string& csv = "",
@@ -34,6 +39,9 @@ class OutputFiles {
  private:
   std::optional<OutputFile> json_, svg_, csv_, markdown_;
 };
+
+/// Prints a result as text, at the level of detail asked for, and the lines on the files written.
+void print(const Request& request, const Result& result, const std::string& written, const Palette& palette);
 
 /// Searches by one method and measures what it found.
 Answer search(const StaticModel& model, const SolveOptions& options, Progress& progress);

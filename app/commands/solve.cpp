@@ -4,11 +4,10 @@
 #include <string>
 
 #include "app/commands/method_options.hpp"
+#include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/commands/solve_options.hpp"
-#include "app/interrupt.hpp"
-#include "app/json_report.hpp"
-#include "app/report/report.hpp"
+#include "app/results/statics/solve.hpp"
+#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -31,15 +30,15 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   options.interrupt = &watch_for_interrupt();
   const Answer answer = search(model, options, progress);
 
+  const Result result = solve_result(model, answer, request.settings);
   std::string written;
   if (answer.rest.status != Status::interrupted) {
     progress.now("writing the result");
     const bool drawn = files.wants_svg() && answer.readings;
-    written = files.write(files.wants_json() ? solve_json(model, answer, request.settings) : "",
-                          drawn ? picture(model, answer) : "");
+    written = files.write(result, drawn ? picture(model, answer) : "");
   }
   progress.done();
-  print(solve_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
+  print(request, result, written, palette);
   return answer.rest.found() ? solved : not_solved;
 }
 
@@ -47,9 +46,12 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
 
 Command solve_command() {
   const auto request = std::make_shared<SolveRequest>();
-  Command command{"solve", "Find where it rests, by one method"};
-  add_solve_options(command, request->common, request->seek);
+  Command command{"solve", "Find an equilibrium and the forces in it, by one method"};
+  add_scene_options(command, request->common);
+  add_seek_option(command, request->seek);
   command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()});
+  add_output_options(command, request->common,
+                     {.svg = "Draw the mechanism in equilibrium, with loads and joint forces, into\nFILE"});
   command.run = [request](const Palette& palette) { return run_solve(*request, palette); };
   return command;
 }

@@ -9,6 +9,7 @@
 #include "app/table.hpp"
 
 namespace poise::app {
+inline namespace replaced {
 namespace {
 
 /// Name of the body on which a measure's force acts, the opposite acting on the first; a sum has several.
@@ -148,4 +149,5 @@ std::string reaction_section(const ScaledModel& model, const std::vector<Reactio
   return section("Reactions on the named body, along world axes", body, palette);
 }
 
+}  // namespace replaced
 }  // namespace poise::app

@@ -9,6 +9,7 @@
 #include "statics/pose_values.hpp"
 
 namespace poise::app {
+inline namespace replaced {
 namespace {
 
 /// What stands in a section of coordinates.
@@ -132,4 +133,5 @@ std::string coordinate_sections(const StaticModel& model, const std::vector<cons
          coordinate_section(model, {"Places of free bodies", "body", Quantity::length}, places, titles, palette);
 }
 
+}  // namespace replaced
 }  // namespace poise::app

@@ -10,6 +10,7 @@
 #include "statics/answer.hpp"
 
 namespace poise::app {
+inline namespace replaced {
 
 inline constexpr int coordinate_digits = 10;
 inline constexpr int force_digits = 6;
@@ -57,4 +58,5 @@ std::string spring_sections(const StaticModel& model, const Readings& readings, 
 std::string reaction_section(const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
                              const Palette& palette);
 
+}  // namespace replaced
 }  // namespace poise::app

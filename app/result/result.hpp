@@ -163,7 +163,7 @@ class Group {
   /// A JSON object, or, without a key, a part of this one; as text a section where it has a title.
   Group& group(std::string key, std::string title = {}, Verbosity level = Verbosity::normal);
   /// An array of JSON objects, empty so far.
-  Branch& array(std::string key, Verbosity level = Verbosity::normal);
+  Branch& array(std::string key, Verbosity level = Verbosity::data);
 
   const std::list<Item>& items() const { return items_; }
 

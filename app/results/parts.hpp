@@ -1,0 +1,54 @@
+#pragma once
+
+// What the results of several commands have in common. Values are given in SI and stand in a result in the units of the
+// scene.
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "model/quantity.hpp"
+#include "statics/answer.hpp"
+#include "statics/pose_values.hpp"
+
+namespace poise::app {
+
+/// What an energy that is shown counts; Mechanism::energy drops the constants.
+inline constexpr const char* energy_note = "springs in full, loads without the part that no motion changes";
+
+inline constexpr int coordinate_digits = 10;
+inline constexpr int force_digits = 6;
+
+/// A result with title and source of the scene, and in its data the scene's file, title, source and settings (the --set
+/// options as given) and the names of its units.
+Result scene_result(const Scene& scene, const std::vector<std::string>& settings);
+
+/// The name of a unit and how numbers of a quantity are written: what is below 1e-13 of the scale of the mechanism's
+/// lengths, forces or work is rounding and is written as 0.
+Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style = Format::Style::aligned);
+
+/// Adds a column of SI values, shown under a title with the unit.
+Column& add_column(Table& table, const ScaledModel& model, const std::string& key, const std::string& title,
+                   Quantity quantity, const std::vector<double>& si, int digits);
+
+/// A value with its unit: "12.5 N"; what is rounding is 0.
+std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits = force_digits);
+
+/// "1 unstable direction", ...; nothing where there is none.
+std::string in_words(const Check& check);
+Tone tone_of(Stability stability);
+
+/// Angles, slides and places of free bodies of several poses side by side, under their titles: as text only. Bodies
+/// that welds join share a row.
+void add_coordinates(Group& group, const StaticModel& model, const std::vector<const Readings*>& poses,
+                     const std::vector<std::string>& titles);
+
+/// What every joint, bar and active stop carries: reactions [{name, kind, on, at[], force[], moment, axial,
+/// determined}]; reactions that statics leaves undetermined are marked.
+void add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
+                   Verbosity level = Verbosity::normal);
+
+/// A warning that dry friction, which statics leaves out, may hold the mechanism elsewhere, where there is any.
+void warn_of_friction(Result& result, const Scene& scene);
+
+}  // namespace poise::app

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "statics/mobility.hpp"
+#include "statics/static_model.hpp"
+
+namespace poise::app {
+
+/// What `poise check` shows: bodies, joints, mobility, redundant constraints, what the model keeps and drops.
+Result check_result(const StaticModel& model, const Mobility& mobility, const std::vector<std::string>& settings);
+
+}  // namespace poise::app

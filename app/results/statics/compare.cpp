@@ -1,0 +1,156 @@
+#include "app/results/statics/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
+#include "app/results/statics/solve.hpp"
+#include "comparison/agreement.hpp"
+
+namespace poise::app {
+namespace {
+
+using comparison::Agreement;
+
+// With more methods than this, positions are shown once for each equilibrium.
+constexpr std::size_t most_side_by_side = 3;
+constexpr std::size_t most_equilibria_shown = 4;
+
+/// The letter of an equilibrium, by which table, sentence and columns name it.
+std::string letter(std::size_t equilibrium) { return std::string(1, static_cast<char>('A' + equilibrium)); }
+
+/// "A" of each answer that found an equilibrium, "-" of the others.
+std::vector<std::string> letters_of(const std::vector<Answer>& answers, const Agreement& agreement) {
+  std::vector<std::string> letters(answers.size(), "-");
+  for (std::size_t e = 0; e < agreement.rests.size(); ++e) {
+    for (const std::size_t place : agreement.rests[e]) letters[place] = letter(e);
+  }
+  return letters;
+}
+
+/// Whether equilibria go by letters.
+bool has_letters(const std::vector<Answer>& answers, const Agreement& agreement) {
+  return answers.size() > most_side_by_side && !agreement.same;
+}
+
+void add_methods(Group& group, const StaticModel& model, const std::vector<Answer>& answers,
+                 const Agreement& agreement) {
+  std::vector<std::string> methods, statuses, stabilities;
+  std::vector<Tone> status_tones, stability_tones;
+  std::vector<double> iterations, evaluations, times, errors, energies;
+  const Units& units = model.scene().units;
+  for (const Answer& answer : answers) {
+    const Equilibrium& rest = answer.rest;
+    const bool ran = rest.status != Status::refused;
+    methods.push_back(to_string(rest.method));
+    statuses.push_back(to_string(rest.status));
+    status_tones.push_back(tone_of(rest.status));
+    iterations.push_back(ran ? rest.iterations : NAN);
+    evaluations.push_back(ran ? rest.evaluations : NAN);
+    times.push_back(ran ? rest.microseconds : NAN);
+    errors.push_back(or_gap(error_of(answer)));
+    stabilities.push_back(rest.found() ? in_words(rest.check) : "-");
+    stability_tones.push_back(rest.found() ? tone_of(rest.check.stability) : Tone::plain);
+    energies.push_back(in_unit(or_gap(rest.found() ? rest.energy : std::nullopt), Quantity::energy, units));
+  }
+  Table& table = group.table("", "Methods", Rows::list);
+  table.words("", "method", std::move(methods));
+  table.words("", "status", std::move(statuses)).tones = std::move(status_tones);
+  if (has_letters(answers, agreement)) table.words("", "equilibrium", letters_of(answers, agreement));
+  table.counts("", "iterations", std::move(iterations));
+  table.counts("", "evaluations", std::move(evaluations));
+  table.numbers("", "time", "", std::move(times), {.style = Format::Style::duration});
+  table.numbers("", "error", "", std::move(errors), {.style = Format::Style::error});
+  table.words("", "stability", std::move(stabilities)).tones = std::move(stability_tones);
+  table.numbers("", "energy", unit_name(Quantity::energy, units), std::move(energies),
+                format_of(model, Quantity::energy, coordinate_digits));
+  table.footnotes = {"error: largest of all coordinates (rad, or length over size) from the 50-digit reference",
+                     fmt::format("energy: {}", energy_note)};
+}
+
+Line verdict(const std::vector<Answer>& answers, const Agreement& agreement) {
+  std::vector<std::string> names, equilibria;
+  for (std::size_t e = 0; e < agreement.rests.size(); ++e) {
+    std::vector<std::string> finders;
+    for (const std::size_t place : agreement.rests[e]) finders.push_back(to_string(answers[place].rest.method));
+    const std::string who = has_letters(answers, agreement) ? letter(e) + "," : listed(finders);
+    equilibria.push_back(fmt::format("{} one that is {}", who, kind_of(answers[agreement.rests[e].front()])));
+    names.insert(names.end(), finders.begin(), finders.end());
+  }
+  if (agreement.confirmed == 0) return {.text = "No method found a confirmed equilibrium.", .tone = Tone::bad};
+  if (agreement.confirmed == 1) {
+    return {.text = "Only " + listed(names) + " found an equilibrium.", .tone = Tone::doubtful};
+  }
+  if (!agreement.same) {
+    return {.text = fmt::format("The methods found different equilibria: {}. They are {} apart in {} (rad, or length "
+                                "over size).",
+                                fmt::join(equilibria, has_letters(answers, agreement) ? "; " : ", "),
+                                significant(agreement.difference, 3), agreement.coordinate),
+            .tone = Tone::doubtful};
+  }
+  const std::string by = agreement.difference == 0.0
+                             ? "no coordinate differs"
+                             : fmt::format("coordinates differ by {} at most ({})", small_number(agreement.difference),
+                                           agreement.coordinate);
+  const std::string who =
+      names.size() <= most_side_by_side ? listed(names)
+      : names.size() == answers.size()
+          ? fmt::format("All {} methods", names.size())
+          : fmt::format("The {} of {} methods that found an equilibrium", names.size(), answers.size());
+  return {.text = fmt::format("{} agree: {}{}.", who, by, agreement.whole_turns ? ", whole turns of a body aside" : ""),
+          .tone = Tone::good};
+}
+
+void add_positions(Group& group, const StaticModel& model, const std::vector<Answer>& answers,
+                   const Agreement& agreement) {
+  std::vector<const Readings*> poses;
+  std::vector<std::string> titles;
+  if (answers.size() > most_side_by_side && agreement.confirmed > 0) {
+    for (std::size_t e = 0; e < std::min(agreement.rests.size(), most_equilibria_shown); ++e) {
+      poses.push_back(&*answers[agreement.rests[e].front()].readings);
+      titles.push_back(agreement.same ? "equilibrium" : letter(e));
+    }
+  } else {
+    for (const Answer& answer : answers) {
+      if (!answer.readings || poses.size() == most_side_by_side) continue;
+      poses.push_back(&*answer.readings);
+      titles.push_back(to_string(answer.rest.method) + (answer.rest.found() ? "" : ", no equilibrium"));
+    }
+  }
+  add_coordinates(group, model, poses, titles);
+}
+
+}  // namespace
+
+Result compare_result(const StaticModel& model, const std::vector<Answer>& answers,
+                      const std::vector<std::string>& settings) {
+  const Agreement agreement = comparison::compare_answers(model, answers);
+  Result out = scene_result(model.scene(), settings);
+  out.verdict = verdict(answers, agreement);
+  for (const Answer& answer : answers) {
+    if (answer.rest.found()) continue;
+    out.warnings.push_back({.text = fmt::format("{}, {}: {}.", to_string(answer.rest.method),
+                                                to_string(answer.rest.status), answer.rest.why),
+                            .tone = Tone::bad});
+  }
+  warn_of_friction(out, model.scene());
+  Group& content = out.content;
+  add_methods(content, model, answers, agreement);
+  Branch& methods = content.array("methods");
+  for (const Answer& answer : answers) add_answer_data(methods.parts.emplace_back(), model, answer);
+  if (agreement.confirmed < 2) {
+    content.data("agreement", nullptr);
+  } else {
+    Group& data = content.group("agreement", "", Verbosity::data);
+    data.data("same", agreement.same);
+    data.data("largest_difference", agreement.difference);
+  }
+  add_positions(content, model, answers, agreement);
+  content.list("left_out", "Left out of statics", model.layout().dropped);
+  return out;
+}
+
+}  // namespace poise::app

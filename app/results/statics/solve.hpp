@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "statics/answer.hpp"
+
+namespace poise::app {
+
+/// What `poise solve` shows: verdict, positions, spring forces, joint forces, stops, what was left out, numerics.
+Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings);
+
+/// The data of an answer: method, seek, status, ..., see docs/json.md; what was not reached is null.
+void add_answer_data(Group& group, const StaticModel& model, const Answer& answer);
+
+/// "unstable", "of unknown stability", ...
+std::string kind_of(const Answer& answer);
+
+Tone tone_of(Status status);
+
+}  // namespace poise::app
