@@ -12,6 +12,8 @@ namespace {
 
 using comparison::CaseResult;
 using comparison::HardCase;
+using comparison::StressOutcome;
+
 std::string expected(const HardCase& hard) {
   switch (hard.expect) {
     case comparison::Expect::locked:
@@ -69,8 +71,8 @@ std::string stress_csv(const StressOutcome& outcome) {
   return csv_text(header, columns, words);
 }
 
-std::string stress_json(const StressOutcome& outcome) {
-  Json out = {{"poise", POISE_VERSION}, {"command", outcome.command}, {"interrupted", outcome.interrupted}};
+std::string stress_json(const StressOutcome& outcome, const std::string& command) {
+  Json out = {{"poise", POISE_VERSION}, {"command", command}, {"interrupted", outcome.interrupted}};
   out["cases"] = Json::array();
   for (const CaseResult& result : outcome.results) {
     const HardCase& hard = result.hard;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "app/report/stress_report.hpp"
+#include "comparison/stress_summary.hpp"
 
 namespace poise::app {
 
@@ -10,10 +10,10 @@ namespace poise::app {
 
 /// One row for each case and method. Columns: case, kind, expect, method, why, refused (1 or 0), starts, arrived,
 /// inexact, wrong, denied, iterations, microseconds, error, allowed (see comparison::Cell).
-std::string stress_csv(const StressOutcome& outcome);
+std::string stress_csv(const comparison::StressOutcome& outcome);
 
 /// A JSON object: poise, command, interrupted, cases [{name, kind, title, source, seek, expect, why, methods [{method,
 /// refused, starts, arrived, inexact, wrong, denied, iterations, microseconds, error, allowed, why}]}].
-std::string stress_json(const StressOutcome& outcome);
+std::string stress_json(const comparison::StressOutcome& outcome, const std::string& command);
 
 }  // namespace poise::app

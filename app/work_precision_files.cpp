@@ -15,6 +15,7 @@ namespace {
 
 using comparison::Ending;
 using comparison::KnownRest;
+using comparison::ToleranceSpan;
 using comparison::WorkPrecision;
 using comparison::WorkPrecisionRow;
 constexpr double least_drawn_error = 1e-17;
@@ -48,45 +49,7 @@ Json json_row(const WorkPrecisionRow& row) {
           {"why", row.why}};
 }
 
-bool same_outcome(const WorkPrecisionRow& a, const WorkPrecisionRow& b) {
-  return a.error == b.error && a.rest == b.rest && a.iterations == b.iterations && a.evaluations == b.evaluations &&
-         a.ending == b.ending && a.confirmed == b.confirmed;
-}
-
-ToleranceSpan span_of(const WorkPrecisionRow* first, const WorkPrecisionRow* end) {
-  std::vector<double> times;
-  for (const WorkPrecisionRow* row = first; row != end; ++row) times.push_back(row->microseconds);
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return {first, end - 1, *middle};
-}
-
 }  // namespace
-
-std::vector<std::vector<ToleranceSpan>> tolerance_spans(const WorkPrecision& result) {
-  std::vector<std::vector<ToleranceSpan>> out;
-  const WorkPrecisionRow* const end = result.rows.data() + result.rows.size();
-  for (const WorkPrecisionRow* first = result.rows.data(); first != end;) {
-    const WorkPrecisionRow* next = first + 1;
-    while (next != end && next->method == first->method && same_outcome(*first, *next)) ++next;
-    if (out.empty() || out.back().front().loosest->method != first->method) out.emplace_back();
-    out.back().push_back(span_of(first, next));
-    first = next;
-  }
-  return out;
-}
-
-std::string status_of(const WorkPrecisionRow& row) {
-  switch (row.ending) {
-    case Ending::arrived:
-      return row.confirmed ? "confirmed" : "claimed";
-    case Ending::elsewhere:
-      return "another place";
-    case Ending::gave_up:
-      break;
-  }
-  return "gave up";
-}
 
 std::string work_precision_csv(const WorkPrecision& result) {
   std::vector<std::string> methods, statuses;

@@ -4,25 +4,11 @@
 #include <vector>
 
 #include "app/plot.hpp"
-#include "comparison/work_precision.hpp"
+#include "comparison/work_precision_summary.hpp"
 
 namespace poise::app {
 
 // What `poise compare --tolerances` writes. Errors in rad or length over mechanism size, times in microseconds.
-
-/// How a run ended: "confirmed" (claimed, near a known rest, and confirmed by the check), "claimed" (the same, but too
-/// coarse for the check's bounds), "another place", "gave up".
-std::string status_of(const comparison::WorkPrecisionRow& row);
-
-/// Tolerances next to each other that led one method to the very same answer.
-struct ToleranceSpan {
-  const comparison::WorkPrecisionRow* loosest;
-  const comparison::WorkPrecisionRow* tightest;
-  double microseconds;  ///< median over those tolerances
-};
-
-/// All of them, method by method. `result` must outlive them.
-std::vector<std::vector<ToleranceSpan>> tolerance_spans(const comparison::WorkPrecision& result);
 
 /// One row for each method and tolerance. Columns: method, status, tolerance, microseconds, error, iterations,
 /// evaluations, claimed, confirmed (1 or 0), repeats, rest (counted from 1). No error and rest where none is near.

@@ -9,6 +9,7 @@
 
 #include "comparison/case_check.hpp"
 #include "comparison/random.hpp"
+#include "comparison/tally.hpp"
 #include "comparison/time_limit.hpp"
 
 namespace poise::comparison {
@@ -52,68 +53,6 @@ class Starts {
   Random random_;
   double reach_;
   std::vector<double> from_;
-};
-
-/// Adds up the verdicts on one method.
-class Tally {
- public:
-  explicit Tally(Method method) { cell_.method = method; }
-
-  void refuse(const std::string& why) {
-    cell_.refused = true;
-    cell_.why = why;
-  }
-
-  void give_up(const std::string& why) {
-    ++cell_.starts;
-    if (cell_.why.empty()) cell_.why = why;
-  }
-
-  void add(const Equilibrium& rest, const Verdict& verdict) {
-    ++cell_.starts;
-    switch (verdict.kind) {
-      case Verdict::Kind::arrived:
-        arrive(rest, verdict);
-        return;
-      case Verdict::Kind::inexact:
-        ++cell_.inexact;
-        break;
-      case Verdict::Kind::wrong:
-        // What is worst is what has to be told.
-        if (cell_.wrong++ == 0) cell_.why = verdict.why;
-        break;
-      case Verdict::Kind::denied:
-        ++cell_.denied;
-        break;
-      case Verdict::Kind::failed:
-        break;
-    }
-    if (cell_.why.empty()) cell_.why = verdict.why;
-  }
-
-  Cell cell() const {
-    Cell cell = cell_;
-    cell.iterations = median(iterations_);
-    cell.microseconds = median(microseconds_);
-    return cell;
-  }
-  int starts() const { return cell_.starts; }
-
- private:
-  void arrive(const Equilibrium& rest, const Verdict& verdict) {
-    ++cell_.arrived;
-    iterations_.push_back(rest.iterations);
-    microseconds_.push_back(rest.microseconds);
-    // Where nothing was to be found, this is how the method put it.
-    if (!verdict.why.empty() && cell_.why.empty()) cell_.why = verdict.why;
-    if (!verdict.error || !cell_.error || *verdict.error > *cell_.error) {
-      cell_.error = verdict.error;
-      cell_.allowed = verdict.allowed;
-    }
-  }
-
-  Cell cell_;
-  std::vector<double> iterations_, microseconds_;
 };
 
 bool interrupted(const StressOptions& options) { return options.interrupt != nullptr && *options.interrupt; }

@@ -90,8 +90,8 @@ std::string command_of(const StressRequest& request) {
   return text;
 }
 
-StressOutcome run_cases(const StressRequest& request, const std::vector<comparison::HardCase>& cases,
-                        Progress& progress) {
+comparison::StressOutcome run_cases(const StressRequest& request, const std::vector<comparison::HardCase>& cases,
+                                    Progress& progress) {
   comparison::StressOptions options;
   options.methods = read_methods("--methods", request.methods.value_or("all"));
   options.starts = request.starts.value_or(options.starts);
@@ -99,8 +99,7 @@ StressOutcome run_cases(const StressRequest& request, const std::vector<comparis
   options.interrupt = &watch_for_interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
 
-  StressOutcome outcome;
-  outcome.command = command_of(request);
+  comparison::StressOutcome outcome;
   outcome.safeguards = request.safeguards;
   outcome.seconds = request.seconds;
   outcome.asked = cases.size();
@@ -129,15 +128,15 @@ int run_stress(const StressRequest& request, const Palette& palette) {
     return solved;
   }
   OutputFiles files(request.common);
-  const StressOutcome outcome = run_cases(request, cases, progress);
+  const comparison::StressOutcome outcome = run_cases(request, cases, progress);
   progress.now("writing the result");
-  const std::string written =
-      files.write(files.wants_json() ? stress_json(outcome) : "", "", files.wants_csv() ? stress_csv(outcome) : "",
-                  files.wants_markdown() ? stress_markdown(outcome) : "");
+  const std::string written = files.write(files.wants_json() ? stress_json(outcome, command_of(request)) : "", "",
+                                          files.wants_csv() ? stress_csv(outcome) : "",
+                                          files.wants_markdown() ? stress_markdown(outcome, command_of(request)) : "");
   progress.done();
   print((request.cases.empty() ? stress_overview(outcome, palette) : stress_details(outcome, palette)) +
         (written.empty() ? "" : "\n" + written));
-  const StressFailures failures = failures_of(outcome);
+  const comparison::StressFailures failures = failures_of(outcome);
   return failures.wrong == 0 && failures.missed.empty() && !outcome.interrupted ? solved : not_solved;
 }
 

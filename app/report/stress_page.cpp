@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 
 #include "app/quantity.hpp"
-#include "app/report/stress_sheet.hpp"
+#include "app/report/stress_report.hpp"
 
 namespace poise::app {
 namespace {
 
 using comparison::CaseResult;
+using comparison::MethodSummary;
+using comparison::StressOutcome;
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -69,10 +71,10 @@ std::string reasons(const StressOutcome& outcome) {
 
 }  // namespace
 
-std::string stress_markdown(const StressOutcome& outcome) {
+std::string stress_markdown(const StressOutcome& outcome, const std::string& command) {
   std::string out =
       outcome.safeguards ? "# What the safeguards of virtual work are worth\n\n" : "# The stress table\n\n";
-  out += fmt::format("Made by `{}` from the [hard catalogue](hard-cases.md).", outcome.command);
+  out += fmt::format("Made by `{}` from the [hard catalogue](hard-cases.md).", command);
   if (outcome.interrupted) out += fmt::format(" Interrupted: {} of {} cases.", outcome.results.size(), outcome.asked);
   out += outcome.safeguards
              ? "\nCases where one makes a difference: per cent of the seeded starts that arrive, by the number of "

@@ -8,7 +8,6 @@
 
 #include "app/quantity.hpp"
 #include "app/report/parts.hpp"
-#include "app/report/stress_sheet.hpp"
 #include "app/table.hpp"
 
 namespace poise::app {
@@ -17,6 +16,9 @@ namespace {
 using comparison::CaseResult;
 using comparison::Expect;
 using comparison::HardCase;
+using comparison::MethodSummary;
+using comparison::StressFailures;
+using comparison::StressOutcome;
 
 // A cell of the same name is one of a table here.
 using Tried = comparison::Cell;
@@ -196,6 +198,19 @@ std::string asked_for(const HardCase& hard) {
   if (hard.expect == Expect::locked) return "locked";
   if (hard.expect == Expect::none) return "none";
   return hard.seek == Seek::stable ? "stable" : "nearest";
+}
+
+std::string arrival(const comparison::Cell& cell) {
+  if (cell.refused) return "-";
+  const std::optional<int> tenths = comparison::arrived_tenths(cell);
+  if (!tenths) return "";
+  std::string text = *tenths % 1000 == 0 ? std::to_string(*tenths / 10) : fmt::format("{:.1f}", 0.1 * *tenths);
+  return text + (cell.wrong > 0 ? "!" : "");
+}
+
+std::string digits_of(const std::optional<double>& allowed) {
+  if (!allowed) return "-";
+  return fmt::format("{:.1f}", std::max(0.0, -std::log10(*allowed)));
 }
 
 std::string stress_list(const std::vector<HardCase>& cases, const Palette& palette) {

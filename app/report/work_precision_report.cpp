@@ -17,6 +17,7 @@ namespace {
 
 using comparison::Ending;
 using comparison::KnownRest;
+using comparison::ToleranceSpan;
 using comparison::WorkPrecision;
 using comparison::WorkPrecisionRow;
 

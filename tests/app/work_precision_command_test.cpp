@@ -142,30 +142,6 @@ comparison::WorkPrecisionRow run_with(Ending ending, bool confirmed, std::option
   return run;
 }
 
-TEST(WorkPrecisionFiles, StatusesAreToldApart) {
-  EXPECT_EQ(status_of(run_with(Ending::arrived, true, 0.0)), "confirmed");
-  EXPECT_EQ(status_of(run_with(Ending::arrived, false, 0.1)), "claimed");
-  EXPECT_EQ(status_of(run_with(Ending::elsewhere, false, std::nullopt)), "another place");
-  EXPECT_EQ(status_of(run_with(Ending::gave_up, true, 1e-9)), "gave up");
-}
-
-TEST(WorkPrecisionFiles, TolerancesThatChangeNothingShareARun) {
-  comparison::WorkPrecision result;
-  result.rows = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::arrived, true, 1e-4),
-                 run_with(Ending::arrived, true, 1e-4), run_with(Ending::arrived, true, 1e-9)};
-  result.rows[1].microseconds = 7.0;
-  result.rows[2].microseconds = 6.0;
-  result.rows.push_back(result.rows.back());
-  result.rows.back().method = Method::slsqp;
-  const std::vector<std::vector<ToleranceSpan>> shared = tolerance_spans(result);
-  ASSERT_EQ(shared.size(), 2U) << "methods share nothing";
-  ASSERT_EQ(shared[0].size(), 2U);
-  EXPECT_EQ(shared[0][0].loosest, &result.rows[0]);
-  EXPECT_EQ(shared[0][0].tightest, &result.rows[2]);
-  EXPECT_EQ(shared[0][0].microseconds, 6.0) << "the median";
-  EXPECT_EQ(shared[0][1].loosest, &result.rows[3]);
-}
-
 TEST(WorkPrecisionFiles, ThePictureShowsOnlyRunsThatArrived) {
   const StaticModel model(parse_scene(app_tests::pendulum, "scene"));
   comparison::WorkPrecision result;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "comparison/case_check.hpp"
+#include "comparison/stress.hpp"
+
+namespace poise::comparison {
+
+/// Adds up the verdicts on one method.
+class Tally {
+ public:
+  explicit Tally(Method method) { cell_.method = method; }
+
+  void refuse(const std::string& why);
+  /// A start that was ended before its time.
+  void give_up(const std::string& why);
+  void add(const Equilibrium& rest, const Verdict& verdict);
+
+  int starts() const { return cell_.starts; }
+  Cell cell() const;
+
+ private:
+  void arrive(const Equilibrium& rest, const Verdict& verdict);
+
+  Cell cell_;
+  std::vector<double> iterations_, microseconds_;
+};
+
+}  // namespace poise::comparison

@@ -1,0 +1,72 @@
+#include "comparison/stress_summary.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poise::comparison {
+namespace {
+
+Cell cell_with(int starts, int arrived, int wrong = 0) {
+  Cell cell;
+  cell.method = Method::virtual_work;
+  cell.starts = starts;
+  cell.arrived = arrived;
+  cell.wrong = wrong;
+  if (arrived > 0) cell.iterations = cell.microseconds = arrived;
+  return cell;
+}
+
+TEST(StressSummary, OnlyAllStartsAreAThousandTenthsAndOnlyNoneAreZero) {
+  EXPECT_EQ(arrived_tenths(cell_with(100000, 100000)), 1000);
+  EXPECT_EQ(arrived_tenths(cell_with(100000, 99999)), 999);
+  EXPECT_EQ(arrived_tenths(cell_with(100000, 1)), 1);
+  EXPECT_EQ(arrived_tenths(cell_with(100000, 0)), 0);
+  EXPECT_EQ(arrived_tenths(cell_with(3, 2)), 666);
+  EXPECT_FALSE(arrived_tenths(Cell()).has_value());
+}
+
+StressOutcome three_cases() {
+  StressOutcome outcome;
+  outcome.methods = {"virtual-work", "energy"};
+  Cell refused;
+  refused.refused = true;
+  outcome.results.resize(3);
+  outcome.results[0].hard.name = "easy";
+  outcome.results[0].cells = {cell_with(10, 10), cell_with(10, 10)};
+  outcome.results[1].hard.name = "hard";
+  outcome.results[1].cells = {cell_with(10, 9), cell_with(10, 0, 2)};
+  outcome.results[2].hard.name = "odd";
+  outcome.results[2].hard.expect = Expect::none;
+  outcome.results[2].cells = {cell_with(10, 10), refused};
+  for (CaseResult& result : outcome.results) result.cells[1].method = Method::energy;
+  return outcome;
+}
+
+TEST(StressSummary, CountsByMethod) {
+  const std::vector<MethodSummary> of = summaries(three_cases());
+  ASSERT_EQ(of.size(), 2U);
+  EXPECT_EQ(of[0].name, "virtual-work");
+  EXPECT_EQ(of[0].taken, 2);
+  EXPECT_EQ(of[0].mastered, 1);
+  EXPECT_EQ(of[0].iterations, 9.5);
+  EXPECT_EQ(of[1].wrong, 2);
+  EXPECT_EQ(of[1].iterations, 10.0) << "only cases where it arrived";
+}
+
+TEST(StressSummary, NamesWhatFails) {
+  const StressFailures failures = failures_of(three_cases());
+  EXPECT_EQ(failures.wrong, 2);
+  EXPECT_EQ(failures.missed, std::vector<std::string>{"hard"}) << "the case without an answer does not count";
+}
+
+TEST(StressSummary, OfSafeguardsShowsWhereOneMakesADifference) {
+  StressOutcome outcome = three_cases();
+  EXPECT_EQ(shown_cases(outcome).size(), 3U);
+  outcome.safeguards = true;
+  const std::vector<const CaseResult*> shown = shown_cases(outcome);
+  ASSERT_EQ(shown.size(), 2U);
+  EXPECT_EQ(shown[0]->hard.name, "hard");
+  EXPECT_EQ(shown[1]->hard.name, "odd");
+}
+
+}  // namespace
+}  // namespace poise::comparison
