@@ -47,7 +47,8 @@ void Tally::arrive(const Equilibrium& rest, const Verdict& verdict) {
   microseconds_.push_back(rest.microseconds);
   // Where nothing was to be found, this is how the method put it.
   if (!verdict.why.empty() && cell_.why.empty()) cell_.why = verdict.why;
-  if (!verdict.error || !cell_.error || *verdict.error > *cell_.error) {
+  // A start that is said to lock has no error; the largest of the others stays.
+  if (verdict.error && (!cell_.error || *verdict.error > *cell_.error)) {
     cell_.error = verdict.error;
     cell_.allowed = verdict.allowed;
   }

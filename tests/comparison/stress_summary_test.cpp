@@ -2,8 +2,33 @@
 
 #include <gtest/gtest.h>
 
+#include "comparison/tally.hpp"
+
 namespace poise::comparison {
 namespace {
+
+Verdict arrival(std::optional<double> error, std::optional<double> allowed) {
+  return {.kind = Verdict::Kind::arrived, .error = error, .allowed = allowed};
+}
+
+TEST(Tally, TheLargestErrorSurvivesArrivalsWithoutOne) {
+  Tally tally(Method::virtual_work);
+  const Equilibrium rest;
+  tally.add(rest, arrival(1e-12, 1e-11));
+  tally.add(rest, arrival(1e-9, 1e-8));
+  tally.add(rest, arrival({}, {}));
+  tally.add(rest, arrival(1e-13, 1e-7));
+  const Cell cell = tally.cell();
+  EXPECT_EQ(cell.arrived, 4);
+  EXPECT_EQ(cell.error, 1e-9);
+  EXPECT_EQ(cell.allowed, 1e-8);
+}
+
+TEST(Tally, ArrivalsWithoutErrorLeaveNone) {
+  Tally tally(Method::virtual_work);
+  tally.add(Equilibrium(), arrival({}, {}));
+  EXPECT_FALSE(tally.cell().error.has_value());
+}
 
 Cell cell_with(int starts, int arrived, int wrong = 0) {
   Cell cell;
