@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "app/quantity.hpp"
 #include "motion/kinematics.hpp"
 
 namespace poise::app {

@@ -17,6 +17,7 @@
 #include "app/motion_record.hpp"
 #include "app/report/motion_report.hpp"
 #include "app/report/parts.hpp"
+#include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
 #include "motion/rest_pose.hpp"
 

@@ -1,7 +1,6 @@
 #include "app/commands/scene_options.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
@@ -46,23 +45,6 @@ std::size_t chosen(const std::string& option, const std::string& word, const std
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
   throw InputError(
       fmt::format("{}: expected {}, found \"{}\"{}", option, listed(words, "or"), word, did_you_mean(word, words)));
-}
-
-NamedNumber read_named_number(const std::string& option, const std::string& text, const std::string& example) {
-  const std::size_t equals = text.rfind('=');
-  if (equals == std::string::npos) {
-    throw InputError(fmt::format("{} {}: there is no \"=\"; expected {}", option, text, example));
-  }
-  const char* begin = text.data() + equals + 1;
-  const char* const end = text.data() + text.size();
-  if (begin != end && *begin == '+') ++begin;
-  double value = 0.0;
-  const auto [stopped, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || stopped != end) {
-    throw InputError(
-        fmt::format("{} {}: \"{}\" is not a number; expected {}", option, text, text.substr(equals + 1), example));
-  }
-  return {text.substr(0, equals), value};
 }
 
 }  // namespace poise::app

@@ -30,13 +30,4 @@ Seek read_seek(const std::string& word);
 /// The place of a word among those that an option knows. Throws InputError naming them, with the nearest.
 std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words);
 
-/// A number given to a name: "boom=0.5".
-struct NamedNumber {
-  std::string name;
-  double value = 0.0;
-};
-
-/// Reads the "NAME=NUMBER" of an option. Throws InputError naming the option and the example.
-NamedNumber read_named_number(const std::string& option, const std::string& text, const std::string& example);
-
 }  // namespace poise::app

@@ -1,7 +1,6 @@
 #include "app/commands/work_precision.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <functional>
 #include <optional>
 #include <sstream>
@@ -13,6 +12,7 @@
 #include "app/interrupt.hpp"
 #include "app/report/work_precision_report.hpp"
 #include "app/work_precision_files.hpp"
+#include "model/named_number.hpp"
 
 namespace poise::app {
 namespace {
@@ -20,18 +20,17 @@ namespace {
 constexpr double tightest = 1e-20, loosest = 1.0;
 
 double read_tolerance(std::string_view text) {
-  double value = 0.0;
-  const auto [stopped, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::optional<double> value = read_number(text);
   const std::string expected = "expected numbers as in 1e-2..1e-14 or 1e-3,1e-6";
   // A point in front is what is left of three between two numbers.
-  if (error != std::errc() || stopped != text.data() + text.size() || text.starts_with('.')) {
+  if (!value || text.starts_with('.')) {
     throw InputError(fmt::format("--tolerances: \"{}\" is not a number; {}", text, expected));
   }
-  if (!(value >= tightest && value < loosest)) {
+  if (!(*value >= tightest && *value < loosest)) {
     throw InputError(
         fmt::format("--tolerances: expected numbers from {:g} to less than {:g}, found {}", tightest, loosest, text));
   }
-  return value;
+  return *value;
 }
 
 std::vector<double> decades(std::string_view from, std::string_view to) {
