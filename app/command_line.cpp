@@ -122,7 +122,7 @@ std::string unexpected(const CLI::App& command, int argc, const char* const* arg
   }
   for (char& letter : file) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   if (!name.starts_with('-')) return fmt::format("poise: expected one {}, found \"{}\" too", file, name);
-  return fmt::format("poise: {} has no option \"{}\"{}", command.get_name(), name, did_you_mean(name, options));
+  return fmt::format("poise: {} has no option \"{}\"{}", command.get_name(), name, did_you_mean_or_list(name, options));
 }
 
 int parse_and_run(int argc, const char* const* argv) {

@@ -41,7 +41,7 @@ int index_of(const List& list, const std::string& name, Fits fits) {
   for (std::size_t i = 0; i < list.size() && valid.size() < 100; ++i) {
     if (fits(list[i], i)) valid.push_back(list[i].name);
   }
-  throw InputError(fmt::format("there is no \"{}\" in it{}", name, did_you_mean(name, valid)));
+  throw InputError(fmt::format("there is no \"{}\" in it{}", name, did_you_mean_or_list(name, valid)));
 }
 
 }  // namespace

@@ -143,8 +143,8 @@ class ExperimentReader {
       if (elements[i].name == name.value) return static_cast<int>(i);
       valid.push_back(elements[i].name);
     }
-    name.place.fail(
-        fmt::format("expected the name of a line spring, found \"{}\"{}", name.value, did_you_mean(name.value, valid)));
+    name.place.fail(fmt::format("expected the name of a line spring, found \"{}\"{}", name.value,
+                                did_you_mean_or_list(name.value, valid)));
   }
 
   void read_unknowns() {
@@ -219,7 +219,7 @@ class ExperimentReader {
         std::vector<std::string> valid = {"run"};
         for (const auto& label : run.labels) valid.push_back(label.first);
         fail("per", fmt::format("expected \"run\" or a label that all runs have, run \"{}\" has no \"{}\"{}", run.name,
-                                unknown.per, did_you_mean(unknown.per, valid)));
+                                unknown.per, did_you_mean_or_list(unknown.per, valid)));
       }
       for (const ParameterChange& change : run.changes) {
         if (change.path != unknown.path) continue;

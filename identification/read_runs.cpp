@@ -154,7 +154,7 @@ class RunsReader {
     }
     if (std::find(valid.begin(), valid.end(), path.value) == valid.end()) {
       path.place.fail("expected spring.NAME.free_length or torsion_spring.NAME.free_angle, found \"" + path.value +
-                      "\"" + did_you_mean(path.value, valid));
+                      "\"" + did_you_mean_or_list(path.value, valid));
     }
     return path.value;
   }
@@ -175,7 +175,7 @@ class RunsReader {
       if (!turns && !travels) {
         std::vector<std::string> valid = names_.movable_body_names();
         for (std::string& other : names_.travelling_joint_names()) valid.push_back(std::move(other));
-        place.fail("expected the name of a body, slide or pin_in_slot" + did_you_mean(name, valid));
+        place.fail("expected the name of a body, slide or pin_in_slot" + did_you_mean_or_list(name, valid));
       }
       const Units& units = experiment_.scene.units;
       release.value = table->number(name, turns ? units.angle : units.length, Range::finite);

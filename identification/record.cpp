@@ -156,7 +156,7 @@ std::size_t find_column(const CsvRows& header, const std::string& column) {
   const auto found = std::find(names.begin(), names.end(), column);
   if (found == names.end()) {
     header.place(column).fail("expected a column of this name in the header" +
-                              did_you_mean(column, {names.begin(), names.end()}));
+                              did_you_mean_or_list(column, {names.begin(), names.end()}));
   }
   if (std::find(std::next(found), names.end(), column) != names.end()) {
     header.place(column).fail("expected one column of this name, found several; rename the others");

@@ -41,7 +41,7 @@ std::vector<CsvPart> chosen_parts(const CsvTable& table, const RunSource& source
     const auto found = std::find(values.begin(), values.end(), segment.value);
     if (found == values.end()) {
       segment.place.fail("expected a value of the column \"" + source.split + "\", found \"" + segment.value + "\"" +
-                         did_you_mean(segment.value, values));
+                         did_you_mean_or_list(segment.value, values));
     }
     chosen.push_back(parts[static_cast<std::size_t>(found - values.begin())]);
   }

@@ -23,10 +23,23 @@ int edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+bool is_near(std::string_view name, std::string_view candidate) {
+  const std::size_t longer = std::max(name.size(), candidate.size());
+  const std::size_t shorter = std::min(name.size(), candidate.size());
+  if (shorter >= 2 && 2 * shorter >= longer && (name.starts_with(candidate) || candidate.starts_with(name)))
+    return true;
+  const std::size_t most = longer <= 4 ? 1 : longer <= 8 ? 2 : 3;
+  // Each of them is at least one edit: most pairs of words end here.
+  if (longer - shorter > most) return false;
+  const auto edits = static_cast<std::size_t>(edit_distance(name, candidate));
+  return edits <= most && 2 * edits < longer;
+}
+
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string* nearest = nullptr;
   int least = 0;
   for (const std::string& candidate : candidates) {
+    if (!is_near(name, candidate)) continue;
     const int distance = edit_distance(name, candidate);
     if (nearest == nullptr || distance < least) {
       nearest = &candidate;
@@ -34,6 +47,26 @@ std::string did_you_mean(std::string_view name, const std::vector<std::string>& 
     }
   }
   return nearest == nullptr ? "" : "; did you mean \"" + *nearest + "\"?";
+}
+
+std::string did_you_mean_or_list(std::string_view name, const std::vector<std::string>& candidates) {
+  constexpr std::size_t most_listed = 12;
+  const std::string suggestion = did_you_mean(name, candidates);
+  if (!suggestion.empty()) return suggestion;
+  if (candidates.empty()) return "; there is none here";
+  std::vector<std::string> listed = candidates;
+  if (listed.size() > most_listed) {
+    std::stable_sort(listed.begin(), listed.end(), [name](const std::string& a, const std::string& b) {
+      return edit_distance(name, a) < edit_distance(name, b);
+    });
+    listed.resize(most_listed);
+  }
+  std::string text = "; known here: ";
+  for (std::size_t i = 0; i < listed.size(); ++i) text += (i == 0 ? "" : ", ") + listed[i];
+  if (listed.size() < candidates.size()) {
+    text += " and " + std::to_string(candidates.size() - listed.size()) + " more";
+  }
+  return text;
 }
 
 }  // namespace poise

@@ -127,7 +127,8 @@ void at_path(AnyScene& scene, std::string_view path, Use use) {
   if (found == 0) {
     std::vector<std::string> valid;
     visit_numbers(scene, [&](const ParameterRow& row, auto&, const Number&) { valid.push_back(row.path.text()); });
-    throw InputError(std::string(path) + ": expected the path of a number of the scene" + did_you_mean(path, valid));
+    throw InputError(std::string(path) + ": expected the path of a number of the scene" +
+                     did_you_mean_or_list(path, valid));
   }
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     if (row.path.is(path)) use(row, item, number);

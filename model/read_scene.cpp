@@ -178,7 +178,7 @@ class SceneReader {
         for (std::string& other : names_.travelling_joint_names()) valid.push_back(std::move(other));
         valid.emplace_back("position");
         table->place_of(name).fail("expected the name of a body, slide or pin_in_slot, or a table \"position\"" +
-                                   did_you_mean(name, valid));
+                                   did_you_mean_or_list(name, valid));
       }
     }
   }

@@ -48,7 +48,7 @@ int SceneNames::find_body(const TomlText& name, int first) const {
   if (first == 0) candidates.insert(candidates.begin(), scene_.bodies[0].name);
   const std::string expected =
       first == 0 ? "expected the name of a body, found \"" : "expected the name of a body other than ground, found \"";
-  name.place.fail(expected + name.value + "\"" + did_you_mean(name.value, candidates));
+  name.place.fail(expected + name.value + "\"" + did_you_mean_or_list(name.value, candidates));
 }
 
 PointRef SceneNames::point(const TomlText& name) const {
@@ -65,19 +65,20 @@ PointRef SceneNames::point(const TomlText& name) const {
                       "; add points = { NAME = [X, Y] } to it");
     }
     for (const NamedPoint& point : owner.points) candidates.push_back(owner.name + "." + point.name);
-    name.place.fail("expected a point of \"" + owner.name + "\"" + found + did_you_mean(name.value, candidates));
+    name.place.fail("expected a point of \"" + owner.name + "\"" + found +
+                    did_you_mean_or_list(name.value, candidates));
   }
   for (const auto& [candidate, ref] : points_) candidates.push_back(candidate);
   // The nearest of several is the first: make that independent of the hash.
   std::sort(candidates.begin(), candidates.end());
-  name.place.fail("expected a point \"BODY.POINT\"" + found + did_you_mean(name.value, candidates));
+  name.place.fail("expected a point \"BODY.POINT\"" + found + did_you_mean_or_list(name.value, candidates));
 }
 
 int SceneNames::travelling_joint(const TomlText& name) const {
   const int joint = index_of_joint(name.value);
   if (joint >= 0 && scene_.joints[joint].has_travel()) return joint;
   name.place.fail("expected the name of a slide or pin_in_slot, found \"" + name.value + "\"" +
-                  did_you_mean(name.value, travelling_joint_names()));
+                  did_you_mean_or_list(name.value, travelling_joint_names()));
 }
 
 std::pair<PointRef, PointRef> SceneNames::two_points(const TomlTable& table) const {

@@ -346,7 +346,7 @@ Drive find_drive(const Scene& scene, const std::string& name) {
     return drive;
   }
   throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",
-                               where(scene), name, did_you_mean(name, names)));
+                               where(scene), name, did_you_mean_or_list(name, names)));
 }
 
 KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options) {

@@ -56,7 +56,7 @@ void read_variables(const TomlTable& table, DesignProblem& out) {
       std::vector<std::string> paths;
       for (const DesignVariable& v : all) paths.push_back(v.path);
       table.place_of(key).fail("expected a coordinate of a point, \"point.BODY.NAME.x\" or .y" +
-                               did_you_mean(key, paths));
+                               did_you_mean_or_list(key, paths));
     }
     out.variables.push_back(*found);
     out.variables.back().range = interval(table, key, out.scene.units.length);

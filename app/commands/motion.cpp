@@ -74,7 +74,7 @@ const Channel& channel_named(const std::string& name, const std::string& option,
     names.push_back(channel.name);
   }
   throw InputError(fmt::format("{} {}: expected a body that turns or a joint that slides{}", option, name,
-                               did_you_mean(name, names)));
+                               did_you_mean_or_list(name, names)));
 }
 
 /// Where a motion begins before it is released.

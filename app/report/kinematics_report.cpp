@@ -87,7 +87,7 @@ std::vector<Course> courses_of(const std::vector<std::string>& points, const Sce
     const auto found = std::find(names.begin(), names.end(), point);
     if (found == names.end()) {
       throw InputError(
-          fmt::format("--point {}: expected a point of a moving body{}", point, did_you_mean(point, names)));
+          fmt::format("--point {}: expected a point of a moving body{}", point, did_you_mean_or_list(point, names)));
     }
     const auto at = 2 * (found - names.begin());
     out.insert(out.end(), {all[at], all[at + 1]});

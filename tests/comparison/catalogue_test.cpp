@@ -155,8 +155,7 @@ TEST(Catalogue, SaysWhatIsWrongWithACase) {
             "toy.cases.toml:7: case \"toy\".seek: expected one of nearest, stable, found \"stabel\"; did you mean "
             "\"stable\"?");
   EXPECT_EQ(objection_to_rest("expect = \"nothing\"\n"),
-            "toy.cases.toml:7: case \"toy\".expect: expected one of equilibrium, locked, none, found \"nothing\"; did "
-            "you mean \"none\"?");
+            "toy.cases.toml:7: case \"toy\".expect: expected one of equilibrium, locked, none, found \"nothing\"");
   EXPECT_EQ(objection_to_rest("complete = \"yes\"\n"),
             "toy.cases.toml:7: case \"toy\".complete: expected true or false, without quotes");
 }
@@ -199,7 +198,7 @@ TEST(Catalogue, SaysWhatIsWrongWithAnEquilibrium) {
   EXPECT_EQ(with("angles = { rod = 1 }\n"), at + "expected the key stability; add stability = \"...\"");
   EXPECT_EQ(with("angles = { rod = 1 }\nstability = \"firm\"\n"),
             "toy.cases.toml:9: case \"toy\".equilibrium 1.stability: expected one of stable, unstable, neutral, "
-            "unknown, found \"firm\"; did you mean \"stable\"?");
+            "unknown, found \"firm\"");
   EXPECT_EQ(with("angle = { rod = 1 }\n"),
             "toy.cases.toml:8: case \"toy\".equilibrium 1.angle: expected one of the keys angles, travels, stability; "
             "did you mean \"angles\"?");

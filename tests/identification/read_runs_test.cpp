@@ -157,7 +157,7 @@ TEST(ReadRuns, RefusesRuns) {
   }
   EXPECT_EQ(refused_run(given + "split = \"s\"\n"),
             "experiment.toml:9: run 1.split: expected one of the keys name, set, labels, rest, release, release_rate, "
-            "start_known, data, duration, rate, seed; did you mean \"set\"?");
+            "start_known, data, duration, rate, seed");
   EXPECT_EQ(refused_run(given + "labels = { run = \"a\" }\n"),
             "experiment.toml:9: run 1.labels.run: expected another label; per = \"run\" means each run by itself");
   EXPECT_EQ(refused_run(given + "labels = { h = \"\" }\n"),
@@ -168,8 +168,8 @@ TEST(ReadRuns, RefusesRuns) {
       refused_run(given + "set = { \"load.Q\" = 1 }\n"),
       "experiment.toml:9: run 1.set: load.Q: expected the path of a number of the scene; did you mean \"load.P\"?");
   EXPECT_EQ(refused_run(given + "release = { ground = 1 }\n"),
-            "experiment.toml:9: run 1.release.ground: expected the name of a body, slide or pin_in_slot; did you mean "
-            "\"rod\"?");
+            "experiment.toml:9: run 1.release.ground: expected the name of a body, slide or pin_in_slot; known here: "
+            "crank, rod, block, rail");
   EXPECT_EQ(refused_run(given + "release_rate.arm.left = 1\n"),
             "experiment.toml:9: run 1.release_rate.arm: expected a number; put a name that holds dots in quotes");
   EXPECT_EQ(refused_run(given + "start_known = 1\n"),
@@ -190,13 +190,13 @@ TEST(ReadRuns, RefusesPosesOfRest) {
   EXPECT_EQ(refused_rest("angle = \"rod\"" + by), place + ": expected the key at; add at = NUMBER");
   EXPECT_EQ(refused_rest("angle = \"rod\", at = 1"), place + ": expected the key by; add by = \"...\"");
   EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, fixed = true" + by),
-            place + ".fixed: expected one of the keys angle, travel, at, by, known; did you mean \"angle\"?");
+            place + ".fixed: expected one of the keys angle, travel, at, by, known");
   EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, known = 0" + by),
             place + ".known: expected true or false, without quotes");
   EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, by = \"spring.coil.stiffness\""),
             place +
                 ".by: expected spring.NAME.free_length or torsion_spring.NAME.free_angle, found "
-                "\"spring.coil.stiffness\"; did you mean \"spring.coil.free_length\"?");
+                "\"spring.coil.stiffness\"; known here: spring.coil.free_length, torsion_spring.wrap.free_angle");
 }
 
 TEST(ReadRuns, RefusesMeasuredRuns) {
@@ -206,7 +206,7 @@ TEST(ReadRuns, RefusesMeasuredRuns) {
             "experiment.toml:7: run 1.data: expected the path of a data file, relative to this file");
   EXPECT_EQ(refused_run(data + "duration = 2\n", good),
             "experiment.toml:8: run 1.duration: expected one of the keys name, set, labels, rest, release, "
-            "release_rate, start_known, data, time, split, segments, every; did you mean \"data\"?");
+            "release_rate, start_known, data, time, split, segments, every");
   EXPECT_EQ(refused_run(data + "every = 0\n", good),
             "experiment.toml:8: run 1.every: expected a whole number from 1 to 2^53");
   EXPECT_EQ(refused_run(data + "every = 2\n", good),
@@ -222,18 +222,18 @@ TEST(ReadRuns, RefusesMeasuredRuns) {
             "experiment.toml:10: run 1.segments: expected a list of strings [\"...\", ...]");
   EXPECT_EQ(refused_run(split + "segments = \"x\"\n", segments),
             "experiment.toml:10: run 1.segments: expected a list of strings [\"...\", ...]");
-  EXPECT_EQ(refused_run(split + "segments = [\"x\", \"z\"]\n", segments),
-            "experiment.toml:10: run 1.segments: expected a value of the column \"part\", found \"z\"; did you mean "
-            "\"x\"?");
+  EXPECT_EQ(
+      refused_run(split + "segments = [\"x\", \"z\"]\n", segments),
+      "experiment.toml:10: run 1.segments: expected a value of the column \"part\", found \"z\"; known here: x, y");
   EXPECT_EQ(refused_run(split, "part,t,a\n"),
             "experiment.toml:7: run 1.data: expected a data file with rows, \"data.csv\" has only a header");
   EXPECT_EQ(refused_run(split + "[[run]]\nname = \"segment x\"\n" + data + "time = \"t\"\n", segments),
             "experiment.toml:10: run \"segment x\": expected a name of its own, it is taken in line 6; rename the run")
       << "rows of both segments ascend";
   EXPECT_EQ(refused_run(data, "t,a\n0,1\n"),
-            "data.csv:1: time: expected a column of this name in the header; did you mean \"t\"?");
+            "data.csv:1: time: expected a column of this name in the header; known here: t, a");
   EXPECT_EQ(refused_run(data, "time,phi\n0,1\n"),
-            "data.csv:1: a: expected a column of this name in the header; did you mean \"phi\"?");
+            "data.csv:1: a: expected a column of this name in the header; known here: time, phi");
   EXPECT_EQ(refused_run(data, "time,a\n0,1\n1,\n2,3\n"),
             "data.csv:3: a: expected a value, found a gap; fill it or leave the row out");
   EXPECT_EQ(refused_run(data, "time,a\n0,1\n2,3\n1,2\n"),

@@ -99,7 +99,7 @@ TEST(ReadCsv, RefusesWithTheLine) {
   EXPECT_EQ(refusal("", tx), "data.csv:1: header: expected the names of the columns, found an empty file");
   EXPECT_EQ(refusal("\n \n", tx), "data.csv:1: header: expected the names of the columns, found an empty file");
   EXPECT_EQ(refusal("time,xx\n", {"x"}),
-            "data.csv:1: x: expected a column of this name in the header; did you mean \"xx\"?");
+            "data.csv:1: x: expected a column of this name in the header; known here: time, xx");
   EXPECT_EQ(refusal("t,x,x\n", tx),
             "data.csv:1: x: expected one column of this name, found several; rename the others");
   EXPECT_EQ(refusal("t,x\n0,1\n1,\n", tx),

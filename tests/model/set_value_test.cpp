@@ -208,30 +208,38 @@ TEST_F(SetValue, SetsStarts) {
 }
 
 TEST_F(SetValue, NamesTheNearestPath) {
-  const std::string expected = ": expected the path of a number of the scene; did you mean ";
-  EXPECT_EQ(message("load.Q", 1), "load.Q" + expected + "\"load.P\"?");
-  EXPECT_EQ(message("P", 1), "P" + expected + "\"load.P\"?");
-  EXPECT_EQ(message("", 1), expected + "\"load.P\"?");
-  EXPECT_EQ(message("body.crank.mas", 1), "body.crank.mas" + expected + "\"body.crank.mass\"?");
-  EXPECT_EQ(message("body.crank", 1), "body.crank" + expected + "\"body.crank.mass\"?");
-  EXPECT_EQ(message("body.crankxmass", 1), "body.crankxmass" + expected + "\"body.crank.mass\"?");
-  EXPECT_EQ(message("spring.sprong 1.stiffness", 1),
-            "spring.sprong 1.stiffness" + expected + "\"spring.spring 1.stiffness\"?");
-  EXPECT_EQ(message("bar.ground.O-crank.O.length", 1),
-            "bar.ground.O-crank.O.length" + expected + "\"start.ground.S-rod.1.B\"?");
-  EXPECT_EQ(message("damper.oil.coeficient", 1), "damper.oil.coeficient" + expected + "\"damper.oil.coefficient\"?");
-  EXPECT_EQ(message("torsion_damper.oil.coefficient", 1),
-            "torsion_damper.oil.coefficient" + expected + "\"torsion_damper.grease.coefficient\"?");
-  EXPECT_EQ(message("friction.dry.with", 1), "friction.dry.with" + expected + "\"friction.dry.width\"?");
-  EXPECT_EQ(message("drive.moter.rate", 1), "drive.moter.rate" + expected + "\"drive.motor.rate\"?");
-  EXPECT_EQ(message("gravity", 1), "gravity" + expected + "\"gravity.x\"?");
-  EXPECT_EQ(message("gravity..x", 1), "gravity..x" + expected + "\"gravity.x\"?");
-  EXPECT_EQ(message("body.crank.center", 1), "body.crank.center" + expected + "\"body.crank.center.x\"?");
-  EXPECT_EQ(message("body.ground.mass", 1), "body.ground.mass" + expected + "\"body.crank.mass\"?");
-  EXPECT_EQ(message("point.crank.C.x", 1), "point.crank.C.x" + expected + "\"point.crank.O.x\"?");
-  EXPECT_EQ(message("point.crank.B.z", 1), "point.crank.B.z" + expected + "\"point.crank.B.x\"?");
-  EXPECT_EQ(message("start.ground", 1), "start.ground" + expected + "\"start.crank\"?");
-  EXPECT_EQ(message("start.ground.O-crank.O", 1), "start.ground.O-crank.O" + expected + "\"start.ground.S-rod.1.B\"?");
+  const std::string expected = ": expected the path of a number of the scene; ";
+  const auto expect_suggested = [&](const std::string& path, const std::string& nearest) {
+    EXPECT_EQ(message(path, 1), path + expected + "did you mean \"" + nearest + "\"?");
+  };
+  expect_suggested("load.Q", "load.P");
+  expect_suggested("body.crank.mas", "body.crank.mass");
+  expect_suggested("body.crank", "body.crank.mass");
+  expect_suggested("body.crankxmass", "body.crank.mass");
+  expect_suggested("spring.sprong 1.stiffness", "spring.spring 1.stiffness");
+  expect_suggested("damper.oil.coeficient", "damper.oil.coefficient");
+  expect_suggested("friction.dry.with", "friction.dry.width");
+  expect_suggested("drive.moter.rate", "drive.motor.rate");
+  expect_suggested("gravity", "gravity.x");
+  expect_suggested("gravity..x", "gravity.x");
+  expect_suggested("body.crank.center", "body.crank.center.x");
+  expect_suggested("point.crank.C.x", "point.crank.O.x");
+  expect_suggested("point.crank.B.z", "point.crank.B.x");
+  expect_suggested("start.ground", "start.ground.S-rod.1.B");
+}
+
+TEST_F(SetValue, ListsPathsWhereNoneIsNear) {
+  const auto expect_listed = [&](const std::string& path, const std::string& first) {
+    const std::string text = message(path, 1);
+    EXPECT_TRUE(text.starts_with(path + ": expected the path of a number of the scene; known here: " + first)) << text;
+    EXPECT_TRUE(text.ends_with(" and 46 more")) << text;
+  };
+  expect_listed("P", "load.P, load.T, gravity.x, ");
+  expect_listed("", "load.P, load.T, gravity.x, ");
+  expect_listed("bar.ground.O-crank.O.length", "start.ground.S-rod.1.B, ");
+  expect_listed("torsion_damper.oil.coefficient", "torsion_damper.grease.coefficient, damper.oil.coefficient, ");
+  expect_listed("body.ground.mass", "body.crank.mass, ");
+  expect_listed("start.ground.O-crank.O", "start.ground.S-rod.1.B, ");
 }
 
 TEST_F(SetValue, RefusesValuesOutOfRangeAndKeepsTheOld) {
