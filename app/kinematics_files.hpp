@@ -7,27 +7,12 @@
 #include "app/json.hpp"
 #include "app/plot.hpp"
 #include "app/quantity.hpp"
+#include "motion/courses.hpp"
 #include "motion/kinematics.hpp"
 
 namespace poise::app {
 
 // What `poise kinematics` writes. All values in the units of the scene, rates per second.
-
-/// Something that changes over the range: the angle of a body, a length (travel of a joint, place of a body that no
-/// chain of joints ties to the ground) or a coordinate of a point. SI, one entry per sample.
-struct Course {
-  std::string name;
-  Quantity quantity = Quantity::angle;
-  std::vector<double> value, rate, acceleration;
-};
-
-/// A drive's values over the range, SI.
-Course drive_course(const Scene& scene, const KinematicsResult& result, std::size_t drive,
-                    const std::vector<DriveRange>& ranges);
-/// Every body that turns, then every length.
-std::vector<Course> coordinate_courses(const Scene& scene, const KinematicsResult& result);
-/// x and y of every point of every moving body: "crank.B.x".
-std::vector<Course> point_courses(const Scene& scene, const KinematicsResult& result);
 
 /// Columns: drive.NAME of each drive; NAME, NAME.rate, NAME.second of all courses; closeness_to_singular.
 std::string kinematics_csv(const Scene& scene, const KinematicsResult& result, const std::vector<DriveRange>& ranges);

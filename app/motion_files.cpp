@@ -94,7 +94,7 @@ Panel energy_panel(const MotionRecord& record, const Units& units) {
 }
 
 Json moved(const MotionModel& model, const MotionAnswer& answer, Quantity quantity) {
-  const Trajectory& path = answer.motion.trajectory;
+  const Trajectory& path = answer.found.motion.trajectory;
   const Units& units = model.scene().units;
   Json out = Json::object();
   if (path.nodes() == 0) return out;
@@ -160,16 +160,16 @@ LargestForce largest_force(const Motion& motion, std::size_t drive) {
 std::string motion_json(const MotionModel& model, const MotionAnswer& answer,
                         const std::vector<std::string>& settings) {
   const Scene& scene = model.scene();
-  const Motion& motion = answer.motion;
+  const Motion& motion = answer.found.motion;
   Json out = {{"poise", POISE_VERSION}, {"scene", json_scene(scene, settings)}, {"units", json_units(scene.units)}};
   out["status"] = to_string(motion.status);
   out["why"] = motion.why;
-  out["confirmed"] = answer.confirmed();
+  out["confirmed"] = answer.found.confirmed();
   out["start"] = answer.start;
   out["duration"] = answer.duration;
   out["reached"] = motion.trajectory.t.empty() ? 0.0 : motion.trajectory.t.back();
   out["accuracy"] = answer.accuracy;
-  out["error"] = answer.error ? json_number(*answer.error) : Json(nullptr);
+  out["error"] = answer.found.error ? json_number(*answer.found.error) : Json(nullptr);
   out["energy_error"] = json_number(motion.energy_error);
   out["freedoms"] = motion.freedoms;
   out["steps"] = motion.steps;

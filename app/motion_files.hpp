@@ -3,10 +3,20 @@
 #include <string>
 #include <vector>
 
-#include "app/motion_record.hpp"
 #include "app/plot.hpp"
+#include "motion/confirmed_motion.hpp"
+#include "motion/motion_record.hpp"
 
 namespace poise::app {
+
+/// What `poise motion` answers.
+struct MotionAnswer {
+  std::string start;      ///< how it began, in words
+  double duration = 0.0;  ///< asked for, s
+  double accuracy = 0.0;  ///< asked for
+  ConfirmedMotion found;
+  MotionRecord record;  ///< without noise
+};
 
 // What `poise motion` writes. All values in the units of the scene, time in seconds.
 

@@ -265,9 +265,7 @@ class Sweep {
   }
 
   void add_sample(const PathPose& pose) {
-    // The first drive that moves sets the pace.
-    std::size_t k = 0;
-    while (k + 1 < driven_.size() && direction_[static_cast<Eigen::Index>(k)] == 0.0) ++k;
+    const std::size_t k = standing_ ? 0 : first_moving(ranges_);
     const double per_second = options_.rate / std::abs(direction_[static_cast<Eigen::Index>(k)] * driven_[k].unit);
     const VectorXd v = per_second * pose.v, a = per_second * per_second * pose.a;
     KinematicSample sample;
@@ -347,6 +345,12 @@ Drive find_drive(const Scene& scene, const std::string& name) {
   }
   throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",
                                where(scene), name, did_you_mean_or_list(name, names)));
+}
+
+std::size_t first_moving(const std::vector<DriveRange>& ranges) {
+  std::size_t k = 0;
+  while (k + 1 < ranges.size() && ranges[k].from == ranges[k].to) ++k;
+  return k;
 }
 
 KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options) {

@@ -19,6 +19,9 @@ struct DriveRange {
 /// What a name drives. Throws InputError, with the nearest name, where it is no body, slide or pin in a slot.
 Drive find_drive(const Scene& scene, const std::string& name);
 
+/// The first whose range has a length, which sets the pace of the others; the last where none has.
+std::size_t first_moving(const std::vector<DriveRange>& ranges);
+
 struct SweepOptions {
   int steps = 72;     ///< equal parts of the range: steps + 1 samples; one where no range has a length
   double rate = 1.0;  ///< of the first drive that moves, towards its end, rad/s or m/s; the others keep pace with it

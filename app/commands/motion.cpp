@@ -12,14 +12,13 @@
 
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "app/motion_files.hpp"
-#include "app/motion_record.hpp"
 #include "app/report/motion_report.hpp"
 #include "app/report/parts.hpp"
 #include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
-#include "motion/rest_pose.hpp"
+#include "motion/release.hpp"
 
 namespace poise::app {
 namespace {
@@ -66,59 +65,33 @@ void expect_record_of_a_size(const MotionRequest& request, const MotionModel& mo
                                request.rate, request.duration, numbers, most_numbers));
 }
 
-/// The channel so named. Throws InputError with the nearest name.
-const Channel& channel_named(const std::string& name, const std::string& option, const std::vector<Channel>& channels) {
-  std::vector<std::string> names;
-  for (const Channel& channel : channels) {
-    if (channel.name == name) return channel;
-    names.push_back(channel.name);
-  }
-  throw InputError(fmt::format("{} {}: expected a body that turns or a joint that slides{}", option, name,
-                               did_you_mean_or_list(name, names)));
+MotionOrigin find_origin(const MotionRequest& request, const MotionModel& model, const std::atomic<bool>& interrupt) {
+  const bool assembled = request.from == "start" || (request.from.empty() && !model.scene().drives.empty());
+  return assembled ? MotionOrigin{} : equilibrium_origin(model, &interrupt);
 }
 
-/// Where a motion begins before it is released.
-struct Origin {
-  std::string words;
-  std::optional<std::vector<double>> q;  // SI; none: the scene's start
-  bool found = true;
-};
-
-Origin find_origin(const MotionRequest& request, const MotionModel& model, const std::atomic<bool>& interrupt) {
-  const Scene& scene = model.scene();
-  if (request.from == "start" || (request.from.empty() && !scene.drives.empty())) return {"as assembled", {}, true};
-  const StaticModel statics(scene);
-  if (statics.mechanism().coordinates() == 0) return {"as assembled, which nothing loads", {}, true};
-  SolveOptions options;
-  options.interrupt = &interrupt;
-  const Equilibrium rest = solve(statics, options);
-  if (!rest.found()) return {rest.why, {}, false};
-  return {fmt::format("rest ({})", to_string(rest.check.stability)),
-          model.to_si(motion_coordinates(model, statics, rest.x)), true};
+/// How the motion starts, in words; each displacement adds to them.
+std::string words_of(const MotionOrigin& origin) {
+  if (origin.stability) return fmt::format("rest ({})", to_string(*origin.stability));
+  return origin.kind == MotionOrigin::Kind::unloaded ? "as assembled, which nothing loads" : "as assembled";
 }
 
-/// The state from which the motion starts, and it in words.
-MotionState release(const MotionRequest& request, const MotionModel& model, Origin& origin) {
+std::vector<Displacement> read_displacements(const MotionRequest& request, const MotionModel& model,
+                                             std::string& words) {
   const Units& units = model.scene().units;
   const std::vector<Channel> channels = channels_of(model);
-  // Displacements count from the pose that the scene, or rest, and the drives give.
-  const MotionState still = start_motion(model, {}, origin.q ? &*origin.q : nullptr);
-  std::vector<StartValue> wanted;
-  const auto add = [&](const std::string& option, const std::string& text, bool rate) {
+  std::vector<Displacement> out;
+  const auto read = [&](const std::string& option, const std::string& text, bool is_rate) {
     const NamedNumber given = read_named_number(option, text, "NAME=NUMBER, say boom=0.5");
-    const Channel& channel = channel_named(given.name, option, channels);
     expect_number(option + " " + text, given.value, true, "a finite number");
-    const double value = given.value * unit_value(channel.quantity, units);
-    const auto i = static_cast<std::size_t>(channel.coordinate);
-    wanted.push_back({channel.coordinate, rate, rate ? value : still.q[i] + value});
-    origin.words += fmt::format(", {} {} by {} {}{}", given.name, rate ? "moving" : "released", given.value,
-                                unit_name(channel.quantity, units), rate ? "/s" : "");
+    const Channel& channel = channel_named(given.name, channels);
+    out.push_back({channel, is_rate, given.value * unit_value(channel.quantity, units)});
+    words += fmt::format(", {} {} by {} {}{}", given.name, is_rate ? "moving" : "released", given.value,
+                         unit_name(channel.quantity, units), is_rate ? "/s" : "");
   };
-  for (const std::string& text : request.release) add("--release", text, false);
-  for (const std::string& text : request.release_rate) add("--release-rate", text, true);
-  if (wanted.empty() && origin.q && model.scene().drives.empty())
-    origin.words += "; it stays, nothing lets it go: --release";
-  return wanted.empty() ? still : start_motion(model, wanted, &still.q);
+  for (const std::string& text : request.release) read("--release", text, false);
+  for (const std::string& text : request.release_rate) read("--release-rate", text, true);
+  return out;
 }
 
 /// Tells how far a motion has come, a few times a second.
@@ -143,16 +116,18 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   const std::atomic<bool>& interrupt = watch_for_interrupt();
 
   progress.now("looking for rest");
-  Origin origin = find_origin(request, model, interrupt);
-  if (!origin.found) {
+  const MotionOrigin origin = find_origin(request, model, interrupt);
+  if (!origin.found()) {
     progress.done();
     print(heading(model, palette) + palette.paint(Tone::bad, "No rest to start from") + "\n" +
-          fact("why", origin.words, palette) + fact("", "--from start begins where the scene is assembled", palette));
+          fact("why", origin.why, palette) + fact("", "--from start begins where the scene is assembled", palette));
     return not_solved;
   }
   MotionAnswer answer;
-  const MotionState start = release(request, model, origin);
-  answer.start = origin.words;
+  answer.start = words_of(origin);
+  const std::vector<Displacement> displaced = read_displacements(request, model, answer.start);
+  if (displaced.empty() && origin.q && model.scene().drives.empty())
+    answer.start += "; it stays, nothing lets it go: --release";
   answer.duration = request.duration;
   answer.accuracy = request.accuracy;
   MotionOptions options;
@@ -160,16 +135,11 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   options.accuracy = request.accuracy;
   options.interrupt = &interrupt;
   options.progress = teller(progress, "moving", request.duration);
-  answer.motion = simulate(model, start, options);
-  if (answer.motion.completed()) {
-    options.accuracy = request.accuracy / 10;
-    options.progress = teller(progress, "estimating the error", request.duration);
-    const Motion stricter = simulate(model, start, options);
-    if (stricter.completed()) answer.error = difference(answer.motion, stricter);
-  }
+  answer.found = simulate_and_confirm(model, release(model, origin, displaced), options,
+                                      teller(progress, "estimating the error", request.duration));
 
   progress.now("writing the result");
-  answer.record = record(model, answer.motion, request.rate);
+  answer.record = record(model, answer.found.motion, request.rate);
   const std::string json = files.wants_json() ? motion_json(model, answer, request.common.settings) : "";
   const std::string svg = files.wants_svg() ? draw_plot(motion_panels(model, answer.record)) : "";
   std::string csv;
@@ -181,7 +151,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   const std::string written = files.write(json, svg, csv);
   progress.done();
   print(motion_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
-  return answer.confirmed() ? solved : not_solved;
+  return answer.found.confirmed() ? solved : not_solved;
 }
 
 }  // namespace

@@ -26,18 +26,18 @@ std::string power_unit(const Units& units) {
 
 /// The pose that is worst out of balance.
 const Forces& worst(const ForcesAnswer& answer) {
-  return *std::max_element(answer.poses.begin(), answer.poses.end(), [](const Forces& a, const Forces& b) {
+  return *std::max_element(answer.found.poses.begin(), answer.found.poses.end(), [](const Forces& a, const Forces& b) {
     return a.imbalance * b.largest_force < b.imbalance * a.largest_force;
   });
 }
 
 std::string verdict(const ForcesAnswer& answer, const Palette& palette) {
-  if (!answer.complete && !answer.stop) {
-    return palette.paint(Tone::bad, fmt::format("Driven in part only: {}.", answer.why));
-  }
-  if (answer.poses.empty()) return palette.paint(Tone::bad, "There is no pose to look at.");
-  if (!answer.balanced()) {
-    const bool driven = !answer.poses.front().drives.empty();
+  const ForcesAlong& found = answer.found;
+  const bool ended = !found.complete && !found.stop;
+  if (ended) return palette.paint(Tone::bad, fmt::format("Driven in part only: {}.", found.why));
+  if (found.poses.empty()) return palette.paint(Tone::bad, "There is no pose to look at.");
+  if (!found.balanced()) {
+    const bool driven = !found.poses.front().drives.empty();
     return palette.paint(Tone::bad, driven ? "Out of balance: the drives cannot give what this takes."
                                            : "Out of balance: nothing holds it so; name a drive by --drive.");
   }
@@ -47,13 +47,14 @@ std::string verdict(const ForcesAnswer& answer, const Palette& palette) {
 /// Where stops have a say, or should have.
 std::string stop_facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   std::string out;
-  if (answer.stop) out += fact("range", palette.paint(Tone::doubtful, "ends early: " + answer.why), palette);
+  if (answer.found.stop)
+    out += fact("range", palette.paint(Tone::doubtful, "ends early: " + answer.found.why), palette);
   std::set<std::string> idle;
-  for (const Forces& forces : answer.poses) idle.insert(forces.idle_stops.begin(), forces.idle_stops.end());
+  for (const Forces& forces : answer.found.poses) idle.insert(forces.idle_stops.begin(), forces.idle_stops.end());
   for (const std::string& stop : idle) {
     out += fact("stop", fmt::format("\"{}\" is touched; the drive carries all, the stop nothing", stop), palette);
   }
-  for (const ForceCourse& course : force_courses(model.scene(), answer)) {
+  for (const ForceCourse& course : force_courses(model.scene(), answer.found)) {
     if (!course.name.starts_with("overrun.")) continue;
     const auto passed = std::count_if(course.value.begin(), course.value.end(), [](double v) { return v > 0.0; });
     out += fact("stop",
@@ -71,7 +72,7 @@ std::string stop_facts(const MotionModel& model, const ForcesAnswer& answer, con
 /// What the drives work against though the mechanism's load does not ask for it.
 std::string parallel_facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   std::string out;
-  for (const auto& [element, drive, course] : loaded_parallels(model, answer)) {
+  for (const auto& [element, drive, course] : loaded_parallels(model, answer.found)) {
     const double largest = *std::max_element(course.value.begin(), course.value.end(),
                                              [](double a, double b) { return std::abs(a) < std::abs(b); });
     out += fact("in parallel",
@@ -89,7 +90,7 @@ std::string parallel_facts(const MotionModel& model, const ForcesAnswer& answer,
 std::string facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   std::string out =
       fact("pose", answer.how, palette) + stop_facts(model, answer, palette) + parallel_facts(model, answer, palette);
-  if (answer.poses.empty()) return out;
+  if (answer.found.poses.empty()) return out;
   const Units& units = model.scene().units;
   const Forces& f = worst(answer);
   out += fact("imbalance",
@@ -99,7 +100,7 @@ std::string facts(const MotionModel& model, const ForcesAnswer& answer, const Pa
               palette);
   double work = 0.0, power = 0.0;
   bool moves = false;
-  for (const Forces& forces : answer.poses) {
+  for (const Forces& forces : answer.found.poses) {
     work = std::max(work, forces.work_error);
     power = std::max(power, forces.power.error);
     moves = moves || std::any_of(forces.motions.begin(), forces.motions.end(),
@@ -136,7 +137,7 @@ std::string drive_section(const MotionModel& model, const Forces& forces, const 
 /// Springs, dampers and friction of one pose.
 std::string element_section(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   std::vector<std::string> names, values, of;
-  for (const ForceCourse& course : force_courses(model.scene(), answer)) {
+  for (const ForceCourse& course : force_courses(model.scene(), answer.found)) {
     const std::string kind = course.name.substr(0, course.name.find('.'));
     if (kind == "effort" || kind == "power" || kind == "reaction" || kind == "stop" || kind == "imbalance" ||
         kind == "overrun") {
@@ -167,22 +168,24 @@ std::vector<std::string> place_column(const MotionModel& model, const ForcesAnsw
                                       const std::vector<std::size_t>& rows) {
   std::vector<double> values;
   for (std::size_t k : rows) {
-    values.push_back(answer.measure ? in_units(model, *answer.measure, {answer.at[k]}).front() : answer.at[k]);
+    values.push_back(answer.found.measure ? in_units(model, *answer.found.measure, {answer.found.at[k]}).front()
+                                          : answer.found.at[k]);
   }
   return aligned(values, place_digits);
 }
 
 std::string place_title(const MotionModel& model, const ForcesAnswer& answer) {
-  return answer.measure ? with_unit(answer.along, *answer.measure, model.scene().units) : answer.along + " (s)";
+  return answer.found.measure ? with_unit(answer.found.along, *answer.found.measure, model.scene().units)
+                              : answer.found.along + " (s)";
 }
 
 std::string course_section(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   const Units& units = model.scene().units;
-  const std::vector<std::size_t> rows = shown_rows(answer.at.size());
+  const std::vector<std::size_t> rows = shown_rows(answer.found.at.size());
   Table table;
   table.add_number_column(place_title(model, answer), place_column(model, answer, rows));
   bool any = false;
-  for (const ForceCourse& course : force_courses(model.scene(), answer)) {
+  for (const ForceCourse& course : force_courses(model.scene(), answer.found)) {
     const bool effort = course.name.starts_with("effort.");
     if (!effort && !course.name.starts_with("power.")) continue;
     std::vector<double> values;
@@ -202,10 +205,10 @@ std::string largest_section(const MotionModel& model, const ForcesAnswer& answer
   std::vector<ForceCourse> courses;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     ForceCourse size{"reaction." + scene.joints[j].name, Quantity::force, {}};
-    for (const Forces& f : answer.poses) size.value.push_back(norm(f.reactions[j].force));
+    for (const Forces& f : answer.found.poses) size.value.push_back(norm(f.reactions[j].force));
     courses.push_back(std::move(size));
   }
-  for (ForceCourse& course : force_courses(scene, answer)) {
+  for (ForceCourse& course : force_courses(scene, answer.found)) {
     const bool is_moment = course.name.ends_with(".moment");
     if (course.name.starts_with("effort.") || course.name.starts_with("power.") || course.name == "imbalance" ||
         course.name.starts_with("overrun.") || (course.name.starts_with("reaction.") && !is_moment)) {
@@ -214,7 +217,7 @@ std::string largest_section(const MotionModel& model, const ForcesAnswer& answer
     courses.push_back(std::move(course));
   }
   double rounding = 0.0;
-  for (const Forces& f : answer.poses) rounding = std::max(rounding, answer.tolerance * f.largest_force);
+  for (const Forces& f : answer.found.poses) rounding = std::max(rounding, answer.found.tolerance * f.largest_force);
   std::vector<std::string> names, values, of;
   std::vector<std::size_t> rows;
   for (const ForceCourse& course : courses) {
@@ -240,9 +243,10 @@ std::string largest_section(const MotionModel& model, const ForcesAnswer& answer
 
 std::string forces_report(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   std::string out = heading(model, palette) + verdict(answer, palette) + "\n" + facts(model, answer, palette);
-  if (answer.poses.empty()) return out;
-  if (!answer.at.empty()) return out + course_section(model, answer, palette) + largest_section(model, answer, palette);
-  const Forces& forces = answer.poses.front();
+  if (answer.found.poses.empty()) return out;
+  if (!answer.found.at.empty())
+    return out + course_section(model, answer, palette) + largest_section(model, answer, palette);
+  const Forces& forces = answer.found.poses.front();
   return out + drive_section(model, forces, palette) + element_section(model, answer, palette) +
          reaction_section(model, forces.reactions, forces.redundancy, palette);
 }

@@ -20,20 +20,20 @@ constexpr double remarkable = 100.0;
 double reached(const Motion& motion) { return motion.trajectory.t.empty() ? 0.0 : motion.trajectory.t.back(); }
 
 std::string verdict(const MotionAnswer& answer, const Palette& palette) {
-  const Motion& motion = answer.motion;
+  const Motion& motion = answer.found.motion;
   if (!motion.completed()) {
     return palette.paint(Tone::bad, fmt::format("Moved for {} s of {} s only: {}.", significant(reached(motion), 6),
                                                 significant(answer.duration, 6), motion.why));
   }
   const std::string moved = fmt::format("Moved for {} s", significant(answer.duration, 6));
-  if (!answer.error) return palette.paint(Tone::bad, moved + "; interrupted before its error was known.");
-  if (motion.energy_error >= MotionAnswer::useful) {
+  if (!answer.found.error) return palette.paint(Tone::bad, moved + "; interrupted before its error was known.");
+  if (motion.energy_error >= ConfirmedMotion::useful) {
     return palette.paint(Tone::bad, moved + ", not confirmed: its energy is not in balance.");
   }
-  if (!answer.confirmed()) {
+  if (!answer.found.confirmed()) {
     return palette.paint(Tone::bad, moved + ", not confirmed: small errors grow to the size of the motion.");
   }
-  if (*answer.error > remarkable * answer.accuracy || motion.energy_error > remarkable * answer.accuracy) {
+  if (*answer.found.error > remarkable * answer.accuracy || motion.energy_error > remarkable * answer.accuracy) {
     return palette.paint(Tone::doubtful, moved + "; small errors grow along this motion.");
   }
   return palette.paint(Tone::good, moved + ", its energy in balance.");
@@ -47,9 +47,9 @@ std::string effort(const Motion& motion) {
 }
 
 std::string error(const MotionAnswer& answer) {
-  if (!answer.error) return "not estimated: the motion did not end";
+  if (!answer.found.error) return "not estimated: the motion did not end";
   return fmt::format("{} of the way each coordinate goes, estimated by a run ten times as accurate (asked for: {})",
-                     small_number(*answer.error), answer.accuracy);
+                     small_number(*answer.found.error), answer.accuracy);
 }
 
 std::string energy_balance(const Motion& motion) {
@@ -68,7 +68,7 @@ std::string singular_poses(const Motion& motion) {
 }
 
 std::string facts(const MotionModel& model, const MotionAnswer& answer, const Palette& palette) {
-  const Motion& motion = answer.motion;
+  const Motion& motion = answer.found.motion;
   std::string out = fact("start", answer.start, palette);
   out += fact("freedoms",
               fmt::format("{}, of {}", motion.freedoms,
@@ -94,7 +94,7 @@ Moving kind_of(const MotionModel& model, const Channel& channel) {
 
 std::string moving_section(const MotionModel& model, const MotionAnswer& answer, Moving kind, const std::string& title,
                            const Palette& palette) {
-  const Trajectory& path = answer.motion.trajectory;
+  const Trajectory& path = answer.found.motion.trajectory;
   const MotionRecord& record = answer.record;
   const std::size_t last = (path.nodes() - 1) * static_cast<std::size_t>(path.coordinates);
   std::vector<std::string> names;
@@ -177,12 +177,12 @@ std::string drive_section(const MotionModel& model, const Motion& motion, const 
 
 std::string motion_report(const MotionModel& model, const MotionAnswer& answer, const Palette& palette) {
   std::string out = heading(model, palette) + verdict(answer, palette) + "\n" + facts(model, answer, palette);
-  if (answer.motion.trajectory.nodes() == 0) return out;
+  if (answer.found.motion.trajectory.nodes() == 0) return out;
   out += moving_section(model, answer, Moving::angle, "Angles", palette);
   out += moving_section(model, answer, Moving::travel, "Slides", palette);
   out += moving_section(model, answer, Moving::place, "Places of free bodies", palette);
-  out += energy_section(model, answer.motion, palette);
-  return out + drive_section(model, answer.motion, palette);
+  out += energy_section(model, answer.found.motion, palette);
+  return out + drive_section(model, answer.found.motion, palette);
 }
 
 }  // namespace poise::app

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "app/motion_record.hpp"
+#include "app/motion_files.hpp"
 #include "app/palette.hpp"
 
 namespace poise::app {

@@ -1,11 +1,15 @@
-#include "app/motion_record.hpp"
+#include "motion/motion_record.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
 
-namespace poise::app {
+#include <fmt/format.h>
+
+#include "model/nearest_name.hpp"
+
+namespace poise {
 namespace {
 
 /// Kinetic and potential energy of states of a model.
@@ -62,6 +66,17 @@ std::vector<Channel> channels_of(const MotionModel& model) {
   return channels;
 }
 
+const Channel& channel_named(const std::string& name, const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels) {
+    if (channel.name == name) return channel;
+    names.push_back(channel.name);
+  }
+  throw InputError(
+      fmt::format("nothing that moves is called \"{}\"; expected a body that turns or a joint that slides{}", name,
+                  did_you_mean_or_list(name, names)));
+}
+
 MotionRecord record(const MotionModel& model, const Motion& motion, double rate) {
   MotionRecord out;
   out.channels = channels_of(model);
@@ -103,4 +118,4 @@ void add_noise(MotionRecord& record, const Units& units, double sigma, std::uint
   }
 }
 
-}  // namespace poise::app
+}  // namespace poise

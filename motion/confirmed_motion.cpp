@@ -1,0 +1,18 @@
+#include "motion/confirmed_motion.hpp"
+
+#include <utility>
+
+namespace poise {
+
+ConfirmedMotion simulate_and_confirm(const MotionModel& model, const MotionState& start, MotionOptions options,
+                                     std::function<void(double)> checking) {
+  ConfirmedMotion out{simulate(model, start, options), std::nullopt};
+  if (!out.motion.completed()) return out;
+  options.accuracy /= 10;
+  options.progress = std::move(checking);
+  const Motion stricter = simulate(model, start, options);
+  if (stricter.completed()) out.error = difference(out.motion, stricter);
+  return out;
+}
+
+}  // namespace poise

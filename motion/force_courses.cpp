@@ -1,0 +1,75 @@
+#include "motion/force_courses.hpp"
+
+#include <algorithm>
+
+namespace poise {
+namespace {
+
+/// What a stop carries in one pose: 0 where it is not in contact.
+double stop_force(const Stop& stop, const Forces& forces) {
+  for (const Reaction& r : forces.reactions) {
+    if (r.kind == "stop" && r.name == stop.name) return stop.on.is_angle() ? r.moment : r.axial;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& forces) {
+  std::vector<ForceCourse> out;
+  const auto add = [&](const std::string& name, Quantity quantity, auto value) {
+    ForceCourse course{name, quantity, {}};
+    for (const Forces& pose : forces.poses) course.value.push_back(value(pose));
+    out.push_back(std::move(course));
+  };
+  if (forces.poses.empty()) return out;
+  const std::vector<DriveEffort>& drives = forces.poses.front().drives;
+  for (std::size_t k = 0; k < drives.size(); ++k) {
+    add("effort." + drives[k].name, drives[k].is_angle ? Quantity::moment : Quantity::force,
+        [k](const Forces& f) { return f.drives[k].value; });
+    add("power." + drives[k].name, Quantity::energy, [k](const Forces& f) { return f.drives[k].power; });
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const std::string name = "reaction." + scene.joints[j].name;
+    add(name + ".x", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.x; });
+    add(name + ".y", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.y; });
+    if (!scene.joints[j].keeps_angle()) continue;
+    add(name + ".moment", Quantity::moment, [j](const Forces& f) { return f.reactions[j].moment; });
+  }
+  for (const Stop& stop : scene.stops) {
+    add("stop." + stop.name, effort_of(stop.on), [&stop](const Forces& f) { return stop_force(stop, f); });
+  }
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const Element& element = scene.elements[i];
+    const double sign = element.on.is_angle() ? -1.0 : 1.0;
+    add(element.table + "." + element.name, effort_of(element.on),
+        [i, sign](const Forces& f) { return sign * f.element_force[i]; });
+  }
+  add("imbalance", Quantity::force, [](const Forces& f) { return f.imbalance; });
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    if (std::none_of(forces.poses.begin(), forces.poses.end(), [s](const Forces& f) { return f.overrun[s] > 0.0; })) {
+      continue;
+    }
+    add("overrun." + scene.stops[s].name, quantity_of(scene.stops[s].on),
+        [s](const Forces& f) { return f.overrun[s]; });
+  }
+  return out;
+}
+
+std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const ForcesAlong& forces) {
+  std::vector<LoadedParallel> out;
+  const std::vector<ForceCourse> courses = force_courses(model.scene(), forces);
+  for (const ParallelElement& parallel : parallel_elements(model, model.scene().drives)) {
+    const Element& element = model.scene().elements[parallel.element];
+    const auto course = std::find_if(courses.begin(), courses.end(), [&](const ForceCourse& c) {
+      return c.name == element.table + "." + element.name;
+    });
+    if (course == courses.end()) continue;
+    if (std::any_of(course->value.begin(), course->value.end(), [](double v) { return v != 0.0; })) {
+      out.push_back({element, parallel.drive, *course});
+    }
+  }
+  return out;
+}
+
+}  // namespace poise

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/quantity.hpp"
+#include "motion/forces_along.hpp"
+
+namespace poise {
+
+/// One number over all poses; SI.
+struct ForceCourse {
+  std::string name;
+  Quantity quantity = Quantity::force;
+  std::vector<double> value;
+};
+
+/// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME and
+/// the force elements, spring.NAME, torsion_damper.NAME, ... (tension, or moment on the second body), imbalance; and
+/// overrun.NAME, angle or length, of a stop that some pose of a recorded motion has passed.
+std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& forces);
+
+/// An element in parallel with a drive, and what it carries in every pose.
+struct LoadedParallel {
+  const Element& element;
+  std::string drive;
+  ForceCourse course;
+};
+
+/// Those that carry something in some pose. The model must outlive them.
+std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const ForcesAlong& forces);
+
+}  // namespace poise

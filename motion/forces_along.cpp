@@ -1,0 +1,75 @@
+#include "motion/forces_along.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "motion/simulate.hpp"
+
+namespace poise {
+namespace {
+
+/// Throws InputError where the drives begin in a pose that a stop bars.
+void expect_within_stops(const Scene& scene, const Forces& forces) {
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    if (forces.overrun[s] == 0.0) continue;
+    const Quantity quantity = quantity_of(scene.stops[s].on);
+    throw InputError(
+        fmt::format("{}: drive: the pose in which the drives begin is beyond the stop \"{}\" by {:.6g} {}; "
+                    "expected one within the stops; change a drive's start, or say --drive NAME=VALUE",
+                    scene.file, scene.stops[s].name, in_unit(forces.overrun[s], quantity, scene.units),
+                    unit_name(quantity, scene.units)));
+  }
+}
+
+}  // namespace
+
+bool ForcesAlong::balanced() const {
+  return std::all_of(poses.begin(), poses.end(),
+                     [&](const Forces& f) { return f.imbalance <= tolerance * f.largest_force; });
+}
+
+ForcesAlong forces_in_place(const MotionModel& model) {
+  ForcesAlong out;
+  const std::vector<double> x = model.from_si(start_motion(model, {}).q);
+  const std::vector<double> still(x.size(), 0.0);
+  out.poses.push_back(forces_of(model, x, still, still, model.scene().drives));
+  expect_within_stops(model.scene(), out.poses.front());
+  return out;
+}
+
+ForcesAlong forces_over(const MotionModel& model, const std::vector<DriveRange>& ranges, const SweepOptions& options,
+                        bool moving) {
+  const Scene& scene = model.scene();
+  const std::size_t first = first_moving(ranges);
+  const KinematicsResult path = sweep(scene, ranges, options);
+  ForcesAlong out;
+  out.complete = path.complete;
+  out.why = path.why;
+  out.stop = path.stop;
+  const bool single = path.samples.size() == 1;
+  if (!single) {
+    out.along = ranges[first].name;
+    out.measure = quantity_of(scene.drives[first].on);
+  }
+  for (const KinematicSample& at : path.samples) {
+    const std::vector<double> still(at.q.size(), 0.0);
+    if (!single) out.at.push_back(at.drive[first]);
+    out.poses.push_back(forces_of(model, model.from_si(at.q), moving ? model.from_si(at.rate) : still,
+                                  moving ? model.from_si(at.acceleration) : still, scene.drives));
+  }
+  return out;
+}
+
+ForcesAlong forces_along(const MotionModel& model, const std::vector<double>& time, const GivenMotion& motion) {
+  ForcesAlong out;
+  out.along = "time";
+  out.at = time;
+  out.tolerance = 1e-6;
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    out.poses.push_back(forces_of(model, motion.x[k], motion.v[k], motion.a[k], model.scene().drives));
+  }
+  return out;
+}
+
+}  // namespace poise
