@@ -66,6 +66,15 @@ std::string forces_json(const MotionModel& model, const ForcesAnswer& answer,
   for (const LoadedParallel& parallel : loaded_parallels(model, answer.found)) {
     out["parallel"].push_back({{"element", parallel.course.name}, {"drive", parallel.drive}});
   }
+  out["dead_points"] = Json::array();
+  for (const std::vector<double>& point : answer.found.dead_points) {
+    Json place = Json::object();
+    for (std::size_t k = 0; k < point.size(); ++k) {
+      const Drive& drive = scene.drives[k];
+      place[drive.name] = json_number(in_unit(point[k], quantity_of(drive.on), scene.units));
+    }
+    out["dead_points"].push_back(std::move(place));
+  }
   std::set<std::string> undetermined, idle;
   double work = 0.0, power = 0.0;
   for (const Forces& forces : answer.found.poses) {

@@ -20,10 +20,10 @@ struct ForcesAnswer {
 std::string forces_csv(const Scene& scene, const ForcesAnswer& answer);
 
 /// A JSON object: poise, scene {file, title, source, set}, units {...}, how, complete, why, stop (null, or {name,
-/// limit: "min" or "max", value} of the stop that is met in the last pose and ends the range), balanced, along, at
-/// [values], forces {NAME: [value per pose]} as force_courses, undetermined [names of reactions and drives that are
-/// shared with others in some pose], idle_stops [names of stops that are touched in some pose where the drives carry
-/// all], work_error, power_error (largest).
+/// limit: "min" or "max", value} of the stop that is met in the last pose and ends the range), dead_points [{drive:
+/// value}] where no effort holds the load, balanced, along, at [values], forces {NAME: [value per pose]} as
+/// force_courses, undetermined [names of reactions and drives that are shared with others in some pose], idle_stops
+/// [names of stops that are touched in some pose where the drives carry all], work_error, power_error (largest).
 std::string forces_json(const MotionModel& model, const ForcesAnswer& answer, const std::vector<std::string>& settings);
 
 /// Charts over `along`: what drives give, and the size of the joints' reactions, at most twelve of them.

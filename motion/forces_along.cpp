@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "motion/dead_point.hpp"
 #include "motion/simulate.hpp"
+#include "statics/body_measures.hpp"
 
 namespace poise {
 namespace {
@@ -22,6 +24,16 @@ void expect_within_stops(const Scene& scene, const Forces& forces) {
   }
 }
 
+/// Of a single pose.
+std::vector<std::vector<double>> dead_point_at(const MotionModel& model, const std::vector<double>& x) {
+  const Scene& scene = model.scene();
+  if (!is_dead_point(model, x, scene.drives)) return {};
+  const std::vector<BodyPose<double>> poses = model.poses(x);
+  std::vector<double> values;
+  for (const Drive& drive : scene.drives) values.push_back(value_of(scene, drive.on, poses));
+  return {values};
+}
+
 }  // namespace
 
 bool ForcesAlong::balanced() const {
@@ -35,6 +47,7 @@ ForcesAlong forces_in_place(const MotionModel& model) {
   const std::vector<double> still(x.size(), 0.0);
   out.poses.push_back(forces_of(model, x, still, still, model.scene().drives));
   expect_within_stops(model.scene(), out.poses.front());
+  out.dead_points = dead_point_at(model, x);
   return out;
 }
 
@@ -58,6 +71,12 @@ ForcesAlong forces_over(const MotionModel& model, const std::vector<DriveRange>&
     out.poses.push_back(forces_of(model, model.from_si(at.q), moving ? model.from_si(at.rate) : still,
                                   moving ? model.from_si(at.acceleration) : still, scene.drives));
   }
+  for (const SingularPose& pose : path.singular) {
+    const bool ends = pose.kind == SingularPose::Kind::dead_centre;
+    if (!ends && pose.before_range) continue;
+    if (is_dead_point(model, model.from_si(pose.q), scene.drives)) out.dead_points.push_back(pose.drive);
+  }
+  if (single && out.dead_points.empty()) out.dead_points = dead_point_at(model, model.from_si(path.samples.front().q));
   return out;
 }
 

@@ -21,6 +21,9 @@ struct ForcesAlong {
   bool complete = true;         ///< the whole range could be driven
   std::string why;              ///< where not
   std::optional<MetStop> stop;  ///< where a stop is why: it is met in the last pose
+  /// Values of the drives, SI, at which is_dead_point(): of the single pose, or of the singular poses of the range,
+  /// those at which it ends included.
+  std::vector<std::vector<double>> dead_points;
 
   bool balanced() const;
 };

@@ -31,9 +31,30 @@ const Forces& worst(const ForcesAnswer& answer) {
   });
 }
 
-std::string verdict(const ForcesAnswer& answer, const Palette& palette) {
+/// "at ram = 300 mm": where no effort of the drives holds the load; nothing where there is no such place.
+std::string dead_points(const MotionModel& model, const ForcesAnswer& answer) {
+  const Scene& scene = model.scene();
+  std::vector<std::string> places;
+  for (const std::vector<double>& point : answer.found.dead_points) {
+    std::vector<std::string> values;
+    for (std::size_t k = 0; k < point.size(); ++k) {
+      const Quantity quantity = quantity_of(scene.drives[k].on);
+      values.push_back(fmt::format("{} = {} {}", scene.drives[k].name,
+                                   significant(in_units(model, quantity, {point[k]}).front(), place_digits),
+                                   unit_name(quantity, scene.units)));
+    }
+    places.push_back("at " + listed(values));
+  }
+  if (places.empty()) return "";
+  return fmt::format("{} no finite effort of the {} holds the load", listed(places),
+                     scene.drives.size() == 1 ? "drive" : "drives");
+}
+
+std::string verdict(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   const ForcesAlong& found = answer.found;
+  const std::string dead = dead_points(model, answer);
   const bool ended = !found.complete && !found.stop;
+  if (!dead.empty() && (ended || !found.balanced())) return palette.paint(Tone::bad, "Dead point: " + dead + ".");
   if (ended) return palette.paint(Tone::bad, fmt::format("Driven in part only: {}.", found.why));
   if (found.poses.empty()) return palette.paint(Tone::bad, "There is no pose to look at.");
   if (!found.balanced()) {
@@ -41,12 +62,14 @@ std::string verdict(const ForcesAnswer& answer, const Palette& palette) {
     return palette.paint(Tone::bad, driven ? "Out of balance: the drives cannot give what this takes."
                                            : "Out of balance: nothing holds it so; name a drive by --drive.");
   }
+  if (!dead.empty()) return palette.paint(Tone::doubtful, "Every body is in balance. Dead point: " + dead + ".");
   return palette.paint(Tone::good, "Every body is in balance.");
 }
 
 /// Where stops have a say, or should have.
 std::string stop_facts(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
   std::string out;
+  if (!answer.found.complete && !answer.found.stop) out += fact("range", answer.found.why, palette);
   if (answer.found.stop)
     out += fact("range", palette.paint(Tone::doubtful, "ends early: " + answer.found.why), palette);
   std::set<std::string> idle;
@@ -242,7 +265,7 @@ std::string largest_section(const MotionModel& model, const ForcesAnswer& answer
 }  // namespace
 
 std::string forces_report(const MotionModel& model, const ForcesAnswer& answer, const Palette& palette) {
-  std::string out = heading(model, palette) + verdict(answer, palette) + "\n" + facts(model, answer, palette);
+  std::string out = heading(model, palette) + verdict(model, answer, palette) + "\n" + facts(model, answer, palette);
   if (answer.found.poses.empty()) return out;
   if (!answer.found.at.empty())
     return out + course_section(model, answer, palette) + largest_section(model, answer, palette);
