@@ -1,3 +1,5 @@
+#include "model/read_scene.hpp"
+
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -34,10 +36,20 @@ void read_unit(const TomlTable& table, std::string_view key, const List& list, s
   si = unit.si;
 }
 
+Units read_units(const TomlTable& table) {
+  Units units;
+  table.allow_keys({"length", "force", "mass", "angle"});
+  read_unit(table, "length", length_units, units.length_name, units.length);
+  read_unit(table, "force", force_units, units.force_name, units.force);
+  read_unit(table, "mass", mass_units, units.mass_name, units.mass);
+  read_unit(table, "angle", angle_units, units.angle_name, units.angle);
+  return units;
+}
+
 /// Reads the parts of a scene in the order in which they refer to each other.
 class SceneReader {
  public:
-  SceneReader(const TomlTable& root, const std::string& file) : root_(root), names_(scene_) { scene_.file = file; }
+  explicit SceneReader(const TomlTable& root) : root_(root), names_(scene_) { scene_.file = root.place().file; }
 
   Scene read() {
     std::vector<std::string_view> keys{"title", "source", "gravity", "units", "ground", "body"};
@@ -45,7 +57,7 @@ class SceneReader {
     for (const std::string_view key : element_tables()) keys.push_back(key);
     keys.insert(keys.end(), {"drive", "force", "torque", "stop", "start"});
     root_.allow_keys(keys);
-    read_units();
+    if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
     read_header();
     read_bodies();
     read_joints();
@@ -55,16 +67,6 @@ class SceneReader {
   }
 
  private:
-  void read_units() {
-    const std::optional<TomlTable> table = root_.find_table("units");
-    if (!table) return;
-    table->allow_keys({"length", "force", "mass", "angle"});
-    read_unit(*table, "length", length_units, units().length_name, units().length);
-    read_unit(*table, "force", force_units, units().force_name, units().force);
-    read_unit(*table, "mass", mass_units, units().mass_name, units().mass);
-    read_unit(*table, "angle", angle_units, units().angle_name, units().angle);
-  }
-
   void read_header() {
     if (const auto title = root_.find_text("title")) scene_.title = title->value;
     if (const auto source = root_.find_text("source")) scene_.source = source->value;
@@ -120,7 +122,7 @@ class SceneReader {
     }
     // Joints of all kinds stay in the order of the file.
     std::stable_sort(tables.begin(), tables.end(),
-                     [](const auto& a, const auto& b) { return a.first.place().line < b.first.place().line; });
+                     [](const auto& a, const auto& b) { return a.first.position() < b.first.position(); });
     std::vector<Joint> joints;
     std::vector<TomlTable> items;
     std::vector<std::string> defaults;
@@ -190,7 +192,6 @@ class SceneReader {
     }
   }
 
-  Units& units() { return scene_.units; }
   const Units& units() const { return scene_.units; }
 
   TomlTable root_;
@@ -200,9 +201,21 @@ class SceneReader {
 
 }  // namespace
 
+Scene read_document(const toml::table& document, const TomlPlace& place) {
+  return SceneReader(TomlTable(document, place)).read();
+}
+
+toml::table table_of(const UnitNames& names) {
+  return toml::table{{"length", names.length}, {"force", names.force}, {"mass", names.mass}, {"angle", names.angle}};
+}
+
+Units units_of(const UnitNames& names) {
+  const toml::table table = table_of(names);
+  return read_units(TomlTable(table, {"", 0, "units"}));
+}
+
 Scene parse_scene(std::string_view text, const std::string& name) {
-  const toml::table document = parse_toml(text, name);
-  return SceneReader(TomlTable(document, {name, 1, ""}), name).read();
+  return read_document(parse_toml(text, name), {name, 1, ""});
 }
 
 Scene read_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file), file.string()); }

@@ -100,6 +100,11 @@ std::pair<int, int> SceneNames::two_bodies(const TomlTable& table) const {
   return bodies;
 }
 
+void fail_taken(const TomlPlace& place, const std::string& name, int line) {
+  const std::string where = line > 0 ? " in line " + std::to_string(line) : "";
+  place.fail("expected a name of its own; \"" + name + "\" is taken" + where);
+}
+
 void check_name(const std::string& name, const TomlPlace& place) {
   if (name.empty()) place.fail("expected a name that is not empty");
   if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 127; })) {
@@ -116,10 +121,7 @@ std::vector<std::string> names_of(const std::vector<TomlTable>& items, const std
     if (!name) continue;
     check_name(name->value, name->place);
     const auto [other, is_new] = taken.emplace(name->value, name->place.line);
-    if (!is_new) {
-      const std::string where = other->second > 0 ? " in line " + std::to_string(other->second) : "";
-      name->place.fail("expected a name of its own; \"" + name->value + "\" is taken" + where);
-    }
+    if (!is_new) fail_taken(name->place, name->value, other->second);
     names[i] = name->value;
   }
   // How often each default occurred: lets many parallel joints be numbered without trying every number.

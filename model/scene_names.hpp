@@ -53,6 +53,9 @@ class SceneNames {
   std::unordered_map<std::string, PointRef> points_;
 };
 
+/// Fails because something else, in that line of the file (0: in none), has the name already.
+[[noreturn]] void fail_taken(const TomlPlace& place, const std::string& name, int line);
+
 /// Fails unless a name is fit to be shown and referred to: not empty, no control characters.
 void check_name(const std::string& name, const TomlPlace& place);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "model/nearest_name.hpp"
@@ -52,8 +53,11 @@ TomlText read_text(const toml::node& node, TomlPlace place) {
 }  // namespace
 
 void TomlPlace::fail(const std::string& message) const {
-  const std::string subject = item.empty() ? "" : item + ": ";
-  std::string text = std::string(file) + ":" + std::to_string(line) + ": " + subject + message;
+  std::string text(file);
+  if (line > 0) text += ":" + std::to_string(line);
+  if (!text.empty()) text += ": ";
+  if (!item.empty()) text += item + ": ";
+  text += message;
   // Keys and strings may hold line breaks; a message may not.
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
@@ -70,6 +74,12 @@ std::size_t choose(const TomlText& text, const std::vector<std::string>& words) 
 }
 
 TomlTable::TomlTable(const toml::table& table, TomlPlace place) : table_(&table), place_(std::move(place)) {}
+
+std::pair<int, int> TomlTable::position() const {
+  int column = std::numeric_limits<int>::max();
+  for (auto&& [key, node] : *table_) column = std::min(column, static_cast<int>(key.source().begin.column));
+  return {place_.line, column};
+}
 
 bool TomlTable::holds_table(std::string_view key) const {
   const toml::node* const node = find(key);

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <toml++/toml.h>
@@ -22,10 +23,10 @@ namespace poise {
 /// Where a value stands, for messages.
 struct TomlPlace {
   std::string_view file;  ///< outlived by what it names: the reader keeps the string
-  int line = 0;
-  std::string item;  ///< "body.crank.mass", `pin "hinge".points`, "spring 2"
+  int line = 0;           ///< 0: it is in no file
+  std::string item;       ///< "body.crank.mass", `pin "hinge".points`, "spring 2"
 
-  /// Throws InputError "file:line: item: message", kept to one line.
+  /// Throws InputError "file:line: item: message", kept to one line; without the line where there is none.
   [[noreturn]] void fail(const std::string& message) const;
 };
 
@@ -54,6 +55,8 @@ class TomlTable {
   TomlTable(const toml::table& table, TomlPlace place);
 
   const TomlPlace& place() const { return place_; }
+  /// Orders tables as the document does: line, then column of the first key.
+  std::pair<int, int> position() const;
   bool has(std::string_view key) const { return table_->contains(key); }
   bool holds_table(std::string_view key) const;
   bool holds_list(std::string_view key) const;

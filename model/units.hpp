@@ -17,4 +17,16 @@ struct Units {
   double angle = 1.0;
 };
 
+/// The names by which units are chosen, those of [units] in a scene file: m, mm, in, ft; N, kN, lbf; kg, g, lb; rad,
+/// deg.
+struct UnitNames {
+  std::string length = "m";
+  std::string force = "N";
+  std::string mass = "kg";
+  std::string angle = "rad";
+};
+
+/// The units of these names. Throws InputError naming those there are where one is unknown.
+Units units_of(const UnitNames& names);
+
 }  // namespace poise

@@ -1,0 +1,224 @@
+#include "model/scene_builder.hpp"
+
+#include <cstdint>
+
+#include <toml++/toml.h>
+
+#include "model/read_elements.hpp"
+#include "model/read_scene.hpp"
+#include "model/scene_names.hpp"
+#include "model/toml_reader.hpp"
+
+namespace poise {
+
+MeasureByName measure::angle(std::string body_a, std::string body_b) {
+  return {"bodies", {std::move(body_a), std::move(body_b)}, {}};
+}
+
+MeasureByName measure::distance(std::string a, std::string b) { return {"points", {std::move(a), std::move(b)}, {}}; }
+
+MeasureByName measure::travel(std::string joint) { return {"slide", {std::move(joint)}, {}}; }
+
+MeasureByName measure::x(std::string point) { return {"x", {std::move(point)}, {}}; }
+
+MeasureByName measure::y(std::string point) { return {"y", {std::move(point)}, {}}; }
+
+MeasureByName measure::sum(std::vector<MeasureByName::Term> terms) { return {"sum", {}, std::move(terms)}; }
+
+namespace {
+
+toml::array pair_of(Vec2 v) { return toml::array{v.x, v.y}; }
+
+}  // namespace
+
+/// The document that a scene file with these items would be parsed to, but without lines.
+struct SceneBuilder::Document {
+  std::string title;
+  toml::table root;
+
+  /// Keys count up: the reader takes tables in the order of their places in the text.
+  toml::key key(std::string_view name) {
+    ++keys;
+    return toml::key(name, toml::source_region{{0, keys}, {0, keys}, {}});
+  }
+
+  template <class Value>
+  void set(toml::table& table, std::string_view name, Value&& value) {
+    table.insert(key(name), std::forward<Value>(value));
+  }
+
+  /// Adds what has a name of its own, at the path "OWNER.NAME" of messages.
+  template <class Value>
+  void add(toml::table& table, const std::string& path, const std::string& name, Value&& value) {
+    const auto [place, is_new] = table.insert(key(name), std::forward<Value>(value));
+    if (!is_new) fail_taken({title, 0, path + "." + name}, name, 0);
+  }
+
+  /// The table under a key, made where there is none yet.
+  toml::table& part(toml::table& table, std::string_view name) {
+    if (!table.contains(name)) set(table, name, toml::table{});
+    return *table.get_as<toml::table>(name);
+  }
+
+  /// A new table of [[name]].
+  toml::table& next(const std::string& list, const std::string& name) {
+    if (!root.contains(list)) set(root, list, toml::array{});
+    toml::table& table = root.get_as<toml::array>(list)->emplace_back<toml::table>();
+    if (!name.empty()) set(table, "name", name);
+    return table;
+  }
+
+  toml::table& next_joint(std::string_view kind, const std::string& a, const std::string& b, const std::string& name) {
+    toml::table& table = next(std::string(kind), name);
+    set(table, "points", toml::array{a, b});
+    return table;
+  }
+
+  void set_measure(toml::table& table, const MeasureByName& on) {
+    toml::array list;
+    for (const MeasureByName::Term& term : on.terms) {
+      toml::table& written = list.emplace_back<toml::table>();
+      set(written, "factor", term.factor);
+      set_measure(written, term.measure);
+    }
+    for (const std::string& name : on.names) list.push_back(name);
+    if (on.names.size() == 1)
+      set(table, on.key, on.names.front());
+    else
+      set(table, on.key, std::move(list));
+  }
+
+  void add_on(const std::string& list, const std::string& name, const MeasureByName& on,
+              const std::vector<Key>& entries) {
+    toml::table& table = next(list, name);
+    set_measure(table, on);
+    for (const Key& entry : entries) {
+      if (table.contains(entry.name)) {
+        const std::string item = list + (name.empty() ? "" : " \"" + name + "\"");
+        TomlPlace{title, 0, item}.fail("expected the key " + entry.name + " once, found it twice");
+      }
+      std::visit([&](const auto& value) { set(table, entry.name, value); }, entry.value);
+    }
+  }
+
+ private:
+  std::uint32_t keys = 0;
+};
+
+SceneBuilder::SceneBuilder(std::string title, const UnitNames& units) : document_(std::make_unique<Document>()) {
+  document_->title = std::move(title);
+  document_->set(document_->root, "title", document_->title);
+  document_->set(document_->root, "units", table_of(units));
+}
+
+SceneBuilder::~SceneBuilder() = default;
+SceneBuilder::SceneBuilder(SceneBuilder&&) noexcept = default;
+SceneBuilder& SceneBuilder::operator=(SceneBuilder&&) noexcept = default;
+
+SceneBuilder& SceneBuilder::source(std::string text) {
+  document_->root.insert_or_assign("source", std::move(text));
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::gravity(Vec2 acceleration) {
+  document_->root.insert_or_assign("gravity", pair_of(acceleration));
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::ground_point(const std::string& name, Vec2 at) {
+  toml::table& points = document_->part(document_->part(document_->root, "ground"), "points");
+  document_->add(points, "ground.points", name, pair_of(at));
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::body(const std::string& name, const BodyData& data) {
+  const std::string path = "body." + name;
+  toml::table points;
+  for (const auto& [point, at] : data.points) document_->add(points, path + ".points", point, pair_of(at));
+  toml::table body;
+  document_->set(body, "points", std::move(points));
+  document_->set(body, "mass", data.mass);
+  document_->set(body, "center", pair_of(data.center));
+  document_->set(body, "inertia", data.inertia);
+  document_->add(document_->part(document_->root, "body"), "body", name, std::move(body));
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::pin(const std::string& a, const std::string& b, const std::string& name) {
+  document_->next_joint("pin", a, b, name);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::slide(const std::string& a, const std::string& b, Vec2 axis, const std::string& name,
+                                  double angle) {
+  toml::table& joint = document_->next_joint("slide", a, b, name);
+  document_->set(joint, "axis", pair_of(axis));
+  document_->set(joint, "angle", angle);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::pin_in_slot(const std::string& a, const std::string& b, Vec2 axis,
+                                        const std::string& name) {
+  document_->set(document_->next_joint("pin_in_slot", a, b, name), "axis", pair_of(axis));
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::weld(const std::string& a, const std::string& b, double angle, const std::string& name) {
+  document_->set(document_->next_joint("weld", a, b, name), "angle", angle);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::bar(const std::string& a, const std::string& b, double length, const std::string& name) {
+  document_->set(document_->next_joint("bar", a, b, name), "length", length);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::element(const std::string& table, const std::string& name, const MeasureByName& on,
+                                    const std::vector<Key>& keys) {
+  const std::vector<std::string_view> tables = element_tables();
+  choose({table, {document_->title, 0, "element" + (name.empty() ? "" : " \"" + name + "\"")}},
+         {tables.begin(), tables.end()});
+  document_->add_on(table, name, on, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::drive(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys) {
+  document_->add_on("drive", name, on, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys) {
+  document_->add_on("stop", name, on, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::force(const std::string& name, const std::string& at, Vec2 vector,
+                                  const std::string& follows) {
+  toml::table& load = document_->next("force", name);
+  document_->set(load, "at", at);
+  document_->set(load, "vector", pair_of(vector));
+  if (!follows.empty()) document_->set(load, "follows", follows);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::torque(const std::string& name, const std::string& body, double value) {
+  toml::table& load = document_->next("torque", name);
+  document_->set(load, "on", body);
+  document_->set(load, "value", value);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::start(const std::string& name, double value) {
+  document_->add(document_->part(document_->root, "start"), "start", name, value);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::start_position(const std::string& body, Vec2 at) {
+  toml::table& positions = document_->part(document_->part(document_->root, "start"), "position");
+  document_->add(positions, "start.position", body, pair_of(at));
+  return *this;
+}
+
+Scene SceneBuilder::build() const { return read_document(document_->root, {document_->title, 0, ""}); }
+
+}  // namespace poise

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "model/scene.hpp"
+
+namespace poise {
+
+/// A measure by the names of what it is taken between; see Measure for what each is. measure::distance(...) and the
+/// others make one.
+struct MeasureByName {
+  struct Term;
+
+  std::string key;  ///< of a scene file: "bodies", "points", "slide", "x", "y", "sum"
+  std::vector<std::string> names;
+  std::vector<Term> terms;  ///< of a sum
+};
+
+struct MeasureByName::Term {
+  double factor = 1.0;
+  MeasureByName measure;
+};
+
+namespace measure {
+/// angle(body_b) - angle(body_a), counter-clockwise positive, not wrapped; one of them may be "ground".
+MeasureByName angle(std::string body_a, std::string body_b);
+/// Distance of two points "BODY.POINT" of different bodies.
+MeasureByName distance(std::string a, std::string b);
+/// Travel of a slide or pin in a slot: signed distance from its first point to its second along its axis.
+MeasureByName travel(std::string joint);
+/// World coordinate of a point "BODY.POINT".
+MeasureByName x(std::string point);
+MeasureByName y(std::string point);
+/// Sum of factor times measure: measure::sum({{2, measure::travel("guide")}, {1, measure::x("arm.B")}}).
+MeasureByName sum(std::vector<MeasureByName::Term> terms);
+}  // namespace measure
+
+/// Builds a scene in code, as docs/scene-files.md describes scene files: the same items, keys, units, defaults and
+/// checks, for build() hands all of it to the reader of scene files.
+///
+///   SceneBuilder builder("press", {.length = "mm", .angle = "deg"});
+///   builder.gravity({0, -9810})
+///       .ground_point("O", {0, 0})
+///       .body("crank", {.points = {{"O", {0, 0}}, {"B", {120, 0}}}, .mass = 0.4, .center = {60, 0}})
+///       .pin("ground.O", "crank.O")
+///       .element("spring", "return", measure::angle("ground", "crank"), {{"stiffness", 20}, {"free_angle", 90}})
+///       .start("crank", 40);
+///   const Scene scene = builder.build();
+///
+/// Points are named "BODY.POINT", those of the ground "ground.POINT". Items may refer to what is added later. An empty
+/// name stands for the default: "a.P-b.Q" of a joint, the kind and a number of anything else ("spring 1").
+class SceneBuilder {
+ public:
+  /// Begins a scene of that title, which is also what messages begin with. All numbers are in these units and those
+  /// that follow from them (docs/scene-files.md#units), time in seconds; SI where none are given.
+  explicit SceneBuilder(std::string title, const UnitNames& units = {});
+  ~SceneBuilder();
+  SceneBuilder(SceneBuilder&&) noexcept;
+  SceneBuilder& operator=(SceneBuilder&&) noexcept;
+
+  struct BodyData {
+    std::vector<std::pair<std::string, Vec2>> points = {};  ///< in the body's own frame
+    double mass = 0.0;
+    Vec2 center{};         ///< centre of mass in the body's frame
+    double inertia = 0.0;  ///< about the centre of mass
+  };
+
+  /// A key of a table of a scene file with its number or word.
+  struct Key {
+    Key(std::string name_, double number) : name(std::move(name_)), value(number) {}
+    Key(std::string name_, std::string word) : name(std::move(name_)), value(std::move(word)) {}
+
+    std::string name;
+    std::variant<double, std::string> value;
+  };
+
+  SceneBuilder& source(std::string text);  ///< where the data come from
+  SceneBuilder& gravity(Vec2 acceleration);
+  SceneBuilder& ground_point(const std::string& name, Vec2 at);
+  SceneBuilder& body(const std::string& name, const BodyData& data);
+
+  /// Joints of two points of different bodies, see Joint. The axis is fixed in the first body; only its direction
+  /// counts. angle: what angle(second body) - angle(first body) stays.
+  SceneBuilder& pin(const std::string& a, const std::string& b, const std::string& name = {});
+  SceneBuilder& slide(const std::string& a, const std::string& b, Vec2 axis, const std::string& name = {},
+                      double angle = 0.0);
+  SceneBuilder& pin_in_slot(const std::string& a, const std::string& b, Vec2 axis, const std::string& name = {});
+  SceneBuilder& weld(const std::string& a, const std::string& b, double angle = 0.0, const std::string& name = {});
+  SceneBuilder& bar(const std::string& a, const std::string& b, double length, const std::string& name = {});
+
+  /// A force element with the numbers (and words) of its table in docs/scene-files.md#force-elements: "spring",
+  /// "torsion_spring", "cubic_spring", "constant_force", "damper", "torsion_damper", "friction".
+  SceneBuilder& element(const std::string& table, const std::string& name, const MeasureByName& on,
+                        const std::vector<Key>& keys);
+  /// A drive with its "start", "rate", "acceleration", "amplitude", "frequency", "phase".
+  SceneBuilder& drive(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys = {});
+  /// A stop with its "min", "max" or both.
+  SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
+
+  /// A force at a point, which keeps its direction in the world, or in the body that it `follows`.
+  SceneBuilder& force(const std::string& name, const std::string& at, Vec2 vector, const std::string& follows = {});
+  /// A torque on a body from the ground, counter-clockwise positive.
+  SceneBuilder& torque(const std::string& name, const std::string& body, double value);
+
+  /// Guess for the absolute angle of a body, or for the travel of a joint.
+  SceneBuilder& start(const std::string& name, double value);
+  /// Guess for the place of a body's origin in the world.
+  SceneBuilder& start_position(const std::string& body, Vec2 at);
+
+  /// The scene, in SI. Throws InputError in the words in which the file reader does, with the title instead of file and
+  /// line: `press: spring "return".points: expected a point of "crank", found "crank.C"; did you mean "crank.O"?`.
+  /// A name that a body, a point or a guess has already is refused when the second one is added.
+  Scene build() const;
+
+ private:
+  struct Document;
+  std::unique_ptr<Document> document_;
+};
+
+}  // namespace poise
