@@ -41,9 +41,9 @@ TEST(ResultFiles, JsonHoldsTheWholeResultInUnitsOfTheScene) {
   EXPECT_EQ(r["units"]["angle"], "deg");
   EXPECT_EQ(r["units"]["energy"], "kN mm");
   EXPECT_NEAR(r["angles"]["a<b"], 0.0, 1e-12);
-  EXPECT_NEAR(r["points"]["a<b"]["tip"][0], 200.0, 1e-10);
-  EXPECT_NEAR(r["points"]["a<b"]["tip"][1], 0.0, 1e-10);
-  EXPECT_EQ(r["points"]["ground"]["O"][0], 0.0);
+  EXPECT_NEAR(r["points"]["a<b.tip"][0], 200.0, 1e-10);
+  EXPECT_NEAR(r["points"]["a<b.tip"][1], 0.0, 1e-10);
+  EXPECT_EQ(r["points"]["ground.O"][0], 0.0);
   EXPECT_NEAR(r["energy"], -600.0, 1e-9) << "a pull of 3 kN over 200 mm";
   EXPECT_TRUE(r["slides"].empty());
   ASSERT_EQ(r["reactions"].size(), 1U);
@@ -62,7 +62,7 @@ TEST(ResultFiles, JsonHoldsSlidesSpringsAndStops) {
   const TempFolder folder;
   const json r = result_of(folder, {"solve", folder.write("a.toml", against_the_stop), "--set", "load.push=5"}, 0);
   EXPECT_NEAR(r["slides"]["rail"], 0.25, 1e-12);
-  EXPECT_EQ(r["stops"]["end"]["presses"], "max");
+  EXPECT_EQ(r["stops"]["end"]["active"], "max");
   EXPECT_TRUE(r["stops"]["end"]["min"].is_null()) << "no limit is no number";
   EXPECT_EQ(r["scene"]["set"], json({"load.push=5"}));
 
@@ -73,15 +73,15 @@ TEST(ResultFiles, JsonHoldsSlidesSpringsAndStops) {
   EXPECT_NEAR(toggle["springs"]["left"]["force"], 1000 * (length - 1.118033988749894848204587), 1e-9);
 }
 
-TEST(ResultFiles, JsonHoldsThePlacesOfFreeBodies) {
+TEST(ResultFiles, JsonHoldsThePositionsOfFreeBodies) {
   const TempFolder folder;
   const json r = result_of(folder, {"solve", folder.write("tray.toml", hung_tray)}, 0);
-  ASSERT_EQ(r["places"].size(), 1U);
-  EXPECT_NEAR(r["places"]["tray"][0], 500.0, 1e-9);
-  EXPECT_NEAR(r["places"]["tray"][1], -450.0, 1e-9);
+  ASSERT_EQ(r["positions"].size(), 1U);
+  EXPECT_NEAR(r["positions"]["tray"][0], 500.0, 1e-9);
+  EXPECT_NEAR(r["positions"]["tray"][1], -450.0, 1e-9);
   EXPECT_TRUE(r["slides"].empty());
   EXPECT_EQ(r["energy_note"], "springs in full, loads without the part that no motion changes");
-  EXPECT_TRUE(result_of(folder, {"solve", dataset("toggle_press")}, 0)["places"].empty());
+  EXPECT_TRUE(result_of(folder, {"solve", dataset("toggle_press")}, 0)["positions"].empty());
 }
 
 TEST(ResultFiles, JsonNamesWhatStaticsLeftOut) {

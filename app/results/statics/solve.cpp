@@ -57,7 +57,8 @@ void add_directions(Group& group, const Check& check) {
   if (!check.stability_note.empty()) group.fact("stability", check.stability_note);
 }
 
-/// The largest load on the mechanism, N: forces, weights, force elements, torques over the mechanism's size.
+/// The largest load on the mechanism, N: forces, weights, torques over the mechanism's size, and of a spring what it
+/// carried at the start too: what it carries besides is a consequence of the other loads.
 double largest_load(const StaticModel& model, const Readings& readings) {
   const Scene& scene = model.scene();
   const double size = model.scales().length;
@@ -65,8 +66,9 @@ double largest_load(const StaticModel& model, const Readings& readings) {
   for (const Force& force : scene.forces) largest = std::max(largest, norm(force.vector));
   for (const Torque& torque : scene.torques) largest = std::max(largest, std::abs(torque.value) / size);
   for (const Body& body : scene.bodies) largest = std::max(largest, body.mass * norm(scene.gravity));
+  const Readings start = read_off(model, assemble(model));
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
-    const double force = std::abs(readings.elements[i].force);
+    const double force = std::min(std::abs(start.elements[i].force), std::abs(readings.elements[i].force));
     largest = std::max(largest, scene.elements[i].on.is_angle() ? force / size : force);
   }
   return largest;

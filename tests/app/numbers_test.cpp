@@ -1,4 +1,4 @@
-#include "app/quantity.hpp"
+#include "app/present/numbers.hpp"
 
 #include <cmath>
 #include <limits>
@@ -10,7 +10,7 @@
 namespace poise::app {
 namespace {
 
-TEST(Quantity, SignificantDigitsWithoutZerosAtTheEnd) {
+TEST(Numbers, SignificantDigitsWithoutZerosAtTheEnd) {
   EXPECT_EQ(significant(0.0, 4), "0");
   EXPECT_EQ(significant(-0.0, 4), "0");
   EXPECT_EQ(significant(1234.56, 4), "1235");
@@ -23,14 +23,14 @@ TEST(Quantity, SignificantDigitsWithoutZerosAtTheEnd) {
   EXPECT_EQ(significant(-std::numeric_limits<double>::infinity(), 3), "-inf");
 }
 
-TEST(Quantity, SmallNumbersWithoutNoise) {
+TEST(Numbers, SmallNumbersWithoutNoise) {
   EXPECT_EQ(small_number(0.0), "0");
   EXPECT_EQ(small_number(1.2345678901e-17), "<1e-16");
   EXPECT_EQ(small_number(2.22e-16), "2.2e-16");
   EXPECT_EQ(small_number(std::nan("")), "-");
 }
 
-TEST(Quantity, ColumnsShareTheirDecimals) {
+TEST(Numbers, ColumnsShareTheirDecimals) {
   const std::vector<std::string> column = aligned({123.456, -1.0, 1e-9, 0.0, std::nan("")}, 5);
   EXPECT_EQ(column, (std::vector<std::string>{"123.46", "-1.00", "0   ", "0   ", "-   "}));
   EXPECT_EQ(aligned({0.0, 0.0}, 6), (std::vector<std::string>{"0", "0"}));
@@ -38,13 +38,36 @@ TEST(Quantity, ColumnsShareTheirDecimals) {
   EXPECT_EQ(aligned({12345.0, 1.0}, 4, 3.0), (std::vector<std::string>{"12345.000", "1.000"})) << "decimals by scale";
 }
 
-TEST(Quantity, DurationsInTheUnitThatSuits) {
+TEST(Numbers, HugeAndTinyOnesHaveAPrefixBeforeTheirUnit) {
+  const auto written = [](double value, const std::string& unit) {
+    const ReadableUnit readable = readable_unit(std::abs(value), unit);
+    return significant(value * readable.factor, 4) + " " + readable.unit;
+  };
+  EXPECT_EQ(written(22.08e6, "N"), "22.08 MN");
+  EXPECT_EQ(written(-4.4e10, "N mm"), "-44 MN m");
+  EXPECT_EQ(written(3.2e-5, "m"), "32 µm");
+  EXPECT_EQ(written(1e8, "kN"), "100 GN");
+  EXPECT_EQ(written(2.5e9, "N/mm"), "2.5 TN/m");
+  EXPECT_EQ(written(12345.0, "N"), "12345 N") << "what is read easily stays";
+  EXPECT_EQ(written(0.0, "N"), "0 N");
+  EXPECT_EQ(written(2e-7, "rad"), "2.000e-07 rad") << "a unit that takes no prefix";
+  EXPECT_EQ(written(2e9, "lbf"), "2.000e+09 lbf");
+  for (double order = -11.9; order < 14; order += 0.1) {
+    const double size = std::pow(10.0, order);
+    const ReadableUnit readable = readable_unit(size, "N");
+    const bool plain = size >= 1e-4 && size < 1e7;
+    EXPECT_TRUE(plain ? readable.factor == 1.0 : size * readable.factor >= 0.999 && size * readable.factor < 1000.001)
+        << size;
+  }
+}
+
+TEST(Numbers, DurationsInTheUnitThatSuits) {
   EXPECT_EQ(duration(0.84), "0.84 µs");
   EXPECT_EQ(duration(12345.0), "12.3 ms");
   EXPECT_EQ(duration(4.56e6), "4.56 s");
 }
 
-TEST(Quantity, ControlCharactersDoNotReachTheTerminal) { EXPECT_EQ(one_line("a\nb\x1b[31mc"), "a b [31mc"); }
+TEST(Numbers, ControlCharactersDoNotReachTheTerminal) { EXPECT_EQ(one_line("a\nb\x1b[31mc"), "a b [31mc"); }
 
 }  // namespace
 }  // namespace poise::app
