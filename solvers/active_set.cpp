@@ -74,7 +74,7 @@ bool ActiveSet::activate_violated(const Evaluation& at, double outside) {
   return any;
 }
 
-ActiveSet::Pulling ActiveSet::release_pulling(std::span<const double> multipliers, double least) {
+ActiveSet::Release ActiveSet::release_wrong_sign(std::span<const double> multipliers, double least) {
   int worst = -1;
   double strongest = least;
   for (auto r = rows_.begin() + first_inequality_; r != rows_.end(); ++r) {
@@ -85,12 +85,12 @@ ActiveSet::Pulling ActiveSet::release_pulling(std::span<const double> multiplier
       worst = *r;
     }
   }
-  if (worst < 0) return Pulling::none;
-  if (releases_[worst] >= options_.releases) return Pulling::cycling;
+  if (worst < 0) return Release::none;
+  if (releases_[worst] >= options_.releases) return Release::cycling;
   ++releases_[worst];
   flags_[worst] = 0;
   list_rows();
-  return Pulling::released;
+  return Release::released;
 }
 
 double ActiveSet::gap(const Evaluation& at, int row) const {
@@ -143,7 +143,7 @@ ActiveSet::Crossing ActiveSet::first_crossing(const Evaluation& from, const Eval
       continue;
     }
     const double travelled = to.constraint[*r] - from.constraint[*r];
-    // Aim just beyond the bound, so that the next trial lands within touching outside and not short of it.
+    // Aim just beyond the bound, so that the next trial ends outside within the touching distance and not short of it.
     const double aim = outside - std::copysign(0.5 * options_.touching, outside);
     first.fraction = std::min(first.fraction, std::max(0.0, 1.0 - aim / travelled));
   }

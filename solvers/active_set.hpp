@@ -11,56 +11,58 @@ namespace poise::solvers {
 double violation(const Problem& problem, const Evaluation& at, int row);
 
 struct ActiveSetOptions {
-  int releases = 4;        ///< of one inequality in a search, before it counts as cycling
-  double touching = 1e-9;  ///< distance from a bound within which a point is at it
+  int releases = 4;        ///< of one inequality in a search, beyond which it counts as cycling
+  double touching = 1e-9;  ///< distance from a bound within which a point counts as at the bound
 };
 
-/// Which constraint rows hold during a search: the equalities always, an inequality while it is at a bound.
+/// The active set of a search: the constraint rows imposed as equations. Equalities always are, an inequality while it
+/// is held at a bound.
 class ActiveSet {
  public:
-  /// Of the rows `kept`, all where empty; any other row is ignored throughout. `problem` must outlive this.
+  /// Considers the rows `kept`, all when empty; any other row is ignored throughout. `problem` must outlive this.
   explicit ActiveSet(const Problem& problem, const std::vector<int>& kept = {}, const ActiveSetOptions& options = {});
 
-  /// Those that hold now, in rising order.
+  /// The active rows in rising order.
   const std::vector<int>& rows() const { return rows_; }
   /// The same as one flag per constraint row.
   const std::vector<char>& flags() const { return flags_; }
-  /// All that were chosen, in rising order.
+  /// The rows considered, active or not, in rising order.
   const std::vector<int>& kept() const { return kept_; }
   bool holds(int row) const { return flags_[row] != 0; }
-  /// Grows whenever a row joins or leaves.
+  /// Number of times that a row was activated or released.
   int changes() const { return changes_; }
 
-  /// Equalities alone, nothing released yet.
+  /// Equalities alone; release counts start at zero.
   void reset();
-  /// Equalities alone.
+  /// Equalities alone; release counts are kept.
   void release_inequalities();
   void activate(int row, bool upper);
-  /// Inequalities beyond a bound by more than `outside` join; a negative value also takes those that are so close to it
-  /// from inside. True where any joined.
+  /// Activates inequalities beyond a bound by more than `outside`; a negative value also takes those within that
+  /// distance of it inside. True if any was activated.
   bool activate_violated(const Evaluation& at, double outside);
-  /// Inequalities at or beyond a bound join.
+  /// Activates inequalities at or beyond a bound.
   bool activate_touched(const Evaluation& at) { return activate_violated(at, -options_.touching); }
 
-  enum class Pulling { none, released, cycling };
-  /// Lets go of the inequality that pulls hardest, if one pulls by more than `least`: at an upper bound an honest
-  /// multiplier is positive, at a lower one negative. One released too often already stays, and is cycling.
-  Pulling release_pulling(std::span<const double> multipliers, double least);
+  enum class Release { none, released, cycling };
+  /// Releases the active inequality whose multiplier has the wrong sign by most, if that is more than `least`: at an
+  /// upper bound a multiplier is positive, at a lower one negative. One already released too often stays active and
+  /// counts as cycling.
+  Release release_wrong_sign(std::span<const double> multipliers, double least);
 
-  /// c, or g less the bound at which it is held.
+  /// c, or g minus the bound at which it is held.
   double gap(const Evaluation& at, int row) const;
-  /// Gaps of the rows that hold, 0 of all others; one per constraint row.
+  /// Gaps of the active rows, 0 of all others; one per constraint row.
   void gaps(const Evaluation& at, std::span<double> out) const;
-  /// Largest gap of rows that hold and violation of those that do not.
+  /// The largest of the gaps of active rows and the violations of inactive ones.
   double largest_gap(const Evaluation& at) const;
-  /// Largest violation of the rows that were not chosen.
+  /// Largest violation of the rows that are not considered.
   double largest_left_out(const Evaluation& at) const;
-  /// multipliers = 0 for rows that do not hold.
+  /// Sets the multipliers of inactive rows to 0.
   void clear_inactive(std::span<double> multipliers) const;
 
-  /// Where on the way from one point to another an inequality that does not hold is met first.
+  /// Where on the line from one point to another the first inactive inequality reaches its bound.
   struct Crossing {
-    double fraction = 1.0;  ///< of the way; 1 where the end is at most touching beyond a bound
+    double fraction = 1.0;  ///< of the line; 1 if the end is beyond no bound by more than the touching distance
     int row = -1;           ///< the inequality at whose bound the end lies
     bool upper = false;     ///< which bound
   };

@@ -16,14 +16,14 @@ namespace poise::solvers {
 namespace {
 
 constexpr int dense_unknowns = 60;
-constexpr double relax = 1e-12;        // keeps the tangent regular where rows repeat each other
-constexpr double first_shift = 1e-10;  // of a tangent that is singular even so, as a part of its largest entry
+constexpr double relax = 1e-12;        // keeps the tangent regular where rows are dependent
+constexpr double first_shift = 1e-10;  // of a tangent that is singular nevertheless, relative to its largest entry
 constexpr int shifts = 6;              // each a hundred times the one before
 constexpr double longest_step = 3.0;   // rad or mechanism sizes
 constexpr int halvings = 6;
-constexpr int bold_steps = 20;  // whole steps taken although no shorter one leads on
+constexpr int bold_steps = 20;  // full steps taken where the filter accepts no shortened one
 
-// [ H J^T; J -relax ] factored by LU, dense or sparse; rows that do not hold are identity.
+// [ H J^T; J -relax ] factored by LU, dense or sparse; inactive rows are identity.
 class SaddleFactors {
  public:
   SaddleFactors(const Problem& problem, const std::vector<int>& kept)
@@ -110,12 +110,12 @@ class SaddleFactors {
   const Pattern& tangent_;
   int n_, size_;
   bool symmetric_, dense_;
-  std::vector<int> place_of_;  // of a constraint row in the matrix, -1 where it is left out
+  std::vector<int> place_of_;  // of a constraint row in the matrix, -1 if it is left out
   const Pattern& jacobian_;
   Eigen::MatrixXd full_;
   Eigen::PartialPivLU<Eigen::MatrixXd> full_lu_;
   Eigen::SparseMatrix<double> sparse_;
-  // By columns of A + A^T: closures of long chains fill whole rows, which COLAMD, made for A^T A, takes badly.
+  // Ordered by A + A^T: closures of long chains fill whole rows, for which COLAMD, made for A^T A, causes much fill-in.
   Eigen::SparseLU<Eigen::SparseMatrix<double>, Eigen::AMDOrdering<int>> sparse_lu_;
   std::vector<std::ptrdiff_t> tangent_slot_, mirror_slot_, diagonal_slot_;
   std::vector<std::pair<std::ptrdiff_t, std::ptrdiff_t>> jacobian_slot_;
@@ -165,9 +165,9 @@ class AugmentedLagrangian {
         return end("interrupted");
       }
       if (arrived()) {
-        const ActiveSet::Pulling pulling = active_.release_pulling(y_, options_.tolerance * force_scale_);
-        if (pulling == ActiveSet::Pulling::cycling) return end("an inequality is met and left again and again");
-        if (pulling == ActiveSet::Pulling::none) return conclude();
+        const ActiveSet::Release release = active_.release_wrong_sign(y_, options_.tolerance * force_scale_);
+        if (release == ActiveSet::Release::cycling) return end("the active set cycles");
+        if (release == ActiveSet::Release::none) return conclude();
         drop_multipliers();
         filter_.clear();
         continue;
@@ -175,7 +175,7 @@ class AugmentedLagrangian {
       if (result_.iterations == options_.iterations) return end("the iteration limit was reached");
       ++result_.iterations;
       if (!find_step()) return end("the tangent is singular");
-      if (!advance()) return end("no step led any further");
+      if (!advance()) return end("no step makes further progress");
       if (change_active_set()) filter_.clear();
     }
   }
@@ -204,12 +204,12 @@ class AugmentedLagrangian {
 
   bool arrived() const { return gap_ <= options_.tolerance && force_ <= options_.tolerance * force_scale_; }
 
-  // Violated stops join; one that pulls by more than what is out of balance leaves.
+  // Activates violated stops; releases one whose multiplier has the wrong sign by more than the force residual.
   bool change_active_set() {
     const bool joined = active_.activate_violated(now_, options_.tolerance);
     measure(now_, lambda_);
-    const bool left = active_.release_pulling(y_, std::max(options_.tolerance * force_scale_, force_)) ==
-                      ActiveSet::Pulling::released;
+    const bool left = active_.release_wrong_sign(y_, std::max(options_.tolerance * force_scale_, force_)) ==
+                      ActiveSet::Release::released;
     if (left) drop_multipliers();
     return joined || left;
   }
@@ -238,8 +238,8 @@ class AugmentedLagrangian {
     return false;
   }
 
-  // Takes the step, halved until the point is new. Where none is, residuals are in a dip that is no rest: the whole
-  // step then jumps out of it, and the filter starts afresh.
+  // Takes the step, halved until the filter accepts the point. If it accepts none, the residuals have a local minimum
+  // that is no equilibrium: the full step then leaves it, and the filter is cleared.
   bool advance() {
     const double whole = std::min(1.0, longest_step / step_.head(n_).cwiseAbs().maxCoeff());
     filter_.remember(gap_, force_);

@@ -4,10 +4,10 @@
 
 namespace poise::solvers {
 
-/// Where the tangent of an augmented Lagrangian comes from.
+/// Which tangent an augmented Lagrangian method uses.
 enum class Tangent {
   newton,   ///< K = dF/dx + sum (k lambda + p c)_r d2 c_r + p J^T J
-  modified  ///< without the second derivatives of the constraints, as MECANO has it
+  modified  ///< without the second derivatives of the constraints, as in MECANO
 };
 
 struct AugmentedLagrangianOptions : SearchOptions {
@@ -22,18 +22,19 @@ struct AugmentedLagrangianOptions : SearchOptions {
 ///
 /// in the unknowns (x, lambda), from least-squares multipliers. Works for fields without a potential.
 ///
-/// k and p do not change the direction in x: p J^T J d = -p J^T c on J d = -c, and k only scales lambda. They decide
-/// which multipliers y = k lambda + p c, and so which curvature of c, a point has that is not closed yet. Steps are at
-/// most 3 (rad, mechanism sizes) and halved until a filter takes the point: against every one left behind |c| or
-/// |F + J^T y| must be smaller. Where none is taken, up to 20 times in a run, the whole step is, and the filter starts
-/// afresh. The modified tangent converges linearly, and only where, along the constraints, (dF/dx)^-1 times the true
-/// tangent has eigenvalues that the halved steps can bring within the unit circle: never to a rest that the curvature
-/// of the constraints alone makes stable, as in a hanging chain.
+/// k and p do not change the direction in x: p J^T J d = -p J^T c on J d = -c, and k only scales lambda. They determine
+/// the multipliers y = k lambda + p c, and with them the curvature of c in the tangent, at points with c != 0. Steps
+/// are at most 3 (rad, mechanism sizes) and halved until a filter accepts the point: compared with every point left
+/// behind, |c| or |F + J^T y| must be smaller. If none is accepted, the full step is taken, up to 20 times in a run,
+/// and the filter is cleared. The modified tangent converges linearly, and only where, along the constraints,
+/// (dF/dx)^-1 times the true tangent has eigenvalues that halved steps can bring within the unit circle: never to an
+/// equilibrium that is stable by the curvature of the constraints alone, as in a hanging chain.
 ///
-/// Inequalities are held by an active set: violated ones join the equations, ones that pull leave them.
-/// Converged when max |c| <= tolerance and max |F + J^T y| <= tolerance (1 + max |F|), unless multipliers exceed 1e6 of
-/// that scale (a singular configuration) or rows left out do not hold. `rows` lists the constraint rows to keep, all of
-/// them when empty. Multipliers returned are y. Source: SAMTECH, MECANO Motion Theory, 2000.
+/// Inequalities are handled by an active set: violated ones are added to the equations, ones whose multiplier has the
+/// wrong sign are removed. Converged when max |c| <= tolerance and max |F + J^T y| <= tolerance (1 + max |F|), unless
+/// multipliers exceed 1e6 of that scale (a singular configuration) or rows left out do not hold. `rows` lists the
+/// constraint rows to keep, all of them when empty. Multipliers returned are y. Source: SAMTECH, MECANO Motion Theory,
+/// 2000.
 SearchResult solve_with_augmented_lagrangian(const Problem& problem, const std::vector<double>& start,
                                              const AugmentedLagrangianOptions& options = {},
                                              const std::vector<int>& rows = {});

@@ -12,10 +12,10 @@ namespace poise::solvers {
 namespace {
 
 constexpr double loose_gap = 0.05;       // gap over step length above which loops are closed before descending
-constexpr double closed_within = 1e-13;  // where they are
-constexpr double near_rest = 1e-3;       // steps below which multipliers are trusted to the last
+constexpr double closed_within = 1e-13;  // to which they are
+constexpr double near_rest = 1e-3;       // steps below which the sign of a multiplier is reliable
 constexpr int inverse_iterations = 4;
-constexpr int neighbours = 8;  // variables, at most, that are perturbed by themselves
+constexpr int neighbours = 8;  // variables, at most, that are perturbed together without the others
 
 }  // namespace
 
@@ -47,10 +47,10 @@ Outcome Descent::descend() {
     if (!at_.linearize()) return Outcome::stalled;
     const Kkt::Factors factors = at_.factor_tangent();
     ++at_.result.iterations;
-    if (factors == Kkt::Factors::singular && at_.at_rest()) {
-      const ActiveSet::Pulling pulling = at_.release_pulling(at_.y, 0.0);
-      if (pulling == ActiveSet::Pulling::released) continue;
-      return pulling == ActiveSet::Pulling::none ? at_.arrive(false) : Outcome::stalled;
+    if (factors == Kkt::Factors::singular && at_.balanced()) {
+      const ActiveSet::Release release = at_.release_wrong_sign(at_.y, 0.0);
+      if (release == ActiveSet::Release::released) continue;
+      return release == ActiveSet::Release::none ? at_.arrive(false) : Outcome::stalled;
     }
     const bool positive_definite = factors == Kkt::Factors::positive;
     const bool corrects = options.safeguards.inertia_correction;
@@ -61,7 +61,7 @@ Outcome Descent::descend() {
     if (!std::isfinite(length)) return Outcome::stalled;
     const double gap = largest(at_.gap);
     if (gap > 1e-10 && gap > loose_gap * length) {
-      // A step that mostly closes loops says nothing of descent: close them first.
+      // A step that mostly closes loops is no measure of descent: close them first.
       at_.trial->x = at_.now->x;
       at_.trial->constraint = at_.now->constraint;
       if (closing_.pull_back(closed_within))
@@ -70,17 +70,17 @@ Outcome Descent::descend() {
         return Outcome::stalled;
       continue;
     }
-    const ActiveSet::Pulling pulling =
-        at_.release_pulling(at_.y_next, length <= near_rest ? 0.0 : 10.0 * largest(at_.residual));
-    if (pulling == ActiveSet::Pulling::released) continue;
-    if (pulling == ActiveSet::Pulling::cycling && length <= near_rest) return Outcome::stalled;
-    const bool rounded = at_.at_rest() && length <= options.next_to_fold && length > 0.25 * last;
+    const ActiveSet::Release release =
+        at_.release_wrong_sign(at_.y_next, length <= near_rest ? 0.0 : 10.0 * largest(at_.residual));
+    if (release == ActiveSet::Release::released) continue;
+    if (release == ActiveSet::Release::cycling && length <= near_rest) return Outcome::stalled;
+    const bool rounded = at_.balanced() && length <= options.next_to_fold && length > 0.25 * last;
     last = length;
     if (positive_definite && (length <= options.step_tolerance || rounded)) return at_.arrive(true);
     const bool at_saddle = !positive_definite && corrects && length < 0.01;
     if (at_saddle && leave_saddle()) continue;
     if (!step(at_.bounded_part(length))) {
-      return positive_definite && at_.at_rest() ? at_.arrive(false) : Outcome::stalled;
+      return positive_definite && at_.balanced() ? at_.arrive(false) : Outcome::stalled;
     }
     if (!std::isfinite(largest(at_.now->x))) return Outcome::stalled;
     if (ran_away()) return Outcome::unbounded;
@@ -123,8 +123,8 @@ bool Descent::leave_saddle() {
   return false;
 }
 
-// Halves the step until, pulled back to the constraints, the Lagrangian has fallen. A step that meets an inequality
-// ends there, and the inequality becomes active.
+// Halves the step until the Lagrangian decreases at the trial point, projected back onto the constraints. A step that
+// reaches the bound of an inequality ends there, and the inequality becomes active.
 bool Descent::step(double alpha) {
   const bool line_search = at_.options.safeguards.line_search;
   at_.kkt->unbalanced(at_.now->gradient, at_.y_next, at_.residual);
@@ -158,9 +158,10 @@ bool Descent::step(double alpha) {
   return false;
 }
 
-// Where branches of motion cross, J loses rank and no step along its null space need lead on. From there random
-// displacements, closed again by shortest steps, are tried until one has less energy: of all variables by turns and of
-// a few neighbours, which lets one loop out of its singular configuration and leaves the others in peace.
+// At a bifurcation of motion J loses rank, and steps along its null space need not lead to feasible points. From there
+// random displacements, closed again by minimum-norm steps, are tried until one has less energy: alternately of all
+// variables and of a few neighbours, which moves one loop out of its singular configuration and leaves the others
+// unchanged.
 bool Descent::perturb() {
   const double before = at_.objective(*at_.now);
   perturbed_ = at_.now->x;

@@ -8,19 +8,20 @@
 namespace poise::solvers {
 
 /// Descends the objective on the constraints to a local minimum. Every step keeps them closed: the tangent is shifted
-/// until it is positive definite on the null space of J, and the step halved until the Lagrangian L = f + y^T c falls,
+/// until it is positive definite on the null space of J, and the step halved until the Lagrangian L = f + y^T c
+/// decreases,
 ///
 ///   L(x + alpha d) <= L(x) + armijo alpha L'(x) d,
 ///
-/// at a saddle or maximum along a direction of negative curvature. L falls from step to step, so the run can only end
-/// in a minimum, run away, or be cut off.
+/// at a saddle or maximum along a direction of negative curvature. L decreases with every step, so the run ends at a
+/// minimum, diverges, or is stopped by a limit.
 class Descent {
  public:
   Descent(NewtonSystem& system, LoopClosing& closing);
 
-  /// Closes the constraints first, and leaves poses where J loses rank by perturbing them.
+  /// Closes the constraints first; poses where J loses rank are perturbed.
   Outcome run();
-  /// From a point where the constraints hold.
+  /// Starts from a point where the constraints hold.
   Outcome run_from_closed();
 
  private:

@@ -16,20 +16,20 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double of_stiffness = 0.3;  // mass over stiffness; explicit steps of time one are stable above 1/4
+constexpr double of_stiffness = 0.3;  // mass over stiffness; explicit unit time steps are stable above 1/4
 constexpr double of_force = 0.5;      // mass over force, for loads whose stiffness passes zero
-constexpr double least_mass = 1e-6;   // as a part of the largest
+constexpr double least_mass = 1e-6;   // relative to the largest
 constexpr double longest_step = 0.2;  // rad or mechanism sizes
-constexpr double relax = 1e-13;       // keeps J M^-1 J^T regular where rows repeat each other
+constexpr double relax = 1e-13;       // keeps J M^-1 J^T regular where rows are dependent
 constexpr int dense_rows = 60;
 constexpr int refinements = 6;
-constexpr int pull_backs = 12;       // chord steps back to the constraints after one step of time
-constexpr double near_enough = 0.1;  // of the tolerance, to which constraints are kept
+constexpr int pull_backs = 12;       // chord steps back to the constraints after one time step
+constexpr double near_enough = 0.1;  // share of the tolerance to which constraints are kept
 constexpr int closing_steps = 50;
 constexpr int halvings = 12;
-constexpr double run_away = 100.0;  // distance from the start that counts as moving without end
+constexpr double run_away = 100.0;  // distance from the start that counts as divergence
 
-// J M^-1 J^T of the rows that hold, factored; rows that do not are identity.
+// J M^-1 J^T of the active rows, factored; inactive rows are identity.
 class ConstraintFactors {
  public:
   ConstraintFactors(const Problem& problem, const std::vector<int>& kept)
@@ -73,7 +73,7 @@ class ConstraintFactors {
     sparse_factors_.factorize(square_);
   }
 
-  // s = (J M^-1 J^T)^-1 b, refined: the smallest singular values of J count twice in the square.
+  // s = (J M^-1 J^T)^-1 b with iterative refinement, because the product has the squared condition of J.
   const Eigen::VectorXd& solve(const Eigen::VectorXd& b) {
     solution_.setZero(b.size());
     left_ = b;
@@ -101,7 +101,7 @@ class ConstraintFactors {
   }
 
   const Pattern& pattern_;
-  std::vector<int> place_of_;  // of a constraint row, -1 where it is left out
+  std::vector<int> place_of_;  // of a constraint row, -1 if it is left out
   bool dense_, analysed_ = false;
   Eigen::SparseMatrix<double> jacobian_, weighted_, square_;
   std::vector<std::ptrdiff_t> slot_;
@@ -142,7 +142,7 @@ class DynamicRelaxation {
 
  private:
   void search() {
-    if (!close_from_start()) return end("the constraints could not be met from this start");
+    if (!close_from_start()) return end("the constraints could not be closed from this start");
     balance();
     rest();
     while (true) {
@@ -151,18 +151,18 @@ class DynamicRelaxation {
         return end("interrupted");
       }
       balance();
-      const ActiveSet::Pulling pulling = release();
-      if (pulling == ActiveSet::Pulling::cycling) return end("an inequality is met and left again and again");
-      if (pulling == ActiveSet::Pulling::released) continue;
+      const ActiveSet::Release released = release();
+      if (released == ActiveSet::Release::cycling) return end("the active set cycles");
+      if (released == ActiveSet::Release::released) continue;
       if (arrived()) {
         const char* flaw = objection(now_, active_, y_, options_.tolerance);
         result_.claims_success = flaw == nullptr;
-        return end(flaw == nullptr ? "at rest" : flaw);
+        return end(flaw == nullptr ? "converged" : flaw);
       }
       if (result_.iterations == options_.iterations) return end("the iteration limit was reached");
       ++result_.iterations;
-      if (!move()) return end("no step led any further");
-      if (ran_away()) return end("it moves on without end");
+      if (!move()) return end("no step makes further progress");
+      if (ran_away()) return end("the motion diverges");
     }
   }
 
@@ -179,7 +179,7 @@ class DynamicRelaxation {
 
   Eigen::Map<const Eigen::VectorXd> residual() const { return {unbalanced_.data(), n_}; }
 
-  // y with J M^-1 (F + J^T y) = 0: what is out of balance then pulls along the constraints only.
+  // y with J M^-1 (F + J^T y) = 0: the remaining force then acts along the constraints only.
   void balance() {
     std::fill(y_.begin(), y_.end(), 0.0);
     if (right_.size() > 0) {
@@ -191,19 +191,20 @@ class DynamicRelaxation {
     force_scale_ = 1.0 + largest(now_.gradient);
   }
 
-  ActiveSet::Pulling release() {
+  ActiveSet::Release release() {
     const double noise = std::max(options_.tolerance * force_scale_, largest(unbalanced_));
-    const ActiveSet::Pulling pulling = active_.release_pulling(y_, noise);
-    if (pulling == ActiveSet::Pulling::released) factor();
-    return pulling;
+    const ActiveSet::Release released = active_.release_wrong_sign(y_, noise);
+    if (released == ActiveSet::Release::released) factor();
+    return released;
   }
 
   bool arrived() const {
     return active_.largest_gap(now_) <= options_.tolerance && largest(unbalanced_) <= options_.tolerance * force_scale_;
   }
 
-  // With a time step of one, explicit steps are stable while every mass is a quarter of its row of the stiffness
-  // (Gershgorin). Where loads turn with x, stiffness passes zero while the force is largest; so forces count as well.
+  // With a unit time step, explicit integration is stable if every mass is at least a quarter of its row sum of the
+  // stiffness (Gershgorin). Where loads turn with x, stiffness passes zero while the force is largest; so forces count
+  // as well.
   void choose_masses(bool keep_larger) {
     problem_.tangent(now_, y_, tangent_);
     const Pattern& pattern = problem_.tangent_pattern();
@@ -225,7 +226,7 @@ class DynamicRelaxation {
     factor();
   }
 
-  // One step of time; false where no step keeps the constraints.
+  // One time step; false if no step keeps the constraints.
   bool move() {
     const double power = -rate_.dot(residual());
     if (power < 0.0) return back_to_peak(power);
@@ -248,8 +249,8 @@ class DynamicRelaxation {
     return true;
   }
 
-  // The forces brake: the kinetic energy had its peak within the last step, by linear interpolation of the power. Goes
-  // back there and rests.
+  // Negative power: the kinetic energy had its peak within the last step, by linear interpolation of the power. Goes
+  // back there and sets the rates to zero.
   bool back_to_peak(double power) {
     const bool moved = displace(-power / (power - last_power_) * rate_) != Moved::not_at_all;
     rest();
@@ -264,7 +265,7 @@ class DynamicRelaxation {
 
   enum class Moved { not_at_all, in_part, whole };
 
-  // Moves by `shift`, halved until the constraints can be kept, and sets the rates to what was moved.
+  // Moves by `shift`, halved until the constraints can be kept, and sets the rates to the displacement.
   Moved displace(const Eigen::VectorXd& shift) {
     shift_ = shift;
     for (int h = 0; h < halvings; ++h, shift_ *= 0.5) {
@@ -285,7 +286,7 @@ class DynamicRelaxation {
     return close();
   }
 
-  // Where J loses rank no factors at now_ lead back to the constraints; beside it J is whole again.
+  // Where J loses rank the factors at now_ do not lead back to the constraints; close by, J has full rank again.
   bool leave_singular_pose(const Eigen::VectorXd& shift) {
     left_ = now_.x;
     for (int i = 0; i < n_; ++i) now_.x[i] += shift[i];
@@ -298,7 +299,7 @@ class DynamicRelaxation {
     return false;
   }
 
-  // Rates without the part that would break constraints.
+  // Removes from the rates the part normal to the constraints.
   void keep_rates_along_constraints() {
     if (right_.size() == 0) return;
     right_ = factors_.jacobian() * rate_;
@@ -315,7 +316,7 @@ class DynamicRelaxation {
     return std::isfinite(largest(at.x) + largest(at.gradient) + largest(at.constraint));
   }
 
-  // Chord steps with the factors at now_ until the rows that hold are met at trial_.
+  // Chord steps with the factors at now_ until the active rows hold at trial_.
   bool pull_back() {
     if (right_.size() == 0) return is_finite(trial_);
     gaps(trial_);
@@ -332,7 +333,7 @@ class DynamicRelaxation {
     return right_.cwiseAbs().maxCoeff() <= options_.tolerance && is_finite(trial_);
   }
 
-  // The loops first: stops that they violate on the way need not be violated where they are closed.
+  // The loops first: stops violated on the way need not be violated where the loops are closed.
   bool close_from_start() {
     factor();
     const bool closed = close();
@@ -341,7 +342,7 @@ class DynamicRelaxation {
     return close();
   }
 
-  // Shortest steps, in the metric of the masses, to where the rows that hold are met.
+  // Shortest steps, in the metric of the masses, to where the active rows hold.
   bool close() {
     if (right_.size() == 0) return true;
     for (int k = 0; k < closing_steps; ++k) {

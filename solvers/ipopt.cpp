@@ -45,7 +45,7 @@ std::string in_words(Ipopt::ApplicationReturnStatus status) {
   }
 }
 
-// Ipopt's callbacks over a Problem. Every new point is evaluated once, whole.
+// Ipopt's callbacks for a Problem. Every new point is evaluated once, completely.
 class Adapter final : public Ipopt::TNLP {
  public:
   Adapter(const Problem& problem, const std::vector<double>& start, const SearchOptions& options,
@@ -82,7 +82,7 @@ class Adapter final : public Ipopt::TNLP {
   }
 
   bool get_bounds_info(Index n, Number* x_l, Number* x_u, Index m, Number* g_l, Number* g_u) override {
-    constexpr double infinity = 2e19;  // what Ipopt takes for none
+    constexpr double infinity = 2e19;  // values beyond it are no bound for Ipopt
     std::fill(x_l, x_l + n, -infinity);
     std::fill(x_u, x_u + n, infinity);
     for (Index k = 0; k < m; ++k) {
@@ -137,8 +137,8 @@ class Adapter final : public Ipopt::TNLP {
       return true;
     }
     at(x, fresh);
-    // The tangent weighs the objective by one. Ipopt asks for another weight only while it restores feasibility, with
-    // zero; the difference of two tangents is then the constraints' part.
+    // The tangent has the weight one of the objective. Ipopt uses another weight only in its restoration phase, zero;
+    // the difference of two tangents is then the constraints' part.
     for (Index k = 0; k < m; ++k) multipliers_[rows_[k]] = factor == 0.0 ? lambda[k] : lambda[k] / factor;
     problem_.tangent(at_, multipliers_, {values, static_cast<std::size_t>(count)});
     if (factor == 0.0) {
@@ -204,14 +204,15 @@ SearchResult solve_with_ipopt(const Problem& problem, const std::vector<double>&
   settings->SetNumericValue("bound_relax_factor", 0.0);
   settings->SetIntegerValue("acceptable_iter", 0);
   settings->SetIntegerValue("max_iter", options.iterations);
-  // Stay near the start: a wide first barrier would push a mechanism off the stop it leans on, and over a dead centre.
+  // Stay near the start: a large initial barrier parameter would push a mechanism off an active stop, and past a dead
+  // centre.
   settings->SetNumericValue("mu_init", 1e-5);
   for (const char* push : {"bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac"}) {
     settings->SetNumericValue(push, 1e-6);
   }
-  // The problem is of order one already, and comes scaled by powers of two.
+  // The problem is already scaled to order one, by powers of two.
   settings->SetStringValue("nlp_scaling_method", "none");
-  // MUMPS' own choice of ordering can leave a long chain with one dense front.
+  // MUMPS' default ordering can give a long chain one dense front.
   settings->SetIntegerValue("mumps_pivot_order", 6);
   if (application->Initialize() != Ipopt::Solve_Succeeded) {
     result.status = "Ipopt: could not be initialised";

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int dense_unknowns = 100;
 
-// The unknowns that Ceres moves, evaluated whole before it asks for single residuals.
+// The unknowns that Ceres varies; the whole system is evaluated before Ceres asks for single residuals.
 class Unknowns final : public ceres::EvaluationCallback {
  public:
   explicit Unknowns(StationarySystem& system) : z_(system.start()), accepted_(z_), system_(system) {}
@@ -21,7 +21,7 @@ class Unknowns final : public ceres::EvaluationCallback {
   void PrepareForEvaluation(bool jacobians, bool fresh) override {
     if (fresh) system_.evaluate(z_);
     if (!jacobians) return;
-    // Only points that Ceres steps to are differentiated.
+    // Derivatives are computed only at points that Ceres steps to.
     system_.differentiate();
     accepted_ = z_;
     error_ = system_.error();
@@ -37,7 +37,7 @@ class Unknowns final : public ceres::EvaluationCallback {
   double error_ = std::numeric_limits<double>::infinity();
 };
 
-// One residual; its unknowns are one block each, which keeps the Jacobian sparse.
+// One residual; each of its unknowns is a block of its own, which keeps the Jacobian sparse.
 class Residual final : public ceres::CostFunction {
  public:
   Residual(const StationarySystem& system, int row) : system_(system), row_(row) {
@@ -82,11 +82,12 @@ ceres::Solver::Options settings_for(int unknowns, const SearchOptions& options) 
   settings.linear_solver_type = unknowns <= dense_unknowns ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
   settings.logging_type = ceres::SILENT;
   settings.max_num_iterations = options.iterations;
-  // Nearly Newton's step where it leads on, and now and then a worse point taken: the valleys are narrow and bent.
+  // Little damping, so that steps are nearly Newton's, and non-monotonic steps: the valleys are narrow and curved.
   settings.min_lm_diagonal = 1e-12;
   settings.use_nonmonotonic_steps = true;
   settings.max_num_consecutive_invalid_steps = 20;
-  // Ends in a local minimum that is not zero; at a solution the sum still falls by a part of itself in every step.
+  // Ends the search at a local minimum that is not zero; near a solution the sum still decreases by a share of itself
+  // in every step.
   settings.function_tolerance = 1e-8;
   settings.parameter_tolerance = 0.0;
   settings.gradient_tolerance = 0.0;
@@ -100,9 +101,9 @@ std::string in_words(const ceres::Solver::Summary& summary, const SearchResult& 
     case ceres::NO_CONVERGENCE:
       return "Ceres: iteration limit";
     case ceres::CONVERGENCE:
-      return "Ceres: least residuals near the start, which are not zero";
+      return "Ceres: a local minimum of the residuals that is not zero";
     default:
-      return "Ceres: no step led on";
+      return "Ceres: no step makes further progress";
   }
 }
 
@@ -122,7 +123,7 @@ SearchResult solve_with_least_squares(const Problem& problem, const std::vector<
     std::vector<double*> blocks;
     for (int e = system.first_of(row); e < system.first_of(row + 1); ++e)
       blocks.push_back(unknowns.at(system.column_of(e)));
-    // A row that depends on nothing cannot be improved, but counts in the error.
+    // A row without variables cannot be improved, but counts in the error.
     if (!blocks.empty()) squares.AddResidualBlock(&residuals.emplace_back(system, row), nullptr, blocks);
   }
   SearchResult result;

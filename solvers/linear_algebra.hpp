@@ -1,16 +1,16 @@
 #pragma once
 
-// Dense linear algebra of what is looked at once or a few times: ranks, null spaces, least squares, spectra. Templates
-// exist for T = double and for T = Real50 (solvers/real50.hpp). Eigen's decompositions are compiled in
-// solvers/linear_algebra*.cpp, so that others include Eigen/Core at most.
+// Dense linear algebra outside the iterations: ranks, null spaces, least squares, spectra. Templates exist for T =
+// double and for T = Real50 (solvers/real50.hpp). Eigen's decompositions are compiled in solvers/linear_algebra*.cpp,
+// so that others include Eigen/Core at most.
 //
 // Rank policy. Householder QR with column pivoting, A P = Q R, has |R_11| >= |R_22| >= ...; the rank is the number of
 // pivots with
 //
 //   |R_kk| > max(tolerance, eps_T min(rows, columns)) |R_11|
 //
-// and everything that depends on a rank uses it: A's rows and columns are to be of comparable size, as those of scaled
-// problems are. The tolerance says how well A is known, and there is a name for each degree:
+// and everything that depends on a rank uses it. Rows and columns of A should be of comparable size, as those of scaled
+// problems are. The tolerance is the relative accuracy of A, with a name for each case:
 
 #include <memory>
 #include <vector>
@@ -19,14 +19,14 @@
 
 namespace poise::solvers {
 
-/// How well a matrix is known, as a part of its largest pivot.
+/// Accuracy of a matrix relative to its largest pivot.
 namespace known_to {
-inline constexpr double rounding = 0.0;  ///< its entries are exact: only rounding of the decomposition is left out
-inline constexpr double half_of_50_digits = 1e-20;  ///< Newton in 50 digits, near roots where pivots vanish themselves
-inline constexpr double data = 1e-12;               ///< rounding of the data in double, looked at in 50 digits
-inline constexpr double solution = 1e-10;           ///< at a point that Newton has settled on
+inline constexpr double rounding = 0.0;  ///< its entries are exact: only rounding of the decomposition counts
+inline constexpr double half_of_50_digits = 1e-20;  ///< Newton in 50 digits, near roots where pivots vanish
+inline constexpr double data = 1e-12;               ///< data rounded to double, computed with in 50 digits
+inline constexpr double solution = 1e-10;           ///< at a point that Newton has converged to
 inline constexpr double closed_point = 1e-9;        ///< at a point where the constraints hold to about that
-inline constexpr double path = 1e-7;                ///< at points of a path, which may pass singular ones closely
+inline constexpr double path = 1e-7;                ///< at points of a path, which may pass close to singular ones
 inline constexpr double singular_point = 1e-4;      ///< where a search stopped on its way to a singular point
 }  // namespace known_to
 
@@ -35,8 +35,8 @@ using DenseMatrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
 template <class T>
 using DenseVector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
 
-/// The columns of A in the order in which pivoting takes them: the first `rank` are independent, and within the
-/// tolerance each of the others is a combination of them.
+/// The columns of A in pivot order: the first `rank` are independent, and within the tolerance each of the others is a
+/// linear combination of them.
 struct PivotOrder {
   Eigen::Index rank = 0;
   std::vector<int> columns;
@@ -54,7 +54,8 @@ Eigen::Index rank(const DenseMatrix<T>& a, double tolerance) {
 template <class T>
 DenseMatrix<T> null_space(const DenseMatrix<T>& a, double tolerance);
 
-/// x = A^+ b: of all x with least |A x - b| the shortest, by complete orthogonal decomposition  A P = Q [R 0; 0 0] Z.
+/// x = A^+ b: of all x with least |A x - b| the one of minimum norm, by complete orthogonal decomposition
+/// A P = Q [R 0; 0 0] Z.
 template <class T>
 class LeastSquares {
  public:
@@ -71,7 +72,7 @@ class LeastSquares {
   std::unique_ptr<const Factors> factors_;
 };
 
-/// A^+ b for one right side.
+/// A^+ b for one right-hand side.
 template <class T>
 DenseVector<T> minimum_norm_solution(const DenseMatrix<T>& a, const DenseVector<T>& b,
                                      double tolerance = known_to::rounding) {
@@ -92,7 +93,7 @@ struct SymmetricEigen {
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
 
-/// A v_k = value_k v_k of a square matrix, vectors of length one; no order.
+/// A v_k = value_k v_k of a square matrix, vectors of unit length, in no particular order.
 struct Eigenpairs {
   Eigen::VectorXcd values;
   Eigen::MatrixXcd vectors;
@@ -105,7 +106,7 @@ struct SingularValues {
   Eigen::VectorXd values;
   Eigen::MatrixXd left, right;
 
-  /// Number of singular values that are at least the part `tolerance` of the largest.
+  /// Number of singular values that are at least `tolerance` times the largest.
   Eigen::Index rank(double tolerance) const;
 };
 SingularValues singular_value_decomposition(const Eigen::MatrixXd& a);
@@ -116,25 +117,25 @@ Eigen::VectorXd singular_values(const Eigen::MatrixXd& a);
 /// R of  A = Q R,  upper triangular and square, of a matrix of at least as many rows as columns, which is overwritten.
 Eigen::MatrixXd triangular_factor(Eigen::MatrixXd& a);
 
-/// How columns depend on each other where the rank r of A is known:
+/// Dependent columns as combinations of independent ones, for a matrix A of known rank r:
 ///   A.col(columns[r + k]) = sum_{i < r} share(i, k) A.col(columns[i])
 struct ColumnShares {
-  std::vector<int> columns;  ///< of A, in the order in which pivoting takes them
+  std::vector<int> columns;  ///< of A, in pivot order
   Eigen::MatrixXd share;     ///< r x (columns of A - r)
 };
 ColumnShares column_shares(const Eigen::MatrixXd& a, Eigen::Index rank);
 
-/// P A Q = L U of a square matrix, pivots largest first.
+/// P A Q = L U of a square matrix with full pivoting.
 class FullyPivotedLu {
  public:
   explicit FullyPivotedLu(const Eigen::MatrixXd& a);
   ~FullyPivotedLu();
 
-  /// x of A x = b; of a singular A one that meets as much of b as its pivots beyond rounding can.
+  /// x of A x = b; for a singular A, pivots that are rounding only count as zero.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
   double largest_pivot() const;
-  /// Estimate of 1 / (|A| |A^-1|), 1-norms; 0 where a pivot is nothing but rounding.
+  /// Estimate of 1 / (|A| |A^-1|), 1-norms; 0 if a pivot is rounding only.
   double reciprocal_condition() const;
   double determinant() const;
 

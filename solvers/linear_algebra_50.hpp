@@ -11,8 +11,8 @@
 
 namespace poise::solvers {
 
-/// x of A x = b, all of A given even where it is symmetric: then by LDL^T without pivoting, which is ten times as fast
-/// as LU, and by LU where a pivot vanishes. None where A is singular.
+/// x of A x = b. All of A is given even if it is symmetric: then by LDL^T without pivoting, which is ten times as fast
+/// as LU, and by LU if a pivot vanishes. Empty if A is singular.
 std::optional<DenseVector<Real50>> solve(const Eigen::SparseMatrix<Real50>& a, const DenseVector<Real50>& b,
                                          bool symmetric);
 

@@ -60,7 +60,7 @@ struct LeastSquares<T>::Factors {
 
 template <class T>
 LeastSquares<T>::LeastSquares(const DenseMatrix<T>& a, double tolerance) {
-  if (a.cols() == 0) return;  // nothing to factor, and Eigen would read a pivot that does not exist
+  if (a.cols() == 0) return;  // nothing to factor; Eigen would read a pivot that does not exist
   auto factors = std::make_unique<Factors>();
   factors->decomposition.setThreshold(pivot_limit(a, tolerance));
   factors->decomposition.compute(a);

@@ -7,13 +7,13 @@
 
 namespace poise::solvers {
 
-/// The last resort: the closed start is held in balance by the artificial load f = F + J^T y that it lacks, and that
-/// load is let go by steps, each solved from the last; a step that gives up goes back and lets go of less.
+/// Load stepping, when all else fails: an artificial load f = F + J^T y makes the closed start an equilibrium and is
+/// reduced to zero in steps, each solved from the last; a step that fails is repeated with a smaller reduction.
 class LoadStepping {
  public:
   LoadStepping(NewtonSystem& system, LoopClosing& closing, StationarySearch& stationary, Descent& descent);
 
-  /// From the start; changes nothing where that cannot be closed.
+  /// Runs from the start; changes nothing if that cannot be closed.
   void run();
 
  private:

@@ -11,8 +11,8 @@ namespace poise::solvers {
 namespace {
 
 constexpr int chord_steps = 20;                        // of one pull_back()
-constexpr int sparse_starts = 3;                       // displaced ones, where a problem is too large for dense factors
-constexpr double least_reach = 0.1, more_reach = 3.0;  // of displaced starts: of the first, and how much it grows
+constexpr int sparse_starts = 3;                       // displaced ones, if a problem is too large for dense factors
+constexpr double least_reach = 0.1, more_reach = 3.0;  // distance of displaced starts: of the first, and its growth
 
 }  // namespace
 
@@ -24,8 +24,8 @@ bool LoopClosing::run() {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   double least = std::numeric_limits<double>::infinity();
   for (int attempt = 0;; ++attempt) {
-    // At first stops that were met are held, so that a start just beyond one comes to rest on it; where too many of
-    // them hold to leave a way, they only count while violated.
+    // At first stops that were reached stay active, so that a start just beyond one ends on it; if too many active
+    // stops leave no solution, they only count while violated.
     const double left = close(attempt == 0 ? Stops::stay : Stops::while_violated);
     if (left <= at_.options.active_set.touching) return true;
     if (left < least) {

@@ -6,26 +6,26 @@
 
 namespace poise::solvers {
 
-/// Brings a point to where the constraints hold, by shortest steps  d = -J^T (J J^T)^-1 c.  Inequalities join where
-/// they are violated.
+/// Moves a point onto the constraints by minimum-norm steps  d = -J^T (J J^T)^-1 c.  Violated inequalities become
+/// active.
 class LoopClosing {
  public:
   explicit LoopClosing(NewtonSystem& system);
 
-  /// From the point at hand, and where that leads nowhere from the start displaced at random, ever farther. False
-  /// where none closes; `now` is then the best.
+  /// From `now`, and if that fails from the start displaced at random by growing distances. False if none closes; `now`
+  /// is then the point with the smallest gap.
   bool run();
 
-  /// What becomes of inequalities that were met on the way.
+  /// How inequalities that were reached on the way are treated.
   enum class Stops {
-    stay,           ///< they hold from then on
-    while_violated  ///< they count while they are violated only
+    stay,           ///< they stay active
+    while_violated  ///< they are active only while they are violated
   };
-  /// Steps from the point at hand, each halved until |c| falls. Returns the largest |c| left.
+  /// Steps from `now`, each halved until |c| decreases. Returns the largest |c| left.
   double close(Stops stops = Stops::stay);
 
-  /// Chord steps with the factors at hand until the rows that hold at `now` hold at `trial` to `tolerance`; `trial_gap`
-  /// is what they lack. False where they do not get there. Overwrites `residual`.
+  /// Chord steps with the current factors until the rows active at `now` hold at `trial` to `tolerance`; `trial_gap` is
+  /// their residual. False if they do not converge. Overwrites `residual`.
   bool pull_back(double tolerance);
 
  private:

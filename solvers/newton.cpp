@@ -21,11 +21,11 @@ std::string describe(Outcome outcome) {
     case Outcome::not_closed:
       return "the loops could not be closed from this start";
     case Outcome::stalled:
-      return "no step led any further";
+      return "no step makes further progress";
     case Outcome::singular:
-      return "the joints lock: no finite forces in them hold the loads here";
+      return "the joints lock: no finite joint forces balance the loads here";
     case Outcome::unbounded:
-      return "the energy falls without end: the mechanism runs away";
+      return "the energy decreases without bound: the mechanism runs away";
     case Outcome::iteration_limit:
       return "the iteration limit was reached";
     case Outcome::interrupted:
@@ -89,7 +89,7 @@ class Newton::Method {
     return largest(at_.gap) > options.active_set.touching;
   }
 
-  // From an open start redundant constraints cannot be told from independent ones.
+  // At an open start redundant constraints cannot be distinguished from independent ones.
   void close_first() {
     at_.begin_at(at_.start);
     if (closing_.run()) at_.note(stationary_.run());

@@ -6,7 +6,7 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double rounded_pull = 1e-13;  // of the field: what rounding makes of a multiplier that is zero
+constexpr double rounded_pull = 1e-13;  // relative to the field: rounding error of a multiplier that is zero
 constexpr double rounded_gap = 2e-16;
 
 bool small_enough(const Problem& problem, const NewtonOptions& options) {
@@ -69,7 +69,7 @@ void NewtonSystem::find_gap() {
 bool NewtonSystem::linearize() {
   find_gap();
   if (!kkt->set_jacobian(*now, active.flags())) return false;
-  if (kkt->tells_multipliers() || multipliers_for_ != active.changes())
+  if (kkt->determines_multipliers() || multipliers_for_ != active.changes())
     kkt->balance(now->gradient, y, residual);
   else
     kkt->unbalanced(now->gradient, y, residual);
@@ -95,16 +95,16 @@ void NewtonSystem::carry_multipliers(double alpha) {
   for (int r = 0; r < rows(); ++r) y[r] += alpha * (y_next[r] - y[r]);
 }
 
-bool NewtonSystem::at_rest() const {
+bool NewtonSystem::balanced() const {
   return largest(gap) <= options.rounding && largest(residual) <= options.rounding * (1.0 + largest(now->gradient));
 }
 
-ActiveSet::Pulling NewtonSystem::release_pulling(std::span<const double> multipliers, double least) {
-  if (!bounded) return ActiveSet::Pulling::none;
+ActiveSet::Release NewtonSystem::release_wrong_sign(std::span<const double> multipliers, double least) {
+  if (!bounded) return ActiveSet::Release::none;
   const double noise = rounded_pull * (1.0 + largest(now->gradient));
-  const ActiveSet::Pulling pulling = active.release_pulling(multipliers, std::max(least, noise));
-  if (pulling == ActiveSet::Pulling::released) active.clear_inactive(y);
-  return pulling;
+  const ActiveSet::Release release = active.release_wrong_sign(multipliers, std::max(least, noise));
+  if (release == ActiveSet::Release::released) active.clear_inactive(y);
+  return release;
 }
 
 void NewtonSystem::note(Outcome outcome) {
@@ -112,8 +112,8 @@ void NewtonSystem::note(Outcome outcome) {
   result.met_singular = result.met_singular || outcome == Outcome::singular;
 }
 
-// Where J loses rank no finite multipliers balance F; beside such a pose rounded closures let them seem to. They are
-// heavy there, and would be others had the closures been rounded otherwise.
+// Where J loses rank no finite multipliers balance F. Close to such a pose rounded closures can make them appear to:
+// they are large there and change strongly with the rounding of the closures.
 Outcome NewtonSystem::arrive(bool with_last_step) {
   if (with_last_step) {
     for (int i = 0; i < variables(); ++i) now->x[i] += step[i];

@@ -15,15 +15,15 @@ struct NloptOptions {
 };
 
 struct NloptResult {
-  std::vector<double> x;  ///< the best point met, within the bounds
+  std::vector<double> x;  ///< the best point found, within the bounds
   double value = 0.0;     ///< f(x)
   int evaluations = 0;
   bool good_enough = false;
   bool interrupted = false;
-  std::string status;  ///< NLopt's own word
+  std::string status;  ///< as NLopt reports it
 };
 
-/// Looks for a local minimum of f(x) over  lower <= x <= upper  without derivatives, by SBPLX (Rowan's
+/// Searches a local minimum of f(x) over  lower <= x <= upper  without derivatives, by SBPLX (Rowan's
 /// subspace-searching simplex) of NLopt. `start` is moved into the bounds. f must be finite; it may have kinks.
 NloptResult minimise_with_nlopt(const std::function<double(const double*)>& f, const std::vector<double>& lower,
                                 const std::vector<double>& upper, std::vector<double> start,

@@ -19,11 +19,11 @@ using Handle = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
 
 constexpr double cobyla_first_step = 0.1;
 constexpr double cobyla_reach = 1e3;  // bound on every variable
-// L-BFGS sets out by the whole gradient, which may lead past the nearest minimum: gradients are made smaller.
+// The first step of L-BFGS is the whole gradient, which may lead past the nearest minimum: gradients are scaled down.
 constexpr double lbfgs_scale = 0.3;
-constexpr int lbfgs_memory = 10;       // by default it takes megabytes, which cost more than the search
-constexpr double lbfgs_coarser = 1e3;  // each inner minimisation may stop so much sooner than the outer
-constexpr double finest_step = 1e-12;  // of a search from far, where values hide finer ones
+constexpr int lbfgs_memory = 10;       // the default uses megabytes, which cost more than the search
+constexpr double lbfgs_coarser = 1e3;  // tolerance of an inner minimisation relative to the outer
+constexpr double finest_step = 1e-12;  // of a search from far, where rounding of values hides finer ones
 constexpr double close_enough = 1e-5;  // errors from which the problem is rescaled
 constexpr double smallest_unit = 1e-14;
 constexpr double gain_wanted = 1e-6;  // of one rescaled search
@@ -58,7 +58,7 @@ std::vector<int> all_where_empty(const Problem& problem, std::vector<int> rows) 
   return rows;
 }
 
-// One search of NLopt from the start, and then more from where it ended, each rescaled to the error left.
+// One search of NLopt from the start, and then more from its end, each rescaled to the remaining error.
 class Program {
  public:
   Program(NloptAlgorithm algorithm, const Problem& problem, const SearchOptions& options, const std::vector<int>& rows)
@@ -88,7 +88,7 @@ class Program {
   }
 
  private:
-  // COBYLA knows no gradients, from which a rescaled problem takes its differences.
+  // COBYLA uses no gradients, from which a rescaled problem takes its differences.
   bool refine() { return algorithm_ != NloptAlgorithm::cobyla && searches_ <= restarts; }
 
   bool left_to_do() const {
@@ -98,7 +98,7 @@ class Program {
   RescaledProblem::Frame from_far() {
     steps_ = algorithm_ == NloptAlgorithm::cobyla ? options_.tolerance : std::max(options_.tolerance, finest_step);
     gaps_ = options_.tolerance;
-    // SLSQP and COBYLA set out better from the plain energy.
+    // SLSQP and COBYLA do better at first with the unscaled energy.
     const bool plain = algorithm_ == NloptAlgorithm::cobyla || (algorithm_ == NloptAlgorithm::slsqp && searches_ == 0);
     return {result_.x, plain ? std::vector<double>{} : best_.multipliers, 1.0, scale(), false};
   }
@@ -128,8 +128,8 @@ class Program {
     const int status = nlopt_optimize(handle_, u.data(), &value);
     const std::vector<double> last = rescaled_.last();
     take(rescaled_.place(u), first);
-    // NLopt returns the point of least value among those within the tolerance of the constraints. Next to the answer
-    // rounding and gaps choose that, and the last point is the better one.
+    // NLopt returns the point of least value among those within the tolerance of the constraints. Near the solution
+    // that choice is decided by rounding and gaps, and the last point is the better one.
     if (algorithm_ != NloptAlgorithm::cobyla) take(last, false);
     return status;
   }
@@ -159,7 +159,7 @@ class Program {
     }
     Handle cobyla = limited(create(NLOPT_LN_COBYLA, n), steps_);
     nlopt_set_initial_step1(cobyla.get(), cobyla_first_step);
-    // Where the objective falls without end COBYLA would never come back.
+    // Without bounds COBYLA would not end if the objective decreases without bound.
     nlopt_set_lower_bounds1(cobyla.get(), -cobyla_reach);
     nlopt_set_upper_bounds1(cobyla.get(), cobyla_reach);
     return cobyla;

@@ -13,9 +13,9 @@ enum class NloptAlgorithm {
 /// min f(x) subject to the problem's constraints, by NLopt. The problem must have an objective. NLopt gives no
 /// multipliers: those returned are recovered from F + J^T y = 0 by least squares over the rows that hold.
 ///
-/// The tolerance is that on steps (relative and absolute) and on constraints. Where NLopt ends with more than it left
-/// in F + J^T y or in the constraints, slsqp and auglag_lbfgs are started again from there, each time rescaled to the
-/// error left (solvers/rescaled_problem.hpp). Success is NLopt's own word. Iterations are evaluations.
+/// The tolerance is that on steps (relative and absolute) and on constraints. As long as it reduces the error in F +
+/// J^T y and in the constraints, slsqp and auglag_lbfgs are started again from their last point, each time rescaled to
+/// the remaining error (solvers/rescaled_problem.hpp). Success is as NLopt reports it. Iterations are evaluations.
 ///
 /// cobyla compares values of f only, and rounding of f hides steps below 1e-8.
 ///

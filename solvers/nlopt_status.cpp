@@ -12,7 +12,7 @@ std::string nlopt_in_words(int status) {
       return "good enough";
     case NLOPT_FTOL_REACHED:
     case NLOPT_XTOL_REACHED:
-      return "no step improves any more";
+      return "no further improvement";
     case NLOPT_MAXEVAL_REACHED:
       return "evaluation limit";
     case NLOPT_FORCED_STOP:

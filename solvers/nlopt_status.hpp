@@ -4,7 +4,7 @@
 
 namespace poise::solvers {
 
-/// What an nlopt_result says, without naming the program: "evaluation limit".
+/// The meaning of an nlopt_result, without the name of the program: "evaluation limit".
 std::string nlopt_in_words(int status);
 
 }  // namespace poise::solvers

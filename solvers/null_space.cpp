@@ -2,13 +2,13 @@
 //
 // A rank-revealing QR of J picks `rank` ordinary columns o and as many independent rows; the other columns p are
 // primary. With J = [Jo Jp], B = Jo^-1 Jp, N = [-B; I] and v = [-Jo^-1 c; 0]:
-//   multipliers   y = -Jo^-T F_o,  so that F + J^T y vanishes in the ordinary places and equals N^T F in the primary
+//   multipliers   y = -Jo^-T F_o,  so that F + J^T y vanishes in the ordinary entries and equals N^T F in the primary
 //   step          d = N z + v,     (N^T K N + shift N^T N) z = -N^T (F + K v)
 // (Paul 1979; thesis eqs. 53-55.) The partition is kept from step to step while B stays small, so that a step costs
 // one inversion of Jo. J and K are kept with ordinary columns first, primary last.
 //
 // Hand-written loops: at these sizes (a few to a few dozen) a library call costs more than its arithmetic, and dynamic
-// decompositions allocate. Loops run through with_sizes(), which makes the sizes of the commonest mechanisms
+// decompositions allocate. Loops are called through with_sizes(), which makes the sizes of the commonest mechanisms
 // compile-time constants.
 
 #include <algorithm>
@@ -25,11 +25,11 @@
 namespace poise::solvers {
 namespace {
 
-// |B| above which the partition is chosen anew: QR keeps it near one, so growth means the pose has moved on.
+// |B| above which the partition is chosen anew: QR makes it about one, so growth means that the pose has changed.
 constexpr double dependence_limit = 20.0;
 // Columns whose remaining part is below this fraction of the largest are dependent.
 constexpr double rank_tolerance = 1e-10;
-// Constraints that repeat each other where they hold differ by about their gaps where they do not yet: with a gap the
+// Constraints that are dependent where they hold differ by about their gaps where they do not hold yet: with a gap the
 // tolerance is so many times the gap, up to a limit.
 constexpr double rank_tolerance_per_gap = 10.0;
 constexpr double rank_tolerance_limit = 1e-3;
@@ -94,7 +94,7 @@ class NullSpace final : public Kkt {
       }
       for (const Used& entry : used_) jacobian_[entry.target] = at.jacobian[entry.source];
       const double growth = invert();
-      // Without ranks a singular Jo is met as any program meets it that does not look: with no solution.
+      // Without rank detection a singular Jo means no solution.
       if (anew) return std::isfinite(growth) || rank_revealing_;
       if (growth <= dependence_limit) return true;
     }
@@ -102,7 +102,7 @@ class NullSpace final : public Kkt {
 
   bool redundant() const override { return !all_rows_used_; }
 
-  bool tells_multipliers() const override { return true; }
+  bool determines_multipliers() const override { return true; }
 
   void multipliers(std::span<const double> field, std::span<double> y) override {
     with_sizes([&](auto, auto r) {
@@ -215,7 +215,7 @@ class NullSpace final : public Kkt {
     int source, target;
   };
 
-  // Calls f(n, rank) with both as compile-time constants for one and two closed loops of one freedom.
+  // Calls f(n, rank) with both as compile-time constants for one and two closed loops with one degree of freedom.
   template <class F>
   auto with_sizes(F f) const -> decltype(f(0, 0)) {
     if (n_ == 3 && rank_ == 2) return f(std::integral_constant<int, 3>{}, std::integral_constant<int, 2>{});
@@ -241,7 +241,7 @@ class NullSpace final : public Kkt {
     }
   }
 
-  // normal = -Jo^-1 c, in the ordinary places.
+  // normal = -Jo^-1 c, in the ordinary entries.
   template <class Normal, class R>
   void normal_step(std::span<const double> c, Normal& normal, R r) const {
     for (int i = 0; i < r; ++i) {
@@ -253,7 +253,7 @@ class NullSpace final : public Kkt {
     }
   }
 
-  // Rank-revealing QR of J picks the ordinary columns, and one of those columns' transpose the rows.
+  // Rank-revealing QR of J selects the ordinary columns, and QR of the transpose of those columns the rows.
   void choose_partition(const Evaluation& at) {
     qr_matrix_.setZero();
     for (int e = 0; e < jacobian_pattern_.size(); ++e) {
@@ -288,7 +288,7 @@ class NullSpace final : public Kkt {
     aim_entries();
   }
 
-  // Where pattern entries go in the permuted matrices; the places that no entry fills stay zero.
+  // Where pattern entries go in the permuted matrices; entries outside the pattern stay zero.
   void aim_entries() {
     used_.clear();
     for (int e = 0; e < jacobian_pattern_.size(); ++e) {
@@ -324,7 +324,7 @@ class NullSpace final : public Kkt {
     });
   }
 
-  // One closed loop: Cramer's rule. The pivots are what elimination would meet.
+  // One closed loop: Cramer's rule. The pivots are those of elimination.
   bool invert_two() {
     const double a = jacobian_[0], b = jacobian_[1], c = jacobian_[n_], d = jacobian_[n_ + 1];
     const double determinant = a * d - b * c;
@@ -439,7 +439,7 @@ class NullSpace final : public Kkt {
     return true;
   }
 
-  // LU with row pivoting for what is not positive definite.
+  // LU with row pivoting for a matrix that is not positive definite.
   template <class P>
   bool eliminate(double largest, P p) {
     bool regular = true;
@@ -499,7 +499,7 @@ class NullSpace final : public Kkt {
   int rank_ = 0;
   double largest_tangent_ = 0.0;
   std::vector<int> order_;  // variables, ordinary first
-  std::vector<int> place_;  // where in order_ a variable stands
+  std::vector<int> place_;  // position of a variable in order_
   std::vector<int> rows_;   // independent constraint rows
   std::vector<int> pivot_, permutation_;
   std::vector<std::pair<int, int>> tangent_target_;  // of each entry of K, and of its mirror image

@@ -8,7 +8,7 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double least_pull = 1e-9;  // below it the sign of a multiplier is rounding
+constexpr double least_pull = 1e-9;  // below it the sign of a multiplier is decided by rounding
 
 }  // namespace
 
@@ -18,7 +18,7 @@ Optimality optimality_at(const Problem& problem, const Evaluation& at, const std
   Optimality out;
   do {
     out.multipliers = least_squares_multipliers(problem, at, active.rows());
-  } while (active.release_pulling(out.multipliers, least_pull) == ActiveSet::Pulling::released);
+  } while (active.release_wrong_sign(out.multipliers, least_pull) == ActiveSet::Release::released);
   out.error = std::max(active.largest_gap(at), force_error(problem, at, out.multipliers));
   return out;
 }

@@ -21,13 +21,13 @@ struct Scratch {
   virtual ~Scratch() = default;
 };
 
-/// Everything a problem says of one point. Made by Problem::make_evaluation(), refilled by Problem::evaluate().
+/// Values of a problem at one point. Made by Problem::make_evaluation(), refilled by Problem::evaluate().
 struct Evaluation {
   std::vector<double> x;             ///< variables
   std::vector<double> gradient;      ///< grad f(x), or the field F(x) where there is no objective
   std::vector<double> constraint;    ///< equalities, then inequalities
   std::vector<double> jacobian;      ///< values in the order of jacobian_pattern()
-  std::unique_ptr<Scratch> scratch;  ///< what the problem keeps of this x, for its own use; may be null
+  std::unique_ptr<Scratch> scratch;  ///< intermediate values of the problem at this x, for its own use; may be null
 };
 
 /// Find x with  c(x) = 0,  lower <= g(x) <= upper,  and either f minimal or stationary, or, where the field F is no
@@ -42,7 +42,7 @@ class Problem {
   virtual int equalities() const = 0;
   virtual const std::vector<double>& lower() const = 0;  ///< of the inequalities; -inf where there is none
   virtual const std::vector<double>& upper() const = 0;  ///< of the inequalities; +inf where there is none
-  /// False where F is not a gradient: then the tangent is not symmetric and f means nothing.
+  /// False if F is not a gradient: then the tangent is not symmetric and f is undefined.
   virtual bool has_objective() const = 0;
 
   virtual const Pattern& jacobian_pattern() const = 0;
@@ -52,11 +52,11 @@ class Problem {
 
   /// Fills all of `at` from at.x.
   virtual void evaluate(Evaluation& at) const = 0;
-  /// f at an evaluated point. Asked for apart, because a search for stationary points does without.
+  /// f at an evaluated point. Separate, because a search for stationary points does not need it.
   virtual double objective(Evaluation& at) const = 0;
   /// Values of the tangent at an evaluated point; one multiplier for each constraint row.
   virtual void tangent(Evaluation& at, std::span<const double> multipliers, std::span<double> values) const = 0;
-  /// What Evaluation::scratch is to be, sized.
+  /// Creates Evaluation::scratch with its buffers sized.
   virtual std::unique_ptr<Scratch> make_scratch() const { return nullptr; }
 
   int inequalities() const { return static_cast<int>(lower().size()); }

@@ -13,7 +13,7 @@ using Real50 = boost::multiprecision::number<boost::multiprecision::cpp_bin_floa
 
 }  // namespace poise
 
-// What Eigen wants to know of a scalar. (The traits that Boost 1.74 ships lack members that Eigen 3.4 asks for.)
+// The traits that Eigen requires of a scalar. (The traits that Boost 1.74 ships lack members that Eigen 3.4 asks for.)
 template <>
 struct Eigen::NumTraits<poise::Real50> : Eigen::GenericNumTraits<poise::Real50> {
   // NOLINTBEGIN(readability-identifier-naming): Eigen's names

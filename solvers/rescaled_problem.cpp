@@ -17,8 +17,8 @@ constexpr double pressing = 1e3;  // times the error left
 RescaledProblem::RescaledProblem(const Problem& problem, const std::vector<int>& kept)
     : problem_(problem), kept_(kept), at_(problem.make_evaluation()), no_multipliers_(problem.constraints(), 0.0) {}
 
-// A bound that is pressed harder than any error left can change is an equation there. Any other may turn out
-// not to hold: its multiplier is left to the program.
+// A bound whose multiplier is larger than the remaining error can change is an equation there. Any other may become
+// inactive: its multiplier is left to the program.
 void RescaledProblem::sort_rows() {
   equalities_ = {};
   inequalities_ = {};

@@ -7,20 +7,20 @@
 
 namespace poise::solvers {
 
-/// A Problem as programs for constrained minimisation ask for it, function by function, in units of the error that is
-/// left at a base point:
+/// A Problem in the form of programs for constrained minimisation, function by function, in units of the error that
+/// remains at a base point:
 ///
 ///   x = base + unit u,   min  scale (L(x) - L(base)) / unit^2,   c(x) / unit = 0,   +-(g(x) - bound) / unit <= 0
 ///
-/// with L = f + sum y c over the equalities, which has the minima of f on c = 0. Near the answer, bounds that are
-/// pressed count as equalities.
+/// with L = f + sum y c over the equalities, which has the minima of f on c = 0. Near the solution, bounds with a
+/// clearly non-zero multiplier count as equalities.
 ///
-/// The value of f is only good to its own rounding, about 1e-16, which hides steps below 1e-8. Near the answer the
-/// difference is therefore taken from gradients, (grad L(x) + grad L(base)) (x - base) / 2, exact but for a third power
-/// of the step; programs that compare values then go on to full precision. Every new point is evaluated once, whole.
+/// The value of f has a rounding error of about 1e-16, which hides steps below 1e-8. Near the solution the difference
+/// is therefore taken from gradients, (grad L(x) + grad L(base)) (x - base) / 2, with an error of third order in the
+/// step; programs that compare values then reach full precision. Every new point is evaluated once, completely.
 class RescaledProblem {
  public:
-  /// Where the base is and what the units are.
+  /// Base point and units.
   struct Frame {
     std::vector<double> base;
     std::vector<double> multipliers;  ///< y; one per constraint row, none when empty
@@ -29,7 +29,7 @@ class RescaledProblem {
     bool near = false;  ///< differences of L from gradients; otherwise the value of L itself, and unit is 1
   };
 
-  /// sign (row - bound), zero or not positive.
+  /// sign (row - bound), required to be zero or <= 0.
   struct SignedRow {
     int row = 0;
     double sign = 1.0;
@@ -52,13 +52,13 @@ class RescaledProblem {
 
   void set_frame(Frame frame);
   std::vector<double> place(std::span<const double> u) const;
-  /// Where the problem was evaluated last.
+  /// The point at which the problem was evaluated last.
   const std::vector<double>& last() const { return at_.x; }
   int evaluations() const { return evaluations_; }
 
-  /// The objective, infinite rather than not a number; fills its gradient where that is not empty.
+  /// The objective, infinite instead of NaN; fills its gradient if that is not empty.
   double objective(std::span<const double> u, std::span<double> gradient);
-  /// Values of a block; fills its dense Jacobian where that is not empty.
+  /// Values of a block; fills its dense Jacobian if that is not empty.
   void constraints(const Block& block, std::span<const double> u, std::span<double> values, std::span<double> jacobian);
 
   const Block& equalities() const { return equalities_; }

@@ -13,7 +13,7 @@ namespace poise::solvers {
 namespace {
 
 constexpr int dense_rows = 200;
-constexpr double relax = 1e-13;  // keeps J J^T factored where rows repeat each other
+constexpr double relax = 1e-13;  // keeps J J^T regular where rows are dependent
 constexpr int refinements = 20;
 constexpr double singular_beyond = 1e6;
 constexpr double left_out_within = 1e-9;
@@ -35,7 +35,7 @@ SparseMatrix transposed_rows(const Problem& problem, const Evaluation& at, const
   return out;
 }
 
-// By normal equations, refined until what squaring the condition lost is back.
+// By normal equations, refined iteratively to recover the accuracy that their squared condition costs.
 Eigen::VectorXd sparse_least_squares(const SparseMatrix& a, const Eigen::VectorXd& b) {
   SparseMatrix normal = a.transpose() * a;
   const double scale = 1.0 + normal.diagonal().maxCoeff();

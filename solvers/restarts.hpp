@@ -7,7 +7,8 @@
 
 namespace poise::solvers {
 
-/// Where a run has given up: others from its start displaced at random and closed, ever farther, until one converges.
+/// After a failed run: further runs from its start displaced at random by growing distances and closed, until one
+/// converges.
 class Restarts {
  public:
   Restarts(NewtonSystem& system, LoopClosing& closing, StationarySearch& stationary, Descent& descent);

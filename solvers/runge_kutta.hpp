@@ -10,7 +10,7 @@ class OdeSystem {
  public:
   virtual ~OdeSystem() = default;
   virtual int size() const = 0;
-  /// Fills dydt; false where f cannot be evaluated at (t, y), so that the step has to be another one.
+  /// Fills dydt; false if f cannot be evaluated at (t, y), so that the step has to be changed.
   virtual bool rates(double t, const double* y, double* dydt) = 0;
 };
 
@@ -24,10 +24,10 @@ class RungeKutta78 {
   RungeKutta78(const RungeKutta78&) = delete;
   RungeKutta78& operator=(const RungeKutta78&) = delete;
 
-  /// Middles of the widest gaps between the places, as parts of a step, at which stages are evaluated; ascending.
+  /// Midpoints of the widest gaps between the abscissae of the stages, as fractions of a step; ascending.
   static constexpr double gaps[] = {0.25, 7.0 / 12, 0.75, 11.0 / 12};
 
-  /// From y with the rates dydt at t to y_new at t + h, with the estimated error of each component. False where a stage
+  /// From y with the rates dydt at t to y_new at t + h, with the estimated error of each component. False if a stage
   /// could not be evaluated.
   bool step(double t, const std::vector<double>& y, const std::vector<double>& dydt, double h,
             std::vector<double>& y_new, std::vector<double>& error);
@@ -37,8 +37,8 @@ class RungeKutta78 {
   std::unique_ptr<Stepper> stepper_;
 };
 
-/// The next step for a method of order 8 after one of h that made `error` times the error allowed: grows or shrinks
-/// with error^(-1/8), never by more than the factors 4 and 1/5.
+/// The next step size for a method of order 8 after a step h whose error was `error` times the tolerance: changes with
+/// error^(-1/8), by factors between 1/5 and 4.
 double next_step(double h, double error);
 
 }  // namespace poise::solvers

@@ -8,21 +8,21 @@
 
 namespace poise::solvers {
 
-/// What every program that searches a Problem is told, whatever its method. Each says at its declaration what its
-/// tolerance is measured against.
+/// Options common to all programs that search a Problem. The declaration of each says which quantity its tolerance
+/// bounds.
 struct SearchOptions {
   double tolerance = 1e-12;
   int iterations = 1000;  ///< at most; evaluations for methods that count no iterations
   const std::atomic<bool>* interrupt = nullptr;
 };
 
-/// How a search ended, in its own words. Whether it is right is for others to judge.
+/// How a search ended by its own report, which is not checked here.
 struct SearchResult {
   bool claims_success = false;
   bool interrupted = false;
   std::string status;               ///< one sentence: "Ipopt: solved", "NLopt SLSQP: evaluation limit"
-  std::vector<double> x;            ///< where it ended; finite
-  std::vector<double> multipliers;  ///< one per constraint row, zero for rows that do not hold; empty where unknown
+  std::vector<double> x;            ///< the last point; finite
+  std::vector<double> multipliers;  ///< one per constraint row, zero for inactive rows; empty if unknown
   int iterations = 0;
   int evaluations = 0;  ///< distinct points at which the problem was evaluated
 };

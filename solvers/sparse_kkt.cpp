@@ -3,17 +3,17 @@
 //   [ K + shift I    J^T  ]
 //   [ J             -e I  ]
 //
-// in two stages, both analysed once. Variables whose row of K is nothing but its diagonal (the angles of a mechanism
-// without springs) are eliminated first, each on its own:
+// in two stages, both analysed once. Variables whose row of K has only its diagonal entry (the angles of a mechanism
+// without springs) are eliminated first, each separately:
 //
 //   S = [ K_cc + shift I   J_c^T ]  -  sum over simple k of  j_k j_k^T / (K_kk + shift),   j_k = column k of J,
 //       [ J_c              -e I  ]
 //
 // and what remains, the coupled variables c and the multipliers, is factored as LDL^T (solvers/sparse_ldl.hpp). For a
-// hanging chain S is 2 x 2, for a ladder of loops it is banded. Rows switched off keep their place in the pattern with
-// zero entries and the diagonal -1. The tiny e keeps pivots from vanishing where constraints repeat each other; the
-// callers solve for corrections, so what it costs vanishes with them. By Sylvester's law K + shift I is positive
-// definite on the null space of J exactly when as many pivots are negative as there are constraint rows.
+// hanging chain S is 2 x 2, for a ladder of loops it is banded. Inactive rows keep their place in the pattern with zero
+// entries and the diagonal -1. The tiny e keeps pivots from vanishing where constraints are dependent; the callers
+// solve for corrections, so its error vanishes with them. By Sylvester's law K + shift I is positive definite on the
+// null space of J exactly when as many pivots are negative as there are constraint rows.
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ namespace poise::solvers {
 namespace {
 
 constexpr double relaxation = 1e-13;
-constexpr double tiniest_pivot = 1e-13;  // of the largest diagonal entry of K
+constexpr double tiniest_pivot = 1e-13;  // relative to the largest diagonal entry of K
 constexpr double refine_beyond = 1e7;    // ratio of the largest to the smallest pivot that calls for refinement
 constexpr int refinements = 4;
 
@@ -64,7 +64,7 @@ class SparseKkt final : public Kkt {
 
   bool redundant() const override { return false; }
 
-  bool tells_multipliers() const override { return false; }
+  bool determines_multipliers() const override { return false; }
 
   void multipliers(std::span<const double> field, std::span<double> y) override {
     factor_identity();
@@ -149,8 +149,8 @@ class SparseKkt final : public Kkt {
     int source, target;
   };
 
-  // Simple variables one after the other whose columns of J have `size` entries each, all in the same rows: where those
-  // rows, and the targets of the products of a column's entries, begin.
+  // Consecutive simple variables whose columns of J have `size` entries each, all in the same rows: where those rows,
+  // and the targets of the products of a column's entries, begin.
   struct ColumnGroup {
     int variable, count, size, rows, pairs;
   };
@@ -266,7 +266,7 @@ class SparseKkt final : public Kkt {
     if (refine_) refine();
   }
 
-  // Of the last factors; x may be the right side itself.
+  // Solves with the last factors; x may be the right-hand side itself.
   void back_substitute(const std::vector<double>& right, std::vector<double>& x) {
     const int coupled = static_cast<int>(coupled_.size());
     for (int i = 0; i < coupled; ++i) reduced_rhs_[i] = right[coupled_[i]];

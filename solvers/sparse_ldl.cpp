@@ -12,7 +12,7 @@ extern "C" {
 namespace poise::solvers {
 namespace {
 
-// Lets go of the memory too.
+// Frees the memory too.
 template <class T>
 void discard(std::vector<T>& v) {
   std::vector<T>().swap(v);
@@ -40,9 +40,9 @@ void SparseLdl::analyse(int size, std::vector<int>& row, std::vector<int>& colum
     row[e] = place;
   }
   discard(column);
-  // Those that fall together get one place.
+  // Duplicates get one place.
   std::vector<int> index;
-  std::vector<int> seen(size, -1);  // per row: its place in the column at hand, or one before
+  std::vector<int> seen(size, -1);  // per row: its place in the current column, or an earlier one
   int begin = 0;
   for (int j = 0; j < size; ++j) {
     const int end = first[j + 1];
@@ -72,7 +72,7 @@ void SparseLdl::order(const std::vector<int>& first, std::vector<int>& index) {
   order_.resize(size_);
   double control[AMD_CONTROL], info[AMD_INFO];
   amd_defaults(control);
-  // Columns need not be sorted: AMD says so in its return value and goes on.
+  // Columns need not be sorted: AMD reports that in its return value and continues.
   amd_order(size_, first.data(), index.data(), order_.data(), control, info);
 }
 

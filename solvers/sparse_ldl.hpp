@@ -9,21 +9,21 @@ namespace poise::solvers {
 class SparseLdl {
  public:
   /// Orders a matrix of that size, given by its entries (row[e], column[e]), each pair once or more often, in either
-  /// triangle. On return row[e] is the place of entry e in values(), the same for entries that fall together; `column`
-  /// is used up.
+  /// triangle. On return row[e] is the place of entry e in values(), the same for duplicate entries; `column` is
+  /// consumed.
   void analyse(int size, std::vector<int>& row, std::vector<int>& column);
 
-  /// To be filled before factor(): what falls together adds up.
+  /// To be filled before factor(); duplicate entries are summed.
   std::vector<double>& values() { return value_; }
 
-  /// False where a pivot is zero or not finite.
+  /// False if a pivot is zero or not finite.
   bool factor();
-  /// Of the last factors: negative pivots, which are as many as there are negative eigenvalues (Sylvester).
+  /// Number of negative pivots of the last factors, equal to the number of negative eigenvalues (Sylvester).
   int negative() const { return negative_; }
-  /// Ratio of their largest to their smallest pivot, in amount; 1 where there is none.
+  /// Ratio of their largest to their smallest pivot, in amount; 1 if there is none.
   double spread() const { return spread_; }
 
-  /// Overwrites x, the right side, by the solution.
+  /// Overwrites x, the right-hand side, with the solution.
   void solve(std::vector<double>& x);
 
  private:

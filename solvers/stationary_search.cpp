@@ -10,7 +10,7 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double closed_within = 1e-13;  // gaps that trials may leave where constraints repeat each other
+constexpr double closed_within = 1e-13;  // gaps that trials may leave where constraints are redundant
 
 }  // namespace
 
@@ -27,39 +27,39 @@ Outcome StationarySearch::run() {
     at_.solve_for_step();
     ++at_.result.iterations;
     const double length = largest(at_.step);
-    // Next to a fold rounding moves the step far more than the tolerance: residuals that are nothing but rounding
-    // then end the run once steps no longer shrink, as they do where a neutral freedom leaves no step to measure.
+    // Near a fold rounding changes the step by far more than the tolerance: residuals that are rounding only then end
+    // the run once steps no longer decrease; so they do if a neutral direction leaves the step undetermined.
     const bool no_shorter = neutral || (length <= at_.options.next_to_fold && length > 0.25 * last);
     last = length;
-    if (length <= at_.options.step_tolerance || (no_shorter && at_.at_rest())) {
+    if (length <= at_.options.step_tolerance || (no_shorter && at_.balanced())) {
       at_.solve_for_multipliers();
-      const ActiveSet::Pulling pulling = at_.release_pulling(at_.y_next, 0.0);
-      if (pulling == ActiveSet::Pulling::cycling) return Outcome::stalled;
-      if (pulling == ActiveSet::Pulling::none) return at_.arrive(length <= at_.options.step_tolerance);
+      const ActiveSet::Release release = at_.release_wrong_sign(at_.y_next, 0.0);
+      if (release == ActiveSet::Release::cycling) return Outcome::stalled;
+      if (release == ActiveSet::Release::none) return at_.arrive(length <= at_.options.step_tolerance);
       if (!begin_anew()) return Outcome::stalled;
       continue;
     }
     if (!std::isfinite(length)) return Outcome::stalled;
     if (!shorten(at_.bounded_part(length))) {
-      return at_.at_rest() ? at_.arrive(false) : Outcome::stalled;
+      return at_.balanced() ? at_.arrive(false) : Outcome::stalled;
     }
     if (at_.activate_violated() && !begin_anew()) return Outcome::stalled;
   }
   return Outcome::iteration_limit;
 }
 
-// Other rows hold: what was left behind says nothing of them.
+// The active set has changed: remembered points no longer compare.
 bool StationarySearch::begin_anew() {
   filter_.clear();
   return at_.linearize();
 }
 
-// Halves the step until the filter takes it; leaves `now` there, linearized. Which constraints repeat each other shows
-// only where they hold: with redundant ones every trial is pulled back first.
+// Halves the step until the filter accepts it; leaves `now` there, linearized. Redundancy of constraints can be
+// recognized only where they hold: with redundant ones every trial is first projected back onto them.
 bool StationarySearch::shorten(double alpha) {
   filter_.remember(at_.gap_norm, at_.force_norm);
   const bool redundant = at_.kkt->redundant();
-  const bool carries_multipliers = !at_.kkt->tells_multipliers();
+  const bool carries_multipliers = !at_.kkt->determines_multipliers();
   if (carries_multipliers) {
     at_.solve_for_multipliers();
     y_before_ = at_.y;

@@ -8,7 +8,7 @@
 
 namespace poise::solvers {
 
-/// Full Newton steps on {F + J^T y = 0, c = 0} from the point at hand, halved until a filter takes them. Finds any
+/// Newton steps on {F + J^T y = 0, c = 0} from the current point, halved until a filter accepts them. Finds any
 /// stationary point; works for fields without a potential.
 class StationarySearch {
  public:

@@ -23,9 +23,9 @@ struct Complementarity {
   Complementarity(double a, double b) : value(b) {
     if (std::isinf(a)) return;
     const double r = std::hypot(a, b);
-    // The plain sum cancels where both are positive.
+    // The sum as written cancels if both are positive.
     value = a > 0 && b > 0 ? 2 * a * b / (a + b + r) : a + b - r;
-    // At the kink any derivative between those around it will do.
+    // At the kink any element of the subdifferential serves.
     by_a = 1 - (r > 0 ? a / r : 1 / std::numbers::sqrt2);
     by_b = 1 - (r > 0 ? b / r : 1 / std::numbers::sqrt2);
   }

@@ -7,7 +7,7 @@
 namespace poise::solvers {
 
 /// The conditions of a stationary point of a Problem as one square system of residuals in z = (x, y), y the
-/// multipliers of the rows kept; solvers/least_squares.hpp says which. Its sparse Jacobian is exact.
+/// multipliers of the rows kept; defined in solvers/least_squares.hpp. Its sparse Jacobian is exact.
 class StationarySystem {
  public:
   /// From x = start, y by least squares. `problem` must outlive this.
@@ -20,12 +20,12 @@ class StationarySystem {
   int column_of(int entry) const { return entries_[entry].column; }
 
   void evaluate(const std::vector<double>& z);
-  /// At the point evaluated last.
+  /// Computes the Jacobian at the point evaluated last.
   void differentiate();
 
   double residual(int row) const { return residual_[row]; }
   double slope(int entry) const { return slope_[entry]; }
-  /// Largest residual, forces relative to 1 + max |F|, gaps without their weight. Infinite rather than not a number.
+  /// Largest residual, forces relative to 1 + max |F|, gaps without their weight. Infinite instead of NaN.
   double error() const;
   int evaluations() const { return evaluations_; }
 

@@ -6,7 +6,7 @@
 
 namespace poise::solvers {
 
-/// max |v_i|; 0 for none. Infinite where any entry is not a number, so that no tolerance passes over it.
+/// max |v_i|; 0 for none. Infinite if any entry is NaN, so that no tolerance is met then.
 inline double largest(std::span<const double> v) {
   double worst = 0.0;
   for (const double e : v) {

@@ -27,7 +27,7 @@ class ActiveSetOnAStrip : public testing::Test {
   ActiveSet active{problem};
 };
 
-TEST_F(ActiveSetOnAStrip, HoldsEqualitiesAlwaysAndBoundsWhereTheyAreMet) {
+TEST_F(ActiveSetOnAStrip, HoldsEqualitiesAlwaysAndBoundsWhereTheyAreReached) {
   EXPECT_EQ(active.rows(), std::vector<int>{0});
   EXPECT_FALSE(active.activate_violated(at(0.5), 0.0));
   EXPECT_TRUE(active.activate_violated(at(1.25), 0.0));
@@ -39,26 +39,26 @@ TEST_F(ActiveSetOnAStrip, HoldsEqualitiesAlwaysAndBoundsWhereTheyAreMet) {
   EXPECT_DOUBLE_EQ(active.gap(at(-0.25), 1), -0.25);
 }
 
-TEST_F(ActiveSetOnAStrip, WhatIsNotANumberViolatesNothingButIsAGap) {
+TEST_F(ActiveSetOnAStrip, NanViolatesNothingButIsAGap) {
   EXPECT_FALSE(active.activate_violated(at(nothing), 0.0));
   EXPECT_EQ(active.largest_gap(at(nothing)), PlaneProblem::infinity);
 }
 
-TEST_F(ActiveSetOnAStrip, LetsGoOfABoundThatPullsUntilItIsCycling) {
+TEST_F(ActiveSetOnAStrip, ReleasesABoundWithWrongSignUntilItIsCycling) {
   const ActiveSetOptions options;
-  const std::vector<double> pulls = {0.0, -2.0}, presses = {0.0, 2.0};
+  const std::vector<double> wrong = {0.0, -2.0}, right = {0.0, 2.0};
   active.activate(1, true);
-  EXPECT_EQ(active.release_pulling(presses, 0.0), ActiveSet::Pulling::none);
-  EXPECT_EQ(active.release_pulling(pulls, 3.0), ActiveSet::Pulling::none);
+  EXPECT_EQ(active.release_wrong_sign(right, 0.0), ActiveSet::Release::none);
+  EXPECT_EQ(active.release_wrong_sign(wrong, 3.0), ActiveSet::Release::none);
   for (int k = 0; k < options.releases; ++k) {
-    EXPECT_EQ(active.release_pulling(pulls, 0.0), ActiveSet::Pulling::released);
+    EXPECT_EQ(active.release_wrong_sign(wrong, 0.0), ActiveSet::Release::released);
     EXPECT_FALSE(active.holds(1));
     active.activate(1, true);
   }
-  EXPECT_EQ(active.release_pulling(pulls, 0.0), ActiveSet::Pulling::cycling);
+  EXPECT_EQ(active.release_wrong_sign(wrong, 0.0), ActiveSet::Release::cycling);
   EXPECT_TRUE(active.holds(1));
-  active.activate(1, false);  // at the lower bound what pressed pulls
-  EXPECT_EQ(active.release_pulling(pulls, 0.0), ActiveSet::Pulling::none);
+  active.activate(1, false);  // at the lower bound the signs are reversed
+  EXPECT_EQ(active.release_wrong_sign(wrong, 0.0), ActiveSet::Release::none);
 }
 
 TEST_F(ActiveSetOnAStrip, CountsItsChanges) {
@@ -69,7 +69,7 @@ TEST_F(ActiveSetOnAStrip, CountsItsChanges) {
   EXPECT_GT(active.changes(), before);
 }
 
-TEST_F(ActiveSetOnAStrip, FindsWhereABoundIsMetFirst) {
+TEST_F(ActiveSetOnAStrip, FindsWhereABoundIsReachedFirst) {
   const ActiveSet::Crossing inside = active.first_crossing(at(0.5), at(0.75));
   EXPECT_EQ(inside.fraction, 1.0);
   EXPECT_EQ(inside.row, -1);
@@ -82,7 +82,7 @@ TEST_F(ActiveSetOnAStrip, FindsWhereABoundIsMetFirst) {
   EXPECT_FALSE(arrived.upper);
 }
 
-TEST_F(ActiveSetOnAStrip, IgnoresRowsThatWereNotChosen) {
+TEST_F(ActiveSetOnAStrip, IgnoresRowsThatAreNotConsidered) {
   ActiveSet circle(problem, {0});
   EXPECT_FALSE(circle.activate_violated(at(2.0), 0.0));
   EXPECT_DOUBLE_EQ(circle.largest_gap(at(2.0)), 1.5);
