@@ -26,7 +26,7 @@ void add_efforts(const Scene& scene, const Measure& measure, const std::vector<B
       break;
     }
     case Measure::Kind::travel: {
-      // Along the line of body a, at the point of body b that runs on it.
+      // Along the line of body a, at the point of body b that slides on it.
       const Joint& joint = scene.joints[measure.joint];
       const Vec2 at = world(scene, poses, joint.b);
       out.push_back({joint.a.body, joint.b.body, at, at, factor * axis_of(joint, poses), 0.0});

@@ -21,31 +21,33 @@
 namespace poise {
 namespace {
 
-// Coordinates up to which all curvatures are computed; above, only their signs are counted.
+// Number of coordinates up to which all curvatures are computed; above, only their signs are counted.
 constexpr int all_curvatures = 300;
-// Curvatures below this part of the tangent are looked at in 50 digits.
+// Curvatures below this share of the tangent are computed in 50 digits.
 constexpr double doubtful_below = 1e-6;
 constexpr std::size_t most_directions = 6;
-// Reactions of so many times the loads may hide what they leave unbalanced: 50 digits then decide.
+// Reactions of so many times the loads may hide an imbalance: 50 digits then decide.
 constexpr double heavy_reactions = 1e3;
-// Part of the largest force that the rounding of stiff springs may leave unbalanced without a further look, and at all.
+// Share of the largest force that rounding of stiff springs may leave unbalanced without a further check, and at most.
 constexpr double rounding_forgiven = 1e-6;
 constexpr double worst_reactions = 1e-3;
-// How far rounding can leave a search from an equilibrium whose curvature vanishes too: the cube root of eps and more.
+// Possible distance, by rounding, of a search's result from an equilibrium with vanishing curvature: the cube root of
+// eps and more.
 constexpr double beside_a_cusp = 1e-4;
-// A freedom counts as neutral where so far along it no more than so much of the largest stiffness is out of balance.
+// A direction counts as neutral if over this distance along it the imbalance is at most this share of the largest
+// stiffness.
 constexpr double flat_over = 1e-3;
 constexpr double flat_within = 2e-14;
 constexpr double closure_rounding = 4 * std::numeric_limits<double>::epsilon();
-// What rounding of the coordinates themselves leaves.
+// Gap caused by rounding of the coordinates.
 constexpr double least_accuracy = 4 * std::numeric_limits<double>::epsilon();
-// Part of the smallest curvature up to which a Newton step cannot have come from beyond a fold.
+// Share of the smallest curvature up to which a Newton step cannot have passed a fold.
 constexpr double safe_step = 1e-2;
 constexpr double no_length = 1e-12;  // of the mechanism's size
 // Rounding of the forces on a coordinate, scaled to order one: some units in the last place.
 constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
 
-// Gap of a joint between the places of its two bodies, m.
+// Gap of a joint between the poses of its two bodies, m.
 double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses, double size) {
   const BodyPose<double>& a = poses[joint.a.body];
   const BodyPose<double>& b = poses[joint.b.body];
@@ -98,7 +100,7 @@ class EquilibriumCheck {
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const Joint& joint = scene_.joints[j];
       double wide = gap(scene_, joint, poses_, size_);
-      // A travel that only closes a loop moves no body: it has to be what the places of the bodies show.
+      // A travel that only closes a loop moves no body: it has to agree with the poses of the bodies.
       const int t = model_.layout().travel[j];
       if (t >= 0 && t < model_.layout().kept) {
         wide =
@@ -111,8 +113,8 @@ class EquilibriumCheck {
     }
     out_.closed = out_.closure_error <= tolerances_.closure * size_;
     if (!out_.closed) {
-      object(fmt::format("joint \"{}\" gapes by {:.3g} {}", out_.worst_joint, out_.closure_error / scene_.units.length,
-                         scene_.units.length_name));
+      object(fmt::format("joint \"{}\" is open by {:.3g} {}", out_.worst_joint,
+                         out_.closure_error / scene_.units.length, scene_.units.length_name));
     }
   }
 
@@ -147,25 +149,27 @@ class EquilibriumCheck {
     pressing_ = bodies.pressing;
     largest_load_ = bodies.largest_load;
     if (const Element* cone = pushing_at_zero_length()) {
-      object(fmt::format("{} \"{}\" is pressed to length zero, where it pushes in no direction: nothing rests there",
-                         cone->family(), cone->name));
+      object(fmt::format(
+          "{} \"{}\" is compressed to length zero, where its force has no direction: no equilibrium is possible there",
+          cone->family(), cone->name));
       return;
     }
-    // What a place known to a few rounding errors does to the stiffest spring cannot be balanced any better.
+    // The balance cannot be better than the change of force of the stiffest spring for a few rounding errors of
+    // position.
     double stiffest = 0.0;
     for (const Element& e : scene_.elements) stiffest = std::max(stiffest, rounding_size(e));
     const double rounding = 1e-14 * stiffest;
     if (!std::isfinite(out_.imbalance) || !std::isfinite(out_.largest_force)) {
-      object("forces overflow double precision, so nothing can be balanced");
+      object("forces overflow double precision, so balance cannot be checked");
       return;
     }
     out_.balanced = is_balanced(bodies, rounding);
     if (!out_.balanced) object(unbalanced_in_words(bodies, rounding));
   }
 
-  // Rounding is forgiven while it is small beside the forces, and where there is nothing but rounding; where a very
-  // stiff spring makes it large, 50 digits have to find the same place, and even then the reactions must be worth
-  // printing.
+  // An imbalance by rounding is accepted if it is small compared with the forces, and if there are no forces beyond
+  // rounding; where a very stiff spring makes it large, 50 digits have to find the same equilibrium, and even then the
+  // reactions must have some accuracy.
   bool is_balanced(const FreeBodies& bodies, double rounding) const {
     const double force = bodies.largest_force;
     if (bodies.imbalance <= tolerances_.imbalance * force + std::min(rounding, rounding_forgiven * force)) return true;
@@ -176,7 +180,7 @@ class EquilibriumCheck {
     return exact.refined && exact.error <= tolerances_.closure;
   }
 
-  // Force that an element would exert over the whole size of what its measure is computed from.
+  // Force that an element would exert over the whole size of the quantities its measure is computed from.
   double rounding_size(const Element& e) const {
     const double k = std::abs(force_at_rest(e.law, value_of(scene_, e.on, poses_)).by_measure);
     if (!e.on.is_angle()) return k * size_;
@@ -188,7 +192,7 @@ class EquilibriumCheck {
     return k * turns / size_;
   }
 
-  // Its energy is the tip of a cone there, which no derivative sees.
+  // Its energy has the tip of a cone there, where no derivative exists.
   const Element* pushing_at_zero_length() const {
     for (const Element& e : scene_.elements) {
       if (e.on.kind != Measure::Kind::distance) continue;
@@ -203,22 +207,21 @@ class EquilibriumCheck {
         bodies.is_moment ? fmt::format("{:.3g} {} {}", bodies.imbalance * size_ / (units.force * units.length),
                                        units.force_name, units.length_name)
                          : fmt::format("{:.3g} {}", bodies.imbalance / units.force, units.force_name);
-    return fmt::format("body \"{}\" is out of balance by {} ({:.1g} of the largest force{}){}", out_.worst_body, amount,
-                       bodies.imbalance / bodies.largest_force, bodies.is_moment ? " times the mechanism's size" : "",
-                       bodies.imbalance <= rounding
-                           ? "; the stiffest spring is too stiff for double precision to tell it better"
-                           : "");
+    return fmt::format(
+        "body \"{}\" is out of balance by {} ({:.1g} of the largest force{}){}", out_.worst_body, amount,
+        bodies.imbalance / bodies.largest_force, bodies.is_moment ? " times the mechanism's size" : "",
+        bodies.imbalance <= rounding ? "; the stiffest spring limits the accuracy in double precision" : "");
   }
 
-  // A pose where the closures lose rank may hold no load at all: a rounding error beside it reactions grow beyond all
-  // measure and seem to balance. Whether there is an equilibrium is then decided in 50 digits.
+  // A pose where the closures lose rank may balance no load at all: within rounding errors of it reactions grow without
+  // bound and seem to balance. Whether there is an equilibrium is then decided in 50 digits.
   void look_for_a_singular_configuration() {
     if (!out_.closed) return;
     if (!out_.balanced) {
       const std::optional<SingularConfiguration> singular = find_singular_configuration(model_, x_);
       if (!singular) return;
       out_.objection = fmt::format(
-          "no finite joint forces hold the loads in this singular pose: its joints lock, only {} of {} closures being "
+          "no finite joint forces balance the loads in this singular pose: its joints lock, only {} of {} closures are "
           "independent",
           singular->rank, singular->rank_beside);
     } else {
@@ -228,13 +231,13 @@ class EquilibriumCheck {
       }
       out_.balanced = false;
       object(
-          "no finite joint forces hold the loads: here the joints lock (reactions of more than a thousand times the "
+          "no finite joint forces balance the loads: here the joints lock (reactions of more than a thousand times the "
           "loads, and no equilibrium in 50 digits)");
     }
     out_.singular = true;
   }
 
-  // Closure rows and the stops that press.
+  // Closure rows and active stops.
   std::vector<int> holding_rows() const {
     const Mechanism<double>& m = model_.mechanism();
     std::vector<int> rows(m.equalities());
@@ -254,7 +257,7 @@ class EquilibriumCheck {
     if (reduced.matrix.size() == 0) {
       settle(0, 0);
       out_.accuracy = force_rounding;
-      out_.stability_note = "the stops that press leave no freedom";
+      out_.stability_note = "held by its stops";
     } else if (m.has_follower_loads()) {
       check_followers(reduced);
     } else {
@@ -275,7 +278,7 @@ class EquilibriumCheck {
     }
     double smallest = std::numeric_limits<double>::infinity();
     for (double c : curvature) smallest = std::min(smallest, std::abs(c));
-    // Beside a fold a step as long as the way to its top may lead nowhere.
+    // Near a fold a step as long as the distance to the fold may not converge.
     const double step = step_to_rest(reduced);
     const bool beside_a_fold = !(step * std::max(1.0, reduced.largest) <= safe_step * smallest);
     if (doubtful || beside_a_fold) {
@@ -314,8 +317,8 @@ class EquilibriumCheck {
                                              shift_by_rounded_closures(reduced, solve), least_accuracy});
   }
 
-  // How far the equilibrium moves with the closures when they are rounded otherwise: where reactions are heavy they
-  // push along whatever a gap of eps opens. `solve` applies the inverse of the reduced stiffness.
+  // Change of the equilibrium with the rounding of the closures: large reactions act along the motion that a gap of eps
+  // permits. `solve` applies the inverse of the reduced stiffness.
   //   J v = e,  Z^T K (v + Z z) = 0,  d = v + Z z
   static double shift_by_rounded_closures(const ReducedHessian<double>& reduced, const auto& solve) {
     const Eigen::Index rows = reduced.jacobian.rows();
@@ -334,12 +337,12 @@ class EquilibriumCheck {
 
   void check_kinks(const std::vector<int>& kinks, double zero) {
     out_.stability = stability_at_kinks(model_, x_, holding_rows(), kinks, zero);
-    out_.descent_directions = out_.stability == Stability::unstable ? 1 : 0;
+    out_.unstable_directions = out_.stability == Stability::unstable ? 1 : 0;
     out_.neutral_directions = out_.stability == Stability::neutral ? 1 : 0;
-    out_.stability_note = fmt::format("spring \"{}\" is just about to act: both sides were looked at",
+    out_.stability_note = fmt::format("spring \"{}\" is at its free length: both sides were checked",
                                       scene_.elements[kinks.front()].name);
     if (out_.stability == Stability::unknown) {
-      out_.stability_note += ", and with more than one freedom they do not decide";
+      out_.stability_note += ", which is not decisive with more than one degree of freedom";
     }
   }
 
@@ -363,10 +366,10 @@ class EquilibriumCheck {
 
   bool is_close(double step) {
     if (step <= tolerances_.position) return true;
-    deny(
-        fmt::format("the loads balance nearly, but the equilibrium itself lies about {:.1g} away (rad, or length over "
-                    "size)",
-                    step));
+    deny(fmt::format(
+        "the loads are nearly balanced, but the equilibrium itself is about {:.1g} away (rad, or length over "
+        "size)",
+        step));
     return false;
   }
 
@@ -376,9 +379,8 @@ class EquilibriumCheck {
     out_.stability_note = "only an equilibrium can be stable";
   }
 
-  // Beside a fold, where equilibria merge and vanish, double precision can neither tell the sign of a curvature nor
-  // whether there is an equilibrium at all. Where 50 digits find none, only a freedom along which nothing changes is
-  // left as an explanation.
+  // Near a fold, where equilibria merge and vanish, double precision determines neither the sign of a curvature nor
+  // whether there is an equilibrium at all. If 50 digits find none, only a neutral direction remains as an explanation.
   bool check_in_50_digits(const ReducedHessian<double>& reduced, const Eigen::MatrixXd& directions,
                           std::vector<double>& curvature, double within) {
     const std::vector<double> exact = refined_curvatures(model_, x_);
@@ -395,14 +397,14 @@ class EquilibriumCheck {
         flat = true;
         continue;
       }
-      deny("50 digits find no equilibrium here: what double precision cannot see unbalanced is the rest of a fold");
+      deny("50 digits find no equilibrium here: near a fold double precision does not resolve the imbalance");
       return false;
     }
     if (!flat) deny("50 digits find no equilibrium here, or none so near");
     return flat;
   }
 
-  // Nothing but rounding is out of balance a little way along the direction, either.
+  // Whether the imbalance is rounding only a short distance along the direction, too.
   bool is_flat(const Eigen::VectorXd& direction) const {
     const double scale = std::max(1.0, largest_load_ / model_.scales().force);
     solvers::Newton closing(model_.problem());
@@ -416,7 +418,7 @@ class EquilibriumCheck {
   }
 
   void settle(int falling, int neutral) {
-    out_.descent_directions = falling;
+    out_.unstable_directions = falling;
     out_.neutral_directions = neutral;
     out_.stability = falling > 0 ? Stability::unstable : neutral > 0 ? Stability::neutral : Stability::stable;
   }
@@ -436,9 +438,9 @@ class EquilibriumCheck {
     return out;
   }
 
-  // Without a potential the reduced stiffness K is not symmetric. What statics can see of it, whatever the units of the
-  // coordinates, is the sign of its determinant: negative means divergence. With more than one freedom a positive one
-  // does not exclude flutter, which only masses can decide.
+  // Without a potential the reduced stiffness K is not symmetric. Statics can use the sign of its determinant, which
+  // does not depend on the units of the coordinates: negative means divergence. With more than one degree of freedom a
+  // positive one does not exclude flutter, which depends on the masses.
   void check_followers(const ReducedHessian<double>& reduced) {
     if (!is_close(step_to_rest(reduced))) return;
     out_.accuracy = force_rounding / solvers::singular_value_decomposition(reduced.matrix).values.minCoeff();
@@ -447,7 +449,7 @@ class EquilibriumCheck {
     const bool neutral = std::abs(determinant) <= 1e-12;
     const bool one_freedom = reduced.matrix.rows() == 1;
     settle(!neutral && determinant < 0 ? 1 : 0, neutral ? 1 : 0);
-    out_.stability_note = "a follower load has no potential: judged by divergence (the sign of the stiffness)";
+    out_.stability_note = "a follower load has no potential: checked for divergence only (the sign of the stiffness)";
     if (out_.stability == Stability::stable && !one_freedom) {
       out_.stability = Stability::unknown;
       out_.stability_note =
@@ -463,7 +465,7 @@ class EquilibriumCheck {
     for (int r : rows) active[r] = 1;
     const solvers::Inertia inertia = solvers::inertia_at(model_.problem(), x_, active);
     if (inertia.known) settle(inertia.negative, 0);
-    out_.stability_note = "too many coordinates for single modes: signs of the pivots were counted";
+    out_.stability_note = "too many coordinates for single directions: only the signs of the curvatures were counted";
   }
 
   const StaticModel& model_;

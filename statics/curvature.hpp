@@ -8,9 +8,9 @@
 
 namespace poise {
 
-/// Constraint values, Jacobian, force and tangent of a mechanism at q as dense matrices, for the few places that look
-/// at an answer once rather than iterate. Definitions are in statics/curvature_impl.hpp; double is instantiated in
-/// statics/curvature.cpp, 50 digits in statics/reference.cpp.
+/// Constraint values, Jacobian, force and tangent of a mechanism at q as dense matrices, for evaluation outside the
+/// iterations. Definitions are in statics/curvature_impl.hpp; double is instantiated in statics/curvature.cpp, 50
+/// digits in statics/reference.cpp.
 template <class T>
 struct DensePoint {
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
@@ -37,12 +37,12 @@ struct ReducedHessian {
 
   ReducedHessian(const Mechanism<T>& mechanism, const std::vector<T>& q, const std::vector<int>& rows);
 
-  Matrix basis;                          ///< n x freedoms
-  Matrix coupling;                       ///< Z^T (tangent), freedoms x n
-  Matrix jacobian;                       ///< of the kept rows
-  std::vector<T> kept;                   ///< values of the kept rows; those of stops from zero, not from their bound
-  typename DensePoint<T>::Vector force;  ///< Z^T F, what is left unbalanced
-  Matrix matrix;                         ///< freedoms x freedoms, not symmetric with follower loads
+  Matrix basis;         ///< n x degrees of freedom
+  Matrix coupling;      ///< Z^T (tangent), degrees of freedom x n
+  Matrix jacobian;      ///< of the kept rows
+  std::vector<T> kept;  ///< values of the kept rows; stops as the measure itself, not relative to their bound
+  typename DensePoint<T>::Vector force;  ///< Z^T F, the unbalanced force
+  Matrix matrix;                         ///< square, not symmetric with follower loads
   T largest;                             ///< largest entry of the tangent, the scale of `matrix`
 };
 

@@ -23,14 +23,14 @@
 namespace poise {
 namespace {
 
-constexpr int most_displaced = 12;  // starts, after one whose answer the check denied
+constexpr int most_displaced = 12;  // displaced starts, after a result that the check does not confirm
 
 double elapsed(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - since).count();
 }
 
-// Constraint rows that are independent at x, and all stops: Ipopt refuses more equations than variables. Where all are
-// independent the list is empty, which means all. Mechanisms too large for a dense factor are taken as they are.
+// Constraint rows that are independent at x, and all stops: Ipopt does not accept more equations than variables. If all
+// are independent the list is empty, which means all. Mechanisms too large for a dense factor keep all rows.
 std::vector<int> independent_rows(const StaticModel& model, const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
   const int equalities = m.equalities();
@@ -62,15 +62,16 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   out.evaluations = result.evaluations;
   out.why = "Newton: " + solvers::describe(result.outcome);
   if (result.load_stepped) {
-    out.why += " (by load stepping, after all else stalled)";
+    out.why += " (by load stepping, after all else failed)";
   } else if (result.restarted) {
-    out.why += " (from a displaced start, after all others stalled)";
+    out.why += " (from a displaced start, after others failed)";
   } else if (result.descended) {
     out.why += " (by descending the energy, after plain Newton stalled)";
   }
   out.met_singular = result.met_singular || find_singular_configuration(model, x).has_value();
   if (out.met_singular && result.outcome != solvers::Outcome::singular) {
-    out.why += "; it left a singular pose, whose joints lock: no finite forces in them hold the loads there";
+    out.why +=
+        "; the search left a singular pose, where the joints lock: no finite joint forces balance the loads there";
   }
   if (result.outcome == solvers::Outcome::interrupted) out.status = Status::interrupted;
   out.claimed = result.outcome == solvers::Outcome::converged;
@@ -104,11 +105,11 @@ void search_by_program(Program program, const StaticModel& model, const std::vec
   }
   if (m.coordinates() > method.coordinates) {
     out.status = Status::refused;
-    out.why = fmt::format("{} coordinates are beyond this method, which is not tried above {}", m.coordinates(),
+    out.why = fmt::format("{} coordinates are too many for this method; its limit is {}", m.coordinates(),
                           method.coordinates);
     return;
   }
-  // From closed loops: which closures repeat each other shows only where they hold.
+  // From closed loops: redundant closures can be recognized only where they hold.
   solvers::Newton closing(model.problem());
   const std::vector<double> closed = closing.close(x).x;
   const solvers::SearchOptions settings{.tolerance = options.tolerance.value_or(method.tolerance),
@@ -126,7 +127,7 @@ void search_by_program(Program program, const StaticModel& model, const std::vec
   out.claimed = result.claims_success;
 }
 
-// Without a default, so that the compiler tells which method is missing here.
+// Without a default, so that the compiler reports a method that is missing here.
 void search(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options, Equilibrium& out) {
   const auto by = [&](Program program) { search_by_program(program, model, x, options, out); };
   switch (options.method) {
@@ -160,7 +161,7 @@ std::optional<double> energy_at(const StaticModel& model, const std::vector<doub
   return m.energy(x.data(), pose.data()) * model.scales().energy();
 }
 
-// The check decides, whatever the solver said of itself.
+// The check decides, independent of the solver's own report.
 void check_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
   out.check = check(model, out.x, options.check);
   out.energy = energy_at(model, out.x);
@@ -171,8 +172,8 @@ void check_answer(const StaticModel& model, const SolveOptions& options, Equilib
     return;
   }
   out.status = out.claimed && !out.check.is_equilibrium() ? Status::refuted : Status::not_found;
-  out.why += wrong_kind && out.check.is_equilibrium() ? "; what it reached is an unstable equilibrium"
-                                                      : "; " + out.check.objection;
+  out.why +=
+      wrong_kind && out.check.is_equilibrium() ? "; the result is an unstable equilibrium" : "; " + out.check.objection;
 }
 
 Equilibrium search_and_check(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
@@ -191,7 +192,7 @@ Equilibrium search_and_check(const StaticModel& model, const std::vector<double>
   return out;
 }
 
-// The search believes in what it found, and the check does not.
+// The solver claims success, and the check does not confirm it.
 bool is_denied(const Equilibrium& rest) { return rest.claimed && !rest.found() && rest.status != Status::interrupted; }
 
 }  // namespace
@@ -203,11 +204,11 @@ std::string to_string(Status status) {
     case Status::confirmed:
       return "confirmed";
     case Status::refuted:
-      return "refuted";
+      return "not confirmed";
     case Status::not_found:
       return "not found";
     case Status::refused:
-      return "refused";
+      return "not applicable";
     case Status::interrupted:
       return "interrupted";
   }
@@ -227,30 +228,31 @@ Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const 
     next.evaluations += out.evaluations;
     next.microseconds += out.microseconds;
     next.met_singular = next.met_singular || out.met_singular;
-    if (next.found()) next.why += "; the start was displaced, because the check denied what was found from it";
+    if (next.found())
+      next.why += "; from a displaced start, because the check did not confirm the result from the given one";
     out = std::move(next);
   }
   return out;
 }
 
 Equilibrium solve(const StaticModel& model, const SolveOptions& options) {
-  // Both methods set out from the closed start: from an open one Newton's first steps, which mostly close loops, lead
-  // past the nearest equilibrium.
+  // Both methods begin at the closed start: from an open one Newton's first steps, which mostly close loops, lead past
+  // the nearest equilibrium.
   return solve(model, assemble(model), options);
 }
 
 std::vector<double> assemble(const StaticModel& model) {
   if (model.mechanism().coordinates() == 0) {
     throw InputError(where(model) +
-                     "nothing can move under load; expected a body that can turn or slide and bears a load, a weight "
+                     "nothing can move under load; expected a body that can turn or slide and carries a load, a weight "
                      "or a spring");
   }
   const Mobility mobility = analyse_mobility(model);
   expect_closed(model, mobility);
   if (mobility.freedoms == 0) {
-    throw InputError(
-        fmt::format("{}no freedom left: {} coordinates, {} independent closure equations; remove a joint, bar or weld",
-                    where(model), mobility.coordinates, mobility.rank));
+    throw InputError(fmt::format(
+        "{}no degree of freedom left: {} coordinates, {} independent closure equations; remove a joint, bar or weld",
+        where(model), mobility.coordinates, mobility.rank));
   }
   return mobility.x;
 }

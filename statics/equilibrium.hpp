@@ -20,10 +20,10 @@ enum class Seek {
 
 enum class Status {
   not_solved,
-  confirmed,  ///< the independent check confirms the answer
-  refuted,    ///< the solver claimed success and the check denies it
-  not_found,  ///< the solver gave up, and where it stopped is no equilibrium (or not the kind sought)
-  refused,    ///< the method cannot answer this scene: a load without potential in the energy method
+  confirmed,  ///< the independent check confirms the result
+  refuted,    ///< the solver claims success and the independent check does not confirm it
+  not_found,  ///< the search failed, or its result is an equilibrium of the wrong kind
+  refused,    ///< the method does not apply: a load without potential in the energy method, too many coordinates
   interrupted
 };
 
@@ -33,27 +33,29 @@ std::string to_string(Status status);
 struct SolveOptions {
   Method method = Method::virtual_work;
   Seek seek = Seek::nearest;
-  std::optional<double> tolerance{};  ///< of the method; its own (MethodTraits) where not given
+  std::optional<double> tolerance{};  ///< of the method; its default (MethodTraits) if not given
   CheckTolerances check{};
   solvers::Safeguards safeguards{};  ///< of virtual work
-  bool scaling = true;  ///< off: the search sees m and N, as the scene has them; to show what scaling is worth
+  bool scaling = true;               ///< off: the search runs in m and N, to measure the effect of scaling
   const std::atomic<bool>* interrupt = nullptr;
 };
 
-/// Where a mechanism rests, or how far the search came. Starts as not solved.
+/// An equilibrium of a mechanism, or the last point of a search that found none. Starts as not solved.
 struct Equilibrium {
   Method method = Method::virtual_work;
   Seek seek = Seek::nearest;
   Status status = Status::not_solved;
-  bool claimed = false;  ///< the solver's own word
-  /// The search met a pose where closures lose rank and no finite joint forces hold the loads (virtual work only).
+  bool claimed = false;  ///< the solver reports success
+  /// The search reached a pose where closures lose rank and no finite joint forces balance the loads (virtual work
+  /// only).
   bool met_singular = false;
-  std::string why;  ///< one sentence: the solver's own word, and the objection where there is one
+  std::string why;  ///< one sentence: the solver's report, and the objection of the check if there is one
   int iterations = 0;
   int evaluations = 0;
-  double microseconds = 0.0;  ///< of the search alone: reading, compiling, closing loops and check left out
+  double microseconds = 0.0;  ///< of the search alone, without reading, compiling, closing loops and check
   std::vector<double> x;      ///< scaled coordinates
-  /// V, J; dead loads count from an arbitrary zero. Empty with follower loads, which have none, and before any search.
+  /// V, J; of dead loads from an arbitrary zero. Empty with follower loads, which have no potential, and before any
+  /// search.
   std::optional<double> energy;
   Check check;
 
@@ -61,12 +63,12 @@ struct Equilibrium {
 };
 
 /// Finds an equilibrium from the scene's start (or from x, scaled coordinates) and checks it.
-/// Throws InputError where the mechanism cannot be assembled or has no freedom left.
+/// Throws InputError if the mechanism cannot be assembled or has no degree of freedom left.
 Equilibrium solve(const StaticModel& model, const SolveOptions& options = {});
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options = {});
 
-/// Throws InputError where the loops of the scene cannot be closed from its start, naming the loop and its gap, or
-/// where nothing is left to move. Returns closed scaled coordinates.
+/// Closes the loops from the scene's start and returns the scaled coordinates. Throws InputError if they cannot be
+/// closed, naming the loop and its gap, or if nothing can move.
 std::vector<double> assemble(const StaticModel& model);
 
 }  // namespace poise

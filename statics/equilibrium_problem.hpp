@@ -7,7 +7,7 @@ namespace poise {
 
 /// A compiled mechanism as a problem for the solvers:
 ///   x = q,  f = V(q),  F = -Q(q),  c = loop closures,  lower <= stops <= upper.
-/// The mechanism should be compiled in Scales of its own, and must outlive this.
+/// The mechanism should be compiled in its own Scales, and must outlive this.
 class EquilibriumProblem final : public solvers::Problem {
  public:
   explicit EquilibriumProblem(const Mechanism<double>& mechanism);

@@ -11,7 +11,7 @@
 namespace poise {
 namespace {
 
-// Unknown reactions up to which a dense decomposition, which gives the minimum norm, is used.
+// Number of unknown reactions up to which a dense decomposition, which gives the minimum norm, is used.
 constexpr int dense_limit = 250;
 
 // A unit reaction: force and moment on body b at a point, the opposite on body a.
@@ -21,10 +21,10 @@ struct Unknown {
   Vec2 at;
   Vec2 force;
   double moment;
-  std::vector<Unknown> with;  // other terms of the same unknown: of a sum
+  std::vector<Unknown> with;  // further terms of the same unknown, of a sum
 };
 
-// What a set of unknowns belongs to.
+// The joint, stop or drive that a set of unknowns belongs to.
 struct Item {
   Reaction reaction;
   int stop = -1;
@@ -110,8 +110,8 @@ class Statics {
     add_measure(static_cast<int>(items_.size()) - 1, drive.on);
   }
 
-  // Least-squares reactions, minimum norm where they are not unique (dense sizes). Returns the stop that pulls
-  // hardest, or -1.
+  // Least-squares reactions, of minimum norm if they are not unique (dense sizes). Returns the stop whose reaction has
+  // the wrong sign by most, or -1.
   int solve(FreeBodies& out) {
     const int rows = static_cast<int>(load_.size());
     const int count = static_cast<int>(unknowns_.size());
@@ -122,7 +122,7 @@ class Statics {
     if (count > 0 && count <= dense_limit) {
       const solvers::LeastSquares<double> reactions(Eigen::MatrixXd(a), solvers::known_to::solution);
       f = reactions.solve(-load);
-      // One step of refinement: the balance is judged to 1e-9 of the largest force.
+      // One step of iterative refinement: the balance is checked to 1e-9 of the largest force.
       f += reactions.solve(-load - a * f);
       out.redundancy = count - static_cast<int>(reactions.rank());
       if (out.redundancy > 0) {
@@ -158,7 +158,7 @@ class Statics {
       item.reaction.moment += f[u] * unknowns_[u].moment;
       if (free[u]) item.reaction.determined = false;
       if (item.reaction.kind == "bar" || item.axis != Vec2{}) item.reaction.axial = -f[u];
-      // At a maximum the stop may only reduce what it limits, at a minimum only increase it.
+      // At a maximum the stop's effort may only reduce the measure, at a minimum only increase it.
       if (item.stop >= 0 && std::abs(item.side) == 1 && item.side * f[u] > hardest) {
         hardest = item.side * f[u];
         pulling = item.stop;
@@ -176,14 +176,14 @@ class Statics {
   }
 
  private:
-  // The unknown effort upon a measure, positive where it tends to enlarge it. Of a sum the terms act together, each
-  // with its share.
+  // The unknown effort on a measure, positive if it tends to increase it. The terms of a sum act together, each with
+  // its factor.
   void add_measure(int number, const Measure& measure) {
     Item& item = items_[number];
     const std::vector<UnitEffort> efforts = unit_efforts(scene_, measure, poses_);
     for (const UnitEffort& effort : efforts) {
       Unknown unknown{number, effort.body_a, effort.body_b, effort.b, effort.force, size_ * effort.moment, {}};
-      // Where its points coincide a distance is taken as that along x.
+      // If its points coincide a distance is taken along x.
       if (effort.force == Vec2{} && effort.moment == 0.0) unknown.force = {1.0, 0.0};
       if (!measure.is_angle()) item.axis = unknown.force;
       item.reaction.at = effort.b;
@@ -206,7 +206,7 @@ class Statics {
     largest_load_ = std::max({largest_load_, norm(force), std::abs(turning)});
   }
 
-  // What every unknown does to every moving body.
+  // Coefficients of all unknowns in the equilibrium equations of all moving bodies.
   Eigen::SparseMatrix<double> equations() const {
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(4 * unknowns_.size());

@@ -9,7 +9,7 @@
 
 namespace poise {
 
-/// A load on a body beside those of the scene: force, N, at a point `at` of the world, m, and moment, N m.
+/// A load on a body in addition to those of the scene: force, N, at a point `at` of the world, m, and moment, N m.
 struct BodyLoad {
   int body = 0;
   Vec2 at{};
@@ -17,7 +17,7 @@ struct BodyLoad {
   double moment = 0.0;
 };
 
-/// What acts on a scene beside what it declares.
+/// Loads and drives in addition to those of a scene.
 struct Additions {
   std::vector<BodyLoad> loads;
   /// Drives whose force along a travel, or torque between two bodies, is to be found with the reactions. They come as
@@ -25,8 +25,8 @@ struct Additions {
   std::vector<Drive> drives;
 };
 
-/// Vector statics of a scene with its bodies at given places: every body cut free. Shares nothing with the phasor
-/// model but the places themselves.
+/// Vector statics of a scene with its bodies at given poses: every body cut free. Shares nothing with the phasor model
+/// but the poses.
 struct FreeBodies {
   double imbalance = 0.0;  ///< N: largest residual force, or moment / size, of a body
   int worst_body = 0;
@@ -34,15 +34,15 @@ struct FreeBodies {
   double largest_force = 0.0;    ///< N
   double largest_load = 0.0;     ///< N: without reactions
   double largest_applied = 0.0;  ///< N: weights, forces, torques and additions only
-  /// T at rest of every element of the scene, N or N m: positive where it tends to diminish its measure.
+  /// Static force T of every element of the scene, N or N m: positive if it tends to reduce its measure.
   std::vector<double> element_force;
   std::vector<Reaction> reactions;
-  std::vector<int> pressing;  ///< stops that press, indices into Scene::stops
+  std::vector<int> pressing;  ///< active stops, indices into Scene::stops
   int redundancy = 0;
 };
 
-/// `touching`: stops whose reaction may act, one entry (+1 at max, -1 at min, 2 at both, 0 not touching) per stop. A
-/// stop that would have to pull is left out.
+/// Finds the reactions and the imbalance. `touching`: stops whose reaction may act, one entry (+1 at max, -1 at min, 2
+/// at both, 0 not touching) per stop. A stop whose reaction would have the wrong sign is left out.
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
                    double size, const Additions& additions = {});
 

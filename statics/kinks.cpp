@@ -11,8 +11,8 @@ namespace poise {
 namespace {
 
 constexpr double at_kink = 1e-9;  // of the mechanism's size
-constexpr double beyond = 1e-8;   // by which free lengths are moved to have springs act, or not
-constexpr double aside = 1e-5;    // rad or sizes: how far a side is looked at
+constexpr double beyond = 1e-8;   // change of free lengths that makes springs act, or not
+constexpr double aside = 1e-5;    // rad or sizes: displacement at which a side is evaluated
 
 double value_at(const StaticModel& model, const Element& element, const std::vector<double>& x) {
   return value_of(model.scene(), element.on, model.poses(x));
@@ -39,7 +39,7 @@ ReducedHessian<double> reduced_with(const StaticModel& model, const std::vector<
   return {changed.mechanism(), x, rows};
 }
 
-// -1, 0 or 1 of the smallest eigenvalue.
+// Sign of the smallest eigenvalue, -1, 0 or 1.
 int sign_of_least(const ReducedHessian<double>& reduced, double zero) {
   const double least = solvers::symmetric_eigenvalues(reduced.matrix)[0];
   return least > zero ? 1 : least < -zero ? -1 : 0;

@@ -9,18 +9,19 @@ const std::vector<MethodTraits>& all_methods() {
   static const std::vector<MethodTraits> all = {
       {Method::virtual_work, "virtual-work", "Newton-Raphson on the equations of virtual work", false, false, 1e-9, 500,
        any},
-      {Method::energy, "energy", "least energy, by Ipopt", true, true, 1e-14, 1000, any},
+      {Method::energy, "energy", "minimum energy, by Ipopt", true, true, 1e-14, 1000, any},
       {Method::augmented_lagrangian, "augmented-lagrangian", "Newton on the augmented Lagrangian", false, false, 1e-12,
        200, 2000},
       {Method::augmented_lagrangian_modified, "augmented-lagrangian-modified",
        "the same without the curvature of the constraints, as in MECANO", false, false, 1e-12, 1000, 2000},
-      {Method::slsqp, "slsqp", "least energy by sequential quadratic programming (NLopt)", true, true, 1e-12, 2000,
+      {Method::slsqp, "slsqp", "minimum energy by sequential quadratic programming (NLopt)", true, true, 1e-12, 2000,
        300},
-      {Method::auglag_lbfgs, "auglag-lbfgs", "least energy by an augmented Lagrangian around L-BFGS (NLopt)", true,
+      {Method::auglag_lbfgs, "auglag-lbfgs", "minimum energy by an augmented Lagrangian around L-BFGS (NLopt)", true,
        true, 1e-12, 20000, 2000},
-      {Method::cobyla, "cobyla", "least energy without derivatives (NLopt)", true, true, 1e-10, 20000, 30},
-      {Method::dynamic_relaxation, "dynamic-relaxation", "damped motion to rest", false, true, 1e-12, 20000, 2000},
-      {Method::least_squares, "least-squares", "residuals of all equations, by Ceres", false, false, 1e-12, 500, 4000},
+      {Method::cobyla, "cobyla", "minimum energy without derivatives (NLopt)", true, true, 1e-10, 20000, 30},
+      {Method::dynamic_relaxation, "dynamic-relaxation", "damped fictitious motion", false, true, 1e-12, 20000, 2000},
+      {Method::least_squares, "least-squares", "least squares of the residuals of all equations, by Ceres", false,
+       false, 1e-12, 500, 4000},
   };
   return all;
 }

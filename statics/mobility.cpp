@@ -24,7 +24,7 @@ int gruebler_count(const Scene& scene) {
   return count;
 }
 
-// What is widest open at x, a loop or a stop, in words and with its line in the scene file.
+// The largest gap of a loop or violation of a stop at x, in words and with its line in the scene file.
 void find_widest_gap(const ScaledModel& model, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
   const Scene& scene = model.scene();
@@ -41,7 +41,7 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
     widest = wide;
     const Closure& closure = m.layout().closures[block.closure];
     out.gap_line = scene.joints[closure.joint].line;
-    out.gap = fmt::format("the loop closed by joint \"{}\" stays open by {:.4g} {}", closure.name, wide * in_units,
+    out.gap = fmt::format("the loop closed by joint \"{}\" remains open by {:.4g} {}", closure.name, wide * in_units,
                           scene.units.length_name);
   }
   std::string held;
@@ -56,14 +56,14 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
     const Stop& stop = scene.stops[s];
     const bool is_angle = stop.on.is_angle();
     out.gap_line = stop.line;
-    out.gap = fmt::format("stop \"{}\" stays overrun by {:.4g} {}", stop.name,
+    out.gap = fmt::format("stop \"{}\" remains overrun by {:.4g} {}", stop.name,
                           is_angle ? beyond / scene.units.angle : beyond * in_units,
                           is_angle ? scene.units.angle_name : scene.units.length_name);
   }
   out.gap += held;
 }
 
-// The closures of which a row is one of those that repeat others.
+// The closures that own one of the dependent rows.
 template <class Repeats>
 void name_redundant(const Mechanism<double>& m, Repeats repeats, Mobility& out) {
   for (const ConstraintBlock& block : m.blocks()) {
@@ -73,7 +73,7 @@ void name_redundant(const Mechanism<double>& m, Repeats repeats, Mobility& out) 
   }
 }
 
-// Closures whose row is a combination of the others: those with a part in the left null space of J.
+// Closures with a row that is a combination of others: those with a component in the left null space of J.
 void find_redundancy(const ScaledModel& model, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
   const int rows = m.equalities();

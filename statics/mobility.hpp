@@ -7,7 +7,7 @@
 
 namespace poise {
 
-/// What `poise check` says of a scene before anything is solved.
+/// Degrees of freedom, closure and redundancy of a scene at its assembled start; `poise check` prints them.
 struct Mobility {
   int bodies = 0;       ///< moving ones, bars left out
   int joints = 0;       ///< bars included
@@ -17,23 +17,23 @@ struct Mobility {
   int rank = 0;         ///< of the closure Jacobian at the assembled start
   int freedoms = 0;     ///< coordinates - rank
   bool assembled = false;
-  std::string gap;                         ///< which loop (or stop) stays open and by how much, where not assembled
+  std::string gap;                         ///< which loop (or stop) remains open and by how much, if not assembled
   int gap_line = 0;                        ///< its line in the scene file
-  std::vector<double> x;                   ///< assembled (or best) scaled coordinates
-  std::vector<std::string> redundant;      ///< joints whose closure repeats what others hold already
+  std::vector<double> x;                   ///< scaled coordinates, assembled or with the smallest gap found
+  std::vector<std::string> redundant;      ///< joints whose closure is a consequence of others
   std::vector<std::string> kept, dropped;  ///< of the compiled model, and why
 };
 
 Mobility analyse_mobility(const ScaledModel& model);
 
-/// Throws InputError where the loops stay open.
+/// Throws InputError if the loops are not closed.
 void expect_closed(const ScaledModel& model, const Mobility& mobility);
 
-/// "file:line: mechanism: ", how messages about a whole mechanism begin; without the line where it is 0.
+/// "file:line: mechanism: ", the beginning of messages about a whole mechanism; without the line if it is 0.
 std::string where(const ScaledModel& model, int line = 0);
 
-/// Closes the loops from the scene's start: closed scaled coordinates. Throws InputError where that cannot be done,
-/// naming the loop and its gap.
+/// Closes the loops from the scene's start: closed scaled coordinates. Throws InputError if that fails, naming the loop
+/// and its gap.
 std::vector<double> close_loops(const ScaledModel& model);
 
 }  // namespace poise

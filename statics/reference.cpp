@@ -16,12 +16,13 @@ using Real = Real50;
 using Vector = DensePoint<Real>::Vector;
 using Matrix = DensePoint<Real>::Matrix;
 
-constexpr int dense_limit = 80;  // coordinates up to which redundancy is resolved by a rank-revealing factor
+constexpr int dense_limit =
+    80;  // number of coordinates up to which redundancy is resolved by a rank-revealing factorization
 constexpr int steps = 120;
 constexpr double longest_step = 1e-3;
-constexpr double nearby = 1e-2;    // a correction larger than this has gone to another equilibrium
-constexpr double nearly = 1e-9;    // where Newton closes in by a constant factor only, this is close enough
-constexpr double touching = 1e-7;  // of a stop that holds
+constexpr double nearby = 1e-2;    // a larger correction leads to another equilibrium
+constexpr double nearly = 1e-9;    // accepted where Newton converges only linearly
+constexpr double touching = 1e-7;  // of an active stop
 
 // Newton on {F + J^T y = 0, c = 0} in 50 digits.
 class Refinement {
@@ -34,7 +35,7 @@ class Refinement {
     std::iota(rows_.begin(), rows_.end(), 0);
   }
 
-  // Stops that press: touching, and needed for balance with the right sign.
+  // Active stops: touching, and needed for balance with the right sign.
   void hold_stops() {
     const auto closures = static_cast<std::size_t>(mechanism_.equalities());
     target_.assign(closures, Real(0));
@@ -53,7 +54,8 @@ class Refinement {
       target_.push_back(at_top ? mechanism_.upper()[s] : mechanism_.lower()[s]);
       sides.push_back(at_top && at_bottom ? 0 : at_top ? 1 : -1);
     }
-    // In a large mechanism every stop that is touched is held: whether it presses is for the check to say.
+    // In a large mechanism every touched stop counts as active: the check decides whether its reaction has the right
+    // sign.
     while (rows_.size() > closures && mechanism_.coordinates() <= dense_limit) {
       const Vector y = DensePoint<Real>(mechanism_, q_, rows_).multipliers();
       std::size_t pulling = rows_.size();
@@ -68,8 +70,8 @@ class Refinement {
     }
   }
 
-  // Closures that repeat each other do so only to the rounding of the scene's own doubles; in 50 digits they would
-  // contradict each other. The independent ones are kept.
+  // Redundant closures agree only to the rounding of the scene's doubles; in 50 digits they would contradict each
+  // other. The independent ones are kept.
   void keep_independent_rows() {
     if (rows_.empty() || mechanism_.coordinates() > dense_limit) return;
     const DensePoint<Real> point(mechanism_, q_, rows_);
@@ -95,13 +97,13 @@ class Refinement {
       const std::optional<Vector> step =
           mechanism_.coordinates() <= dense_limit ? std::optional(dense_step()) : sparse_step();
       if (!step || !step->allFinite()) {
-        why = "Newton in 50 digits met a singular system";
+        why = "Newton in 50 digits: singular system";
         return false;
       }
       const Vector& d = *step;
       Real length = 0;
       for (Eigen::Index i = 0; i < d.size(); ++i) length = std::max(length, Real(abs(d[i])));
-      // Next to a fold full steps overshoot: they are kept short.
+      // Near a fold full steps overshoot: they are bounded.
       const Real part = length > longest_step ? Real(longest_step / length) : Real(1);
       Real travelled = 0;
       for (Eigen::Index i = 0; i < d.size(); ++i) {
@@ -109,22 +111,22 @@ class Refinement {
         travelled = std::max(travelled, Real(abs(q_[i] - from_[i])));
       }
       if (travelled > nearby) {
-        why = "the nearest solution in 50 digits is another one";
+        why = "the nearest solution in 50 digits is another equilibrium";
         return false;
       }
-      // Settled once steps no longer shrink: what is left is rounding in 50 digits.
+      // Converged once steps no longer decrease: the rest is rounding in 50 digits.
       if (length < Real(1e-30) && (length == 0 || length * 16 > last || length < Real(1e-45))) {
         settled_ = length;
         if (is_solved()) return true;
-        why = "50 digits find no equilibrium here: closures and balance cannot be met together";
+        why = "50 digits find no equilibrium here: closures and balance cannot be satisfied together";
         return false;
       }
       last = length;
     }
-    // Where a curvature vanishes at the equilibrium itself Newton closes in digit by digit.
+    // If a curvature vanishes at the equilibrium itself Newton converges only linearly.
     settled_ = last;
     if (last < Real(nearly) && is_solved()) return true;
-    why = "Newton in 50 digits did not settle";
+    why = "Newton in 50 digits did not converge";
     return false;
   }
 
@@ -134,7 +136,7 @@ class Refinement {
   int digits() const { return settled_ == 0 ? 50 : std::min(50, static_cast<int>(-log10(settled_))); }
 
  private:
-  // Where J loses rank steps may settle without a solution.
+  // Where J loses rank steps may become small without a solution.
   bool is_solved() {
     if (mechanism_.coordinates() > dense_limit) return true;
     DensePoint<Real> point(mechanism_, q_, rows_);
@@ -147,15 +149,15 @@ class Refinement {
     return worst < Real(1e-25);
   }
 
-  // c, with held stops measured from their bound.
+  // c, with active stops measured from their bound.
   Vector gaps(const std::vector<Real>& constraint) const {
     Vector c(static_cast<Eigen::Index>(rows_.size()));
     for (std::size_t k = 0; k < rows_.size(); ++k) c[static_cast<Eigen::Index>(k)] = constraint[rows_[k]] - target_[k];
     return c;
   }
 
-  // Minimum-norm step by a rank-revealing factor of the whole system: redundant joints and neutral freedoms do no
-  // harm.
+  // Minimum-norm step by a rank-revealing factorization of the whole system: redundant joints and neutral directions
+  // are admissible.
   Vector dense_step() {
     DensePoint<Real> point(mechanism_, q_, rows_);
     const Eigen::Index n = mechanism_.coordinates();
@@ -170,7 +172,7 @@ class Refinement {
     return solvers::minimum_norm_solution(system, right, solvers::known_to::half_of_50_digits).head(n);
   }
 
-  // Large mechanisms: sparse factors with a relaxation far below what is printed.
+  // Large mechanisms: sparse factors with a relaxation far below the printed digits.
   std::optional<Vector> sparse_step() {
     const Eigen::Index n = mechanism_.coordinates();
     const auto m = static_cast<Eigen::Index>(rows_.size());
@@ -238,7 +240,7 @@ class Refinement {
   Mechanism<Real> mechanism_;
   std::vector<Real> q_, from_;
   std::vector<int> rows_;
-  std::vector<Real> target_;  // per row: zero for closures, the bound of a held stop
+  std::vector<Real> target_;  // per row: zero for closures, the bound of an active stop
   Vector sparse_y_;
   Real settled_ = 1;
 };

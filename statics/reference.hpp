@@ -7,22 +7,22 @@
 
 namespace poise {
 
-/// The equilibrium next to an answer, in 50 digits.
+/// The equilibrium nearest to a result, in 50 digits.
 struct Reference {
-  bool refined = false;              ///< Newton in 50 digits arrived, and nearby
-  std::string why;                   ///< where it did not
+  bool refined = false;              ///< Newton in 50 digits converged, close to the start
+  std::string why;                   ///< if it did not
   double error = 0.0;                ///< largest difference of a scaled coordinate (rad, or length / size)
-  int digits = 0;                    ///< decimal digits to which the reference itself has settled
+  int digits = 0;                    ///< decimal digits to which the reference itself has converged
   std::vector<double> x;             ///< scaled coordinates, rounded from 50 digits
   std::vector<std::string> decimal;  ///< coordinates in SI (rad, m), 40 digits
 };
 
 /// Refines x by Newton's method on the same equations evaluated in 50 digits (Boost.Multiprecision), stops that x
-/// touches held at their bound. The scene as read, in double, is taken as exact.
+/// touches fixed at their bound. The scene as read, in double, is taken as exact.
 Reference refine(const StaticModel& model, const std::vector<double>& x);
 
-/// Eigenvalues of the reduced Hessian at the refined equilibrium, computed in 50 digits, ascending. Empty where it
-/// could not be refined.
+/// Eigenvalues of the reduced Hessian at the refined equilibrium, computed in 50 digits, ascending. Empty if it could
+/// not be refined.
 std::vector<double> refined_curvatures(const StaticModel& model, const std::vector<double>& x);
 
 }  // namespace poise

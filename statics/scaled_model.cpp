@@ -11,8 +11,8 @@ ScaledModel::ScaledModel(Scene scene, Purpose purpose)
 ScaledModel::ScaledModel(Scene scene, Purpose purpose, const Scales& scales)
     : scene_(std::move(scene)), mechanism_(compiled(purpose, scales)) {}
 
-// One layout tells the scales and, measured in them, serves to compile the scaled scene. Large scenes are scaled in
-// place and back, which powers of two do exactly, instead of being copied.
+// One layout determines the scales and, measured in them, is used to compile the scaled scene. Large scenes are scaled
+// in place and back, which is exact with powers of two, instead of being copied.
 Mechanism<double> ScaledModel::compiled(Purpose purpose, const std::optional<Scales>& scales) {
   Layout layout = lay_out(scene_, purpose);
   scales_ = scales ? *scales : choose_scales(scene_, layout.size);

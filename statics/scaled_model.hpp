@@ -10,13 +10,13 @@
 
 namespace poise {
 
-/// A scene compiled in units of its own size and load, so that every solver sees numbers of order one. x are the
+/// A scene compiled in units of its own size and load, so that all solvers work with numbers of order one. x are the
 /// coordinates in those units, q in SI (rad, m); time stays in seconds.
 class ScaledModel {
  public:
-  /// Throws InputError where the scene contradicts itself.
+  /// Throws InputError if the scene contradicts itself.
   ScaledModel(Scene scene, Purpose purpose);
-  /// The same in given units: models that differ in loads or masses can share theirs.
+  /// The same in given units, which models that differ in loads or masses can share.
   ScaledModel(Scene scene, Purpose purpose, const Scales& scales);
   ScaledModel(const ScaledModel&) = delete;
   ScaledModel& operator=(const ScaledModel&) = delete;
@@ -29,7 +29,7 @@ class ScaledModel {
   std::vector<double> start() const { return mechanism_.start(); }  ///< x
   std::vector<double> to_si(std::vector<double> x) const;
   std::vector<double> from_si(std::vector<double> q) const;
-  /// Places of all bodies and then of all bars, SI.
+  /// Poses of all bodies and then of all bars, SI.
   std::vector<BodyPose<double>> poses(const std::vector<double>& x) const;
 
  private:

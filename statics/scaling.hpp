@@ -5,7 +5,7 @@
 
 namespace poise {
 
-/// Scales of a scene whose reach (Layout::size) is `size`, m.
+/// Scales of a scene of size (Layout::size) `size`, m.
 Scales choose_scales(const Scene& scene, double size);
 
 }  // namespace poise

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int most_coordinates = 60;
 constexpr double closed_within = 1e-7;
-constexpr double unbalanced_beyond = 1e-6;  // of the largest load
-// A search that closes in on a singular configuration stops some way off, because small gaps move such poses far.
+constexpr double unbalanced_beyond = 1e-6;  // relative to the largest load
+// A search that approaches a singular configuration stops at some distance, because small gaps displace such poses far.
 constexpr double rank_tolerance = solvers::known_to::singular_point;
 constexpr double beside = 0.1;  // rad or mechanism sizes
 constexpr int tries = 8;
@@ -36,7 +36,7 @@ double largest_gap(const DensePoint<double>& point) {
   return worst;
 }
 
-// With the rank of the singular configuration: singular values below the tolerance carry nothing.
+// With the rank of the singular configuration: singular values below the tolerance count as zero.
 bool balances(const DensePoint<double>& point) {
   const Eigen::MatrixXd directions = point.jacobian.transpose();
   const Eigen::VectorXd left =

@@ -7,15 +7,15 @@
 
 namespace poise {
 
-/// A pose where the closures lose rank and no finite joint forces hold the loads.
+/// A pose where the closures lose rank and no finite joint forces balance the loads.
 struct SingularConfiguration {
   int rank = 0;         ///< of the closure Jacobian at the pose
   int rank_beside = 0;  ///< at poses close by
 };
 
-/// Tells whether the closed pose x (scaled coordinates) is such a pose: the Jacobian J of the closures has a smaller
-/// rank than beside it, and the loads F have a part that no finite multipliers y balance, whatever motion is possible:
-/// min |F + J^T y| > 0. None where the pose is open, or for mechanisms of more than 60 coordinates.
+/// Whether the closed pose x (scaled coordinates) is such a pose: the constraint Jacobian J has a smaller rank than at
+/// poses close by, and the loads F have a component that no finite multipliers y balance: min |F + J^T y| > 0. Empty if
+/// it is not, if the pose is open, or for mechanisms of more than 60 coordinates.
 std::optional<SingularConfiguration> find_singular_configuration(const StaticModel& model,
                                                                  const std::vector<double>& x);
 

@@ -13,12 +13,12 @@ using Matrix = Eigen::SparseMatrix<double>;
 constexpr double relax = 1e-12;
 constexpr int refinements = 20;
 constexpr int projections = 4;
-constexpr double unmet = 1e-9;  // part of the right side
+constexpr double unmet = 1e-9;  // relative to the right-hand side
 constexpr double smallest_singular_value = 1e-6;
 constexpr double takes_part = 1e-6;  // of a probe of order one
 constexpr int long_column = 32;      // entries
 
-// Calls visit(i, j, value) for one triangle of the matrix to be factored, entries of the same place one by one.
+// Calls visit(i, j, value) for one triangle of the matrix to be factored, duplicate entries one by one.
 template <class Visit>
 void for_each_entry(const Matrix& a, double shift, Visit visit) {
   const int rows = static_cast<int>(a.rows());
@@ -113,13 +113,14 @@ Eigen::VectorXd SparseLeastSquares::solve_even(const Eigen::VectorXd& b) {
   Eigen::VectorXd left = b;
   Eigen::VectorXd x = refine(left);
   if (left.cwiseAbs().maxCoeff() <= unmet * b.cwiseAbs().maxCoeff()) return x;
-  // What no x can meet becomes so large in the inverse that its rounding is felt: without it, once more.
+  // The part of b that no x can satisfy becomes so large in the inverse that its rounding matters: it is removed and
+  // the system solved once more.
   project(left);
   left = b - left;
   return refine(left);
 }
 
-// Every part of x is A^T times something, and so has nothing of the null space. Leaves b - A x in b.
+// Every term of x is A^T times a vector, and so is orthogonal to the null space. Leaves b - A x in b.
 Eigen::VectorXd SparseLeastSquares::refine(Eigen::VectorXd& b) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(a_.cols());
   Eigen::VectorXd inverse, step;
@@ -138,7 +139,7 @@ Eigen::VectorXd SparseLeastSquares::refine(Eigen::VectorXd& b) {
   return x;
 }
 
-// e (A A^T + e I)^-1 leaves alone what A^T does not feel, and shrinks all else.
+// e (A A^T + e I)^-1 leaves the null space of A^T unchanged, and reduces all other components.
 void SparseLeastSquares::project(Eigen::VectorXd& b) {
   for (int k = 0; k < projections; ++k) {
     apply_inverse(b);
@@ -146,7 +147,8 @@ void SparseLeastSquares::project(Eigen::VectorXd& b) {
   }
 }
 
-// Singular values of A below 1e-6, of all as many as it has rows: A A^T - t I has a negative eigenvalue for each.
+// Number of singular values of A below 1e-6, as many in all as it has rows: A A^T - t I has a negative eigenvalue for
+// each.
 int SparseLeastSquares::count_small() {
   factor(-smallest_singular_value * smallest_singular_value);
   const int count = factors_.negative() - long_columns_;
@@ -154,7 +156,7 @@ int SparseLeastSquares::count_small() {
   return count;
 }
 
-// The projection of a random vector has a part in every unknown that the null space touches.
+// The projection of a random vector has a component in every unknown that takes part in the null space.
 NullSpace SparseLeastSquares::null_space() {
   const Eigen::VectorXd any = probe(a_.cols());
   NullSpace out = touched(any - solve_even(a_ * any));

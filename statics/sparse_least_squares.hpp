@@ -11,10 +11,10 @@ namespace poise {
 /// The null space of a sparse matrix.
 struct NullSpace {
   int dimension = 0;          ///< singular values below 1e-6, counted by Sylvester's law in the signs of LDL^T pivots
-  std::vector<bool> touches;  ///< per unknown: has a part in it
+  std::vector<bool> touches;  ///< per unknown: has a component in it
 };
 
-/// Least squares with a sparse matrix A (m x n) that may lack rank. Its rows are first brought to length one. By LDL^T
+/// Least squares with a sparse matrix A (m x n) that may be rank-deficient. Its rows are first normalized. By LDL^T
 /// factors of
 ///
 ///   [ A_s A_s^T + e I   A_d ]
@@ -25,12 +25,12 @@ class SparseLeastSquares {
  public:
   explicit SparseLeastSquares(const Eigen::SparseMatrix<double>& a);
 
-  /// x of least norm with minimal |A x - b|, rows of length one, refined until e does no harm.
+  /// x of least norm with minimal |A x - b|, rows normalized, refined until the effect of e vanishes.
   Eigen::VectorXd solve(const Eigen::VectorXd& b);
 
-  /// A x = 0: what touches it is left undetermined by A x = b.
+  /// A x = 0: unknowns with a component in it are not determined by A x = b.
   NullSpace null_space();
-  /// A^T y = 0: rows that touch it are combinations of others.
+  /// A^T y = 0: rows with a component in it are combinations of others.
   NullSpace left_null_space();
 
  private:

@@ -5,10 +5,10 @@
 
 namespace poise {
 
-/// A scene ready for statics.
+/// A scene compiled for statics.
 class StaticModel : public ScaledModel {
  public:
-  /// Throws InputError where the scene contradicts itself.
+  /// Throws InputError if the scene contradicts itself.
   explicit StaticModel(Scene scene);
   /// The same in given units.
   StaticModel(Scene scene, const Scales& scales);

@@ -150,7 +150,7 @@ std::string in_words(const Check& check) {
   const auto add = [&](int number, const std::string& what) {
     if (number > 0) text += ", " + count(number, what + " direction", what + " directions");
   };
-  add(check.descent_directions, "unstable");
+  add(check.unstable_directions, "unstable");
   add(check.neutral_directions, "neutral");
   return text;
 }

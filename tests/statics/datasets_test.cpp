@@ -60,7 +60,7 @@ void expect_agrees(const StaticModel& model, const Equilibrium& found, const jso
     EXPECT_LE(norm(place - Vec2{number(at[0]), number(at[1])}), 4 * allowed * model.scales().length) << name;
   }
   EXPECT_EQ(found.check.stability, known.at("stable").get<bool>() ? Stability::stable : Stability::unstable);
-  EXPECT_EQ(found.check.descent_directions, known.at("descent_directions").get<int>());
+  EXPECT_EQ(found.check.unstable_directions, known.at("unstable_directions").get<int>());
   const auto stops = known.value("active_stops", std::set<std::string>{});
   EXPECT_EQ(pressing_stops(found.check), stops);
 }
@@ -108,7 +108,7 @@ TEST_P(Datasets, RestsByEnergyFromItsOwnStart) {
     expect_agrees(model, found, nearest, energy_tolerance);
   } else if (found.found()) {
     // It may leave for a rest that the list does not hold, but what it calls stable is stable.
-    EXPECT_EQ(found.check.descent_directions, found.check.stability == Stability::stable ? 0 : 1);
+    EXPECT_EQ(found.check.unstable_directions, found.check.stability == Stability::stable ? 0 : 1);
   } else {
     EXPECT_NE(found.status, Status::refuted) << found.why;
   }

@@ -98,7 +98,7 @@ struct Tally {
 void expect_judged(const Sample& sample, const Check& check) {
   EXPECT_TRUE(check.is_equilibrium()) << check.objection;
   EXPECT_EQ(check.stability, sample.stability()) << check.stability_note;
-  EXPECT_EQ(check.descent_directions, sample.planted.falling());
+  EXPECT_EQ(check.unstable_directions, sample.planted.falling());
 }
 
 TEST(Planted, SampleIsMixed) {
@@ -192,7 +192,7 @@ TEST(PlantedFollowers, VirtualWorkRecoversTheEquilibrium) {
     EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
     EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
     // Of an unsymmetric stiffness only the sign of its determinant does not depend on the scale of coordinates.
-    EXPECT_EQ(answer.check.descent_directions % 2, sample.planted.falling() % 2);
+    EXPECT_EQ(answer.check.unstable_directions % 2, sample.planted.falling() % 2);
     if (sample.planted.freedoms == 1) expect_judged(sample, answer.check);
   });
 }

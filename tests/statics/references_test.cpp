@@ -72,7 +72,7 @@ void expect_at(const StaticModel& model, const Equilibrium& found, const Pose& k
   ASSERT_LE(test::error_of(model, found.x, known), std::max(tolerance, rounding));
   EXPECT_EQ(to_string(found.check.stability), to_string(stability));
   if (search.falling >= 0) {
-    EXPECT_EQ(found.check.descent_directions, search.falling);
+    EXPECT_EQ(found.check.unstable_directions, search.falling);
   }
 }
 
@@ -503,7 +503,7 @@ TEST_F(References, BuckledCantilevers) {
       for (int i = 1; i <= links; ++i) pose[std::to_string(i)] = number(angles[i - 1]);
       poses.push_back(pose);
       const StaticModel model(test::started_at(scene, pose));
-      const int falling = solve(model).check.descent_directions;
+      const int falling = solve(model).check.unstable_directions;
       ++by_index[std::to_string(falling)];
       expect_met(scene, pose, stability_of(falling == 0), {.falling = falling});
     }
@@ -522,7 +522,7 @@ TEST_F(References, CriticalLoadsOfCantilevers) {
         const StaticModel model(cantilever(links, number(critical[k]) * (1.0 + side)));
         const Check straight = check(model, model.start());
         EXPECT_TRUE(straight.is_equilibrium()) << straight.objection;
-        EXPECT_EQ(straight.descent_directions, static_cast<int>(k) + (side > 0 ? 1 : 0)) << links << " links";
+        EXPECT_EQ(straight.unstable_directions, static_cast<int>(k) + (side > 0 ? 1 : 0)) << links << " links";
       }
     }
   }

@@ -107,7 +107,7 @@ TEST(Nearest, IsTheUnstableEquilibriumNextToThePrintedPose) {
           {{"link4", 1.1809809798627751078}, {"link6", 0.31112579393843271624}, {"link7", 5.3708134990460867023}}),
       1e-12);
   EXPECT_EQ(to_string(found.check.stability), "unstable");
-  EXPECT_EQ(found.check.descent_directions, 1);
+  EXPECT_EQ(found.check.unstable_directions, 1);
   const Equilibrium rest = solve(model, test::by(Method::virtual_work, Seek::stable));
   ASSERT_EQ(rest.status, Status::confirmed) << rest.why;
   EXPECT_EQ(to_string(rest.check.stability), "stable");

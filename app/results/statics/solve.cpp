@@ -50,8 +50,8 @@ std::string moves_in_words(const CurvatureDirection& direction) {
 void add_directions(Group& group, const Check& check) {
   for (std::size_t k = 0; k < check.principal_directions.size(); ++k) {
     const int index = static_cast<int>(k);
-    if (index >= check.descent_directions + check.neutral_directions) break;
-    group.fact("direction", (index < check.descent_directions ? "unstable: " : "neutral: ") +
+    if (index >= check.unstable_directions + check.neutral_directions) break;
+    group.fact("direction", (index < check.unstable_directions ? "unstable: " : "neutral: ") +
                                 moves_in_words(check.principal_directions[k]));
   }
   if (!check.stability_note.empty()) group.fact("stability", check.stability_note);
@@ -289,7 +289,7 @@ void add_check_data(Group& group, const StaticModel& model, const Equilibrium& r
   const Units& units = model.scene().units;
   group.data("stability", to_string(check.stability));
   group.data("stability_note", check.stability_note);
-  group.data("unstable_directions", check.descent_directions);
+  group.data("unstable_directions", check.unstable_directions);
   group.data("neutral_directions", check.neutral_directions);
   Branch& directions = group.array("directions");
   for (const CurvatureDirection& direction : check.principal_directions) {
