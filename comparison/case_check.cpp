@@ -12,16 +12,16 @@
 namespace poise::comparison {
 namespace {
 
-// Answers are expected to so many digits wherever rounding allows it.
+// Distance from a known equilibrium that every result should reach if rounding allows it.
 constexpr double exact = 1e-9;
-// Farther apart are different places, however little holds an equilibrium.
+// Results farther apart are different, however ill-conditioned the equilibrium.
 constexpr double elsewhere = 1e-3;
-// The rounding of forces that Check::accuracy stands for.
+// The relative rounding of forces that Check::accuracy assumes.
 constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
 
 double bounded(double distance) { return std::clamp(distance, exact, elsewhere); }
 
-// "left -1.571, right 1.571, rail 0 (rad, m)", as much of a pose as a line holds.
+// "left -1.571, right 1.571, rail 0 (rad, m)", as much of a pose as fits on a line.
 std::string pose_in_words(const StaticModel& model, const std::vector<double>& x) {
   constexpr std::size_t most = 6;
   const std::vector<double> q = model.to_si(x);
@@ -76,7 +76,7 @@ CaseCheck::Target CaseCheck::target_of(const KnownEquilibrium& known) const {
 double CaseCheck::distance(const std::vector<double>& x, const std::vector<BodyPose<double>>& poses,
                            const Target& target) const {
   double largest = 0.0;
-  // What is not a number is far from everything.
+  // NaN is far from everything.
   const auto add = [&](double d) {
     if (!(std::abs(d) <= largest)) largest = std::isnan(d) ? std::numeric_limits<double>::infinity() : std::abs(d);
   };
@@ -91,8 +91,8 @@ double CaseCheck::distance(const std::vector<double>& x, const std::vector<BodyP
 CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& rest) const {
   const CheckTolerances passed;
   const Check& check = rest.check;
-  // The scaled force that was let pass, which the softest curvature turns into distance; where that is not known,
-  // nothing near is too far.
+  // The scaled imbalance that the check accepts, converted into distance by the smallest curvature; if that is unknown,
+  // no near result is too far.
   if (!check.accuracy) return {exact, elsewhere};
   const double force = std::max(passed.imbalance * check.largest_force, check.imbalance) / model_.scales().force;
   const double given_way = *check.accuracy * std::max(1.0, force / force_rounding);
@@ -121,11 +121,11 @@ Verdict CaseCheck::verdict_on(const Equilibrium& rest) const {
 Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& rest) const {
   Verdict verdict;
   if (hard_.expect == Expect::locked) {
-    // What rests elsewhere is right to say so, but the question was whether the singular configuration was told.
+    // An equilibrium elsewhere is a correct result, but the case asks whether the singular configuration is reported.
     verdict = verdict_by_reference(rest);
     if (verdict.kind == Verdict::Kind::arrived && !rest.met_singular) {
       verdict.kind = Verdict::Kind::failed;
-      verdict.why = "it rests elsewhere and does not say that the start is locked";
+      verdict.why = "an equilibrium elsewhere, without a report that the start is locked";
     }
   } else if (hard_.expect != Expect::equilibrium) {
     verdict.kind = Verdict::Kind::wrong;
@@ -134,7 +134,8 @@ Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& rest) const {
     const bool neutral = rest.check.stability == Stability::neutral;
     verdict.kind = neutral ? Verdict::Kind::arrived : Verdict::Kind::wrong;
     if (!neutral) {
-      verdict.why = fmt::format("confirmed as {}, but it rests everywhere", to_string(rest.check.stability));
+      verdict.why =
+          fmt::format("confirmed as {}, but every closed pose is an equilibrium", to_string(rest.check.stability));
     }
   } else {
     verdict = verdict_by_list(rest);
@@ -158,7 +159,7 @@ Verdict CaseCheck::verdict_by_list(const Equilibrium& rest) const {
   if (!(apart <= bounds.confirmed)) {
     if (!hard_.complete) return verdict_by_reference(rest);
     return {Verdict::Kind::wrong, apart, rest.check.accuracy,
-            fmt::format("{}, but {:.2g} (rad or sizes) from the nearest that is known", claim, apart)};
+            fmt::format("{}, but {:.2g} (rad or sizes) from the nearest known equilibrium", claim, apart)};
   }
   if (rest.check.stability != nearest->stability) {
     const bool told = rest.check.stability != Stability::unknown;
@@ -173,14 +174,14 @@ Verdict CaseCheck::verdict_by_reference(const Equilibrium& rest) const {
   if (reference.refined) return verdict_by_distance(reference.error, rest, bounds_at(rest));
   Verdict verdict;
   verdict.kind = Verdict::Kind::wrong;
-  verdict.why = "confirmed, but not by 50 digits: " + reference.why;
+  verdict.why = "confirmed by the check, but not by 50 digits: " + reference.why;
   return verdict;
 }
 
 Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& rest, const Bounds& bounds) {
   if (apart <= bounds.arrived) return {Verdict::Kind::arrived, apart, rest.check.accuracy, ""};
   return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::wrong, apart, rest.check.accuracy,
-          fmt::format("{:.2g} (rad or sizes) off, where rounding explains {:.1g}", apart, bounds.arrived)};
+          fmt::format("error {:.2g} (rad or sizes), of which rounding explains {:.1g}", apart, bounds.arrived)};
 }
 
 }  // namespace poise::comparison

@@ -8,36 +8,36 @@
 
 namespace poise::comparison {
 
-/// What is known of a case says of one answer.
+/// Comparison of one result with the known equilibria of a case.
 struct Verdict {
   enum class Kind {
     arrived,
-    inexact,  ///< a known equilibrium, but farther from it than rounding explains
-    wrong,    ///< confirmed by the check and contradicted by what is known
-    denied,   ///< claimed by the solver, denied by the check
+    inexact,  ///< near a known equilibrium, but farther from it than rounding explains
+    wrong,    ///< confirmed by the check, but contradicted by the known equilibria
+    denied,   ///< claimed by the solver, not confirmed by the check
     failed    ///< nothing claimed
   };
   Kind kind = Kind::failed;
-  /// From the nearest known equilibrium, rad or mechanism sizes; empty where there is none.
+  /// Distance from the nearest known equilibrium, rad or mechanism sizes; empty if there is none.
   std::optional<double> error{};
-  std::optional<double> allowed{};  ///< what rounding may do there, Check::accuracy
-  std::string why{};                ///< where it did not arrive
+  std::optional<double> allowed{};  ///< conditioning limit there, Check::accuracy
+  std::string why{};                ///< reason, if it did not converge to a known equilibrium
 };
 
-/// Holds answers against what is known of a case.
+/// Compares results with the known equilibria of a case.
 ///
-/// list         The nearest known equilibrium must be near enough and of the stability that the check tells. Near
-///              enough for an arrival is max(1e-9, Check::accuracy); what lies farther, but within what the check's
-///              bounds on imbalance, gaps and stops let pass, is inexact. Beyond that a complete list contradicts the
-///              answer.
-/// open list    An answer near no known equilibrium is refined in 50 digits, which must find one as near.
-/// everywhere   The answer must be neutral.
-/// locked       It must be said that the joints lock. Who goes on to a rest elsewhere must say it too, and 50 digits
-///              must find that rest.
-/// none         Nothing may be confirmed; where nothing is claimed either the method has arrived.
+/// list         The nearest known equilibrium must be near enough and of the stability that the check finds. Near
+///              enough for convergence is max(1e-9, Check::accuracy); a result farther away, but within the check's
+///              bounds on imbalance, gaps and stops, is inexact. Beyond that a complete list contradicts the
+///              result.
+/// open list    A result near no known equilibrium is refined in 50 digits, which must find an equilibrium as near.
+/// everywhere   The result must be neutral.
+/// locked       The method must report that the joints lock, also if it goes on to an equilibrium elsewhere, which 50
+///              digits must confirm.
+/// none         Nothing may be confirmed; a method that does not claim an equilibrium either counts as converged.
 class CaseCheck {
  public:
-  /// `hard` and `model` must outlive this. Throws InputError where a known equilibrium names no body or travel.
+  /// `hard` and `model` must outlive this. Throws InputError if a known equilibrium names an unknown body or travel.
   CaseCheck(const HardCase& hard, const StaticModel& model);
 
   Verdict verdict_on(const Equilibrium& rest) const;

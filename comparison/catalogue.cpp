@@ -81,7 +81,7 @@ class CasesReader {
     return hard;
   }
 
-  /// The scene of the file, with its changes made; none where a series is named, which may be huge.
+  /// The scene of the file with its changes; empty for a series, which may be huge.
   std::optional<Scene> read_its_scene(const TomlTable& table, HardCase& hard) const {
     if (table.has("scene") == table.has("series")) table.place().fail("expected one of the keys scene, series");
     if (table.has("series")) {
@@ -156,17 +156,18 @@ class CasesReader {
     if (hard.expect != Expect::equilibrium) {
       for (const char* const key : {"equilibrium", "complete", "everywhere"}) {
         if (!table.has(key)) continue;
-        table.place_of(key).fail("expected no such key where nothing is to be found; leave it or expect out");
+        table.place_of(key).fail("expected no such key in a case without equilibrium; remove it or the key expect");
       }
-      if (hard.why.empty()) table.place().fail("expected the key why, what a person should be told; add why = \"...\"");
+      if (hard.why.empty()) table.place().fail("expected the key why, the reason to report; add why = \"...\"");
       return;
     }
     if (table.has("why")) {
-      table.place_of("why").fail("expected no such key where there is an equilibrium; it tells why there is none");
+      table.place_of("why").fail(
+          "expected no such key in a case with an equilibrium; it gives the reason why there is none");
     }
     if (hard.everywhere) {
       for (const char* const key : {"equilibrium", "complete"}) {
-        if (table.has(key)) table.place_of(key).fail("expected no such key where every closed pose is at rest");
+        if (table.has(key)) table.place_of(key).fail("expected no such key if every closed pose is an equilibrium");
       }
       return;
     }
@@ -175,7 +176,7 @@ class CasesReader {
     }
     const auto is_unstable = [](const KnownEquilibrium& known) { return known.stability == Stability::unstable; };
     if (hard.complete && hard.seek == Seek::stable && std::all_of(hard.known.begin(), hard.known.end(), is_unstable)) {
-      table.place_of("seek").fail("expected an equilibrium in the list that is not unstable, to be sought");
+      table.place_of("seek").fail("expected at least one equilibrium in the list that is not unstable");
     }
   }
 

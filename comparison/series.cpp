@@ -29,7 +29,7 @@ void pin(Scene& scene, PointRef a, PointRef b) {
 }  // namespace
 
 std::vector<double> arc_start(int links) {
-  // The span falls as the arc closes, from 1 at phi = 0 to 0 at a full circle.
+  // The span decreases as the arc closes, from 1 at phi = 0 to 0 at a full circle.
   double low = 0.0, high = 2.0 * M_PI / links;
   for (int k = 0; k < 200; ++k) {
     const double phi = 0.5 * (low + high);

@@ -9,8 +9,8 @@ namespace poise::comparison {
 
 // Scenes whose size is a parameter, built in code.
 
-/// The hanging chain of the references (static.hanging_chain_span06): n equal uniform links, together 1 m long and 1 N
-/// heavy, between two pins on one level chain_span apart.
+/// The hanging chain of the references (static.hanging_chain_span06): n equal uniform links of 1 m total length and 1 N
+/// total weight between two pins at the same height, chain_span apart.
 inline constexpr double chain_span = 0.6;  ///< m
 
 /// Angles, rad, of the n links laid as chords of the circular arc that hangs between the two pins:
@@ -22,8 +22,8 @@ Scene hanging_chain_scene(int links);
 
 /// A ladder of `windows` rhombi hung one below the other from the ground: four bars of 1 m and 1 kg each, the lower
 /// corner of one carries the upper corner of the next. Gravity pulls the windows shut; in each a spring of
-/// 50 windows N/m and free length 1.2 m between its side corners holds it open. The start is closed, its windows
-/// tilted to and fro. Four angles, one loop and one spring per window; it rests upright and symmetric, stable.
+/// 50 windows N/m and free length 1.2 m between its side corners holds it open. The start is closed, its windows tilted
+/// alternately. Four angles, one loop and one spring per window; the upright symmetric equilibrium is stable.
 Scene window_ladder_scene(int windows);
 
 /// "hanging chain", "window ladder".

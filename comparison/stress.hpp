@@ -13,36 +13,36 @@ namespace poise::comparison {
 struct StressOptions {
   std::vector<Method> methods{};  ///< in the order shown; all when empty
   int starts = 0;                 ///< per case; the case's own number when 0
-  /// A method stops trying further starts of a case after so long, and gives up the one under way after `patience`
-  /// times as long; virtual work with all its safeguards never does.
+  /// Time limit of a method for one case, s: no further starts after it, and the running one ends after `patience`
+  /// times the limit. Virtual work with all its safeguards has no limit.
   double seconds = 1.0;
   static constexpr double patience = 10.0;
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string& doing)> progress{};  ///< told before every cell; may be empty
+  std::function<void(const std::string& doing)> progress{};  ///< called before every cell; may be empty
 };
 
-/// One method on one case. Every start ends in one way: arrived, inexact, wrong, denied, or none of these, when the
-/// method gave up, or was not confirmed to be of the kind sought.
+/// One method on one case. Every start counts as arrived, inexact, wrong or denied, or as none of these if the method
+/// failed or found an equilibrium of the wrong kind.
 struct Cell {
   Method method{};
-  bool refused = false;  ///< the method cannot take the case; `why` says so
+  bool refused = false;  ///< the method does not apply to the case; `why` gives the reason
   int starts = 0;        ///< tried
-  /// Confirmed by the check, of the kind sought, and known (in open lists: or met by 50 digits). Where the joints lock:
-  /// said to lock. Where there is no equilibrium: neither claimed nor confirmed.
+  /// Converged: confirmed by the check, of the kind sought, and known (in open lists: or confirmed by 50 digits). If
+  /// the joints lock: reported as locked. If there is no equilibrium: neither claimed nor confirmed.
   int arrived = 0;
-  /// Confirmed beside a known equilibrium of that stability, closer than what the check lets pass, yet farther than
-  /// rounding explains.
+  /// Confirmed near a known equilibrium of that stability, within the bounds of the check, but farther than rounding
+  /// explains.
   int inexact = 0;
-  int wrong = 0;   ///< confirmed by the check and yet no equilibrium, or of another stability: must be 0
-  int denied = 0;  ///< claimed by the solver and denied by the check
-  // Empty where there is no arrival, or no equilibrium to be known:
-  std::optional<double> iterations{};    ///< median over arrivals
-  std::optional<double> microseconds{};  ///< median over arrivals
-  /// Largest over arrivals from the known equilibrium, rad or mechanism sizes.
+  int wrong = 0;   ///< false claims: confirmed by the check, but no equilibrium or of another stability; must be 0
+  int denied = 0;  ///< claimed by the solver and not confirmed by the check
+  // Empty if no start converged, or no equilibrium is known:
+  std::optional<double> iterations{};    ///< median over converged starts
+  std::optional<double> microseconds{};  ///< median over converged starts
+  /// Largest distance of converged starts from the known equilibrium, rad or mechanism sizes.
   std::optional<double> error{};
-  /// What the condition of that equilibrium lets rounding do, same units (Check::accuracy).
+  /// Conditioning limit of that equilibrium, same units (Check::accuracy).
   std::optional<double> allowed{};
-  std::string why;  ///< of the first start that was wrong, or else of the first that did not arrive
+  std::string why;  ///< of the first start that was wrong, otherwise of the first that did not converge
 };
 
 struct CaseResult {
@@ -52,12 +52,12 @@ struct CaseResult {
 
 /// Runs methods over cases from the same seeded starts. Start k of a case is the same for all methods, on every
 /// machine: the scene's own start plus reach times uniform numbers in [-1, 1), seeded by the name of the case. Throws
-/// InputError where a case does not fit its scene.
+/// InputError if a case does not fit its scene.
 std::vector<CaseResult> stress(const std::vector<HardCase>& cases, const StressOptions& options);
 
-/// Virtual work in one form.
+/// A variant of virtual work.
 struct Variant {
-  std::string name;  ///< what is off: "line search"
+  std::string name;  ///< the safeguard that is off: "line search"
   solvers::Safeguards safeguards{};
   bool scaling = true;  ///< of coordinates and equations
 };
@@ -65,16 +65,16 @@ struct Variant {
 /// Everything on ("all on"), and then each safeguard off in turn.
 const std::vector<Variant>& safeguard_variants();
 
-/// Runs virtual work in all safeguard_variants(): one cell for each. options.methods does not count.
+/// Runs virtual work in all safeguard_variants(): one cell for each. options.methods is ignored.
 std::vector<CaseResult> stress_safeguards(const std::vector<HardCase>& cases, const StressOptions& options);
 
-/// The part of starts in which a method has to arrive to have mastered a case.
+/// Share of starts that have to converge for a case to count as solved by a method.
 inline constexpr double enough = 0.999;
 
-/// Whether it arrived in at least that part.
+/// Whether at least that share converged.
 bool mastered(const Cell& cell);
 
-/// The middle of the values, or the mean of the two in the middle; empty where there are none.
+/// Median of the values, for an even number the mean of the middle two; empty if there are none.
 std::optional<double> median(std::vector<double> values);
 
 }  // namespace poise::comparison

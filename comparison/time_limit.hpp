@@ -7,7 +7,7 @@
 
 namespace poise::comparison {
 
-/// A flag that is raised once a time is over, or soon after another flag.
+/// A flag that is set after a time limit, or shortly after another flag.
 class TimeLimit {
  public:
   /// `other` may be null, or must outlive this.

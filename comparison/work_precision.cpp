@@ -13,10 +13,10 @@
 namespace poise::comparison {
 namespace {
 
-constexpr double far_away = 0.5;      // rad, or mechanism sizes: a run ends at a rest or nearer than this to it
-constexpr double same_rest = 1e-9;    // 50-digit refinements nearer than this are one equilibrium
-constexpr double patience = 3.0;      // s: a row that takes longer makes no further runs
-constexpr double sample_time = 1e-3;  // s per repeat: runs of microseconds go on until then
+constexpr double far_away = 0.5;  // rad, or mechanism sizes: largest distance at which a run belongs to an equilibrium
+constexpr double same_rest = 1e-9;    // 50-digit refinements closer than this are the same equilibrium
+constexpr double patience = 3.0;      // s: no further runs of a row after this time
+constexpr double sample_time = 1e-3;  // s per repeat: short runs are repeated until then
 constexpr int most_per_repeat = 100;  // runs
 
 bool all_finite(const std::vector<double>& x) {
@@ -76,7 +76,7 @@ class Study {
         witnesses.push_back(independent);
     }
     for (std::size_t k = 0; k < witnesses.size() && !out_.interrupted; ++k) {
-      tell("looking for rests by " + to_string(witnesses[k]));
+      tell("searching equilibria by " + to_string(witnesses[k]));
       const Equilibrium rest = solve(model_, start_, settings_of(witnesses[k]));
       out_.interrupted = rest.status == Status::interrupted;
       if (rest.status == Status::refused && k < methods_.size()) out_.refused.push_back({rest.method, rest.why});
@@ -86,11 +86,11 @@ class Study {
 
   /// Adds the 50-digit refinement of a confirmed answer to the known rests, or its method to those that know it.
   void learn(const std::vector<double>& x, const Check& check, const Method* finder) {
-    tell("refining a rest in 50 digits");
+    tell("refining an equilibrium in 50 digits");
     const Reference reference = refine(model_, x);
     if (!reference.refined) return;
     const bool neutral = check.neutral_directions > 0;
-    // Of a continuum one is enough: which of them a method meets is chance.
+    // Of a continuum one is enough: which one a method finds is arbitrary.
     auto known = std::find_if(out_.rests.begin(), out_.rests.end(), [&](const KnownRest& rest) {
       return (neutral && rest.neutral) || largest_difference(model_, rest.x, reference.x).size < same_rest;
     });

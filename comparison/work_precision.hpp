@@ -13,28 +13,28 @@ namespace poise::comparison {
 struct WorkPrecisionOptions {
   std::vector<Method> methods{};     ///< in the order shown; all when empty
   std::vector<double> tolerances{};  ///< SolveOptions::tolerance of the runs
-  int repeats = 7;                   ///< runs per method and tolerance, > 0; more where they take microseconds
+  int repeats = 7;                   ///< runs per method and tolerance, > 0; more if they take microseconds
   Seek seek = Seek::nearest;
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string& doing)> progress{};  ///< told before every row; may be empty
+  std::function<void(const std::string& doing)> progress{};  ///< called before every row; may be empty
 };
 
 /// An equilibrium that errors are measured from, known in 50 digits.
 struct KnownRest {
   std::vector<double> x;  ///< scaled coordinates, rounded from 50 digits
-  int digits = 0;         ///< to which the refinement settled
+  int digits = 0;         ///< to which the refinement converged
   Stability stability = Stability::unknown;
-  /// One of a continuum of rests (only one of them is kept), so that the distance to this one is no error.
+  /// One of a continuum of equilibria (only one is kept), so that the distance to this one is no error.
   bool neutral = false;
-  std::optional<double> accuracy;  ///< how far rounding may move it, same units as errors (Check::accuracy)
+  std::optional<double> accuracy;  ///< conditioning limit, same units as errors (Check::accuracy)
   std::vector<Method> found_by;    ///< methods whose default runs the check confirmed here; may be empty
 };
 
-/// How a run ended. Its own tolerance does not enter: judged by that, a loose run would always be right.
+/// How a run ended, independent of its own tolerance.
 enum class Ending {
-  arrived,    ///< the solver claims success, and a known rest is within 0.5 rad (or mechanism sizes)
-  elsewhere,  ///< the solver claims success where no known rest is that near
-  gave_up     ///< the solver does not claim success, however near it came
+  arrived,    ///< the solver claims success within 0.5 rad (or mechanism sizes) of a known equilibrium
+  elsewhere,  ///< the solver claims success, with no known equilibrium that near
+  gave_up     ///< the solver does not claim success
 };
 
 /// One method at one tolerance.
@@ -42,16 +42,16 @@ struct WorkPrecisionRow {
   Method method{};
   double tolerance = 0.0;
   Ending ending = Ending::gave_up;
-  bool claimed = false;    ///< the solver's own word
-  bool confirmed = false;  ///< by statics/check at its default bounds, whatever the tolerance of the run
-  int rest = -1;           ///< place of the nearest known rest in WorkPrecision::rests, -1 where none is within 0.5
-  std::optional<double> error{};  ///< from that rest; empty where there is none
+  bool claimed = false;    ///< the solver reports success
+  bool confirmed = false;  ///< by statics/check with its default bounds, independent of the tolerance of the run
+  int rest = -1;           ///< index of the nearest known equilibrium in WorkPrecision::rests, -1 if none is within 0.5
+  std::optional<double> error{};  ///< from that equilibrium; empty if there is none
   double microseconds = 0.0;
   int repeats = 0;  ///< runs the median is taken over
   int iterations = 0;
   int evaluations = 0;
-  std::vector<double> x;  ///< scaled coordinates where it ended
-  std::string why;        ///< the solver's own word, and the objection of the check
+  std::vector<double> x;  ///< scaled coordinates of the result
+  std::string why;        ///< the solver's report, and the objection of the check
 };
 
 struct Refusal {
@@ -63,24 +63,24 @@ struct WorkPrecision {
   std::vector<KnownRest> rests;
   std::vector<Refusal> refused;
   std::vector<WorkPrecisionRow> rows;  ///< method by method, in the order of the tolerances
-  bool interrupted = false;            ///< rows not finished are left out
+  bool interrupted = false;            ///< unfinished rows are left out
 };
 
-/// What accuracy costs each method: time, achieved error and effort of runs from the scene's assembled start.
+/// Work-precision data of each method: time, achieved error and effort of runs from the scene's assembled start.
 ///
-/// rests    No run is measured against its own method. The default runs of the methods and of the two independent ones
-///          (virtual work, energy) that the check confirms are refined by Newton in 50 digits (statics/reference.hpp),
-///          and each distinct one is kept (differences above 1e-9). A run at some tolerance that the check confirms far
-///          from all of them adds its own refinement.
-/// error    Largest difference of a scaled coordinate (rad, or length over mechanism size) from the nearest rest,
-///          without whole turns where nothing counts them. Of a neutral rest, one of a continuum, the 50-digit solution
-///          next to the run itself is taken, because no other of the continuum is better.
-/// time     Median of Equilibrium::microseconds, the search alone. A row makes `repeats` runs, and where those take
-///          microseconds as many more as fit into 1 ms times `repeats`; it makes fewer only when they take more than
-///          3 s together.
+/// rests    The known equilibria; no run is measured against its own method. The default runs of the methods and of the
+///          two independent ones (virtual work, energy) that the check confirms are refined by Newton in 50 digits
+///          (statics/reference.hpp), and each distinct one is kept (differences above 1e-9). A run at some tolerance
+///          that the check confirms far from all of them adds its own refinement.
+/// error    Largest difference of a scaled coordinate (rad, or length over mechanism size) from the nearest known
+///          equilibrium, without whole turns if nothing counts them. For a neutral equilibrium, one of a continuum, the
+///          50-digit solution next to the run itself is taken, because no other of the continuum is better.
+/// time     Median of Equilibrium::microseconds, the search alone. A row makes `repeats` runs, if they are short as
+/// many
+///          more as fit into 1 ms times `repeats`, and fewer only if they take more than 3 s together.
 ///
-/// A tolerance means something else to every method (a step, a gradient, a residual), hence error on the other axis.
-/// Virtual work bounds its last Newton step d and applies it still, which leaves about d^2: its error is near the
+/// The tolerance has a different meaning for every method (a step, a gradient, a residual), hence error on the other
+/// axis. Virtual work bounds its last Newton step d and still applies it, which leaves an error of about d^2: near the
 /// square of its tolerance. Throws InputError as solve() does.
 WorkPrecision work_precision(const StaticModel& model, const WorkPrecisionOptions& options);
 

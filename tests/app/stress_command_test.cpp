@@ -69,7 +69,7 @@ TEST(StressCommand, AWrongClaimIsMarkedAndFails) {
   EXPECT_TRUE(has(run.out, "    bent     nearest     0!\n")) << run.out;
   const Outcome one = run_stress(catalogue, {"bent", "--methods", "virtual-work"});
   EXPECT_EQ(one.exit_code, 1);
-  EXPECT_TRUE(has(one.out, "from the nearest that is known; it is at rod ")) << one.out;
+  EXPECT_TRUE(has(one.out, "from the nearest known equilibrium; it is at rod ")) << one.out;
   EXPECT_EQ(run_stress(catalogue, {"hanging", "--methods", "virtual-work"}).exit_code, 0);
 }
 

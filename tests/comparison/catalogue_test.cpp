@@ -214,28 +214,28 @@ TEST(Catalogue, SaysWhatIsWrongWithAnEquilibrium) {
             "quotes");
 }
 
-TEST(Catalogue, RefusesWhatContradictsItself) {
+TEST(Catalogue, RejectsContradictions) {
   const std::string none = "expect = \"none\"\n", locked = "expect = \"locked\"\n";
   const std::string why = "why = \"because\"\n";
   EXPECT_EQ(objection_to_rest(none),
-            "toy.cases.toml:2: case \"toy\": expected the key why, what a person should be told; add why = \"...\"");
+            "toy.cases.toml:2: case \"toy\": expected the key why, the reason to report; add why = \"...\"");
   for (const std::string& expect : {none, locked}) {
     EXPECT_EQ(objection_to_rest(expect + why), "");
-    EXPECT_TRUE(objection_to_rest(expect + why + both_rests()).ends_with("leave it or expect out"));
-    EXPECT_TRUE(objection_to_rest(expect + why + "complete = true\n").ends_with("leave it or expect out"));
-    EXPECT_TRUE(objection_to_rest(expect + why + "everywhere = true\n").ends_with("leave it or expect out"));
+    EXPECT_TRUE(objection_to_rest(expect + why + both_rests()).ends_with("remove it or the key expect"));
+    EXPECT_TRUE(objection_to_rest(expect + why + "complete = true\n").ends_with("remove it or the key expect"));
+    EXPECT_TRUE(objection_to_rest(expect + why + "everywhere = true\n").ends_with("remove it or the key expect"));
   }
   EXPECT_EQ(objection_to_rest(why),
-            "toy.cases.toml:7: case \"toy\".why: expected no such key where there is an equilibrium; it tells why "
-            "there is none");
+            "toy.cases.toml:7: case \"toy\".why: expected no such key in a case with an equilibrium; it gives the "
+            "reason why there is none");
   EXPECT_EQ(objection_to_rest("complete = true\n"),
             "toy.cases.toml:7: case \"toy\".complete: expected an equilibrium in a complete list; add "
             "[[case.equilibrium]]");
   EXPECT_EQ(objection_to_rest("complete = true\nseek = \"stable\"\n" + toy_rest("rod", "1.5", "unstable")),
-            "toy.cases.toml:8: case \"toy\".seek: expected an equilibrium in the list that is not unstable, to be "
-            "sought");
+            "toy.cases.toml:8: case \"toy\".seek: expected at least one equilibrium in the list that is not "
+            "unstable");
   EXPECT_EQ(objection_to_rest("everywhere = true\ncomplete = true\n"),
-            "toy.cases.toml:8: case \"toy\".complete: expected no such key where every closed pose is at rest");
+            "toy.cases.toml:8: case \"toy\".complete: expected no such key if every closed pose is an equilibrium");
   EXPECT_NE(objection_to_rest("everywhere = true\n" + both_rests()), "");
 }
 
