@@ -56,7 +56,7 @@ std::vector<BodyPose<double>> poses_of(const std::vector<BodyMotion>& motions) {
   return poses;
 }
 
-// The power of unit effort upon it.
+// The power of a unit effort on the measure.
 double rate_of(const Scene& scene, const std::vector<BodyMotion>& motions, const Measure& measure) {
   double rate = 0.0;
   for (const UnitEffort& effort : unit_efforts(scene, measure, poses_of(motions))) {

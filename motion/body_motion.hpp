@@ -8,7 +8,7 @@
 
 namespace poise {
 
-/// How a body moves in the world: its frame's place, and the first and second time derivatives of it. SI.
+/// Motion of a body in the world: the pose of its frame, and its first and second time derivatives. SI.
 struct BodyMotion {
   BodyPose<double> pose;
   Vec2 velocity{};                    ///< of the origin, m/s
@@ -18,7 +18,7 @@ struct BodyMotion {
 
   /// Velocity of a point given in the body's frame, m/s:  v + i w r.
   Vec2 velocity_of(const Vec2& local) const { return velocity + rate * quarter_turn(local * unit(pose.angle)); }
-  /// Velocity of the body's material point at a place of the world, m/s.
+  /// Velocity of the body's material point at a point of the world, m/s.
   Vec2 velocity_at(const Vec2& place) const { return velocity + rate * quarter_turn(place - pose.origin); }
   /// Acceleration of a point given in the body's frame, m/s^2:  a + (i alpha - w^2) r.
   Vec2 acceleration_of(const Vec2& local) const {
@@ -28,11 +28,11 @@ struct BodyMotion {
 };
 
 /// Motions of all bodies and then of all bars, from scaled coordinates x of the model, their rates v (per s) and
-/// accelerations a (per s^2): the arms of the spanning tree differentiated in time. Dropped coordinates stand still.
+/// accelerations a (per s^2): the arms of the spanning tree differentiated in time. Dropped coordinates are constant.
 std::vector<BodyMotion> body_motions(const MotionModel& model, const std::vector<double>& x,
                                      const std::vector<double>& v, const std::vector<double>& a);
 
-/// Their places.
+/// The poses of `motions`.
 std::vector<BodyPose<double>> poses_of(const std::vector<BodyMotion>& motions);
 
 /// Rate of a measure of moving bodies, rad/s or m/s; 0 for the distance of points that coincide.

@@ -72,9 +72,9 @@ DesignCheck check_design(const DesignProblem& problem, const DesignResult& resul
   out.facts.inclination = 0.5 * (angle.max - angle.min);
   out.facts.gap = 0.0;
   if (std::abs(out.facts.travel - problem.travel) > same_travel * problem.travel) {
-    out.why = "the travel is another";
+    out.why = "the travel differs";
   } else if (model.misfit(out.facts) > 0.0) {
-    out.why = "a limit is exceeded between the positions that the search looked at";
+    out.why = "a limit is exceeded between the positions that the search evaluated";
   }
   out.met = out.why.empty();
   return out;

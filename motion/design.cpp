@@ -16,10 +16,10 @@ namespace {
 
 constexpr int search_positions = 25;
 constexpr int final_positions = 201;
-// Of each limit: positions between those looked at may be a little worse.
+// Share of each limit: positions between those evaluated may be slightly worse.
 constexpr double search_part = 0.95;
 constexpr double not_closed = 100.0;   // misfit beyond that of any closed candidate
-constexpr double least_travel = 1e-3;  // of the shape as searched: below, it only rotates
+constexpr double least_travel = 1e-3;  // of the shape before scaling: below, the point only rotates
 
 std::vector<int> needed_bodies(const DesignProblem& problem) {
   std::vector<int> out = {problem.guided.body, problem.level};
@@ -131,7 +131,7 @@ DesignFacts DesignModel::facts(std::span<const double> values, const std::vector
   out.drift = out.scale * across.width();
   out.inclination = 0.5 * angles.width();
   for (std::size_t i = 0; i < lengths.size(); ++i) {
-    // A lever that changes sign is none.
+    // A lever arm that changes sign counts as zero.
     const bool one_way = levers[i].min > 0.0 || levers[i].max < 0.0;
     out.strokes[i] = {out.scale * lengths[i].min, out.scale * lengths[i].max,
                       one_way ? out.scale * std::min(std::abs(levers[i].min), std::abs(levers[i].max)) : 0.0};

@@ -16,16 +16,16 @@ using Eigen::VectorXd;
 
 // All in rad or mechanism sizes.
 constexpr double longest_move = 0.05;        // of any coordinate in one step
-constexpr double longest_correction = 1e-4;  // of the predicted pose: keeps the path on its branch
+constexpr double longest_correction = 1e-4;  // of the predicted pose: a bound that keeps the path on its branch
 constexpr double closed_within = 1e-12;
 constexpr double crossing_below = 1e-7;   // closeness to singular that counts as singular
 constexpr double shortest_step = 1e-10;   // of a driven coordinate
-constexpr double farthest_turning = 0.1;  // along the path, where a turning point is looked for
+constexpr double farthest_turning = 0.1;  // along the path, in which a turning point is searched
 constexpr double end = 1.0 - 1e-13;
 
 double largest(const VectorXd& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
 
-// Where f, unimodal on a .. b, is least: golden section, down to rounding of the argument.
+// Minimum of f, unimodal on a .. b: golden section, down to rounding of the argument.
 template <class F>
 double minimiser(F f, double a, double b) {
   const double part = 0.5 * (std::sqrt(5.0) - 1.0);
@@ -107,7 +107,7 @@ bool SplitClosure::close(VectorXd& x) const {
     for (std::size_t i = 0; i < free_.size(); ++i) next[free_[i]] += step[static_cast<Eigen::Index>(i)];
     c = gap(next);
     const double left = largest(c);
-    // Newton falls quadratically until nothing but rounding is left.
+    // Newton converges quadratically down to rounding.
     if (left >= open && open <= closed_within) break;
     x = next;
     open = left;
@@ -175,7 +175,7 @@ PathPose DrivenPath::sampled(const PathPose& from, const PathPose& to, double at
   if (at == to.at) return to;
   PathPose limit = interpolated(from, to, at);
   VectorXd x = limit.x;
-  // Next to a singular pose closing would move x along the direction that the closures leave open.
+  // Near a singular pose closing would move x along the direction in which the closures are nearly flat.
   if (!closure_.close(x)) x = limit.x;
   PathPose pose = differentiated(at, std::move(x));
   if (pose.closeness >= singular_below) return pose;
@@ -195,7 +195,7 @@ std::optional<PathPose> DrivenPath::crossing_between(const PathPose& a, const Pa
   return pose;
 }
 
-// Along the curve of closed poses z = (free x, t), t a coordinate like the others, to where t turns back.
+// Follows the curve of closed poses z = (free x, t), t a coordinate like the others, to the turning point of t.
 std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
   const Eigen::Index n = static_cast<Eigen::Index>(closure_.free().size());
   struct OnCurve {
@@ -257,7 +257,7 @@ std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
   return pose;
 }
 
-// The first stop that is passed on the way between two neighbouring poses.
+// The first stop that is passed between two neighbouring poses.
 std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const PathPose& to) const {
   const auto rooms = [&](const VectorXd& x) {
     return stop_rooms(closure_.model(), {x.data(), static_cast<std::size_t>(x.size())});
@@ -269,7 +269,7 @@ std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const Path
     const auto overrun = [&](double at) { return rooms(interpolated(from, to, at).x)[s].overrun(); };
     double beyond = to.at;
     if (finish[s].overrun() <= StopRoom::rounding) {
-      // It may be passed and left again within the step.
+      // It may be passed and returned from within the step.
       const double little = 1e-6 * (to.at - from.at);
       if (overrun(from.at + little) <= overrun(from.at) || overrun(to.at - little) <= overrun(to.at)) continue;
       beyond = minimiser([&](double at) { return -overrun(at); }, from.at, to.at);
@@ -295,13 +295,13 @@ std::optional<PathEnd> DrivenPath::follow(PathPose begin, const std::vector<doub
   std::optional<PathPose> before;
   PathPose here = std::move(begin);
   double h = 1.0;
-  int overtime = 0;  // steps beyond the end, to see whether a singular pose lies just before it
+  int overtime = 0;  // steps beyond the end, to detect a singular pose just before it
   while (here.at < end || (before && here.closeness < before->closeness && here.closeness < 0.05 && overtime++ < 3)) {
     if (stopped()) return PathEnd{here};
     h = std::min(h, longest_move / largest(here.v));
     if (here.at < end) h = std::min(h, 1.0 - here.at);
     std::optional<PathPose> next;
-    int around = 0;  // tries to step over a singular pose rather than on it
+    int around = 0;  // attempts to step across a singular pose instead of onto it
     while (!next) {
       const VectorXd predicted = here.x + h * here.v + 0.5 * h * h * here.a;
       VectorXd x = predicted;

@@ -27,9 +27,9 @@ class SplitClosure {
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& x) const;
   /// Its columns of the free coordinates.
   Eigen::MatrixXd free_columns(const Eigen::MatrixXd& jacobian) const;
-  /// (C v)' v = sum_ij d2c/dx_i dx_j v_i v_j: the second time derivative of c where nothing accelerates.
+  /// (C v)' v = sum_ij d2c/dx_i dx_j v_i v_j: the second time derivative of c without accelerations.
   Eigen::VectorXd curvature(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const;
-  /// Closes the loops by shortest steps of the free coordinates. False where they stay open.
+  /// Closes the loops by minimum-norm steps of the free coordinates. False if they remain open.
   bool close(Eigen::VectorXd& x) const;
 
  private:
@@ -41,22 +41,22 @@ class SplitClosure {
 struct PathPose {
   double at = 0.0;              ///< the parameter
   Eigen::VectorXd x, v, a;      ///< scaled coordinates, dx/d at, d2x/d at2
-  double smallest = 1.0;        ///< singular value of the free columns
-  double closeness = 1.0;       ///< smallest / largest of them; 1 where nothing is free
+  double smallest = 1.0;        ///< smallest singular value of the free columns
+  double closeness = 1.0;       ///< smallest / largest of them; 1 if nothing is free
   Eigen::VectorXd left, right;  ///< singular vectors of the smallest: closure rows, free coordinates
 };
 
 /// Where a path ends before t = 1, and why.
 struct PathEnd {
   PathPose pose;
-  int stop = -1;        ///< the stop that is met there; -1: the closures have no pose beyond, or it was interrupted
+  int stop = -1;  ///< the stop that is reached there; -1: the closures have no solution beyond, or it was interrupted
   bool at_max = false;  ///< which limit of the stop
 };
 
 /// Follows  d(t) = d0 + t (d1 - d0),  t = 0 .. 1, from a closed pose at t = 0.
 class DrivenPath {
  public:
-  /// Poses closer to singular than this have no derivatives of their own.
+  /// Closeness below which derivatives are not computed at the pose itself.
   static constexpr double singular_below = 1e-5;
 
   struct Visitor {
@@ -66,14 +66,14 @@ class DrivenPath {
 
   DrivenPath(const SplitClosure& closure, Eigen::VectorXd direction);
 
-  /// Singular values and derivatives of a closed pose. Derivatives mean nothing where closeness < singular_below.
+  /// Singular values and derivatives of a closed pose. Derivatives are undefined if closeness < singular_below.
   PathPose differentiated(double at, Eigen::VectorXd x) const;
 
   /// Runs to t = 1 and calls the visitor along the way; `samples` ascend in 0 .. 1. `begin` must have derivatives.
-  /// Returns nothing where t = 1 was reached. Else the pose beyond which there is none: its derivatives are those of
-  /// the last regular pose, its singular vectors its own; or the pose at the first stop that the path would pass by
-  /// more than StopRoom::rounding, found to rounding, with all its derivatives. A stop that `begin` has passed already
-  /// ends nothing until the path has come back within it.
+  /// Returns nothing if t = 1 was reached. Otherwise the last pose of the path, with the derivatives of the last
+  /// regular pose and its own singular vectors; or the pose at the first stop that the path would pass by more than
+  /// StopRoom::rounding, found to rounding, with all its derivatives. A stop that `begin` has passed already is ignored
+  /// until the path has returned within it.
   std::optional<PathEnd> follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
                                 const std::function<bool()>& stopped) const;
 

@@ -9,7 +9,7 @@
 namespace poise {
 namespace {
 
-/// A pin seen from one of its bodies.
+/// A pin from the side of one of its bodies.
 struct Pinned {
   PointRef own, other;
 };

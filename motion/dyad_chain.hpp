@@ -8,9 +8,9 @@
 
 namespace poise {
 
-/// Two bodies pinned to each other, and each to a body whose place is known: an Assur group that closes by the
-/// intersection of two circles. `sign` +1: the pin between them lies to the left of the line from the first one's
-/// known pin to the second one's.
+/// Two bodies pinned to each other, and each to a body whose pose is known: an Assur group that closes by the
+/// intersection of two circles. `sign` +1: the pin between them lies to the left of the line from the first one's known
+/// pin to the second one's.
 struct Dyad {
   std::string joint;  ///< name of the pin between them
   int first = -1, second = -1;
@@ -19,8 +19,8 @@ struct Dyad {
   PointRef first_tip, second_tip;        ///< their common pin
 };
 
-/// Kinematics in closed form of a driven body, pinned to the ground, and dyads one after the other: no iteration, no
-/// allocation, about 30 ns a dyad.
+/// Closed-form kinematics of a driven body, pinned to the ground, and a sequence of dyads: no iteration, no allocation,
+/// about 30 ns a dyad.
 class DyadChain {
  public:
   struct Pose {
@@ -30,8 +30,8 @@ class DyadChain {
     Vec2 world(Vec2 local) const { return origin + local * direction; }
   };
 
-  /// Finds dyads among the pins of the scene until all bodies `needed` are placed. Throws InputError where they are
-  /// not, or where the driver is not pinned to the ground.
+  /// Finds dyads among the pins of the scene until all bodies `needed` are placed. Throws InputError if they are not,
+  /// or if the driver is not pinned to the ground.
   DyadChain(const Scene& scene, int driver, const std::vector<int>& needed);
 
   const std::vector<Dyad>& dyads() const { return dyads_; }
@@ -42,8 +42,8 @@ class DyadChain {
 
   /// Places bodies with the driver at `angle`, rad. `points`: local coordinates of all points, by slot; one sign for
   /// each dyad; one pose for each body of the scene. cosines (one for each dyad) become the cosine of the angle
-  /// between its two bodies at their pin. Returns the sum of what the dyads' bodies are too short, or too long, over
-  /// their lengths: 0 where all close. Where one does not, its bodies point towards each other.
+  /// between its two bodies at their pin. Returns the sum of the gaps of the dyads over their lengths: 0 if all close.
+  /// The bodies of a dyad that does not close point towards each other.
   double place(std::span<const Vec2> points, double angle, std::span<const int> signs, std::span<Pose> poses,
                std::span<double> cosines) const;
 

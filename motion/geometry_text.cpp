@@ -17,14 +17,14 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-/// A key of TOML, in quotes where it must be.
+/// A key of TOML, in quotes if necessary.
 std::string key(const std::string& name) {
   const bool bare = std::all_of(name.begin(), name.end(),
                                 [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
   return bare && !name.empty() ? name : quoted(name);
 }
 
-/// A float of TOML with all its digits: never an integer, so that it may grow beyond 64 bits.
+/// A float of TOML with all its digits: never written as an integer, which is limited to 64 bits.
 std::string number(double value) {
   const std::string text = fmt::format("{}", value);
   return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;

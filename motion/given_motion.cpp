@@ -20,12 +20,12 @@ using Eigen::VectorXd;
 constexpr double rank_tolerance = solvers::known_to::closed_point;
 constexpr double closed_within = 1e-13;
 constexpr double open_beyond = 1e-9;
-// Samples that have to change by more than this, rad or mechanism sizes, are not of this mechanism.
+// Samples that have to change by more than this, rad or mechanism sizes, do not belong to this mechanism.
 constexpr double not_ours = 0.1;
 constexpr int closing_steps = 50;
 
-// Rate and second derivative at t[at] of the polynomial that meets the values, and the rates where there are any, of
-// the samples first .. last-1: Newton's divided differences, each sample with a rate counted twice.
+// Rate and second derivative at t[at] of the polynomial through the values, and the rates if there are any, of the
+// samples first .. last-1: Newton's divided differences, each sample with a rate counted twice.
 std::array<double, 2> derivatives(const std::vector<double>& t, const SampledCoordinate& samples, std::size_t first,
                                   std::size_t last, std::size_t at) {
   const double width = t[last - 1] - t[first];
@@ -85,14 +85,14 @@ class Completion {
 
   VectorXd curvature(const VectorXd& x, const VectorXd& v) const { return closure_.curvature(x, v); }
 
-  // Throws InputError where some coordinate follows from nothing.
+  // Throws InputError if some coordinate is undetermined.
   void expect_decided(const VectorXd& x) const {
     if (closure_.free().empty()) return;
     const auto [rank, order] = solvers::pivot_order(closure_.free_columns(closure_.jacobian(x)), rank_tolerance);
     const auto decided = static_cast<std::size_t>(rank);
     if (decided == order.size()) return;
     const int open = closure_.free()[static_cast<std::size_t>(order[decided])];
-    throw InputError(fmt::format("{}: motion: it does not say how \"{}\" moves; expected a column of that name",
+    throw InputError(fmt::format("{}: motion: the motion of \"{}\" is undetermined; expected a column of that name",
                                  model_.scene().file,
                                  model_.layout().coordinates[static_cast<std::size_t>(open)].name));
   }
@@ -104,7 +104,7 @@ class Completion {
     return out;
   }
 
-  // The least change of all coordinates, or of those not sampled, that takes `open` away to first order.
+  // The least change of all coordinates, or of those not sampled, that closes the gap `open` to first order.
   VectorXd change(const VectorXd& x, const VectorXd& open, bool all) const {
     VectorXd out = VectorXd::Zero(x.size());
     const MatrixXd jacobian = closure_.jacobian(x);
@@ -145,7 +145,7 @@ GivenMotion complete_motion(const MotionModel& model, const std::vector<double>&
     completion.close(x, out);
     if (completion.gap(x) > open_beyond || out.closing > not_ours) {
       throw InputError(
-          fmt::format("{}: motion: at {} s its samples do not close the loops, which gape by {:.3g} of the "
+          fmt::format("{}: motion: at {} s its samples do not close the loops, which are open by {:.3g} of the "
                       "mechanism's size; expected a motion of this scene",
                       model.scene().file, time[k], gap));
     }

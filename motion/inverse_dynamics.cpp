@@ -18,11 +18,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A stop is touched within this, rad or mechanism sizes.
+// Distance within which a stop is touched, rad or mechanism sizes.
 constexpr double touching = 1e-8;
 // Rates below this, of scaled coordinates along a unit direction, are rounding.
 constexpr double rate_tolerance = 1e-9;
-// Part of the largest force that rounding may leave unbalanced.
+// Share of the largest force that rounding may leave unbalanced.
 constexpr double balanced_within = 1e-9;
 
 // Whether pins and welds keep two points together.
@@ -45,7 +45,7 @@ bool coincide(const Scene& scene, const PointRef& p, const PointRef& q) {
   return false;
 }
 
-// Whether a measure depends on nothing but a driven one.
+// Whether a measure depends on a driven one only.
 bool is_parallel(const MotionModel& model, const Measure& measure, const Measure& driven) {
   const Scene& scene = model.scene();
   if (driven.kind == Measure::Kind::angle) {
@@ -125,7 +125,7 @@ class InverseDynamics {
     return sides;
   }
 
-  // Those of the stops whose rate is a sum of the drives' rates in whatever way the loops let the mechanism move.
+  // Stops whose rate is a linear combination of the drives' rates for every motion that the loops permit.
   std::vector<int> decided_by_drives(const std::vector<int>& stops) const {
     if (stops.empty() || additions_.drives.empty()) return {};
     std::vector<int> closure_rows(m_.equalities()), stop_rows;
@@ -144,7 +144,7 @@ class InverseDynamics {
         drive_rates(k, d) = rate_of(scene_, motions, drive.on) / unit;
       }
     }
-    // At a dead centre of the drives nothing is left of their rates but rounding.
+    // At a dead centre of the drives their rates are rounding only.
     if (drive_rates.size() == 0 || drive_rates.cwiseAbs().maxCoeff() < rate_tolerance) return {};
     const solvers::LeastSquares<double> drives(drive_rates, solvers::known_to::closed_point);
     std::vector<int> decided;
@@ -228,7 +228,7 @@ class InverseDynamics {
     }
   }
 
-  // Largest value that phasors' derivatives give the closures' derivatives, over the largest phasor's.
+  // Largest derivative of the closures by the derivatives of the phasors, over the largest of these.
   double opening(const std::vector<Planar<double>>& derivative) const {
     double largest = 0.0;
     for (const Planar<double>& d : derivative) largest = std::max(largest, norm(d));

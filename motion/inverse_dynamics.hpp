@@ -9,70 +9,75 @@
 
 namespace poise {
 
-/// What a drive has to give.
+/// Required effort of a drive.
 struct DriveEffort {
   std::string name;
-  bool is_angle = true;    ///< it drives an angle, else a length
-  double value = 0.0;      ///< torque on its second body, N m, or force along the travel, N; the opposite on the first
-  double rate = 0.0;       ///< of what it drives, rad/s or m/s
-  double power = 0.0;      ///< W: value times rate
-  bool determined = true;  ///< false: shared with other drives or reactions, the set of least norm
+  bool is_angle = true;  ///< it drives an angle, otherwise a length
+  double value = 0.0;    ///< torque on its second body, N m, or force along the travel, N; the opposite on the first
+  double rate = 0.0;     ///< of the driven quantity, rad/s or m/s
+  double power = 0.0;    ///< W: value times rate
+  bool determined =
+      true;  ///< false: statically indeterminate, shared with other drives or reactions; the set of minimum norm
 };
 
-/// Power of everything that acts on a moving mechanism, W, from its phasor form.
+/// Power balance of a moving mechanism, W, from its phasor form.
 struct PowerBalance {
-  double kinetic = 0.0;    ///< d/dt of the kinetic energy
-  double potential = 0.0;  ///< d/dt of the potential of weights, dead loads and springs, less what followers give
-  double resisted = 0.0;   ///< taken by dampers and dry friction
-  double driven = 0.0;     ///< given by the drives
-  /// |kinetic + potential + resisted - driven| over driven power plus largest force times the fastest rate; 0 where
+  double kinetic = 0.0;  ///< d/dt of the kinetic energy
+  double potential =
+      0.0;  ///< d/dt of the potential of weights, dead loads and springs, minus the power of follower loads
+  double resisted = 0.0;  ///< dissipated by dampers and dry friction
+  double driven = 0.0;    ///< supplied by the drives
+  /// |kinetic + potential + resisted - driven| over driven power plus largest force times the fastest rate; 0 if
   /// nothing moves.
   double error = 0.0;
 };
 
-/// All forces in a mechanism that moves in a given way. SI.
+/// All forces in a mechanism with a given motion. SI.
 struct Forces {
   std::vector<BodyMotion> motions;  ///< of all bodies, then of all bars
   std::vector<DriveEffort> drives;
-  std::vector<Reaction> reactions;  ///< of joints, bars and pressing stops
-  /// T of every element of the scene, N or N m: positive where it tends to diminish its measure.
+  std::vector<Reaction> reactions;  ///< of joints, bars and active stops
+  /// T of every element of the scene, N or N m: positive if it tends to reduce its measure.
   std::vector<double> element_force;
-  std::vector<std::string> idle_stops;  ///< touched, but the drives alone decide what they limit and carry it all
-  std::vector<double> overrun;          ///< per stop, rad or m: how far the pose is beyond it; 0 where it is not
-  int redundancy = 0;                   ///< independent sets of reactions and drive efforts that balance nothing
+  std::vector<std::string>
+      idle_stops;  ///< touched, but on a measure that the drives determine, so that the drives carry the load
+  std::vector<double> overrun;  ///< per stop, rad or m: overrun of the pose, 0 if within it
+  int redundancy = 0;           ///< number of independent self-equilibrating sets of reactions and drive efforts
 
-  double imbalance = 0.0;  ///< N: largest force, or moment / size, that neither reactions nor drives can take up
+  double imbalance = 0.0;  ///< N: largest force, or moment / size, that neither reactions nor drives balance
   std::string worst_body;
   double largest_force = 0.0;  ///< N
   bool balanced = false;       ///< imbalance below 1e-9 of the largest force
-  /// How far the given rates and accelerations open the loops: over the largest rate (acceleration) of a phasor.
+  /// Rate and acceleration at which the given motion opens the loops, relative to the largest rate (acceleration) of a
+  /// phasor.
   double loop_error = 0.0;
   PowerBalance power;
-  /// Largest generalized force, over largest_force times size, that the phasor model says is left along a direction
-  /// in which the mechanism can move. Shares only M(q) and the loads' data with the free bodies.
+  /// Largest unbalanced generalized force, over largest_force times size, along a direction in which the mechanism can
+  /// move, by virtual work in the phasor model. Shares only M(q) and the loads' data with the free bodies.
   double work_error = 0.0;
 };
 
-/// A force element in parallel with a drive: what it carries depends on nothing but the quantity that is driven, so
-/// that the drive bears the mechanism's load and exactly that.
+/// A force element in parallel with a drive: its force depends on the driven quantity only, so that the drive carries
+/// the mechanism's load plus the element's force.
 struct ParallelElement {
   std::size_t element = 0;  ///< index into Scene::elements
   std::string drive;
 };
 
-/// Those upon the relative angle that a drive turns; upon the travel that it moves; upon a distance between the bodies
-/// of a driven slide, or between points that pins and welds keep at the two points of a driven joint.
+/// Elements on the relative angle that a drive turns; on the travel that it moves; on a distance between the bodies of
+/// a driven slide, or between points that pins and welds keep at the two points of a driven joint.
 std::vector<ParallelElement> parallel_elements(const MotionModel& model, const std::vector<Drive>& drives);
 
 /// Inverse dynamics by d'Alembert's principle: every body cut free under its loads, springs, dampers, friction and
 ///   -m p''  at its centre of mass,  -I theta''  about it,
 /// for scaled coordinates x of the model, their rates v (per s) and accelerations a (per s^2), which must keep the
-/// loops closed. Reactions and the efforts of `drives` are the least-squares solution of all bodies' 3 equations, the
-/// one of minimum norm where it is not unique. With v = a = 0 this is static force analysis at a given pose. Time laws
-/// of the drives play no part, only what they act on.
+/// loops closed. Reactions and the efforts of `drives` are the least-squares solution of all bodies' 3 equations, of
+/// minimum norm if it is not unique. With v = a = 0 this is static force analysis at a given pose. Only the measures
+/// that the drives act on count, not their time laws.
 ///
-/// A stop that is touched may press, unless drives alone decide what it limits: grad g . v is a sum of the drives'
-/// rates for every v with J v = 0. Balance would leave open what drive and stop then share; the drives carry all of it.
+/// A touched stop may carry a reaction, unless its measure is determined by the drives: grad g . v is a linear
+/// combination of the drives' rates for every v with J v = 0. The shares of drive and stop would be indeterminate; the
+/// drives carry all of it.
 Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                  const std::vector<double>& a, const std::vector<Drive>& drives);
 

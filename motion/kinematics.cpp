@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 
 std::string where(const Scene& scene) { return scene.file.empty() ? "" : scene.file + ": "; }
 
-// The scene with the drives in it, so that the compiled model keeps what they move.
+// The scene with the drives in it, so that the compiled model keeps the coordinates that they move.
 Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
   if (ranges.empty()) throw InputError(where(scene) + "drive: expected at least one, say crank=0..360");
   scene.drives.clear();
@@ -57,7 +57,7 @@ std::vector<DrivenCoordinate> driven_coordinates(const MotionModel& model) {
     }
     for (const DrivenCoordinate& other : out) {
       if (other.coordinate != driven.coordinate) continue;
-      throw InputError(fmt::format("{}drive \"{}\": another drive moves the same coordinate already; drive one of them",
+      throw InputError(fmt::format("{}drive \"{}\": another drive already moves the same coordinate; drive one of them",
                                    where(scene), drive.name));
     }
     out.push_back(driven);
@@ -78,7 +78,7 @@ Eigen::Index rank_of(const MatrixXd& matrix) {
   return solvers::singular_value_decomposition(matrix).rank(DrivenPath::singular_below);
 }
 
-// Whether closures that lose rank at x have more of it in a pose nearby.
+// Whether closures that lose rank at x have a higher rank in a pose close by.
 bool is_singular(const SplitClosure& closure, const VectorXd& x) {
   const EquilibriumProblem problem(closure.model().mechanism());
   solvers::Newton newton(problem);
@@ -93,7 +93,7 @@ bool is_singular(const SplitClosure& closure, const VectorXd& x) {
   return false;
 }
 
-// Throws unless the drives decide everything, and no more than that.
+// Throws unless the drives determine the motion without redundancy.
 void expect_driven(const SplitClosure& closure, const VectorXd& x) {
   const Scene& scene = closure.model().scene();
   const MatrixXd jacobian = closure.jacobian(x);
@@ -105,13 +105,13 @@ void expect_driven(const SplitClosure& closure, const VectorXd& x) {
   if (left == 0) {
     if (drives <= freedoms) return;
     throw InputError(
-        fmt::format("{}drive: expected {} of them, as many as the mechanism has freedoms, found {}; leave "
+        fmt::format("{}drive: expected {} of them, as many as the mechanism has degrees of freedom, found {}; leave "
                     "out the others",
                     where(scene), freedoms, drives));
   }
   if (freedoms <= drives || is_singular(closure, x)) {
     throw InputError(
-        fmt::format("{}drive \"{}\": the start is a singular pose, from which it does not decide the "
+        fmt::format("{}drive \"{}\": the start is a singular pose, where it does not determine the "
                     "motion; expected a regular one; change [start], say --set start.{}=...",
                     where(scene), scene.drives.front().name, scene.drives.front().name));
   }
@@ -123,9 +123,9 @@ void expect_driven(const SplitClosure& closure, const VectorXd& x) {
   for (std::size_t i = 0; i < closure.free().size(); ++i) {
     if (moves.row(static_cast<Eigen::Index>(i)).norm() > 1e-6) names.push_back(name_of(closure.free()[i]));
   }
-  throw InputError(fmt::format("{}drive: {} {} free; expected as many drives as freedoms; drive {} more, of {}",
-                               where(scene), left, left == 1 ? "freedom is left" : "freedoms are left", left,
-                               fmt::join(names, ", ")));
+  throw InputError(fmt::format(
+      "{}drive: {} {} undriven; expected as many drives as degrees of freedom; drive {} more, of {}", where(scene),
+      left, left == 1 ? "degree of freedom is" : "degrees of freedom are", left, fmt::join(names, ", ")));
 }
 
 class Sweep {
@@ -173,7 +173,7 @@ class Sweep {
 
   std::vector<double> in_si(const VectorXd& x) const { return model_.to_si({x.data(), x.data() + x.size()}); }
 
-  // From the assembled start to the begin of the range. Derivatives are those per unit of the way that follows.
+  // From the assembled start to the beginning of the range. Derivatives are per unit of the path that follows.
   std::optional<PathPose> approach(const VectorXd& start) {
     const Eigen::Index drives = static_cast<Eigen::Index>(driven_.size());
     VectorXd ahead(drives), along(drives);
@@ -194,7 +194,7 @@ class Sweep {
           from, {1.0}, {[&](const PathPose& pose) { begin = pose; }, [&](const PathPose& p) { note(p, true); }},
           [&] { return stopped(); });
       if (last && last->stop >= 0) {
-        throw InputError(fmt::format("{}drive \"{}\": {}, on the way from the start; expected a place within the stops",
+        throw InputError(fmt::format("{}drive \"{}\": {}, on the way from the start; expected a value within the stops",
                                      where(model_.scene()), ranges_.front().name, words(*last)));
       }
       if (!begin) {
@@ -205,10 +205,10 @@ class Sweep {
     if (begin->closeness >= DrivenPath::singular_below)
       return DrivenPath(closure_, along).differentiated(0.0, begin->x);
     if (drives > 1) {
-      result_.why = "the range begins in a singular pose, where several drives do not decide the motion";
+      result_.why = "the range begins in a singular pose, where several drives do not determine the motion";
       return std::nullopt;
     }
-    // The motion goes on, or back, the way it came.
+    // The motion continues, or reverses, along the same path.
     const double turn = along[0] / ahead[0];
     begin->at = 0.0;
     begin->v *= turn;
@@ -240,10 +240,10 @@ class Sweep {
     result_.why = words(*last);
   }
 
-  // `the stop "cowl" is met at hood = 1.2 rad (its max, 1.2 rad)`.
+  // `the stop "cowl" is reached at hood = 1.2 rad (its max, 1.2 rad)`.
   std::string words(const PathEnd& end) const {
     const Stop& stop = model_.scene().stops[static_cast<std::size_t>(end.stop)];
-    return fmt::format("the stop \"{}\" is met at {} (its {}, {})", stop.name, drive_words(end.pose.x),
+    return fmt::format("the stop \"{}\" is reached at {} (its {}, {})", stop.name, drive_words(end.pose.x),
                        end.at_max ? "max" : "min", in_units(end.at_max ? stop.max : stop.min, stop.on.is_angle()));
   }
 
@@ -265,6 +265,7 @@ class Sweep {
   }
 
   void add_sample(const PathPose& pose) {
+    // The first drive that moves determines the time scale.
     const std::size_t k = standing_ ? 0 : first_moving(ranges_);
     const double per_second = options_.rate / std::abs(direction_[static_cast<Eigen::Index>(k)] * driven_[k].unit);
     const VectorXd v = per_second * pose.v, a = per_second * per_second * pose.a;
@@ -293,7 +294,7 @@ class Sweep {
 
   void note(const PathPose& pose, bool before_range) {
     SingularPose found = singular(pose, SingularPose::Kind::change_point, before_range);
-    // One at the very begin of the range is met by both parts of the path.
+    // One exactly at the beginning of the range is found by both parts of the path.
     auto& list = result_.singular;
     if (!list.empty() && std::abs(list.back().drive[0] - found.drive[0]) < 1e-7) list.pop_back();
     list.push_back(std::move(found));

@@ -16,19 +16,20 @@ struct DriveRange {
   double from = 0.0, to = 0.0;
 };
 
-/// What a name drives. Throws InputError, with the nearest name, where it is no body, slide or pin in a slot.
+/// The drive of a named body or joint. Throws InputError, with the nearest name, if it is no body, slide or pin in a
+/// slot.
 Drive find_drive(const Scene& scene, const std::string& name);
 
 /// The first whose range has a length, which sets the pace of the others; the last where none has.
 std::size_t first_moving(const std::vector<DriveRange>& ranges);
 
 struct SweepOptions {
-  int steps = 72;     ///< equal parts of the range: steps + 1 samples; one where no range has a length
+  int steps = 72;     ///< equal parts of the range: steps + 1 samples; one if no range has a length
   double rate = 1.0;  ///< of the first drive that moves, towards its end, rad/s or m/s; the others keep pace with it
   const std::atomic<bool>* interrupt = nullptr;
 };
 
-/// The mechanism at one place of the driven range. All SI.
+/// The mechanism at one point of the driven range. All SI.
 struct KinematicSample {
   std::vector<double> drive;         ///< values of the driven quantities
   std::vector<double> q;             ///< coordinates
@@ -38,14 +39,14 @@ struct KinematicSample {
   double closeness_to_singular = 1;  ///< smallest over largest singular value of the closures with the drives held
 };
 
-/// A pose in which the drives do not decide how the mechanism moves.
+/// A pose in which the drives do not determine the motion of the mechanism.
 struct SingularPose {
   enum class Kind {
-    change_point,  ///< passed: another branch of motion crosses here
+    change_point,  ///< bifurcation of motion, passed: another branch crosses here
     dead_centre    ///< the end: the mechanism cannot be driven beyond
   };
   Kind kind = Kind::change_point;
-  bool before_range = false;  ///< met on the way from the assembled start to the range
+  bool before_range = false;  ///< on the way from the assembled start to the range
   std::vector<double> drive;  ///< values of the driven quantities
   std::vector<double> q;
   std::string text;  ///< "change point of the loop closed by \"D\": crank, coupler and rocker are in line"
@@ -57,31 +58,31 @@ struct MetStop {
   bool at_max = false;   ///< or at its min
 };
 
-/// How the mechanism moves over the range. Where the range cannot be completed the samples end at the stop that is met,
-/// or before the dead centre, which is the last of `singular`.
+/// Motion of the mechanism over the range. If the range cannot be completed the samples end at the stop that is
+/// reached, or before the dead centre, which is the last of `singular`.
 struct KinematicsResult {
   bool complete = false;
-  std::string why;                             ///< where not complete
-  std::optional<MetStop> stop;                 ///< where a stop is why: it is met in the last sample, found to rounding
-  std::vector<std::string> coordinates;        ///< names of q
-  std::vector<bool> turns;                     ///< per body of the scene: whether it can turn
-  std::vector<bool> is_angle;                  ///< which of q are angles; the others are lengths
+  std::string why;                       ///< if not complete
+  std::optional<MetStop> stop;           ///< if a stop ends the range: reached in the last sample, found to rounding
+  std::vector<std::string> coordinates;  ///< names of q
+  std::vector<bool> turns;               ///< per body of the scene: whether it can turn
+  std::vector<bool> is_angle;            ///< which of q are angles; the others are lengths
   std::vector<std::size_t> drive_coordinates;  ///< the driven one of each drive
   std::vector<KinematicSample> samples;
   std::vector<SingularPose> singular;
 };
 
-/// Drives the mechanism from its assembled start to the begin of the range, and then along it. With d the driven
+/// Drives the mechanism from its assembled start to the beginning of the range, and then along it. With d the driven
 /// coordinates and f the others, at every pose of the path
 ///   c(f, d) = 0,   C_f f' = -C_d d',   C_f f'' = -C_d d'' - (C q')' q',
-/// solved by rank-revealing factors, so that redundant closures do no harm. The path is followed by predictor and
-/// corrector in steps short enough that a branch is never changed unseen; where C_f loses rank it is a singular pose,
-/// whose place is found to about 1e-10. Derivatives there are the limits along the path. The range ends where a stop of
-/// the scene would be passed, one more sample at the stop.
+/// solved by rank-revealing factorization, so that redundant closures are admissible. The path is followed by predictor
+/// and corrector in steps short enough that the branch does not change unnoticed; a pose where C_f loses rank is
+/// singular, and is located to about 1e-10. Derivatives there are the limits along the path. The range ends where a
+/// stop of the scene would be passed, with one more sample at the stop.
 ///
-/// Throws InputError naming what else must be driven where the drives leave a freedom, where they contradict each
-/// other, where a name is unknown, where the start cannot be assembled or is itself singular, and naming the stop that
-/// would be passed on the way from the start to the range.
+/// Throws InputError if the drives leave a degree of freedom, naming what else must be driven, if they contradict each
+/// other, if a name is unknown, if the start cannot be assembled or is itself singular, and if a stop, named, would be
+/// passed on the way from the start to the range.
 KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options = {});
 
 }  // namespace poise

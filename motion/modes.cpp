@@ -22,16 +22,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-// A stop is touched within this, rad or mechanism sizes.
+// Distance within which a stop is touched, rad or mechanism sizes.
 constexpr double touching = 1e-8;
-// Reduced masses below this part of the largest count as none.
+// Reduced masses below this share of the largest count as zero.
 constexpr double no_mass = 1e-12;
-// Stiffnesses below this part of the largest entry of the tangent are rounding.
+// Stiffnesses below this share of the largest entry of the tangent are rounding.
 constexpr double no_stiffness = 1e-12;
-// Real parts below this part of |s| are what rounding makes of a purely imaginary pair of follower loads.
+// With follower loads, real parts below this share of |s| are rounding of a purely imaginary pair.
 constexpr double no_growth = 1e-7;
 
-// Closure rows and the stops that press at x.
+// Closure rows and the stops active at x.
 std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<double>& x) {
   const int closures = m.equalities();
   std::vector<int> rows(closures);
@@ -41,7 +41,7 @@ std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<doub
     const double g = at.constraint[closures + s];
     if (g >= m.upper()[s] - touching || g <= m.lower()[s] + touching) rows.push_back(closures + s);
   }
-  // One that would have to pull, or that carries nothing, is let go: the hardest pulling first.
+  // Stops whose reaction has the wrong sign or is zero are released, the largest wrong one first.
   while (static_cast<int>(rows.size()) > closures) {
     const DensePoint<double> point(m, x, rows);
     const VectorXd push = point.multipliers();
@@ -102,8 +102,9 @@ struct Root {
   VectorXcd u;
 };
 
-// All 2f of them. Without damping they are +-sqrt(-k) of the eigenvalues k of K, which keeps what swings on the
-// imaginary axis; with it, eigenvalues of  [0 w; -K/w -C],  w near the frequencies so that no block outweighs another.
+// All 2f of them. Without damping they are +-sqrt(-k) of the eigenvalues k of K, which keeps oscillations on the
+// imaginary axis; with it, eigenvalues of [0 w; -K/w -C], w near the frequencies so that the blocks have comparable
+// size.
 std::vector<Root> roots_of(const MatrixXd& k, const MatrixXd& c) {
   const Index f = k.rows();
   std::vector<Root> roots;
@@ -126,9 +127,9 @@ std::vector<Root> roots_of(const MatrixXd& k, const MatrixXd& c) {
   return roots;
 }
 
-// Fills in what follows from both roots.
+// Fills in the quantities that follow from both roots.
 void describe_roots(Vibration& vibration, Complex a, Complex b) {
-  const Complex plus_zero{0.0, 0.0};  // -0 is no rate
+  const Complex plus_zero{0.0, 0.0};  // avoids -0
   vibration.roots = {a + plus_zero, b + plus_zero};
   vibration.growth = std::max(a.real(), b.real());
   vibration.damped_frequency = std::abs(a.imag()) / (2 * M_PI);
@@ -156,7 +157,7 @@ class Linear {
 
   Modes modes() {
     if (out_.freedoms == 0) {
-      out_.why = out_.held > 0 ? "the stops that press leave no freedom" : "its closures leave no freedom";
+      out_.why = out_.held > 0 ? "it is held by its stops" : "its closures leave no degree of freedom";
       return out_;
     }
     if (!condense()) return out_;
@@ -177,8 +178,8 @@ class Linear {
     return leaves ? 0 : v.kind == Vibration::Kind::neutral ? 1 : 2;
   }
 
-  // Directions L without inertia follow the heavy ones H:  y_L = -K_LL^-1 K_LH y_H. Also makes the heavy ones'
-  // masses 1.
+  // Static condensation: directions L without inertia follow those with inertia, H:  y_L = -K_LL^-1 K_LH y_H. Also
+  // scales the masses of H to 1.
   bool condense() {
     const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(mass_);
     const VectorXd& m = eigen.values;
@@ -186,7 +187,7 @@ class Linear {
     const Index light = (m.array() <= no_mass * heaviest).count();
     out_.massless = static_cast<int>(light);
     if (heaviest <= 0.0) {
-      out_.why = "nothing that can move has inertia; expected a mass or moment of inertia on some body";
+      out_.why = "no body that can move has inertia; expected a mass or moment of inertia on some body";
       return false;
     }
     const MatrixXd l = eigen.vectors.leftCols(light);
@@ -196,14 +197,14 @@ class Linear {
       const solvers::FullyPivotedLu own(l.transpose() * stiffness_ * l);
       if (own.largest_pivot() <= no_stiffness * largest_ || own.reciprocal_condition() < no_stiffness) {
         out_.why = fmt::format(
-            "coordinate \"{}\" moves without inertia and without stiffness, so its motion is open; "
+            "coordinate \"{}\" has neither inertia nor stiffness, so its motion is undetermined; "
             "expected a mass, a moment of inertia or a spring there",
             main_coordinate(l.col(0)));
         return false;
       }
       if ((damping_ * l).cwiseAbs().maxCoeff() > no_mass * damping_.cwiseAbs().maxCoeff()) {
         out_.why = fmt::format(
-            "coordinate \"{}\" is damped but has no inertia, so it creeps instead of swinging; "
+            "coordinate \"{}\" is damped but has no inertia, so it creeps instead of oscillating; "
             "expected a mass or a moment of inertia there",
             main_coordinate(l.col(0)));
         return false;
@@ -221,7 +222,7 @@ class Linear {
     return model_.layout().coordinates[largest].name;
   }
 
-  // What rounding leaves of a squared frequency along z.
+  // Rounding error of a squared frequency along z.
   double zero_square(const VectorXcd& z) const {
     return no_stiffness * largest_ * (basis_ * (lift_ * z)).squaredNorm();
   }
@@ -240,7 +241,7 @@ class Linear {
     return out;
   }
 
-  // K symmetric: real natural modes, to each of which two of the damped motion's exponents belong.
+  // K symmetric: real natural modes, each with two of the damped motion's exponents.
   void find_natural_modes() {
     const solvers::SymmetricEigen eigen = solvers::symmetric_eigen((unit_stiffness_ + unit_stiffness_.transpose()) / 2);
     const VectorXd& square = eigen.values;
@@ -288,7 +289,7 @@ class Linear {
     }
   }
 
-  // K unsymmetric: each pair of exponents is a motion of its own.
+  // K unsymmetric: each pair of exponents is a separate motion.
   void find_follower_modes() {
     std::vector<Root> roots = roots_of(unit_stiffness_, unit_damping_);
     std::erase_if(roots, [](const Root& r) { return r.s.imag() < 0.0; });

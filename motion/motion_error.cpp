@@ -16,7 +16,7 @@ double energy_error(const Motion& motion) {
                           std::abs(motion.work[i])});
     worst = std::max(worst, std::abs(motion.kinetic[i] + motion.potential[i] - motion.work[i] - total));
   }
-  // A mechanism at rest exchanges nothing, and what rounding makes of its potential is no error.
+  // A mechanism at rest exchanges no energy, and rounding of its potential is no error.
   const double potential = std::abs(motion.potential.front());
   const bool at_rest = exchanged < 1e-8 * potential && worst < 1e3 * std::numeric_limits<double>::epsilon() * potential;
   return exchanged > 0 && !at_rest ? worst / exchanged : 0.0;

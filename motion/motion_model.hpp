@@ -5,12 +5,12 @@
 
 namespace poise {
 
-/// A scene ready for motion: everything that has inertia, is damped or is driven enters the compiled model.
+/// A scene compiled for motion: everything that has inertia, is damped or is driven enters the compiled model.
 class MotionModel : public ScaledModel {
  public:
-  /// Throws InputError where the scene contradicts itself.
+  /// Throws InputError if the scene contradicts itself.
   explicit MotionModel(Scene scene);
-  /// The same in given units: models that differ in masses or stiffnesses can share theirs.
+  /// The same in given units, which models that differ in masses or stiffnesses can share.
   MotionModel(Scene scene, const Scales& scales);
 
   const Scene& scaled_scene() const { return scaled_; }        ///< measured in scales()

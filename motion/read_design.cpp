@@ -93,7 +93,7 @@ DesignProblem read_design(const fs::path& file) {
   out.from = interval(drive, "from", degree);
   out.turn = interval(drive, "turn", degree);
   if (out.turn.min <= 0.0 && out.turn.max >= 0.0) {
-    drive.place_of("turn").fail("expected a range without 0; the body must turn");
+    drive.place_of("turn").fail("expected a range that does not contain 0; the body must turn");
   }
 
   const TomlTable goal = required_table(root, "goal");

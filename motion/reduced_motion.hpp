@@ -8,14 +8,14 @@
 
 namespace poise {
 
-/// A number of the scene whose effect on motion is asked for: part of a body's inertia, or a number of a force.
+/// A parameter of the scene for sensitivities of motion: part of a body's inertia, or a number of a force.
 struct Influence {
   int body =
-      -1;  ///< inertial where >= 0: the change of (m, m x, m y, J about the body's origin) per unit of the number
+      -1;  ///< inertial if >= 0: the change of (m, m x, m y, J about the body's origin) per unit of the parameter
   double mass = 0.0;
   Vec2 first{};
   double moment = 0.0;
-  ForceNumber force{};  ///< else
+  ForceNumber force{};  ///< if not inertial
   double by = 1.0;      ///< change of that number per unit
 };
 
@@ -23,12 +23,12 @@ struct Influence {
 ///
 /// Closures and drives c(q, t) = 0 with Jacobian J give the dependent coordinates, their rates and accelerations:
 ///   q(z, t),   v = B w + (rates of the drives),   a = B alpha + a0,   J B = 0,   w = z', alpha = w'.
-/// With G = M a + velocity terms + (-Q) + resistances, d'Alembert's principle B^T G = 0 leaves
+/// With G = M a + velocity terms + (-Q) + resistances, d'Alembert's principle B^T G = 0 gives
 ///   (B^T M B) alpha = -B^T G(a0).
-/// Redundant closures are left out by complete pivoting, which also chooses z. Units are those of the scene given.
+/// Complete pivoting removes redundant closures and chooses z. Units are those of the scene given.
 ///
-/// One object per thread: it holds the last state evaluated. Call choose() once (again to move to better coordinates),
-/// then place(), move(), accelerate() and, where derivatives are asked for, linearize() in this order.
+/// One object per thread: it holds the last state evaluated. Call choose() once (again to change to better
+/// coordinates), then place(), move(), accelerate() and, for derivatives, linearize() in this order.
 template <class T>
 class ReducedMotion {
  public:
@@ -38,8 +38,8 @@ class ReducedMotion {
   enum class Status {
     ok,
     open,       ///< the loops cannot be closed for these z
-    singular,   ///< so near a singular pose that the dependent coordinates are badly determined
-    no_inertia  ///< B^T M B is not positive definite: some freedom has no inertia
+    singular,   ///< so near a singular pose that the dependent coordinates are ill-conditioned
+    no_inertia  ///< B^T M B is not positive definite: some degree of freedom has no inertia
   };
 
   int coordinates() const { return n_; }
@@ -49,13 +49,13 @@ class ReducedMotion {
   /// Rank of J when the coordinates were last chosen.
   int rank() const { return static_cast<int>(dependent_.size()); }
 
-  /// Sets where drives without a start begin: as q stands.
+  /// Sets the initial values of drives without a given start to those of q.
   void start_drives(const T* q);
-  /// Chooses independent coordinates by complete pivoting of J at (q, t). Once `keep_rank`, a pose of lower rank than
-  /// the first does not change it. Returns singular where the rank has grown.
-  /// With `fixed`, these are the independent coordinates and only the rows are chosen.
+  /// Chooses independent coordinates by complete pivoting of J at (q, t). With `keep_rank` the rank of the first pose
+  /// is kept at a pose of lower rank. Returns singular if the rank has grown. With `fixed`, these are the independent
+  /// coordinates and only the rows are chosen.
   Status choose(const T& t, const T* q, bool keep_rank, const std::vector<int>* fixed = nullptr);
-  /// Takes the choice of coordinates, and where the drives begin, over from another of the same scene.
+  /// Copies the choice of coordinates and the initial values of drives from another object of the same scene.
   template <class S>
   void take_over(const ReducedMotion<S>& other);
 
@@ -66,14 +66,13 @@ class ReducedMotion {
 
   /// The next place() starts from the dependent coordinates of q.
   void expect(const T* q);
-  /// Closes the loops by Newton's method with q[independent] = z, from where the pose placed last leads to second
-  /// order.
+  /// Closes the loops by Newton's method with q[independent] = z, from the second-order extrapolation of the last pose.
   Status place(const T& t, const T* z);
   /// Rates v for the independent ones w.
   void move(const T* w);
-  /// Accelerations and energies' partners: a, alpha.
+  /// Accelerations a and alpha.
   Status accelerate();
-  /// Multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
+  /// Computes the multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
   void linearize();
   /// The derivative of alpha by a number of the scene, f values.
   void influence(const Influence& influence, T* alpha) const;
@@ -95,13 +94,13 @@ class ReducedMotion {
   T potential_energy() const { return mechanism_.energy(q_.data(), pose_.data()); }
   /// Power of everything without a potential: resistances (negative), follower loads, drives. After accelerate().
   T power() const;
-  /// What the stops limit, in the pose placed; the mechanism's stops() values.
+  /// Values of the measures that the stops limit, in the pose placed; the mechanism's stops() values.
   std::vector<T> stop_values() const;
   /// Force (torque, N m or N in the scene's units) of drive k. After accelerate().
   T drive_force(int k) const;
-  /// Sets the accelerations that alpha, whatever causes it, means for all coordinates.
+  /// Sets the accelerations of all coordinates that follow from a given alpha.
   void accelerate_as(const T* alpha);
-  /// B^T of what moving and holding one more body inertia takes at the accelerations last set: f values.
+  /// B^T times the inertia and weight forces of one more body inertia at the accelerations last set: f values.
   void reduced_inertia(int body, const BodyInertia<T>& part, T* f) const;
 
  private:
@@ -136,7 +135,7 @@ class ReducedMotion {
   T singular_limit_{};
   T pivot_{1};
   T t_{};
-  T reach_{};           // how far predict() went
+  T reach_{};           // distance of the last predict()
   bool known_ = false;  // B and the factors belong to q
 
   // State, and scratch that is mutable because it carries no meaning between calls.

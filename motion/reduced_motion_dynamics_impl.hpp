@@ -24,7 +24,7 @@ void ReducedMotion<T>::divide_by_mass(T* b) const {
   }
 }
 
-// a0: what the accelerations must be where alpha is zero.
+// a0: the accelerations for alpha = 0.
 template <class T>
 void ReducedMotion<T>::place_accelerations() {
   mechanism_.phasors().second(pose_.data(), v_.data(), v_.data(), second_.data());

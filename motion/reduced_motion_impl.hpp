@@ -75,7 +75,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   for (int i = 0; i < rows_; ++i) rows[i] = i;
   for (int j = 0; j < n_; ++j) columns[j] = j;
   if (fixed != nullptr) {
-    // The fixed ones are put last, and pivots are looked for before them only.
+    // The fixed ones are put last, and pivots are searched before them only.
     std::stable_partition(columns.begin(), columns.end(),
                           [&](int j) { return std::find(fixed->begin(), fixed->end(), j) == fixed->end(); });
   }
@@ -83,7 +83,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   T first(0);
   int rank = 0;
   const int most = keep_rank && first_rank_ >= 0 ? first_rank_ : std::min(rows_, searched);
-  // Rounding in pivots of exactly singular poses stays below this; a mechanism as badly determined cannot be moved.
+  // Bound on rounding in pivots of exactly singular poses; a mechanism as ill-conditioned cannot be integrated.
   const T zero = static_cast<T>(1e-9);
   bool grown = false;
   for (; rank < std::min(rows_, searched); ++rank) {
@@ -135,7 +135,7 @@ void ReducedMotion<T>::take_over(const ReducedMotion<S>& other) {
   make_room();
 }
 
-// Of what depends on the choice of coordinates.
+// Sizes the buffers that depend on the choice of coordinates.
 template <class T>
 void ReducedMotion<T>::make_room() {
   lu_.resize(rank());
@@ -219,13 +219,13 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
       small_rows_[i] = -c_[used_rows_[i]];
       gap = std::max<T>(gap, abs(small_rows_[i]));
     }
-    // A gap of nothing but rounding would be enlarged by 1 / pivot_: next to singular poses no step is the better one.
+    // A gap that is rounding only would be amplified by 1 / pivot_: near singular poses it is better left.
     closed = gap <= 3 * std::numeric_limits<T>::epsilon();
     if (closed) break;
     lu_.solve(small_rows_.data());
     T step(0);
     for (int i = 0; i < r; ++i) step = std::max<T>(step, abs(small_rows_[i]));
-    // A correction as large as the way that was predicted leads to some other branch of the loops.
+    // A correction as large as the predicted displacement leads to another branch of the loops.
     corrected += step;
     if (!(step < 1) || (predicted && corrected > reach_ / 2 + fine / pivot_)) return Status::open;
     closed = step <= fine || (iteration > 2 && step <= fine / pivot_) || (iteration > 5 && step < 1e-9 && step >= last);

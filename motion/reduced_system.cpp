@@ -14,7 +14,7 @@ using Long = long double;
 
 namespace {
 
-/// Below this relative pivot long double is called for: 1e-12 rate^2 of an acceleration is uncertain in double.
+/// Relative pivot below which long double is used: 1e-12 rate^2 of an acceleration is uncertain in double.
 constexpr double small_pivot = 0.05;
 
 }  // namespace

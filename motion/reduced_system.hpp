@@ -8,13 +8,13 @@
 
 namespace poise {
 
-/// Equations of motion as a system of first order, with f freedoms:
+/// Equations of motion as a first-order system, with f degrees of freedom:
 ///   y = z, w, work, then for each sensitivity  dz (f), dw (f)
 ///   y' = w, alpha, power,                      dw, alpha_z dz + alpha_w dw + alpha_p.
 /// The first 2 f sensitivities are those of the initial z and w, the others those of the influences.
 ///
-/// Rounding eps of the loops' closure makes alpha uncertain by eps rate^2 / pivot^3. Next to singular poses it is
-/// therefore evaluated in long double, which where that is no longer than double changes nothing.
+/// Rounding eps of the loops' closure makes alpha uncertain by eps rate^2 / pivot^3. Near singular poses it is
+/// therefore evaluated in long double (without effect where that is the same as double).
 class ReducedSystem : public solvers::OdeSystem {
  public:
   /// All must outlive this; `scene` is that of `reduced`, `columns` sensitivities are 0 or 2 f and one per influence.
@@ -29,7 +29,7 @@ class ReducedSystem : public solvers::OdeSystem {
   const double* alpha_p(int p) const { return &alpha_p_[static_cast<std::size_t>(p * freedoms_)]; }
 
   int evaluations = 0;
-  /// Why rates() has failed.
+  /// Why rates() failed.
   ReducedMotion<double>::Status status = ReducedMotion<double>::Status::ok;
 
  private:
@@ -43,7 +43,7 @@ class ReducedSystem : public solvers::OdeSystem {
   int columns_;
   int freedoms_;
   std::vector<double> alpha_p_;
-  std::unique_ptr<Fine> fine_;  // made when first wanted
+  std::unique_ptr<Fine> fine_;  // made at first use
 };
 
 }  // namespace poise

@@ -11,9 +11,9 @@
 namespace poise {
 namespace {
 
-// Loops open by less than this (rad, mechanism sizes) are closed as well as double precision can tell.
+// Loops open by less than this (rad, mechanism sizes) are closed to double precision.
 constexpr double closed_within = 1e-14;
-// Loops that stay open by more than this are no pose at all.
+// Loops that remain open by more than this are an error.
 constexpr double open_beyond = 1e-9;
 
 double largest_gap(const MotionModel& motion, const std::vector<double>& x) {
@@ -50,7 +50,7 @@ std::vector<double> motion_coordinates(const MotionModel& motion, const StaticMo
   const double gap = largest_gap(motion, x);
   if (gap > open_beyond) {
     throw InputError(
-        fmt::format("{}: mechanism: its loops stay open by {:.3g} of its size in motion; expected a pose "
+        fmt::format("{}: mechanism: its loops remain open by {:.3g} of its size in motion; expected a pose "
                     "that closes them; try another [start]",
                     motion.scene().file, gap));
   }

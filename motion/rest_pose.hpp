@@ -7,12 +7,12 @@
 
 namespace poise {
 
-/// Carries a pose of the static model of a scene over to its motion model: scaled coordinates of `motion`, from the
-/// scaled coordinates `static_x` of `statics`.
+/// Converts a pose of the static model of a scene to its motion model: scaled coordinates of `motion`, from the scaled
+/// coordinates `static_x` of `statics`.
 ///
-/// Both lay out the same coordinates but keep different ones and may measure in different units. A coordinate that
-/// statics dropped stays at its start value; loops that rounding leaves open are closed by the shortest steps.
-/// Throws InputError where they cannot be closed.
+/// Both have the same coordinates but keep different ones and may use different units. A coordinate that statics
+/// dropped keeps its start value; gaps by rounding are closed by minimum-norm steps. Throws InputError if the loops
+/// cannot be closed.
 std::vector<double> motion_coordinates(const MotionModel& motion, const StaticModel& statics,
                                        const std::vector<double>& static_x);
 

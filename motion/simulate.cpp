@@ -18,9 +18,9 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Relative pivots below this are avoided: loops badly determined amplify rounding by its inverse cube.
+/// Relative pivots below this are avoided: ill-conditioned loops amplify rounding by its inverse cube.
 constexpr double comfortable_pivot = 1e-3;
-/// Other independent coordinates are looked for where the pivot has fallen below this.
+/// Other independent coordinates are chosen if the pivot has decreased below this.
 constexpr double good_pivot = 0.05;
 
 class Simulation {
@@ -81,10 +81,10 @@ class Simulation {
         return stop(MotionStatus::interrupted, fmt::format("interrupted at t = {:.6g} s", t));
       }
       if (out_.steps + out_.rejected >= options_.most_steps) {
-        return stop(MotionStatus::step_limit, fmt::format("{} steps led to t = {:.6g} s only", out_.steps, t));
+        return stop(MotionStatus::step_limit, fmt::format("{} steps reached only t = {:.6g} s", out_.steps, t));
       }
       const double left = options_.duration - t;
-      // A last step that would be a sliver is shared with the one before.
+      // A very short last step is shared with the one before.
       const bool last = h >= left * (1 - 1e-12);
       if (last)
         h = left;
@@ -127,7 +127,7 @@ class Simulation {
       }
       ++out_.rejected;
       const Reduced::Status status = system_->status;
-      // The pose that failed is no place to set out from: the next try leaves the node again.
+      // The next attempt starts from the node again, not from the pose that failed.
       reduced_.expect(node_.data());
       system_->rates(t, y_.data(), dydt_.data());
       system_->status = status;
@@ -135,7 +135,8 @@ class Simulation {
         h /= 4;
         return false;
       }
-      // Steps that miss the singular pose are about as long; a mechanism that stays near one must be let in.
+      // Steps that avoid the singular pose are about as long; a mechanism that stays near one must be allowed to reach
+      // it.
       h *= attempt % 2 == 0 ? 0.83 : 1.1;
       if (attempt >= 5) limit *= 0.1;
     }
@@ -143,7 +144,7 @@ class Simulation {
     return false;
   }
 
-  /// What rounding of the loops' closure, eps, leaves uncertain of accelerations: eps rate^2 / pivot^3.
+  /// Uncertainty of accelerations by rounding eps of the loops' closure: eps rate^2 / pivot^3.
   double uncertain_acceleration() const {
     if (reduced_.rank() == 0) return 0.0;
     double fastest = 0.0;
@@ -152,7 +153,7 @@ class Simulation {
     return eps * fastest * fastest / (pivot * pivot * pivot + eps);
   }
 
-  /// Error of the step over what is allowed. What rounding leaves cannot be stepped away.
+  /// Error of the step relative to the tolerance. Rounding errors, which shorter steps do not reduce, are left out.
   double weigh_error(double h, double accuracy) const {
     const int f = reduced_.freedoms();
     double far = 0.0;
@@ -164,7 +165,7 @@ class Simulation {
     const double singular = uncertain_acceleration();
     double worst = 0.0;
     for (int k = 0; k < f; ++k) {
-      // Forces that balance leave accelerations of about the rounding of a coordinate times stiffness over inertia.
+      // With balanced forces, accelerations are about the rounding of a coordinate times stiffness over inertia.
       const double balanced = eps * fastest_ * fastest_ * (1 + std::abs(y_[static_cast<std::size_t>(k)]));
       const double uncertain = h * (singular + balanced);
       const double z = accuracy * std::max(reach_of(k, h), 1e-3 * far) + h * uncertain;
@@ -177,9 +178,9 @@ class Simulation {
     return worst;
   }
 
-  /// Error of reading the step between its ends, relative to how far each coordinate travels. It also sees the steps
-  /// whose own estimate is blind: that of the method vanishes by chance, and for what depends on time alone always.
-  /// Steps are not shortened twentyfold on its account.
+  /// Interpolation error within the step, relative to the travel of each coordinate. It also covers steps for which the
+  /// method's own estimate fails: that may vanish by chance, and always does for coordinates that depend on time only.
+  /// It does not shorten steps twentyfold.
   double weigh_reading(double t, double h) const {
     if (h < taken_ / 20) return 0.0;
     const Trajectory& path = out_.trajectory;
@@ -353,14 +354,15 @@ class Simulation {
 
   void give_up(Reduced::Status status, double t) {
     if (status == Reduced::Status::no_inertia) {
-      return stop(MotionStatus::no_inertia,
-                  "a freedom has no inertia, so its motion is not determined; give the bodies that it moves mass or "
-                  "moment of inertia, or drive it");
+      return stop(
+          MotionStatus::no_inertia,
+          "a degree of freedom has no inertia, so its motion is not determined; give the bodies that it moves mass or "
+          "moment of inertia, or drive it");
     }
     const char* what = status == Reduced::Status::singular ? "a singular pose"
                        : status == Reduced::Status::open   ? "a pose in which its loops open"
                                                            : "a point where no step is short enough";
-    stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s it came to {}", t, what));
+    stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s it reached {}", t, what));
   }
 
   static constexpr double eps = std::numeric_limits<double>::epsilon();

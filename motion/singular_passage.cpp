@@ -11,7 +11,7 @@ namespace {
 
 using Four = std::array<double, 4>;
 
-// Larger of the two second divided differences of y over x, by size.
+// Larger in size of the two second divided differences of y over x.
 double bend(const Four& x, const Four& y) {
   const auto slope = [&](std::size_t k) { return (y[k + 1] - y[k]) / (x[k + 1] - x[k]); };
   return std::max(std::abs(slope(1) - slope(0)) / (x[2] - x[0]), std::abs(slope(2) - slope(1)) / (x[3] - x[1]));

@@ -9,7 +9,7 @@
 namespace poise {
 namespace {
 
-constexpr double takes_part = 0.02;  // of the largest part of a singular vector
+constexpr double takes_part = 0.02;  // relative to the largest component of a singular vector
 constexpr double parallel = 1e-4;    // sine of the angle between
 
 std::string listed(const std::vector<std::string>& names) {
@@ -28,7 +28,7 @@ std::string describe_singularity(const SplitClosure& closure, const PathPose& po
     share[l] = pose.left.segment<2>(2 * static_cast<Eigen::Index>(l)).norm();
   }
   const double most = *std::max_element(share.begin(), share.end());
-  // What moves while the drives are held; do all of them push all those loops along one line?
+  // What moves while the drives are fixed, and whether all of it acts on all those loops along one line.
   const double fastest = pose.right.cwiseAbs().maxCoeff();
   const Eigen::MatrixXd jacobian = closure.jacobian(pose.x);
   std::vector<std::string> loops, movers;
@@ -52,7 +52,7 @@ std::string describe_singularity(const SplitClosure& closure, const PathPose& po
     in_line = in_line && std::abs(cross(pushes.front(), push)) < parallel * norm(pushes.front()) * norm(push);
   }
   return fmt::format(" of the {} closed by {}: {} {}", loops.size() == 1 ? "loop" : "loops", listed(loops),
-                     listed(movers), in_line ? "are in line" : "can move while the drives are held");
+                     listed(movers), in_line ? "are in line" : "can move while the drives are fixed");
 }
 
 }  // namespace poise

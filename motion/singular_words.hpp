@@ -8,8 +8,8 @@
 
 namespace poise {
 
-/// " of the loop closed by "D": coupler and rocker are in line": which closures say the same twice there, and what
-/// could move while the drives are held. Needs the singular vectors of the pose.
+/// " of the loop closed by "D": coupler and rocker are in line": which closures are dependent there, and what could
+/// move while the drives are fixed. Needs the singular vectors of the pose.
 std::string describe_singularity(const SplitClosure& closure, const PathPose& pose);
 
 }  // namespace poise

@@ -7,8 +7,8 @@
 
 namespace poise {
 
-/// LU factors of a small dense square matrix with row pivoting, kept in place: nothing allocates after resize(), which
-/// a motion's innermost loop asks for.
+/// LU factors of a small dense square matrix with row pivoting, kept in place: nothing allocates after resize(), as the
+/// innermost loop of a simulation requires.
 template <class T>
 class SmallLu {
  public:
@@ -21,8 +21,8 @@ class SmallLu {
   /// The matrix to factor, row by row.
   T* matrix() { return a_.data(); }
 
-  /// Factors matrix(); returns the smallest pivot relative to the largest entry of its column of the matrix: 0 where
-  /// the matrix is singular, 1 for an orthogonal diagonal one.
+  /// Factors matrix(); returns the smallest pivot relative to the largest entry of its column of the matrix: 0 if the
+  /// matrix is singular, 1 for an orthogonal diagonal one.
   T factor() {
     using std::abs;
     T worst(1);

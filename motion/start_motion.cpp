@@ -12,7 +12,7 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Changes of the independent coordinates by which the wanted ones change by `change`, of least norm.
+/// Changes of the independent coordinates, of least norm, for which the wanted ones change by `change`.
 Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValue>& wanted,
                              const Eigen::VectorXd& change) {
   Eigen::MatrixXd B(change.size(), reduced.freedoms());
@@ -30,9 +30,9 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
     names += (names.empty() ? "" : ", ") + model.layout().coordinates[static_cast<std::size_t>(s.coordinate)].name;
   }
   if (freedoms == 0) {
-    throw InputError(
-        fmt::format("{}the start of the motion: no freedom is left to release; leave out the release of {}, or a drive",
-                    where(model), names));
+    throw InputError(fmt::format(
+        "{}the start of the motion: no degree of freedom is left to release; leave out the release of {}, or a drive",
+        where(model), names));
   }
   throw InputError(
       fmt::format("{}the start of the motion: expected {} of {} that the mechanism can have at once; ask for "
@@ -64,11 +64,11 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
   reduced.expect(x.data());
   if (reduced.place(0.0, z.data()) != Reduced::Status::ok) {
     throw InputError(
-        fmt::format("{}cannot be brought to where its drives begin; expected a [start] near to it, or "
+        fmt::format("{}cannot reach the start values of its drives; expected a [start] near them, or "
                     "leave the drives' start out",
                     where(model)));
   }
-  // Newton's method on the wanted coordinates, in steps short enough for the loops to follow.
+  // Newton's method on the wanted coordinates, in steps short enough for the loops to close.
   for (int iteration = 0;; ++iteration) {
     Eigen::VectorXd miss(static_cast<Eigen::Index>(places.size()));
     for (std::size_t i = 0; i < places.size(); ++i) {

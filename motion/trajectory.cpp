@@ -66,7 +66,7 @@ TrajectoryReader::Nodes TrajectoryReader::best_nodes(std::size_t interval) const
   return best;
 }
 
-// Newton's divided differences with every node met three times: value, rate, half the acceleration.
+// Newton's divided differences with every node used three times: value, rate, half the acceleration.
 void TrajectoryReader::enter(std::size_t interval) {
   interval_ = interval;
   const auto [first, nodes] = best_nodes(interval);
@@ -78,7 +78,7 @@ void TrajectoryReader::enter(std::size_t interval) {
   newton_.resize(conditions * width);
   const std::size_t n = static_cast<std::size_t>(trajectory_.coordinates);
   const std::size_t columns = stride_ - 1;
-  // Rows hold, for every condition, the value of its node to begin with.
+  // Initially the rows hold, for every condition, the value of its node.
   const auto fill = [&](const std::vector<double>& main, const std::vector<double>& by, std::size_t k, double factor,
                         double* row) {
     for (const int i : coordinates_) {

@@ -6,9 +6,9 @@
 
 namespace poise {
 
-/// A motion kept at the nodes that an integrator stepped on; SI (rad, m, s). Between nodes it is the polynomial
-/// that meets values, rates and accelerations of four neighbours (degree 11), or of fewer where those tell more: beside
-/// a corner they lie on one side of it.
+/// A motion stored at the nodes of an integrator; SI (rad, m, s). Between nodes it is the polynomial through values,
+/// rates and accelerations of four neighbours (degree 11), or of fewer where those are more accurate: near a corner
+/// they lie on one side of it.
 struct Trajectory {
   int coordinates = 0;  ///< n
   int columns = 0;      ///< sensitivities of each coordinate
@@ -24,19 +24,19 @@ struct NodeValues {
   double t = 0.0, q = 0.0, v = 0.0, a = 0.0;
 };
 
-/// What the last two of the 3 conditions per node add at time t to the polynomial that meets all others, by size: some
-/// more than its error there. Two to four nodes.
+/// Estimate of the interpolation error at time t, somewhat too large: the contribution of the last two of the 3
+/// conditions per node to the polynomial, by size. Two to four nodes.
 double reading_error(std::span<const NodeValues> nodes, double t);
 
-/// Reads some coordinates of a trajectory, and their sensitivities, at ascending times.
+/// Interpolates some coordinates of a trajectory, and their sensitivities, at ascending times.
 class TrajectoryReader {
  public:
   /// `trajectory` must outlive this and have at least two nodes. Only `coordinates` are read.
   TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates);
 
-  /// Interpolates at time t, which need not lie between the nodes around the last one, but is quickest there.
+  /// Interpolates at time t, which may lie anywhere, but is fastest between the nodes of the last one.
   void at(double t);
-  /// Of coordinate number i of those asked for; valid until the next at().
+  /// Of the i-th coordinate read; valid until the next at().
   double q(std::size_t i) const { return value_[i * stride_]; }
   double v(std::size_t i) const { return rate_[i * stride_]; }
   /// `columns` sensitivities of the same.
@@ -48,7 +48,7 @@ class TrajectoryReader {
   struct Nodes {
     std::size_t first = 0, count = 0;
   };
-  /// Those from which the interval is read with the least error.
+  /// The nodes that interpolate the interval with the least error.
   Nodes best_nodes(std::size_t interval) const;
 
   const Trajectory& trajectory_;

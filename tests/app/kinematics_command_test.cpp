@@ -54,7 +54,8 @@ TEST(KinematicsCommand, EndsAtAStopAndSaysSo) {
   const std::string result = folder.path("k.json");
   const Outcome outcome = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=0.8..1.3", "--json", result});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_TRUE(contains(outcome.out, "Driven up to a stop: the stop \"reach\" is met at hood = 0.9669")) << outcome.out;
+  EXPECT_TRUE(contains(outcome.out, "Driven up to a stop: the stop \"reach\" is reached at hood = 0.9669"))
+      << outcome.out;
   const json answer = json::parse(contents(result));
   EXPECT_FALSE(answer["complete"].get<bool>());
   EXPECT_EQ(answer["stop"], json({{"name", "reach"}, {"limit", "max"}, {"value", 0.44}}));
@@ -62,7 +63,7 @@ TEST(KinematicsCommand, EndsAtAStopAndSaysSo) {
   EXPECT_NEAR(std::hypot(end[0].get<double>() - 0.27, end[1].get<double>() + 0.08), 0.44, 1e-14);
   const Outcome beyond = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=1.3"});
   EXPECT_EQ(beyond.exit_code, 2);
-  EXPECT_TRUE(contains(beyond.err, "the stop \"reach\" is met at hood = ")) << beyond.err;
+  EXPECT_TRUE(contains(beyond.err, "the stop \"reach\" is reached at hood = ")) << beyond.err;
 }
 
 TEST(KinematicsCommand, RefusesWhatItCannotRead) {

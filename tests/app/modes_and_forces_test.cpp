@@ -69,7 +69,7 @@ TEST(ModesCommand, JsonHoldsRootsAndShape) {
 TEST(ModesCommand, SaysWhyItKnowsNone) {
   const Outcome run = run_poise({"modes", dataset("thesis_chain")});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.out.find("nothing that can move has inertia"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("no body that can move has inertia"), std::string::npos) << run.out;
 }
 
 TEST(ForcesCommand, SaysWhatHoldsAPose) {
@@ -149,7 +149,7 @@ TEST(ForcesCommand, EndsTheRangeAtAStopAndSaysSo) {
   EXPECT_NE(contents(svg).find("up to the stop"), std::string::npos);
   const Outcome run = run_poise({"forces", scene, "--drive", "bar=0..-90"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_NE(run.out.find("ends early: the stop \"floor\" is met at bar = -45 deg (its min, -45 deg)"),
+  EXPECT_NE(run.out.find("ends early: the stop \"floor\" is reached at bar = -45 deg (its min, -45 deg)"),
             std::string::npos)
       << run.out;
 }
@@ -159,7 +159,7 @@ TEST(ForcesCommand, RefusesASinglePoseBeyondAStop) {
   const std::string scene = folder.write("motor.toml", motor_with_stop());
   const Outcome put = run_poise({"forces", scene, "--drive", "bar=-60"});
   EXPECT_EQ(put.exit_code, 2);
-  EXPECT_NE(put.err.find("the stop \"floor\" is met at bar = -45 deg"), std::string::npos) << put.err;
+  EXPECT_NE(put.err.find("the stop \"floor\" is reached at bar = -45 deg"), std::string::npos) << put.err;
   const std::string driven = folder.write("driven.toml", motor_with_stop(R"(
 [[drive]]
 name = "servo"

@@ -185,7 +185,7 @@ TEST(MotionCommand, NothingIsReleasedThatADriveCarries) {
   for (const char* option : {"--release", "--release-rate"}) {
     const Outcome run = run_poise(words(scene, {"--duration", "2", option, "wheel=1"}));
     EXPECT_EQ(run.exit_code, 2) << option;
-    EXPECT_NE(run.err.find("no freedom is left to release"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("no degree of freedom is left to release"), std::string::npos) << run.err;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   }
 }

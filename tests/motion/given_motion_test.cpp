@@ -92,7 +92,7 @@ TEST(GivenMotion, NamesWhatTheSamplesLeaveOpen) {
     complete_motion(model, {0.0, 0.1, 0.2}, {{0, {0.0, 0.1, 0.2}, {}}, {2, {0.0, 0.1, 0.2}, {}}});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("it does not say how \"middle\" moves"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("the motion of \"middle\" is undetermined"), std::string::npos)
         << error.what();
   }
 }

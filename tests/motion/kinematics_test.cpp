@@ -282,7 +282,7 @@ TEST(Kinematics, RangeEndsAtTheStop) {
   const double e = norm(tip);
   const double crank = std::atan2(tip.y, tip.x) + std::acos((a * a + e * e - b * b) / (2 * a * e));
   EXPECT_NEAR(last.drive[0], crank, 1e-13);
-  EXPECT_NE(result.why.find("the stop \"room\" is met at crank = "), std::string::npos) << result.why;
+  EXPECT_NE(result.why.find("the stop \"room\" is reached at crank = "), std::string::npos) << result.why;
   EXPECT_NE(result.why.find("(its max, 1.9 rad)"), std::string::npos) << result.why;
   // Before it the range has the samples that it has without the stop, and the same.
   scene.stops.clear();
@@ -329,8 +329,9 @@ TEST(Kinematics, RefusesPlacesBeyondAStop) {
   for (const double start : {0.7, 1.25}) {  // a start beyond a stop is assembled at it
     scene.start.angle[1] = start;
     const std::string said = refusal(scene, {{"crank", 1.2, 0.5}});
-    EXPECT_NE(said.find("the stop \"room\" is met at crank = 1.1 rad (its max, 1.1 rad), on the way from the start"),
-              std::string::npos)
+    EXPECT_NE(
+        said.find("the stop \"room\" is reached at crank = 1.1 rad (its max, 1.1 rad), on the way from the start"),
+        std::string::npos)
         << said;
     EXPECT_TRUE(sweep(scene, {{"crank", 1.0, 0.5}}).complete);
   }
@@ -339,7 +340,7 @@ TEST(Kinematics, RefusesPlacesBeyondAStop) {
 TEST(Kinematics, SaysWhatElseMustBeDriven) {
   const Scene scene = test::chain(3, 1.0, 1.0);
   const std::string said = refusal(scene, {{"1", 0, 1}});
-  EXPECT_NE(said.find("2 freedoms are left"), std::string::npos) << said;
+  EXPECT_NE(said.find("2 degrees of freedom are undriven"), std::string::npos) << said;
   EXPECT_NE(said.find("drive 2 more, of 2, 3"), std::string::npos) << said;
 }
 

@@ -101,9 +101,9 @@ rate = 0.5
 )",
                                       "wheel"));
   for (const test::Release& release : {test::Release{{{"wheel", 0.3}}, {}}, test::Release{{}, {{"wheel", 0.6}}}}) {
-    EXPECT_NE(
-        complaint(wheel, release).find("no freedom is left to release; leave out the release of wheel, or a drive"),
-        std::string::npos)
+    EXPECT_NE(complaint(wheel, release)
+                  .find("no degree of freedom is left to release; leave out the release of wheel, or a drive"),
+              std::string::npos)
         << complaint(wheel, release);
   }
   EXPECT_EQ(complaint(wheel, {{{"wheel", 0.2}}, {{"wheel", 0.5}}}), "no complaint");
