@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/plot.hpp"
+#include "app/draw/chart/plot.hpp"
 #include "identification/fit.hpp"
 
 namespace poise::app {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/plot.hpp"
+#include "app/draw/chart/plot.hpp"
 #include "app/quantity.hpp"
 #include "motion/force_courses.hpp"
 #include "motion/forces_along.hpp"

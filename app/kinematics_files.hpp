@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "app/draw/chart/plot.hpp"
 #include "app/json.hpp"
-#include "app/plot.hpp"
 #include "app/quantity.hpp"
 #include "motion/courses.hpp"
 #include "motion/kinematics.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/plot.hpp"
+#include "app/draw/chart/plot.hpp"
 #include "motion/confirmed_motion.hpp"
 #include "motion/motion_record.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/plot.hpp"
+#include "app/draw/chart/plot.hpp"
 #include "comparison/work_precision_summary.hpp"
 
 namespace poise::app {

@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "app/draw/mechanism.hpp"
 #include "app/present/csv.hpp"
 #include "app/present/json.hpp"
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
-#include "app/svg.hpp"
 #include "identification/set_parameter.hpp"
 
 namespace poise::app {

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/plot/gnuplot.hpp"
+#include "app/draw/chart/gnuplot.hpp"
 #include "identification/record.hpp"
 #include "tests/app/wheel_experiment.hpp"
 

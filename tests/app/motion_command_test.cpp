@@ -14,7 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "app/plot/gnuplot.hpp"
+#include "app/draw/chart/gnuplot.hpp"
 #include "identification/record.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "app/picture/canvas.hpp"
-#include "app/picture/labels.hpp"
-#include "app/picture/symbols.hpp"
-#include "app/svg.hpp"
+#include "app/draw/canvas.hpp"
+#include "app/draw/labels.hpp"
+#include "app/draw/mechanism.hpp"
+#include "app/draw/symbols.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 

@@ -1,4 +1,4 @@
-#include "app/plot.hpp"
+#include "app/draw/chart/plot.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@
 
 #include <gtest/gtest.h>
 
-#include "app/plot/axis.hpp"
-#include "app/plot/gnuplot.hpp"
-#include "app/plot/thinned.hpp"
+#include "app/draw/chart/axis.hpp"
+#include "app/draw/chart/gnuplot.hpp"
+#include "app/draw/chart/thinned.hpp"
 #include "model/scene.hpp"
 #include "tests/app/run_poise.hpp"
 

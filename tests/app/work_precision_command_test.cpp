@@ -9,7 +9,7 @@
 
 #include "app/commands/method_options.hpp"
 #include "app/commands/work_precision.hpp"
-#include "app/plot/gnuplot.hpp"
+#include "app/draw/chart/gnuplot.hpp"
 #include "app/report/work_precision_report.hpp"
 #include "app/work_precision_files.hpp"
 #include "tests/app/run_poise.hpp"

@@ -1,4 +1,4 @@
-#include "app/svg.hpp"
+#include "app/draw/mechanism.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "app/picture/stage.hpp"
-#include "app/picture/symbols.hpp"
+#include "app/draw/stage.hpp"
+#include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {

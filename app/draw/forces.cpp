@@ -3,8 +3,8 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "app/picture/stage.hpp"
-#include "app/picture/symbols.hpp"
+#include "app/draw/stage.hpp"
+#include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {

@@ -1,11 +1,11 @@
-#include "app/picture/labels.hpp"
+#include "app/draw/labels.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "app/picture/symbols.hpp"
+#include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {

@@ -4,8 +4,8 @@
 #include <set>
 #include <utility>
 
-#include "app/picture/stage.hpp"
-#include "app/picture/symbols.hpp"
+#include "app/draw/stage.hpp"
+#include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {

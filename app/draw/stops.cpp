@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/picture/stage.hpp"
-#include "app/picture/symbols.hpp"
+#include "app/draw/stage.hpp"
+#include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/picture/canvas.hpp"
-#include "app/picture/labels.hpp"
+#include "app/draw/canvas.hpp"
+#include "app/draw/labels.hpp"
 #include "app/quantity.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/readings.hpp"

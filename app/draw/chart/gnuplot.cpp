@@ -1,4 +1,4 @@
-#include "app/plot/gnuplot.hpp"
+#include "app/draw/chart/gnuplot.hpp"
 
 #include <cerrno>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "app/picture/symbols.hpp"
+#include "app/draw/symbols.hpp"
 
 #include <algorithm>
 #include <array>

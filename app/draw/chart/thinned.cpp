@@ -1,4 +1,4 @@
-#include "app/plot/thinned.hpp"
+#include "app/draw/chart/thinned.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "app/plot/axis.hpp"
+#include "app/draw/chart/axis.hpp"
 
 #include <algorithm>
 #include <array>

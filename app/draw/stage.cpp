@@ -1,9 +1,9 @@
-#include "app/picture/stage.hpp"
+#include "app/draw/stage.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "app/picture/symbols.hpp"
+#include "app/draw/symbols.hpp"
 #include "app/shown_values.hpp"
 
 namespace poise::app {

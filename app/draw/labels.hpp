@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/picture/canvas.hpp"
+#include "app/draw/canvas.hpp"
 
 namespace poise::app {
 

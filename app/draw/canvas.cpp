@@ -1,4 +1,4 @@
-#include "app/picture/canvas.hpp"
+#include "app/draw/canvas.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/picture/stage.hpp"
-#include "app/picture/symbols.hpp"
+#include "app/draw/stage.hpp"
+#include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {

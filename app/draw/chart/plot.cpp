@@ -1,4 +1,4 @@
-#include "app/plot.hpp"
+#include "app/draw/chart/plot.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "app/picture/canvas.hpp"
-#include "app/picture/symbols.hpp"
-#include "app/plot/axis.hpp"
-#include "app/plot/gnuplot.hpp"
-#include "app/plot/thinned.hpp"
+#include "app/draw/canvas.hpp"
+#include "app/draw/chart/axis.hpp"
+#include "app/draw/chart/gnuplot.hpp"
+#include "app/draw/chart/thinned.hpp"
+#include "app/draw/symbols.hpp"
 #include "app/table.hpp"
 #include "model/scene.hpp"
 
