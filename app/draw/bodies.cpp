@@ -9,11 +9,6 @@
 namespace poise::app {
 namespace {
 
-/// The ends of a body whose points lie on one line, or the corners of one whose points do not.
-std::vector<Vec2> outline(const Stage& stage, int body, const Readings& readings) {
-  return convex_hull(stage.points_of(body, readings));
-}
-
 /// All bodies as lines whose pen is lifted only where bodies do not join; steps too short to be seen are left
 /// out, so that a chain of a hundred thousand links stays a small file.
 std::vector<std::vector<Vec2>> strokes_of(const Stage& stage, const Readings& readings) {
@@ -26,7 +21,7 @@ std::vector<std::vector<Vec2>> strokes_of(const Stage& stage, const Readings& re
     stroke.clear();
   };
   for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
-    std::vector<Vec2> shape = outline(stage, static_cast<int>(i), readings);
+    std::vector<Vec2> shape = stage.outline(static_cast<int>(i), readings);
     if (shape.size() < 2) continue;
     if (shape.size() > 2) shape.push_back(shape.front());
     if (norm(shape.back() - pen) < norm(shape.front() - pen)) std::reverse(shape.begin(), shape.end());
@@ -57,7 +52,7 @@ void sketch_bodies(Stage& stage) {
   }
 }
 
-void draw_ghost(Stage& stage, const std::vector<Vec2>& shape) {
+void draw_shadow(Stage& stage, const std::vector<Vec2>& shape) {
   if (shape.size() == 1) {
     stage.canvas.circle(shape[0], 1.6 * stage.pin_radius, {.fill = ink::ghost});
   } else if (shape.size() == 2) {
@@ -68,9 +63,11 @@ void draw_ghost(Stage& stage, const std::vector<Vec2>& shape) {
 }
 
 void draw_body(Stage& stage, int body) {
-  const std::vector<Vec2> shape = outline(stage, body, stage.now);
+  const std::vector<Vec2> shape = stage.outline(body, stage.now);
   const std::string colour = body_colour(body - 1);
-  if (shape.size() == 2) {
+  if (stage.cylinder_of_body(body) != nullptr) {
+    // Barrel and rod are drawn together.
+  } else if (shape.size() == 2) {
     draw_bar(stage.canvas, shape[0], shape[1], stage.bar_width, colour);
     stage.setter.avoid(shape[0], shape[1], stage.bar_width);
   } else if (shape.size() > 2) {
@@ -94,18 +91,18 @@ void draw_body(Stage& stage, int body) {
   stage.label(stage.scene.bodies[body].name, middle, toward, gap, ink::faint, 10.5, true);
 }
 
-/// A thin line to a centre of mass that lies off its body's shape, so that it is seen whose it is.
+/// A thin line to a centre of mass that lies beside its body's shape, so that it is seen whose it is.
 void tie_to_body(Stage& stage, int body, Vec2 at) {
-  const std::vector<Vec2> shape = outline(stage, body, stage.now);
+  const std::vector<Vec2> shape = stage.outline(body, stage.now);
   if (shape.empty()) return;
   std::vector<Vec2> with_centre = shape;
   with_centre.push_back(at);
   const bool within = convex_hull(with_centre).size() == shape.size() && shape.size() > 2;
-  double off = std::numeric_limits<double>::infinity();
+  double distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < shape.size(); ++i) {
-    off = std::min(off, distance_to_line(at, shape[i], shape[(i + 1) % shape.size()]));
+    distance = std::min(distance, distance_to_line(at, shape[i], shape[(i + 1) % shape.size()]));
   }
-  if (within || off < stage.bar_width) return;
+  if (within || distance < stage.bar_width) return;
   const Vec2 nearest =
       *std::min_element(shape.begin(), shape.end(), [&](Vec2 a, Vec2 b) { return norm(a - at) < norm(b - at); });
   stage.canvas.line(nearest, at, {.stroke = ink::free_stop, .width = 1.2, .dash = "4 3"});
@@ -113,26 +110,60 @@ void tie_to_body(Stage& stage, int body, Vec2 at) {
 
 }  // namespace
 
-void draw_starting_pose(Stage& stage) {
-  if (!stage.before) return;
+void draw_other_poses(Stage& stage) {
   constexpr double visible = 2.0;
-  double moved = 0.0;
-  for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
-    for (const NamedPoint& p : stage.scene.bodies[i].points) {
-      moved = std::max(moved, stage.scale * norm(stage.now.poses[i].world(p.at) - stage.before->poses[i].world(p.at)));
+  stage.canvas.open("other-positions");
+  for (std::size_t k = 0; k < stage.others.size(); ++k) {
+    const Readings& other = stage.others[k];
+    double moved = visible;
+    Vec2 farthest{};
+    for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+      for (const NamedPoint& p : stage.scene.bodies[i].points) {
+        const Vec2 there = other.poses[i].world(p.at);
+        const double distance = stage.scale * norm(stage.now.poses[i].world(p.at) - there);
+        if (distance <= moved) continue;
+        moved = distance;
+        farthest = stage.page(there);
+      }
+    }
+    if (moved == visible) continue;
+    stage.signs.insert(Sign::other_pose);
+    stage.shadows.push_back(stage.picture.others[k].name);
+    if (stage.others.size() > 1) stage.label(stage.shadows.back(), farthest, {0, -1}, 6, ink::faint, 10.5, true);
+    if (stage.detail == Detail::sketch) {
+      for (const auto& stroke : strokes_of(stage, other)) {
+        stage.canvas.polyline(stroke, {.stroke = ink::ghost, .width = 1.2});
+      }
+      continue;
+    }
+    for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+      draw_shadow(stage, stage.outline(static_cast<int>(i), other));
     }
   }
-  if (moved < visible) return;
-  stage.signs.insert(Sign::starting_pose);
-  stage.canvas.open("start");
-  if (stage.detail == Detail::sketch) {
-    for (const auto& stroke : strokes_of(stage, *stage.before)) {
-      stage.canvas.polyline(stroke, {.stroke = ink::ghost, .width = 1.2});
+  stage.canvas.close();
+}
+
+void draw_paths(Stage& stage) {
+  constexpr double visible = 0.7;
+  if (stage.picture.paths.empty()) return;
+  stage.canvas.open("paths");
+  for (std::size_t k = 0; k < stage.picture.paths.size(); ++k) {
+    const Path& path = stage.picture.paths[k];
+    std::vector<Vec2> points;
+    for (const Vec2& p : path.points) {
+      if (points.empty() || norm(stage.page(p) - points.back()) > visible) points.push_back(stage.page(p));
     }
-  } else {
-    for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
-      draw_ghost(stage, outline(stage, static_cast<int>(i), *stage.before));
-    }
+    if (points.empty()) continue;
+    const std::string colour = curve_colour(k);
+    stage.canvas.polyline(points, {.stroke = colour, .width = 1.8});
+    stage.canvas.circle(points.front(), 2.6, {.fill = colour});
+    for (std::size_t i = 1; i < points.size(); ++i) stage.setter.avoid(points[i - 1], points[i], 2.0);
+    // Beside the middle of the path, away from its ends.
+    const Vec2 middle = points[points.size() / 2];
+    const Vec2 bulge = middle - 0.5 * (points.front() + points.back());
+    const Vec2 away = norm(bulge) > 1.0 ? (1 / norm(bulge)) * bulge : Vec2{0, -1};
+    stage.label(path.name, middle, away, 6, colour);
+    stage.signs.insert(Sign::path);
   }
   stage.canvas.close();
 }
@@ -143,6 +174,12 @@ void draw_bodies(Stage& stage) {
     sketch_bodies(stage);
   } else {
     for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) draw_body(stage, static_cast<int>(i));
+  }
+  for (const Cylinder& c : stage.cylinders) {
+    const double width = 2.0 * stage.bar_width;
+    draw_cylinder(stage.canvas, c.foot, c.mouth, c.piston, c.eye, width, body_colour(c.barrel - 1),
+                  body_colour(c.rod - 1));
+    stage.setter.avoid(c.foot, c.eye, width);
   }
   for (const Joint& joint : stage.scene.joints) {
     if (!joint.keeps_length()) continue;

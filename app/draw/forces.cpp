@@ -15,41 +15,33 @@ struct Arrow {
   Vec2 tail, tip;
 };
 
-/// An arrow of a force at a place: it either leaves the place or points at it, whichever crosses less.
-Arrow place_arrow(const Stage& stage, Vec2 at, Vec2 force, double preference_to_leave) {
+/// The arrow of a force on a body.
+struct Candidate {
+  Arrow arrow;
+  int body = 0;
+  double cost = 0.0;  ///< px of what is drawn that it runs along
+};
+
+Candidate leaving(const Stage& stage, Vec2 at, Vec2 force, int body) {
   constexpr double clearance = 5.0;
   const double size = norm(force);
   const Vec2 u = stage.page_direction((1 / size) * force);
-  const double length = stage.arrow_length(size);
-  const double gap = stage.pin_radius + 2.0;
-  const Arrow leaves{at + gap * u, at + (gap + length) * u};
-  const Arrow arrives{at - (gap + length) * u, at - gap * u};
-  const double leaving = stage.setter.covered(leaves.tail, leaves.tip, clearance);
-  const double arriving = stage.setter.covered(arrives.tip, arrives.tail, clearance);
-  return leaving <= arriving + preference_to_leave ? leaves : arrives;
+  const Arrow arrow{at + stage.pin_radius * u, at + (stage.pin_radius + stage.arrow_length(size)) * u};
+  return {arrow, body, stage.setter.covered(arrow.tail, arrow.tip, clearance)};
 }
 
-/// Moves an arrow aside where it would lie on one that is drawn already.
-Arrow beside_others(const Stage& stage, Arrow arrow) {
-  constexpr double spacing = 7.0;
-  const Vec2 d = arrow.tip - arrow.tail;
-  const Vec2 u = (1 / norm(d)) * d;
-  for (const auto& [tail, tip] : stage.arrows) {
-    const Vec2 other = (1 / norm(tip - tail)) * (tip - tail);
-    const Vec2 apart = 0.5 * (tip + tail) - 0.5 * (arrow.tip + arrow.tail);
-    const bool same_line = std::abs(cross(u, other)) < 0.1 && std::abs(cross(u, apart)) < spacing;
-    if (!same_line || std::abs(dot(u, apart)) > 0.5 * (norm(d) + norm(tip - tail))) continue;
-    const Vec2 aside = spacing * quarter_turn(u);
-    arrow = {arrow.tail + aside, arrow.tip + aside};
-  }
-  return arrow;
+/// The arrow of a load leaves its place, or points at it where it would run along what is drawn.
+Arrow place_load(const Stage& stage, Vec2 at, Vec2 force) {
+  constexpr double preference = 15.0;
+  const Candidate leaves = leaving(stage, at, force, 0);
+  const Candidate opposite = leaving(stage, at, -force, 0);
+  if (leaves.cost <= opposite.cost + preference) return leaves.arrow;
+  return {opposite.arrow.tip, opposite.arrow.tail};
 }
 
-/// Draws the arrow with its label at its far end.
-void draw_force(Stage& stage, Vec2 at, Arrow arrow, const std::string& text, const std::string& colour, double width,
-                const std::string& dash) {
-  arrow = beside_others(stage, arrow);
-  stage.arrows.emplace_back(arrow.tail, arrow.tip);
+/// Draws the arrow with its label at its end away from `at`.
+void draw_force(Stage& stage, Vec2 at, const Arrow& arrow, const std::string& text, const std::string& colour,
+                double width, const std::string& dash) {
   draw_arrow(stage.canvas, arrow.tail, arrow.tip, colour, width, dash);
   stage.setter.avoid(arrow.tail, arrow.tip, width + 6);
   if (text.empty()) return;
@@ -95,28 +87,56 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     stage.signs.insert(reaction.determined ? Sign::reaction : Sign::undetermined_reaction);
     return;
   }
-  // The force on the body that moves.
-  const Vec2 force = joint.b.body == 0 ? -reaction.force : reaction.force;
-  const double moment = joint.b.body == 0 ? -reaction.moment : reaction.moment;
-  const double size = norm(force);
+  const double size = norm(reaction.force);
   const bool has_force = size > negligible * stage.largest_force;
-  const bool has_moment = std::abs(moment) > negligible * stage.largest_force * stage.model.scales().length;
+  const bool has_moment = std::abs(reaction.moment) > negligible * stage.largest_force * stage.extent;
   if (!has_force && !has_moment) return;
   stage.signs.insert(reaction.determined ? Sign::reaction : Sign::undetermined_reaction);
   const std::string dash = reaction.determined ? "" : "4 3";
   const double width = at_ground ? 1.5 : 1.0;
+  const std::string name = stage.short_name(joint);
+  const auto text = [&](double value, Quantity quantity, int body) {
+    return (name.empty() ? "" : name + ": ") + stage.value(value, quantity) + mark + " on " +
+           stage.scene.bodies[body].name;
+  };
+  // Of action and reaction the one whose arrow leaves the joint where less is drawn; rather that on a moving body.
+  int body = joint.b.body != 0 ? joint.b.body : joint.a.body;
   if (has_force) {
-    draw_force(stage, at, place_arrow(stage, at, force, 4.0), stage.value(size, Quantity::force) + mark, colour, width,
-               dash);
+    constexpr double ground_penalty = 10.0;
+    Candidate first = leaving(stage, at, reaction.force, joint.b.body);
+    Candidate second = leaving(stage, at, -reaction.force, joint.a.body);
+    if (first.body == 0) first.cost += ground_penalty;
+    if (second.body == 0) second.cost += ground_penalty;
+    const Candidate& drawn = first.cost <= second.cost ? first : second;
+    body = drawn.body;
+    draw_force(stage, at, drawn.arrow, text(size, Quantity::force, body), colour, width, dash);
   }
   if (has_moment) {
-    draw_turning(stage, at, 17.0, moment, stage.value(std::abs(moment), Quantity::moment) + mark, colour, width, dash);
+    const double moment = body == joint.b.body ? reaction.moment : -reaction.moment;
+    draw_turning(stage, at, 17.0, moment, text(std::abs(moment), Quantity::moment, body), colour, width, dash);
   }
+}
+
+/// What a drive does to the second body of its measure.
+void draw_drive(Stage& stage, const Reaction& reaction, const Drive& drive) {
+  if (reaction.moment == 0.0 && reaction.force == Vec2{}) return;
+  stage.signs.insert(Sign::drive);
+  if (drive.on.is_angle()) {
+    const Vec2 at = stage.pivot(drive.on.body_a, drive.on.body_b);
+    draw_turning(stage, at, 27.0, reaction.moment,
+                 reaction.name + " = " + stage.value(reaction.moment, Quantity::moment), ink::drive, 2.0);
+    return;
+  }
+  const Vec2 at = stage.page(reaction.at);
+  const Arrow arrow = leaving(stage, at, reaction.force, 0).arrow;
+  draw_force(stage, at, arrow, reaction.name + " = " + stage.value(norm(reaction.force), Quantity::force), ink::drive,
+             2.0, "");
 }
 
 }  // namespace
 
 void draw_loads(Stage& stage) {
+  if (!stage.picture.loads) return;
   stage.canvas.open("loads");
   const bool named = stage.detail != Detail::sketch || stage.scene.forces.size() <= 12;
   for (const Force& force : stage.scene.forces) {
@@ -127,7 +147,7 @@ void draw_loads(Stage& stage) {
     std::string text;
     if (named) text = force.name + " = " + stage.value(size, Quantity::force);
     if (named && force.follows >= 0) text += ", follows " + stage.scene.bodies[force.follows].name;
-    draw_force(stage, at, place_arrow(stage, at, now, 15.0), text, ink::load, 2.4, "");
+    draw_force(stage, at, place_load(stage, at, now), text, ink::load, 2.4, "");
     stage.signs.insert(Sign::load);
   }
   for (const Torque& torque : stage.scene.torques) {
@@ -141,13 +161,22 @@ void draw_loads(Stage& stage) {
 }
 
 void draw_reactions(Stage& stage) {
-  if (!stage.shows_ground) return;
+  if (!stage.picture.reactions) return;
   std::unordered_map<std::string_view, const Joint*> joints;
   for (const Joint& joint : stage.scene.joints) joints.emplace(joint.name, &joint);
   stage.canvas.open("reactions");
-  for (const Reaction& reaction : stage.rest.check.reactions) {
+  for (const Reaction& reaction : *stage.picture.reactions) {
+    if (reaction.kind == "stop" || reaction.kind == "drive" || !stage.shows_ground) continue;
     const auto joint = joints.find(reaction.name);
-    if (reaction.kind != "stop" && joint != joints.end()) draw_reaction(stage, reaction, *joint->second);
+    if (joint != joints.end()) draw_reaction(stage, reaction, *joint->second);
+  }
+  stage.canvas.close();
+  stage.canvas.open("drives");
+  for (const Reaction& reaction : *stage.picture.reactions) {
+    if (reaction.kind != "drive") continue;
+    for (const Drive& drive : stage.scene.drives) {
+      if (drive.name == reaction.name) draw_drive(stage, reaction, drive);
+    }
   }
   stage.canvas.close();
 }

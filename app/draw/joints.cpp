@@ -37,8 +37,8 @@ Vec2 far_side(const std::vector<Vec2>& members) {
                            [&](Vec2 a, Vec2 b) { return dot(a, pull) < dot(b, pull); });
 }
 
-/// Part of the line that a joint's second point can be expected to run on: from its place to where it started, its
-/// stops, and, on a moving body, the point that the line goes through.
+/// Part of the line that a joint's second point can be expected to run on: from its place to those in the other
+/// positions, its stops, and, on a moving body, the point that the line goes through.
 struct Track {
   Vec2 at;         ///< of the joint's second point
   Vec2 low, high;  ///< ends of the drawn line
@@ -54,14 +54,14 @@ Track track_of(const Stage& stage, std::size_t j) {
     low = std::min(low, t);
     high = std::max(high, t);
   };
-  if (stage.before) include(stage.before->travel[j]);
+  for (const Readings& other : stage.others) include(other.travel[j]);
   if (joint.a.body != 0) include(0.0);
   for (const Stop& stop : stage.scene.stops) {
     if (stop.on.kind != Measure::Kind::travel || stop.on.joint != static_cast<int>(j)) continue;
     if (std::isfinite(stop.min)) include(stop.min);
     if (std::isfinite(stop.max)) include(stop.max);
   }
-  const Vec2 along = stage.page_direction(joint.axis * unit(stage.now.poses[joint.a.body].angle));
+  const Vec2 along = stage.page_axis(joint);
   const Vec2 origin = stage.page(joint.a);
   const double margin = stage.detail == Detail::sketch ? 6.0 : 34.0;
   return {origin + stage.scale * s * along, origin + (stage.scale * low - margin) * along,
@@ -111,7 +111,7 @@ void draw_weld(Stage& stage, Vec2 at) {
   draw_block(stage.canvas, at, {1, 0}, side, side, {.fill = ink::dark});
 }
 
-/// Names of the places where something happens, each place once. A name that many places share tells nothing.
+/// Names of points and joints, each place once. A name that many places share is left out.
 class PlaceNames {
  public:
   void add(Vec2 place, const std::string& name) {
@@ -165,7 +165,7 @@ void name_places(Stage& stage) {
 void draw_guides(Stage& stage) {
   stage.canvas.open("guides");
   for (std::size_t j = 0; j < stage.scene.joints.size(); ++j) {
-    if (stage.scene.joints[j].has_travel()) draw_guide(stage, j);
+    if (stage.scene.joints[j].has_travel() && stage.cylinder_of_joint(j) == nullptr) draw_guide(stage, j);
   }
   stage.canvas.close();
 }
@@ -208,7 +208,8 @@ void draw_supports(Stage& stage) {
 void draw_pins(Stage& stage) {
   stage.canvas.open("joints");
   for (std::size_t j = 0; j < stage.scene.joints.size(); ++j) {
-    if (stage.scene.joints[j].kind == Joint::Kind::slide) draw_slide_block(stage, j);
+    const bool block = stage.scene.joints[j].kind == Joint::Kind::slide && stage.cylinder_of_joint(j) == nullptr;
+    if (block) draw_slide_block(stage, j);
   }
   if (stage.detail != Detail::sketch) {
     // Points that are no joint are dots; joints come on top.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -13,19 +15,21 @@
 namespace poise::app {
 namespace {
 
+constexpr double page_width = 900.0;
 constexpr double margin = 28.0;
-constexpr double least_width = 620.0;
+constexpr double room = page_width - 2 * margin;
 
-void draw_mechanism(Stage& stage) {
-  draw_starting_pose(stage);
+Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
+  Stage stage(scene, picture, width);
+  draw_other_poses(stage);
   draw_supports(stage);
   draw_guides(stage);
   draw_bodies(stage);
   draw_centres_of_mass(stage);
-  draw_springs(stage);
-  draw_dampers(stage);
+  draw_springs_and_dampers(stage);
   draw_pins(stage);
   draw_stops(stage);
+  draw_paths(stage);
   draw_loads(stage);
   draw_reactions(stage);
   stage.canvas.open("labels");
@@ -33,6 +37,20 @@ void draw_mechanism(Stage& stage) {
   for (auto label = stage.labels.rbegin(); label != stage.labels.rend(); ++label)
     stage.setter.set(stage.canvas, *label);
   stage.canvas.close();
+  return stage;
+}
+
+/// Drawn so large that arrows and labels fit into the page too; these keep their size.
+Stage drawn_to_fit(const Scene& scene, const MechanismPicture& picture) {
+  constexpr double largest = 720.0;
+  constexpr double smallest = 240.0;
+  double width = largest;
+  for (;;) {
+    Stage stage = drawn(scene, picture, width);
+    const double over = stage.canvas.bounds().width() - room;
+    if (over <= 0.0 || width <= smallest) return stage;
+    width = std::max(smallest, width - over - 1.0);
+  }
 }
 
 /// Cuts a text into lines no wider than `width`.
@@ -55,11 +73,14 @@ std::vector<std::string> wrap(const std::string& text, double size, double width
   return lines;
 }
 
-std::string verdict(const Equilibrium& rest) {
-  const std::string method = to_string(rest.method);
-  if (!rest.found()) return "No equilibrium confirmed (" + to_string(rest.status) + ", " + method + ")";
-  return "At rest, " + to_string(rest.check.stability) + "; found by " + method + ", confirmed by vector statics";
+std::string verdict(const Equilibrium& equilibrium) {
+  const std::string method = to_string(equilibrium.method);
+  if (!equilibrium.found()) return "No equilibrium confirmed (" + to_string(equilibrium.status) + ", " + method + ")";
+  return "In equilibrium, " + to_string(equilibrium.check.stability) + "; found by " + method +
+         ", confirmed by free-body statics";
 }
+
+const std::string& title_of(const Scene& scene) { return scene.title.empty() ? scene.file : scene.title; }
 
 double draw_heading(Canvas& page, const Stage& stage, double width) {
   double y = margin + 18;
@@ -70,10 +91,11 @@ double draw_heading(Canvas& page, const Stage& stage, double width) {
       y += 1.35 * size;
     }
   };
-  write(stage.scene.title.empty() ? stage.scene.file : stage.scene.title, 18, ink::dark, true);
+  write(title_of(stage.scene), 18, ink::dark, true);
   y -= 5;
   if (!stage.scene.source.empty()) write("Source: " + stage.scene.source, 11, ink::faint, false);
-  write(verdict(stage.rest), 12, stage.rest.found() ? ink::dark : ink::load, false);
+  const MechanismPicture& picture = stage.picture;
+  if (!picture.heading.empty()) write(picture.heading, 12, picture.confirmed ? ink::dark : ink::load, false);
   return y;
 }
 
@@ -81,7 +103,7 @@ double draw_heading(Canvas& page, const Stage& stage, double width) {
 Canvas draw_gravity(const Stage& stage) {
   Canvas canvas;
   const double size = norm(stage.scene.gravity);
-  if (size == 0.0) return canvas;
+  if (size == 0.0 || !stage.picture.loads) return canvas;
   const Vec2 u = stage.page_direction((1 / size) * stage.scene.gravity);
   draw_arrow(canvas, -17.0 * u, 17.0 * u, ink::dark, 2.0);
   canvas.text({-14.0, 4.0},
@@ -123,27 +145,31 @@ const std::vector<LegendItem>& legend_items() {
        [](Canvas& c) {
          draw_arrow(c, {2, 0}, {32, 0}, ink::load, 2.4);
        }},
-      {Sign::reaction, "joint force on the joint\u2019s moving or second body",
+      {Sign::reaction, "joint force on the body named",
        [](Canvas& c) {
          draw_arrow(c, {2, 0}, {32, 0}, ink::reaction, 1.5);
        }},
-      {Sign::undetermined_reaction, "* not determined by statics: minimum-norm share",
+      {Sign::undetermined_reaction, "* not determined by statics: minimum-norm solution",
        [](Canvas& c) {
          draw_arrow(c, {2, 0}, {32, 0}, ink::reaction, 1.5, "4 3");
        }},
+      {Sign::drive, "drive",
+       [](Canvas& c) {
+         draw_arrow(c, {2, 0}, {32, 0}, ink::drive, 2.0);
+       }},
       {Sign::spring, "spring, tension +",
        [](Canvas& c) {
-         draw_spring(c, {0, 0}, {34, 0}, {.stroke = ink::spring, .width = 1.5});
+         draw_spring(c, {0, 0}, {34, 0}, {}, {.stroke = ink::spring, .width = 1.5});
        }},
       {Sign::slack_spring, "slack spring",
        [](Canvas& c) {
-         draw_spring(c, {0, 0}, {34, 0}, {.stroke = ink::slack, .width = 1.3, .dash = "3 3"});
+         draw_spring(c, {0, 0}, {34, 0}, {}, {.stroke = ink::slack, .width = 1.3, .dash = "3 3"});
        }},
       {Sign::torsion_spring, "torsion spring, moment on its second body",
        [](Canvas& c) {
          draw_spiral(c, {17, 0}, {1, 0}, 10, {.stroke = ink::spring, .width = 1.3});
        }},
-      {Sign::damper, "damper, without force at rest",
+      {Sign::damper, "damper, no force in equilibrium",
        [](Canvas& c) {
          draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
        }},
@@ -155,17 +181,22 @@ const std::vector<LegendItem>& legend_items() {
        [](Canvas& c) {
          draw_centre_of_mass(c, {17, 0}, 5.0);
        }},
-      {Sign::pressed_stop, "stop that presses",
+      {Sign::active_stop, "active stop, its force or moment",
        [](Canvas& c) {
          c.line({17, -8}, {17, 8}, {.stroke = ink::stop, .width = 3.0});
        }},
-      {Sign::free_stop, "stop, free",
+      {Sign::inactive_stop, "stop, not active",
        [](Canvas& c) {
          c.line({17, -8}, {17, 8}, {.stroke = ink::free_stop, .width = 1.4});
        }},
-      {Sign::starting_pose, "starting pose",
+      {Sign::other_pose, "",
        [](Canvas& c) {
          c.line({4, 0}, {30, 0}, {.stroke = ink::ghost, .width = 6.0});
+       }},
+      {Sign::path, "path of the point named",
+       [](Canvas& c) {
+         c.line({2, 0}, {32, 0}, {.stroke = curve_colour(0), .width = 1.8});
+         c.circle({2, 0}, 2.6, {.fill = curve_colour(0)});
        }},
   };
   return items;
@@ -186,11 +217,15 @@ Canvas draw_legend(const Stage& stage, double width) {
   const TextStyle style{.size = 11, .halo = false, .align = Align::start};
   for (const LegendItem& item : legend_items()) {
     if (!stage.signs.contains(item.sign)) continue;
-    const Vec2 here = place(sign_width + text_width(item.text, style.size));
+    // One other position is named here, several where they are.
+    const std::string text = item.sign != Sign::other_pose ? item.text
+                             : stage.shadows.size() == 1   ? stage.shadows.front()
+                                                           : "other positions";
+    const Vec2 here = place(sign_width + text_width(text, style.size));
     Canvas sign;
     item.draw(sign);
     canvas.insert(sign, "", here);
-    canvas.text(here + Vec2{sign_width, 4}, item.text, style);
+    canvas.text(here + Vec2{sign_width, 4}, text, style);
   }
   if (stage.signs.contains(Sign::load) || stage.signs.contains(Sign::reaction)) {
     const std::string text = "Arrows grow with the square root of the force.";
@@ -203,18 +238,17 @@ Canvas draw_legend(const Stage& stage, double width) {
 
 }  // namespace
 
-std::string draw_svg(const StaticModel& model, const Equilibrium& rest, const std::vector<double>& start) {
-  Stage stage(model, rest, start);
-  draw_mechanism(stage);
-  const Box& drawn = stage.canvas.bounds();
-  const double width = std::max(least_width, drawn.width());
+std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture) {
+  const Stage stage = drawn_to_fit(scene, picture);
+  const Box& bounds = stage.canvas.bounds();
+  const double width = std::max(room, bounds.width());
 
   Canvas page;
   const double below_heading = draw_heading(page, stage, width - 130) + 14;
   page.insert(draw_gravity(stage), "gravity", {margin + width - 24, margin + 22});
   page.insert(stage.canvas, "mechanism",
-              {margin + (width - drawn.width()) / 2 - drawn.low.x, below_heading - drawn.low.y});
-  double y = below_heading + drawn.height() + 34;
+              {margin + (width - bounds.width()) / 2 - bounds.low.x, below_heading - bounds.low.y});
+  double y = below_heading + bounds.height() + 34;
   page.insert(draw_scale_bar(stage), "scale", {margin + 4, y});
   y += 34;
   page.line({margin, y}, {margin + width, y}, {.stroke = ink::ghost, .width = 1});
@@ -223,14 +257,51 @@ std::string draw_svg(const StaticModel& model, const Equilibrium& rest, const st
   page.insert(legend, "legend", {margin, y});
   const double height = y + std::max(0.0, legend.bounds().high.y) + margin;
 
-  const double full_width = width + 2 * margin;
-  const std::string title = escape_xml(stage.scene.title.empty() ? stage.scene.file : stage.scene.title);
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
       "font-family=\"system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n"
       "<title>{2}</title>\n<desc>{3}</desc>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{4}</svg>\n",
-      full_width, height, title, escape_xml(verdict(rest)), page.elements());
+      width + 2 * margin, height, escape_xml(title_of(scene)), escape_xml(picture.heading), page.elements());
+}
+
+std::string draw_svg(const StaticModel& model, const Equilibrium& equilibrium, const std::vector<double>& start) {
+  MechanismPicture picture{.poses = model.poses(equilibrium.x),
+                           .heading = verdict(equilibrium),
+                           .confirmed = equilibrium.found(),
+                           .reactions = equilibrium.check.reactions};
+  if (!start.empty()) picture.others.push_back({"starting position", model.poses(start)});
+  return draw_mechanism(model.scene(), picture);
+}
+
+std::string stacked(const std::string& above, const std::string& below) {
+  struct Part {
+    std::string_view element;  // from "<svg" on
+    double width, height;
+  };
+  const auto read = [](std::string_view document) {
+    const std::string_view element = document.substr(document.find("<svg"));
+    const auto size = [&](std::string_view key) {
+      return std::strtod(element.data() + element.find(key) + key.size(), nullptr);
+    };
+    return Part{element, size(" width=\""), size(" height=\"")};
+  };
+  const Part parts[] = {read(above), read(below)};
+  const double width = std::max(parts[0].width, parts[1].width);
+  const double height = parts[0].height + parts[1].height;
+  std::string page = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+      "{1:.0f}\">\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+      width, height);
+  double y = 0.0;
+  for (const Part& part : parts) {
+    page += fmt::format("<svg x=\"{:.0f}\" y=\"{:.0f}\"", 0.5 * (width - part.width), y);
+    page += part.element.substr(std::string_view("<svg").size());
+    y += part.height;
+  }
+  return page + "</svg>\n";
 }
 
 }  // namespace poise::app

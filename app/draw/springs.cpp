@@ -1,4 +1,9 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
@@ -6,50 +11,125 @@
 namespace poise::app {
 namespace {
 
-void draw_line_spring(Stage& stage, const Strung& spring) {
-  const ElementReading& reading = stage.now.elements[spring.element];
-  const Vec2 a = stage.page(spring.a);
-  const Vec2 b = stage.page(spring.b);
-  const double width = stage.detail == Detail::full ? 1.7 : 1.0;
-  if (reading.slack)
-    draw_spring(stage.canvas, a, b, {.stroke = ink::slack, .width = 0.8 * width, .dash = "3 3"});
-  else
-    draw_spring(stage.canvas, a, b, {.stroke = ink::spring, .width = width});
-  stage.signs.insert(reading.slack ? Sign::slack_spring : Sign::spring);
-  if (stage.detail != Detail::full) return;
-  stage.setter.avoid(a, b, 12.0);
-  Vec2 toward = quarter_turn(b - a);
-  if (toward.y > 0) toward = -toward;
-  const std::string says = reading.slack ? ": slack" : " = " + stage.value(reading.force, Quantity::force);
-  stage.label(stage.scene.elements[spring.element].name + says, 0.5 * (a + b), toward, 9,
-              reading.slack ? ink::faint : ink::spring);
+/// What takes up a line of the page, to half its width `reach` on both sides.
+struct Occupied {
+  Vec2 a, b;
+  double reach;
+};
+
+/// Whether two lines lie on each other over a good part of the shorter.
+bool lie_on_each_other(const Occupied& p, const Occupied& q) {
+  constexpr double shared = 0.3;
+  const double length = norm(p.b - p.a);
+  const double other = norm(q.b - q.a);
+  if (length < 1.0 || other < 1.0) return false;
+  const Vec2 u = (1 / length) * (p.b - p.a);
+  const double first = dot(u, q.a - p.a);
+  const double last = dot(u, q.b - p.a);
+  const double begin = std::max(0.0, std::min(first, last));
+  const double end = std::min(length, std::max(first, last));
+  if (end - begin < shared * std::min(length, other)) return false;
+  const auto aside = [&](double at) {
+    return std::abs(cross(u, q.a - p.a) + (at - first) / (last - first) * cross(u, q.b - q.a));
+  };
+  return std::max(aside(begin), aside(end)) < p.reach + q.reach;
 }
 
-void draw_torsion_spring(Stage& stage, std::size_t i) {
+std::vector<Occupied> occupied_by_bodies(const Stage& stage) {
+  std::vector<Occupied> lines;
+  const double reach = 0.5 * stage.bar_width;
+  for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
+    const std::vector<Vec2> shape = stage.outline(static_cast<int>(i), stage.now);
+    for (std::size_t k = 0; k + 1 < shape.size() + (shape.size() > 2 ? 1 : 0); ++k) {
+      lines.push_back({shape[k], shape[(k + 1) % shape.size()], reach});
+    }
+  }
+  for (const Joint& joint : stage.scene.joints) {
+    if (joint.keeps_length()) lines.push_back({stage.page(joint.a), stage.page(joint.b), reach});
+  }
+  for (const Cylinder& c : stage.cylinders) lines.push_back({c.foot, c.eye, stage.bar_width});
+  return lines;
+}
+
+/// How far a line from a to b has to move aside to lie on nothing that is drawn, and what it takes up there.
+Vec2 shift_aside(std::vector<Occupied>& occupied, Vec2 a, Vec2 b, double reach) {
+  constexpr std::array<double, 9> places = {0, 1, -1, 2, -2, 3, -3, 4, -4};
+  const double pitch = 2.6 * reach;
+  Vec2 side = quarter_turn(b - a);
+  if (norm(side) > 0) side = (1 / norm(side)) * side;
+  if (side.y < 0 || (side.y == 0 && side.x < 0)) side = -side;
+  Vec2 shift{};
+  for (const double place : places) {
+    shift = place * pitch * side;
+    const Occupied line{a + shift, b + shift, reach};
+    if (std::none_of(occupied.begin(), occupied.end(), [&](const Occupied& o) { return lie_on_each_other(o, line); }))
+      break;
+  }
+  occupied.push_back({a + shift, b + shift, reach});
+  return shift;
+}
+
+void draw_strung(Stage& stage, const Strung& strung, Vec2 shift) {
+  const Element& element = stage.scene.elements[strung.element];
+  const ElementReading& reading = stage.now.elements[strung.element];
+  const bool full = stage.detail == Detail::full;
+  const bool spring = stores_energy(element.law);
+  const Vec2 a = stage.page(strung.a);
+  const Vec2 b = stage.page(strung.b);
+  const double width = full ? 1.7 : 1.0;
+  if (!spring)
+    draw_dashpot(stage.canvas, a, b, shift, {.stroke = ink::damper, .width = 0.95 * width});
+  else if (reading.slack)
+    draw_spring(stage.canvas, a, b, shift, {.stroke = ink::slack, .width = 0.8 * width, .dash = "3 3"});
+  else
+    draw_spring(stage.canvas, a, b, shift, {.stroke = ink::spring, .width = width});
+  stage.signs.insert(!spring ? Sign::damper : reading.slack ? Sign::slack_spring : Sign::spring);
+  if (!full) return;
+  stage.setter.avoid(a + shift, b + shift, 14.0);
+  Vec2 toward = quarter_turn(b - a);
+  if (norm(shift) > 0 ? dot(toward, shift) < 0 : toward.y > 0) toward = -toward;
+  std::string text = element.name;
+  if (spring && reading.slack) text += ": slack";
+  if (spring && !reading.slack && stage.picture.reactions) text += " = " + stage.value(reading.force, Quantity::force);
+  stage.label(text, 0.5 * (a + b) + shift, toward, 9, !spring ? ink::damper : reading.slack ? ink::faint : ink::spring);
+}
+
+/// A spiral; the next one at the same pivot lies round it.
+void draw_torsion_spring(Stage& stage, std::size_t i, std::vector<Vec2>& pivots) {
   const Element& spring = stage.scene.elements[i];
   const Vec2 at = stage.pivot(spring.on.body_a, spring.on.body_b);
+  const auto around = std::count_if(pivots.begin(), pivots.end(), [&](Vec2 p) { return norm(p - at) < 1.0; });
+  pivots.push_back(at);
   const int turning = spring.on.body_b != 0 ? spring.on.body_b : spring.on.body_a;
-  Vec2 end = stage.page_direction(unit(stage.now.poses[turning].angle));
-  const double radius = stage.detail == Detail::full ? 15.0 : 7.0;
-  draw_spiral(stage.canvas, at, end, radius,
-              {.stroke = ink::spring, .width = stage.detail == Detail::full ? 1.4 : 0.8});
+  const Vec2 end = stage.page_direction(unit(stage.now.poses[turning].angle));
+  const bool full = stage.detail == Detail::full;
+  const double radius = (full ? 15.0 : 7.0) * (1.0 + static_cast<double>(around));
+  draw_spiral(stage.canvas, at, end, radius, {.stroke = ink::spring, .width = full ? 1.4 : 0.8});
   stage.signs.insert(Sign::torsion_spring);
-  if (stage.detail != Detail::full) return;
+  if (!full) return;
   stage.setter.avoid(at, radius);
-  stage.label(spring.name + " = " + stage.value(-stage.now.elements[i].force, Quantity::moment), at, {0.7, -0.7},
-              radius + 4, ink::spring);
+  std::string text = spring.name;
+  if (stage.picture.reactions) text += " = " + stage.value(-stage.now.elements[i].force, Quantity::moment);
+  stage.label(text, at, {0.7, -0.7}, radius + 4, ink::spring);
 }
 
 }  // namespace
 
-void draw_springs(Stage& stage) {
-  stage.canvas.open("springs");
-  const std::vector<Element>& elements = stage.scene.elements;
+void draw_springs_and_dampers(Stage& stage) {
+  stage.canvas.open("springs-and-dampers");
+  std::vector<Occupied> occupied;
+  const bool sketch = stage.detail == Detail::sketch;
+  if (!sketch) occupied = occupied_by_bodies(stage);
+  const double reach = stage.detail == Detail::full ? 7.5 : 4.0;
   for (const Strung& strung : stage.strung()) {
-    if (stores_energy(elements[strung.element].law)) draw_line_spring(stage, strung);
+    const Vec2 shift = sketch ? Vec2{} : shift_aside(occupied, stage.page(strung.a), stage.page(strung.b), reach);
+    draw_strung(stage, strung, shift);
   }
-  for (std::size_t i = 0; i < elements.size() && stage.detail != Detail::sketch; ++i) {
-    if (stores_energy(elements[i].law) && elements[i].on.kind == Measure::Kind::angle) draw_torsion_spring(stage, i);
+  const std::vector<Element>& elements = stage.scene.elements;
+  std::vector<Vec2> pivots;
+  for (std::size_t i = 0; i < elements.size() && !sketch; ++i) {
+    const bool torsion = stores_energy(elements[i].law) && elements[i].on.kind == Measure::Kind::angle;
+    if (torsion) draw_torsion_spring(stage, i, pivots);
   }
   stage.canvas.close();
 }

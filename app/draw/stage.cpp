@@ -4,32 +4,34 @@
 #include <cmath>
 
 #include "app/draw/symbols.hpp"
-#include "app/shown_values.hpp"
 
 namespace poise::app {
 namespace {
 
-// Room for the mechanism itself; arrows and labels come on top.
-constexpr double page_width = 720.0;
 constexpr double page_height = 500.0;
 
-std::optional<Readings> read_start(const StaticModel& model, const std::vector<double>& start) {
-  if (start.empty()) return std::nullopt;
-  return read_off(model, start);
+std::vector<Readings> read_others(const Scene& scene, const std::vector<OtherPose>& others) {
+  std::vector<Readings> readings;
+  for (const OtherPose& other : others) readings.push_back(readings_of(scene, other.poses));
+  return readings;
 }
 
 }  // namespace
 
-Stage::Stage(const StaticModel& the_model, const Equilibrium& the_rest, const std::vector<double>& start)
-    : model(the_model),
-      scene(the_model.scene()),
-      rest(the_rest),
-      now(read_off(the_model, the_rest.x)),
-      before(read_start(the_model, start)) {
+Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, double width)
+    : scene(the_scene),
+      picture(the_picture),
+      now(readings_of(the_scene, the_picture.poses)),
+      others(read_others(the_scene, the_picture.others)) {
   choose_detail();
-  choose_scale();
-  for (const Force& force : scene.forces) largest_force = std::max(largest_force, norm(force.vector));
-  for (const Reaction& r : rest.check.reactions) largest_force = std::max(largest_force, norm(r.force));
+  choose_scale(width);
+  if (picture.loads) {
+    for (const Force& force : scene.forces) largest_force = std::max(largest_force, norm(force.vector));
+  }
+  if (picture.reactions) {
+    for (const Reaction& r : *picture.reactions) largest_force = std::max(largest_force, norm(r.force));
+  }
+  if (detail != Detail::sketch) find_cylinders();
 }
 
 void Stage::choose_detail() {
@@ -39,15 +41,19 @@ void Stage::choose_detail() {
   shows_ground = detail != Detail::sketch || std::count_if(scene.joints.begin(), scene.joints.end(), at_ground) <= 12;
 }
 
-void Stage::choose_scale() {
-  Box extent;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    for (const NamedPoint& p : scene.bodies[i].points) {
-      extent.include(now.poses[i].world(p.at));
-      if (before) extent.include(before->poses[i].world(p.at));
+void Stage::choose_scale(double width) {
+  Box box;
+  const auto include_bodies = [&](const Readings& readings) {
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      for (const NamedPoint& p : scene.bodies[i].points) box.include(readings.poses[i].world(p.at));
     }
+  };
+  include_bodies(now);
+  for (const Readings& other : others) include_bodies(other);
+  for (const Path& path : picture.paths) {
+    for (const Vec2& p : path.points) box.include(p);
   }
-  const auto include = [&](PointRef p) { extent.include(world(scene, now, p)); };
+  const auto include = [&](PointRef p) { box.include(world(scene, now, p)); };
   for (const Joint& joint : scene.joints) {
     if (!joint.has_travel() || joint.a.body != 0) include(joint.a);
     include(joint.b);
@@ -58,12 +64,11 @@ void Stage::choose_scale() {
   }
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
-    if (body.mass > 0 && !(scene.gravity == Vec2{})) extent.include(now.poses[i].world(body.center));
+    if (body.mass > 0 && !(scene.gravity == Vec2{})) box.include(now.poses[i].world(body.center));
   }
-  if (extent.empty()) extent.include({0, 0}, model.scales().length);
-  const double size = std::max({extent.width(), extent.height(), 1e-6 * model.scales().length});
-  scale =
-      std::min(page_width / std::max(extent.width(), 0.2 * size), page_height / std::max(extent.height(), 0.2 * size));
+  extent = std::max(box.width(), box.height());
+  if (extent <= 0.0) extent = scene.units.length;
+  scale = std::min(width / std::max(box.width(), 0.2 * extent), page_height / std::max(box.height(), 0.2 * extent));
 
   std::vector<double> lengths;
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
@@ -78,6 +83,68 @@ void Stage::choose_scale() {
     bar_width = std::clamp(0.12 * *middle, 2.5, 9.0);
   }
   pin_radius = std::clamp(0.55 * bar_width, 1.6, 4.5);
+}
+
+void Stage::find_cylinders() {
+  constexpr double on_line = 1.0;  // px
+  constexpr double shortest = 24.0;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& slide = scene.joints[j];
+    if (slide.kind != Joint::Kind::slide || slide.a.body == 0 || slide.b.body == 0) continue;
+    const Vec2 line = page_axis(slide);
+    const Vec2 origin = page(slide.a);
+    const auto straight = [&](int body) {
+      const std::vector<Vec2> points = points_of(body, now);
+      return std::all_of(points.begin(), points.end(),
+                         [&](Vec2 p) { return std::abs(cross(line, p - origin)) < on_line; });
+    };
+    if (!straight(slide.a.body) || !straight(slide.b.body)) continue;
+    // The pins farthest from each other.
+    Cylinder found{.joint = j, .barrel = slide.a.body, .rod = slide.b.body};
+    double length = 0.0;
+    const auto pins_of = [&](int body) {
+      std::vector<Vec2> pins;
+      for (const Joint& joint : scene.joints) {
+        if (joint.kind != Joint::Kind::pin) continue;
+        if (joint.a.body == body) pins.push_back(page(joint.a));
+        if (joint.b.body == body) pins.push_back(page(joint.b));
+      }
+      return pins;
+    };
+    for (const Vec2& foot : pins_of(found.barrel)) {
+      for (const Vec2& eye : pins_of(found.rod)) {
+        if (norm(eye - foot) <= length) continue;
+        length = norm(eye - foot);
+        found.foot = foot;
+        found.eye = eye;
+      }
+    }
+    if (length < shortest) continue;
+    const Vec2 along = (1 / length) * (found.eye - found.foot);
+    double mouth = 0.0;
+    double piston = length;
+    for (const Vec2& p : points_of(found.barrel, now)) mouth = std::max(mouth, dot(along, p - found.foot));
+    for (const Vec2& p : points_of(found.rod, now)) piston = std::min(piston, dot(along, p - found.foot));
+    // Ends that the scene does not give.
+    if (mouth < 0.3 * length) mouth = 0.6 * length;
+    mouth = std::min(mouth, 0.9 * length);
+    if (piston > 0.9 * mouth) piston = 0.5 * mouth;
+    found.mouth = found.foot + mouth * along;
+    found.piston = found.foot + std::max(piston, 0.12 * length) * along;
+    cylinders.push_back(found);
+  }
+}
+
+const Cylinder* Stage::cylinder_of_body(int body) const {
+  const auto found = std::find_if(cylinders.begin(), cylinders.end(),
+                                  [&](const Cylinder& c) { return c.barrel == body || c.rod == body; });
+  return found == cylinders.end() ? nullptr : &*found;
+}
+
+const Cylinder* Stage::cylinder_of_joint(std::size_t joint) const {
+  const auto found =
+      std::find_if(cylinders.begin(), cylinders.end(), [&](const Cylinder& c) { return c.joint == joint; });
+  return found == cylinders.end() ? nullptr : &*found;
 }
 
 std::vector<Strung> Stage::strung() const {
@@ -96,6 +163,10 @@ std::vector<Vec2> Stage::points_of(int body, const Readings& readings) const {
   std::vector<Vec2> points;
   for (const NamedPoint& p : scene.bodies[body].points) points.push_back(page(readings.poses[body].world(p.at)));
   return points;
+}
+
+std::vector<Vec2> Stage::outline(int body, const Readings& readings) const {
+  return convex_hull(points_of(body, readings));
 }
 
 std::vector<Vec2> Stage::members_at(Vec2 place) const {
@@ -142,10 +213,12 @@ double Stage::arrow_length(double force) const {
   return 22.0 + 62.0 * std::sqrt(force / largest_force);
 }
 
-std::string Stage::value(double si, Quantity quantity, int digits) const {
-  const double shown = in_units(model, quantity, {si}).front();
-  const std::string size = significant(std::abs(shown), digits);
-  return (shown < 0 && size != "0" ? "\u2212" : "") + size + " " + unit_name(quantity, scene.units);
+std::string Stage::value(double si, Quantity quantity) const {
+  constexpr double rounding = 1e-13;
+  const double scale_of_all = largest_force * (quantity == Quantity::moment ? extent : 1.0);
+  if (std::abs(si) < rounding * scale_of_all) si = 0.0;
+  const std::string text = significant(std::abs(in_unit(si, quantity, scene.units)), 4);
+  return (si < 0 && text != "0" ? "\u2212" : "") + text + " " + unit_name(quantity, scene.units);
 }
 
 void Stage::label(std::string text, Vec2 anchor, Vec2 toward, double gap, const std::string& colour, double size,

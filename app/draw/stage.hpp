@@ -1,9 +1,8 @@
 #pragma once
 
-// What every part of a figure shares: the mechanism at rest, its scale on the page, and the labels that wait to be set.
+// What every part of a figure shares: the mechanism, its scale on the page, and the labels that wait to be set.
 
 #include <cstddef>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -11,8 +10,8 @@
 
 #include "app/draw/canvas.hpp"
 #include "app/draw/labels.hpp"
+#include "app/draw/mechanism.hpp"
 #include "app/quantity.hpp"
-#include "statics/equilibrium.hpp"
 #include "statics/readings.hpp"
 
 namespace poise::app {
@@ -22,15 +21,17 @@ enum class Sign {
   load,
   reaction,
   undetermined_reaction,
+  drive,
   spring,
   slack_spring,
   torsion_spring,
   damper,
   massless_bar,
   centre_of_mass,
-  pressed_stop,
-  free_stop,
-  starting_pose
+  active_stop,
+  inactive_stop,
+  other_pose,
+  path
 };
 
 /// How much of a mechanism a page can hold.
@@ -46,28 +47,36 @@ struct Strung {
   PointRef a, b;
 };
 
+/// A slide between two straight bodies that are each pinned on the line of travel: a barrel and its rod.
+struct Cylinder {
+  std::size_t joint = 0;
+  int barrel = 0, rod = 0;                ///< bodies
+  Vec2 foot{}, mouth{}, piston{}, eye{};  ///< page: the barrel's pin and open end, the rod's inner end and pin
+};
+
 /// A mechanism on its way to the page.
 class Stage {
  public:
-  /// `start` are the scaled coordinates that the search began with; empty: not shown.
-  Stage(const StaticModel& model, const Equilibrium& rest, const std::vector<double>& start);
+  /// `width`, px, is for the mechanism itself; arrows and labels come on top.
+  Stage(const Scene& scene, const MechanismPicture& picture, double width);
 
-  const StaticModel& model;
   const Scene& scene;
-  const Equilibrium& rest;
+  const MechanismPicture& picture;
   const Readings now;
-  std::optional<Readings> before;
+  std::vector<Readings> others;
+  std::vector<std::string> shadows{};  ///< names of the other positions drawn
   Detail detail = Detail::full;
   bool shows_ground = true;    ///< supports and their reactions, even in a sketch when they are few
   double scale = 1.0;          ///< px per m
+  double extent = 1.0;         ///< m: of the mechanism
   double bar_width = 8.0;      ///< px
   double pin_radius = 4.0;     ///< px
   double largest_force = 0.0;  ///< N: of all arrows
+  std::vector<Cylinder> cylinders;
 
   Canvas canvas;
   LabelSetter setter;
   std::vector<Label> labels;
-  std::vector<std::pair<Vec2, Vec2>> arrows;  ///< drawn so far, tail and tip
   std::set<Sign> signs;
 
   /// World, m -> page, px.
@@ -75,41 +84,49 @@ class Stage {
   Vec2 page(PointRef point) const { return page(world(scene, now, point)); }
   /// Direction on the page of a world direction.
   static Vec2 page_direction(Vec2 world) { return conj(world); }
+  /// The line of travel of a joint, on the page.
+  Vec2 page_axis(const Joint& joint) const { return page_direction(joint.axis * unit(now.poses[joint.a.body].angle)); }
 
   /// The springs and dampers drawn between two points: upon a distance, or upon the travel of a joint.
   std::vector<Strung> strung() const;
-  /// Points of a body on the page, at rest or in the starting pose.
+  /// Points of a body on the page, in the position drawn or another.
   std::vector<Vec2> points_of(int body, const Readings& readings) const;
+  /// The ends of a body whose points lie on one line, or the corners of one whose points do not.
+  std::vector<Vec2> outline(int body, const Readings& readings) const;
   /// Directions in which things leave a place on the page: bodies, bars, springs and dampers that have a point there.
   std::vector<Vec2> members_at(Vec2 place) const;
   /// Name of a joint fit for a figure: what the scene calls it, or else the point's name.
   std::string short_name(const Joint& joint) const;
   /// Where two bodies turn about each other: the joint they share, or the origin of `b`.
   Vec2 pivot(int a, int b) const;
+  /// The cylinder that a body or a joint is part of; null where it is none.
+  const Cylinder* cylinder_of_body(int body) const;
+  const Cylinder* cylinder_of_joint(std::size_t joint) const;
 
   /// Length of the arrow for a force, px.
   double arrow_length(double force) const;
   /// "12.5 N", with a true minus sign.
-  std::string value(double si, Quantity quantity, int digits = 4) const;
+  std::string value(double si, Quantity quantity) const;
   /// Asks for a label; set when everything is drawn.
   void label(std::string text, Vec2 anchor, Vec2 toward, double gap, const std::string& colour, double size = 11.0,
              bool italic = false);
 
  private:
   void choose_detail();
-  void choose_scale();
+  void choose_scale(double width);
+  void find_cylinders();
 };
 
 // The parts of the figure, in the order in which they are drawn.
-void draw_starting_pose(Stage& stage);
+void draw_other_poses(Stage& stage);
 void draw_guides(Stage& stage);
 void draw_supports(Stage& stage);
 void draw_bodies(Stage& stage);
-void draw_springs(Stage& stage);
-void draw_dampers(Stage& stage);
+void draw_springs_and_dampers(Stage& stage);
 void draw_pins(Stage& stage);
 void draw_stops(Stage& stage);
 void draw_centres_of_mass(Stage& stage);
+void draw_paths(Stage& stage);
 void draw_loads(Stage& stage);
 void draw_reactions(Stage& stage);
 

@@ -12,21 +12,22 @@ struct Colours {
   double width;
 };
 
-Colours colours(bool presses) { return presses ? Colours{ink::stop, 2.6} : Colours{ink::free_stop, 1.2}; }
+Colours colours(bool active) { return active ? Colours{ink::stop, 2.6} : Colours{ink::free_stop, 1.2}; }
 
-/// What a stop carries; null where it does not press.
+/// What a stop carries; null where it is not active.
 const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
-  const auto& reactions = stage.rest.check.reactions;
+  if (!stage.picture.reactions) return nullptr;
+  const auto& reactions = *stage.picture.reactions;
   const auto found = std::find_if(reactions.begin(), reactions.end(),
                                   [&](const Reaction& r) { return r.kind == "stop" && r.name == stop.name; });
   return found == reactions.end() ? nullptr : &*found;
 }
 
-void label_pressed(Stage& stage, const Stop& stop, const Reaction& reaction, Vec2 at, Vec2 toward, double gap) {
+void label_active(Stage& stage, const Stop& stop, const Reaction& reaction, Vec2 at, Vec2 toward, double gap) {
   if (stage.detail != Detail::full) return;
   const std::string carried = stop.on.is_angle() ? stage.value(std::abs(reaction.moment), Quantity::moment)
                                                  : stage.value(norm(reaction.force), Quantity::force);
-  stage.label(stop.name + " presses: " + carried + (reaction.determined ? "" : "*"), at, toward, gap, ink::stop);
+  stage.label(stop.name + ": " + carried + (reaction.determined ? "" : "*"), at, toward, gap, ink::stop);
 }
 
 /// Direction on the page from a pivot to the end of a body that is farthest from it.
@@ -41,18 +42,18 @@ Vec2 hand_of(const Stage& stage, int body, Vec2 pivot) {
   return hand;
 }
 
-/// An arc over the range that a stop leaves to the moving body, with a mark at each limit.
-void draw_angle_stop(Stage& stage, const Stop& stop, double now, const Reaction* pressed) {
+/// An arc over the range that a stop allows the moving body, with a mark at each limit.
+void draw_angle_stop(Stage& stage, const Stop& stop, double now, const Reaction* active) {
   const int moving = stop.on.body_b != 0 ? stop.on.body_b : stop.on.body_a;
   const double sense = stop.on.body_b != 0 ? 1.0 : -1.0;
   const Vec2 pivot = stage.pivot(stop.on.body_a, stop.on.body_b);
   const double hand = seen_angle(hand_of(stage, moving, pivot));
   const double radius = 30.0;
-  // A mark stands beside the bar that leans on it: below the smallest angle, above the largest.
+  // A mark stands beside the bar that touches it: below the smallest angle, above the largest.
   const auto mark = [&](double limit, double side) {
     const Vec2 u = conj(unit(hand + sense * (limit - now)));
     const Vec2 aside = -side * sense * (0.5 * stage.bar_width + 2.0) * quarter_turn(u);
-    const Colours c = colours(pressed != nullptr && limit == pressed_limit(stop, now).value);
+    const Colours c = colours(active != nullptr && limit == pressed_limit(stop, now).value);
     stage.canvas.line(pivot + (radius - 10) * u + aside, pivot + (radius + 10) * u + aside,
                       {.stroke = c.line, .width = c.width});
   };
@@ -62,17 +63,17 @@ void draw_angle_stop(Stage& stage, const Stop& stop, double now, const Reaction*
   }
   if (std::isfinite(stop.min)) mark(stop.min, -1.0);
   if (std::isfinite(stop.max)) mark(stop.max, 1.0);
-  if (pressed) label_pressed(stage, stop, *pressed, pivot + radius * conj(unit(hand)), conj(unit(hand)), 12);
+  if (active) label_active(stage, stop, *active, pivot + radius * conj(unit(hand)), conj(unit(hand)), 12);
 }
 
-void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* pressed) {
+void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* active) {
   const Vec2 a = stage.page(stop.on.a);
   const Vec2 b = stage.page(stop.on.b);
-  const auto [colour, width] = colours(pressed != nullptr);
-  stage.canvas.line(a, b, {.stroke = colour, .width = width, .dash = pressed ? "" : "2 4"});
-  if (!pressed) return;
+  const auto [colour, width] = colours(active != nullptr);
+  stage.canvas.line(a, b, {.stroke = colour, .width = width, .dash = active ? "" : "2 4"});
+  if (!active) return;
   stage.setter.avoid(a, b, width);
-  label_pressed(stage, stop, *pressed, 0.5 * (a + b), {0, -1}, 5);
+  label_active(stage, stop, *active, 0.5 * (a + b), {0, -1}, 5);
 }
 
 /// The line on the page along which a length is limited: where it is zero, its direction, and how far what meets the
@@ -82,9 +83,10 @@ struct LimitedLine {
   double face = 0.0;  ///< px
 };
 
-LimitedLine guide_line(const Stage& stage, const Joint& joint) {
-  return {stage.page(joint.a), stage.page_direction(joint.axis * unit(stage.now.poses[joint.a.body].angle)),
-          joint.kind == Joint::Kind::slide ? 18.0 : stage.pin_radius + 2};
+LimitedLine guide_line(const Stage& stage, int j) {
+  const Joint& joint = stage.scene.joints[j];
+  const bool block = joint.kind == Joint::Kind::slide && stage.cylinder_of_joint(j) == nullptr;
+  return {stage.page(joint.a), stage.page_axis(joint), block ? 18.0 : stage.pin_radius + 2};
 }
 
 /// Parallel to a world axis through a point whose coordinate on that axis is `now`.
@@ -94,14 +96,14 @@ LimitedLine world_line(const Stage& stage, PointRef point, double now, Vec2 axis
 }
 
 /// Marks across the line, where the block's face would meet them.
-void draw_line_stop(Stage& stage, const Stop& stop, const LimitedLine& line, double now, const Reaction* pressed) {
+void draw_line_stop(Stage& stage, const Stop& stop, const LimitedLine& line, double now, const Reaction* active) {
   const Vec2 across = quarter_turn(line.along);
   const auto mark = [&](double limit, double sign) {
-    const bool touched = pressed != nullptr && limit == pressed_limit(stop, now).value;
+    const bool touched = active != nullptr && limit == pressed_limit(stop, now).value;
     const Vec2 at = line.origin + (stage.scale * limit + sign * line.face) * line.along;
     const Colours c = colours(touched);
     stage.canvas.line(at - 12.0 * across, at + 12.0 * across, {.stroke = c.line, .width = 1.4 * c.width});
-    if (touched) label_pressed(stage, stop, *pressed, at, sign * line.along, 8);
+    if (touched) label_active(stage, stop, *active, at, sign * line.along, 8);
   };
   if (std::isfinite(stop.min)) mark(stop.min, -1.0);
   if (std::isfinite(stop.max)) mark(stop.max, 1.0);
@@ -115,27 +117,27 @@ void draw_stops(Stage& stage) {
   for (std::size_t i = 0; i < stage.scene.stops.size(); ++i) {
     const Stop& stop = stage.scene.stops[i];
     const double now = stage.now.stops[i];
-    const Reaction* pressed = reaction_of(stage, stop);
+    const Reaction* active = reaction_of(stage, stop);
     switch (stop.on.kind) {
       case Measure::Kind::angle:
-        draw_angle_stop(stage, stop, now, pressed);
+        draw_angle_stop(stage, stop, now, active);
         break;
       case Measure::Kind::distance:
-        draw_distance_stop(stage, stop, pressed);
+        draw_distance_stop(stage, stop, active);
         break;
       case Measure::Kind::travel:
-        draw_line_stop(stage, stop, guide_line(stage, stage.scene.joints[stop.on.joint]), now, pressed);
+        draw_line_stop(stage, stop, guide_line(stage, stop.on.joint), now, active);
         break;
       case Measure::Kind::x:
-        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {1, 0}), now, pressed);
+        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {1, 0}), now, active);
         break;
       case Measure::Kind::y:
-        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {0, 1}), now, pressed);
+        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {0, 1}), now, active);
         break;
       case Measure::Kind::sum:
         continue;  // it has no place of its own
     }
-    stage.signs.insert(pressed ? Sign::pressed_stop : Sign::free_stop);
+    stage.signs.insert(active ? Sign::active_stop : Sign::inactive_stop);
   }
   stage.canvas.close();
 }

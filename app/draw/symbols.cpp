@@ -15,6 +15,9 @@ Vec2 direction(Vec2 a, Vec2 b) {
   return length > 0 ? (1 / length) * (b - a) : Vec2{1, 0};
 }
 
+// Length of the ends that what is moved aside keeps on the line from a to b.
+double corner_of(Vec2 a, Vec2 b, Vec2 shift) { return norm(shift) > 0 ? std::min(14.0, 0.12 * norm(b - a)) : 0.0; }
+
 // Tip and the two corners of an arrow's head that points along `u`.
 void draw_head(Canvas& canvas, Vec2 tip, Vec2 u, double length, const std::string& colour) {
   const Vec2 back = tip - length * u;
@@ -27,6 +30,12 @@ void draw_head(Canvas& canvas, Vec2 tip, Vec2 u, double length, const std::strin
 const char* body_colour(int i) {
   static constexpr std::array<const char*, 9> colours = {"#9fb1c4", "#d3b27c", "#93b795", "#bf9fc0", "#b7b48a",
                                                          "#dba58f", "#8fbcc0", "#c7b8a3", "#a9a7cf"};
+  return colours[i % colours.size()];
+}
+
+const char* curve_colour(std::size_t i) {
+  static constexpr std::array<const char*, curve_colours> colours = {"#0072b2", "#e69f00", "#cc79a7", "#d55e00",
+                                                                     "#2b343c", "#56b4e9", "#009e73"};
   return colours[i % colours.size()];
 }
 
@@ -72,6 +81,20 @@ void draw_bar(Canvas& canvas, Vec2 a, Vec2 b, double width, const std::string& f
   canvas.line(a, b, {.stroke = fill, .width = width - 2 * rim});
 }
 
+void draw_cylinder(Canvas& canvas, Vec2 foot, Vec2 mouth, Vec2 piston, Vec2 eye, double width,
+                   const std::string& barrel, const std::string& rod) {
+  const Vec2 along = direction(foot, eye);
+  const Vec2 half = 0.5 * width * quarter_turn(along);
+  const Vec2 base = foot + std::min(0.7 * width, 0.3 * norm(mouth - foot)) * along;
+  const std::vector<Vec2> tube{base + half, mouth + half, mouth - half, base - half};
+  draw_bar(canvas, foot, base, 0.45 * width, barrel);
+  canvas.polygon(tube, {.fill = "white"});
+  canvas.polygon(tube, {.fill = barrel, .opacity = 0.4});
+  draw_bar(canvas, piston, eye, 0.35 * width, rod);
+  canvas.line(piston + 0.8 * half, piston - 0.8 * half, {.stroke = ink::dark, .width = 0.25 * width});
+  canvas.polygon(tube, {.stroke = ink::dark, .width = 1.2});
+}
+
 void draw_massless_bar(Canvas& canvas, Vec2 a, Vec2 b, double width) { draw_bar(canvas, a, b, width, "white"); }
 
 void draw_block(Canvas& canvas, Vec2 at, Vec2 axis, double length, double height, const Paint& paint) {
@@ -85,19 +108,26 @@ void draw_slot(Canvas& canvas, Vec2 a, Vec2 b, double width, const Paint& paint)
   canvas.line(a, b, {.stroke = paint.fill, .width = width - 2 * paint.width});
 }
 
-void draw_spring(Canvas& canvas, Vec2 a, Vec2 b, const Paint& paint) {
-  const double length = norm(b - a);
+void draw_spring(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint) {
+  constexpr double pitch = 9.0;
+  constexpr int most_teeth = 28;
   const Vec2 along = direction(a, b);
   const Vec2 side = quarter_turn(along);
-  const double straight = std::min(28.0, 0.15 * length);
-  const double coiled = length - 2 * straight;
-  const int teeth = std::clamp(static_cast<int>(std::lround(coiled / 9.0)), 4, 28);
+  const Vec2 corner = corner_of(a, b, shift) * along;
+  const Vec2 begin = a + corner + shift;
+  const double length = norm(b - corner + shift - begin);
+  const double coiled = std::min(length - 2 * std::min(28.0, 0.15 * length), most_teeth * pitch);
+  const double straight = 0.5 * (length - coiled);
+  const int teeth = std::clamp(static_cast<int>(std::lround(coiled / pitch)), 4, most_teeth);
   const double reach = std::min(7.0, 2.0 + 0.12 * length);
-  std::vector<Vec2> points{a, a + straight * along};
+  std::vector<Vec2> points{a};
+  if (norm(shift) > 0) points.insert(points.end(), {a + corner, begin});
+  points.push_back(begin + straight * along);
   for (int i = 0; i < teeth; ++i) {
-    points.push_back(a + (straight + (i + 0.5) * coiled / teeth) * along + (i % 2 == 0 ? reach : -reach) * side);
+    points.push_back(begin + (straight + (i + 0.5) * coiled / teeth) * along + (i % 2 == 0 ? reach : -reach) * side);
   }
-  points.push_back(b - straight * along);
+  points.push_back(begin + (straight + coiled) * along);
+  if (norm(shift) > 0) points.insert(points.end(), {b - corner + shift, b - corner});
   points.push_back(b);
   canvas.polyline(points, paint);
 }
@@ -107,7 +137,7 @@ void draw_dashpot(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint
   const Vec2 along = direction(a, b);
   const double half_length = std::min(13.0, 0.2 * length);
   const Vec2 half_width = std::min(6.5, 2.0 + 0.1 * length) * quarter_turn(along);
-  const double corner = norm(shift) > 0 ? std::min(14.0, 0.12 * length) : 0.0;
+  const double corner = corner_of(a, b, shift);
   const Vec2 from = a + corner * along;
   const Vec2 to = b - corner * along;
   const Vec2 middle = 0.5 * (a + b) + shift;
@@ -122,10 +152,11 @@ void draw_dashpot(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint
 void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint) {
   constexpr double turns = 2.25;
   constexpr int steps = 72;
+  const double inner = std::max(0.32 * radius, radius - 10.2);
   std::vector<Vec2> points;
   for (int i = 0; i <= steps; ++i) {
     const double part = static_cast<double>(i) / steps;
-    points.push_back(at + (radius * (0.32 + 0.68 * part)) * (end * unit((part - 1) * turns * 2 * M_PI)));
+    points.push_back(at + (inner + (radius - inner) * part) * (end * unit((part - 1) * turns * 2 * M_PI)));
   }
   canvas.polyline(points, paint);
 }
