@@ -139,6 +139,11 @@ void draw_other_poses(Stage& stage) {
     for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
       draw_shadow(stage, stage.outline(static_cast<int>(i), other));
     }
+    for (const Joint& joint : stage.scene.joints) {
+      if (!joint.keeps_length()) continue;
+      draw_shadow(stage,
+                  {stage.page(world(stage.scene, other, joint.a)), stage.page(world(stage.scene, other, joint.b))});
+    }
   }
   stage.canvas.close();
 }

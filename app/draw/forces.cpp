@@ -24,25 +24,45 @@ struct Candidate {
 
 Candidate leaving(const Stage& stage, Vec2 at, Vec2 force, int body) {
   constexpr double clearance = 5.0;
+  // Cosine of the angle to a member from which on an arrow seems to lie on it, and what lying on it costs.
+  constexpr double seems_to_lie = 0.7;
+  constexpr double on_member = 60.0;
   const double size = norm(force);
   const Vec2 u = stage.page_direction((1 / size) * force);
   const Arrow arrow{at + stage.pin_radius * u, at + (stage.pin_radius + stage.arrow_length(size)) * u};
-  return {arrow, body, stage.setter.covered(arrow.tail, arrow.tip, clearance)};
+  double nearest = seems_to_lie;
+  for (const Vec2& member : stage.members_at(at)) nearest = std::max(nearest, dot(member, u));
+  return {arrow, body,
+          stage.setter.covered(arrow.tail, arrow.tip, clearance) +
+              on_member * (nearest - seems_to_lie) / (1 - seems_to_lie)};
 }
 
-/// The arrow of a load leaves its place, or points at it where it would run along what is drawn.
+/// The arrow of a load leaves its place, or points at it where it would run along what is drawn; beside the arrow of a
+/// joint force that lies there already.
 Arrow place_load(const Stage& stage, Vec2 at, Vec2 force) {
   constexpr double preference = 15.0;
+  constexpr double spacing = 7.0;
   const Candidate leaves = leaving(stage, at, force, 0);
   const Candidate opposite = leaving(stage, at, -force, 0);
-  if (leaves.cost <= opposite.cost + preference) return leaves.arrow;
-  return {opposite.arrow.tip, opposite.arrow.tail};
+  Arrow arrow = leaves.arrow;
+  if (leaves.cost > opposite.cost + preference) arrow = {opposite.arrow.tip, opposite.arrow.tail};
+  const Vec2 u = (1 / norm(arrow.tip - arrow.tail)) * (arrow.tip - arrow.tail);
+  for (const auto& [tail, tip] : stage.arrows) {
+    const Vec2 other = (1 / norm(tip - tail)) * (tip - tail);
+    const Vec2 apart = 0.5 * (tip + tail) - 0.5 * (arrow.tip + arrow.tail);
+    const bool same_line = std::abs(cross(u, other)) < 0.1 && std::abs(cross(u, apart)) < spacing;
+    if (!same_line || std::abs(dot(u, apart)) > 0.5 * (norm(arrow.tip - arrow.tail) + norm(tip - tail))) continue;
+    const Vec2 aside = spacing * quarter_turn(u);
+    arrow = {arrow.tail + aside, arrow.tip + aside};
+  }
+  return arrow;
 }
 
 /// Draws the arrow with its label at its end away from `at`.
 void draw_force(Stage& stage, Vec2 at, const Arrow& arrow, const std::string& text, const std::string& colour,
                 double width, const std::string& dash) {
   draw_arrow(stage.canvas, arrow.tail, arrow.tip, colour, width, dash);
+  stage.arrows.emplace_back(arrow.tail, arrow.tip);
   stage.setter.avoid(arrow.tail, arrow.tip, width + 6);
   if (text.empty()) return;
   const Vec2 far = norm(arrow.tip - at) > norm(arrow.tail - at) ? arrow.tip : arrow.tail;

@@ -47,6 +47,11 @@ void LabelSetter::avoid(Vec2 centre, double radius) {
   obstacles_.push_back({centre - half, centre + half, radius});
 }
 
+void LabelSetter::keep_between(double left, double right) {
+  left_ = left;
+  right_ = right;
+}
+
 double LabelSetter::covered(Vec2 a, Vec2 b, double margin) const {
   constexpr int samples = 12;
   int hits = 0;
@@ -59,7 +64,7 @@ double LabelSetter::covered(Vec2 a, Vec2 b, double margin) const {
 }
 
 double LabelSetter::cost(const Box& box) const {
-  double sum = 0.0;
+  double sum = 3.0 * (std::max(0.0, left_ - box.low.x) + std::max(0.0, box.high.x - right_));
   for (const Box& other : labels_) sum += 4.0 * overlap_area(box, other);
   for (const Obstacle& o : obstacles_) {
     const double inside = length_inside(grown(box, o.half_width), o.a, o.b);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ class LabelSetter {
   void avoid(Vec2 a, Vec2 b, double width);
   /// The same for a disc.
   void avoid(Vec2 centre, double radius);
+  /// Labels should keep between these limits.
+  void keep_between(double left, double right);
   /// Length of the avoided lines, px, that run within `margin` of the line from a to b.
   double covered(Vec2 a, Vec2 b, double margin) const;
   /// Draws the label where it covers least, and keeps later ones off it.
@@ -38,6 +41,7 @@ class LabelSetter {
 
   std::vector<Obstacle> obstacles_;
   std::vector<Box> labels_;
+  double left_ = -std::numeric_limits<double>::infinity(), right_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace poise::app

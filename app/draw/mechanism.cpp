@@ -30,10 +30,12 @@ Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
   draw_pins(stage);
   draw_stops(stage);
   draw_paths(stage);
-  draw_loads(stage);
   draw_reactions(stage);
+  draw_loads(stage);
+  const double middle = stage.canvas.bounds().middle().x;
+  stage.setter.keep_between(middle - room / 2, middle + room / 2);
   stage.canvas.open("labels");
-  // What matters most is set first and gets the best places: loads and reactions were asked for last.
+  // What matters most is set first and gets the best places: reactions and loads were asked for last.
   for (auto label = stage.labels.rbegin(); label != stage.labels.rend(); ++label)
     stage.setter.set(stage.canvas, *label);
   stage.canvas.close();
@@ -43,7 +45,7 @@ Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
 /// Drawn so large that arrows and labels fit into the page too; these keep their size.
 Stage drawn_to_fit(const Scene& scene, const MechanismPicture& picture) {
   constexpr double largest = 720.0;
-  constexpr double smallest = 240.0;
+  constexpr double smallest = 100.0;
   double width = largest;
   for (;;) {
     Stage stage = drawn(scene, picture, width);

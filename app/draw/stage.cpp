@@ -71,16 +71,24 @@ void Stage::choose_scale(double width) {
   scale = std::min(width / std::max(box.width(), 0.2 * extent), page_height / std::max(box.height(), 0.2 * extent));
 
   std::vector<double> lengths;
+  const auto add_length = [&](double length) {
+    if (length > 0) lengths.push_back(scale * length);
+  };
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     Box reach;
     for (const NamedPoint& p : scene.bodies[i].points) reach.include(p.at);
-    const double length = scale * std::hypot(reach.width(), reach.height());
-    if (length > 0) lengths.push_back(length);
+    add_length(std::hypot(reach.width(), reach.height()));
+  }
+  for (const Joint& joint : scene.joints) {
+    if (joint.keeps_length()) add_length(joint.length);
   }
   if (!lengths.empty()) {
+    constexpr double room_for_names = 45.0;
+    constexpr std::size_t few = 8;
     const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
     std::nth_element(lengths.begin(), middle, lengths.end());
     bar_width = std::clamp(0.12 * *middle, 2.5, 9.0);
+    if (detail == Detail::full && lengths.size() > few && *middle < room_for_names) detail = Detail::reduced;
   }
   pin_radius = std::clamp(0.55 * bar_width, 1.6, 4.5);
 }

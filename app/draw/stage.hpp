@@ -77,6 +77,7 @@ class Stage {
   Canvas canvas;
   LabelSetter setter;
   std::vector<Label> labels;
+  std::vector<std::pair<Vec2, Vec2>> arrows;  ///< drawn so far, tail and tip
   std::set<Sign> signs;
 
   /// World, m -> page, px.
@@ -127,7 +128,7 @@ void draw_pins(Stage& stage);
 void draw_stops(Stage& stage);
 void draw_centres_of_mass(Stage& stage);
 void draw_paths(Stage& stage);
-void draw_loads(Stage& stage);
 void draw_reactions(Stage& stage);
+void draw_loads(Stage& stage);
 
 }  // namespace poise::app
