@@ -104,7 +104,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     const std::string name = stage.short_name(joint);
     stage.label((name.empty() ? "" : name + " = ") + stage.value(reaction.axial, Quantity::force) + mark, 0.5 * (a + b),
                 beside, 0.5 * stage.bar_width + 4, colour);
-    stage.signs.insert(reaction.determined ? Sign::reaction : Sign::undetermined_reaction);
+    if (!reaction.determined) stage.signs.insert(Sign::undetermined_reaction);
     return;
   }
   const double size = norm(reaction.force);

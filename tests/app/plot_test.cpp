@@ -1,6 +1,7 @@
 #include "app/draw/chart/plot.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -16,6 +17,7 @@
 #include "app/draw/chart/axis.hpp"
 #include "app/draw/chart/gnuplot.hpp"
 #include "app/draw/chart/thinned.hpp"
+#include "app/draw/symbols.hpp"
 #include "model/scene.hpp"
 #include "tests/app/run_poise.hpp"
 
@@ -124,7 +126,7 @@ TEST(Plot, IsWellFormedAndShowsWhatItWasGiven) {
 
 TEST(Plot, PutsPointsWhereTheyBelong) {
   SKIP_WITHOUT_GNUPLOT();
-  const std::string blue = "rgb( 31,  95, 180)";
+  const std::string blue = "rgb(  0, 114, 178)";
   Panel panel;
   panel.curves = {{.name = "", .x = {0, 1, 3}, .y = {2, 5, 2}}};
   const auto linear = path_of(draw_plot({panel}), blue);
@@ -141,13 +143,94 @@ TEST(Plot, PutsPointsWhereTheyBelong) {
   EXPECT_NEAR(decades[0].second - decades[2].second, 3 * (decades[0].second - decades[1].second), 0.1);
 }
 
+/// Linear red, green and blue of "#rrggbb".
+std::array<double, 3> linear_rgb(const std::string& colour) {
+  std::array<double, 3> rgb{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double c = std::stoi(colour.substr(1 + 2 * i, 2), nullptr, 16) / 255.0;
+    rgb[i] = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  }
+  return rgb;
+}
+
+using ColourMatrix = std::array<std::array<double, 3>, 3>;
+
+std::array<double, 3> operator*(const ColourMatrix& m, const std::array<double, 3>& v) {
+  std::array<double, 3> out{};
+  for (std::size_t i = 0; i < 3; ++i) out[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
+  return out;
+}
+
+/// CIE L*a*b* for D65.
+std::array<double, 3> lab(const std::array<double, 3>& rgb) {
+  constexpr ColourMatrix to_xyz = {{{0.4124, 0.3576, 0.1805}, {0.2126, 0.7152, 0.0722}, {0.0193, 0.1192, 0.9505}}};
+  const std::array<double, 3> xyz = to_xyz * rgb;
+  const auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; };
+  const double x = f(xyz[0] / 0.9505), y = f(xyz[1]), z = f(xyz[2] / 1.089);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+
+TEST(Plot, ColoursOfNeighboursDifferForTheColourBlindToo) {
+  // How a colour is seen with full protanopia and deuteranopia: Machado, Oliveira and Fernandes, 2009.
+  constexpr ColourMatrix all = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  constexpr ColourMatrix protanopia = {
+      {{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}}};
+  constexpr ColourMatrix deuteranopia = {
+      {{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.011820, 0.042940, 0.968881}}};
+  for (const auto& [seen, least] : {std::pair(all, 55.0), std::pair(protanopia, 45.0), std::pair(deuteranopia, 45.0)}) {
+    for (std::size_t i = 0; i < curve_colours; ++i) {
+      const auto colour = [&](std::size_t k) {
+        std::array<double, 3> rgb = seen * linear_rgb(curve_colour(k));
+        for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
+        return lab(rgb);
+      };
+      const std::array<double, 3> a = colour(i), b = colour(i + 1);
+      EXPECT_GE(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), least) << i;
+    }
+  }
+}
+
+TEST(Plot, CoincidentCurvesShowThroughEachOther) {
+  SKIP_WITHOUT_GNUPLOT();
+  Panel panel;
+  for (const double offset : {0.0, 1e-6, 1.0, -1e-6}) {
+    panel.curves.push_back({.name = "", .x = {0, 1, 2}, .y = {offset, 2 + offset, offset}});
+  }
+  const std::string svg = draw_plot({panel});
+  const auto dashed = [&](const std::string& colour) {
+    return svg.find("stroke='" + colour + "' stroke-dasharray=") != std::string::npos;
+  };
+  EXPECT_FALSE(dashed("rgb(  0, 114, 178)")) << "lies below";
+  EXPECT_TRUE(dashed("rgb(230, 159,   0)")) << "lies on the first";
+  EXPECT_FALSE(dashed("rgb(204, 121, 167)")) << "lies elsewhere";
+  EXPECT_TRUE(dashed("rgb(213,  94,   0)")) << "lies on the first two";
+  EXPECT_NE(svg.find("stroke-dasharray='10.2,10.2'"), std::string::npos);
+  EXPECT_NE(svg.find("stroke-dasharray='5.1,15.3'"), std::string::npos) << "leaves half of the second";
+}
+
+TEST(Plot, ChartsBelowEachOtherShareTheirAxis) {
+  SKIP_WITHOUT_GNUPLOT();
+  Panel upper, lower{.x_label = "time (s)"}, other{.x_label = "angle (rad)"};
+  upper.curves = {{.name = "", .x = {0, 0.5, 1}, .y = {0, 1, 0}}};
+  lower.curves = {{.name = "", .x = {0, 0.5, 1, 2}, .y = {0, 20000, 0, 1}, .colour = 1}};
+  other.curves = {{.name = "", .x = {0, 0.5, 1}, .y = {0, 1, 0}, .colour = 2}};
+  const std::string svg = draw_plot({upper, lower, other});
+  const auto above = path_of(svg, "rgb(  0, 114, 178)");
+  const auto below = path_of(svg, "rgb(230, 159,   0)");
+  const auto own = path_of(svg, "rgb(204, 121, 167)");
+  ASSERT_TRUE(above.size() == 3 && below.size() == 4 && own.size() == 3);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(above[i].first, below[i].first, 0.02) << i;
+  EXPECT_NEAR(own[0].first, above[0].first, 0.02);
+  EXPECT_GT(own[2].first, above[2].first + 200) << "another quantity has its own axis";
+}
+
 TEST(Plot, BreaksTheLineAtAGap) {
   SKIP_WITHOUT_GNUPLOT();
   Panel whole, broken;
   whole.curves = {{.name = "", .x = {0, 1, 2, 3, 4}, .y = {0, 1, 2, 1, 0}}};
   broken.curves = {{.name = "", .x = {0, 1, 2, 3, 4}, .y = {0, 1, NAN, 1, 0}}};
   const auto strokes = [](const std::string& svg) {
-    const std::size_t begin = svg.find("d='", svg.find("stroke='rgb( 31,  95, 180)'"));
+    const std::size_t begin = svg.find("d='", svg.find("stroke='rgb(  0, 114, 178)'"));
     const std::string path = svg.substr(begin, svg.find("/>", begin) - begin);
     return std::count(path.begin(), path.end(), 'M');
   };
@@ -192,7 +275,7 @@ TEST(Plot, LongRecordsStaySmall) {
   panels.front().curves.resize(1);
   const std::string one = draw_plot({panels.front()});
   EXPECT_LT(one.size(), 300000U);
-  EXPECT_GT(path_of(one, "rgb( 31,  95, 180)").size(), 3000U) << "thinned no more than needed";
+  EXPECT_GT(path_of(one, "rgb(  0, 114, 178)").size(), 3000U) << "thinned no more than needed";
 }
 
 TEST(Plot, WithoutGnuplotSaysWhatToInstall) {

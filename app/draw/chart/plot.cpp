@@ -21,6 +21,7 @@ namespace poise::app {
 namespace {
 
 // Sizes of the page, px.
+constexpr double page_width = 900.0;
 constexpr double text_size = 11.0;
 constexpr double title_size = 13.0;
 constexpr double digit_width = 0.56 * text_size;
@@ -33,7 +34,8 @@ constexpr double between_columns = 26.0;
 constexpr double legend_gap = 14.0;
 constexpr double legend_sample = 34.0;
 constexpr double legend_row = 17.0;
-constexpr double widest_name = 190.0;
+constexpr double widest_name_beside = 190.0;
+constexpr double widest_name_below = 330.0;
 constexpr std::size_t most_names = 24;
 
 // What one point takes in the text of gnuplot's SVG, bytes, and how much all points together may.
@@ -53,15 +55,8 @@ constexpr const char* band_colour = "#eef3f8";
 constexpr const char* font_name = "poise-chart";
 constexpr const char* fonts = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
-constexpr std::size_t curve_colours = 9;
-
-/// Colour of a curve: the inks of the pictures first. Those that follow each other differ in lightness too. From the
-/// tenth on they come again, with another dash.
-const char* curve_colour(std::size_t i) {
-  static constexpr std::array<const char*, curve_colours> colours = {
-      ink::reaction, ink::stop, ink::spring, "#7a4a9e", ink::load, "#1a9aa8", "#8a5a3c", ink::faint, "#d6579a"};
-  return colours[i % colours.size()];
-}
+// Lines that coincide share this length, about px, of which each later one covers half of what the one before shows.
+constexpr double shared_dash = 24.0;
 
 /// A panel with what is worked out before it is placed.
 struct Chart {
@@ -71,7 +66,9 @@ struct Chart {
   std::string left_out{};            // the last line of a legend that is too long
   double left = 0.0;                 // from the cell's edge to the graph
   double legend = 0.0;               // width, 0 without one
+  double legend_height = 0.0;
   double height = graph_height;
+  std::vector<int> beneath{};  // per curve, how many earlier ones it coincides with
 };
 
 /// Where a graph stands on the page, px from its upper left corner.
@@ -79,21 +76,21 @@ struct Frame {
   double left, right, top, bottom;
 };
 
-std::string shortened(const std::string& name) {
-  if (text_width(name, text_size) <= widest_name) return name;
+std::string shortened(const std::string& name, double widest) {
+  if (text_width(name, text_size) <= widest) return name;
   std::string text;
   for (std::size_t i = 0; i < name.size();) {
     std::size_t end = i + 1;
     while (end < name.size() && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) ++end;
     const std::string longer = text + name.substr(i, end - i);
-    if (text_width(longer + "…", text_size) > widest_name) break;
+    if (text_width(longer + "…", text_size) > widest) break;
     text = longer;
     i = end;
   }
   return text + "…";
 }
 
-void write_legend(Chart& chart) {
+void write_legend(Chart& chart, double widest) {
   const auto room = [&](const std::string& name) {
     chart.legend = std::max(chart.legend, legend_gap + legend_sample + text_width(name, text_size));
   };
@@ -101,7 +98,7 @@ void write_legend(Chart& chart) {
   const auto add = [&](const std::string& name) {
     const bool shown = !name.empty() && named < most_names;
     named += name.empty() ? 0 : 1;
-    chart.names.push_back(shown ? shortened(name) : "");
+    chart.names.push_back(shown ? shortened(name, widest) : "");
     if (shown) room(chart.names.back());
   };
   for (const Curve& curve : chart.panel->curves) add(curve.name);
@@ -111,28 +108,70 @@ void write_legend(Chart& chart) {
     chart.left_out = fmt::format("… and {} more", named - most_names);
     room(chart.left_out);
   }
-  chart.height = std::max(chart.panel->tall ? 2 * graph_height : graph_height,
-                          legend_row * static_cast<double>(std::min(named, most_names + 1)));
+  chart.legend_height = legend_row * static_cast<double>(std::min(named, most_names + 1));
+  chart.height = chart.panel->tall ? 2 * graph_height : graph_height;
 }
 
-Chart prepare(const Panel& panel) {
+/// Whether two lines cannot be told apart: the same points to a pixel.
+bool coincide(const Curve& a, const Curve& b, const Chart& chart) {
+  constexpr double pixel = 1.2;
+  if (a.style != Curve::Style::line || b.style != Curve::Style::line || a.x != b.x) return false;
+  const auto height = [&](double y) {
+    const Axis& axis = chart.y;
+    return chart.height * (chart.panel->log_y ? std::log(y / axis.low) / std::log(axis.high / axis.low)
+                                              : (y - axis.low) / (axis.high - axis.low));
+  };
+  bool any = false;
+  for (std::size_t i = 0; i < a.y.size(); ++i) {
+    const double apart = std::abs(height(a.y[i]) - height(b.y[i]));
+    if (apart > pixel) return false;
+    any = any || std::isfinite(apart);
+  }
+  return any;
+}
+
+void find_coinciding(Chart& chart) {
+  const std::vector<Curve>& curves = chart.panel->curves;
+  for (auto curve = curves.begin(); curve != curves.end(); ++curve) {
+    chart.beneath.push_back(static_cast<int>(
+        std::count_if(curves.begin(), curve, [&](const Curve& earlier) { return coincide(earlier, *curve, chart); })));
+  }
+}
+
+/// The panels of one column that go on to the same label of x share its axis: a label may stand at the last one only.
+std::vector<const Panel*> sharing_x(const std::vector<Panel>& panels, std::size_t panel, std::size_t columns) {
+  const auto label = [&](std::size_t i) {
+    while (panels[i].x_label.empty() && i + columns < panels.size()) i += columns;
+    return panels[i].x_label;
+  };
+  std::vector<const Panel*> sharing;
+  for (std::size_t i = panel % columns; i < panels.size(); i += columns) {
+    if (panels[i].log_x == panels[panel].log_x && label(i) == label(panel)) sharing.push_back(&panels[i]);
+  }
+  return sharing;
+}
+
+Chart prepare(const Panel& panel, const std::vector<const Panel*>& sharing, int columns) {
   Chart chart{.panel = &panel};
   std::vector<double> x, y;
   bool marked = false;
-  for (const Curve& curve : panel.curves) {
-    x.insert(x.end(), curve.x.begin(), curve.x.end());
-    y.insert(y.end(), curve.y.begin(), curve.y.end());
-    marked = marked || curve.style == Curve::Style::points;
+  for (const Panel* other : sharing) {
+    for (const Curve& curve : other->curves) {
+      x.insert(x.end(), curve.x.begin(), curve.x.end());
+      marked = marked || curve.style == Curve::Style::points;
+    }
   }
+  for (const Curve& curve : panel.curves) y.insert(y.end(), curve.y.begin(), curve.y.end());
   for (const Level& level : panel.levels) y.push_back(level.y);
   for (const Band& band : panel.bands) y.insert(y.end(), {band.low, band.high});
-  chart.x = panel.log_x ? log_axis(x, 7) : linear_axis(x, marked ? 0.03 : 0.0, 8);
+  chart.x = panel.log_x ? log_axis(x, 7) : linear_axis(x, marked ? 0.03 : 0.0, columns > 1 ? 6 : 8);
   chart.y = panel.log_y ? log_axis(y, 6) : linear_axis(y, 0.06, 5);
   double labels = 0.0;
   for (const Tick& tick : chart.y.ticks)
     labels = std::max(labels, digit_width * static_cast<double>(screen_width(tick.label)));
   chart.left = labels + 10 + (panel.y_label.empty() ? 0.0 : 1.7 * text_size);
-  write_legend(chart);
+  write_legend(chart, columns > 1 ? widest_name_below : widest_name_beside);
+  find_coinciding(chart);
   return chart;
 }
 
@@ -162,31 +201,33 @@ class Script {
     fmt::format_to(std::back_inserter(text_), form, std::forward<Values>(values)...);
   }
 
-  // Graphs of one column stand below each other with the same edges, those of one row have the same height.
+  // Graphs of one column stand below each other with the same edges, those of one row have the same height. Legends
+  // stand beside the graphs of a single column, and below those of several.
   void lay_out() {
-    static constexpr std::array<double, 3> widths = {860, 560, 440};
-    const double cell = widths[static_cast<std::size_t>(std::min(columns_, 3) - 1)];
+    const double cell = columns_ == 1 ? page_width : (page_width - between_columns) / 2;
     const auto columns = static_cast<std::size_t>(columns_);
-    std::vector<double> left(columns, 0.0), legend(columns, edge);
+    std::vector<double> left(columns, 0.0), right(columns, edge);
     for (std::size_t i = 0; i < charts_.size(); ++i) {
       left[i % columns] = std::max(left[i % columns], edge + charts_[i].left);
-      legend[i % columns] = std::max(legend[i % columns], charts_[i].legend + edge);
+      if (columns == 1) right[0] = std::max(right[0], charts_[i].legend + edge);
     }
     width_ = columns_ * cell + (columns_ - 1) * between_columns;
     double y = 0.0;
     for (std::size_t row = 0; row < charts_.size(); row += columns) {
       double above = above_untitled_graph;
       double height = 0.0;
+      double legend = 0.0;
       const std::size_t end = std::min(row + columns, charts_.size());
       for (std::size_t i = row; i < end; ++i) {
         if (!charts_[i].panel->title.empty()) above = above_graph;
-        height = std::max(height, charts_[i].height);
+        height = std::max({height, charts_[i].height, columns == 1 ? charts_[i].legend_height : 0.0});
+        if (columns > 1) legend = std::max(legend, charts_[i].legend_height + edge);
       }
       for (std::size_t i = row; i < end; ++i) {
         const double x = static_cast<double>(i - row) * (cell + between_columns);
-        frames_.push_back({x + left[i - row], x + cell - legend[i - row], y + above, y + above + height});
+        frames_.push_back({x + left[i - row], x + cell - right[i - row], y + above, y + above + height});
       }
-      y += above + height + below_graph;
+      y += above + height + below_graph + legend;
     }
     height_ = std::max(y, below_graph);
   }
@@ -222,13 +263,22 @@ class Script {
     set_axis('x', chart.x, panel.log_x, panel.x_falls);
     set_axis('y', chart.y, panel.log_y, false);
     add("set key at screen {:.6f},{:.6f} left top vertical Left reverse samplen 1.5 spacing 1.0 textcolor rgb '{}'\n",
-        across(frame.right + legend_gap - 10), up(frame.top), ink::dark);
+        across(columns_ == 1 ? frame.right + legend_gap - 10 : frame.left),
+        up(columns_ == 1 ? frame.top : frame.bottom + below_graph - 4), ink::dark);
     label(panel.title, frame.left, frame.top - 16,
           fmt::format("left font '{}:Bold,{}' textcolor rgb '{}'", font_name, title_size, ink::dark));
     const std::string remark = fmt::format("textcolor rgb '{}'", ink::ground);
     label(panel.x_label, (frame.left + frame.right) / 2, frame.bottom + 33, "center " + remark);
     label(panel.y_label, frame.left - chart.left + 3, (frame.top + frame.bottom) / 2, "center rotate by 90 " + remark);
     draw_curves(chart, frame);
+  }
+
+  static std::string dashes(double on, double off) { return fmt::format("dt ({},{})", on, off); }
+
+  // Of gnuplot's: disc, square, triangle, diamond, triangle on its tip.
+  static int marker(std::size_t i) {
+    static constexpr std::array<int, 5> markers = {7, 5, 9, 13, 11};
+    return markers[i % markers.size()];
   }
 
   static std::string titled(const std::string& name) {
@@ -246,13 +296,18 @@ class Script {
       const char* colour = curve_colour(number);
       const bool dots = curve.style == Curve::Style::points;
       const bool marked = curve.style == Curve::Style::marked;
-      const std::string line = fmt::format("with {} lt 1 lw {} {} lc rgb '{}'",
-                                           marked ? "linespoints pt 7 ps 0.5" : "lines", dots ? 2.8 : 1.7,
-                                           curve.style == Curve::Style::dashed ? "dt (5,4)"
-                                           : number >= curve_colours           ? "dt (9,3)"
-                                                                               : "",
-                                           colour);
-      const std::string sample = dots ? fmt::format("with points pt 7 ps 0.35 lc rgb '{}'", colour) : line;
+      const auto drawn = [&](const std::string& dash) {
+        return fmt::format("with {} lt 1 lw {} {} lc rgb '{}'",
+                           marked ? fmt::format("linespoints pt {} ps 0.55", marker(number)) : std::string("lines"),
+                           dots ? 2.8 : 1.7, dash, colour);
+      };
+      const std::string own = curve.style == Curve::Style::dashed ? dashes(5, 4)
+                              : number >= curve_colours           ? dashes(9, 3)
+                                                                  : "";
+      const int beneath = chart.beneath[static_cast<std::size_t>(&curve - panel.curves.data())];
+      const double shown = shared_dash / std::pow(2.0, beneath);
+      const std::string line = drawn(beneath > 0 ? dashes(shown, shared_dash - shown) : own);
+      const std::string sample = dots ? fmt::format("with points pt 7 ps 0.35 lc rgb '{}'", colour) : drawn(own);
       legend.push_back(fmt::format("keyentry {} {}", sample, titled(*name++)));
       if (add_data(curve, chart, frame)) shapes.push_back(fmt::format("$data{} using 1:2 {} notitle", data_++, line));
     }
@@ -348,8 +403,11 @@ void expect_plotter() {
 std::string draw_plot(const std::vector<Panel>& panels, int columns) {
   expect_plotter();
   std::vector<Chart> charts;
-  for (const Panel& panel : panels) charts.push_back(prepare(panel));
-  return finished(run_gnuplot(Script(std::move(charts), std::max(1, columns)).write()), panels);
+  columns = std::max(1, columns);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    charts.push_back(prepare(panels[i], sharing_x(panels, i, static_cast<std::size_t>(columns)), columns));
+  }
+  return finished(run_gnuplot(Script(std::move(charts), columns).write()), panels);
 }
 
 }  // namespace poise::app
