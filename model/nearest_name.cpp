@@ -51,7 +51,7 @@ std::string did_you_mean(std::string_view name, const std::vector<std::string>& 
 
 std::string did_you_mean_or_list(std::string_view name, const std::vector<std::string>& candidates) {
   constexpr std::size_t most_listed = 12;
-  const std::string suggestion = did_you_mean(name, candidates);
+  std::string suggestion = did_you_mean(name, candidates);
   if (!suggestion.empty()) return suggestion;
   if (candidates.empty()) return "; there is none here";
   std::vector<std::string> listed = candidates;
