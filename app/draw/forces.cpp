@@ -5,6 +5,7 @@
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
+#include "statics/body_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -31,7 +32,9 @@ Candidate leaving(const Stage& stage, Vec2 at, Vec2 force, int body) {
   const Vec2 u = stage.page_direction((1 / size) * force);
   const Arrow arrow{at + stage.pin_radius * u, at + (stage.pin_radius + stage.arrow_length(size)) * u};
   double nearest = seems_to_lie;
-  for (const Vec2& member : stage.members_at(at)) nearest = std::max(nearest, dot(member, u));
+  if (stage.detail != Detail::sketch) {
+    for (const Vec2& member : stage.members_at(at)) nearest = std::max(nearest, dot(member, u));
+  }
   return {arrow, body,
           stage.setter.covered(arrow.tail, arrow.tip, clearance) +
               on_member * (nearest - seems_to_lie) / (1 - seems_to_lie)};
@@ -138,19 +141,19 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
 }
 
 /// What a drive does to the second body of its measure.
-void draw_drive(Stage& stage, const Reaction& reaction, const Drive& drive) {
-  if (reaction.moment == 0.0 && reaction.force == Vec2{}) return;
+void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
+  if (effort.value == 0.0) return;
   stage.signs.insert(Sign::drive);
-  if (drive.on.is_angle()) {
-    const Vec2 at = stage.pivot(drive.on.body_a, drive.on.body_b);
-    draw_turning(stage, at, 27.0, reaction.moment,
-                 reaction.name + " = " + stage.value(reaction.moment, Quantity::moment), ink::drive, 2.0);
+  const Quantity quantity = effort.is_angle ? Quantity::moment : Quantity::force;
+  const std::string text =
+      effort.name + " = " + stage.value(std::abs(effort.value), quantity) + (effort.determined ? "" : "*");
+  if (effort.is_angle) {
+    draw_turning(stage, stage.pivot(drive.on.body_a, drive.on.body_b), 27.0, effort.value, text, ink::drive, 2.0);
     return;
   }
-  const Vec2 at = stage.page(reaction.at);
-  const Arrow arrow = leaving(stage, at, reaction.force, 0).arrow;
-  draw_force(stage, at, arrow, reaction.name + " = " + stage.value(norm(reaction.force), Quantity::force), ink::drive,
-             2.0, "");
+  const UnitEffort unit = unit_efforts(stage.scene, drive.on, stage.now.poses).front();
+  const Vec2 at = stage.page(unit.b);
+  draw_force(stage, at, leaving(stage, at, effort.value * unit.force, unit.body_b).arrow, text, ink::drive, 2.0, "");
 }
 
 }  // namespace
@@ -181,21 +184,22 @@ void draw_loads(Stage& stage) {
 }
 
 void draw_reactions(Stage& stage) {
-  if (!stage.picture.reactions) return;
+  if (!stage.picture.reactions || !stage.shows_ground) return;
   std::unordered_map<std::string_view, const Joint*> joints;
   for (const Joint& joint : stage.scene.joints) joints.emplace(joint.name, &joint);
   stage.canvas.open("reactions");
   for (const Reaction& reaction : *stage.picture.reactions) {
-    if (reaction.kind == "stop" || reaction.kind == "drive" || !stage.shows_ground) continue;
     const auto joint = joints.find(reaction.name);
-    if (joint != joints.end()) draw_reaction(stage, reaction, *joint->second);
+    if (reaction.kind != "stop" && joint != joints.end()) draw_reaction(stage, reaction, *joint->second);
   }
   stage.canvas.close();
+}
+
+void draw_drives(Stage& stage) {
   stage.canvas.open("drives");
-  for (const Reaction& reaction : *stage.picture.reactions) {
-    if (reaction.kind != "drive") continue;
+  for (const DriveEffort& effort : stage.picture.drives) {
     for (const Drive& drive : stage.scene.drives) {
-      if (drive.name == reaction.name) draw_drive(stage, reaction, drive);
+      if (drive.name == effort.name) draw_drive(stage, effort, drive);
     }
   }
   stage.canvas.close();

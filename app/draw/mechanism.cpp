@@ -31,6 +31,7 @@ Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
   draw_stops(stage);
   draw_paths(stage);
   draw_reactions(stage);
+  draw_drives(stage);
   draw_loads(stage);
   const double middle = stage.canvas.bounds().middle().x;
   stage.setter.keep_between(middle - room / 2, middle + room / 2);
@@ -219,10 +220,12 @@ Canvas draw_legend(const Stage& stage, double width) {
   const TextStyle style{.size = 11, .halo = false, .align = Align::start};
   for (const LegendItem& item : legend_items()) {
     if (!stage.signs.contains(item.sign)) continue;
+    std::string text = item.text;
     // One other position is named here, several where they are.
-    const std::string text = item.sign != Sign::other_pose ? item.text
-                             : stage.shadows.size() == 1   ? stage.shadows.front()
-                                                           : "other positions";
+    if (item.sign == Sign::other_pose)
+      text = stage.shadows.size() == 1 ? stage.shadows.front() : "other positions";
+    else if (!stage.picture.reactions)  // what follows a comma is about forces
+      text = text.substr(0, text.find(','));
     const Vec2 here = place(sign_width + text_width(text, style.size));
     Canvas sign;
     item.draw(sign);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/mechanism.hpp"
+#include "motion/inverse_dynamics.hpp"
 #include "statics/equilibrium.hpp"
 
 namespace poise::app {
@@ -30,9 +31,10 @@ struct MechanismPicture {
   std::string heading{};  ///< below the title: the verdict
   bool confirmed = true;  ///< false: the heading is a warning
   bool loads = true;      ///< forces, torques and gravity of the scene
-  /// Forces of joints, active stops and drives in this position. Where absent, springs have no forces either.
+  /// Forces of joints and active stops in this position. Where absent, springs have no forces either.
   std::optional<std::vector<Reaction>> reactions{};
-  std::vector<OtherPose> others{};  ///< those that differ visibly are drawn
+  std::vector<DriveEffort> drives{};  ///< of the scene's drives, by their names
+  std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
   std::vector<Path> paths{};
 };
 

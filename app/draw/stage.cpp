@@ -31,6 +31,9 @@ Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, double
   if (picture.reactions) {
     for (const Reaction& r : *picture.reactions) largest_force = std::max(largest_force, norm(r.force));
   }
+  for (const DriveEffort& drive : picture.drives) {
+    if (!drive.is_angle) largest_force = std::max(largest_force, std::abs(drive.value));
+  }
   if (detail != Detail::sketch) find_cylinders();
 }
 

@@ -129,6 +129,7 @@ void draw_stops(Stage& stage);
 void draw_centres_of_mass(Stage& stage);
 void draw_paths(Stage& stage);
 void draw_reactions(Stage& stage);
+void draw_drives(Stage& stage);
 void draw_loads(Stage& stage);
 
 }  // namespace poise::app

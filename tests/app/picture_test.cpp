@@ -239,6 +239,7 @@ TEST(Picture, SlideBetweenPinnedBodiesIsACylinder) {
   EXPECT_EQ(shapes(group(svg, "joints"), polygon).size(), 2U) << "the welds of payload and lump, no block";
   EXPECT_EQ(svg.find(">oil = "), std::string::npos) << "no forces were asked for";
   EXPECT_NE(svg.find(">oil<"), std::string::npos);
+  EXPECT_NE(svg.find(">spring<"), std::string::npos);
 }
 
 TEST(Picture, TextKeepsItsSizeInAWideMechanism) {
@@ -285,9 +286,9 @@ TEST(Picture, ShowsOtherPositionsAndPaths) {
 TEST(Picture, ShowsWhatADriveGives) {
   const StaticModel model(parse_scene(
       std::string(app_tests::pendulum) + "[[drive]]\nname = 'motor'\nbodies = ['ground', 'rod']\n", "pendulum.toml"));
-  Reaction effort{.name = "motor", .kind = "drive"};
-  effort.moment = 12.0;
-  const std::string svg = draw_mechanism(model.scene(), {.poses = model.poses({0.0}), .reactions = {{effort}}});
+  MechanismPicture picture{.poses = model.poses({0.0})};
+  picture.drives.push_back({.name = "motor", .value = -12.0});
+  const std::string svg = draw_mechanism(model.scene(), picture);
   EXPECT_NE(svg.find(">motor = 12 N m<"), std::string::npos);
   EXPECT_NE(svg.find(">drive<"), std::string::npos);
 }
