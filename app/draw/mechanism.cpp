@@ -1,10 +1,10 @@
 #include "app/draw/mechanism.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -58,21 +58,15 @@ Stage drawn_to_fit(const Scene& scene, const MechanismPicture& picture) {
 
 /// Cuts a text into lines no wider than `width`.
 std::vector<std::string> wrap(const std::string& text, double size, double width) {
-  std::vector<std::string> lines;
-  std::string line;
-  std::size_t at = 0;
-  while (at < text.size()) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string word = text.substr(at, end - at);
-    if (!line.empty() && text_width(line, size) + text_width(word, size) + text_width(" ", size) > width) {
-      lines.push_back(line);
-      line.clear();
-    }
-    if (!line.empty()) line += " ";
-    line += word;
-    at = end + 1;
+  std::vector<std::string> lines(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
+    if (longer == word || text_width(longer, size) <= width)
+      lines.back() = longer;
+    else
+      lines.push_back(word);
   }
-  if (!line.empty()) lines.push_back(line);
   return lines;
 }
 
@@ -136,72 +130,51 @@ Canvas draw_scale_bar(const Stage& stage) {
   return canvas;
 }
 
+using Draw = std::function<void(Canvas&)>;  // in 0 .. 34, centred on y = 0
+
+Draw an_arrow(const char* colour, double width, const char* dash = "") {
+  return [=](Canvas& c) { draw_arrow(c, {2, 0}, {32, 0}, colour, width, dash); };
+}
+
+Draw a_spring(const char* colour, double width, const char* dash = "") {
+  return [=](Canvas& c) { draw_spring(c, {0, 0}, {34, 0}, {}, {.stroke = colour, .width = width, .dash = dash}); };
+}
+
+Draw a_line(Vec2 a, Vec2 b, const char* colour, double width) {
+  return [=](Canvas& c) { c.line(a, b, {.stroke = colour, .width = width}); };
+}
+
 struct LegendItem {
   Sign sign;
   const char* text;
-  std::function<void(Canvas&)> draw;  // in 0 .. 34, centred on y = 0
+  Draw draw;
 };
 
 const std::vector<LegendItem>& legend_items() {
-  static const std::vector<LegendItem> items = {
-      {Sign::load, "load",
-       [](Canvas& c) {
-         draw_arrow(c, {2, 0}, {32, 0}, ink::load, 2.4);
-       }},
-      {Sign::reaction, "joint force on the body named",
-       [](Canvas& c) {
-         draw_arrow(c, {2, 0}, {32, 0}, ink::reaction, 1.5);
-       }},
-      {Sign::undetermined_reaction, "* not determined by statics: minimum-norm solution",
-       [](Canvas& c) {
-         draw_arrow(c, {2, 0}, {32, 0}, ink::reaction, 1.5, "4 3");
-       }},
-      {Sign::drive, "drive",
-       [](Canvas& c) {
-         draw_arrow(c, {2, 0}, {32, 0}, ink::drive, 2.0);
-       }},
-      {Sign::spring, "spring, tension +",
-       [](Canvas& c) {
-         draw_spring(c, {0, 0}, {34, 0}, {}, {.stroke = ink::spring, .width = 1.5});
-       }},
-      {Sign::slack_spring, "slack spring",
-       [](Canvas& c) {
-         draw_spring(c, {0, 0}, {34, 0}, {}, {.stroke = ink::slack, .width = 1.3, .dash = "3 3"});
-       }},
-      {Sign::torsion_spring, "torsion spring, moment on its second body",
-       [](Canvas& c) {
-         draw_spiral(c, {17, 0}, {1, 0}, 10, {.stroke = ink::spring, .width = 1.3});
-       }},
-      {Sign::damper, "damper, no force in equilibrium",
-       [](Canvas& c) {
-         draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
-       }},
-      {Sign::massless_bar, "massless bar, tension +",
-       [](Canvas& c) {
-         draw_massless_bar(c, {3, 0}, {31, 0}, 5.0);
-       }},
-      {Sign::centre_of_mass, "centre of mass",
-       [](Canvas& c) {
-         draw_centre_of_mass(c, {17, 0}, 5.0);
-       }},
-      {Sign::active_stop, "active stop, its force or moment",
-       [](Canvas& c) {
-         c.line({17, -8}, {17, 8}, {.stroke = ink::stop, .width = 3.0});
-       }},
-      {Sign::inactive_stop, "stop, not active",
-       [](Canvas& c) {
-         c.line({17, -8}, {17, 8}, {.stroke = ink::free_stop, .width = 1.4});
-       }},
-      {Sign::other_pose, "",
-       [](Canvas& c) {
-         c.line({4, 0}, {30, 0}, {.stroke = ink::ghost, .width = 6.0});
-       }},
-      {Sign::path, "path of the point named",
-       [](Canvas& c) {
-         c.line({2, 0}, {32, 0}, {.stroke = curve_colour(0), .width = 1.8});
-         c.circle({2, 0}, 2.6, {.fill = curve_colour(0)});
-       }},
+  static const Draw spiral = [](Canvas& c) {
+    draw_spiral(c, {17, 0}, {1, 0}, 10, {.stroke = ink::spring, .width = 1.3});
   };
+  static const Draw dashpot = [](Canvas& c) {
+    draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
+  };
+  static const Draw bar = [](Canvas& c) { draw_massless_bar(c, {3, 0}, {31, 0}, 5.0); };
+  static const Draw centre = [](Canvas& c) { draw_centre_of_mass(c, {17, 0}, 5.0); };
+  static const std::vector<LegendItem> items = {
+      {Sign::load, "load", an_arrow(ink::load, 2.4)},
+      {Sign::reaction, "joint force on the body named", an_arrow(ink::reaction, 1.5)},
+      {Sign::undetermined_reaction, "* not determined by statics: minimum-norm solution",
+       an_arrow(ink::reaction, 1.5, "4 3")},
+      {Sign::drive, "drive", an_arrow(ink::drive, 2.0)},
+      {Sign::spring, "spring, tension +", a_spring(ink::spring, 1.5)},
+      {Sign::slack_spring, "slack spring", a_spring(ink::slack, 1.3, "3 3")},
+      {Sign::torsion_spring, "torsion spring, moment on its second body", spiral},
+      {Sign::damper, "damper, no force in equilibrium", dashpot},
+      {Sign::massless_bar, "massless bar, tension +", bar},
+      {Sign::centre_of_mass, "centre of mass", centre},
+      {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
+      {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
+      {Sign::other_pose, "", a_line({4, 0}, {30, 0}, ink::ghost, 6.0)},
+      {Sign::path, "path of the point named", a_line({2, 0}, {32, 0}, curve_colour(0), 1.8)}};
   return items;
 }
 
