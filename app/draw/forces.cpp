@@ -16,28 +16,26 @@ struct Arrow {
   Vec2 tail, tip;
 };
 
-/// The arrow of a force on a body.
-struct Candidate {
-  Arrow arrow;
-  int body = 0;
-  double cost = 0.0;  ///< px of what is drawn that it runs along
-};
-
-Candidate leaving(const Stage& stage, Vec2 at, Vec2 force, int body) {
-  constexpr double clearance = 5.0;
-  // Cosine of the angle to a member from which on an arrow seems to lie on it, and what lying on it costs.
-  constexpr double seems_to_lie = 0.7;
-  constexpr double on_member = 60.0;
+/// The arrow of a force that leaves the place where it acts.
+Arrow leaving(const Stage& stage, Vec2 at, Vec2 force) {
   const double size = norm(force);
   const Vec2 u = stage.page_direction((1 / size) * force);
-  const Arrow arrow{at + stage.pin_radius * u, at + (stage.pin_radius + stage.arrow_length(size)) * u};
+  return {at + stage.pin_radius * u, at + (stage.pin_radius + stage.arrow_length(size)) * u};
+}
+
+/// How much of what is drawn an arrow from a place runs along, px.
+double covered_by(const Stage& stage, Vec2 at, const Arrow& arrow) {
+  constexpr double clearance = 5.0;
+  // Cosine of the angle to a member from which on an arrow seems to lie on it, and what lying on it counts.
+  constexpr double seems_to_lie = 0.7;
+  constexpr double on_member = 60.0;
+  const Vec2 u = (1 / norm(arrow.tip - arrow.tail)) * (arrow.tip - arrow.tail);
   double nearest = seems_to_lie;
   if (stage.detail != Detail::sketch) {
     for (const Vec2& member : stage.members_at(at)) nearest = std::max(nearest, dot(member, u));
   }
-  return {arrow, body,
-          stage.setter.covered(arrow.tail, arrow.tip, clearance) +
-              on_member * (nearest - seems_to_lie) / (1 - seems_to_lie)};
+  return stage.setter.covered(arrow.tail, arrow.tip, clearance) +
+         on_member * (nearest - seems_to_lie) / (1 - seems_to_lie);
 }
 
 /// The arrow of a load leaves its place, or points at it where it would run along what is drawn; beside the arrow of a
@@ -45,10 +43,11 @@ Candidate leaving(const Stage& stage, Vec2 at, Vec2 force, int body) {
 Arrow place_load(const Stage& stage, Vec2 at, Vec2 force) {
   constexpr double preference = 15.0;
   constexpr double spacing = 7.0;
-  const Candidate leaves = leaving(stage, at, force, 0);
-  const Candidate opposite = leaving(stage, at, -force, 0);
-  Arrow arrow = leaves.arrow;
-  if (leaves.cost > opposite.cost + preference) arrow = {opposite.arrow.tip, opposite.arrow.tail};
+  Arrow arrow = leaving(stage, at, force);
+  if (stage.detail == Detail::sketch) return arrow;
+  const Arrow opposite = leaving(stage, at, -force);
+  if (covered_by(stage, at, arrow) > covered_by(stage, at, opposite) + preference)
+    arrow = {opposite.tip, opposite.tail};
   const Vec2 u = (1 / norm(arrow.tip - arrow.tail)) * (arrow.tip - arrow.tail);
   for (const auto& [tail, tip] : stage.arrows) {
     const Vec2 other = (1 / norm(tip - tail)) * (tip - tail);
@@ -125,14 +124,13 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   // Of action and reaction the one whose arrow leaves the joint where less is drawn; rather that on a moving body.
   int body = joint.b.body != 0 ? joint.b.body : joint.a.body;
   if (has_force) {
-    constexpr double ground_penalty = 10.0;
-    Candidate first = leaving(stage, at, reaction.force, joint.b.body);
-    Candidate second = leaving(stage, at, -reaction.force, joint.a.body);
-    if (first.body == 0) first.cost += ground_penalty;
-    if (second.body == 0) second.cost += ground_penalty;
-    const Candidate& drawn = first.cost <= second.cost ? first : second;
-    body = drawn.body;
-    draw_force(stage, at, drawn.arrow, text(size, Quantity::force, body), colour, width, dash);
+    constexpr double on_ground = 10.0;
+    const Arrow on_a = leaving(stage, at, -reaction.force);
+    const Arrow on_b = leaving(stage, at, reaction.force);
+    const double cost_a = covered_by(stage, at, on_a) + (joint.a.body == 0 ? on_ground : 0.0);
+    const double cost_b = covered_by(stage, at, on_b) + (joint.b.body == 0 ? on_ground : 0.0);
+    body = cost_b <= cost_a ? joint.b.body : joint.a.body;
+    draw_force(stage, at, cost_b <= cost_a ? on_b : on_a, text(size, Quantity::force, body), colour, width, dash);
   }
   if (has_moment) {
     const double moment = body == joint.b.body ? reaction.moment : -reaction.moment;
@@ -153,7 +151,7 @@ void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
   }
   const UnitEffort unit = unit_efforts(stage.scene, drive.on, stage.now.poses).front();
   const Vec2 at = stage.page(unit.b);
-  draw_force(stage, at, leaving(stage, at, effort.value * unit.force, unit.body_b).arrow, text, ink::drive, 2.0, "");
+  draw_force(stage, at, leaving(stage, at, effort.value * unit.force), text, ink::drive, 2.0, "");
 }
 
 }  // namespace

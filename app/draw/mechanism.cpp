@@ -47,12 +47,13 @@ Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
 Stage drawn_to_fit(const Scene& scene, const MechanismPicture& picture) {
   constexpr double largest = 720.0;
   constexpr double smallest = 100.0;
+  constexpr double least_step = 0.95;
   double width = largest;
   for (;;) {
     Stage stage = drawn(scene, picture, width);
     const double over = stage.canvas.bounds().width() - room;
     if (over <= 0.0 || width <= smallest) return stage;
-    width = std::max(smallest, width - over - 1.0);
+    width = std::max(smallest, std::min(width - over - 1.0, least_step * width));
   }
 }
 

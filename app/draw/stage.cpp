@@ -228,8 +228,10 @@ std::string Stage::value(double si, Quantity quantity) const {
   constexpr double rounding = 1e-13;
   const double scale_of_all = largest_force * (quantity == Quantity::moment ? extent : 1.0);
   if (std::abs(si) < rounding * scale_of_all) si = 0.0;
-  const std::string text = significant(std::abs(in_unit(si, quantity, scene.units)), 4);
-  return (si < 0 && text != "0" ? "\u2212" : "") + text + " " + unit_name(quantity, scene.units);
+  const double shown = std::abs(in_unit(si, quantity, scene.units));
+  const ReadableUnit unit = readable_unit(shown, unit_name(quantity, scene.units));
+  const std::string text = significant(unit.factor * shown, 4);
+  return (si < 0 && text != "0" ? "\u2212" : "") + text + " " + unit.unit;
 }
 
 void Stage::label(std::string text, Vec2 anchor, Vec2 toward, double gap, const std::string& colour, double size,

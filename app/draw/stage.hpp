@@ -11,7 +11,7 @@
 #include "app/draw/canvas.hpp"
 #include "app/draw/labels.hpp"
 #include "app/draw/mechanism.hpp"
-#include "app/quantity.hpp"
+#include "app/present/numbers.hpp"
 #include "statics/readings.hpp"
 
 namespace poise::app {

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "app/quantity.hpp"
+#include "app/present/numbers.hpp"
 
 namespace poise::app {
 namespace {

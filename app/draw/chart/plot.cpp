@@ -14,7 +14,7 @@
 #include "app/draw/chart/gnuplot.hpp"
 #include "app/draw/chart/thinned.hpp"
 #include "app/draw/symbols.hpp"
-#include "app/table.hpp"
+#include "app/present/numbers.hpp"
 #include "model/scene.hpp"
 
 namespace poise::app {
