@@ -1,0 +1,24 @@
+#pragma once
+
+// All of Poise in one header: link poise::poise and write #include <poise/poise.hpp>. docs/library.md shows its use;
+// the headers named here have the details.
+
+// Scenes, from files and in code
+#include "model/scene.hpp"
+#include "model/scene_builder.hpp"
+
+// Statics: equilibria, their stability and forces
+#include "statics/mobility.hpp"
+#include "statics/named_equilibrium.hpp"
+
+// Motion: kinematics, inverse dynamics, free motion, small oscillations, synthesis
+#include "motion/design.hpp"
+#include "motion/inverse_dynamics.hpp"
+#include "motion/kinematics.hpp"
+#include "motion/modes.hpp"
+#include "motion/simulate.hpp"
+
+// Identification: parameters from measured or simulated motion
+#include "identification/experiment.hpp"
+#include "identification/fit.hpp"
+#include "identification/monte_carlo.hpp"
