@@ -4,6 +4,8 @@
 #include <cctype>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -26,6 +28,7 @@
 #include "app/commands/motion.hpp"
 #include "app/commands/solve.hpp"
 #include "app/commands/stress.hpp"
+#include "app/poise_folder.hpp"
 #include "app/quantity.hpp"
 #include "model/nearest_name.hpp"
 
@@ -74,6 +77,20 @@ struct Declaration {
   }
 };
 
+/// Where docs and examples are on this machine; nothing where they are not.
+std::string places() {
+  const std::optional<std::filesystem::path> folder = poise_folder();
+  if (!folder) return "";
+  return fmt::format(
+      "\n\nOn this machine:\n"
+      "  documentation      {0}/docs\n"
+      "  input files        {0}/docs/scene-files.md\n"
+      "                     {0}/docs/experiment-files.md\n"
+      "  example scenes     {0}/datasets\n"
+      "  C++ examples       {0}/docs/examples\n",
+      folder->string());
+}
+
 void declare(CLI::App& app, const std::vector<Entry>& commands) {
   std::string examples = "Examples:\n";
   for (const Entry& entry : commands) {
@@ -84,8 +101,8 @@ void declare(CLI::App& app, const std::vector<Entry>& commands) {
   }
   app.footer(examples +
              "\nExit code: 0 solved and confirmed, 1 not found or not confirmed, 2 bad input.\n"
-             "Numbers are read and shown in the units of the scene. Files: docs/scene-files.md,\n"
-             "docs/experiment-files.md.");
+             "Numbers are read and shown in the units of the scene." +
+             places());
 }
 
 std::string first_line(std::string_view text) { return one_line(text.substr(0, text.find('\n'))); }
@@ -101,7 +118,7 @@ void expect_command(const std::vector<Entry>& commands, int argc, const char* co
   for (const Entry& entry : commands) names.push_back(entry.command.name);
   const std::string expected =
       fmt::format("expected a command: {} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
-  if (argc < 2) throw InputError("poise: " + expected + "; poise --help tells more");
+  if (argc < 2) throw InputError("poise: " + expected + "; see poise --help");
   const std::string word = argv[1];
   if (word.starts_with('-') || std::find(names.begin(), names.end(), word) != names.end()) return;
   throw InputError(fmt::format("poise: {}, found \"{}\"{}", expected, word, did_you_mean(word, names)));
@@ -126,8 +143,8 @@ std::string unexpected(const CLI::App& command, int argc, const char* const* arg
 }
 
 int parse_and_run(int argc, const char* const* argv) {
-  CLI::App app("Where planar mechanisms rest, how they move, and what their swing tells of them", "poise");
-  app.set_version_flag("--version", "poise " POISE_VERSION, "Print the version and leave");
+  CLI::App app("Equilibria, motion and parameter identification of planar mechanisms", "poise");
+  app.set_version_flag("--version", "poise " POISE_VERSION, "Print the version and exit");
   app.get_formatter()->column_width(34);
   app.require_subcommand(1);
   const std::vector<Entry> commands = all_commands();
@@ -141,7 +158,7 @@ int parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::ExtrasError&) {
     throw InputError(unexpected(*app.get_subcommands().front(), argc, argv));
   } catch (const CLI::ParseError& error) {
-    throw InputError(fmt::format("poise: {}; poise {} --help tells more", first_line(error.what()), argv[1]));
+    throw InputError(fmt::format("poise: {}; see poise {} --help", first_line(error.what()), argv[1]));
   }
   const auto asked = std::find_if(commands.begin(), commands.end(),
                                   [&](const Entry& entry) { return app.got_subcommand(entry.command.name); });

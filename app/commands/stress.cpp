@@ -13,6 +13,7 @@
 #include "app/commands/method_options.hpp"
 #include "app/commands/session.hpp"
 #include "app/interrupt.hpp"
+#include "app/poise_folder.hpp"
 #include "app/report/stress_report.hpp"
 #include "app/stress_files.hpp"
 #include "model/nearest_name.hpp"
@@ -46,19 +47,17 @@ void check(const StressRequest& request) {
   }
 }
 
-/// Where the catalogue lies unless it is named: here, in the sources, beside the installed program.
+/// Where the catalogue is unless it is named: here, or with Poise.
 fs::path find_catalogue(const std::string& named) {
   if (!named.empty()) return named;
   std::error_code unknown;
-  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
-  const std::vector<fs::path> places = {fs::path("datasets") / "hard", fs::path(POISE_SOURCE_DATASETS) / "hard",
-                                        (program.parent_path() / POISE_INSTALLED_DATASETS / "hard").lexically_normal()};
-  for (const fs::path& place : places) {
-    if (fs::is_regular_file(place / "catalogue.toml", unknown)) return place;
+  std::vector<std::string> places;
+  for (const fs::path& folder : {fs::path(), poise_folder().value_or(fs::path())}) {
+    places.push_back((folder / "datasets" / "hard").string());
+    if (fs::is_regular_file(fs::path(places.back()) / "catalogue.toml", unknown)) return places.back();
   }
-  throw InputError(
-      fmt::format("--catalogue: there is no catalogue.toml in {}, {} or {}; expected a folder that has one",
-                  places[0].string(), places[1].string(), places[2].string()));
+  throw InputError(fmt::format("--catalogue: there is no catalogue.toml in {}; expected a folder that has one",
+                               fmt::join(places, " or ")));
 }
 
 std::vector<comparison::HardCase> chosen_cases(std::vector<comparison::HardCase> all,
@@ -144,7 +143,7 @@ int run_stress(const StressRequest& request, const Palette& palette) {
 
 Command stress_command() {
   const auto request = std::make_shared<StressRequest>();
-  Command command{"stress", "Try all methods on the hard catalogue, from many starts"};
+  Command command{"stress", "Run all methods on the hard catalogue, from many starts"};
   command.add({"CASE", &request->cases, "", "Cases to try and to show in detail (all, on one sheet)"});
   command.add({"--list", &request->list, "", "Only list the cases"});
   command.add({"--catalogue", &request->catalogue, "DIR",
