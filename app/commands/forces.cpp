@@ -115,7 +115,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
 
 Command forces_command() {
   const auto request = std::make_shared<ForcesRequest>();
-  Command command{"forces", "What drives must give and joints carry, in a pose or along a motion"};
+  Command command{"forces", "Find drive efforts and joint forces, in a pose or along a motion"};
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME[=RANGE]",
                "crank: drives the angle of a body, or the travel of a joint,\nfrom where it stands; crank=30: put "

@@ -44,7 +44,7 @@ int run_identifiability(const IdentifiabilityRequest& request, const Palette& pa
 
 Command identifiability_command() {
   const auto request = std::make_shared<IdentifiabilityRequest>();
-  Command command{"identifiability", "Tell, before any data, what an experiment can tell"};
+  Command command{"identifiability", "Find which parameters are identifiable by an experiment, before any data"};
   add_experiment_options(command, request->experiment);
   command.add({"--base", &request->base, "", "List the base parameters of the mechanism, too"});
   command.run = [request](const Palette& palette) { return run_identifiability(*request, palette); };

@@ -56,10 +56,10 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
 
 Command identify_command() {
   const auto request = std::make_shared<IdentifyRequest>();
-  Command command{"identify", "Find masses, inertias, stiffnesses and damping from records of motions"};
+  Command command{"identify", "Estimate masses, inertias, stiffnesses and damping from records of motion"};
   add_experiment_options(command, request->experiment);
   command.add({"--start", &request->start, "WHAT",
-               "auto: from damped sines where the records swing so, else from\nthe experiment's starts (the "
+               "auto: from damped sines where the records oscillate so, else from\nthe experiment's starts (the "
                "default); given: from those always"});
   command.add({"--csv", &request->experiment.common.csv, "FILE",
                "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});

@@ -66,11 +66,11 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
 
 Command kinematics_command() {
   const auto request = std::make_shared<KinematicsRequest>();
-  Command command{"kinematics", "Drive it over a range: positions, velocities, accelerations"};
+  Command command{"kinematics", "Drive a mechanism over a range: positions, velocities, accelerations"};
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME=FROM..TO",
-               "Drive the angle of a body, or the travel of a joint, in the\nscene's units: crank=0..360; as many as "
-               "it has freedoms;\nends where a stop is met",
+               "Drive the angle of a body, or the travel of a joint, in the\nscene's units: crank=0..360; one for each "
+               "degree of freedom;\nends where a stop is met",
                Presence::required});
   command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
   command.add({"--rate", &request->rate, "NUMBER",

@@ -49,7 +49,7 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
 
 Command modes_command() {
   const auto request = std::make_shared<ModesRequest>();
-  Command command{"modes", "Tell how it swings about rest: frequencies, shapes, damping"};
+  Command command{"modes", "Find small oscillations about equilibrium: frequencies, shapes, damping"};
   add_scene_options(command, request->common);
   command.add({"--seek", &request->seek, "WHAT",
                "nearest: any equilibrium near the start (the default);\nstable: minima only"});

@@ -70,14 +70,15 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
 
 Command montecarlo_command() {
   const auto request = std::make_shared<MonteCarloRequest>();
-  Command command{"montecarlo", "Simulate and fit many times: are the estimates that sure?"};
+  Command command{"montecarlo", "Simulate and fit many times, to verify the standard errors of the estimates"};
   add_experiment_options(command, request->experiment);
   command.add({"--trials", &request->trials, "N", "Simulations to fit (300)"});
   command.add({"--seed", &request->seed, "N", "Of the noise and the starts (1)"});
-  command.add({"--off", &request->off, "PART",
-               "Every fit starts from parameters off the truth by up to this\npart of it, each its own way (0.5)"});
+  command.add(
+      {"--off", &request->off, "PART",
+       "Every fit starts from parameters that differ from the truth by\nup to this part of it, at random (0.5)"});
   command.add({"--start", &request->start, "WHAT",
-               "given: from those (the default); auto: the fits find their\nown starts where they can"});
+               "given: from those (the default); auto: from damped sines\nwhere the records oscillate so"});
   command.add({"--jobs", &request->jobs, "N", "Threads (all cores)"});
   command.run = [request](const Palette& palette) { return run_montecarlo(*request, palette); };
   return command;

@@ -158,16 +158,16 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
 
 Command motion_command() {
   const auto request = std::make_shared<MotionRequest>();
-  Command command{"motion", "Move it, free or driven, from rest or from where it is let go"};
+  Command command{"motion", "Simulate free or driven motion, from equilibrium or from a displaced pose"};
   add_scene_options(command, request->common);
-  command.add({"--duration", &request->duration, "S", "How long it moves, s", Presence::required});
+  command.add({"--duration", &request->duration, "S", "Duration of the motion, s", Presence::required});
   command.add({"--rate", &request->rate, "HZ", "Samples per second of the record (1000)"});
   const auto add_list = [&](const std::string& name, std::vector<std::string>& list, const std::string& text) {
     command.add({name, &list, "NAME=NUMBER", text});
   };
   add_list("--release", request->release,
-           "Let it go with this body turned, or joint moved, by so much from\nwhere it would stand, in the scene's "
-           "units; several times");
+           "Start with this body turned, or joint moved, by so much from the\npose of --from, in the scene's units; "
+           "several times");
   add_list("--release-rate", request->release_rate, "The same with a speed, per second");
   command.add({"--from", &request->from, "WHAT",
                "rest: the equilibrium near the start (the default without\ndrives); start: as it is assembled (the "
