@@ -14,7 +14,7 @@ namespace {
 [[noreturn]] void fail_unknown(const Scene& scene, const char* what, const std::string& name,
                                const std::vector<std::string>& candidates) {
   throw InputError(fmt::format("{}: expected {}, found \"{}\"{}", scene.file, what, name,
-                               candidates.empty() ? "; the scene has none" : did_you_mean(name, candidates)));
+                               candidates.empty() ? "; the scene has none" : did_you_mean_or_list(name, candidates)));
 }
 
 /// The item so called among those that `fits`.

@@ -103,7 +103,7 @@ TEST(NamedEquilibrium, NamesTheNearestOfAnUnknownName) {
   EXPECT_EQ(message([&] { rest.point("arm.C"); }),
             "arm: expected a point \"BODY.POINT\", found \"arm.C\"; did you mean \"arm.O\"?");
   EXPECT_EQ(message([&] { rest.travel("hinge"); }),
-            "arm: expected the name of a slide or pin_in_slot, found \"hinge\"; did you mean \"rail\"?");
+            "arm: expected the name of a slide or pin_in_slot, found \"hinge\"; known here: rail");
   EXPECT_EQ(message([&] { rest.force("slak"); }),
             "arm: expected the name of a force element, found \"slak\"; did you mean \"slack\"?");
   EXPECT_EQ(message([&] { rest.force("coil"); }),
