@@ -11,19 +11,19 @@
 
 namespace poise {
 
-MeasureByName measure::angle(std::string body_a, std::string body_b) {
+MeasureByName measures::angle(std::string body_a, std::string body_b) {
   return {"bodies", {std::move(body_a), std::move(body_b)}, {}};
 }
 
-MeasureByName measure::distance(std::string a, std::string b) { return {"points", {std::move(a), std::move(b)}, {}}; }
+MeasureByName measures::distance(std::string a, std::string b) { return {"points", {std::move(a), std::move(b)}, {}}; }
 
-MeasureByName measure::travel(std::string joint) { return {"slide", {std::move(joint)}, {}}; }
+MeasureByName measures::travel(std::string joint) { return {"slide", {std::move(joint)}, {}}; }
 
-MeasureByName measure::x(std::string point) { return {"x", {std::move(point)}, {}}; }
+MeasureByName measures::x(std::string point) { return {"x", {std::move(point)}, {}}; }
 
-MeasureByName measure::y(std::string point) { return {"y", {std::move(point)}, {}}; }
+MeasureByName measures::y(std::string point) { return {"y", {std::move(point)}, {}}; }
 
-MeasureByName measure::sum(std::vector<MeasureByName::Term> terms) { return {"sum", {}, std::move(terms)}; }
+MeasureByName measures::sum(std::vector<MeasureByName::Term> terms) { return {"sum", {}, std::move(terms)}; }
 
 namespace {
 

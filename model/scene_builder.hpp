@@ -11,7 +11,7 @@
 
 namespace poise {
 
-/// A measure by the names of what it is taken between; see Measure for what each is. measure::distance(...) and the
+/// A measure by the names of what it is taken between; see Measure for what each is. measures::distance(...) and the
 /// others make one.
 struct MeasureByName {
   struct Term;
@@ -26,7 +26,7 @@ struct MeasureByName::Term {
   MeasureByName measure;
 };
 
-namespace measure {
+namespace measures {
 /// angle(body_b) - angle(body_a), counter-clockwise positive, not wrapped; one of them may be "ground".
 MeasureByName angle(std::string body_a, std::string body_b);
 /// Distance of two points "BODY.POINT" of different bodies.
@@ -36,9 +36,9 @@ MeasureByName travel(std::string joint);
 /// World coordinate of a point "BODY.POINT".
 MeasureByName x(std::string point);
 MeasureByName y(std::string point);
-/// Sum of factor times measure: measure::sum({{2, measure::travel("guide")}, {1, measure::x("arm.B")}}).
+/// Sum of factor times measure: measures::sum({{2, measures::travel("guide")}, {1, measures::x("arm.B")}}).
 MeasureByName sum(std::vector<MeasureByName::Term> terms);
-}  // namespace measure
+}  // namespace measures
 
 /// Builds a scene in code, as docs/scene-files.md describes scene files: the same items, keys, units, defaults and
 /// checks, for build() hands all of it to the reader of scene files.
@@ -48,7 +48,7 @@ MeasureByName sum(std::vector<MeasureByName::Term> terms);
 ///       .ground_point("O", {0, 0})
 ///       .body("crank", {.points = {{"O", {0, 0}}, {"B", {120, 0}}}, .mass = 0.4, .center = {60, 0}})
 ///       .pin("ground.O", "crank.O")
-///       .element("spring", "return", measure::angle("ground", "crank"), {{"stiffness", 20}, {"free_angle", 90}})
+///       .element("spring", "return", measures::angle("ground", "crank"), {{"stiffness", 20}, {"free_angle", 90}})
 ///       .start("crank", 40);
 ///   const Scene scene = builder.build();
 ///

@@ -4,7 +4,7 @@
 
 #include <poise/poise.hpp>
 
-using poise::measure::angle;
+using poise::measures::angle;
 
 int main() try {
   poise::SceneBuilder builder("press", {.length = "mm", .angle = "deg"});

@@ -114,18 +114,18 @@ SceneBuilder press_builder() {
       .pin_in_slot("rod.C", "ram.C", {0, 2}, "slot")
       .weld("ram.D", "a.cap.D", -5)
       .bar("ground.A", "crank.B", 330, "link")
-      .element("spring", "return", measure::distance("ground.S", "ram.C"),
+      .element("spring", "return", measures::distance("ground.S", "ram.C"),
                {{"stiffness", 2.5}, {"free_length", 150}, {"acts", "compression"}})
       .element("spring", "",
-               measure::sum({{2, measure::travel("guide")}, {-1, measure::x("rod.C")}, {1, measure::y("rod.C")}}),
+               measures::sum({{2, measures::travel("guide")}, {-1, measures::x("rod.C")}, {1, measures::y("rod.C")}}),
                {{"stiffness", 1}, {"free_length", 3}})
-      .element("torsion_spring", "", measure::angle("ground", "crank"), {{"stiffness", 20}, {"free_angle", 90}})
-      .element("friction", "guide", measure::travel("guide"), {{"force", 30}})
-      .drive("motor", measure::angle("ground", "crank"), {{"rate", 360}})
+      .element("torsion_spring", "", measures::angle("ground", "crank"), {{"stiffness", 20}, {"free_angle", 90}})
+      .element("friction", "guide", measures::travel("guide"), {{"force", 30}})
+      .drive("motor", measures::angle("ground", "crank"), {{"rate", 360}})
       .force("P", "ram.C", {-40, 0})
       .force("", "rod.C", {1, 2}, "rod")
       .torque("M", "crank", 7)
-      .stop("", measure::travel("guide"), {{"min", 20}})
+      .stop("", measures::travel("guide"), {{"min", 20}})
       .start("crank", 40)
       .start("guide", 300)
       .start_position("rod", {120, 5});
@@ -206,11 +206,11 @@ TEST(SceneBuilder, SaysWhatIsWrongInTheWordsOfTheReader) {
             "press: bar \"rod\".length: expected a finite number > 0, found 0");
   EXPECT_EQ(
       error_of([](SceneBuilder& b) {
-        b.element("spring", "s", measure::distance("ground.O", "rod.C"), {{"stifness", 1}, {"free_length", 1}});
+        b.element("spring", "s", measures::distance("ground.O", "rod.C"), {{"stifness", 1}, {"free_length", 1}});
       }),
       "press: spring \"s\".stifness: expected one of the keys name, points, stiffness, free_length, acts; did you "
       "mean \"stiffness\"?");
-  EXPECT_EQ(error_of([](SceneBuilder& b) { b.stop("end", measure::travel("guide"), {}); }),
+  EXPECT_EQ(error_of([](SceneBuilder& b) { b.stop("end", measures::travel("guide"), {}); }),
             "press: stop \"end\": expected the key min, max or both; add max = NUMBER");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.start("crnk", 1); }),
             "press: start.crnk: expected the name of a body, slide or pin_in_slot, or a table \"position\"; did you "
@@ -233,7 +233,7 @@ TEST(SceneBuilder, RefusesNamesThatAreTaken) {
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.start("crank", 2); }),
             "press: start.crank: expected a name of its own; \"crank\" is taken");
   EXPECT_EQ(error_of([](SceneBuilder& b) {
-              b.stop("end", measure::x("rod.C"), {{"min", 1}, {"min", 2}});
+              b.stop("end", measures::x("rod.C"), {{"min", 1}, {"min", 2}});
             }),
             "press: stop \"end\": expected the key min once, found it twice");
 }
@@ -251,7 +251,7 @@ TEST(SceneBuilder, NamesTheUnitsAndElementsThereAre) {
             "s: units.length: expected one of m, mm, in, ft, found \"cm\"");
   EXPECT_EQ(message([] { units_of({.angle = "grad"}); }),
             "units.angle: expected one of rad, deg, found \"grad\"; did you mean \"rad\"?");
-  EXPECT_EQ(message([] { SceneBuilder("s").element("dampr", "d", measure::x("b.P"), {}); }),
+  EXPECT_EQ(message([] { SceneBuilder("s").element("dampr", "d", measures::x("b.P"), {}); }),
             "s: element \"d\": expected one of spring, torsion_spring, cubic_spring, constant_force, damper, "
             "torsion_damper, friction, found \"dampr\"; did you mean \"damper\"?");
 }

@@ -23,13 +23,13 @@ SceneBuilder arm_and_block() {
       .body("block", {.points = {{"C", {0, 0}}}})
       .pin("ground.O", "arm.O", "hinge")
       .slide("ground.T", "block.C", {0, -1}, "rail")
-      .element("torsion_spring", "coil", measure::angle("ground", "arm"), {{"stiffness", 20}})
-      .element("spring", "coil", measure::distance("ground.T", "block.C"), {{"stiffness", 0.5}, {"free_length", 40}})
-      .element("spring", "slack", measure::distance("ground.T", "block.C"),
+      .element("torsion_spring", "coil", measures::angle("ground", "arm"), {{"stiffness", 20}})
+      .element("spring", "coil", measures::distance("ground.T", "block.C"), {{"stiffness", 0.5}, {"free_length", 40}})
+      .element("spring", "slack", measures::distance("ground.T", "block.C"),
                {{"stiffness", 9}, {"free_length", 400}, {"acts", "tension"}})
       .force("P", "arm.B", {0, -3})
       .force("W", "block.C", {0, -5})
-      .stop("floor", measure::travel("rail"), {{"max", 200}})
+      .stop("floor", measures::travel("rail"), {{"max", 200}})
       .start("arm", -10)
       .start("rail", 60);
   return builder;
