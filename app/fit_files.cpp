@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -12,6 +10,7 @@
 #include "app/identifiability_json.hpp"
 #include "app/json_parts.hpp"
 #include "app/report/experiment_parts.hpp"
+#include "identification/residuals.hpp"
 
 namespace poise::app {
 namespace {
@@ -19,22 +18,6 @@ namespace {
 constexpr std::size_t most_sensors_drawn = 3;
 constexpr std::size_t most_runs_drawn = 4;
 constexpr std::size_t most_parameters_drawn = 8;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-/// Residuals of a run, reading - prediction, SI: per sensor, per time. Not numbers where it cannot be moved.
-std::vector<std::vector<double>> residuals_of(const FitProblem& problem, const FitAnswer& answer, std::size_t r) {
-  const std::vector<Sensor>& sensors = problem.experiment().sensors;
-  const Record& record = answer.records[r];
-  std::vector<std::vector<double>> out(sensors.size(), std::vector<double>(record.time.size(), nan));
-  std::vector<double> e;
-  const Fit& fitted = answer.fit;
-  if (!problem.residuals(r, fitted.parameters, fitted.runs[r].nuisances, record, record.time.size(), e)) return out;
-  for (std::size_t i = 0; i < e.size(); ++i) {
-    const std::size_t k = i % sensors.size();
-    out[k][i / sensors.size()] = -sensors[k].noise * e[i];
-  }
-  return out;
-}
 
 std::vector<double> shown(std::vector<double> si, const Sensor& sensor, const Units& units) {
   return in_unit(std::move(si), quantity_of(sensor), units);
@@ -48,9 +31,7 @@ Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size
   const Sensor& sensor = problem.experiment().sensors[k];
   const Units& units = problem.experiment().scene.units;
   const Record& record = answer.records[r];
-  std::vector<double> predicted = record.reading[k];
-  const std::vector<double> residual = residuals_of(problem, answer, r)[k];
-  for (std::size_t s = 0; s < predicted.size(); ++s) predicted[s] -= residual[s];
+  std::vector<double> predicted = residuals_of(problem, answer.fit, answer.records, r).prediction[k];
   Panel panel{.title = fmt::format("{} of run {}, the worst", sensor.name, problem.run(r).run().name),
               .y_label = axis("reading", sensor, units)};
   panel.curves = {
@@ -66,43 +47,33 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const s
   Panel panel{.title = fmt::format("{}: residuals of the {}", sensor.name, worst.size() > 1 ? "worst runs" : "run"),
               .y_label = axis("read - fitted", sensor, units)};
   for (std::size_t i = 0; i < std::min(most_runs_drawn, worst.size()); ++i) {
-    panel.curves.push_back({.name = problem.run(worst[i]).run().name,
-                            .x = answer.records[worst[i]].time,
-                            .y = shown(residuals_of(problem, answer, worst[i])[k], sensor, units),
-                            .style = answer.fit.runs[worst[i]].white ? Curve::Style::points : Curve::Style::line});
+    panel.curves.push_back(
+        {.name = problem.run(worst[i]).run().name,
+         .x = answer.records[worst[i]].time,
+         .y = shown(residuals_of(problem, answer.fit, answer.records, worst[i]).residual[k], sensor, units),
+         .style = answer.fit.runs[worst[i]].white ? Curve::Style::points : Curve::Style::line});
   }
   const double two = 2 * in_unit(sensor.noise, sensor, units);
   panel.bands = {{.low = -two, .high = two, .name = "2 deviations of the noise"}};
   return panel;
 }
 
-/// p dy/dp over the noise, how many deviations a reading would move if a parameter grew by 100 %, each curve over its
-/// largest value, which its name tells: parameters whose curves are alike cannot be told apart.
+/// Each curve of FitProblem::sensitivities() over its largest value, which its name gives: parameters whose curves are
+/// alike cannot be identified separately.
 std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer& answer, std::size_t r,
                                       std::size_t sensors) {
-  const RunModel& model = problem.run(r);
-  const Record& record = answer.records[r];
-  std::vector<double> unknowns;
-  for (const int p : problem.parameters_of(r)) unknowns.push_back(answer.fit.parameters[static_cast<std::size_t>(p)]);
-  Prediction prediction;
-  model.predict(unknowns.data(), answer.fit.runs[r].nuisances.data(), record.time.size(), problem.accuracy(r), true,
-                prediction);
+  const auto curves = problem.sensitivities(r, answer.fit.parameters, answer.fit.runs[r].nuisances);
   std::vector<Panel> panels;
   for (std::size_t k = 0; k < sensors; ++k) {
     const Sensor& sensor = problem.experiment().sensors[k];
-    panels.push_back({.title = fmt::format("{} of run {}: what the parameters do", sensor.name, model.run().name),
-                      .x_label = "time (s)",
-                      .y_label = "effect over its largest"});
-    const auto count = std::min(most_parameters_drawn, unknowns.size());
-    for (std::size_t c = 0; prediction.ok && c < count; ++c) {
+    panels.push_back(
+        {.title = fmt::format("{} of run {}: what the parameters do", sensor.name, problem.run(r).run().name),
+         .x_label = "time (s)",
+         .y_label = "effect over its largest"});
+    const std::size_t count = curves.empty() ? 0 : std::min(most_parameters_drawn, curves[k].size());
+    for (std::size_t c = 0; c < count; ++c) {
       const auto p = static_cast<std::size_t>(problem.parameters_of(r)[c]);
-      const double value = unknowns[c] + unknown_of(problem, p).includes;
-      Curve curve{.name = problem.parameters()[p].name, .x = record.time};
-      for (std::size_t s = 0; s < record.time.size(); ++s) {
-        const std::size_t row = s * problem.experiment().sensors.size() + k;
-        curve.y.push_back(value * prediction.jacobian[row * static_cast<std::size_t>(model.columns()) + c] /
-                          sensor.noise);
-      }
+      Curve curve{.name = problem.parameters()[p].name, .x = answer.records[r].time, .y = curves[k][c]};
       const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
       const double largest = std::abs(*std::max_element(curve.y.begin(), curve.y.end(), size));
       for (double& y : curve.y) y = largest > 0 ? y / largest : 0.0;
@@ -116,7 +87,7 @@ std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer
 Json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   const std::vector<std::string> units = parameter_units(problem);
-  const bool simulated = is_simulated(problem.experiment());
+  const bool simulated = problem.experiment().is_simulated();
   Json out = Json::array();
   for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
     const Estimate& e = fitted.estimates[i];
@@ -124,7 +95,7 @@ Json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
       return known && !e.withheld ? json_number(si / e.unit) : Json(nullptr);
     };
     out.push_back({{"name", e.name},
-                   {"path", unknown_of(problem, i).path},
+                   {"path", problem.unknown_of(i).path},
                    {"unit", units[i]},
                    {"value", number(e.value, true)},
                    {"deviation", number(e.deviation, fitted.identifiability.ok)},
@@ -166,26 +137,6 @@ Json json_runs(const FitProblem& problem, const Fit& fitted) {
 }
 
 }  // namespace
-
-double rms_over_noise(const FitProblem& problem, const RunFit& run) {
-  if (run.rms.empty()) return nan;
-  double squares = 0.0;
-  for (std::size_t k = 0; k < run.rms.size(); ++k) {
-    squares += std::pow(run.rms[k] / problem.experiment().sensors[k].noise, 2);
-  }
-  return std::sqrt(squares / static_cast<double>(run.rms.size()));
-}
-
-std::vector<std::size_t> worst_first(const FitProblem& problem, const Fit& fitted) {
-  std::vector<std::size_t> order(fitted.runs.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto badness = [&](std::size_t r) {
-    const double rms = rms_over_noise(problem, fitted.runs[r]);
-    return std::isnan(rms) ? std::numeric_limits<double>::infinity() : rms;
-  };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return badness(a) > badness(b); });
-  return order;
-}
 
 std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings) {
   const Fit& fitted = answer.fit;
@@ -230,10 +181,10 @@ std::string residuals_csv(const FitProblem& problem, const FitAnswer& answer) {
     const Record& record = answer.records[r];
     runs.insert(runs.end(), record.time.size(), problem.run(r).run().name);
     columns[0].insert(columns[0].end(), record.time.begin(), record.time.end());
-    const std::vector<std::vector<double>> residuals = residuals_of(problem, answer, r);
+    const RunResiduals residuals = residuals_of(problem, answer.fit, answer.records, r);
     for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
       for (std::size_t s = 0; s < record.time.size(); ++s) {
-        const double values[] = {record.reading[k][s], record.reading[k][s] - residuals[k][s], residuals[k][s]};
+        const double values[] = {record.reading[k][s], residuals.prediction[k][s], residuals.residual[k][s]};
         for (std::size_t c = 0; c < 3; ++c) {
           columns[1 + 3 * k + c].push_back(in_unit(values[c], experiment.sensors[k], experiment.scene.units));
         }

@@ -18,11 +18,6 @@ struct FitAnswer {
   std::vector<double> rms_from_readings;
 };
 
-/// Runs of a fit, those with the largest residuals (over the noise) first.
-std::vector<std::size_t> worst_first(const FitProblem& problem, const Fit& fitted);
-/// Root mean square of a run's residuals over the noise, all sensors together; not a number where it did not move.
-double rms_over_noise(const FitProblem& problem, const RunFit& run);
-
 /// Values in the units of the scene. What is withheld is null, and so is its deviation and its truth.
 std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings);
 /// One line for each run and time: run, time, and for every sensor reading, prediction and residual = reading -

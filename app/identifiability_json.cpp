@@ -7,10 +7,6 @@ namespace poise::app {
 
 Json json_experiment(const FitProblem& problem, const std::vector<std::string>& settings) {
   const Experiment& experiment = problem.experiment();
-  std::size_t readings = 0;
-  for (std::size_t r = 0; r < problem.runs(); ++r) {
-    readings += problem.run(r).times().size() * experiment.sensors.size();
-  }
   return {{"poise", POISE_VERSION},
           {"experiment",
            {{"file", experiment.file},
@@ -18,12 +14,12 @@ Json json_experiment(const FitProblem& problem, const std::vector<std::string>& 
             {"source", experiment.source},
             {"scene", experiment.scene.file},
             {"set", settings},
-            {"simulated", is_simulated(experiment)}}},
+            {"simulated", experiment.is_simulated()}}},
           {"units", json_units(experiment.scene.units)},
           {"runs", problem.runs()},
-          {"readings", readings},
+          {"readings", problem.readings()},
           {"parameters", problem.parameters().size()},
-          {"nuisances", nuisances(problem)}};
+          {"nuisances", problem.nuisances()}};
 }
 
 Json json_identifiability(const FitProblem& problem, const Identifiability& known) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -78,6 +79,8 @@ struct Run {
   std::filesystem::path data;          ///< empty: simulated
   std::optional<std::string> segment;  ///< value of the split column; absent: all of the file
   int line = 0;
+
+  bool is_simulated() const { return data.empty(); }
 };
 
 /// What was, or is to be, measured, and what is asked.
@@ -90,6 +93,11 @@ struct Experiment {
   std::vector<Unknown> unknowns;
   std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment
   std::vector<Record> records;  ///< one per run; empty (no times) where the run is simulated
+
+  /// All of its runs are.
+  bool is_simulated() const {
+    return std::all_of(runs.begin(), runs.end(), [](const Run& run) { return run.is_simulated(); });
+  }
 };
 
 struct ExperimentOptions {

@@ -52,8 +52,7 @@ class Fitting {
         signal_ += (reading - reading.mean()).square().sum() / (noise * noise);
       }
     }
-    int found = static_cast<int>(problem_.parameters().size());
-    for (std::size_t r = 0; r < problem_.runs(); ++r) found += problem_.run(r).nuisances();
+    const int found = static_cast<int>(problem_.parameters().size()) + problem_.nuisances();
     out_.degrees = out_.readings - found;
     if (out_.degrees <= 0) {
       out_.status = FitStatus::failed;
@@ -150,7 +149,7 @@ class Fitting {
           blocks);
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      const Unknown& unknown = problem_.experiment().unknowns[static_cast<std::size_t>(parameters[i].unknown)];
+      const Unknown& unknown = problem_.unknown_of(i);
       if (unknown.prior) {
         problem.AddResidualBlock(
             new PriorCost(*unknown.prior - unknown.includes, unknown.prior_deviation, parameters[i].scale), nullptr,
@@ -269,7 +268,7 @@ class Fitting {
     const double enlarged = std::max(1.0, out_.misfit);
     for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
-      const Unknown& unknown = problem_.experiment().unknowns[static_cast<std::size_t>(p.unknown)];
+      const Unknown& unknown = problem_.unknown_of(i);
       Estimate estimate;
       estimate.name = p.name;
       estimate.unit = unknown.unit;

@@ -88,6 +88,18 @@ const SceneParameter& FitProblem::number(int parameter) const {
   throw std::logic_error("a parameter without a run");
 }
 
+int FitProblem::nuisances() const {
+  int sum = 0;
+  for (const RunModel& model : models_) sum += model.nuisances();
+  return sum;
+}
+
+std::size_t FitProblem::readings() const {
+  std::size_t times = 0;
+  for (const RunModel& model : models_) times += model.times().size();
+  return times * experiment_.sensors.size();
+}
+
 std::vector<double> FitProblem::starts() const {
   std::vector<double> values;
   for (const Parameter& p : parameters_) values.push_back(p.start);
@@ -128,7 +140,7 @@ void FitProblem::add_noise(Record& record, std::uint64_t seed) const {
 std::vector<Record> FitProblem::records() const {
   std::vector<Record> out;
   for (std::size_t r = 0; r < models_.size(); ++r) {
-    if (!models_[r].run().data.empty()) {
+    if (!models_[r].run().is_simulated()) {
       out.push_back(experiment_.records[r]);
       continue;
     }
@@ -186,6 +198,30 @@ bool FitProblem::residuals(std::size_t r, const std::vector<double>& parameters,
     e[row] = (prediction.reading[row] - record.reading[k][row / sensors]) / experiment_.sensors[k].noise;
   }
   return true;
+}
+
+std::vector<std::vector<std::vector<double>>> FitProblem::sensitivities(std::size_t r,
+                                                                        const std::vector<double>& parameters,
+                                                                        const std::vector<double>& nuisances) const {
+  const RunModel& model = models_[r];
+  const std::vector<double> unknowns = chosen(parameters, used_[r]);
+  const std::size_t times = model.times().size();
+  Prediction prediction;
+  model.predict(unknowns.data(), nuisances.data(), times, accuracy_[r], true, prediction);
+  if (!prediction.ok) return {};
+  const std::size_t sensors = experiment_.sensors.size();
+  const auto columns = static_cast<std::size_t>(model.columns());
+  std::vector<std::vector<std::vector<double>>> out(sensors);
+  for (std::size_t k = 0; k < sensors; ++k) {
+    for (std::size_t c = 0; c < unknowns.size(); ++c) {
+      const double shown = unknowns[c] + unknown_of(static_cast<std::size_t>(used_[r][c])).includes;
+      std::vector<double>& curve = out[k].emplace_back();
+      for (std::size_t s = 0; s < times; ++s) {
+        curve.push_back(shown * prediction.jacobian[(s * sensors + k) * columns + c] / experiment_.sensors[k].noise);
+      }
+    }
+  }
+  return out;
 }
 
 }  // namespace poise

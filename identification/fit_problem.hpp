@@ -35,6 +35,14 @@ class FitProblem {
   /// Parameters that run r depends on, in the order of its unknowns.
   const std::vector<int>& parameters_of(std::size_t r) const { return used_[r]; }
   const SceneParameter& number(int parameter) const;
+  /// The unknown that a parameter is a value of.
+  const Unknown& unknown_of(std::size_t parameter) const {
+    return experiment_.unknowns[static_cast<std::size_t>(parameters_[parameter].unknown)];
+  }
+  /// Nuisances of all runs together.
+  int nuisances() const;
+  /// Readings of all runs and sensors together.
+  std::size_t readings() const;
 
   /// Accuracy of simulate() at which its error is far below what the noise of run r lets tell.
   double accuracy(std::size_t r) const { return accuracy_[r]; }
@@ -54,6 +62,12 @@ class FitProblem {
   /// e itself, without derivatives.
   bool residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                  const Record& record, std::size_t count, std::vector<double>& e) const;
+
+  /// Relative sensitivities  p dy/dp / noise  of run r: by how many standard deviations of the noise a reading would
+  /// change if a parameter grew by 100 %, to first order. Per sensor, per parameter as in parameters_of(r), per time;
+  /// p is the shown value. Empty where the motion fails.
+  std::vector<std::vector<std::vector<double>>> sensitivities(std::size_t r, const std::vector<double>& parameters,
+                                                              const std::vector<double>& nuisances) const;
 
   std::vector<double> starts() const;
   std::vector<double> truths() const;

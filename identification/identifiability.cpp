@@ -83,7 +83,7 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
   std::vector<double> scale;
   for (Eigen::Index i = 0; i < count; ++i) {
     const Parameter& p = problem.parameters()[static_cast<std::size_t>(i)];
-    const Unknown& unknown = problem.experiment().unknowns[static_cast<std::size_t>(p.unknown)];
+    const Unknown& unknown = problem.unknown_of(static_cast<std::size_t>(i));
     const double shown = parameters[static_cast<std::size_t>(i)] + unknown.includes;
     scale.push_back(shown != 0 ? std::abs(shown) : p.scale);
     if (unknown.prior) A(i, i) = scale.back() / unknown.prior_deviation;

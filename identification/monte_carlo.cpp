@@ -12,7 +12,8 @@
 namespace poise {
 namespace {
 
-/// Two-sided 95 % quantile of the normal distribution.
+constexpr double nominal_coverage = 0.95;
+/// Its two-sided quantile of the normal distribution.
 constexpr double quantile = 1.959963984540054;
 
 struct Trial {
@@ -32,9 +33,9 @@ Trial run_trial(const FitProblem& problem, const std::vector<Record>& ideal, con
   FitOptions fit_options;
   fit_options.use_starts = options.use_starts;
   fit_options.interrupt = options.interrupt;
-  for (const Parameter& p : problem.parameters()) {
-    const Unknown& unknown = problem.experiment().unknowns[static_cast<std::size_t>(p.unknown)];
-    const double start = p.truth + off(random) * std::abs(p.truth + unknown.includes);
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    const Parameter& p = problem.parameters()[i];
+    const double start = p.truth + off(random) * std::abs(p.truth + problem.unknown_of(i).includes);
     fit_options.starts.push_back(std::clamp(start, p.min, p.max));
   }
   const Fit fitted = fit(problem, records, fit_options);
@@ -51,12 +52,26 @@ Trial run_trial(const FitProblem& problem, const std::vector<Record>& ideal, con
 
 }  // namespace
 
+bool TrialStatistics::is_identifiable() const { return std::isfinite(bound) && bound > 0; }
+
+bool Statistic::as_expected() const {
+  constexpr double by_chance = 4.0;
+  return std::abs(value - expected) <= by_chance * standard_error;
+}
+
+BoundStatistics against_bound(const TrialStatistics& parameter, int trials) {
+  const double n = std::max(1, trials);
+  return {{parameter.bias / parameter.bound, 1 / std::sqrt(n), 0.0},
+          {parameter.rmse / parameter.bound, 1 / std::sqrt(2 * n), 1.0},
+          {parameter.coverage, std::sqrt(nominal_coverage * (1 - nominal_coverage) / n), nominal_coverage}};
+}
+
 MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& options) {
   std::vector<Record> ideal;
   std::vector<std::vector<double>> nuisances;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const Run& run = problem.run(r).run();
-    if (!run.data.empty()) {
+    if (!run.is_simulated()) {
       throw InputError(
           fmt::format("{}:{}: run \"{}\": expected simulated runs only, this one is measured; give it a "
                       "duration and a rate in place of data",
@@ -94,7 +109,7 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
   out.interrupted = stopped();
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     const Parameter& p = problem.parameters()[i];
-    const Unknown& unknown = problem.experiment().unknowns[static_cast<std::size_t>(p.unknown)];
+    const Unknown& unknown = problem.unknown_of(i);
     TrialStatistics s;
     s.name = p.name;
     s.truth = p.truth + unknown.includes;

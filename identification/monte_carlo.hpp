@@ -30,7 +30,27 @@ struct TrialStatistics {
   double bias = 0.0;      ///< mean of estimate - truth
   double rmse = 0.0;      ///< root mean square of estimate - truth
   double coverage = 0.0;  ///< part of the 95 % intervals, estimate +- 1.96 deviations, that hold the truth
+
+  /// The bound is finite.
+  bool is_identifiable() const;
 };
+
+/// A statistic of n trials, with its own standard error and what theory expects.
+struct Statistic {
+  double value = 0.0, standard_error = 0.0, expected = 0.0;
+  /// Within 4 standard errors of what is expected.
+  bool as_expected() const;
+};
+
+/// An estimator that is unbiased and reaches the Cramer-Rao bound, with correct intervals, has
+///   bias / bound 0 +- 1/sqrt(n),   rmse / bound 1 +- 1/sqrt(2 n),   coverage 0.95 +- sqrt(0.95 0.05 / n).
+struct BoundStatistics {
+  Statistic bias, rmse, coverage;
+  bool as_expected() const { return bias.as_expected() && rmse.as_expected() && coverage.as_expected(); }
+};
+
+/// Of an identifiable parameter over `trials` converged trials.
+BoundStatistics against_bound(const TrialStatistics& parameter, int trials);
 
 /// Simulate and fit, again and again.
 struct MonteCarlo {

@@ -7,7 +7,6 @@
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
 #include "app/interrupt.hpp"
-#include "app/report/experiment_parts.hpp"
 #include "app/report/identify_report.hpp"
 #include "identification/first_readings.hpp"
 
@@ -37,7 +36,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   answer.records = problem.records();
   progress.now("fitting");
   answer.fit = fit(problem, answer.records, options);
-  if (answer.fit.usable() && !is_simulated(experiment)) {
+  if (answer.fit.usable() && !experiment.is_simulated()) {
     progress.now("moving the runs from their first readings");
     answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
   }

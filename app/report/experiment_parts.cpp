@@ -35,16 +35,6 @@ std::string heading(const Experiment& experiment, const Palette& palette) {
   return heading(experiment.title.empty() ? experiment.file : experiment.title, experiment.source, palette);
 }
 
-bool is_simulated(const Experiment& experiment) {
-  return std::all_of(experiment.runs.begin(), experiment.runs.end(), [](const Run& run) { return run.data.empty(); });
-}
-
-int nuisances(const FitProblem& problem) {
-  int sum = 0;
-  for (std::size_t r = 0; r < problem.runs(); ++r) sum += problem.run(r).nuisances();
-  return sum;
-}
-
 std::string what_is_asked(const FitProblem& problem) {
   bool rests = false;
   bool starts = false;
@@ -54,33 +44,27 @@ std::string what_is_asked(const FitProblem& problem) {
   }
   std::string text = count(static_cast<int>(problem.parameters().size()), "parameter", "parameters");
   if (!rests && !starts) return text;
-  return text + fmt::format(", and {}: where the runs {}", count(nuisances(problem), "nuisance", "nuisances"),
+  return text + fmt::format(", and {}: where the runs {}", count(problem.nuisances(), "nuisance", "nuisances"),
                             rests && starts ? "rest and start"
                             : rests         ? "rest"
                                             : "start");
 }
 
 std::string what_is_read(const FitProblem& problem) {
-  std::size_t times = 0;
-  for (std::size_t r = 0; r < problem.runs(); ++r) times += problem.run(r).times().size();
   const Experiment& experiment = problem.experiment();
   const auto measured =
-      std::count_if(experiment.runs.begin(), experiment.runs.end(), [](const Run& run) { return !run.data.empty(); });
+      std::count_if(experiment.runs.begin(), experiment.runs.end(), [](const Run& run) { return !run.is_simulated(); });
   const int runs = static_cast<int>(experiment.runs.size());
   std::string what = fmt::format("{} run{}", measured == 0 ? "simulated" : "measured", runs == 1 ? "" : "s");
   if (measured > 0 && measured < runs) what = fmt::format("runs, {} of them measured", measured);
-  return fmt::format("{} {}; {} readings of {}", runs, what, times * experiment.sensors.size(),
+  return fmt::format("{} {}; {} readings of {}", runs, what, problem.readings(),
                      count(static_cast<int>(experiment.sensors.size()), "sensor", "sensors"));
-}
-
-const Unknown& unknown_of(const FitProblem& problem, std::size_t parameter) {
-  return problem.experiment().unknowns[static_cast<std::size_t>(problem.parameters()[parameter].unknown)];
 }
 
 std::vector<std::string> parameter_units(const FitProblem& problem) {
   std::vector<std::string> units;
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
-    units.push_back(unit_name(unknown_of(problem, i), problem.experiment().scene));
+    units.push_back(unit_name(problem.unknown_of(i), problem.experiment().scene));
   }
   return units;
 }

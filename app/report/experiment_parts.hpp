@@ -14,14 +14,11 @@ namespace poise::app {
 /// Title and source of the experiment, and an empty line.
 std::string heading(const Experiment& experiment, const Palette& palette);
 
-bool is_simulated(const Experiment& experiment);
-int nuisances(const FitProblem& problem);
 /// "4 parameters, and 18 nuisances: where the runs rest and start".
 std::string what_is_asked(const FitProblem& problem);
 /// "6 simulated runs, 12000 readings of 1 sensor".
 std::string what_is_read(const FitProblem& problem);
 
-const Unknown& unknown_of(const FitProblem& problem, std::size_t parameter);
 /// Names of the units of the parameters.
 std::vector<std::string> parameter_units(const FitProblem& problem);
 

@@ -16,7 +16,7 @@ namespace {
 
 /// Value in the scene, with what other bodies add to it, SI.
 double shown_value(const FitProblem& problem, std::size_t i) {
-  return problem.parameters()[i].truth + unknown_of(problem, i).includes;
+  return problem.parameters()[i].truth + problem.unknown_of(i).includes;
 }
 
 std::string verdict(const FitProblem& problem, const Identifiability& known, const Palette& palette) {
@@ -58,7 +58,7 @@ std::string predicted_section(const FitProblem& problem, const Identifiability& 
   std::vector<std::string> names, values, deviations, relative;
   std::vector<Cell> notes;
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
-    const double unit = unknown_of(problem, i).unit;
+    const double unit = problem.unknown_of(i).unit;
     const double value = shown_value(problem, i);
     const bool told = known.told[i];
     names.push_back(problem.parameters()[i].name);
@@ -109,7 +109,7 @@ std::string identifiability_json(const FitProblem& problem, const Identifiabilit
   const std::vector<std::string> units = parameter_units(problem);
   out["predicted"] = Json::array();
   for (std::size_t i = 0; known.ok && i < problem.parameters().size(); ++i) {
-    const Unknown& unknown = unknown_of(problem, i);
+    const Unknown& unknown = problem.unknown_of(i);
     const bool told = known.told[i];
     out["predicted"].push_back({{"name", problem.parameters()[i].name},
                                 {"path", unknown.path},

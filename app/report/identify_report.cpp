@@ -9,6 +9,7 @@
 #include "app/report/experiment_parts.hpp"
 #include "app/report/parts.hpp"
 #include "app/table.hpp"
+#include "identification/residuals.hpp"
 
 namespace poise::app {
 namespace {
@@ -144,7 +145,7 @@ std::string estimate_section(const FitProblem& problem, const Fit& fitted, const
     table.add_number_column("per cent", relative);
   }
   table.add_text_column("unit", parameter_units(problem));
-  if (any && is_simulated(problem.experiment())) {
+  if (any && problem.experiment().is_simulated()) {
     table.add_number_column("truth", truths);
     table.add_text_column("off, in deviations", off);
   }

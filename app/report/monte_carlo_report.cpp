@@ -14,29 +14,6 @@
 namespace poise::app {
 namespace {
 
-constexpr double nominal_coverage = 0.95;
-// A statistic farther than so many of its own deviations from what it should be is no accident.
-constexpr double remarkable = 4.0;
-
-/// A statistic of n trials with its standard deviation.
-struct Statistic {
-  double value, deviation, expected;
-  bool as_expected() const { return std::abs(value - expected) <= remarkable * deviation; }
-};
-
-struct Statistics {
-  Statistic bias, rmse, coverage;
-};
-
-Statistics statistics_of(const TrialStatistics& s, int trials) {
-  const double n = std::max(1, trials);
-  return {{s.bias / s.bound, 1 / std::sqrt(n), 0.0},
-          {s.rmse / s.bound, 1 / std::sqrt(2 * n), 1.0},
-          {s.coverage, std::sqrt(nominal_coverage * (1 - nominal_coverage) / n), nominal_coverage}};
-}
-
-bool is_told(const TrialStatistics& s) { return std::isfinite(s.bound) && s.bound > 0; }
-
 std::string verdict(const MonteCarloOptions& options, const MonteCarlo& answer, const Palette& palette) {
   if (answer.trials == 0) return palette.paint(Tone::bad, "Interrupted before the first trial had ended.");
   const std::string done = answer.interrupted
@@ -45,8 +22,7 @@ std::string verdict(const MonteCarloOptions& options, const MonteCarlo& answer, 
   if (answer.converged == 0) return palette.paint(Tone::bad, done + ": no fit converged.");
   std::string deviates;
   for (const TrialStatistics& s : answer.parameters) {
-    const Statistics all = statistics_of(s, answer.converged);
-    const bool fits = is_told(s) && all.bias.as_expected() && all.rmse.as_expected() && all.coverage.as_expected();
+    const bool fits = s.is_identifiable() && against_bound(s, answer.converged).as_expected();
     if (!fits) deviates += (deviates.empty() ? "" : ", ") + s.name;
   }
   const Tone good = answer.interrupted ? Tone::doubtful : Tone::good;
@@ -90,15 +66,15 @@ std::string monte_carlo_report(const FitProblem& problem, const MonteCarloOption
   for (const TrialStatistics& s : answer.parameters) {
     names.push_back(s.name);
     truths.push_back(significant(s.truth / s.unit, 6));
-    bounds.push_back(is_told(s) ? per_cent(s.bound, s.truth) : "not told");
-    const Statistics all = statistics_of(s, answer.converged);
+    bounds.push_back(s.is_identifiable() ? per_cent(s.bound, s.truth) : "not told");
+    const BoundStatistics all = against_bound(s, answer.converged);
     const auto add = [&](std::size_t column, const Statistic& statistic, std::string text) {
-      if (!is_told(s)) text = "-";
-      columns[column].push_back({text, statistic.as_expected() || !is_told(s) ? Tone::plain : Tone::bad});
+      if (!s.is_identifiable()) text = "-";
+      columns[column].push_back({text, statistic.as_expected() || !s.is_identifiable() ? Tone::plain : Tone::bad});
     };
-    add(0, all.bias, fmt::format("{:+.3f} ± {:.3f}", all.bias.value, all.bias.deviation));
-    add(1, all.rmse, fmt::format("{:.3f} ± {:.3f}", all.rmse.value, all.rmse.deviation));
-    add(2, all.coverage, fmt::format("{:.1f} ± {:.1f} %", 100 * all.coverage.value, 100 * all.coverage.deviation));
+    add(0, all.bias, fmt::format("{:+.3f} ± {:.3f}", all.bias.value, all.bias.standard_error));
+    add(1, all.rmse, fmt::format("{:.3f} ± {:.3f}", all.rmse.value, all.rmse.standard_error));
+    add(2, all.coverage, fmt::format("{:.1f} ± {:.1f} %", 100 * all.coverage.value, 100 * all.coverage.standard_error));
   }
   Table table;
   table.add_text_column("parameter", names);
@@ -128,16 +104,16 @@ std::string monte_carlo_json(const FitProblem& problem, const MonteCarloOptions&
   out["estimates"] = Json::array();
   for (std::size_t i = 0; answer.converged > 0 && i < answer.parameters.size(); ++i) {
     const TrialStatistics& s = answer.parameters[i];
-    const Statistics all = statistics_of(s, answer.converged);
+    const BoundStatistics all = against_bound(s, answer.converged);
     out["estimates"].push_back({{"name", s.name},
                                 {"unit", units[i]},
                                 {"truth", json_number(s.truth / s.unit)},
-                                {"bound", is_told(s) ? json_number(s.bound / s.unit) : Json(nullptr)},
+                                {"bound", s.is_identifiable() ? json_number(s.bound / s.unit) : Json(nullptr)},
                                 {"bias", json_number(s.bias / s.unit)},
                                 {"rmse", json_number(s.rmse / s.unit)},
-                                {"rmse_over_bound", is_told(s) ? json_number(all.rmse.value) : Json(nullptr)},
+                                {"rmse_over_bound", s.is_identifiable() ? json_number(all.rmse.value) : Json(nullptr)},
                                 {"coverage", json_number(s.coverage)},
-                                {"coverage_deviation", json_number(all.coverage.deviation)}});
+                                {"coverage_deviation", json_number(all.coverage.standard_error)}});
   }
   return json_text(out, problem.experiment().scene);
 }

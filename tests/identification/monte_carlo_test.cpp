@@ -117,5 +117,44 @@ TEST(MonteCarlo, RefusesMeasuredRuns) {
   }
 }
 
+// Of 400 trials the standard errors are 1/20, 1/sqrt(800) and sqrt(0.95 0.05)/20.
+TEST(MonteCarlo, ComparesStatisticsWithTheBound) {
+  TrialStatistics s;
+  s.bound = 2.0;
+  s.bias = -0.3;
+  s.rmse = 2.2;
+  s.coverage = 0.93;
+  const BoundStatistics found = against_bound(s, 400);
+  EXPECT_DOUBLE_EQ(found.bias.value, -0.15);
+  EXPECT_DOUBLE_EQ(found.bias.standard_error, 0.05);
+  EXPECT_EQ(found.bias.expected, 0.0);
+  EXPECT_DOUBLE_EQ(found.rmse.value, 1.1);
+  EXPECT_DOUBLE_EQ(found.rmse.standard_error, 1 / std::sqrt(800.0));
+  EXPECT_EQ(found.rmse.expected, 1.0);
+  EXPECT_DOUBLE_EQ(found.coverage.value, 0.93);
+  EXPECT_DOUBLE_EQ(found.coverage.standard_error, std::sqrt(0.0475) / 20);
+  EXPECT_EQ(found.coverage.expected, 0.95);
+  EXPECT_TRUE(found.as_expected());
+  // 4.2 standard errors of the bias, of the root mean square error, of the coverage.
+  s.bias = 0.42;
+  EXPECT_FALSE(against_bound(s, 400).as_expected());
+  EXPECT_TRUE(against_bound(s, 100).as_expected());
+  s.bias = 0.0;
+  s.rmse = 2.0 * (1 - 4.2 / std::sqrt(800.0));
+  EXPECT_FALSE(against_bound(s, 400).as_expected());
+  s.rmse = 2.0;
+  s.coverage = 0.95 - 4.2 * std::sqrt(0.0475) / 20;
+  EXPECT_FALSE(against_bound(s, 400).as_expected());
+}
+
+TEST(MonteCarlo, WithoutABoundNothingIsIdentifiable) {
+  TrialStatistics s;
+  EXPECT_FALSE(s.is_identifiable());
+  s.bound = INFINITY;
+  EXPECT_FALSE(s.is_identifiable());
+  s.bound = 1e-300;
+  EXPECT_TRUE(s.is_identifiable());
+}
+
 }  // namespace
 }  // namespace poise

@@ -1,0 +1,133 @@
+#include "identification/residuals.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/identification/experiments.hpp"
+
+namespace poise {
+namespace {
+
+// A wheel of inertia I on a torsion spring k, released at the angle a: it moves as a cos(w t), w^2 = k / I.
+struct Wheel {
+  static constexpr double inertia = 0.5, stiffness = 20, noise = 1e-4, angle = 0.3;
+  Experiment experiment;
+
+  explicit Wheel(int runs) {
+    experiment.scene = parse_scene(R"(
+      [ground]
+      points = { O = [0, 0] }
+      [body.wheel]
+      points = { O = [0, 0] }
+      inertia = 0.5
+      [[pin]]
+      points = ["ground.O", "wheel.O"]
+      [[torsion_spring]]
+      name = "coil"
+      bodies = ["ground", "wheel"]
+      stiffness = 20
+    )",
+                                   "wheel.toml");
+    experiment.sensors = {test::angle_of(experiment.scene, "wheel", noise)};
+    experiment.unknowns = {test::unknown("torsion_spring.coil.stiffness")};
+    Release turn;
+    turn.body = 1;
+    turn.value = angle;
+    for (int r = 0; r < runs; ++r) experiment.runs.push_back(test::simulated(100, 50, {turn}));
+  }
+
+  static double at(double time) { return angle * std::cos(std::sqrt(stiffness / inertia) * time); }
+};
+
+// A fit that ended at the true values.
+Fit at_truth(const FitProblem& problem) {
+  Fit fitted;
+  fitted.parameters = problem.truths();
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    fitted.runs.emplace_back();
+    fitted.runs.back().nuisances = problem.run(r).released();
+  }
+  return fitted;
+}
+
+TEST(Residuals, AreReadingMinusPrediction) {
+  const Wheel wheel(1);
+  const FitProblem problem(wheel.experiment);
+  std::vector<Record> records = problem.records();
+  for (std::size_t s = 0; s < records[0].time.size(); ++s) {
+    records[0].reading[0][s] = Wheel::at(records[0].time[s]) + 0.01 * static_cast<double>(s);
+  }
+  const RunResiduals found = residuals_of(problem, at_truth(problem), records, 0);
+  ASSERT_EQ(found.residual.size(), 1U);
+  ASSERT_EQ(found.residual[0].size(), 50U);
+  for (std::size_t s = 0; s < 50; ++s) {
+    EXPECT_NEAR(found.prediction[0][s], Wheel::at(records[0].time[s]), 1e-6);
+    EXPECT_NEAR(found.residual[0][s], 0.01 * static_cast<double>(s), 1e-6);
+  }
+}
+
+TEST(Residuals, AreNotNumbersWhereTheMotionFails) {
+  const Wheel wheel(1);
+  const FitProblem problem(wheel.experiment);
+  Fit fitted = at_truth(problem);
+  fitted.parameters[0] = std::nan("");
+  const RunResiduals found = residuals_of(problem, fitted, problem.records(), 0);
+  EXPECT_TRUE(std::isnan(found.residual[0][7]));
+  EXPECT_TRUE(std::isnan(found.prediction[0][7]));
+}
+
+TEST(Residuals, OverTheNoiseOfEachSensor) {
+  Wheel wheel(1);
+  wheel.experiment.sensors.push_back(test::angle_of(wheel.experiment.scene, "wheel", 2e-3));
+  const FitProblem problem(wheel.experiment);
+  RunFit run;
+  run.rms = {3 * Wheel::noise, 4 * 2e-3};
+  EXPECT_NEAR(rms_over_noise(problem, run), std::sqrt((9.0 + 16.0) / 2), 1e-12);
+  run.rms.clear();
+  EXPECT_TRUE(std::isnan(rms_over_noise(problem, run)));
+}
+
+TEST(Residuals, WorstRunFirst) {
+  const Wheel wheel(4);
+  const FitProblem problem(wheel.experiment);
+  Fit fitted = at_truth(problem);
+  fitted.runs[0].rms = {1e-4};
+  fitted.runs[1].rms = {5e-4};
+  fitted.runs[3].rms = {1e-4};
+  EXPECT_EQ(worst_first(problem, fitted), (std::vector<std::size_t>{2, 1, 0, 3}));
+}
+
+// k d(a cos(w t))/dk = -a (w t / 2) sin(w t).
+TEST(Sensitivities, OfAnOscillatorByItsStiffness) {
+  Wheel wheel(1);
+  wheel.experiment.unknowns[0].includes = Wheel::stiffness;  // the shown value is twice that of the scene
+  const FitProblem problem(wheel.experiment);
+  const auto found = problem.sensitivities(0, problem.truths(), problem.run(0).released());
+  ASSERT_EQ(found.size(), 1U);
+  ASSERT_EQ(found[0].size(), 1U);
+  const std::vector<double>& times = problem.run(0).times();
+  ASSERT_EQ(found[0][0].size(), times.size());
+  for (std::size_t s = 0; s < times.size(); ++s) {
+    const double phase = std::sqrt(Wheel::stiffness / Wheel::inertia) * times[s];
+    const double expected = -2 * Wheel::angle * phase / 2 * std::sin(phase) / Wheel::noise;
+    EXPECT_NEAR(found[0][0][s], expected, 1e-4 * Wheel::angle / Wheel::noise) << times[s];
+  }
+  EXPECT_TRUE(problem.sensitivities(0, {std::nan("")}, problem.run(0).released()).empty());
+}
+
+TEST(FitProblem, CountsNuisancesAndReadings) {
+  Wheel wheel(3);
+  wheel.experiment.runs[2].unknown_start = false;
+  const FitProblem problem(wheel.experiment);
+  EXPECT_TRUE(wheel.experiment.is_simulated());
+  EXPECT_EQ(problem.nuisances(), 4);
+  EXPECT_EQ(problem.readings(), 150U);
+  EXPECT_EQ(problem.unknown_of(0).path, "torsion_spring.coil.stiffness");
+  wheel.experiment.runs[1].data = "wheel.csv";
+  EXPECT_FALSE(wheel.experiment.is_simulated());
+}
+
+}  // namespace
+}  // namespace poise
