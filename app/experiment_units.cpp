@@ -45,7 +45,8 @@ double in_unit(double si, const Sensor& sensor, const Units& units) { return in_
 
 std::vector<Quantity> nuisance_quantities(const RunModel& run) {
   std::vector<Quantity> out;
-  if (run.rest_is_unknown()) out.push_back(run.run().rest->body >= 0 ? Quantity::angle : Quantity::length);
+  if (run.equilibrium_is_unknown())
+    out.push_back(run.run().equilibrium->body >= 0 ? Quantity::angle : Quantity::length);
   if (!run.start_is_unknown()) return out;
   const Layout layout = lay_out(run.scene(), Purpose::dynamics);
   for (int rates = 0; rates < 2; ++rates) {

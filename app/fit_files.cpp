@@ -98,7 +98,7 @@ Json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
                    {"path", problem.unknown_of(i).path},
                    {"unit", units[i]},
                    {"value", number(e.value, true)},
-                   {"deviation", number(e.deviation, fitted.identifiability.ok)},
+                   {"deviation", number(e.standard_error, fitted.identifiability.ok)},
                    {"truth", number(e.truth, simulated)},
                    {"withheld", e.withheld ? Json(e.why) : Json(nullptr)}});
   }
@@ -145,10 +145,10 @@ std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const s
   out["status"] = to_string(fitted.status);
   out["why"] = fitted.why;
   out["start"] = fitted.start;
-  out["degrees_of_freedom"] = fitted.degrees;
-  out["misfit"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.misfit);
-  out["colour"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.colour);
-  out["misfit_deviation"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.expected);
+  out["degrees_of_freedom"] = fitted.degrees_of_freedom;
+  out["misfit"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.residual_over_noise);
+  out["colour"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.autocorrelation_factor);
+  out["misfit_deviation"] = fitted.runs.empty() ? Json(nullptr) : json_number(fitted.residual_over_noise_sigma);
   out["iterations"] = fitted.iterations;
   out["evaluations"] = fitted.evaluations;
   out["tries"] = fitted.tries;

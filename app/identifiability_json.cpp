@@ -31,13 +31,13 @@ Json json_identifiability(const FitProblem& problem, const Identifiability& know
   for (std::size_t i = 0; i < known.correlation.size(); ++i) {
     Json row = Json::array();
     for (std::size_t j = 0; j < known.correlation.size(); ++j) {
-      const bool told = known.told[i] && known.told[j];
+      const bool told = known.identifiable[i] && known.identifiable[j];
       row.push_back(told ? json_number(known.correlation[i][j]) : Json(nullptr));
     }
     out["correlation"].push_back(std::move(row));
   }
   out["untold"] = Json::array();
-  for (const Identifiability::Direction& direction : known.untold) {
+  for (const Identifiability::Direction& direction : known.null_directions) {
     Json part = Json::object();
     for (std::size_t i = 0; i < direction.part.size(); ++i) part[parameters[i].name] = json_number(direction.part[i]);
     out["untold"].push_back({{"words", direction.words},

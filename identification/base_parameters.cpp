@@ -80,7 +80,7 @@ BaseParameters base_parameters(const Scene& scene) {
     return scene.bodies[static_cast<std::size_t>(bodies[static_cast<std::size_t>(column / 4)])].name + "." +
            part_names[column % 4];
   };
-  // Columns of length one, so that kilograms and kg m^2 compare.
+  // Columns of length one, so that kg and kg m^2 can be compared.
   Eigen::VectorXd length = Y.colwise().norm();
   const double longest = length.maxCoeff();
   for (Eigen::Index c = 0; c < Y.cols(); ++c) {
@@ -93,7 +93,7 @@ BaseParameters base_parameters(const Scene& scene) {
     }
   }
   const Eigen::VectorXd s = solvers::singular_values(Y);
-  // The rank is where the singular values fall most.
+  // The rank is taken at the largest drop of the singular values.
   double widest = 1e3;
   out.rank = static_cast<int>(Y.cols());
   for (Eigen::Index i = 1; i < s.size(); ++i) {

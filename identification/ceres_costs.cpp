@@ -6,10 +6,10 @@
 namespace poise {
 namespace {
 
-/// Part of a cost that the errors of the motions may be.
+/// Relative error of the cost that follows from the integration errors of the motions.
 constexpr double noise_of_cost = 1e-4;
-/// A step that promises less than this part of the cost is not worth another try.
-constexpr double worth_a_step = 1e-6;
+/// Predicted relative decrease of the cost below which no further step is tried.
+constexpr double least_decrease = 1e-6;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ bool RunCost::Evaluate(const double* const* blocks, double* residuals, double** 
   std::vector<double> at;
   for (int i = 0; i < p; ++i) at.push_back(*blocks[i]);
   for (int i = 0; i < m; ++i) at.push_back(blocks[p][i]);
-  // Ceres asks for a point's value first and, where it stays, for its Jacobian: one motion answers both.
+  // Ceres asks for the residuals first and, where it accepts the point, for the Jacobian: one motion gives both.
   if (at != at_) {
     std::vector<double> parameters(problem_.parameters().size());
     for (int i = 0; i < p; ++i) {
@@ -73,8 +73,8 @@ ceres::CallbackReturnType Watch::operator()(const ceres::IterationSummary& step)
   if (interrupt_ != nullptr && interrupt_->load()) return ceres::SOLVER_ABORT;
   const bool idle = !step.step_is_successful && std::abs(step.cost_change) < noise_of_cost * step.cost;
   idle_ = idle ? idle_ + 1 : 0;
-  const double promised = step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
-  const bool done = idle && (idle_ >= 3 || promised < worth_a_step * step.cost);
+  const double predicted = step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
+  const bool done = idle && (idle_ >= 3 || predicted < least_decrease * step.cost);
   return done ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
 }
 

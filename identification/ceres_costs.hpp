@@ -1,6 +1,6 @@
 #pragma once
 
-// What Ceres is given by identification/fit.cpp. Private to this folder.
+// The cost functions of identification/fit.cpp for Ceres. Private to this folder.
 
 #include <atomic>
 #include <vector>
@@ -12,8 +12,8 @@
 
 namespace poise {
 
-/// One run for Ceres: its triangle in place of its thousands of residuals. Blocks: its parameters, one value each, in
-/// units of their scale; then all nuisances, SI, as differences from where they began.
+/// The residuals of one run, reduced to the columns + 1 rows of FitProblem::triangle(). Blocks: its parameters, one
+/// value each, in units of their scale; then all nuisances, SI, as differences from their initial values.
 class RunCost : public ceres::CostFunction {
  public:
   /// The record is fitted over its first `count` times. `evaluations` counts those of the first run.
@@ -33,7 +33,7 @@ class RunCost : public ceres::CostFunction {
   mutable Eigen::MatrixXd triangle_;
 };
 
-/// (value - mean) / deviation of one parameter.
+/// (value - mean) / standard deviation: what is known of one parameter beforehand.
 class PriorCost : public ceres::SizedCostFunction<1, 1> {
  public:
   PriorCost(double mean, double deviation, double scale) : mean_(mean), deviation_(deviation), scale_(scale) {}
@@ -43,8 +43,8 @@ class PriorCost : public ceres::SizedCostFunction<1, 1> {
   double mean_, deviation_, scale_;
 };
 
-/// Stops Ceres where it is asked to, and where steps fail only because the motions' own errors, small as they are, are
-/// larger than what is left to gain.
+/// Stops Ceres when interrupted, and when steps fail only because the integration errors of the motions exceed the
+/// decrease of the cost that is left.
 class Watch : public ceres::IterationCallback {
  public:
   explicit Watch(const std::atomic<bool>* interrupt) : interrupt_(interrupt) {}
@@ -52,7 +52,7 @@ class Watch : public ceres::IterationCallback {
 
  private:
   const std::atomic<bool>* interrupt_;
-  int idle_ = 0;  // steps in a row that failed by so little
+  int idle_ = 0;  // successive steps that failed by no more than these errors
 };
 
 }  // namespace poise

@@ -15,10 +15,10 @@
 
 namespace poise {
 
-/// What a sensor reads: a measure of the pose, or the force of an element of the scene; values SI.
+/// A sensor reads a measure of the pose, or the force of an element of the scene; values SI.
 struct Sensor {
   Measure on;        ///< body_a is the ground for an absolute angle
-  int element = -1;  ///< index into Scene::elements whose force at rest it reads, tension positive; else -1
+  int element = -1;  ///< index into Scene::elements whose static force it reads, tension positive; else -1
   std::string name;
   std::string column;  ///< of the data file
   bool rate = false;   ///< the time derivative of the above (not of a force)
@@ -30,34 +30,35 @@ struct Sensor {
   bool reads_force() const { return element >= 0; }
 };
 
-/// A number of the scene that is to be found, by its path (see model/set_value): SI throughout.
+/// A number of the scene that is to be estimated, by its path (see model/set_value): SI throughout.
 struct Unknown {
-  std::string path;       ///< "spring.oil.stiffness"
-  std::string name;       ///< for tables; the path where none was given
-  std::string per;        ///< "" one value for all runs; "run" one for each; else a label: one for each of its values
-  double unit = 1.0;      ///< SI value of the unit in which the file gives it
-  double includes = 0.0;  ///< shown value = value in the scene + includes: a lump that others hold in part already
+  std::string path;   ///< "spring.oil.stiffness"
+  std::string name;   ///< for tables; the path where none was given
+  std::string per;    ///< "" one value for all runs; "run" one for each; else a label: one for each of its values
+  double unit = 1.0;  ///< SI value of the unit in which the file gives it
+  double includes =
+      0.0;  ///< shown value = value in the scene + includes, the part of a lumped parameter that other bodies hold
   // The following are about the shown value.
   std::optional<double> start;  ///< absent: the scene's value + includes
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  std::optional<double> prior;  ///< known beforehand: mean, with the standard deviation prior_deviation
+  std::optional<double> prior;  ///< prior knowledge: mean, with the standard deviation prior_deviation
   double prior_deviation = 0.0;
   int line = 0;
 };
 
-/// A pose at which a run would rest: the free length (or free angle) of one spring is set so that the coordinate
-/// `body` (angle) or `joint` (travel) has the value `at` in equilibrium. For mechanisms of one freedom.
-struct Rest {
+/// The equilibrium about which a run moves: the free length (or free angle) of one spring is set so that the coordinate
+/// `body` (angle) or `joint` (travel) has the value `at` in equilibrium. For mechanisms with one degree of freedom.
+struct EquilibriumPose {
   int body = -1, joint = -1;
   double at = 0.0;      ///< rad or m
   std::string by;       ///< path of the number that is set: "spring.oil.free_length"
-  bool unknown = true;  ///< `at` is a nuisance: found with the rest
+  bool unknown = true;  ///< `at` is a nuisance parameter
   int line = 0;
 };
 
-/// One value by which a run starts: an angle of a body or a travel of a joint, or its rate; SI. Relative to the rest
-/// pose where the run has a Rest, else absolute.
+/// One value by which a run starts: an angle of a body or a travel of a joint, or its rate; SI. Relative to the
+/// equilibrium where the run has one, else absolute.
 struct Release {
   int body = -1, joint = -1;
   bool rate = false;
@@ -72,9 +73,9 @@ struct Run {
   std::vector<std::pair<std::string, std::string>> labels;  ///< {"height", "low"}
   double duration = 0.0;                                    ///< s; simulated runs
   double sample_rate = 0.0;                                 ///< Hz
-  std::optional<Rest> rest;
+  std::optional<EquilibriumPose> equilibrium;
   std::vector<Release> release;        ///< truth of a simulation; first guess of a fit (absent: from the data)
-  bool unknown_start = true;           ///< initial coordinates and rates are nuisances
+  bool unknown_start = true;           ///< initial coordinates and rates are nuisance parameters
   std::uint64_t seed = 0;              ///< of the noise of a simulated run
   std::filesystem::path data;          ///< empty: simulated
   std::optional<std::string> segment;  ///< value of the split column; absent: all of the file
@@ -83,7 +84,7 @@ struct Run {
   bool is_simulated() const { return data.empty(); }
 };
 
-/// What was, or is to be, measured, and what is asked.
+/// A scene, sensors, runs that were measured or are simulated, and the unknowns to be estimated from them.
 struct Experiment {
   std::string file;
   std::string title;
@@ -94,7 +95,7 @@ struct Experiment {
   std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment
   std::vector<Record> records;  ///< one per run; empty (no times) where the run is simulated
 
-  /// All of its runs are.
+  /// All of its runs are simulated.
   bool is_simulated() const {
     return std::all_of(runs.begin(), runs.end(), [](const Run& run) { return run.is_simulated(); });
   }

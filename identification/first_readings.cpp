@@ -8,7 +8,7 @@ namespace poise {
 std::vector<double> started_from_readings(const RunModel& run, std::vector<double> nuisances, const Record& record) {
   if (!run.start_is_unknown()) return nuisances;
   const std::vector<double> start = run.start_from_readings(record);
-  std::copy(start.begin(), start.end(), nuisances.begin() + (run.rest_is_unknown() ? 1 : 0));
+  std::copy(start.begin(), start.end(), nuisances.begin() + (run.equilibrium_is_unknown() ? 1 : 0));
   return nuisances;
 }
 

@@ -11,17 +11,17 @@
 
 #include "identification/ceres_costs.hpp"
 #include "identification/first_readings.hpp"
-#include "identification/swing_start.hpp"
+#include "identification/oscillation_start.hpp"
 
 namespace poise {
 namespace {
 
-/// A misfit beyond this speaks of a local minimum, or of a model that misses something.
+/// A ratio of residuals to noise above this indicates a local minimum or an incomplete model.
 constexpr double suspicious = 1.3;
-/// Swings count as lost where this part of them is left over.
+/// A local minimum leaves at least this part of the readings' variation in the residuals.
 constexpr double lost_from = 0.1;
 
-/// Where a fit stands: everything in SI.
+/// Parameters and nuisances of a fit, SI.
 struct Point {
   std::vector<double> parameters;
   std::vector<std::vector<double>> nuisances;
@@ -53,44 +53,44 @@ class Fitting {
       }
     }
     const int found = static_cast<int>(problem_.parameters().size()) + problem_.nuisances();
-    out_.degrees = out_.readings - found;
-    if (out_.degrees <= 0) {
+    out_.degrees_of_freedom = out_.readings - found;
+    if (out_.degrees_of_freedom <= 0) {
       out_.status = FitStatus::failed;
-      out_.why = fmt::format("{} readings cannot tell {} values; add readings", out_.readings, found);
+      out_.why = fmt::format("{} readings do not determine {} values; add readings", out_.readings, found);
       return;
     }
-    std::optional<SwingStart> swings;
+    std::optional<OscillationStart> oscillations;
     if (!options_.use_starts) {
       say("fitting a damped sine to every record");
-      swings = start_from_swings(problem_, records_);
+      oscillations = start_from_oscillations(problem_, records_);
     }
-    if (swings) {
-      out_.start = "found from damped sines and linear least squares, no guess needed";
-      attempt({swings->parameters, swings->nuisances}, {1.0});
+    if (oscillations) {
+      out_.start = "from damped sines fitted to the records and linear least squares, no guess needed";
+      attempt({oscillations->parameters, oscillations->nuisances}, {1.0});
     } else {
-      out_.start = "as given, led through growing windows";
+      out_.start = "as given, fitted over windows that grow to the whole records";
       attempt(given(0), {0.1, 0.35, 1.0});
     }
     for (int retry = 1; retry <= options_.retries && !stopped() && is_suspicious(); ++retry) {
-      say(fmt::format("residuals are {:.3g} times the noise: trying another start, {} of {}", misfit_of(best_cost_),
-                      retry, options_.retries));
+      say(fmt::format("residuals are {:.3g} times the noise: trying another start, {} of {}",
+                      residual_over_noise(best_cost_), retry, options_.retries));
       const double before = best_cost_;
       attempt(given(retry), {0.03, 0.08, 0.2, 0.45, 1.0});
-      // The same minimum from somewhere else: it is the model that misses something.
+      // The same minimum from another start: the model is incomplete.
       if (std::abs(best_cost_ - before) < 1e-3 * before && last_cost_ < 1.001 * before) break;
     }
     if (stopped()) {
       out_.status = FitStatus::interrupted;
-      out_.why = "interrupted; what had been reached is shown";
+      out_.why = "interrupted; the values reached so far are shown";
     } else if (!(best_cost_ < INFINITY)) {
       out_.status = FitStatus::failed;
       out_.why = failure_.empty() ? "no minimum was reached from any start" : failure_;
     }
   }
 
-  /// In a local minimum the model has lost the swings: what it leaves is a good part of what was read.
+  /// In a local minimum the model is out of phase with the records: a large part of the variation is left.
   bool is_suspicious() const {
-    return misfit_of(best_cost_) > suspicious && 2 * best_cost_ > lost_from * lost_from * signal_;
+    return residual_over_noise(best_cost_) > suspicious && 2 * best_cost_ > lost_from * lost_from * signal_;
   }
 
   /// The experiment's starts, from the first retry on changed at random by up to 30 %.
@@ -163,13 +163,13 @@ class Fitting {
     options.function_tolerance = window < 1.0 ? 1e-4 : options_.function_tolerance;
     options.parameter_tolerance = 1e-14;
     options.gradient_tolerance = 1e-12;
-    // From far away full steps are tried first: swings are nearly linear in what is asked.
+    // Full steps are tried first: small oscillations are nearly linear in the parameters.
     options.initial_trust_region_radius = 1e6;
     Watch watch(options_.interrupt);
     options.callbacks.push_back(&watch);
     const std::optional<double> cost = minimise_within_ranges(problem, options, scaled);
     if (!cost) {
-      failure_ = "the motion could not be computed at the start, or no step led on";
+      failure_ = "the motion could not be computed at the start, or no step reduced the cost";
       return INFINITY;
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) point.parameters[i] = scaled[i] * parameters[i].scale;
@@ -180,13 +180,13 @@ class Fitting {
   }
 
   /// Ceres' own bounds cost a line search in every step, so ranges are kept by an active set: a parameter that leaves
-  /// its range is held at the bound, and let go where its gradient points inside again.
+  /// its range is held at the bound, and released where its gradient points inside again.
   std::optional<double> minimise_within_ranges(ceres::Problem& problem, const ceres::Solver::Options& options,
                                                std::vector<double>& scaled) {
     const std::vector<Parameter>& parameters = problem_.parameters();
     std::vector<char> held(parameters.size(), 0);
     for (std::size_t i = 0; i < parameters.size() && out_.iterations > 0; ++i) {
-      // What a shorter window left at a bound stays there to begin with.
+      // A parameter that a shorter window left at a bound is held there at first.
       if (scaled[i] * parameters[i].scale > parameters[i].min && scaled[i] * parameters[i].scale < parameters[i].max) {
         continue;
       }
@@ -229,26 +229,25 @@ class Fitting {
     }
   }
 
-  double misfit_of(double cost) const { return std::sqrt(2 * cost / out_.degrees); }
+  double residual_over_noise(double cost) const { return std::sqrt(2 * cost / out_.degrees_of_freedom); }
   bool stopped() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
   void say(const std::string& what) const {
     if (options_.progress) options_.progress(what);
   }
 
-  /// Everything that is said of the answer.
+  /// Fills the result from the best point.
   void evaluate() {
     out_.parameters = best_.parameters;
-    out_.misfit = misfit_of(best_cost_);
-    out_.expected = std::sqrt(0.5 / out_.degrees);
+    out_.residual_over_noise = residual_over_noise(best_cost_);
+    out_.residual_over_noise_sigma = std::sqrt(0.5 / out_.degrees_of_freedom);
     if (out_.status == FitStatus::not_run) {
-      const bool explained = out_.misfit < 1 + std::max(5 * out_.expected, 0.02);
+      const bool explained = out_.residual_over_noise < 1 + std::max(5 * out_.residual_over_noise_sigma, 0.02);
       out_.status = explained ? FitStatus::converged : FitStatus::misfit;
       if (!explained) {
         out_.why = fmt::format(
-            "the residuals are {:.3g} times the noise of the sensors: the model misses something, or the noise is "
-            "larger "
-            "than stated; deviations are enlarged by that factor",
-            out_.misfit);
+            "the residuals are {:.3g} times the stated noise: the model is incomplete, or the noise is larger than "
+            "stated; standard errors are multiplied by that factor",
+            out_.residual_over_noise);
       }
     }
     std::vector<Eigen::MatrixXd> triangles;
@@ -262,10 +261,10 @@ class Fitting {
       out_.runs.push_back(evaluate_run(r, e, squares));
       samples += records_[r].time.size();
     }
-    evaluate_colour();
+    evaluate_autocorrelation();
     for (const double square : squares) out_.rms.push_back(std::sqrt(square / static_cast<double>(samples)));
     out_.identifiability = assess(problem_, best_.parameters, triangles);
-    const double enlarged = std::max(1.0, out_.misfit);
+    const double enlarged = std::max(1.0, out_.residual_over_noise);
     for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
       const Unknown& unknown = problem_.unknown_of(i);
@@ -275,19 +274,19 @@ class Fitting {
       estimate.value = best_.parameters[i] + unknown.includes;
       estimate.truth = p.truth + unknown.includes;
       if (out_.identifiability.ok) {
-        estimate.deviation = enlarged * out_.identifiability.deviation[i];
-        if (!out_.identifiability.told[i]) estimate.why = "the data do not tell it";
+        estimate.standard_error = enlarged * out_.identifiability.standard_error[i];
+        if (!out_.identifiability.identifiable[i]) estimate.why = "not identifiable from these data";
       }
       const double near = 1e-9 * p.scale;
       if (best_.parameters[i] <= p.min + near || best_.parameters[i] >= p.max - near) {
-        estimate.why = fmt::format("it is at the bound {:.6g}", estimate.value / estimate.unit);
+        estimate.why = fmt::format("at the bound {:.6g}", estimate.value / estimate.unit);
       }
       estimate.withheld = !estimate.why.empty();
       out_.estimates.push_back(std::move(estimate));
     }
   }
 
-  void evaluate_colour() {
+  void evaluate_autocorrelation() {
     double mean = 0.0;
     int count = 0;
     bool white = true;
@@ -299,7 +298,7 @@ class Fitting {
       }
     }
     const double r = count > 0 ? std::clamp(mean / count, 0.0, 0.9999) : 0.0;
-    if (!white) out_.colour = std::sqrt((1 + r) / (1 - r));
+    if (!white) out_.autocorrelation_factor = std::sqrt((1 + r) / (1 - r));
   }
 
   RunFit evaluate_run(std::size_t r, const std::vector<double>& e, std::vector<double>& squares) const {

@@ -13,7 +13,7 @@
 namespace poise {
 namespace {
 
-/// Which of an unknown's values a run has: "" where all runs share one.
+/// The run or label whose value of an unknown a run uses: "" where all runs share one.
 std::string group_of(const Unknown& unknown, const Run& run) {
   if (unknown.per.empty()) return "";
   if (unknown.per == "run") return run.name;
@@ -72,7 +72,7 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
     const std::vector<double> start = model.released();
     // A motion's error is about its accuracy times how far it travels; radians and metres are both of order one.
     double amplitude = 1.0;
-    if (model.has_rest() && !model.run().release.empty()) {
+    if (model.has_equilibrium() && !model.run().release.empty()) {
       amplitude = 0.0;
       for (const Release& release : model.run().release) amplitude = std::max(amplitude, std::abs(release.value));
     }
@@ -145,7 +145,7 @@ std::vector<Record> FitProblem::records() const {
       continue;
     }
     out.push_back(ideal_record(r));
-    // Runs of one seed are to have different noise.
+    // Runs with the same seed have different noise.
     add_noise(out.back(), models_[r].run().seed * 1'000'003 + r);
   }
   return out;

@@ -11,11 +11,11 @@
 
 namespace poise {
 
-/// One value to be found: an unknown of the experiment, or, where it is found once per run or label, one of its values.
+/// One value to be estimated: an unknown of the experiment, or, where that has a value per run or label, one of these.
 struct Parameter {
   int unknown = 0;   ///< index into Experiment::unknowns
   std::string name;  ///< "k", or "k (low)"
-  double start = 0;  ///< value in the scene, SI, from which a fit sets out
+  double start = 0;  ///< value in the scene, SI, from which a fit starts
   double truth = 0;  ///< value of the scene as it is written
   double scale = 1;  ///< |start|, or 1 where it is 0
   double min, max;   ///< of the value in the scene
@@ -44,7 +44,7 @@ class FitProblem {
   /// Readings of all runs and sensors together.
   std::size_t readings() const;
 
-  /// Accuracy of simulate() at which its error is far below what the noise of run r lets tell.
+  /// Accuracy of simulate() at which its error is far below the noise of run r.
   double accuracy(std::size_t r) const { return accuracy_[r]; }
   /// Readings of a run without noise, and with it, at the scene's own values. Throws std::runtime_error where the
   /// motion fails.
@@ -54,7 +54,7 @@ class FitProblem {
   std::vector<Record> records() const;
 
   /// The triangle R of  Q R = [d e/d nuisances, d e/d unknowns, e]  with e = (predicted - read) / noise of run r over
-  /// its first `count` times: everything that least squares needs to know of a run, (columns + 1) square. Without
+  /// its first `count` times: everything that least squares needs of a run, (columns + 1) square. Without
   /// `record` e is 0. Empty where the motion fails. Fills `residuals` with e, where given.
   Eigen::MatrixXd triangle(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                            const Record* record, std::size_t count, double accuracy,

@@ -11,16 +11,16 @@
 namespace poise {
 namespace {
 
-/// Sensitivities are known to about 1e-8 of the largest; what is smaller, and stands apart, is zero.
+/// Sensitivities are accurate to about 1e-8 of the largest; smaller singular values below a gap count as zero.
 constexpr double zero_below = 1e-7;
 constexpr double least_gap = 1e-3;
-/// A part of a direction smaller than this, relative to its largest, is not worth a word.
-constexpr double worth_a_word = 0.03;
+/// Parts of a direction below this, relative to its largest, are neglected.
+constexpr double smallest_part = 0.03;
 
 std::string in_words(const FitProblem& problem, const Identifiability::Direction& direction) {
   std::string words;
   for (std::size_t i = 0; i < direction.part.size(); ++i) {
-    if (std::abs(direction.part[i]) < worth_a_word) continue;
+    if (std::abs(direction.part[i]) < smallest_part) continue;
     words +=
         fmt::format("{}{} {:+.0f} %", words.empty() ? "" : ", ", problem.parameters()[i].name, 100 * direction.part[i]);
   }
@@ -33,7 +33,7 @@ void explain(const FitProblem& problem, Identifiability::Direction& direction) {
   bool all_scale = true;
   bool inertial = false;
   for (std::size_t i = 0; i < direction.part.size(); ++i) {
-    if (std::abs(direction.part[i]) < worth_a_word) continue;
+    if (std::abs(direction.part[i]) < smallest_part) continue;
     ++parts;
     alike += direction.part[i] > 0 ? 1 : -1;
     const SceneParameter& number = problem.number(static_cast<int>(i));
@@ -52,9 +52,10 @@ void explain(const FitProblem& problem, Identifiability::Direction& direction) {
     direction.words = changes + " together ";
     direction.remedy = "fix one of them, give one a prior, or add runs from other poses or with another payload";
   }
-  direction.words += direction.exact ? "leave all readings as they are"
-                                     : fmt::format("change all readings by {:.2g} standard deviations of noise only",
-                                                   direction.singular_value);
+  direction.words += direction.exact
+                         ? "change no reading"
+                         : fmt::format("change all readings by only {:.2g} standard deviations of the noise",
+                                       direction.singular_value);
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
   Identifiability out;
   const auto count = static_cast<Eigen::Index>(problem.parameters().size());
   if (count == 0) {
-    out.why = "nothing is asked";
+    out.why = "the experiment has no unknowns";
     return out;
   }
   Eigen::Index rows = count;
@@ -108,20 +109,20 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
   out.singular_values.assign(s.data(), s.data() + s.size());
   out.rank = static_cast<int>(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const bool nothing = s[i] == 0 || (s[i] < zero_below * s[0] && (i == 0 || s[i] < least_gap * s[i - 1]));
-    if (!nothing) continue;
+    const bool is_zero = s[i] == 0 || (s[i] < zero_below * s[0] && (i == 0 || s[i] < least_gap * s[i - 1]));
+    if (!is_zero) continue;
     out.rank = static_cast<int>(i);
     out.gap = i > 0 && s[i] > 0 ? s[i - 1] / s[i] : std::numeric_limits<double>::infinity();
     break;
   }
-  out.told.assign(static_cast<std::size_t>(count), true);
+  out.identifiable.assign(static_cast<std::size_t>(count), true);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
   std::vector<bool> infinite(static_cast<std::size_t>(count), false);
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::VectorXd v = svd.right.col(k);
     const bool exact = k >= out.rank;
     if (!exact) covariance += v * v.transpose() / (s[k] * s[k]);
-    if (!exact && s[k] >= told_from) continue;
+    if (!exact && s[k] >= identifiable_from) continue;
     Identifiability::Direction direction;
     direction.singular_value = s[k];
     direction.exact = exact;
@@ -129,19 +130,20 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
     v.cwiseAbs().maxCoeff(&largest);
     for (Eigen::Index i = 0; i < count; ++i) {
       direction.part.push_back(v[i] / v[largest]);
-      if (std::abs(direction.part.back()) < worth_a_word) continue;
+      if (std::abs(direction.part.back()) < smallest_part) continue;
       if (exact) infinite[static_cast<std::size_t>(i)] = true;
-      // Only what the direction makes uncertain itself is withheld.
-      if (exact || std::abs(v[i]) / s[k] > 1.0 / told_from) out.told[static_cast<std::size_t>(i)] = false;
+      // Of a weak direction only the parameters that it makes uncertain are withheld.
+      if (exact || std::abs(v[i]) / s[k] > 1.0 / identifiable_from)
+        out.identifiable[static_cast<std::size_t>(i)] = false;
     }
     explain(problem, direction);
-    out.untold.push_back(std::move(direction));
+    out.null_directions.push_back(std::move(direction));
   }
   out.correlation.assign(infinite.size(), std::vector<std::optional<double>>(infinite.size()));
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    out.deviation.push_back(infinite[at] ? std::numeric_limits<double>::infinity()
-                                         : scale[at] * std::sqrt(covariance(i, i)));
+    out.standard_error.push_back(infinite[at] ? std::numeric_limits<double>::infinity()
+                                              : scale[at] * std::sqrt(covariance(i, i)));
     for (Eigen::Index j = 0; j < count; ++j) {
       const auto other = static_cast<std::size_t>(j);
       if (infinite[at] || infinite[other]) continue;

@@ -10,37 +10,38 @@
 
 namespace poise {
 
-/// What the readings of an experiment can tell of its parameters, by the first-order theory of least squares.
+/// Which parameters the readings of an experiment determine, by the first-order theory of least squares.
 ///
 /// With A = d(readings / noise)/d(parameters / scale), nuisances eliminated and priors added, Fisher's information is
 /// A^T A and no unbiased estimate can have a smaller covariance than its inverse (Cramer and Rao). A singular value of
-/// A is how many standard deviations of noise a change of 100 % along its direction makes in all readings together.
+/// A is the change of all readings together, in standard deviations of the noise, for a change of 100 % along its
+/// direction. Nuisances are unknowns of a run of no interest themselves: its initial state, its equilibrium pose.
 struct Identifiability {
-  /// A direction of the parameters that the readings do not tell.
+  /// A direction of the parameters along which the readings do not change, or not measurably.
   struct Direction {
     double singular_value = 0.0;
-    bool exact = false;        ///< nothing depends on it; else only too little
-    bool scale = false;        ///< it is, in the main, the common scale of masses, inertias, stiffnesses and damping
-    std::vector<double> part;  ///< change of every parameter relative to its scale, largest 1
-    std::string words;         ///< what it is
-    std::string remedy;        ///< what would break it
+    bool exact = false;        ///< in the null space of A; else its singular value is below identifiable_from
+    bool scale = false;        ///< mainly the common scale of masses, inertias, stiffnesses and damping
+    std::vector<double> part;  ///< relative change of every parameter, the largest 1
+    std::string words;         ///< the direction and its effect, one sentence
+    std::string remedy;        ///< what would make it identifiable
   };
   bool ok = false;
   std::string why;
   std::vector<double> singular_values;  ///< descending
   int rank = 0;                         ///< numerical: singular values above the gap
-  double gap = 0.0;                     ///< the ratio of the singular values on both sides of it; 0 with full rank
-  std::vector<Direction> untold;
-  std::vector<bool> told;         ///< per parameter: has no part in an untold direction
-  std::vector<double> deviation;  ///< per parameter: least standard deviation, SI; infinite in an exact direction
-  /// Of the parameters, [i][j]; empty with those of infinite deviation.
+  double gap = 0.0;                     ///< ratio of the singular values on both sides of it; 0 with full rank
+  std::vector<Direction> null_directions;
+  std::vector<bool> identifiable;      ///< per parameter: has no part in a null direction
+  std::vector<double> standard_error;  ///< per parameter: Cramer-Rao bound, SI; infinite in an exact null direction
+  /// Of the parameters, [i][j]; empty where a standard error is infinite.
   std::vector<std::vector<std::optional<double>>> correlation;
 };
 
-/// Where a change of 100 % makes fewer standard deviations than this in all readings, nothing is told.
-inline constexpr double told_from = 3.0;
+/// A direction is a null direction where a change of 100 % changes all readings together by fewer standard deviations.
+inline constexpr double identifiable_from = 3.0;
 
-/// Judges at the given parameters and, per run, nuisances.
+/// At the given parameters (values in the scene, SI) and, per run, nuisances.
 Identifiability assess(const FitProblem& problem, const std::vector<double>& parameters,
                        const std::vector<std::vector<double>>& nuisances);
 

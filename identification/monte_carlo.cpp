@@ -18,8 +18,8 @@ constexpr double quantile = 1.959963984540054;
 
 struct Trial {
   bool converged = false;
-  std::vector<double> value, deviation;
-  double misfit = 0.0;
+  std::vector<double> value, standard_error;
+  double residual_over_noise = 0.0;
   int evaluations = 0;
 };
 
@@ -29,23 +29,23 @@ Trial run_trial(const FitProblem& problem, const std::vector<Record>& ideal, con
   const std::uint64_t seed = options.seed * 1'000'003 + static_cast<std::uint64_t>(trial);
   for (std::size_t r = 0; r < records.size(); ++r) problem.add_noise(records[r], seed * 1'009 + r);
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> off(-options.off, options.off);
+  std::uniform_real_distribution<double> error(-options.start_error, options.start_error);
   FitOptions fit_options;
   fit_options.use_starts = options.use_starts;
   fit_options.interrupt = options.interrupt;
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     const Parameter& p = problem.parameters()[i];
-    const double start = p.truth + off(random) * std::abs(p.truth + problem.unknown_of(i).includes);
+    const double start = p.truth + error(random) * std::abs(p.truth + problem.unknown_of(i).includes);
     fit_options.starts.push_back(std::clamp(start, p.min, p.max));
   }
   const Fit fitted = fit(problem, records, fit_options);
   Trial out;
   out.converged = fitted.status == FitStatus::converged;
-  out.misfit = fitted.misfit;
+  out.residual_over_noise = fitted.residual_over_noise;
   out.evaluations = fitted.evaluations;
   for (const Estimate& estimate : fitted.estimates) {
     out.value.push_back(estimate.value);
-    out.deviation.push_back(estimate.deviation);
+    out.standard_error.push_back(estimate.standard_error);
   }
   return out;
 }
@@ -85,7 +85,7 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
   std::vector<Trial> trials(static_cast<std::size_t>(std::max(0, options.trials)));
   std::vector<char> done(trials.size(), 0);
   std::atomic<int> next{0};
-  std::mutex told;
+  std::mutex reporting;
   int finished = 0;
   const auto stopped = [&] { return options.interrupt != nullptr && options.interrupt->load(); };
   const auto work = [&] {
@@ -93,7 +93,7 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
       trials[static_cast<std::size_t>(i)] = run_trial(problem, ideal, options, i);
       if (stopped()) return;
       done[static_cast<std::size_t>(i)] = 1;
-      const std::scoped_lock lock(told);
+      const std::scoped_lock lock(reporting);
       ++finished;
       if (options.progress) options.progress(finished);
     }
@@ -114,7 +114,7 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
     s.name = p.name;
     s.truth = p.truth + unknown.includes;
     s.unit = unknown.unit;
-    s.bound = bound.ok ? bound.deviation[i] : 0.0;
+    s.bound = bound.ok ? bound.standard_error[i] : 0.0;
     out.parameters.push_back(s);
   }
   for (std::size_t t = 0; t < trials.size(); ++t) {
@@ -124,17 +124,17 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
     out.evaluations += trial.evaluations;
     if (!trial.converged) continue;
     ++out.converged;
-    out.misfit += trial.misfit;
+    out.residual_over_noise += trial.residual_over_noise;
     bool near = true;
     for (std::size_t i = 0; i < out.parameters.size(); ++i) {
       TrialStatistics& s = out.parameters[i];
       const double error = trial.value[i] - s.truth;
       s.bias += error;
       s.rmse += error * error;
-      s.coverage += std::abs(error) <= quantile * trial.deviation[i] ? 1.0 : 0.0;
+      s.coverage += std::abs(error) <= quantile * trial.standard_error[i] ? 1.0 : 0.0;
       near = near && std::abs(error) <= 6 * s.bound;
     }
-    out.arrived += near ? 1 : 0;
+    out.near_truth += near ? 1 : 0;
   }
   const double converged = std::max(1, out.converged);
   for (TrialStatistics& s : out.parameters) {
@@ -142,7 +142,7 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
     s.rmse = std::sqrt(s.rmse / converged);
     s.coverage /= converged;
   }
-  out.misfit /= converged;
+  out.residual_over_noise /= converged;
   out.evaluations /= std::max(1, out.trials);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;

@@ -17,7 +17,7 @@ namespace poise {
 namespace {
 namespace fs = std::filesystem;
 
-/// Reads the parts of an experiment in the order in which they refer to each other.
+/// Reads the parts of an experiment, each after those that it refers to.
 class ExperimentReader {
  public:
   ExperimentReader(const TomlTable& root, const fs::path& file) : root_(root), file_(file) {
@@ -77,7 +77,7 @@ class ExperimentReader {
     const double unit = read_quantity(table, names, sensor);
     sensor.rate = table.flag("rate", false);
     if (sensor.rate && sensor.reads_force()) {
-      table.place_of("rate").fail("expected the rate of a position or angle; that of a force is not known");
+      table.place_of("rate").fail("expected the rate of a position or angle; the rate of a force is not available");
     }
     sensor.noise = table.number("noise", unit, Range::positive);
     sensor.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
@@ -168,10 +168,12 @@ class ExperimentReader {
     unknown.path = path.value;
     unknown.name = name;
     unknown.line = table.place().line;
-    // Asked first: it fails for a path that leads nowhere.
+    // First, because it fails for a path that does not exist.
     const double value = located(path.place, [&] { return get_value(experiment_.scene, path.value); });
     if (path.value.starts_with("start.") || path.value.starts_with("stop.")) {
-      path.place.fail("expected a number that the motion depends on; start values of a run are unknown by themselves");
+      path.place.fail(
+          "expected a number that the motion depends on; start values of a run are estimated unless start_known = "
+          "true");
     }
     unknown.unit = value_unit(experiment_.scene, path.value);
     if (const auto per = table.find_text("per")) {
@@ -207,7 +209,7 @@ class ExperimentReader {
     return parameter(experiment_.scene, path).range != Range::finite;
   }
 
-  /// Every run must have the label by which an unknown is told apart, and must not know the unknown.
+  /// Every run must have the label that an unknown's values belong to, and must not set the unknown.
   void check_against_runs(const Unknown& unknown) const {
     const auto fail = [&](const std::string& key, const std::string& message) {
       TomlPlace{experiment_.file, unknown.line, fmt::format("unknown \"{}\".{}", unknown.name, key)}.fail(message);
@@ -226,10 +228,10 @@ class ExperimentReader {
         fail("path", fmt::format("expected a number that no run sets, run \"{}\" does in line {}; take it out of one",
                                  run.name, change.line));
       }
-      if (run.rest && run.rest->by == unknown.path) {
-        fail("path", fmt::format("expected a number that follows from no rest pose, but by that of run \"{}\" in line "
-                                 "{} it does; take it out, what the rest leaves unknown is found",
-                                 run.name, run.rest->line));
+      if (run.equilibrium && run.equilibrium->by == unknown.path) {
+        fail("path", fmt::format("expected a number that no equilibrium pose sets, rest of run \"{}\" sets it in line "
+                                 "{}; take one of the two out",
+                                 run.name, run.equilibrium->line));
       }
     }
   }

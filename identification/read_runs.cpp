@@ -63,7 +63,7 @@ class RunsReader {
     Scene scene = experiment_.scene;
     run.changes = read_parameter_changes(table, scene);
     read_labels(table, run);
-    if (const auto rest = table.find_table("rest")) run.rest = read_rest(*rest, scene);
+    if (const auto equilibrium = table.find_table("rest")) run.equilibrium = read_equilibrium(*equilibrium, scene);
     read_release(table, "release", false, run);
     read_release(table, "release_rate", true, run);
     run.unknown_start = !table.flag("start_known", false);
@@ -81,7 +81,7 @@ class RunsReader {
     }
     if (table.has("segments")) {
       if (source.split.empty()) {
-        table.place_of("segments").fail("expected the key split as well, the column that tells the segments");
+        table.place_of("segments").fail("expected the key split as well, the column that names the segments");
       }
       if (source.segments.empty()) table.place_of("segments").fail("expected a segment; leave the key out for all");
     }
@@ -120,23 +120,23 @@ class RunsReader {
     }
   }
 
-  Rest read_rest(const TomlTable& table, const Scene& scene) const {
+  EquilibriumPose read_equilibrium(const TomlTable& table, const Scene& scene) const {
     table.allow_keys({"angle", "travel", "at", "by", "known"});
     if (table.has("angle") + table.has("travel") != 1) {
       table.place().fail("expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
     }
-    Rest rest;
-    rest.line = table.place().line;
+    EquilibriumPose equilibrium;
+    equilibrium.line = table.place().line;
     const bool is_angle = table.has("angle");
     if (is_angle) {
-      rest.body = names_.movable_body(table.text("angle"));
+      equilibrium.body = names_.movable_body(table.text("angle"));
     } else {
-      rest.joint = names_.travelling_joint(table.text("travel"));
+      equilibrium.joint = names_.travelling_joint(table.text("travel"));
     }
-    rest.at = table.number("at", is_angle ? scene.units.angle : scene.units.length, Range::finite);
-    rest.by = read_spring_number(table.text("by"), scene);
-    rest.unknown = !table.flag("known", false);
-    return rest;
+    equilibrium.at = table.number("at", is_angle ? scene.units.angle : scene.units.length, Range::finite);
+    equilibrium.by = read_spring_number(table.text("by"), scene);
+    equilibrium.unknown = !table.flag("known", false);
+    return equilibrium;
   }
 
   /// The path of the free length of a line spring, or the free angle of a torsion spring.
@@ -144,7 +144,7 @@ class RunsReader {
     std::vector<std::string> valid;
     for (const ParameterRow& row : parameter_table(scene)) {
       const std::string_view number = row.path.parts[3];
-      // Balance is linear in it, so that RunModel finds it by one step.
+      // The equilibrium is linear in it, so that RunModel finds it in one step.
       const bool linear =
           row.place.owner == Owner::element &&
           std::holds_alternative<LinearSpring>(scene.elements[static_cast<std::size_t>(row.place.item)].law);

@@ -32,7 +32,7 @@ std::string shown(std::string_view cell) {
   return "\"" + std::string(cell.substr(0, longest)) + (cell.size() > longest ? "..." : "") + "\"";
 }
 
-/// Takes a CSV text apart, row by row.
+/// Splits a CSV text into rows and cells.
 class CsvRows {
  public:
   CsvRows(std::string_view file, std::string_view text) : file_(file), text_(text) {
@@ -129,7 +129,7 @@ class CsvRows {
   int line_ = 1;
   int row_line_ = 1;
   std::vector<std::string_view> cells_;
-  std::deque<std::string> unquoted_;  ///< what quoted cells of this row say: a deque keeps their place
+  std::deque<std::string> unquoted_;  ///< text of the quoted cells of this row; a deque never moves it
 };
 
 void expect_no_gap(const CsvRows& rows, std::string_view cell, const std::string& column) {
@@ -244,7 +244,7 @@ void check_times(const CsvTable& table, const std::string& time, std::size_t fir
   for (std::size_t row = first + 1; row < last; ++row) {
     if (t[row] > t[row - 1]) continue;
     TomlPlace{table.file, table.line[row], time}.fail(
-        "expected a time after that of the row before; sort the rows, or part the file by a column that tells its "
+        "expected a time after that of the row before; sort the rows, or split the file by the column that names its "
         "segments");
   }
   constexpr std::size_t least = 3;

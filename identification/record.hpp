@@ -34,14 +34,14 @@ struct CsvTable {
 };
 
 /// Reads the columns asked for, `words` as they are written and the others as numbers with a decimal point. Blanks
-/// around a cell do not count, nor do empty lines at the end. Throws InputError "file:line: column: ..." for a missing
+/// around a cell and empty lines at the end are ignored. Throws InputError "file:line: column: ..." for a missing
 /// column (with the nearest name), a gap, a word that is not a number, NaN, infinity, or a row with too few or too many
 /// cells.
 CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
                   const std::vector<std::string>& words = {});
 
-/// The file parted by the values of its column `split`, which was read as words (in order of appearance). Throws
-/// InputError with the line where a value comes back: rows of each part must stand together.
+/// The file split by the values of its column `split`, which was read as words (in order of appearance). Throws
+/// InputError with the line where a value occurs again: the rows of each part must be contiguous.
 struct CsvPart {
   std::string value;
   std::size_t first = 0, last = 0;  ///< rows [first, last)

@@ -23,7 +23,7 @@ struct RunSource {
   std::size_t every = 1;
 };
 
-/// Data files, each of which is read once, with all the columns that any run wants of it.
+/// Data files, each of which is read once, with all the columns that any run needs of it.
 class DataFiles {
  public:
   /// All sensors are read from every file.

@@ -34,22 +34,22 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     : experiment_(experiment), run_(experiment.runs[run]), scene_(experiment.scene), numbers_(std::move(numbers)) {
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
   start_unknown_ = run_.unknown_start;
-  rest_unknown_ = run_.rest && run_.rest->unknown;
+  equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
   const MotionModel model(scene_);
   scales_ = model.scales();
   const Layout& layout = model.layout();
   std::vector<StartValue> wanted;
-  if (run_.rest) {
-    set_by_rest_ = SceneParameter::find(scene_, run_.rest->by);
-    if (!set_by_rest_ || set_by_rest_->scales_with_force()) {
-      throw InputError(at(experiment, run_.rest->line) +
+  if (run_.equilibrium) {
+    set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
+    if (!set_by_equilibrium_ || set_by_equilibrium_->scales_with_force()) {
+      throw InputError(at(experiment, run_.equilibrium->line) +
                        "rest.by: expected the free length of a spring or the free angle "
                        "of a torsion spring, found \"" +
-                       run_.rest->by + "\"; give spring.NAME.free_length");
+                       run_.equilibrium->by + "\"; give spring.NAME.free_length");
     }
-    std::tie(rest_coordinate_, rest_turn_) =
-        coordinate_of(scene_, layout, run_.rest->body, run_.rest->joint, run_.rest->line);
-    wanted.push_back({rest_coordinate_, false, run_.rest->at - rest_turn_});
+    std::tie(equilibrium_coordinate_, equilibrium_turn_) =
+        coordinate_of(scene_, layout, run_.equilibrium->body, run_.equilibrium->joint, run_.equilibrium->line);
+    wanted.push_back({equilibrium_coordinate_, false, run_.equilibrium->at - equilibrium_turn_});
   }
   closed_ = start_motion(model, wanted).q;
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
@@ -58,16 +58,19 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   reduced.choose(0.0, x.data(), false);
   freedoms_ = reduced.freedoms();
   independent_ = reduced.independent();
-  if (run_.rest && freedoms_ != 1) {
+  if (run_.equilibrium && freedoms_ != 1) {
     throw InputError(
-        at(experiment, run_.rest->line) +
-        fmt::format("rest: expected a mechanism of one freedom, found {}; make {} an unknown per run instead",
-                    freedoms_, run_.rest->by));
+        at(experiment, run_.equilibrium->line) +
+        fmt::format(
+            "rest: expected a mechanism with one degree of freedom, found {}; make {} an unknown per run instead",
+            freedoms_, run_.equilibrium->by));
   }
   std::vector<StartValue> release;
   for (const Release& r : run_.release) {
     const auto [coordinate, turn] = coordinate_of(scene_, layout, r.body, r.joint, r.line);
-    const double base = run_.rest && !r.rate ? closed_[static_cast<std::size_t>(coordinate)] : r.rate ? 0.0 : -turn;
+    const double base = run_.equilibrium && !r.rate ? closed_[static_cast<std::size_t>(coordinate)]
+                        : r.rate                    ? 0.0
+                                                    : -turn;
     release.push_back({coordinate, r.rate, base + r.value});
   }
   const MotionState state = start_motion(model, release, &closed_);
@@ -83,7 +86,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
 
 std::vector<std::string> RunModel::nuisance_names() const {
   std::vector<std::string> names;
-  if (rest_unknown_) names.emplace_back("rest");
+  if (equilibrium_unknown_) names.emplace_back("equilibrium");
   if (!start_unknown_) return names;
   const Layout layout = lay_out(scene_, Purpose::dynamics);
   for (const char* what : {"start ", "start rate "}) {
@@ -100,60 +103,61 @@ std::vector<double> RunModel::scene_values() const {
 
 std::vector<double> RunModel::released() const {
   std::vector<double> values;
-  if (rest_unknown_) values.push_back(run_.rest->at);
+  if (equilibrium_unknown_) values.push_back(run_.equilibrium->at);
   if (start_unknown_) values.insert(values.end(), released_.begin(), released_.end());
   return values;
 }
 
 const double* RunModel::start_of(const double* nuisances) const {
-  return start_unknown_ ? nuisances + (rest_unknown_ ? 1 : 0) : released_.data();
+  return start_unknown_ ? nuisances + (equilibrium_unknown_ ? 1 : 0) : released_.data();
 }
 
-// At rest alpha(z_r, L, p) = 0. It is linear in L, so one step finds L.
-RunModel::Built RunModel::build(const double* unknowns, double rest, bool derivatives) const {
+// In equilibrium alpha(z_e, L, p) = 0, which is linear in L: one step finds it.
+RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool derivatives) const {
   Built out;
   Scene scene = scene_;
   for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i].set(scene, unknowns[i]);
-  if (run_.rest) {
+  if (run_.equilibrium) {
     MotionModel model(scene, scales_);
     try {
-      out.q_rest = start_motion(model, {{rest_coordinate_, false, rest - rest_turn_}}, &closed_).q;
+      out.q_equilibrium =
+          start_motion(model, {{equilibrium_coordinate_, false, equilibrium - equilibrium_turn_}}, &closed_).q;
     } catch (const InputError&) {
-      out.why = "it cannot have the pose in which it is to rest";
+      out.why = "it cannot take its equilibrium pose";
       return out;
     }
-    const std::vector<double> x = model.from_si(out.q_rest);
+    const std::vector<double> x = model.from_si(out.q_equilibrium);
     Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
     reduced.choose(0.0, x.data(), false, &independent_);
     const double still = 0.0;
-    const auto stand = [&](Reduced& at_rest) {
-      at_rest.expect(x.data());
+    const auto stand = [&](Reduced& motion) {
+      motion.expect(x.data());
       const double z = x[static_cast<std::size_t>(independent_[0])];
-      if (at_rest.place(0.0, &z) != Reduced::Status::ok) return false;
-      at_rest.move(&still);
-      return at_rest.accelerate() == Reduced::Status::ok;
+      if (motion.place(0.0, &z) != Reduced::Status::ok) return false;
+      motion.move(&still);
+      return motion.accelerate() == Reduced::Status::ok;
     };
-    const Influence set = set_by_rest_->influence(scene, scales_);
+    const Influence set = set_by_equilibrium_->influence(scene, scales_);
     double by_set = 0.0;
     if (stand(reduced)) reduced.influence(set, &by_set);
     if (by_set == 0 || !std::isfinite(by_set)) {
-      out.why = fmt::format("{} cannot hold it in the pose in which it is to rest", run_.rest->by);
+      out.why = fmt::format("{} cannot hold it in its equilibrium pose", run_.equilibrium->by);
       return out;
     }
-    set_by_rest_->set(scene, set_by_rest_->get(scene) - reduced.alpha()[0] / by_set);
-    out.set_value = set_by_rest_->get(scene);
+    set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
+    out.set_value = set_by_equilibrium_->get(scene);
     if (derivatives) {
       MotionModel balanced(scene, scales_);
       Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
       again.choose(0.0, x.data(), false, &independent_);
       if (!stand(again)) {
-        out.why = "its motion cannot be computed in the pose in which it is to rest";
+        out.why = "its motion cannot be computed in its equilibrium pose";
         return out;
       }
       again.linearize();
       again.influence(set, &by_set);
-      const double at_per_z = again.B(0)[rest_coordinate_];
-      const double z_unit = rest_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
+      const double at_per_z = again.B(0)[equilibrium_coordinate_];
+      const double z_unit = equilibrium_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
       out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
       for (const SceneParameter& number : numbers_) {
         double alpha = 0.0;
@@ -164,13 +168,13 @@ RunModel::Built RunModel::build(const double* unknowns, double rest, bool deriva
   }
   out.model = std::make_unique<MotionModel>(scene, scales_);
   for (const SceneParameter& number : numbers_) out.influences.push_back(number.influence(scene, scales_));
-  if (set_by_rest_) out.influences.push_back(set_by_rest_->influence(scene, scales_));
+  if (set_by_equilibrium_) out.influences.push_back(set_by_equilibrium_->influence(scene, scales_));
   return out;
 }
 
 MotionState RunModel::begin(const Built& built, const double* nuisances) const {
   MotionState state;
-  state.q = built.q_rest.empty() ? closed_ : built.q_rest;
+  state.q = built.q_equilibrium.empty() ? closed_ : built.q_equilibrium;
   state.v.assign(state.q.size(), 0.0);
   const double* start = start_of(nuisances);
   for (int k = 0; k < freedoms_; ++k) {
@@ -195,7 +199,7 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
 
 Motion RunModel::move(const double* unknowns, const double* nuisances, double duration, double accuracy,
                       bool sensitivities) const {
-  const Built built = build(unknowns, rest_unknown_ ? nuisances[0] : rest_at(), false);
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), false);
   if (!built.model) {
     Motion none;
     none.why = built.why;
@@ -209,7 +213,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
   out.ok = false;
   const int p = static_cast<int>(numbers_.size());
   const int f = freedoms_;
-  const Built built = build(unknowns, rest_unknown_ ? nuisances[0] : rest_at(), jacobian);
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), jacobian);
   if (!built.model) {
     out.why = built.why;
     return;
@@ -235,7 +239,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
   const std::size_t width = static_cast<std::size_t>(columns());
   out.reading.resize(count * readers.size());
   if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
-  // Columns of the trajectory: f starts, f start rates, the numbers, the one that the rest sets.
+  // Columns of the trajectory: f starts, f start rates, the numbers, the one that the equilibrium sets.
   std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
   std::vector<double> column(static_cast<std::size_t>(motion.trajectory.columns));
   for (std::size_t s = 0; s < count; ++s) {
@@ -264,28 +268,28 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
       double* numbers = column.data() + 2 * f;
       if (sensor.reads_force()) {
         for (int i = 0; i <= p; ++i) {
-          if (i == p && !set_by_rest_) break;
-          const SceneParameter& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_rest_;
+          if (i == p && !set_by_equilibrium_) break;
+          const SceneParameter& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_equilibrium_;
           numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
         }
       }
       double* to = &out.jacobian[row * width];
       for (int i = 0; i < p; ++i) {
-        *to++ = numbers[i] + (set_by_rest_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0);
+        *to++ = numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0);
       }
-      if (rest_unknown_) *to++ = numbers[p] * built.set_by_at;
+      if (equilibrium_unknown_) *to++ = numbers[p] * built.set_by_at;
       if (start_unknown_) std::copy(column.begin(), column.begin() + 2 * f, to);
     }
   }
   out.ok = true;
 }
 
-RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) const {
+RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilibrium) const {
   Oscillator out;
-  const Built built = build(unknowns, rest, false);
+  const Built built = build(unknowns, equilibrium, false);
   if (!built.model) return out;
   const MotionModel& model = *built.model;
-  const std::vector<double> x = model.from_si(built.q_rest.empty() ? closed_ : built.q_rest);
+  const std::vector<double> x = model.from_si(built.q_equilibrium.empty() ? closed_ : built.q_equilibrium);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   reduced.choose(0.0, x.data(), false, &independent_);
   reduced.expect(x.data());
@@ -314,7 +318,7 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double rest) c
   };
   for (std::size_t i = 0; i < n; ++i) out.reading_by_z += by_q[i] * by_z(reader.coordinates()[i]);
   out.z = q[static_cast<std::size_t>(independent_[0])];
-  if (rest_coordinate_ >= 0) out.rest_by_z = by_z(rest_coordinate_);
+  if (equilibrium_coordinate_ >= 0) out.equilibrium_by_z = by_z(equilibrium_coordinate_);
   return out;
 }
 
@@ -334,7 +338,7 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     if (sensor.rate || sensor.reads_force() ||
         (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel))
       continue;
-    // More readings than freedoms would contradict each other by their noise.
+    // More readings than degrees of freedom would contradict each other by their noise.
     if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
     const SensorReader reader(model, sensor);
     if (reader.coordinates().size() != 1) continue;

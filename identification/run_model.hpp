@@ -10,7 +10,7 @@
 
 namespace poise {
 
-/// What a run's sensors would read, and how that changes with what is unknown.
+/// Predicted readings of a run and their derivatives by its unknowns.
 struct Prediction {
   bool ok = false;
   std::string why;               ///< where the motion could not be computed
@@ -18,19 +18,19 @@ struct Prediction {
   std::vector<double> jacobian;  ///< columns() values per reading: d reading / d(unknowns, nuisances), SI
 };
 
-/// One run of an experiment as a function of what is unknown:
-///   the numbers of the scene that this run depends on, then its nuisances: the rest pose where the run has an unknown
-///   one, the f initial independent coordinates, the f initial independent rates (all SI).
+/// One run of an experiment as a function of its unknowns:
+///   the numbers of the scene that this run depends on, then its nuisances: the equilibrium pose where the run has an
+///   unknown one, the f initial independent coordinates, the f initial independent rates (all SI).
 ///
-/// A rest pose z_r fixes one more number of the scene, a free length L say, by equilibrium  alpha(z_r, L, p) = 0 at
-/// rest; its derivatives are  dL/dz_r = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
+/// An equilibrium pose z_e sets one more number of the scene, a free length L say: the acceleration from rest is zero,
+/// alpha(z_e, L, p) = 0, so that  dL/dz_e = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
 class RunModel {
  public:
   /// `numbers`: those that are unknown in this run. Throws InputError where the run cannot be set up.
   RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers);
 
   int unknowns() const { return static_cast<int>(numbers_.size()); }
-  int nuisances() const { return (rest_unknown_ ? 1 : 0) + (start_unknown_ ? 2 * freedoms_ : 0); }
+  int nuisances() const { return (equilibrium_unknown_ ? 1 : 0) + (start_unknown_ ? 2 * freedoms_ : 0); }
   int columns() const { return unknowns() + nuisances(); }
   int sensors() const { return static_cast<int>(experiment_.sensors.size()); }
   int freedoms() const { return freedoms_; }
@@ -38,7 +38,7 @@ class RunModel {
   const std::vector<SceneParameter>& numbers() const { return numbers_; }
   /// The scene of this run with its known changes, SI.
   const Scene& scene() const { return scene_; }
-  /// Names of the nuisances: "rest obd", "start obd", "start rate obd".
+  /// Names of the nuisances: "equilibrium", "start obd", "start rate obd".
   std::vector<std::string> nuisance_names() const;
 
   /// Values of the scene as it is written, and nuisances as the run is released.
@@ -54,38 +54,38 @@ class RunModel {
   Motion move(const double* unknowns, const double* nuisances, double duration, double accuracy,
               bool sensitivities) const;
 
-  /// Reduced mass M, stiffness K and damping C at the rest pose for one freedom: small swings obey M z'' + C z' + K z =
-  /// 0.
+  /// Reduced mass M, stiffness K and damping C at the equilibrium pose for one degree of freedom: small oscillations
+  /// obey  M z'' + C z' + K z = 0.
   struct Oscillator {
     double mass = 0.0, stiffness = 0.0, damping = 0.0;
     double z = 0.0;        ///< the independent coordinate there
     double reading = 0.0;  ///< of the first sensor there
-    double reading_by_z = 0.0, rest_by_z = 0.0;
+    double reading_by_z = 0.0, equilibrium_by_z = 0.0;
   };
-  /// Of mass 0 where it cannot rest there.
-  Oscillator oscillator(const double* unknowns, double rest) const;
-  /// Where the run rests as it is written: value of the coordinate of its Rest, SI.
-  double rest_at() const { return run_.rest ? run_.rest->at : 0.0; }
-  bool has_rest() const { return run_.rest.has_value(); }
-  bool rest_is_unknown() const { return rest_unknown_; }
+  /// Of mass 0 where there is no such equilibrium.
+  Oscillator oscillator(const double* unknowns, double equilibrium) const;
+  /// Equilibrium of the run as it is written: value of the coordinate of its EquilibriumPose, SI.
+  double equilibrium_at() const { return run_.equilibrium ? run_.equilibrium->at : 0.0; }
+  bool has_equilibrium() const { return run_.equilibrium.has_value(); }
+  bool equilibrium_is_unknown() const { return equilibrium_unknown_; }
   bool start_is_unknown() const { return start_unknown_; }
-  /// Coordinate index of the independent ones, and of the rest's coordinate.
+  /// Indices of the independent coordinates.
   const std::vector<int>& independent() const { return independent_; }
-  /// Initial independent coordinates and rates guessed from the first readings; the release where the sensors cannot
-  /// tell.
+  /// Initial independent coordinates and rates guessed from the first readings; the release where the sensors do not
+  /// determine them.
   std::vector<double> start_from_readings(const Record& record) const;
 
  private:
   struct Built {                         // the run's model at given values
-    std::unique_ptr<MotionModel> model;  // none where it cannot rest so
+    std::unique_ptr<MotionModel> model;  // none where there is no such equilibrium
     std::string why;
-    std::vector<double> q_rest;         // SI; empty without a rest
-    std::vector<Influence> influences;  // of the numbers, then of the one set by the rest
-    double set_value = 0.0;             // the one set by the rest
-    double set_by_at = 0.0;             // its derivative by the rest's value
+    std::vector<double> q_equilibrium;  // SI; empty without an equilibrium pose
+    std::vector<Influence> influences;  // of the numbers, then of the one that the equilibrium sets
+    double set_value = 0.0;             // the one that the equilibrium sets
+    double set_by_at = 0.0;             // its derivative by the equilibrium's coordinate
     std::vector<double> set_by;         // and by the numbers
   };
-  Built build(const double* unknowns, double rest, bool derivatives) const;
+  Built build(const double* unknowns, double equilibrium, bool derivatives) const;
   MotionState begin(const Built& built, const double* nuisances) const;
   Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities) const;
   const double* start_of(const double* nuisances) const;
@@ -95,14 +95,14 @@ class RunModel {
   const Run& run_;
   Scene scene_;
   std::vector<SceneParameter> numbers_;
-  std::optional<SceneParameter> set_by_rest_;
+  std::optional<SceneParameter> set_by_equilibrium_;
   Scales scales_;
   std::vector<double> closed_;  // a closed pose, SI
   std::vector<int> independent_;
   int freedoms_ = 0;
-  bool rest_unknown_ = false, start_unknown_ = true;
-  int rest_coordinate_ = -1;
-  double rest_turn_ = 0.0;  // value of the rest = coordinate + turn
+  bool equilibrium_unknown_ = false, start_unknown_ = true;
+  int equilibrium_coordinate_ = -1;
+  double equilibrium_turn_ = 0.0;  // value of the equilibrium = coordinate + turn
   std::vector<double> times_;
   std::vector<double> released_;
 };

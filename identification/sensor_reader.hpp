@@ -8,14 +8,14 @@
 
 namespace poise {
 
-/// A sensor compiled for one model: reads its quantity and the derivatives off coordinates and rates, all SI.
+/// A sensor compiled for one model: its reading and derivatives as functions of coordinates and rates, all SI.
 class SensorReader {
  public:
   SensorReader(const ScaledModel& model, const Sensor& sensor);
 
   /// Coordinates that the sensor depends on.
   const std::vector<int>& coordinates() const { return on_.support(); }
-  /// What it reads where coordinates()[i] = q[i] with the rates v[i]. Fills d/dq and d/dv over coordinates().
+  /// Its reading where coordinates()[i] = q[i] with the rates v[i]. Fills d/dq and d/dv over coordinates().
   double read(const double* q, const double* v, double* by_q, double* by_v);
   /// The measure as last read: of a force sensor that of its element.
   double measure() const { return measure_; }

@@ -20,7 +20,7 @@ struct MonteCarloRequest {
   ExperimentRequest experiment;
   int trials = 300;
   std::uint64_t seed = 1;
-  double off = 0.5;
+  double start_error = 0.5;
   int jobs = 0;
   std::string start = "given";
 };
@@ -35,8 +35,9 @@ void check(const MonteCarloRequest& request) {
     throw InputError(
         fmt::format("--jobs: expected a number from 0 (all cores) to {}, found {}", most_jobs, request.jobs));
   }
-  if (!(request.off >= 0 && request.off < 1)) {
-    throw InputError(fmt::format("--off: expected a part of the truth, 0 <= off < 1, found {}", request.off));
+  if (!(request.start_error >= 0 && request.start_error < 1)) {
+    throw InputError(fmt::format("--start-error: expected a part of the truth, 0 <= start error < 1, found {}",
+                                 request.start_error));
   }
 }
 
@@ -45,7 +46,7 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
   MonteCarloOptions options;
   options.trials = request.trials;
   options.seed = request.seed;
-  options.off = request.off;
+  options.start_error = request.start_error;
   options.threads = request.jobs;
   options.use_starts = chosen("--start", request.start, {"given", "auto"}) == 0;
   const Request& common = request.experiment.common;
@@ -75,8 +76,8 @@ Command montecarlo_command() {
   command.add({"--trials", &request->trials, "N", "Simulations to fit (300)"});
   command.add({"--seed", &request->seed, "N", "Of the noise and the starts (1)"});
   command.add(
-      {"--off", &request->off, "PART",
-       "Every fit starts from parameters that differ from the truth by\nup to this part of it, at random (0.5)"});
+      {"--start-error", &request->start_error, "PART",
+       "Every fit starts from parameters that differ from the truth by\nup to this part of it, drawn at random (0.5)"});
   command.add({"--start", &request->start, "WHAT",
                "given: from those (the default); auto: from damped sines\nwhere the records oscillate so"});
   command.add({"--jobs", &request->jobs, "N", "Threads (all cores)"});

@@ -39,7 +39,7 @@ std::string what_is_asked(const FitProblem& problem) {
   bool rests = false;
   bool starts = false;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    rests = rests || problem.run(r).rest_is_unknown();
+    rests = rests || problem.run(r).equilibrium_is_unknown();
     starts = starts || problem.run(r).start_is_unknown();
   }
   std::string text = count(static_cast<int>(problem.parameters().size()), "parameter", "parameters");
@@ -87,8 +87,8 @@ std::string per_cent(double deviation, double value) {
 std::string correlation_section(const FitProblem& problem, const Identifiability& known, const Palette& palette) {
   if (!known.ok) return "";
   std::vector<std::size_t> told;
-  for (std::size_t i = 0; i < known.told.size(); ++i) {
-    if (known.told[i]) told.push_back(i);
+  for (std::size_t i = 0; i < known.identifiable.size(); ++i) {
+    if (known.identifiable[i]) told.push_back(i);
   }
   if (told.size() < 2) return "";
   const std::string title = "Correlations of what is told";
@@ -115,7 +115,7 @@ std::string correlation_section(const FitProblem& problem, const Identifiability
 
 std::string untold_section(const Identifiability& known, const Palette& palette) {
   std::string body;
-  for (const Identifiability::Direction& direction : known.untold) {
+  for (const Identifiability::Direction& direction : known.null_directions) {
     body += "  " + palette.paint(Tone::bad, direction.words) + "\n";
     body += "    " + palette.paint(Tone::faint, "remedy: ") + direction.remedy + "\n";
   }

@@ -22,7 +22,7 @@ double shown_value(const FitProblem& problem, std::size_t i) {
 std::string verdict(const FitProblem& problem, const Identifiability& known, const Palette& palette) {
   const int all = static_cast<int>(problem.parameters().size());
   if (!known.ok) return palette.paint(Tone::bad, "Not known what it tells: " + known.why + ".");
-  const int untold = static_cast<int>(std::count(known.told.begin(), known.told.end(), false));
+  const int untold = static_cast<int>(std::count(known.identifiable.begin(), known.identifiable.end(), false));
   if (untold == 0) {
     return palette.paint(Tone::good,
                          all == 1 ? "The parameter can be told." : fmt::format("All {} parameters can be told.", all));
@@ -40,8 +40,9 @@ std::string facts(const FitProblem& problem, const IdentifiabilityAnswer& answer
     if (known.rank < all) {
       rank += "; singular values fall by " + (known.gap < INFINITY ? significant(known.gap, 2) : "all") + " there";
     }
-    const auto weak = std::count_if(known.untold.begin(), known.untold.end(), [](const auto& d) { return !d.exact; });
-    if (weak > 0) rank += fmt::format("; {} of them below {}, which tells nothing", weak, told_from);
+    const auto weak = std::count_if(known.null_directions.begin(), known.null_directions.end(),
+                                    [](const auto& d) { return !d.exact; });
+    if (weak > 0) rank += fmt::format("; {} of them below {}, which tells nothing", weak, identifiable_from);
     out += fact("rank", rank, palette);
     std::string values;
     for (const double s : known.singular_values) values += (values.empty() ? "" : ", ") + significant(s, 3);
@@ -60,11 +61,11 @@ std::string predicted_section(const FitProblem& problem, const Identifiability& 
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     const double unit = problem.unknown_of(i).unit;
     const double value = shown_value(problem, i);
-    const bool told = known.told[i];
+    const bool told = known.identifiable[i];
     names.push_back(problem.parameters()[i].name);
     values.push_back(significant(value / unit, 6));
-    deviations.push_back(told ? significant(known.deviation[i] / unit, 2) : "");
-    relative.push_back(told ? per_cent(known.deviation[i], value) : "");
+    deviations.push_back(told ? significant(known.standard_error[i] / unit, 2) : "");
+    relative.push_back(told ? per_cent(known.standard_error[i], value) : "");
     notes.push_back({told ? "" : "not told", Tone::bad});
   }
   Table table;
@@ -110,13 +111,14 @@ std::string identifiability_json(const FitProblem& problem, const Identifiabilit
   out["predicted"] = Json::array();
   for (std::size_t i = 0; known.ok && i < problem.parameters().size(); ++i) {
     const Unknown& unknown = problem.unknown_of(i);
-    const bool told = known.told[i];
-    out["predicted"].push_back({{"name", problem.parameters()[i].name},
-                                {"path", unknown.path},
-                                {"unit", units[i]},
-                                {"value", json_number(shown_value(problem, i) / unknown.unit)},
-                                {"told", told},
-                                {"deviation", told ? json_number(known.deviation[i] / unknown.unit) : Json(nullptr)}});
+    const bool told = known.identifiable[i];
+    out["predicted"].push_back(
+        {{"name", problem.parameters()[i].name},
+         {"path", unknown.path},
+         {"unit", units[i]},
+         {"value", json_number(shown_value(problem, i) / unknown.unit)},
+         {"told", told},
+         {"deviation", told ? json_number(known.standard_error[i] / unknown.unit) : Json(nullptr)}});
   }
   out["identifiability"] = json_identifiability(problem, known);
   out["base_parameters"] = {{"parameters", answer.base.parameters},

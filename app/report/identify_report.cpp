@@ -60,7 +60,7 @@ std::string verdict(const Fit& fitted, const Palette& palette) {
                          fmt::format("Residuals resemble the ones before them (autocorrelation up to {:.3f}): readings "
                                      "say less than as many independent ones, deviations are larger than shown, by "
                                      "rule of thumb {} times.",
-                                     most_lagged(fitted), significant(fitted.colour, 2))) +
+                                     most_lagged(fitted), significant(fitted.autocorrelation_factor, 2))) +
            "\n";
   }
   if (!fitted.identifiability.ok) {
@@ -96,11 +96,12 @@ std::string facts(const FitProblem& problem, const FitAnswer& answer, const Pale
   if (!fitted.start.empty()) out += fact("start", fitted.start, palette);
   if (!fitted.runs.empty()) {
     const auto white = std::count_if(fitted.runs.begin(), fitted.runs.end(), [](const RunFit& r) { return r.white; });
-    out += fact("residuals",
-                fmt::format("{} times the noise, expected 1 ± {}; white in {} of {}", significant(fitted.misfit, 4),
-                            significant(2 * fitted.expected, 2), white,
-                            count(static_cast<int>(fitted.runs.size()), "run", "runs")),
-                palette);
+    out += fact(
+        "residuals",
+        fmt::format("{} times the noise, expected 1 ± {}; white in {} of {}",
+                    significant(fitted.residual_over_noise, 4), significant(2 * fitted.residual_over_noise_sigma, 2),
+                    white, count(static_cast<int>(fitted.runs.size()), "run", "runs")),
+        palette);
     out += fact("rms", rms_in_words(fitted.rms, problem.experiment()), palette);
   }
   if (!answer.rms_from_readings.empty()) {
@@ -130,10 +131,10 @@ std::string estimate_section(const FitProblem& problem, const Fit& fitted, const
       off.emplace_back();
       continue;
     }
-    const double error = (e.value - e.truth) / e.deviation;
-    values.push_back({with_deviation(e.value / e.unit, sure ? e.deviation / e.unit : 0.0), Tone::plain});
-    deviations.push_back(sure ? significant(e.deviation / e.unit, 2) : "-");
-    relative.push_back(sure ? per_cent(e.deviation, e.value) : "-");
+    const double error = (e.value - e.truth) / e.standard_error;
+    values.push_back({with_deviation(e.value / e.unit, sure ? e.standard_error / e.unit : 0.0), Tone::plain});
+    deviations.push_back(sure ? significant(e.standard_error / e.unit, 2) : "-");
+    relative.push_back(sure ? per_cent(e.standard_error, e.value) : "-");
     truths.push_back(significant(e.truth / e.unit, 7));
     off.push_back({sure ? fmt::format("{:+.1f}", error) : "-", std::abs(error) > remarkable ? Tone::bad : Tone::plain});
   }

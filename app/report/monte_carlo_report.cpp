@@ -38,15 +38,16 @@ std::string facts(const FitProblem& problem, const MonteCarloOptions& options, c
                   const Palette& palette) {
   std::string out = fact("data", what_is_read(problem), palette) + fact("asked", what_is_asked(problem), palette);
   out += fact("start",
-              options.use_starts ? fmt::format("off the truth by up to {} % each", significant(100 * options.off, 3))
+              options.use_starts ? fmt::format("up to {} % from the truth", significant(100 * options.start_error, 3))
                                  : "found by the fits themselves",
               palette);
   out += fact("fits",
               fmt::format("{} of {} converged, {} of them within 6 deviations of the truth", answer.converged,
-                          answer.trials, answer.arrived),
+                          answer.trials, answer.near_truth),
               palette);
   if (answer.converged > 0)
-    out += fact("residuals", fmt::format("{} times the noise on average", significant(answer.misfit, 4)), palette);
+    out += fact("residuals", fmt::format("{} times the noise on average", significant(answer.residual_over_noise, 4)),
+                palette);
   return out + fact("effort",
                     fmt::format("{}; {} evaluations a fit, {} a trial", duration(1e6 * answer.seconds),
                                 significant(answer.evaluations, 3),
@@ -93,11 +94,11 @@ std::string monte_carlo_json(const FitProblem& problem, const MonteCarloOptions&
   out["trials_asked"] = options.trials;
   out["trials"] = answer.trials;
   out["converged"] = answer.converged;
-  out["arrived"] = answer.arrived;
+  out["arrived"] = answer.near_truth;
   out["interrupted"] = answer.interrupted;
   out["seed"] = options.seed;
-  out["off"] = options.use_starts ? Json(options.off) : Json(nullptr);
-  out["misfit"] = json_number(answer.misfit);
+  out["off"] = options.use_starts ? Json(options.start_error) : Json(nullptr);
+  out["misfit"] = json_number(answer.residual_over_noise);
   out["evaluations"] = json_number(answer.evaluations);
   out["seconds"] = json_number(answer.seconds);
   const std::vector<std::string> units = parameter_units(problem);

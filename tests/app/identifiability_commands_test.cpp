@@ -129,7 +129,7 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
       {{"identify", good, "--data", folder.path("d.csv").string()}, "--data"},
       {{"montecarlo", measured}, "expected simulated runs only"},
       {{"montecarlo", good, "--trials", "0"}, "--trials: expected"},
-      {{"montecarlo", good, "--off", "1"}, "--off: expected"},
+      {{"montecarlo", good, "--start-error", "1"}, "--start-error: expected"},
       {{"montecarlo", good, "--jobs", "-1"}, "--jobs: expected"}};
   const std::vector<std::string> before = folder.names();
   for (const auto& [words, says] : cases) {

@@ -205,7 +205,7 @@ void add_lump(Body& body, double m, Vec2 p) {
   body.inertia = about_origin - body.mass * dot(body.center, body.center);
 }
 
-// What the counts rest on: a point mass moved through a pin changes no motion, moved to elsewhere it does.
+// The assumption behind the counts: a point mass moved through a pin changes no motion, moved to elsewhere it does.
 TEST(BaseParameters, AMassMovedThroughAPinChangesNoMotion) {
   const auto after = [](const Scene& scene) {
     const MotionModel model(scene);

@@ -13,13 +13,13 @@ TEST(FirstReadings, TellTheStartButNotTheRest) {
   const Experiment lift = test::experiment("lift_experiment");
   const FitProblem problem(lift);
   const RunModel& run = problem.run(2);
-  std::vector<double> off = run.released();
-  off[0] += 0.001;
-  off[1] += 1.0;
-  const std::vector<double> started = started_from_readings(run, off, problem.ideal_record(2));
+  std::vector<double> displaced = run.released();
+  displaced[0] += 0.001;
+  displaced[1] += 1.0;
+  const std::vector<double> started = started_from_readings(run, displaced, problem.ideal_record(2));
   ASSERT_EQ(started.size(), 3U);
-  EXPECT_EQ(started[0], off[0]) << "where it would rest, the first readings do not tell";
-  // A quarter of a swing takes 46 ms: over 15 ms a parabola follows it to about 1 % of its 5 mrad.
+  EXPECT_EQ(started[0], displaced[0]) << "the first readings do not determine the equilibrium";
+  // A quarter of a period takes 46 ms: over 15 ms a parabola follows it to about 1 % of its 5 mrad.
   EXPECT_NEAR(started[1], run.released()[1], 5e-5) << "rad";
   EXPECT_NEAR(started[2], 0.0, 0.02) << "rad/s";
 }
@@ -46,7 +46,8 @@ TEST(FirstReadings, StartWorseThanTheFit) {
   ASSERT_TRUE(fitted.usable()) << fitted.why;
   const std::vector<double> rms = rms_from_first_readings(problem, fitted, records);
   ASSERT_EQ(rms.size(), 1U);
-  // With the fitted starts it is the noise; noise and curvature of the first 16 readings add a swing of their own.
+  // With the fitted starts it is the noise; noise and curvature of the first 16 readings add an oscillation of their
+  // own.
   EXPECT_GT(rms[0], 1.05 * fitted.rms[0]);
   EXPECT_LT(rms[0], 20 * fitted.rms[0]);
 }

@@ -24,14 +24,14 @@ double cost(const FitProblem& problem, std::size_t r, const Record& record, cons
   return sum;
 }
 
-// A little off the truth in everything, so that no gradient vanishes.
-struct Off {
+// Slightly different from the truth in everything, so that no gradient vanishes.
+struct Displaced {
   std::vector<double> parameters;
   std::vector<std::vector<double>> nuisances;
 };
 
-Off off(const FitProblem& problem) {
-  Off out{problem.truths(), test::released(problem)};
+Displaced displaced(const FitProblem& problem) {
+  Displaced out{problem.truths(), test::released(problem)};
   double by = 0.01;
   for (std::size_t i = 0; i < out.parameters.size(); ++i)
     out.parameters[i] += (by = -by) * problem.parameters()[i].scale;
@@ -46,7 +46,7 @@ TEST(FitProblem, TrianglesHoldCostAndGradient) {
   for (poise::Run& run : e.runs) run.sample_rate = 200;
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
-  const Off here = off(problem);
+  const Displaced here = displaced(problem);
   for (const std::size_t r : {0U, 3U}) {
     const RunModel& run = problem.run(r);
     SCOPED_TRACE(run.run().name);
@@ -64,7 +64,7 @@ TEST(FitProblem, TrianglesHoldCostAndGradient) {
       const auto own = static_cast<std::size_t>(is_nuisance ? c : problem.parameters_of(r)[c - run.nuisances()]);
       SCOPED_TRACE(is_nuisance ? run.nuisance_names()[own] : problem.parameters()[own].name);
       const auto at = [&](double by) {
-        Off moved = here;
+        Displaced moved = here;
         (is_nuisance ? moved.nuisances[r][own] : moved.parameters[own]) += by;
         return std::vector<double>{cost(problem, r, records[r], moved.parameters, moved.nuisances[r])};
       };

@@ -25,11 +25,11 @@ FitOptions starting_from(std::vector<double> starts) {
   return options;
 }
 
-// Estimates of two fits of the same records, apart by their standard deviations.
+// Largest difference of two fits of the same records, in standard errors.
 double apart(const Fit& a, const Fit& b) {
   double worst = 0.0;
   for (std::size_t i = 0; i < a.estimates.size(); ++i) {
-    worst = std::max(worst, std::abs(a.estimates[i].value - b.estimates[i].value) / a.estimates[i].deviation);
+    worst = std::max(worst, std::abs(a.estimates[i].value - b.estimates[i].value) / a.estimates[i].standard_error);
   }
   return worst;
 }
@@ -44,23 +44,23 @@ TEST(Fit, LiftNeedsNoStart) {
   EXPECT_EQ(found.tries, 1);
   EXPECT_LE(found.evaluations, 6);
   EXPECT_EQ(found.readings, 12000);
-  EXPECT_EQ(found.degrees, 12000 - 4 - 18);
-  EXPECT_NEAR(found.misfit, 1.0, 4 * found.expected);
-  EXPECT_NEAR(found.rms[0], 1e-4, 4e-4 * found.expected);
+  EXPECT_EQ(found.degrees_of_freedom, 12000 - 4 - 18);
+  EXPECT_NEAR(found.residual_over_noise, 1.0, 4 * found.residual_over_noise_sigma);
+  EXPECT_NEAR(found.rms[0], 1e-4, 4e-4 * found.residual_over_noise_sigma);
   ASSERT_EQ(found.estimates.size(), 4U);
   for (const Estimate& estimate : found.estimates) {
     EXPECT_FALSE(estimate.withheld) << estimate.name << ": " << estimate.why;
-    EXPECT_NEAR((estimate.value - estimate.truth) / estimate.deviation, 0.0, 4.0) << estimate.name;
+    EXPECT_NEAR((estimate.value - estimate.truth) / estimate.standard_error, 0.0, 4.0) << estimate.name;
   }
   ASSERT_EQ(found.runs.size(), 6U);
   for (std::size_t r = 0; r < 6; ++r) {
     EXPECT_TRUE(found.runs[r].white) << found.runs[r].name;
-    EXPECT_NEAR(found.runs[r].nuisances[0], e.runs[r].rest->at, 2e-5);
+    EXPECT_NEAR(found.runs[r].nuisances[0], e.runs[r].equilibrium->at, 2e-5);
   }
 }
 
-// The minimum is one, wherever the search begins.
-TEST(Fit, LiftArrivesFromStartsOffByHalf) {
+// There is one minimum, whatever the start.
+TEST(Fit, LiftConvergesFromStartsThatDifferByHalf) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
@@ -92,7 +92,7 @@ TEST(Fit, EndsWhereTheCostIsLeast) {
   const Fit found = fit(problem, records);
   ASSERT_TRUE(found.usable());
   for (std::size_t i = 0; i < found.parameters.size(); ++i) {
-    const double deviation = found.estimates[i].deviation;
+    const double standard_error = found.estimates[i].standard_error;
     const auto cost = [&](double by) {
       std::vector<double> p = found.parameters, e_r;
       p[i] += by;
@@ -104,18 +104,18 @@ TEST(Fit, EndsWhereTheCostIsLeast) {
       return std::vector<double>{sum};
     };
     // In standard deviations: the cost grows by 1/2 over one at least.
-    EXPECT_NEAR(test::derivative(cost, 0.3 * deviation)[0] * deviation, 0.0, 0.1) << found.estimates[i].name;
+    EXPECT_NEAR(test::derivative(cost, 0.3 * standard_error)[0] * standard_error, 0.0, 0.1) << found.estimates[i].name;
   }
 }
 
-TEST(Fit, WithoutPayloadNoMassIsPrinted) {
+TEST(Fit, WithoutPayloadEveryEstimateIsWithheld) {
   const Experiment e = test::experiment("lift_experiment_empty");
   const FitProblem problem(e);
   const Fit found = fit(problem, problem.records());
   ASSERT_TRUE(found.usable()) << found.why;
-  bool says_scale = false;
-  for (const auto& direction : found.identifiability.untold) says_scale = says_scale || direction.scale;
-  EXPECT_TRUE(says_scale);
+  bool names_scale = false;
+  for (const auto& direction : found.identifiability.null_directions) names_scale = names_scale || direction.scale;
+  EXPECT_TRUE(names_scale);
   for (const Estimate& estimate : found.estimates) {
     EXPECT_TRUE(estimate.withheld) << estimate.name << " = " << estimate.value;
     EXPECT_FALSE(estimate.why.empty());
@@ -136,8 +136,8 @@ TEST(Fit, WithholdsWhatIsAtABound) {
   EXPECT_EQ(found.status, FitStatus::misfit);
 }
 
-// A bound that the truth respects does not keep the fit from it.
-TEST(Fit, LeavesABoundThatDoesNotHold) {
+// A bound that the truth respects does not hold the estimate.
+TEST(Fit, LeavesABoundThatIsNotActive) {
   Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
@@ -151,39 +151,39 @@ TEST(Fit, LeavesABoundThatDoesNotHold) {
   EXPECT_LT(apart(free, found), 0.01);
 }
 
-// A prior as sharp as the data meets them half way.
-TEST(Fit, APriorPulls) {
+// A prior as precise as the data moves the estimate half way towards it.
+TEST(Fit, APriorAddsItsInformation) {
   Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
   const Fit free = fit(problem, records);
   ASSERT_TRUE(free.usable());
   const Estimate& k = free.estimates[2];
-  e.unknowns[2].prior = k.value + 4 * k.deviation;
-  e.unknowns[2].prior_deviation = k.deviation;
+  e.unknowns[2].prior = k.value + 4 * k.standard_error;
+  e.unknowns[2].prior_deviation = k.standard_error;
   const FitProblem known(e);
   const Fit pulled = fit(known, records);
   ASSERT_TRUE(pulled.usable());
-  EXPECT_NEAR((pulled.estimates[2].value - k.value) / k.deviation, 2.0, 0.02);
-  EXPECT_NEAR(pulled.estimates[2].deviation / k.deviation, 1 / std::sqrt(2.0), 0.01);
+  EXPECT_NEAR((pulled.estimates[2].value - k.value) / k.standard_error, 2.0, 0.02);
+  EXPECT_NEAR(pulled.estimates[2].standard_error / k.standard_error, 1 / std::sqrt(2.0), 0.01);
 }
 
-// Noise understated threefold: the fit says so and enlarges its deviations to what they are.
-TEST(Fit, SaysThatTheNoiseIsLargerThanStated) {
+// Noise understated threefold: the fit reports it and multiplies its standard errors accordingly.
+TEST(Fit, ReportsThatTheNoiseIsLargerThanStated) {
   Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
-  const Fit honest = fit(problem, records);
+  const Fit correct = fit(problem, records);
   e.sensors[0].noise /= 3;
   const FitProblem understated(e);
   const Fit found = fit(understated, records);
   EXPECT_EQ(found.status, FitStatus::misfit);
   EXPECT_TRUE(found.usable());
-  EXPECT_NEAR(found.misfit, 3.0, 0.05);
-  EXPECT_NE(found.why.find("times the noise"), std::string::npos) << found.why;
+  EXPECT_NEAR(found.residual_over_noise, 3.0, 0.05);
+  EXPECT_NE(found.why.find("times the stated noise"), std::string::npos) << found.why;
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_NEAR(found.estimates[i].deviation / honest.estimates[i].deviation, 1.0, 0.02);
-    EXPECT_NEAR(found.estimates[i].value, honest.estimates[i].value, 0.01 * honest.estimates[i].deviation);
+    EXPECT_NEAR(found.estimates[i].standard_error / correct.estimates[i].standard_error, 1.0, 0.02);
+    EXPECT_NEAR(found.estimates[i].value, correct.estimates[i].value, 0.01 * correct.estimates[i].standard_error);
   }
 }
 
@@ -195,7 +195,7 @@ TEST(Fit, FailsWhereReadingsAreTooFew) {
   const Fit found = fit(problem, problem.records());
   EXPECT_EQ(found.status, FitStatus::failed);
   EXPECT_FALSE(found.usable());
-  EXPECT_NE(found.why.find("6 readings cannot tell 7 values"), std::string::npos) << found.why;
+  EXPECT_NE(found.why.find("6 readings do not determine 7 values"), std::string::npos) << found.why;
   EXPECT_TRUE(found.estimates.empty());
 }
 
@@ -220,8 +220,8 @@ TEST(Fit, StopsWhenInterrupted) {
   EXPECT_FALSE(found.why.empty());
 }
 
-// A pendulum that swings wide for a long while: whoever starts with a wrong frequency over all of it loses count of
-// the swings.
+// A pendulum that oscillates widely for a long time: a fit of the whole record that starts with a wrong frequency ends
+// in a local minimum with a wrong number of oscillations.
 Experiment wide_pendulum() {
   Experiment e;
   e.scene = test::chain(1, 1.0, 1.0);
@@ -276,24 +276,24 @@ double plain_levenberg_marquardt(const FitProblem& problem, const Record& record
   return x[0];
 }
 
-TEST(Fit, ComesHomeFromWhereOneGoesAstray) {
+TEST(Fit, ConvergesWherePlainLevenbergMarquardtDoesNot) {
   const Experiment e = wide_pendulum();
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
   const double truth = problem.truths()[0];
   EXPECT_NEAR(plain_levenberg_marquardt(problem, records[0], 1.01 * truth), truth, 1e-3 * truth);
-  int astray = 0;
+  int elsewhere = 0;
   for (const double start : {0.5 * truth, 1.6 * truth, 3.0 * truth}) {
-    astray += std::abs(plain_levenberg_marquardt(problem, records[0], start) - truth) > 0.05 * truth ? 1 : 0;
+    elsewhere += std::abs(plain_levenberg_marquardt(problem, records[0], start) - truth) > 0.05 * truth ? 1 : 0;
     const Fit found = fit(problem, records, starting_from({start}));
     EXPECT_EQ(found.status, FitStatus::converged) << found.why;
     ASSERT_EQ(found.estimates.size(), 1U);
-    EXPECT_NEAR((found.estimates[0].value - truth) / found.estimates[0].deviation, 0.0, 4.0) << "from " << start;
+    EXPECT_NEAR((found.estimates[0].value - truth) / found.estimates[0].standard_error, 0.0, 4.0) << "from " << start;
   }
-  EXPECT_GE(astray, 2);
+  EXPECT_GE(elsewhere, 2);
 }
 
-// Measured swings of a double pendulum, all 26 segments: what a bare Ceres program reaches, 0.00354 and 0.00310 rad.
+// Measured motions of a double pendulum, all 26 segments: what a bare Ceres program reaches, 0.00354 and 0.00310 rad.
 void expect_measured(const std::string& name, double limit) {
   const std::filesystem::path data =
       std::filesystem::path(POISE_SOURCE_DIR) / "../shared/data/multi_arm_pendulum/double.csv";

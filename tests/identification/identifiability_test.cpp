@@ -79,16 +79,16 @@ TEST(Identifiability, CramerRaoBoundsOfTheLift) {
     SCOPED_TRACE(name);
     const Experiment e = test::experiment(name);
     const FitProblem problem(e);
-    const Identifiability told = assess_at_truth(problem);
-    ASSERT_TRUE(told.ok) << told.why;
-    EXPECT_EQ(told.rank, static_cast<int>(problem.parameters().size()));
-    EXPECT_TRUE(told.untold.empty());
+    const Identifiability found = assess_at_truth(problem);
+    ASSERT_TRUE(found.ok) << found.why;
+    EXPECT_EQ(found.rank, static_cast<int>(problem.parameters().size()));
+    EXPECT_TRUE(found.null_directions.empty());
     for (const auto& [parameter, cell] : row.items()) {
       const std::size_t i = test::parameter(problem, parameter);
       const Parameter& p = problem.parameters()[i];
       const double shown = p.truth + e.unknowns[static_cast<std::size_t>(p.unknown)].includes;
       const double percent = cell.at("percent");
-      EXPECT_NEAR(100 * told.deviation[i] / shown, percent, cell.at("digit").get<double>() * 0.55) << parameter;
+      EXPECT_NEAR(100 * found.standard_error[i] / shown, percent, cell.at("digit").get<double>() * 0.55) << parameter;
       ++compared;
     }
   }
@@ -100,8 +100,8 @@ TEST(Identifiability, CovarianceIsTheInverseOfTheWholeInformation) {
   for (const char* name : {"lift_experiment_heights", "lift_experiment_four_runs"}) {
     const Experiment e = test::experiment(name);
     const FitProblem problem(e);
-    const Identifiability told = assess_at_truth(problem);
-    ASSERT_TRUE(told.ok);
+    const Identifiability found = assess_at_truth(problem);
+    ASSERT_TRUE(found.ok);
     Eigen::MatrixXd J = test::whole_jacobian(problem);
     const Eigen::VectorXd size = J.colwise().norm();
     J *= size.cwiseInverse().asDiagonal();
@@ -110,11 +110,11 @@ TEST(Identifiability, CovarianceIsTheInverseOfTheWholeInformation) {
     const Eigen::MatrixXd covariance = size.cwiseInverse().asDiagonal() * inverse * size.cwiseInverse().asDiagonal();
     for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
       const auto at = static_cast<Eigen::Index>(i);
-      const double deviation = std::sqrt(covariance(at, at));
-      EXPECT_NEAR(told.deviation[i] / deviation, 1.0, 1e-5) << problem.parameters()[i].name;
+      const double standard_error = std::sqrt(covariance(at, at));
+      EXPECT_NEAR(found.standard_error[i] / standard_error, 1.0, 1e-5) << problem.parameters()[i].name;
       for (Eigen::Index j = 0; j < at; ++j) {
-        EXPECT_NEAR(told.correlation[i][static_cast<std::size_t>(j)].value(),
-                    covariance(at, j) / (deviation * std::sqrt(covariance(j, j))), 1e-5);
+        EXPECT_NEAR(found.correlation[i][static_cast<std::size_t>(j)].value(),
+                    covariance(at, j) / (standard_error * std::sqrt(covariance(j, j))), 1e-5);
       }
     }
   }
@@ -123,11 +123,11 @@ TEST(Identifiability, CovarianceIsTheInverseOfTheWholeInformation) {
 TEST(Identifiability, APriorAddsItsInformation) {
   Experiment e = test::experiment("lift_experiment");
   const FitProblem plain(e);
-  const double before = assess_at_truth(plain).deviation[2];
+  const double before = assess_at_truth(plain).standard_error[2];
   e.unknowns[2].prior = 2e6;
   e.unknowns[2].prior_deviation = before;
   const FitProblem known(e);
-  EXPECT_NEAR(assess_at_truth(known).deviation[2], before / std::sqrt(2.0), 1e-6 * before);
+  EXPECT_NEAR(assess_at_truth(known).standard_error[2], before / std::sqrt(2.0), 1e-6 * before);
 }
 
 // Sampled pendulum theta'' = -a sin(theta): a torque a on the ground's side of a wheel of unit inertia.
@@ -174,9 +174,9 @@ TEST(Identifiability, PendulumReachesItsReference) {
   // With the start known.
   e.runs[0].unknown_start = false;
   const FitProblem known(e);
-  const Identifiability told = assess_at_truth(known);
-  ASSERT_TRUE(told.ok);
-  EXPECT_NEAR(told.deviation[0] / test::number(reference.at("crb_std_a_theta0_known")), 1.0, 1e-7);
+  const Identifiability found = assess_at_truth(known);
+  ASSERT_TRUE(found.ok);
+  EXPECT_NEAR(found.standard_error[0] / test::number(reference.at("crb_std_a_theta0_known")), 1.0, 1e-7);
 }
 
 // A free double pendulum of two uniform unit rods. Its motion depends on A = I1 + m1/4 + m2, B = I2 + m2/4, C = m2/2,
@@ -205,7 +205,7 @@ Experiment double_pendulum() {
   return e;
 }
 
-TEST(Identifiability, FreeDoublePendulumDoesNotTellItsScale) {
+TEST(Identifiability, TheScaleOfAFreeDoublePendulumIsNotIdentifiable) {
   const nlohmann::json reference = answers().at("double_pendulum_free");
   Experiment e = double_pendulum();
   e.unknowns = {test::unknown("body.one.inertia"), test::unknown("body.two.inertia"), test::unknown("body.one.mass"),
@@ -215,19 +215,19 @@ TEST(Identifiability, FreeDoublePendulumDoesNotTellItsScale) {
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_NEAR(record.reading[k].back() + M_PI / 2, test::number(reference.at("state_T")[k]), 1e-9);
   }
-  const Identifiability told = assess_at_truth(problem);
-  ASSERT_TRUE(told.ok);
-  EXPECT_EQ(told.rank, 3);
-  EXPECT_GT(told.gap, 1e6);
-  ASSERT_EQ(told.untold.size(), 1U);
-  EXPECT_TRUE(told.untold[0].exact);
-  EXPECT_TRUE(told.untold[0].scale);
-  EXPECT_NE(told.untold[0].words.find("overall scale"), std::string::npos) << told.untold[0].words;
-  EXPECT_FALSE(told.untold[0].remedy.empty());
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok);
+  EXPECT_EQ(found.rank, 3);
+  EXPECT_GT(found.gap, 1e6);
+  ASSERT_EQ(found.null_directions.size(), 1U);
+  EXPECT_TRUE(found.null_directions[0].exact);
+  EXPECT_TRUE(found.null_directions[0].scale);
+  EXPECT_NE(found.null_directions[0].words.find("overall scale"), std::string::npos) << found.null_directions[0].words;
+  EXPECT_FALSE(found.null_directions[0].remedy.empty());
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_NEAR(told.untold[0].part[i], 1.0, 1e-6);
-    EXPECT_FALSE(told.told[i]);
-    EXPECT_TRUE(std::isinf(told.deviation[i]));
+    EXPECT_NEAR(found.null_directions[0].part[i], 1.0, 1e-6);
+    EXPECT_FALSE(found.identifiable[i]);
+    EXPECT_TRUE(std::isinf(found.standard_error[i]));
   }
   // In A, B, C, D, as the reference: the sensitivities by the four numbers above, times d(numbers)/d(A, B, C, D).
   Eigen::Matrix4d by_numbers;
@@ -255,17 +255,17 @@ TEST(Identifiability, FreeDoublePendulumWithOneLumpKnown) {
   e.unknowns = {test::unknown("body.one.inertia"), test::unknown("body.two.inertia"),
                 test::unknown("body.two.center.x")};
   const FitProblem problem(e);
-  const Identifiability told = assess_at_truth(problem);
-  ASSERT_TRUE(told.ok);
-  ASSERT_EQ(told.rank, 3);
-  const Eigen::Map<const Eigen::Vector3d> deviation(told.deviation.data());
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok);
+  ASSERT_EQ(found.rank, 3);
+  const Eigen::Map<const Eigen::Vector3d> standard_error(found.standard_error.data());
   Eigen::Matrix3d correlation;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = told.correlation[i][j].value();
+      correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = found.correlation[i][j].value();
     }
   }
-  const Eigen::Matrix3d covariance = deviation.asDiagonal() * correlation * deviation.asDiagonal();
+  const Eigen::Matrix3d covariance = standard_error.asDiagonal() * correlation * standard_error.asDiagonal();
   Eigen::Matrix3d lumps;
   lumps << 1, 0, 0,  //
       0, 1, 1,       //
@@ -278,14 +278,14 @@ TEST(Identifiability, FreeDoublePendulumWithOneLumpKnown) {
   }
 }
 
-TEST(Identifiability, AnOscillatorDoesNotTellItsScale) {
+TEST(Identifiability, TheScaleOfAnOscillatorIsNotIdentifiable) {
   const Experiment e = oscillator();
   const FitProblem problem(e);
-  const Identifiability told = assess_at_truth(problem);
-  ASSERT_TRUE(told.ok) << told.why;
-  EXPECT_EQ(told.rank, 2);
-  ASSERT_EQ(told.untold.size(), 1U);
-  const auto& scale = told.untold[0];
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.rank, 2);
+  ASSERT_EQ(found.null_directions.size(), 1U);
+  const auto& scale = found.null_directions[0];
   EXPECT_TRUE(scale.exact);
   EXPECT_TRUE(scale.scale);
   for (const double part : scale.part) EXPECT_NEAR(part, 1.0, 1e-5);
@@ -295,8 +295,8 @@ TEST(Identifiability, AnOscillatorDoesNotTellItsScale) {
   EXPECT_NE(scale.remedy.find("payload"), std::string::npos) << scale.remedy;
 }
 
-// What the remedy says helps: another run with a payload that is known.
-TEST(Identifiability, AKnownPayloadTellsTheScale) {
+// The remedy that is given works: another run with a payload that is known.
+TEST(Identifiability, AKnownPayloadMakesTheScaleIdentifiable) {
   Experiment e = oscillator();
   const int payload = e.scene.add_body("payload");
   e.scene.add_point(payload, "c", {0, 0});
@@ -310,10 +310,10 @@ TEST(Identifiability, AKnownPayloadTellsTheScale) {
   e.runs[1].name = "loaded";
   e.runs[1].changes.push_back({"body.payload.mass", 1.0, 0});
   const FitProblem problem(e);
-  const Identifiability told = assess_at_truth(problem);
-  ASSERT_TRUE(told.ok) << told.why;
-  EXPECT_EQ(told.rank, 3);
-  EXPECT_TRUE(told.untold.empty());
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.rank, 3);
+  EXPECT_TRUE(found.null_directions.empty());
 }
 
 // On a level table mass and inertia of a link matter only as the inertia about its pin: dI = -a^2 dm.
@@ -332,23 +332,23 @@ TEST(Identifiability, MassAndInertiaOfOneLink) {
   turn.value = 0.3;
   e.runs = {test::simulated(100, 300, {turn})};
   const FitProblem problem(e);
-  const Identifiability told = assess_at_truth(problem);
-  ASSERT_TRUE(told.ok) << told.why;
-  EXPECT_EQ(told.rank, 1);
-  ASSERT_EQ(told.untold.size(), 1U);
-  const auto& direction = told.untold[0];
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.rank, 1);
+  ASSERT_EQ(found.null_directions.size(), 1U);
+  const auto& direction = found.null_directions[0];
   EXPECT_TRUE(direction.exact);
   EXPECT_FALSE(direction.scale);
   // Relative changes: dI / I over dm / m is -a^2 m / I.
   EXPECT_NEAR(direction.part[1] / direction.part[0], -0.09 * 2.0 / 0.2, 1e-6);
   EXPECT_NE(direction.words.find("body.1.mass"), std::string::npos) << direction.words;
-  EXPECT_NE(direction.words.find("leave all readings as they are"), std::string::npos) << direction.words;
+  EXPECT_NE(direction.words.find("change no reading"), std::string::npos) << direction.words;
   EXPECT_FALSE(direction.remedy.empty());
 }
 
 // A wheel with a torsion spring, turned by a force at its rim that follows it: I a'' + k a = F r, so F r / k shifts the
-// angle about which it swings. The reading's derivative by F is (1 - cos(w t)) r / k.
-TEST(Identifiability, AFollowerForceIsToldByTheAngleAboutWhichItSwings) {
+// angle about which it oscillates. The reading's derivative by F is (1 - cos(w t)) r / k.
+TEST(Identifiability, AFollowerForceIsIdentifiableFromTheAngleOfEquilibrium) {
   Experiment e;
   e.scene = parse_scene(R"(
     [ground]
@@ -378,34 +378,34 @@ TEST(Identifiability, AFollowerForceIsToldByTheAngleAboutWhichItSwings) {
   e.runs = {test::simulated(100, 300, {turn})};
   e.runs[0].unknown_start = false;
   const FitProblem problem(e);
-  const Identifiability told = assess_at_truth(problem);
-  ASSERT_TRUE(told.ok) << told.why;
-  EXPECT_EQ(told.rank, 1);
-  EXPECT_TRUE(told.untold.empty());
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.rank, 1);
+  EXPECT_TRUE(found.null_directions.empty());
   double information = 0.0;
   for (int i = 0; i < 300; ++i) {
     const double slope = (1 - std::cos(std::sqrt(20 / 0.5) * 0.01 * i)) * 0.2 / 20;
     information += slope * slope / (noise * noise);
   }
-  EXPECT_NEAR(told.deviation[0] * std::sqrt(information), 1.0, 1e-6);
+  EXPECT_NEAR(found.standard_error[0] * std::sqrt(information), 1.0, 1e-6);
 }
 
-TEST(Identifiability, TheLiftWithoutPayloadDoesNotTellItsScale) {
+TEST(Identifiability, TheScaleOfTheLiftWithoutPayloadIsNotIdentifiable) {
   const Experiment e = test::experiment("lift_experiment_empty");
   const FitProblem problem(e);
-  const Identifiability told = assess_at_truth(problem);
-  ASSERT_TRUE(told.ok) << told.why;
-  ASSERT_FALSE(told.untold.empty());
-  EXPECT_TRUE(told.untold.back().scale) << told.untold.back().words;
-  EXPECT_FALSE(told.untold.back().remedy.empty());
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  ASSERT_FALSE(found.null_directions.empty());
+  EXPECT_TRUE(found.null_directions.back().scale) << found.null_directions.back().words;
+  EXPECT_FALSE(found.null_directions.back().remedy.empty());
 }
 
-TEST(Identifiability, SaysWhichRunCannotBeComputed) {
+TEST(Identifiability, NamesTheRunThatCannotBeComputed) {
   Experiment e = pendulum();
   const FitProblem problem(e);
-  const Identifiability told = assess(problem, {std::nan("")}, test::released(problem));
-  EXPECT_FALSE(told.ok);
-  EXPECT_NE(told.why.find("run \"run\""), std::string::npos) << told.why;
+  const Identifiability found = assess(problem, {std::nan("")}, test::released(problem));
+  EXPECT_FALSE(found.ok);
+  EXPECT_NE(found.why.find("run \"run\""), std::string::npos) << found.why;
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace poise {
 namespace {
 
-// Six runs of the lift as a good estimator is to meet them: at the Cramer-Rao bound, with intervals that hold what
-// they say. For 300 trials the ratio scatters by 0.04, and the coverage by 0.013; the seed is fixed.
+// Six runs of the lift: the estimates reach the Cramer-Rao bound and the intervals have their nominal coverage. For 300
+// trials the ratio scatters by 0.04, and the coverage by 0.013; the seed is fixed.
 TEST(MonteCarlo, LiftReachesItsBounds) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
@@ -21,9 +21,9 @@ TEST(MonteCarlo, LiftReachesItsBounds) {
   const MonteCarlo found = monte_carlo(problem, options);
   EXPECT_EQ(found.trials, 300);
   EXPECT_EQ(found.converged, 300);
-  EXPECT_EQ(found.arrived, 300);
+  EXPECT_EQ(found.near_truth, 300);
   EXPECT_FALSE(found.interrupted);
-  EXPECT_NEAR(found.misfit, 1.0, 0.002);
+  EXPECT_NEAR(found.residual_over_noise, 1.0, 0.002);
   EXPECT_LE(found.evaluations, 6.0);
   ASSERT_EQ(found.parameters.size(), 4U);
   for (const TrialStatistics& s : found.parameters) {
@@ -36,7 +36,7 @@ TEST(MonteCarlo, LiftReachesItsBounds) {
   }
 }
 
-TEST(MonteCarlo, LiftArrivesFromEveryStartOffByHalf) {
+TEST(MonteCarlo, LiftConvergesFromStartsThatDifferByHalf) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   MonteCarloOptions options;
@@ -45,10 +45,10 @@ TEST(MonteCarlo, LiftArrivesFromEveryStartOffByHalf) {
   const MonteCarlo found = monte_carlo(problem, options);
   EXPECT_EQ(found.trials, 40);
   EXPECT_EQ(found.converged, 40);
-  EXPECT_EQ(found.arrived, 40);
+  EXPECT_EQ(found.near_truth, 40);
 }
 
-// Two runs with few readings, which tell stiffness and damping: quick.
+// Two runs with few readings, from which stiffness and damping are identifiable: quick.
 Experiment small() {
   Experiment e = test::experiment("lift_experiment");
   e.unknowns.erase(e.unknowns.begin(), e.unknowns.begin() + 2);
@@ -68,7 +68,7 @@ TEST(MonteCarlo, DoesNotDependOnTheThreads) {
   const MonteCarlo shared = monte_carlo(problem, options);
   EXPECT_EQ(alone.trials, 6);
   EXPECT_EQ(alone.converged, shared.converged);
-  EXPECT_EQ(alone.misfit, shared.misfit);
+  EXPECT_EQ(alone.residual_over_noise, shared.residual_over_noise);
   EXPECT_EQ(alone.evaluations, shared.evaluations);
   for (std::size_t i = 0; i < alone.parameters.size(); ++i) {
     EXPECT_EQ(alone.parameters[i].bias, shared.parameters[i].bias);
@@ -76,10 +76,10 @@ TEST(MonteCarlo, DoesNotDependOnTheThreads) {
     EXPECT_EQ(alone.parameters[i].coverage, shared.parameters[i].coverage);
   }
   options.seed = 2;
-  EXPECT_NE(monte_carlo(problem, options).misfit, shared.misfit);
+  EXPECT_NE(monte_carlo(problem, options).residual_over_noise, shared.residual_over_noise);
 }
 
-TEST(MonteCarlo, KeepsWhatItHasWhenInterrupted) {
+TEST(MonteCarlo, KeepsFinishedTrialsWhenInterrupted) {
   const Experiment e = small();
   const FitProblem problem(e);
   std::atomic<bool> stop{false};
@@ -87,19 +87,19 @@ TEST(MonteCarlo, KeepsWhatItHasWhenInterrupted) {
   options.trials = 50;
   options.threads = 2;
   options.interrupt = &stop;
-  int told = 0;
+  int reported = 0;
   options.progress = [&](int done) {
-    EXPECT_EQ(done, ++told);
+    EXPECT_EQ(done, ++reported);
     if (done == 3) stop = true;
   };
   const MonteCarlo found = monte_carlo(problem, options);
   EXPECT_TRUE(found.interrupted);
   EXPECT_GE(found.trials, 3);
   EXPECT_LT(found.trials, 50);
-  EXPECT_EQ(found.trials, told);
+  EXPECT_EQ(found.trials, reported);
 }
 
-TEST(MonteCarlo, RefusesMeasuredRuns) {
+TEST(MonteCarlo, DoesNotAcceptMeasuredRuns) {
   Experiment e = small();
   e.runs[1].data = "swing.csv";
   e.runs[1].line = 31;

@@ -186,7 +186,7 @@ TEST(ReadExperiment, RefusesSensors) {
   EXPECT_EQ(refused_sensor("force = \"wrap\"\n"),
             third + "force: expected the name of a line spring, found \"wrap\"; known here: coil");
   EXPECT_EQ(refused_sensor("rate = true\nforce = \"coil\"\n"),
-            third + "rate: expected the rate of a position or angle; that of a force is not known");
+            third + "rate: expected the rate of a position or angle; the rate of a force is not available");
   EXPECT_EQ(refused_sensor("rate = \"yes\"\nangle = \"rod\"\n"),
             third + "rate: expected true or false, without quotes");
   EXPECT_EQ(refused_sensor("noise = 0\nangle = \"rod\"\n"), third + "noise: expected a finite number > 0, found 0");
@@ -210,8 +210,8 @@ TEST(ReadExperiment, RefusesUnknowns) {
   for (const std::string guess : {"start.crank", "start.rail"}) {
     EXPECT_EQ(refused_unknown("path = \"" + guess + "\"\n"),
               seventh +
-                  "path: expected a number that the motion depends on; start values of a run are unknown by "
-                  "themselves");
+                  "path: expected a number that the motion depends on; start values of a run are estimated "
+                  "unless start_known = true");
   }
   const std::string eighth = "experiment.toml:8: unknown 1.";
   EXPECT_EQ(refused_unknown(path + "from = 1\n"),
@@ -249,11 +249,10 @@ TEST(ReadExperiment, RefusesUnknownsThatARunContradicts) {
   EXPECT_EQ(refusal(unknown + run + "set = { \"body.block.mass\" = 3 }\n"),
             "experiment.toml:6: unknown \"m\".path: expected a number that no run sets, run \"run 1\" does in line 12; "
             "take it out of one");
-  EXPECT_EQ(
-      refusal(header + sensor + "[[unknown]]\npath = \"spring.coil.free_length\"\n" + run +
-              "rest = { angle = \"crank\", at = 3, by = \"spring.coil.free_length\" }\n"),
-      "experiment.toml:6: unknown \"spring.coil.free_length\".path: expected a number that follows from no rest "
-      "pose, but by that of run \"run 1\" in line 11 it does; take it out, what the rest leaves unknown is found");
+  EXPECT_EQ(refusal(header + sensor + "[[unknown]]\npath = \"spring.coil.free_length\"\n" + run +
+                    "rest = { angle = \"crank\", at = 3, by = \"spring.coil.free_length\" }\n"),
+            "experiment.toml:6: unknown \"spring.coil.free_length\".path: expected a number that no equilibrium "
+            "pose sets, rest of run \"run 1\" sets it in line 11; take one of the two out");
 }
 
 TEST(ReadExperiment, ReadsTheExampleOfItsPage) {

@@ -52,12 +52,12 @@ TEST(ReadRuns, ReadsSimulatedRunsInSi) {
   EXPECT_EQ(runs[0].changes[1].line, 10);
   using Label = std::pair<std::string, std::string>;
   EXPECT_EQ(runs[0].labels, (std::vector<Label>{{"load", "none"}, {"place", "low"}}));
-  ASSERT_TRUE(runs[0].rest);
-  EXPECT_EQ(runs[0].rest->body, 1);
-  EXPECT_EQ(runs[0].rest->joint, -1);
-  EXPECT_DOUBLE_EQ(runs[0].rest->at, 30 * degree);
-  EXPECT_EQ(runs[0].rest->by, "spring.coil.free_length");
-  EXPECT_TRUE(runs[0].rest->unknown);
+  ASSERT_TRUE(runs[0].equilibrium);
+  EXPECT_EQ(runs[0].equilibrium->body, 1);
+  EXPECT_EQ(runs[0].equilibrium->joint, -1);
+  EXPECT_DOUBLE_EQ(runs[0].equilibrium->at, 30 * degree);
+  EXPECT_EQ(runs[0].equilibrium->by, "spring.coil.free_length");
+  EXPECT_TRUE(runs[0].equilibrium->unknown);
   ASSERT_EQ(runs[0].release.size(), 3u);
   EXPECT_EQ(runs[0].release[0].body, 1);
   EXPECT_EQ(runs[0].release[0].joint, -1);
@@ -70,9 +70,9 @@ TEST(ReadRuns, ReadsSimulatedRunsInSi) {
   EXPECT_DOUBLE_EQ(runs[0].release[2].value, -10 * degree);
   EXPECT_TRUE(runs[0].unknown_start);
   EXPECT_EQ(runs[1].name, "other");
-  EXPECT_EQ(runs[1].rest->joint, 3);
-  EXPECT_DOUBLE_EQ(runs[1].rest->at, 0.38);
-  EXPECT_FALSE(runs[1].rest->unknown);
+  EXPECT_EQ(runs[1].equilibrium->joint, 3);
+  EXPECT_DOUBLE_EQ(runs[1].equilibrium->at, 0.38);
+  EXPECT_FALSE(runs[1].equilibrium->unknown);
   EXPECT_FALSE(runs[1].unknown_start);
 }
 
@@ -214,7 +214,7 @@ TEST(ReadRuns, RefusesMeasuredRuns) {
   EXPECT_EQ(refused_run(data + "split = \"\"\n", good),
             "experiment.toml:8: run 1.split: expected the name of a column");
   EXPECT_EQ(refused_run(data + "segments = [\"x\"]\n", good),
-            "experiment.toml:8: run 1.segments: expected the key split as well, the column that tells the segments");
+            "experiment.toml:8: run 1.segments: expected the key split as well, the column that names the segments");
   const std::string split = data + "time = \"t\"\nsplit = \"part\"\n";
   EXPECT_EQ(refused_run(split + "segments = []\n", segments),
             "experiment.toml:10: run 1.segments: expected a segment; leave the key out for all");
@@ -237,8 +237,8 @@ TEST(ReadRuns, RefusesMeasuredRuns) {
   EXPECT_EQ(refused_run(data, "time,a\n0,1\n1,\n2,3\n"),
             "data.csv:3: a: expected a value, found a gap; fill it or leave the row out");
   EXPECT_EQ(refused_run(data, "time,a\n0,1\n2,3\n1,2\n"),
-            "data.csv:4: time: expected a time after that of the row before; sort the rows, or part the file by a "
-            "column that tells its segments");
+            "data.csv:4: time: expected a time after that of the row before; sort the rows, or split the file by the "
+            "column that names its segments");
 }
 
 }  // namespace

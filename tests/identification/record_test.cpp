@@ -16,7 +16,7 @@ namespace {
 using app_tests::TempFolder;
 using Numbers = std::vector<double>;
 
-/// What read_csv says about a file of this text, without the folder; empty when it takes it.
+/// Message of read_csv about a file of this text, without the folder; empty where it reads it.
 std::string refusal(const std::string& text, const std::vector<std::string>& columns,
                     const std::vector<std::string>& words = {}) {
   const TempFolder folder;
@@ -169,7 +169,7 @@ TEST(CsvParts, StandTogether) {
 TEST(CsvTimes, Ascend) {
   const CsvTable table = table_of("t\n0\n1\n2\n2\n3\n1\n5\n6\n", {"t"});
   const std::string expected =
-      "expected a time after that of the row before; sort the rows, or part the file by a column that tells its "
+      "expected a time after that of the row before; sort the rows, or split the file by the column that names its "
       "segments";
   EXPECT_EQ(message_of([&] { check_times(table, "t", 0, 8); }), "data.csv:5: t: " + expected);
   EXPECT_EQ(message_of([&] { check_times(table, "t", 3, 8); }), "data.csv:7: t: " + expected);

@@ -1,4 +1,4 @@
-// Predictions of runs and their Jacobians, the poses they rest at, and their small swings.
+// Predictions of runs and their Jacobians, their equilibrium poses, and their small oscillations.
 
 #include "identification/run_model.hpp"
 
@@ -113,7 +113,7 @@ TEST(RunModel, JacobianByEveryKindOfNumberAndTheStart) {
   expect_jacobian(run, 1e-4, 1e-4, 1e-7);
 }
 
-// The rest pose is held by a free length: every unknown moves that length, too, and so does the rest pose.
+// A free length follows from the equilibrium pose: its derivatives by every unknown and by the pose enter, too.
 TEST(RunModel, JacobianOfARunThatRests) {
   Experiment e = test::experiment("lift_experiment");
   e.unknowns.push_back(test::unknown("body.platform.center.y"));
@@ -129,12 +129,12 @@ TEST(RunModel, JacobianOfARunThatRests) {
   }
 }
 
-// A rest that is known, and a start that is known, leave no nuisances, and the unknowns still move the free length.
+// A known equilibrium and a known start leave no nuisances; the free length still depends on the unknowns.
 TEST(RunModel, JacobianWhereRestAndStartAreKnown) {
   Experiment e = test::experiment("lift_experiment");
   e.runs.resize(1);
   e.runs[0].sample_rate = 100;
-  e.runs[0].rest->unknown = false;
+  e.runs[0].equilibrium->unknown = false;
   e.runs[0].unknown_start = false;
   const FitProblem problem(e);
   EXPECT_EQ(problem.run(0).nuisances(), 0);
@@ -167,7 +167,7 @@ TEST(RunModel, JacobianOfADoublePendulumWithDryFriction) {
   expect_jacobian(problem.run(0), 6e-4, 3e-5, 4e-6);
 }
 
-// Released at rest the lift stays there, whatever is unknown.
+// Released in equilibrium the lift stays there, whatever is unknown.
 TEST(RunModel, RestsWhereItIsToRest) {
   Experiment e = test::experiment("lift_experiment");
   for (poise::Run& run : e.runs) run.release.clear();
@@ -177,9 +177,9 @@ TEST(RunModel, RestsWhereItIsToRest) {
     std::vector<double> unknowns = run.scene_values();
     unknowns[0] += 13.0;
     unknowns[2] *= 0.7;
-    const double rest = e.runs[r].rest->at + 0.01;
-    const Prediction there = predict(run, unknowns, {rest, rest, 0.0}, 1e-10, false);
-    for (const double reading : there.reading) ASSERT_NEAR(reading, rest, 1e-9) << e.runs[r].name;
+    const double equilibrium = e.runs[r].equilibrium->at + 0.01;
+    const Prediction there = predict(run, unknowns, {equilibrium, equilibrium, 0.0}, 1e-10, false);
+    for (const double reading : there.reading) ASSERT_NEAR(reading, equilibrium, 1e-9) << e.runs[r].name;
   }
 }
 
@@ -193,13 +193,14 @@ TEST(RunModel, SaysThatItCannotRestThere) {
     Prediction out;
     run.predict(unknowns.data(), nuisances.data(), run.times().size(), 1e-8, jacobian, out);
     EXPECT_FALSE(out.ok);
-    EXPECT_NE(out.why.find("rest"), std::string::npos) << out.why;
+    EXPECT_NE(out.why.find("equilibrium pose"), std::string::npos) << out.why;
   }
   EXPECT_FALSE(run.move(unknowns.data(), nuisances.data(), 1.0, 1e-8, false).completed());
   EXPECT_EQ(run.oscillator(unknowns.data(), -2.0).mass, 0.0);
 }
 
-// Inertia, stiffness and damping of small swings per square of obd's angle, against figures computed apart from Poise.
+// Inertia, stiffness and damping of small oscillations per square of obd's angle, against figures computed apart from
+// Poise.
 TEST(RunModel, OscillatorOfTheLift) {
   const nlohmann::json facts = test::read_json(test::dataset("lift_dynamics.json"));
   int compared = 0;
@@ -207,24 +208,24 @@ TEST(RunModel, OscillatorOfTheLift) {
     Experiment e = test::experiment("lift_experiment");
     e.runs.resize(1);
     e.runs[0].changes[0].value = entry.at("payload");
-    e.runs[0].rest->at = entry.at("q");
+    e.runs[0].equilibrium->at = entry.at("q");
     const FitProblem problem(e);
     const RunModel& run = problem.run(0);
-    const RunModel::Oscillator o = run.oscillator(run.scene_values().data(), run.rest_at());
-    ASSERT_NE(o.rest_by_z, 0.0);
-    const double square = o.rest_by_z * o.rest_by_z;
+    const RunModel::Oscillator o = run.oscillator(run.scene_values().data(), run.equilibrium_at());
+    ASSERT_NE(o.equilibrium_by_z, 0.0);
+    const double square = o.equilibrium_by_z * o.equilibrium_by_z;
     const double M = entry.at("M"), V2 = entry.at("V2"), l_q = entry.at("dl_dq");
     EXPECT_NEAR(o.mass / square / M, 1.0, 1e-10);
     EXPECT_NEAR(o.stiffness / square / V2, 1.0, 1e-6);
     EXPECT_NEAR(o.damping / square / (4000 * l_q * l_q), 1.0, 1e-10);
-    EXPECT_NEAR(o.reading, e.runs[0].rest->at, 1e-12);
-    EXPECT_NEAR(o.reading_by_z, o.rest_by_z, 1e-12);
+    EXPECT_NEAR(o.reading, e.runs[0].equilibrium->at, 1e-12);
+    EXPECT_NEAR(o.reading_by_z, o.equilibrium_by_z, 1e-12);
     ++compared;
   }
   EXPECT_EQ(compared, 15);
 }
 
-// The start that the first readings tell: value and slope of a parabola through 15 ms of a swing.
+// The start from the first readings: value and slope of a parabola through 15 ms of the motion.
 TEST(RunModel, StartsFromReadings) {
   Experiment e;
   e.scene = read_scene(test::dataset("double_pendulum.toml"));
@@ -236,9 +237,9 @@ TEST(RunModel, StartsFromReadings) {
   e.runs.push_back(test::simulated(1000, 200, {turn}));
   const FitProblem problem(e);
   const std::vector<double> truth = problem.run(0).released();
-  const std::vector<double> told = problem.run(0).start_from_readings(problem.ideal_record(0));
-  ASSERT_EQ(told.size(), truth.size());
-  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_NEAR(told[i], truth[i], i < 2 ? 2e-5 : 1e-2);
+  const std::vector<double> found = problem.run(0).start_from_readings(problem.ideal_record(0));
+  ASSERT_EQ(found.size(), truth.size());
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], truth[i], i < 2 ? 2e-5 : 1e-2);
 }
 
 }  // namespace

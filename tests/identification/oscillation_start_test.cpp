@@ -1,4 +1,4 @@
-#include "identification/swing_start.hpp"
+#include "identification/oscillation_start.hpp"
 
 #include <cmath>
 #include <random>
@@ -12,7 +12,7 @@
 namespace poise {
 namespace {
 
-// What start_from_swings takes for a pure swing leaves less than this part of it over.
+// Largest relative residual of a record that start_from_oscillations accepts.
 constexpr double pure = 0.1;
 
 std::vector<double> times(int count, double rate) {
@@ -28,15 +28,16 @@ std::vector<double> readings(const std::vector<double>& t, F f) {
   return y;
 }
 
-TEST(FitSwing, RecoversADampedSine) {
+TEST(FitDampedSine, RecoversADampedSine) {
   const auto t = times(2000, 1000);
-  for (const Swing& truth : {Swing{0.37, 0.005, 0.0, 1.15, 33.9, 0.0}, Swing{-2.0, 0.3, -0.8, 0.02, 5.7, 0.0},
-                             Swing{0.0, -0.01, 0.02, 6.0, 50.0, 0.0}}) {
+  for (const DampedSine& truth :
+       {DampedSine{0.37, 0.005, 0.0, 1.15, 33.9, 0.0}, DampedSine{-2.0, 0.3, -0.8, 0.02, 5.7, 0.0},
+        DampedSine{0.0, -0.01, 0.02, 6.0, 50.0, 0.0}}) {
     const auto y = readings(t, [&](double at) {
       return truth.offset + std::exp(-truth.decay * at) *
                                 (truth.a * std::cos(truth.omega * at) + truth.b * std::sin(truth.omega * at));
     });
-    const auto found = fit_swing(t, y);
+    const auto found = fit_damped_sine(t, y);
     ASSERT_TRUE(found);
     const double size = std::hypot(truth.a, truth.b);
     EXPECT_NEAR(found->offset, truth.offset, 1e-8 * size);
@@ -44,29 +45,29 @@ TEST(FitSwing, RecoversADampedSine) {
     EXPECT_NEAR(found->b, truth.b, 1e-8 * size);
     EXPECT_NEAR(found->decay, truth.decay, 1e-8 * truth.omega);
     EXPECT_NEAR(found->omega, truth.omega, 1e-8 * truth.omega);
-    EXPECT_LT(found->misfit, 1e-7);
+    EXPECT_LT(found->relative_residual, 1e-7);
   }
 }
 
-// Noise of a fifth of the swing is what the misfit then says.
-TEST(FitSwing, SaysWhatItLeaves) {
+// Noise of a fifth of the amplitude gives that relative residual.
+TEST(FitDampedSine, SaysWhatItLeaves) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> noise(0.0, 0.2 / std::sqrt(2.0));
   const auto t = times(2000, 1000);
   const auto y = readings(t, [&](double at) { return std::cos(20 * at) + noise(random); });
-  const auto found = fit_swing(t, y);
+  const auto found = fit_damped_sine(t, y);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->omega, 20.0, 0.02);
-  EXPECT_NEAR(found->misfit, 0.2, 0.02);
+  EXPECT_NEAR(found->relative_residual, 0.2, 0.02);
 }
 
-TEST(FitSwing, TakesNothingElseForASwing) {
+TEST(FitDampedSine, TakesNothingElseForASwing) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise;
   const auto t = times(2000, 1000);
   const auto pure_swing = [&](const std::vector<double>& y) {
-    const auto found = fit_swing(t, y);
-    return found && found->misfit < pure;
+    const auto found = fit_damped_sine(t, y);
+    return found && found->relative_residual < pure;
   };
   EXPECT_TRUE(pure_swing(readings(t, [](double at) { return std::sin(30 * at); })));
   EXPECT_FALSE(pure_swing(readings(t, [](double) { return 0.3; })));
@@ -74,15 +75,15 @@ TEST(FitSwing, TakesNothingElseForASwing) {
   EXPECT_FALSE(pure_swing(readings(t, [](double at) { return std::exp(-3 * at); })));
   EXPECT_FALSE(pure_swing(readings(t, [&](double) { return noise(random); })));
   EXPECT_FALSE(pure_swing(readings(t, [](double at) { return std::sin(20 * at + 15 * at * at); })));
-  EXPECT_FALSE(fit_swing(t, readings(t, [](double at) { return std::sin(2 * at); })));  // 0.6 periods
+  EXPECT_FALSE(fit_damped_sine(t, readings(t, [](double at) { return std::sin(2 * at); })));  // 0.6 periods
 }
 
-// No start is needed: what the dozen swings of the lift say by linear least squares is near already. The inertia of
-// the crank is what they tell worst, 1.2 % at best.
-TEST(StartFromSwings, LiftComesOutNearTheTruth) {
+// No start is needed: linear least squares of the lift's dozen oscillations is already near. The inertia of the crank
+// is the least certain, with a bound of 1.2 %.
+TEST(StartFromOscillations, LiftComesOutNearTheTruth) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
-  const auto start = start_from_swings(problem, problem.records());
+  const auto start = start_from_oscillations(problem, problem.records());
   ASSERT_TRUE(start);
   const std::vector<double> truth = problem.truths();
   const double within[] = {0.02, 0.15, 0.01, 0.02};
@@ -99,17 +100,17 @@ TEST(StartFromSwings, LiftComesOutNearTheTruth) {
 }
 
 // The linear equations do not ask where the experiment's own starts are.
-TEST(StartFromSwings, DoesNotDependOnTheStarts) {
+TEST(StartFromOscillations, DoesNotDependOnTheStarts) {
   Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
-  const auto one = start_from_swings(problem, records);
+  const auto one = start_from_oscillations(problem, records);
   e.unknowns[0].start = 200.0;
   e.unknowns[1].start = 3.0;
   e.unknowns[2].start = 5e5;
   e.unknowns[3].start = 20.0;
   const FitProblem moved(e);
-  const auto other = start_from_swings(moved, records);
+  const auto other = start_from_oscillations(moved, records);
   ASSERT_TRUE(one && other);
   for (std::size_t i = 0; i < one->parameters.size(); ++i) {
     const double includes = e.unknowns[i].includes;
@@ -117,25 +118,25 @@ TEST(StartFromSwings, DoesNotDependOnTheStarts) {
   }
 }
 
-TEST(StartFromSwings, IsNoneForOtherExperiments) {
+TEST(StartFromOscillations, IsNoneForOtherExperiments) {
   Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   std::vector<Record> records = problem.records();
-  // One record that does not swing.
+  // One record without oscillations.
   for (double& reading : records[2].reading[0]) reading = 0.37;
-  EXPECT_FALSE(start_from_swings(problem, records));
+  EXPECT_FALSE(start_from_oscillations(problem, records));
   // A number in which the equations are not linear.
   e.unknowns.push_back(test::unknown("body.platform.center.x"));
   const FitProblem curved(e);
-  EXPECT_FALSE(start_from_swings(curved, curved.records()));
-  // More than one freedom, and nothing that sets a rest.
+  EXPECT_FALSE(start_from_oscillations(curved, curved.records()));
+  // More than one degree of freedom, and no equilibrium pose.
   Experiment free;
   free.scene = read_scene(test::dataset("double_pendulum.toml"));
   free.sensors = {test::angle_of(free.scene, "arm1", 1e-3)};
   free.unknowns = {test::unknown("body.arm1.inertia")};
   free.runs = {test::simulated(100, 500)};
   const FitProblem pendulum(free);
-  EXPECT_FALSE(start_from_swings(pendulum, pendulum.records()));
+  EXPECT_FALSE(start_from_oscillations(pendulum, pendulum.records()));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "identification/swing_start.hpp"
+#include "identification/oscillation_start.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@
 namespace poise {
 namespace {
 
-/// A swing is taken for a damped sine where less than this part of it is left over.
+/// A record is taken for a damped sine where the relative residual is below this.
 constexpr double pure_below = 0.1;
 
-struct DampedSine {
+struct DampedSineResidual {
   const std::vector<double>& time;
   const std::vector<double>& reading;
 
@@ -39,22 +39,22 @@ double mean_square(const std::vector<double>& y, double mean, std::size_t first,
 
 }  // namespace
 
-std::optional<Swing> fit_swing(const std::vector<double>& time, const std::vector<double>& reading) {
+std::optional<DampedSine> fit_damped_sine(const std::vector<double>& time, const std::vector<double>& reading) {
   const std::size_t n = time.size();
   if (n < 12) return std::nullopt;
   double mean = 0.0;
   for (const double y : reading) mean += y / static_cast<double>(n);
-  const double swing = std::sqrt(mean_square(reading, mean, 0, n));
-  if (!(swing > 0)) return std::nullopt;
-  // Crossings of the mean count only after the reading was well off it, so that noise makes none.
+  const double amplitude = std::sqrt(mean_square(reading, mean, 0, n));
+  if (!(amplitude > 0)) return std::nullopt;
+  // Crossings of the mean count only after the reading was well away from it, so that noise causes none.
   int crossings = 0;
   int side = 0;
   double first = 0.0;
   double last = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double off = reading[i] - mean;
-    if (std::abs(off) < 0.3 * swing) continue;
-    const int now = off > 0 ? 1 : -1;
+    const double distance = reading[i] - mean;
+    if (std::abs(distance) < 0.3 * amplitude) continue;
+    const int now = distance > 0 ? 1 : -1;
     if (side != 0 && now != side) {
       if (crossings++ == 0) first = time[i];
       last = time[i];
@@ -68,8 +68,8 @@ std::optional<Swing> fit_swing(const std::vector<double>& time, const std::vecto
   double p[5] = {mean, reading.front() - mean, 0.0, std::max(0.0, std::log(early / late) / span),
                  std::numbers::pi * (crossings - 1) / (last - first)};
   ceres::Problem problem;
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<DampedSine, ceres::DYNAMIC, 5>(new DampedSine{time, reading},
-                                                                                          static_cast<int>(n)),
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<DampedSineResidual, ceres::DYNAMIC, 5>(
+                               new DampedSineResidual{time, reading}, static_cast<int>(n)),
                            nullptr, p);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
@@ -77,59 +77,60 @@ std::optional<Swing> fit_swing(const std::vector<double>& time, const std::vecto
   options.max_num_iterations = 40;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  Swing out{p[0], p[1], p[2], p[3], p[4], std::sqrt(2 * summary.final_cost / static_cast<double>(n)) / swing};
-  if (!summary.IsSolutionUsable() || !std::isfinite(out.misfit) || !(out.omega > 0)) return std::nullopt;
+  DampedSine out{p[0], p[1], p[2], p[3], p[4], std::sqrt(2 * summary.final_cost / static_cast<double>(n)) / amplitude};
+  if (!summary.IsSolutionUsable() || !std::isfinite(out.relative_residual) || !(out.omega > 0)) return std::nullopt;
   return out;
 }
 
-std::optional<SwingStart> start_from_swings(const FitProblem& problem, const std::vector<Record>& records) {
+std::optional<OscillationStart> start_from_oscillations(const FitProblem& problem, const std::vector<Record>& records) {
   const auto count = static_cast<Eigen::Index>(problem.parameters().size());
   for (Eigen::Index i = 0; i < count; ++i) {
     if (!problem.number(static_cast<int>(i)).scales_with_force()) return std::nullopt;
   }
   const Sensor& sensor = problem.experiment().sensors.front();
   if (sensor.rate || sensor.reads_force()) return std::nullopt;
-  SwingStart out;
+  OscillationStart out;
   out.parameters = problem.starts();
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(problem.runs()), count);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(A.rows());
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
-    if (run.freedoms() != 1 || !run.has_rest() || !run.start_is_unknown()) return std::nullopt;
-    const std::optional<Swing> swing = fit_swing(records[r].time, records[r].reading[0]);
-    // Noise alone may be a large part of a small swing.
-    if (!swing || swing->misfit > pure_below + 2 * sensor.noise / std::hypot(swing->a, swing->b)) return std::nullopt;
+    if (run.freedoms() != 1 || !run.has_equilibrium() || !run.start_is_unknown()) return std::nullopt;
+    const std::optional<DampedSine> sine = fit_damped_sine(records[r].time, records[r].reading[0]);
+    // Noise alone may be a large part of a small oscillation.
+    if (!sine || sine->relative_residual > pure_below + 2 * sensor.noise / std::hypot(sine->a, sine->b))
+      return std::nullopt;
     std::vector<double> unknowns;
     for (const int p : problem.parameters_of(r)) unknowns.push_back(out.parameters[static_cast<std::size_t>(p)]);
-    RunModel::Oscillator at = run.oscillator(unknowns.data(), run.rest_at());
+    RunModel::Oscillator at = run.oscillator(unknowns.data(), run.equilibrium_at());
     if (!(at.mass > 0) || at.reading_by_z == 0) return std::nullopt;
-    double rest = run.rest_at();
-    if (run.rest_is_unknown()) {
-      // Where the swing is centred, in the sensor's reading, is where it rests.
-      rest += (swing->offset - at.reading) / at.reading_by_z * at.rest_by_z;
-      at = run.oscillator(unknowns.data(), rest);
+    double equilibrium = run.equilibrium_at();
+    if (run.equilibrium_is_unknown()) {
+      // The equilibrium is where the oscillation is centred, in the sensor's reading.
+      equilibrium += (sine->offset - at.reading) / at.reading_by_z * at.equilibrium_by_z;
+      at = run.oscillator(unknowns.data(), equilibrium);
       if (!(at.mass > 0)) return std::nullopt;
     }
     std::vector<double> nuisances;
-    if (run.rest_is_unknown()) nuisances.push_back(rest);
-    nuisances.push_back(at.z + (swing->offset + swing->a - at.reading) / at.reading_by_z);
-    nuisances.push_back((swing->omega * swing->b - swing->decay * swing->a) / at.reading_by_z);
+    if (run.equilibrium_is_unknown()) nuisances.push_back(equilibrium);
+    nuisances.push_back(at.z + (sine->offset + sine->a - at.reading) / at.reading_by_z);
+    nuisances.push_back((sine->omega * sine->b - sine->decay * sine->a) / at.reading_by_z);
     out.nuisances.push_back(std::move(nuisances));
 
-    const double omega2 = swing->omega * swing->omega + swing->decay * swing->decay;
+    const double omega2 = sine->omega * sine->omega + sine->decay * sine->decay;
     const double weight = 1.0 / (omega2 * at.mass);
-    const double damping_weight = 1.0 / (swing->omega * at.mass);
+    const double damping_weight = 1.0 / (sine->omega * at.mass);
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(r);
     b[row] = -weight * (omega2 * at.mass - at.stiffness);
-    b[row + 1] = -damping_weight * (2 * swing->decay * at.mass - at.damping);
+    b[row + 1] = -damping_weight * (2 * sine->decay * at.mass - at.damping);
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
       const int p = problem.parameters_of(r)[i];
       const double step = problem.parameters()[static_cast<std::size_t>(p)].scale;
       std::vector<double> moved = unknowns;
       moved[i] += step;
-      const RunModel::Oscillator there = run.oscillator(moved.data(), rest);
+      const RunModel::Oscillator there = run.oscillator(moved.data(), equilibrium);
       A(row, p) = weight * (omega2 * (there.mass - at.mass) - (there.stiffness - at.stiffness));
-      A(row + 1, p) = damping_weight * (2 * swing->decay * (there.mass - at.mass) - (there.damping - at.damping));
+      A(row + 1, p) = damping_weight * (2 * sine->decay * (there.mass - at.mass) - (there.damping - at.damping));
     }
   }
   const Eigen::VectorXd change = solvers::minimum_norm_solution(A, b);
