@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "app/csv_file.hpp"
-#include "app/experiment_units.hpp"
 #include "app/identifiability_json.hpp"
 #include "app/json_parts.hpp"
+#include "app/quantity.hpp"
 #include "app/report/experiment_parts.hpp"
 #include "identification/residuals.hpp"
 
@@ -20,11 +20,12 @@ constexpr std::size_t most_runs_drawn = 4;
 constexpr std::size_t most_parameters_drawn = 8;
 
 std::vector<double> shown(std::vector<double> si, const Sensor& sensor, const Units& units) {
-  return in_unit(std::move(si), quantity_of(sensor), units);
+  for (double& value : si) value /= sensor.dimension().unit(units);
+  return si;
 }
 
 std::string axis(const std::string& what, const Sensor& sensor, const Units& units) {
-  return fmt::format("{} ({})", what, unit_name(sensor, units));
+  return fmt::format("{} ({})", what, sensor.dimension().unit_name(units));
 }
 
 Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size_t r, std::size_t k) {
@@ -53,7 +54,7 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const s
          .y = shown(residuals_of(problem, answer.fit, answer.records, worst[i]).residual[k], sensor, units),
          .style = answer.fit.runs[worst[i]].white ? Curve::Style::points : Curve::Style::line});
   }
-  const double two = 2 * in_unit(sensor.noise, sensor, units);
+  const double two = 2 * sensor.noise / sensor.dimension().unit(units);
   panel.bands = {{.low = -two, .high = two, .name = "2 deviations of the noise"}};
   return panel;
 }
@@ -108,7 +109,7 @@ Json json_estimates(const FitProblem& problem, const FitAnswer& answer) {
 Json json_rms(const std::vector<double>& rms, const Experiment& experiment) {
   Json out = Json::array();
   for (std::size_t k = 0; k < rms.size(); ++k) {
-    out.push_back(json_number(in_unit(rms[k], experiment.sensors[k], experiment.scene.units)));
+    out.push_back(json_number(rms[k] / experiment.sensors[k].dimension().unit(experiment.scene.units)));
   }
   return out;
 }
@@ -119,10 +120,10 @@ Json json_runs(const FitProblem& problem, const Fit& fitted) {
   for (std::size_t r = 0; r < fitted.runs.size(); ++r) {
     const RunFit& run = fitted.runs[r];
     const std::vector<std::string> names = problem.run(r).nuisance_names();
-    const std::vector<Quantity> quantities = nuisance_quantities(problem.run(r));
+    const std::vector<Dimension> dimensions = problem.run(r).nuisance_dimensions();
     Json found = Json::object();
     for (std::size_t i = 0; i < run.nuisances.size(); ++i) {
-      found[names[i]] = json_number(in_unit(run.nuisances[i], quantities[i], units));
+      found[names[i]] = json_number(run.nuisances[i] / dimensions[i].unit(units));
     }
     Json lagged = Json::array();
     for (const double a : run.autocorrelation) lagged.push_back(json_number(a));
@@ -158,8 +159,8 @@ std::string fit_json(const FitProblem& problem, const FitAnswer& answer, const s
   out["sensors"] = Json::array();
   for (const Sensor& sensor : experiment.sensors) {
     out["sensors"].push_back({{"name", sensor.name},
-                              {"unit", unit_name(sensor, experiment.scene.units)},
-                              {"noise", json_number(in_unit(sensor.noise, sensor, experiment.scene.units))}});
+                              {"unit", sensor.dimension().unit_name(experiment.scene.units)},
+                              {"noise", json_number(sensor.noise / sensor.dimension().unit(experiment.scene.units))}});
   }
   out["rms"] = json_rms(fitted.rms, experiment);
   out["rms_from_first_readings"] =
@@ -186,7 +187,7 @@ std::string residuals_csv(const FitProblem& problem, const FitAnswer& answer) {
       for (std::size_t s = 0; s < record.time.size(); ++s) {
         const double values[] = {record.reading[k][s], residuals.prediction[k][s], residuals.residual[k][s]};
         for (std::size_t c = 0; c < 3; ++c) {
-          columns[1 + 3 * k + c].push_back(in_unit(values[c], experiment.sensors[k], experiment.scene.units));
+          columns[1 + 3 * k + c].push_back(values[c] / experiment.sensors[k].dimension().unit(experiment.scene.units));
         }
       }
     }

@@ -28,6 +28,11 @@ struct Sensor {
   int line = 0;
 
   bool reads_force() const { return element >= 0; }
+  /// Of a reading.
+  Dimension dimension() const {
+    const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();
+    return rate ? read * dimension::time.power(-1) : read;
+  }
 };
 
 /// A number of the scene that is to be estimated, by its path (see model/set_value): SI throughout.

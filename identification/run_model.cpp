@@ -95,6 +95,20 @@ std::vector<std::string> RunModel::nuisance_names() const {
   return names;
 }
 
+std::vector<Dimension> RunModel::nuisance_dimensions() const {
+  std::vector<Dimension> out;
+  if (equilibrium_unknown_) out.push_back(run_.equilibrium->body >= 0 ? dimension::angle : dimension::length);
+  if (!start_unknown_) return out;
+  const Layout layout = lay_out(scene_, Purpose::dynamics);
+  for (const int per_time : {0, -1}) {
+    for (const int i : independent_) {
+      const bool angle = layout.coordinates[static_cast<std::size_t>(i)].kind == Coordinate::Kind::angle;
+      out.push_back((angle ? dimension::angle : dimension::length) * dimension::time.power(per_time));
+    }
+  }
+  return out;
+}
+
 std::vector<double> RunModel::scene_values() const {
   std::vector<double> values;
   for (const SceneParameter& number : numbers_) values.push_back(number.get(scene_));

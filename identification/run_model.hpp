@@ -40,6 +40,7 @@ class RunModel {
   const Scene& scene() const { return scene_; }
   /// Names of the nuisances: "equilibrium", "start obd", "start rate obd".
   std::vector<std::string> nuisance_names() const;
+  std::vector<Dimension> nuisance_dimensions() const;
 
   /// Values of the scene as it is written, and nuisances as the run is released.
   std::vector<double> scene_values() const;

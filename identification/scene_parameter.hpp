@@ -18,6 +18,7 @@ class SceneParameter {
 
   const std::string& path() const { return path_; }
   const ParameterPlace& place() const { return place_; }
+  const Dimension& dimension() const { return dimension_; }
   /// SI value. set() checks no range: a lumped mass beside others may be negative.
   double get(const Scene& scene) const { return value_at(scene, place_).value_or(0.0); }
   /// A force of magnitude zero has no direction and is left unchanged.

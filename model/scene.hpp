@@ -170,8 +170,9 @@ struct Scene {
   static const std::array<Number, 2> numbers;
 };
 
-inline constexpr std::array<Number, 2> Scene::numbers{component_number<&Scene::gravity, 0>("x", dimension::length),
-                                                      component_number<&Scene::gravity, 1>("y", dimension::length)};
+inline constexpr std::array<Number, 2> Scene::numbers{
+    component_number<&Scene::gravity, 0>("x", dimension::acceleration),
+    component_number<&Scene::gravity, 1>("y", dimension::acceleration)};
 
 /// Reads a scene file (TOML; grammar in docs/scene-files.md), converts to SI and checks it.
 /// Throws InputError naming file, line, item, what was expected and the nearest valid name.

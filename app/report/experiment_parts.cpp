@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "app/experiment_units.hpp"
 #include "app/report/parts.hpp"
 #include "app/table.hpp"
 
@@ -64,7 +63,7 @@ std::string what_is_read(const FitProblem& problem) {
 std::vector<std::string> parameter_units(const FitProblem& problem) {
   std::vector<std::string> units;
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
-    units.push_back(unit_name(problem.unknown_of(i), problem.experiment().scene));
+    units.push_back(problem.number(static_cast<int>(i)).dimension().unit_name(problem.experiment().scene.units));
   }
   return units;
 }

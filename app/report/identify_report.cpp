@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "app/experiment_units.hpp"
 #include "app/report/experiment_parts.hpp"
 #include "app/report/parts.hpp"
 #include "app/table.hpp"
@@ -79,8 +78,9 @@ std::string rms_in_words(const std::vector<double>& rms, const Experiment& exper
   for (std::size_t k = 0; k < rms.size(); ++k) {
     const Sensor& sensor = experiment.sensors[k];
     text += fmt::format("{}{} {} {}", k > 0 ? ", " : "", sensor.name,
-                        significant(in_unit(rms[k], sensor, units), residual_digits), unit_name(sensor, units));
-    if (quantity_of(sensor) != Quantity::angle || sensor.rate) continue;
+                        significant(rms[k] / sensor.dimension().unit(units), residual_digits),
+                        sensor.dimension().unit_name(units));
+    if (sensor.reads_force() || !sensor.on.is_angle() || sensor.rate) continue;
     squares += rms[k] * rms[k];
     ++angles;
   }
@@ -171,9 +171,10 @@ std::string run_section(const FitProblem& problem, const Fit& fitted, const Pale
     lagged.push_back(run.rms.empty() ? "-" : fmt::format("{:+.3f}", largest));
     white.push_back({run.white ? "white" : "not white", run.white ? Tone::plain : Tone::doubtful});
     for (std::size_t k = 0; k < sensors; ++k) {
-      rms[k].push_back(run.rms.empty() ? "-"
-                                       : significant(in_unit(run.rms[k], experiment.sensors[k], experiment.scene.units),
-                                                     residual_digits));
+      rms[k].push_back(run.rms.empty()
+                           ? "-"
+                           : significant(run.rms[k] / experiment.sensors[k].dimension().unit(experiment.scene.units),
+                                         residual_digits));
     }
   }
   Table table;
@@ -181,7 +182,8 @@ std::string run_section(const FitProblem& problem, const Fit& fitted, const Pale
   table.add_number_column("over noise", over_noise);
   for (std::size_t k = 0; k < sensors; ++k) {
     const Sensor& sensor = experiment.sensors[k];
-    table.add_number_column(fmt::format("{} ({})", sensor.name, unit_name(sensor, experiment.scene.units)), rms[k]);
+    table.add_number_column(fmt::format("{} ({})", sensor.name, sensor.dimension().unit_name(experiment.scene.units)),
+                            rms[k]);
   }
   table.add_number_column("autocorrelation", lagged);
   table.add_text_column("", white);

@@ -31,7 +31,7 @@ struct Damper {
 };
 
 inline constexpr std::array<Number, 1> Damper::numbers = [] {
-  Number c = plain_number<&Damper::coefficient>("coefficient", {}, Range::not_negative);
+  Number c = plain_number<&Damper::coefficient>("coefficient", dimension::time, Range::not_negative);
   c.effort_power = 1;
   c.measure_power = -1;
   c.needed = Number::Needed::always;

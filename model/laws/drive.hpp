@@ -47,10 +47,10 @@ inline constexpr std::array<Number, 6> Drive::numbers = [] {
     return number;
   };
   return std::array{of_measure(optional_number<&Drive::start>("start", {})),
-                    of_measure(plain_number<&Drive::rate>("rate", {})),
-                    of_measure(plain_number<&Drive::acceleration>("acceleration", {})),
+                    of_measure(plain_number<&Drive::rate>("rate", dimension::time.power(-1))),
+                    of_measure(plain_number<&Drive::acceleration>("acceleration", dimension::time.power(-2))),
                     of_measure(plain_number<&Drive::amplitude>("amplitude", {})),
-                    plain_number<&Drive::frequency>("frequency", {}, Range::not_negative),
+                    plain_number<&Drive::frequency>("frequency", dimension::time.power(-1), Range::not_negative),
                     plain_number<&Drive::phase>("phase", dimension::angle)};
 }();
 

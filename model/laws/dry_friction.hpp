@@ -43,7 +43,7 @@ inline constexpr std::array<Number, 2> DryFriction::numbers = [] {
   F.angle_key = "torque";
   F.effort_power = 1;
   F.needed = Number::Needed::always;
-  Number w = plain_number<&DryFriction::width>("width", {}, Range::positive);
+  Number w = plain_number<&DryFriction::width>("width", dimension::time.power(-1), Range::positive);
   w.measure_power = 1;
   return std::array{F, w};
 }();

@@ -181,6 +181,29 @@ TEST(Dimension, IsTheUnitOfItsName) {
   EXPECT_DOUBLE_EQ((dimension::torque * dimension::angle.power(-1)).unit(units), pound_force * inch / degree);
 }
 
+TEST(Dimension, NamesItsUnit) {
+  const Units units{"mm", "kN", "g", "deg", 1e-3, 1e3, 1e-3, degree};
+  EXPECT_EQ(dimension::none.unit_name(units), "");
+  EXPECT_EQ(dimension::inertia.unit_name(units), "g mm²");
+  EXPECT_EQ(dimension::acceleration.unit_name(units), "mm/s²");
+  EXPECT_EQ(dimension::time.power(-1).unit_name(units), "1/s");
+  EXPECT_EQ((dimension::torque * dimension::angle.power(-3)).unit_name(units), "kN mm/deg³");
+  const Scene scene = everything();
+  const auto name = [&](std::string_view path) { return parameter(scene, path).dimension.unit_name(units); };
+  const auto ends = [&](std::string_view table, std::string_view number) {
+    for (const ParameterRow& row : parameter_table(scene)) {
+      if (row.path.parts[0] == table && row.path.parts[3] == number) return row.dimension.unit_name(units);
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(name("gravity.x"), "mm/s²");
+  EXPECT_EQ(ends("spring", "stiffness"), "kN/mm");
+  EXPECT_EQ(ends("torsion_spring", "stiffness"), "kN mm/deg");
+  EXPECT_EQ(ends("damper", "coefficient"), "kN s/mm");
+  EXPECT_EQ(ends("torsion_damper", "coefficient"), "kN mm s/deg");
+  EXPECT_EQ(ends("friction", "width"), "deg/s");
+}
+
 TEST(Dimension, IsMeasuredInScales) {
   const Scales scales{4.0, 256.0};
   EXPECT_EQ(dimension::angle.per_scale(scales), 1.0);
