@@ -11,7 +11,6 @@ void add_experiment_options(Command& command, ExperimentRequest& request) {
   command.add({"--data", &request.data, "FILE",
                "Read this CSV file in place of the one that the experiment's\nruns name (all the same)"});
   add_settings(command, request.common);
-  command.add({"--json", &request.common.json, "FILE", "Write the result to FILE as JSON"});
 }
 
 Experiment load_experiment(const ExperimentRequest& request) {
@@ -20,7 +19,7 @@ Experiment load_experiment(const ExperimentRequest& request) {
       read_experiment(request.common.scene, {.data = request.data, .settings = request.common.settings});
   if (experiment.unknowns.empty()) {
     throw InputError(experiment.file +
-                     ": nothing is asked; expected at least one [[unknown]] with a path, say \"body.arm.mass\"");
+                     ": it has no unknowns; expected at least one [[unknown]] with a path, say \"body.arm.mass\"");
   }
   return experiment;
 }

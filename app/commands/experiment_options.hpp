@@ -15,11 +15,10 @@ struct ExperimentRequest {
   std::string data;  ///< file that takes the place of the runs' own
 };
 
-/// What every command that reads an experiment takes: EXPERIMENT, --data, --set and --json. `request` must outlive the
-/// command.
+/// What every command that reads an experiment takes: EXPERIMENT, --data and --set. `request` must outlive the command.
 void add_experiment_options(Command& command, ExperimentRequest& request);
 
-/// Throws InputError, also where nothing is unknown.
+/// Throws InputError, also where the experiment has no unknowns.
 Experiment load_experiment(const ExperimentRequest& request);
 
 /// All files that an experiment was read from.

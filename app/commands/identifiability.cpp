@@ -3,8 +3,9 @@
 #include <memory>
 
 #include "app/commands/experiment_options.hpp"
+#include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/report/identifiability_report.hpp"
+#include "app/results/identification/identifiability.hpp"
 #include "identification/first_readings.hpp"
 
 namespace poise::app {
@@ -23,30 +24,29 @@ int run_identifiability(const IdentifiabilityRequest& request, const Palette& pa
   const FitProblem problem(experiment);
   OutputFiles files(common, files_read(experiment));
 
-  progress.now("looking at what the runs tell");
+  progress.now("computing the sensitivities of the runs");
   std::vector<std::vector<double>> nuisances;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     nuisances.push_back(first_guess(problem.run(r), experiment.records[r]));
   }
-  IdentifiabilityAnswer answer;
-  answer.known = assess(problem, problem.truths(), nuisances);
-  progress.now("looking for base parameters");
-  answer.base = base_parameters(problem.run(0).scene());
-  answer.list_base = request.base;
-  const std::string written =
-      files.write(files.wants_json() ? identifiability_json(problem, answer, common.settings) : "", "");
+  const Identifiability known = assess(problem, problem.truths(), nuisances);
+  progress.now("computing base parameters");
+  const BaseParameters base = base_parameters(problem.run(0).scene());
+  const Result result = identifiability_result(problem, known, base, request.base, common.settings);
+  const std::string written = files.write(result, "");
   progress.done();
-  print(identifiability_report(problem, answer, palette) + (written.empty() ? "" : "\n" + written));
-  return answer.known.ok ? solved : not_solved;
+  print(common, result, written, palette);
+  return known.ok ? solved : not_solved;
 }
 
 }  // namespace
 
 Command identifiability_command() {
   const auto request = std::make_shared<IdentifiabilityRequest>();
-  Command command{"identifiability", "Find which parameters are identifiable by an experiment, before any data"};
+  Command command{"identifiability", "Find which parameters an experiment determines, before any fit"};
   add_experiment_options(command, request->experiment);
   command.add({"--base", &request->base, "", "List the base parameters of the mechanism, too"});
+  add_output_options(command, request->experiment.common, {});
   command.run = [request](const Palette& palette) { return run_identifiability(*request, palette); };
   return command;
 }

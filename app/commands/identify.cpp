@@ -6,8 +6,9 @@
 #include "app/commands/experiment_options.hpp"
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
-#include "app/report/identify_report.hpp"
+#include "app/results/identification/charts.hpp"
+#include "app/results/identification/identify.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "identification/first_readings.hpp"
 
 namespace poise::app {
@@ -43,11 +44,12 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
 
   progress.now("writing the result");
   const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
-  const std::string written = files.write(files.wants_json() ? fit_json(problem, answer, common.settings) : "",
-                                          drawn ? draw_plot(fit_panels(problem, answer), plot_columns(experiment)) : "",
-                                          files.wants_csv() ? residuals_csv(problem, answer) : "");
+  Result result = identify_result(problem, answer, common.settings);
+  if (files.wants_csv()) add_readings(result, problem, answer);
+  const std::string written =
+      files.write(result, drawn ? draw_plot(fit_panels(problem, answer), fit_columns(experiment)) : "");
   progress.done();
-  print(identify_report(problem, answer, palette) + (written.empty() ? "" : "\n" + written));
+  print(common, result, written, palette);
   return answer.fit.usable() ? solved : not_solved;
 }
 
@@ -55,15 +57,14 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
 
 Command identify_command() {
   const auto request = std::make_shared<IdentifyRequest>();
-  Command command{"identify", "Estimate masses, inertias, stiffnesses and damping from records of motion"};
+  Command command{"identify", "Estimate masses, inertias, stiffnesses and damping from measured motions"};
   add_experiment_options(command, request->experiment);
   command.add({"--start", &request->start, "WHAT",
-               "auto: from damped sines where the records oscillate so, else from\nthe experiment's starts (the "
-               "default); given: from those always"});
-  command.add({"--csv", &request->experiment.common.csv, "FILE",
-               "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});
-  command.add({"--svg", &request->experiment.common.svg, "FILE",
-               "Draw the worst runs' readings, residuals and sensitivities into\nFILE"});
+               "auto: from damped sines where the records are such oscillations,\nelse from the experiment's starts "
+               "(the default); given: from those\nalways"});
+  add_output_options(command, request->experiment.common,
+                     {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",
+                      .csv = "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});
   command.run = [request](const Palette& palette) { return run_identify(*request, palette); };
   return command;
 }

@@ -10,8 +10,8 @@
 #include "app/commands/experiment_options.hpp"
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
-#include "app/report/monte_carlo_report.hpp"
+#include "app/results/identification/monte_carlo.hpp"
+#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -56,14 +56,14 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
   const FitProblem problem(experiment);
   OutputFiles files(common, files_read(experiment));
   options.interrupt = &watch_for_interrupt();
-  const auto tell = [&](int done) { progress.now(fmt::format("{} of {} trials", done, options.trials)); };
-  tell(0);
-  options.progress = tell;
+  const auto report = [&](int done) { progress.now(fmt::format("{} of {} trials", done, options.trials)); };
+  report(0);
+  options.progress = report;
   const MonteCarlo answer = monte_carlo(problem, options);
-  const std::string written =
-      files.write(files.wants_json() ? monte_carlo_json(problem, options, answer, common.settings) : "", "");
+  const Result result = monte_carlo_result(problem, options, answer, common.settings);
+  const std::string written = files.write(result, "");
   progress.done();
-  print(monte_carlo_report(problem, options, answer, palette) + (written.empty() ? "" : "\n" + written));
+  print(common, result, written, palette);
   return !answer.interrupted && answer.converged > 0 ? solved : not_solved;
 }
 
@@ -74,13 +74,14 @@ Command montecarlo_command() {
   Command command{"montecarlo", "Simulate and fit many times, to verify the standard errors of the estimates"};
   add_experiment_options(command, request->experiment);
   command.add({"--trials", &request->trials, "N", "Simulations to fit (300)"});
-  command.add({"--seed", &request->seed, "N", "Of the noise and the starts (1)"});
+  command.add({"--seed", &request->seed, "N", "Seed of the noise and of the starts (1)"});
   command.add(
       {"--start-error", &request->start_error, "PART",
        "Every fit starts from parameters that differ from the truth by\nup to this part of it, drawn at random (0.5)"});
   command.add({"--start", &request->start, "WHAT",
                "given: from those (the default); auto: from damped sines\nwhere the records oscillate so"});
   command.add({"--jobs", &request->jobs, "N", "Threads (all cores)"});
+  add_output_options(command, request->experiment.common, {});
   command.run = [request](const Palette& palette) { return run_montecarlo(*request, palette); };
   return command;
 }

@@ -113,13 +113,17 @@ Result scene_result(const Scene& scene, const std::vector<std::string>& settings
   of_scene.data("title", scene.title);
   of_scene.data("source", scene.source);
   of_scene.data("set", settings);
-  Group& units = out.content.group("units", "", Verbosity::data);
+  add_units(out.content, scene.units);
+  return out;
+}
+
+void add_units(Group& group, const Units& units) {
+  Group& names = group.group("units", "", Verbosity::data);
   for (const auto& [name, quantity] : {std::pair{"length", Quantity::length}, std::pair{"force", Quantity::force},
                                        std::pair{"mass", Quantity::mass}, std::pair{"angle", Quantity::angle},
                                        std::pair{"moment", Quantity::moment}, std::pair{"energy", Quantity::energy}}) {
-    units.data(name, unit_name(quantity, scene.units));
+    names.data(name, unit_name(quantity, units));
   }
-  return out;
 }
 
 Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style) {

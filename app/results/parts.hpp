@@ -23,6 +23,9 @@ inline constexpr int force_digits = 6;
 /// options as given) and the names of its units.
 Result scene_result(const Scene& scene, const std::vector<std::string>& settings);
 
+/// The names of a scene's units, as data.
+void add_units(Group& group, const Units& units);
+
 /// The name of a unit and how numbers of a quantity are written: what is below 1e-13 of the scale of the mechanism's
 /// lengths, forces or work is rounding and is written as 0.
 Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style = Format::Style::aligned);

@@ -33,15 +33,17 @@ TEST(IdentifiabilityCommand, PredictsTheLiftBeforeAnyData) {
   EXPECT_EQ(r["nuisances"], 18);
   EXPECT_EQ(r["readings"], 12000);
   EXPECT_NEAR(r["predicted"][0]["value"], 64.6824, 1e-4);
-  EXPECT_NEAR(100 * r["predicted"][0]["deviation"].get<double>() / 64.6824, 0.037, 0.0006) << "per cent";
+  EXPECT_NEAR(100 * r["predicted"][0]["standard_error"].get<double>() / 64.6824, 0.037, 0.0006) << "per cent";
   EXPECT_EQ(r["base_parameters"]["rank"], 23);
   EXPECT_EQ(r["base_parameters"]["parameters"], 36);
+  EXPECT_EQ(r["verdict"], "All 4 parameters are identifiable from these data.");
+  for (const json& p : r["predicted"]) EXPECT_EQ(p["identifiable"], true) << p;
 }
 
 TEST(IdentifiabilityCommand, NamesTheScaleAndTheRemedy) {
   const Outcome run = run_poise({"identifiability", dataset("lift_experiment_empty"), "--base"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_TRUE(has(run.out, "4 of 4 parameters cannot be told")) << run.out;
+  EXPECT_TRUE(has(run.out, "4 of 4 parameters are not identifiable from these data.")) << run.out;
   EXPECT_TRUE(has(run.out, "overall scale")) << run.out;
   EXPECT_TRUE(has(run.out, "remedy: add a run with a known payload")) << run.out;
   EXPECT_TRUE(has(run.out, "cylinder.J + 1 rod.J")) << run.out;
@@ -53,11 +55,14 @@ TEST(IdentifiabilityCommand, NamesAnExactNullDirection) {
   const json r =
       run_json(folder, {"identifiability", experiment(folder, std::string(swing) + inertia_too + one_run)}, 0);
   EXPECT_EQ(r["identifiability"]["rank"], 2);
-  ASSERT_EQ(r["identifiability"]["untold"].size(), 1U);
-  const json& direction = r["identifiability"]["untold"][0];
+  ASSERT_EQ(r["identifiability"]["not_identifiable"].size(), 1U);
+  const json& direction = r["identifiability"]["not_identifiable"][0];
   EXPECT_EQ(direction["exact"], true);
   for (const char* name : {"k", "c", "J"}) EXPECT_NEAR(direction["part"][name], 1.0, 1e-6) << "all by the same part";
-  for (const json& p : r["predicted"]) EXPECT_TRUE(p["deviation"].is_null()) << p;
+  for (const json& p : r["predicted"]) {
+    EXPECT_TRUE(p["standard_error"].is_null()) << p;
+    EXPECT_EQ(p["identifiable"], false) << p;
+  }
 }
 
 TEST(MonteCarloCommand, ReachesTheBoundOfAWheel) {
@@ -66,10 +71,10 @@ TEST(MonteCarloCommand, ReachesTheBoundOfAWheel) {
       folder, {"montecarlo", experiment(folder, std::string(swing) + one_run), "--trials", "60", "--jobs", "2"}, 0);
   EXPECT_EQ(r["trials"], 60);
   EXPECT_EQ(r["converged"], 60);
-  EXPECT_EQ(r["arrived"], 60);
+  EXPECT_EQ(r["near_truth"], 60);
   for (const json& e : r["estimates"]) {
     EXPECT_NEAR(e["rmse_over_bound"], 1.0, 4 / std::sqrt(2 * 60.0)) << e;
-    EXPECT_NEAR(e["coverage"], 0.95, 4 * e["coverage_deviation"].get<double>()) << e;
+    EXPECT_NEAR(e["coverage"], 0.95, 4 * e["coverage_standard_error"].get<double>()) << e;
   }
 }
 

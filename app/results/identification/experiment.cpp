@@ -1,0 +1,187 @@
+#include "app/results/identification/experiment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
+
+namespace poise::app {
+namespace {
+
+// More parameters than this have no table of correlations that anyone could read.
+constexpr std::size_t most_in_table = 12;
+constexpr double close = 0.9;
+
+std::vector<std::size_t> identifiable_ones(const Identifiability& known) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < known.identifiable.size(); ++i) {
+    if (known.identifiable[i]) out.push_back(i);
+  }
+  return out;
+}
+
+std::vector<std::string> close_pairs(const FitProblem& problem, const Identifiability& known,
+                                     const std::vector<std::size_t>& identifiable) {
+  std::vector<std::string> out;
+  for (const std::size_t i : identifiable) {
+    for (const std::size_t j : identifiable) {
+      if (j >= i) continue;
+      const double r = known.correlation[i][j].value();
+      if (!(std::abs(r) > close)) continue;
+      out.push_back(fmt::format("{:+.3f}  {}, {}", r, problem.parameters()[j].name, problem.parameters()[i].name));
+    }
+  }
+  if (out.empty()) out.push_back(fmt::format("none beyond {}", close));
+  return out;
+}
+
+std::string runs_in_words(const Experiment& experiment) {
+  const auto measured =
+      std::count_if(experiment.runs.begin(), experiment.runs.end(), [](const Run& run) { return !run.is_simulated(); });
+  const int runs = static_cast<int>(experiment.runs.size());
+  if (measured > 0 && measured < runs) return fmt::format("{} runs, {} of them measured", runs, measured);
+  const std::string kind = measured == 0 ? "simulated " : "measured ";
+  return count(runs, kind + "run", kind + "runs");
+}
+
+std::string nuisances_in_words(const FitProblem& problem) {
+  bool equilibria = false;
+  bool starts = false;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    equilibria = equilibria || problem.run(r).equilibrium_is_unknown();
+    starts = starts || problem.run(r).start_is_unknown();
+  }
+  if (!equilibria && !starts) return "";
+  return fmt::format(", {} ({} of each run)", count(problem.nuisances(), "nuisance", "nuisances"),
+                     equilibria && starts ? "equilibrium and start"
+                     : equilibria         ? "equilibrium"
+                                          : "start");
+}
+
+}  // namespace
+
+Result experiment_result(const FitProblem& problem, const std::vector<std::string>& settings) {
+  const Experiment& experiment = problem.experiment();
+  Result out{.title = experiment.title.empty() ? experiment.file : experiment.title, .source = experiment.source};
+  Group& of_experiment = out.content.group("experiment", "", Verbosity::data);
+  of_experiment.data("file", experiment.file);
+  of_experiment.data("title", experiment.title);
+  of_experiment.data("source", experiment.source);
+  of_experiment.data("scene", experiment.scene.file);
+  of_experiment.data("set", settings);
+  of_experiment.data("simulated", experiment.is_simulated());
+  add_units(out.content, experiment.scene.units);
+  out.content.data("runs", problem.runs());
+  out.content.data("readings", problem.readings());
+  out.content.data("parameters", problem.parameters().size());
+  out.content.data("nuisances", problem.nuisances());
+  return out;
+}
+
+std::string data_in_words(const FitProblem& problem) {
+  const Experiment& experiment = problem.experiment();
+  return fmt::format("{}; {} readings of {}; {}{}", runs_in_words(experiment), problem.readings(),
+                     count(static_cast<int>(experiment.sensors.size()), "sensor", "sensors"),
+                     count(static_cast<int>(problem.parameters().size()), "parameter", "parameters"),
+                     nuisances_in_words(problem));
+}
+
+std::vector<std::string> parameter_units(const FitProblem& problem) {
+  std::vector<std::string> units;
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    units.push_back(problem.number(static_cast<int>(i)).dimension().unit_name(problem.experiment().scene.units));
+  }
+  return units;
+}
+
+std::string rounded_to(double value, double standard_error) {
+  if (!(standard_error > 0) || !std::isfinite(standard_error) || !std::isfinite(value)) return significant(value, 6);
+  const int order = static_cast<int>(std::floor(std::log10(standard_error)));
+  const double size = std::max(std::abs(value), standard_error);
+  const int digits = static_cast<int>(std::floor(std::log10(size))) - order + 1;
+  const bool plain = size >= 1e-4 && size < 1e7 && digits < 16;
+  return plain ? fmt::format("{:.{}f}", value, std::max(0, 1 - order))
+               : fmt::format("{:.{}e}", value, std::clamp(digits, 0, 15));
+}
+
+std::string per_cent(double standard_error, double value) {
+  if (value == 0 || !std::isfinite(standard_error)) return "-";
+  return significant(100 * standard_error / std::abs(value), 2);
+}
+
+void add_null_directions(Group& group, const Identifiability& known) {
+  if (known.null_directions.empty()) return;
+  Group& section = group.group("", "Not identifiable from these data");
+  for (const Identifiability::Direction& direction : known.null_directions) {
+    section.note("  " + direction.words, Tone::bad);
+    section.note("    remedy: " + direction.remedy);
+  }
+}
+
+void add_correlations(Group& group, const FitProblem& problem, const Identifiability& known) {
+  const std::vector<std::size_t> identifiable = identifiable_ones(known);
+  if (!known.ok || identifiable.size() < 2) return;
+  const std::string title = "Correlations of the identifiable parameters";
+  if (identifiable.size() > most_in_table) {
+    group.list("", title, close_pairs(problem, known, identifiable));
+    return;
+  }
+  Table& table = group.table("", title, Rows::list);
+  std::vector<std::string> names, numbers;
+  for (const std::size_t i : identifiable) {
+    names.push_back(problem.parameters()[i].name);
+    numbers.push_back(fmt::format("{}", names.size()));
+  }
+  table.words("", "", names);
+  // The columns are numbered by their rows: names would make the table too wide.
+  table.numbers("", "", "", {}).texts = numbers;
+  for (std::size_t j = 0; j + 1 < identifiable.size(); ++j) {
+    std::vector<std::string> cells;
+    std::vector<Tone> tones;
+    for (std::size_t i = 0; i < identifiable.size(); ++i) {
+      const double r = known.correlation[identifiable[i]][identifiable[j]].value();
+      cells.push_back(i > j ? fmt::format("{:+.3f}", r) : "");
+      tones.push_back(i > j && std::abs(r) > close ? Tone::doubtful : Tone::plain);
+    }
+    table.words("", numbers[j], std::move(cells)).tones = std::move(tones);
+  }
+}
+
+void add_identifiability_data(Group& group, const FitProblem& problem, const Identifiability& known) {
+  Group& out = group.group("identifiability", "", Verbosity::data);
+  out.data("ok", known.ok);
+  out.data("why", known.why);
+  out.data("rank", known.rank);
+  out.data("gap", known.gap);
+  out.data("singular_values", known.singular_values);
+  const std::vector<Parameter>& parameters = problem.parameters();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < known.correlation.size(); ++i) names.push_back(parameters[i].name);
+  Table& correlation = out.table("correlation", "", Rows::by_name, Verbosity::data);
+  correlation.words("name", "", names);
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    std::vector<double> column;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const bool both = known.identifiable[i] && known.identifiable[j];
+      column.push_back(or_gap(both ? known.correlation[i][j] : std::nullopt));
+    }
+    correlation.data(names[j], std::move(column));
+  }
+  Branch& directions = out.array("not_identifiable");
+  for (const Identifiability::Direction& direction : known.null_directions) {
+    Group& one = directions.parts.emplace_back();
+    one.data("words", direction.words);
+    one.data("remedy", direction.remedy);
+    one.data("exact", direction.exact);
+    one.data("scale", direction.scale);
+    one.data("singular_value", direction.singular_value);
+    Group& part = one.group("part", "", Verbosity::data);
+    for (std::size_t i = 0; i < direction.part.size(); ++i) part.data(parameters[i].name, direction.part[i]);
+  }
+}
+
+}  // namespace poise::app

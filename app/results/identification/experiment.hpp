@@ -1,0 +1,38 @@
+#pragma once
+
+// What the results on experiments have in common. Values are given in SI and stand in a result in the units of the
+// scene.
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "identification/fit_problem.hpp"
+#include "identification/identifiability.hpp"
+
+namespace poise::app {
+
+/// A result with title and source of the experiment, and in its data: experiment {file, title, source, scene, set,
+/// simulated}, units, and the numbers of runs, readings, parameters and nuisances.
+Result experiment_result(const FitProblem& problem, const std::vector<std::string>& settings);
+
+/// "6 simulated runs; 12000 readings of 1 sensor; 4 parameters, 18 nuisances (equilibrium and start of each run)".
+std::string data_in_words(const FitProblem& problem);
+
+/// Names of the units of the parameters.
+std::vector<std::string> parameter_units(const FitProblem& problem);
+
+/// A value with as many decimals as its standard error has with two digits: 64.692 where that is 0.024.
+std::string rounded_to(double value, double standard_error);
+/// "0.036": a standard error in per cent of the value; "-" of zero.
+std::string per_cent(double standard_error, double value);
+
+/// As text: which parameters are not identifiable, and the remedies.
+void add_null_directions(Group& group, const Identifiability& known);
+/// As text: correlations of the identifiable parameters; of many parameters the pairs beyond 0.9.
+void add_correlations(Group& group, const FitProblem& problem, const Identifiability& known);
+/// As data: identifiability {ok, why, rank, gap, singular_values[], correlation{}, not_identifiable[]}, without the
+/// value of any parameter. Correlations of parameters that are not identifiable are null.
+void add_identifiability_data(Group& group, const FitProblem& problem, const Identifiability& known);
+
+}  // namespace poise::app

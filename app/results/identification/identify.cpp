@@ -1,0 +1,299 @@
+#include "app/results/identification/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/identification/experiment.hpp"
+#include "identification/residuals.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr int residual_digits = 3;
+// An estimate that differs by more standard errors from the truth of a simulation is marked.
+constexpr double remarkable = 4.0;
+// Residuals with the autocorrelation a carry the information of (1 - a)/(1 + a) times as many independent ones: half.
+constexpr double not_independent = 1.0 / 3.0;
+
+int withheld(const Fit& fitted) {
+  return static_cast<int>(
+      std::count_if(fitted.estimates.begin(), fitted.estimates.end(), [](const Estimate& e) { return e.withheld; }));
+}
+
+/// The largest autocorrelation of any sensor in any run.
+double largest_autocorrelation(const Fit& fitted) {
+  double largest = 0.0;
+  for (const RunFit& run : fitted.runs) {
+    for (const double a : run.autocorrelation) largest = std::max(largest, a);
+  }
+  return largest;
+}
+
+Line verdict(const Fit& fitted) {
+  switch (fitted.status) {
+    case FitStatus::converged:
+      return {.text = "Converged: residuals agree with the stated noise.", .tone = Tone::good};
+    case FitStatus::misfit:
+      return {.text = fmt::format("Converged with a misfit: {}.", fitted.why), .tone = Tone::doubtful};
+    case FitStatus::not_run:
+    case FitStatus::failed:
+    case FitStatus::interrupted:
+      break;
+  }
+  return {.text = fmt::format("No fit: {}.", fitted.why), .tone = Tone::bad};
+}
+
+std::vector<Line> warnings(const Fit& fitted) {
+  std::vector<Line> out;
+  if (!fitted.usable()) return out;
+  if (withheld(fitted) > 0) {
+    const std::string all = count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates");
+    out.push_back({.text = fmt::format("Withheld: {} of {}, see below.", withheld(fitted), all), .tone = Tone::bad});
+  }
+  if (largest_autocorrelation(fitted) > not_independent) {
+    out.push_back({.text = fmt::format("Residuals are correlated from one sample to the next (autocorrelation up to "
+                                       "{:.3f}): standard errors are larger than shown, by about {} times.",
+                                       largest_autocorrelation(fitted), significant(fitted.autocorrelation_factor, 2)),
+                   .tone = Tone::doubtful});
+  }
+  if (!fitted.identifiability.ok) {
+    out.push_back({.text = "Standard errors are not known: " + fitted.identifiability.why + ".", .tone = Tone::bad});
+  }
+  return out;
+}
+
+void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
+  const bool known = fitted.identifiability.ok;
+  const bool any = withheld(fitted) < static_cast<int>(fitted.estimates.size());
+  const bool simulated = problem.experiment().is_simulated();
+  std::vector<std::string> names, paths, shown, error_texts, relative, truth_texts, differences, reasons;
+  std::vector<double> values, standard_errors, truths;
+  std::vector<Tone> tones, difference_tones;
+  for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
+    const Estimate& e = fitted.estimates[i];
+    names.push_back(e.name);
+    paths.push_back(problem.unknown_of(i).path);
+    values.push_back(e.withheld ? NAN : e.value / e.unit);
+    standard_errors.push_back(e.withheld || !known ? NAN : e.standard_error / e.unit);
+    truths.push_back(e.withheld || !simulated ? NAN : e.truth / e.unit);
+    shown.push_back(e.withheld ? "withheld" : rounded_to(values.back(), known ? standard_errors.back() : 0.0));
+    tones.push_back(e.withheld ? Tone::bad : Tone::plain);
+    error_texts.push_back(e.withheld ? "" : significant(standard_errors.back(), 2));
+    relative.push_back(e.withheld ? "" : known ? per_cent(e.standard_error, e.value) : "-");
+    truth_texts.push_back(e.withheld ? "" : significant(truths.back(), 7));
+    const double difference = (e.value - e.truth) / e.standard_error;
+    differences.push_back(e.withheld ? "" : known ? fmt::format("{:+.1f}", difference) : "-");
+    difference_tones.push_back(!e.withheld && std::abs(difference) > remarkable ? Tone::bad : Tone::plain);
+    reasons.push_back(e.why);
+  }
+  Table& table = group.table("estimates", fitted.usable() ? "Estimates" : "Values reached, no estimates", Rows::list);
+  std::vector<std::string> units = fitted.estimates.empty() ? std::vector<std::string>{} : parameter_units(problem);
+  table.words("name", "parameter", std::move(names));
+  table.words("path", "", std::move(paths)).shown = false;
+  table.words("", "estimate", std::move(shown)).tones = std::move(tones);
+  table.data("value", std::move(values));
+  Column& errors = table.numbers("standard_error", "standard error", "", std::move(standard_errors));
+  errors.texts = std::move(error_texts);
+  errors.shown = any;
+  Column& per_cents = table.numbers("", "per cent", "", {});
+  per_cents.texts = std::move(relative);
+  per_cents.shown = any;
+  table.words("unit", "unit", std::move(units));
+  Column& truth = table.numbers("truth", "truth", "", std::move(truths));
+  truth.texts = std::move(truth_texts);
+  truth.shown = any && simulated;
+  Column& difference = table.words("", "error / sigma", std::move(differences));
+  difference.tones = std::move(difference_tones);
+  difference.shown = any && simulated;
+  Column& why = table.remarks(std::move(reasons), Tone::bad);
+  why.key = "withheld";
+  why.kind = Column::Kind::word_or_null;
+}
+
+std::vector<double> in_units(const std::vector<double>& rms, const Experiment& experiment) {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    out.push_back(rms[k] / experiment.sensors[k].dimension().unit(experiment.scene.units));
+  }
+  return out;
+}
+
+/// "phi1 0.00292 rad, phi2 0.00403 rad; all angles 0.00351 rad".
+std::string rms_in_words(const std::vector<double>& rms, const Experiment& experiment) {
+  const Units& units = experiment.scene.units;
+  const std::vector<double> shown = in_units(rms, experiment);
+  std::string text;
+  double squares = 0.0;
+  int angles = 0;
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    const Sensor& sensor = experiment.sensors[k];
+    text += fmt::format("{}{} {} {}", k > 0 ? ", " : "", sensor.name, significant(shown[k], residual_digits),
+                        sensor.dimension().unit_name(units));
+    if (sensor.reads_force() || sensor.rate || !sensor.on.is_angle()) continue;
+    squares += rms[k] * rms[k];
+    ++angles;
+  }
+  if (angles < 2) return text;
+  return text + fmt::format("; all angles {} {}",
+                            significant(std::sqrt(squares / angles) / units.angle, residual_digits), units.angle_name);
+}
+
+void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
+  const Experiment& experiment = problem.experiment();
+  constexpr std::size_t most_sensors = 4;
+  const std::size_t sensors = std::min(most_sensors, experiment.sensors.size());
+  std::vector<std::string> names, over_noise, lagged, white;
+  std::vector<Tone> tones;
+  std::vector<std::vector<std::string>> rms(sensors);
+  for (const std::size_t r : worst_first(problem, fitted)) {
+    const RunFit& run = fitted.runs[r];
+    names.push_back(one_line(run.name));
+    over_noise.push_back(significant(rms_over_noise(problem, run), residual_digits));
+    double largest = 0.0;
+    for (const double a : run.autocorrelation) largest = std::abs(a) > std::abs(largest) ? a : largest;
+    lagged.push_back(run.rms.empty() ? "-" : fmt::format("{:+.3f}", largest));
+    white.emplace_back(run.white ? "white" : "not white");
+    tones.push_back(run.white ? Tone::plain : Tone::doubtful);
+    const std::vector<double> shown = in_units(run.rms, experiment);
+    for (std::size_t k = 0; k < sensors; ++k) {
+      rms[k].push_back(shown.empty() ? "-" : significant(shown[k], residual_digits));
+    }
+  }
+  Table& table = section.table("", "Residuals of the runs: root mean squares, the worst first", Rows::list);
+  table.words("", "run", std::move(names));
+  table.numbers("", "over noise", "", {}).texts = std::move(over_noise);
+  for (std::size_t k = 0; k < sensors; ++k) {
+    const Sensor& sensor = experiment.sensors[k];
+    table.numbers("", sensor.name, sensor.dimension().unit_name(experiment.scene.units), {}).texts = std::move(rms[k]);
+  }
+  table.numbers("", "autocorrelation", "", {}).texts = std::move(lagged);
+  table.words("", "", std::move(white)).tones = std::move(tones);
+}
+
+void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+  const Fit& fitted = answer.fit;
+  if (fitted.runs.empty()) return;
+  const Experiment& experiment = problem.experiment();
+  Group& section = content.group("", "Residuals");
+  const auto white = std::count_if(fitted.runs.begin(), fitted.runs.end(), [](const RunFit& r) { return r.white; });
+  section.fact("over noise",
+               fmt::format("{}, expected 1 ± {}; white in {} of {}", significant(fitted.residual_over_noise, 4),
+                           significant(2 * fitted.residual_over_noise_sigma, 2), white,
+                           count(static_cast<int>(fitted.runs.size()), "run", "runs")));
+  section.fact("rms", rms_in_words(fitted.rms, experiment));
+  if (!answer.rms_from_readings.empty()) {
+    section.fact("unfitted", rms_in_words(answer.rms_from_readings, experiment) +
+                                 ", with the starts estimated from the runs' first readings");
+  }
+  add_runs(section, problem, fitted);
+}
+
+void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+  const Fit& fitted = answer.fit;
+  const Experiment& experiment = problem.experiment();
+  const Units& units = experiment.scene.units;
+  const bool reached = !fitted.runs.empty();
+  content.data("status", to_string(fitted.status));
+  content.data("why", fitted.why);
+  content.data("start", fitted.start);
+  content.data("degrees_of_freedom", fitted.degrees_of_freedom);
+  content.data("residual_over_noise", reached ? Value(fitted.residual_over_noise) : Value());
+  content.data("residual_over_noise_sigma", reached ? Value(fitted.residual_over_noise_sigma) : Value());
+  content.data("autocorrelation_factor", reached ? Value(fitted.autocorrelation_factor) : Value());
+  content.data("iterations", fitted.iterations);
+  content.data("evaluations", fitted.evaluations);
+  content.data("tries", fitted.tries);
+  content.data("microseconds", fitted.microseconds);
+  std::vector<std::string> names, sensor_units;
+  std::vector<double> noise;
+  for (const Sensor& sensor : experiment.sensors) {
+    names.push_back(sensor.name);
+    sensor_units.push_back(sensor.dimension().unit_name(units));
+    noise.push_back(sensor.noise / sensor.dimension().unit(units));
+  }
+  Table& sensors = content.table("sensors", "", Rows::list, Verbosity::data);
+  sensors.words("name", "", std::move(names));
+  sensors.words("unit", "", std::move(sensor_units));
+  sensors.data("noise", std::move(noise));
+  content.data("rms", in_units(fitted.rms, experiment));
+  content.data("rms_from_first_readings",
+               answer.rms_from_readings.empty() ? Value() : Value(in_units(answer.rms_from_readings, experiment)));
+  Branch& runs = content.array("residuals");
+  for (std::size_t r = 0; r < fitted.runs.size(); ++r) {
+    const RunFit& run = fitted.runs[r];
+    Group& one = runs.parts.emplace_back();
+    one.data("name", run.name);
+    one.data("rms", in_units(run.rms, experiment));
+    one.data("rms_over_noise", rms_over_noise(problem, run));
+    one.data("autocorrelation", run.autocorrelation);
+    one.data("white", run.white);
+    const std::vector<std::string> nuisances = problem.run(r).nuisance_names();
+    const std::vector<Dimension> dimensions = problem.run(r).nuisance_dimensions();
+    Group& found = one.group("nuisances", "", Verbosity::data);
+    for (std::size_t i = 0; i < run.nuisances.size(); ++i) {
+      found.data(nuisances[i], run.nuisances[i] / dimensions[i].unit(units));
+    }
+  }
+}
+
+}  // namespace
+
+Result identify_result(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings) {
+  const Fit& fitted = answer.fit;
+  Result out = experiment_result(problem, settings);
+  out.verdict = verdict(fitted);
+  out.warnings = warnings(fitted);
+  Group& content = out.content;
+  add_estimates(content, problem, fitted);
+  add_null_directions(content, fitted.identifiability);
+  add_correlations(content, problem, fitted.identifiability);
+  add_identifiability_data(content, problem, fitted.identifiability);
+  add_residuals(content, problem, answer);
+  add_fit_data(content, problem, answer);
+  Group& numerics = content.group("", "Numerics");
+  numerics.fact("data", data_in_words(problem));
+  if (!fitted.start.empty()) numerics.fact("start", fitted.start);
+  numerics.fact("effort",
+                fmt::format("Levenberg-Marquardt from {}: {}, {} of all runs with sensitivities, {}",
+                            count(fitted.tries, "start", "starts"), count(fitted.iterations, "iteration", "iterations"),
+                            count(fitted.evaluations, "evaluation", "evaluations"), duration(fitted.microseconds)));
+  return out;
+}
+
+void add_readings(Result& result, const FitProblem& problem, const FitAnswer& answer) {
+  if (answer.fit.runs.empty()) return;
+  const Experiment& experiment = problem.experiment();
+  std::vector<std::string> runs;
+  std::vector<double> times;
+  std::vector<std::vector<double>> columns(3 * experiment.sensors.size());
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const Record& record = answer.records[r];
+    runs.insert(runs.end(), record.time.size(), problem.run(r).run().name);
+    times.insert(times.end(), record.time.begin(), record.time.end());
+    const RunResiduals found = residuals_of(problem, answer.fit, answer.records, r);
+    for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+      const double unit = experiment.sensors[k].dimension().unit(experiment.scene.units);
+      for (std::size_t s = 0; s < record.time.size(); ++s) {
+        columns[3 * k].push_back(record.reading[k][s] / unit);
+        columns[3 * k + 1].push_back(found.prediction[k][s] / unit);
+        columns[3 * k + 2].push_back(found.residual[k][s] / unit);
+      }
+    }
+  }
+  // Not in JSON, for its size.
+  Table& table = result.content.table("", "", Rows::columns, Verbosity::data);
+  table.csv = true;
+  table.words("run", "", std::move(runs));
+  table.data("time", std::move(times));
+  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    const std::string& name = experiment.sensors[k].name;
+    table.data(name, std::move(columns[3 * k]));
+    table.data(name + ".prediction", std::move(columns[3 * k + 1]));
+    table.data(name + ".residual", std::move(columns[3 * k + 2]));
+  }
+}
+
+}  // namespace poise::app

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "identification/fit.hpp"
+
+namespace poise::app {
+
+/// A fit, and the records that were fitted.
+struct FitAnswer {
+  Fit fit;
+  std::vector<Record> records;
+  /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not asked or not to be had.
+  std::vector<double> rms_from_readings;
+};
+
+/// The estimates with their standard errors, what is not identifiable, residuals. What is withheld is null in the data,
+/// and so are its standard error and its truth; no number of it is in the text.
+Result identify_result(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings);
+
+/// Adds the table for CSV, one row for each run and time: run, time, and for every sensor the reading, NAME.prediction
+/// and NAME.residual = reading - prediction, in the units of the scene. Empty where no fit was reached.
+void add_readings(Result& result, const FitProblem& problem, const FitAnswer& answer);
+
+}  // namespace poise::app
