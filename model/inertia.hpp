@@ -9,7 +9,7 @@ namespace poise {
 
 /// Inertia of a mechanism in phasor form. The centre of mass of every body is a sum of phasors, so the kinetic energy
 ///   T = 1/2 sum_bodies (m |dp/dt|^2 + I (dtheta/dt)^2) = 1/2 qdot^T M(q) qdot
-/// collapses, whatever the number of bodies, to one complex constant per pair of phasors and one moment per frame:
+/// reduces, for any number of bodies, to one complex constant per pair of phasors and one moment per frame:
 ///   M_ab = Re sum_tu conj(d phi_t / d q_a) W_tu (d phi_u / d q_b)  +  J_a [a = b, an angle],
 ///   W_tu = sum_bodies m conj(c_t) c_u.
 /// The mechanism must be compiled for Purpose::dynamics, and must outlive this. Memory is n^2.
@@ -18,12 +18,13 @@ class Inertia {
  public:
   Inertia(const Scene& scene, const Mechanism<T>& mechanism);
 
-  /// out_t = sum_u W_tu f_u: the force that moving phasors with accelerations f takes. out must not be f.
+  /// out_t = sum_u W_tu f_u: the inertia force on phasor t for phasor accelerations f. out must not be f.
   void weigh(const Planar<T>* f, Planar<T>* out) const;
   /// Moment J_a of the bodies that turn with coordinate a, zero for lengths.
   const T& moment(int a) const { return moment_[a]; }
 
-  /// g += what moving the inertia `part` with `body` takes beyond its weight, at the rates v:
+  /// g += generalized force that the inertia `part`, moving with `body`, requires in addition to its weight, at the
+  /// rates v:
   ///   m (p'' - gravity) . Dp + first-moment terms + J theta'' D theta,
   /// linear in `part`: with unit parts, the derivatives of the equations of motion by the inertia of a body. p of the
   /// body's origin; `second` are the second time derivatives of all phasors, a the accelerations of the coordinates.

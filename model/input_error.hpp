@@ -4,8 +4,8 @@
 
 namespace poise {
 
-/// Something is wrong with what the user gave: one line "file:line: item: what was expected; a likely fix".
-/// The command line answers it with exit code 2.
+/// An error in the user's input: one line "file:line: item: what was expected; a likely fix". The command line then
+/// ends with exit code 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -11,24 +11,24 @@
 
 namespace poise {
 
-/// What a kind of joint keeps between its points a and b and their bodies. All that reads, compiles, counts, checks and
-/// cuts joints free follows from these.
+/// Constraints of a kind of joint between its points a and b and their bodies. Reading, compiling, counting, checking
+/// and free-body statics of joints follow from these.
 struct JointTraits {
-  std::string_view key;       ///< table of the scene file, and first part of paths
-  bool has_travel = false;    ///< b runs on the line through a along an axis of a's body; else b coincides with a
-  bool keeps_angle = false;   ///< angle(b) - angle(a) stays constant; else the bodies turn freely
-  bool keeps_length = false;  ///< a massless rod of constant length lies between a and b
+  std::string_view key;      ///< table in the scene file, and first part of paths
+  bool has_travel = false;   ///< b slides on the line through a along an axis of a's body; otherwise b coincides with a
+  bool keeps_angle = false;  ///< angle(b) - angle(a) is constant; otherwise the bodies turn freely
+  bool keeps_length = false;  ///< a massless rod of constant length connects a and b
 
-  /// Degrees of freedom that it takes from its two bodies.
+  /// Number of degrees of freedom that it removes from its two bodies.
   int constraints() const { return keeps_length ? 1 : (has_travel ? 1 : 2) + (keeps_angle ? 1 : 0); }
 };
 
 /// A joint between points a and b.
 ///
 /// pin          b coincides with a, the bodies turn freely
-/// slide        b runs on the line through a along `axis` (fixed in a's body); angle(b) - angle(a) stays `angle`
-/// pin_in_slot  b runs on that line and turns freely
-/// weld         b coincides with a; angle(b) - angle(a) stays `angle`
+/// slide        b slides on the line through a along `axis` (fixed in a's body); angle(b) - angle(a) = `angle`
+/// pin_in_slot  b slides on that line and turns freely
+/// weld         b coincides with a; angle(b) - angle(a) = `angle`
 /// bar          massless rod, keeps |b - a| = length
 ///
 /// The travel of a slide or pin in a slot is the signed distance from a to b along the axis, m.
@@ -54,7 +54,7 @@ struct Joint {
   bool keeps_angle() const { return traits().keeps_angle; }
   bool keeps_length() const { return traits().keeps_length; }
 
-  /// Of this kind of joint.
+  /// The numbers of this kind of joint.
   std::span<const Number> numbers() const;
 
  private:

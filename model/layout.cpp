@@ -10,7 +10,7 @@
 namespace poise {
 namespace {
 
-// Two links that a joint holds together; a bar makes two of them.
+// Two links connected by a joint; a bar makes two connections.
 struct Connection {
   int joint;
   int link_a, link_b;
@@ -38,12 +38,12 @@ class Frames {
   }
   double turn(int i) const { return turn_[i]; }
 
-  // Keeps angle(b) - angle(a) = angle. Returns false where both are parallel already.
+  // Sets angle(b) - angle(a) = angle. Returns false if both are parallel already.
   bool merge(int a, int b, double angle) {
     const int ra = find(a);
     const int rb = find(b);
     if (ra == rb) return false;
-    // The smaller index leads, so that the ground leads its own frame.
+    // The smaller index is the representative, so that the ground represents its own frame.
     const double rb_from_ra = turn_[a] + angle - turn_[b];
     if (ra < rb) {
       parent_[rb] = ra;
@@ -179,7 +179,7 @@ class Builder {
     }
   }
 
-  // p_b - p_a of the connected points, without what their links' origins contribute.
+  // p_b - p_a of the connected points, without the contribution of their links' origins.
   std::vector<Arm> local_arms(const Connection& c) const {
     const Link& a = out_.links[c.link_a];
     const Link& b = out_.links[c.link_b];
@@ -190,8 +190,8 @@ class Builder {
     return arms;
   }
 
-  // Breadth first from the ground, bars last: a bar then hangs in a loop rather than carrying bodies. A body that
-  // nothing ties to the ground gets its two world coordinates.
+  // Breadth first from the ground, bars last: a bar then closes a loop instead of connecting bodies in the tree. A body
+  // that is not connected to the ground gets its two world coordinates.
   void grow_tree() {
     in_tree_.assign(connections_.size(), false);
     std::vector<bool> reached(out_.links.size(), false);
@@ -253,7 +253,7 @@ class Builder {
       closure.joint = c.joint;
       closure.name = scene_.joints[c.joint].name;
       closure.arms = out_.path(c.link_a, c.a, c.link_b, c.b);
-      // path() gives p_b - p_a; the travel of the joint is what may remain.
+      // path() gives p_b - p_a, which equals the travel along the axis.
       if (out_.travel[c.joint] >= 0) {
         closure.arms.push_back({out_.travel[c.joint], -scene_.joints[c.joint].axis, out_.links[c.link_a].turn});
       }
@@ -272,7 +272,7 @@ class Builder {
     for (const Arm& arm : arms) mark(arm.coordinate, reason);
   }
 
-  // A coordinate matters when something that costs or stores energy, closes a loop or meets a stop moves with it.
+  // A coordinate is kept if something that dissipates or stores energy, closes a loop or has a stop moves with it.
   void find_what_matters() {
     reasons_.assign(out_.coordinates.size(), 0);
     for (const Closure& closure : out_.closures) mark_path(closure.arms, closes_loop);
@@ -307,7 +307,7 @@ class Builder {
     }
     for (const Element& e : scene_.elements) {
       if (stores_energy(e.law)) {
-        // A number that identification varies may be zero at first.
+        // A number that identification varies may initially be zero.
         if (purpose_ == Purpose::dynamics || idle(e.law).empty()) mark_measure(e.on, spring);
       } else if (purpose_ == Purpose::dynamics) {
         mark_measure(e.on, damper);
@@ -328,7 +328,7 @@ class Builder {
     return out_.path(0, {0, 0}, measure.b.body, scene_.local(measure.b));
   }
 
-  // False for a measure that no motion changes: an angle between parallel bodies, a distance on one body.
+  // False for a measure that is constant: an angle between parallel bodies, a distance on one body.
   bool changes(const Measure& measure) const {
     switch (measure.kind) {
       case Measure::Kind::angle:
@@ -348,7 +348,7 @@ class Builder {
   void mark_measure(const Measure& measure, unsigned reason) {
     switch (measure.kind) {
       case Measure::Kind::angle:
-        // Bodies of one frame never turn against each other.
+        // Bodies of one frame have no relative rotation.
         if (out_.links[measure.body_a].frame == out_.links[measure.body_b].frame && reason != stop) break;
         mark(out_.links[measure.body_a].frame, reason);
         mark(out_.links[measure.body_b].frame, reason);
@@ -384,7 +384,7 @@ class Builder {
       }
       for (const Drive& drive : scene_.drives) {
         out_.dropped.push_back(
-            fmt::format("drive \"{}\": statics does not know drives, its coordinate is free", drive.name));
+            fmt::format("drive \"{}\": statics leaves drives out, its coordinate is free", drive.name));
       }
     }
     for (const Force& force : scene_.forces) {
@@ -406,8 +406,8 @@ class Builder {
     }
   }
 
-  // A bar points from one end to the other of what it joins. A body that hangs on bars alone is where the scene's start
-  // puts it.
+  // A bar points from one of its end points to the other. A body connected by bars alone has the position of the
+  // scene's start.
   void guess_bars() {
     std::vector<Vec2> origin(out_.links.size());
     const auto angle = [&](const Link& link) {
@@ -512,16 +512,16 @@ class Builder {
 }  // namespace
 
 std::string Coordinate::why() const {
-  if (reasons == 0) return "bears no load, closes no loop, meets no spring or stop";
+  if (reasons == 0) return "carries no load, closes no loop, moves no spring or stop";
   std::string words;
   const auto add = [&](Reason r, const char* text) {
     if (reasons & r) words += (words.empty() ? "" : ", ") + std::string(text);
   };
   add(closes_loop, "closes a loop");
-  add(weight, "bears weight");
-  add(load, "bears a load");
-  add(spring, "stretches a spring");
-  add(stop, "meets a stop");
+  add(weight, "carries weight");
+  add(load, "carries a load");
+  add(spring, "moves a spring");
+  add(stop, "has a stop");
   add(inertia, "has inertia");
   add(damper, "is damped");
   add(drive, "is driven");
@@ -533,7 +533,7 @@ void Layout::scale_lengths(double factor) {
   const auto is_length = [&](int i) { return i >= 0 && coordinates[i].kind == Coordinate::Kind::length; };
   const auto scale = [&](std::vector<Arm>& arms) {
     for (Arm& arm : arms) {
-      if (!is_length(arm.coordinate)) arm.arm = factor * arm.arm;  // else a direction
+      if (!is_length(arm.coordinate)) arm.arm = factor * arm.arm;  // otherwise a direction
     }
   };
   for (Link& link : links) scale(link.arms);

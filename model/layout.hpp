@@ -7,8 +7,8 @@
 
 namespace poise {
 
-/// What is asked of a scene decides what enters its compiled model. Statics does not ask for masses that bear no
-/// weight; dynamics asks for all of them.
+/// The purpose decides which parts of a scene enter its compiled model: statics needs no masses without weight,
+/// dynamics needs all of them.
 enum class Purpose { statics, dynamics };
 
 /// One term of a position: arm exp(i turn) phi, with phi the phasor of `coordinate`, or 1 when coordinate is -1.
@@ -28,9 +28,9 @@ struct Coordinate {
   std::string name;      ///< body of the angle, joint of the travel, or "block.x" of a body no joint ties to ground
   int frame = -1;        ///< length: coordinate of the angle of the line's frame, -1 when it is fixed
   double start = 0;      ///< guess from the scene, rad or m
-  unsigned reasons = 0;  ///< for which it is kept, one bit each; none where it is dropped
+  unsigned reasons = 0;  ///< for which it is kept, one bit each; none if it is dropped
 
-  /// Why it is kept or dropped: "closes a loop, bears weight".
+  /// Why it is kept or dropped: "closes a loop, carries weight".
   std::string why() const;
 };
 
@@ -54,8 +54,8 @@ struct Closure {
 
 /// The structure of a scene, free of any scalar type: spanning tree, coordinates and loop closures.
 ///
-/// Coordinates 0 .. angles-1 are angles, angles .. kept-1 lengths; those from `kept` on bear nothing, close nothing
-/// and stay at their start value.
+/// Coordinates 0 .. angles-1 are angles, angles .. kept-1 lengths; those from `kept` on carry no load, close no loop
+/// and keep their start value.
 struct Layout {
   std::vector<Coordinate> coordinates;
   int angles = 0;
@@ -64,11 +64,11 @@ struct Layout {
   std::vector<int> tree_order;  ///< links, parents before children
   std::vector<Closure> closures;
   std::vector<int> travel;           ///< per joint: coordinate of its travel, or -1
-  std::vector<int> redundant_angle;  ///< joints that keep an angle which other joints keep already
-  std::vector<std::string> dropped;  ///< what does not enter the compiled model, and why
-  double size = 1.0;                 ///< longest reach from ground through the tree, m
+  std::vector<int> redundant_angle;  ///< joints whose constant angle follows from other joints
+  std::vector<std::string> dropped;  ///< items left out of the compiled model, and why
+  double size = 1.0;                 ///< longest distance from the ground through the tree, m
 
-  /// Measures all lengths in another unit: multiplies them by `factor`.
+  /// Changes the unit of all lengths: multiplies them by `factor`.
   void scale_lengths(double factor);
 
   /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, merged by
@@ -76,7 +76,7 @@ struct Layout {
   std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const;
 };
 
-/// Finds the structure. Throws InputError where welds and slides ask for contradictory angles.
+/// Finds the structure. Throws InputError if welds and slides require contradictory angles.
 Layout lay_out(const Scene& scene, Purpose purpose);
 
 }  // namespace poise

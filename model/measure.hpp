@@ -10,8 +10,8 @@
 
 namespace poise {
 
-/// A scalar function g of the pose, as a scene declares it. What is done with it says a law: a force element, a stop, a
-/// drive or a sensor. Compiled forms with derivatives: model/measures/.
+/// A scalar function g of the pose, as a scene declares it. Force elements, stops, drives and sensors act on measures.
+/// Compiled forms with derivatives: model/measures/.
 ///
 /// angle     angle(body_b) - angle(body_a), rad, unwrapped: turns count
 /// distance  |b - a| of two points, m
@@ -35,10 +35,10 @@ struct Measure {
   static Measure y_of(PointRef point);
   static Measure sum_of(std::vector<Term> terms);
 
-  /// True where g is an angle, rad; otherwise it is a length, m.
+  /// True if g is an angle, rad; otherwise it is a length, m.
   bool is_angle() const;
   Dimension dimension() const { return is_angle() ? dimension::angle : dimension::length; }
-  /// Dimension of what does work on it: a torque, N m, or a force, N.
+  /// Dimension of the conjugate effort: a torque, N m, or a force, N.
   Dimension effort_dimension() const { return is_angle() ? dimension::torque : dimension::force; }
   /// Values that g can take: a distance is not negative.
   Range range() const { return kind == Kind::distance ? Range::not_negative : Range::finite; }

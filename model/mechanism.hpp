@@ -12,7 +12,7 @@
 
 namespace poise {
 
-/// Place of a body's frame in the world: origin, m, and unwrapped angle, rad.
+/// Pose of a body's frame in the world: origin, m, and unwrapped angle, rad.
 template <class T>
 struct BodyPose {
   Planar<T> origin{};
@@ -22,14 +22,14 @@ struct BodyPose {
   Planar<T> world(const Vec2& local) const { return origin + planar_cast<T>(local) * unit(angle); }
 };
 
-/// Rows of the constraint vector that belong together: they close one loop, say.
+/// Rows of the constraint vector that belong together, for example those of one loop.
 struct ConstraintBlock {
   int closure = -1;  ///< index into Layout::closures
   int first_row = 0;
   int rows = 0;
 };
 
-/// A number on which forces depend: of a force element or a load of the scene.
+/// A number that forces depend on: of a force element or a load of the scene.
 struct ForceNumber {
   enum class Of { element, force, torque };
   Of of = Of::element;
@@ -37,18 +37,18 @@ struct ForceNumber {
   int number = 0;  ///< element: index into the numbers of its law
 };
 
-/// A scene compiled to a short sum of phasors, ready to be evaluated in the scalar T.
+/// A scene compiled to a short sum of phasors, to be evaluated in the scalar T.
 ///
 /// Coordinates q (see Coordinate): n = coordinates(), angles first. Every point of every body is a sum
 /// p(q) = c0 + sum_t c_t phi_t  of their phasors (see Phasors), and so
 ///   dead loads and gravity  V_load(q) = -Re sum_t a_t phi_t - sum_k torque_k q_k,
 ///   loop closures           c_l(q)    = C_l0 + sum_t C_lt phi_t = 0   (one block of real rows x, y each, m),
-///   force elements          V_e(q)    = V(g(q)) with the force T = dV/dg of the law upon the measure g.
+///   force elements          V_e(q)    = V(g(q)) with the force T = dV/dg of the law on the measure g.
 /// Stops follow the equalities as rows of the constraint vector, lower() <= g(q) <= upper() (rad or m).
 ///
-/// Units are those of the scene: SI, or those of scaled(). All functions are const and pure; what they share is
-/// computed once per configuration by place() into a caller's buffer. Nothing allocates after construction. Template
-/// definitions are in model/mechanism_impl.hpp; Poise instantiates double, and 50 digits in statics/.
+/// Units are those of the scene: SI, or those of scaled(). All functions are const and pure; shared values are computed
+/// once per configuration by place() into a caller's buffer. Nothing allocates after construction. Template definitions
+/// are in model/mechanism_impl.hpp; Poise instantiates double, and 50 digits in statics/.
 template <class T>
 class Mechanism {
  public:
@@ -69,7 +69,7 @@ class Mechanism {
   /// Rows of the constraint vector: equalities, then one per stop.
   int constraints() const { return equalities_ + stops(); }
 
-  /// True when a load follows a body: then forces have no potential and the tangent is not symmetric.
+  /// True if a load follows a body: then forces have no potential and the tangent is not symmetric.
   bool has_follower_loads() const { return !followers_.empty(); }
   /// Names of the forces that have no potential.
   const std::vector<std::string>& follower_names() const { return follower_names_; }
@@ -85,8 +85,8 @@ class Mechanism {
   /// Potential of dead loads, gravity and force elements, V(q), J; the zero of dead loads is arbitrary.
   T energy(const T* q, Planar<T>* pose) const;
 
-  /// Negative generalized force  g = -Q(q)  of all loads, N m per rad or N, n values. Equals grad V where no load
-  /// follows a body.
+  /// Negative generalized force  g = -Q(q)  of all loads, N m per rad or N, n values. Equals grad V if no load follows
+  /// a body.
   void negative_force(const T* q, Planar<T>* pose, T* g) const;
 
   /// Equalities and stops, constraints() values.
@@ -97,12 +97,12 @@ class Mechanism {
   const std::vector<int>& jacobian_column() const { return jacobian_column_; }
   void jacobian(Planar<T>* pose, T* values) const;
 
-  /// Sparsity of the tangent: lower triangle where symmetric, all of it with follower loads. Every diagonal entry is
+  /// Sparsity of the tangent: lower triangle if symmetric, all of it with follower loads. Every diagonal entry is
   /// present, first and in order.
   const std::vector<int>& tangent_row() const { return tangent_row_; }
   const std::vector<int>& tangent_column() const { return tangent_column_; }
   /// Tangent stiffness  K = dg/dq + sum_r multiplier_r d2 c_r/dq2: the Hessian of the Lagrangian V + multiplier . c
-  /// where loads have a potential. `multiplier` has constraints() values.
+  /// if loads have a potential. `multiplier` has constraints() values.
   void tangent(Planar<T>* pose, const T* multiplier, T* values) const;
 
   const std::vector<T>& lower() const { return lower_; }  ///< of the stops
@@ -113,18 +113,18 @@ class Mechanism {
   /// The equalities' derivatives from those of the phasors, equalities() values: sum_t C_lt f_t of every closure.
   void closures_of(const Planar<T>* f, T* c) const;
 
-  /// g += what dampers and friction resist with at the rates v; v . g is the power they take.
+  /// g += generalized forces of dampers and friction at the rates v; v . g is the power they dissipate.
   void add_resistance(Planar<T>* pose, const T* v, T* g) const;
   /// g += its change along dq and dv.
   void add_resistance_change(Planar<T>* pose, const T* v, const T* dq, const T* dv, T* g) const;
-  /// Power that follower loads give at the rates v.
+  /// Power of follower loads at the rates v.
   T follower_power(Planar<T>* pose, const T* v) const;
 
-  /// g += by d(-Q)/dp at the rates v, for p a number on which forces depend; of a force its magnitude. Only for
+  /// g += by d(-Q)/dp at the rates v, for p a number that forces depend on, of a force its magnitude. Only for
   /// Purpose::dynamics, which keeps every item.
   void add_force_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const;
 
-  /// Places of all bodies (indices of Scene::bodies) and then of all bars, dropped coordinates at their start value.
+  /// Poses of all bodies (indices of Scene::bodies) and then of all bars, dropped coordinates at their start value.
   std::vector<BodyPose<T>> poses(const T* q) const;
 
  private:
@@ -169,7 +169,7 @@ class Mechanism {
   Planar<T> world_force(const Planar<T>& force, int frame, const Planar<T>* pose) const {
     return frame >= 0 ? force * pose[frame] : force;
   }
-  // Dg over the support, as .x of the scratch behind that of the measure.
+  // Dg over the support, as .x of the scratch after that of the measure.
   const Planar<T>* slopes_of(const ForceElement& e, const Configuration<T>& here) const;
   void need_scratch(int size);
   PhasorSum<T> path_to(const Scene& scene, PointRef point) const;

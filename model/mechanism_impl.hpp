@@ -39,7 +39,7 @@ PhasorSum<T> Mechanism<T>::path_to(const Scene& scene, PointRef point) const {
   return {phasors_, layout_.path(0, {0, 0}, point.body, scene.local(point))};
 }
 
-// Every dead force F at p does the work Re(conj(F) p): summed up the tree, all of them become one number per phasor.
+// Every dead force F at p does the work Re(conj(F) p): summed over the tree, all of them become one number per phasor.
 template <class T>
 void Mechanism<T>::compile_loads(const Scene& scene) {
   load_.assign(coordinates(), {});
@@ -138,7 +138,7 @@ void Mechanism<T>::compile_stops(const Scene& scene) {
   }
 }
 
-// A force of magnitude zero has no direction, and so no derivative.
+// A force of magnitude zero has no direction, so its derivative is zero.
 template <class T>
 void Mechanism<T>::compile_load_derivatives(const Scene& scene) {
   for (const Force& f : scene.forces) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a moving mechanism asks of its phasors; the rest of Mechanism is in model/mechanism_impl.hpp.
+// Members of Mechanism for motion; the others are in model/mechanism_impl.hpp.
 
 #include <algorithm>
 

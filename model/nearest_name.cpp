@@ -6,7 +6,7 @@
 namespace poise {
 
 int edit_distance(std::string_view a, std::string_view b) {
-  // row[j] is the distance from the first i letters of a to the first j of b; a swap looks two rows back.
+  // row[j] is the distance from the first i letters of a to the first j of b; a swap uses the row before the last.
   std::vector<int> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
   for (std::size_t i = 1; i <= a.size(); ++i) {

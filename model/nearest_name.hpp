@@ -7,8 +7,8 @@
 namespace poise {
 
 /// Edit distance of two names (optimal string alignment: the Damerau-Levenshtein distance in which no part is edited
-/// twice): the least number of letters inserted, deleted, replaced or swapped with their neighbour that turns a into
-/// b. Letters are bytes. Takes |a| |b| steps.
+/// twice): the least number of letters inserted, deleted, replaced or swapped with their neighbour that changes a into
+/// b. Letters are bytes. Cost |a| |b|.
 int edit_distance(std::string_view a, std::string_view b);
 
 /// Whether one may be a misspelling of the other. L letters are those of the longer one:

@@ -15,19 +15,19 @@ namespace poise {
 /// The accessors take the address of the item whose `numbers` it is among; values are SI.
 struct Number {
   std::string_view key;         ///< in the scene file, and last part of the path
-  Dimension dimension;          ///< times measure^measure_power effort^effort_power where the item acts on a measure
+  Dimension dimension;          ///< times measure^measure_power effort^effort_power if the item acts on a measure
   Range range = Range::finite;  ///< values it may take
-  std::optional<double> (*get)(const void* item) = nullptr;  ///< empty where the scene gives none
-  /// Throws InputError with what was expected where the item's other numbers forbid the value.
+  std::optional<double> (*get)(const void* item) = nullptr;  ///< empty if the scene gives none
+  /// Throws InputError if the value contradicts the item's other numbers.
   void (*set)(void* item, double value) = nullptr;
-  void (*scale)(void* item, double factor) = nullptr;  ///< multiplies it, exactly for a power of two
+  void (*scale)(void* item, double factor) = nullptr;  ///< multiplies it; exact for a power of two
 
   int measure_power = 0;          ///< exponent of the dimension of the item's measure
   int effort_power = 0;           ///< exponent of the dimension of the force (torque) that acts on it
-  bool range_of_measure = false;  ///< takes the values of the measure instead of `range`
-  std::string_view angle_key{};   ///< key where the measure is an angle, if another
+  bool range_of_measure = false;  ///< its range is that of the measure instead of `range`
+  std::string_view angle_key{};   ///< key if the measure is an angle and the key differs
   enum class Needed { always, as_length, no };
-  Needed needed = Needed::no;  ///< whether a scene file must give it: always, or where the measure is a length
+  Needed needed = Needed::no;  ///< whether a scene file must give it: always, or if the measure is a length
 
   std::string_view key_on(const Measure* on) const {
     return on != nullptr && on->is_angle() && !angle_key.empty() ? angle_key : key;

@@ -45,7 +45,7 @@ constexpr Number place_guess(std::string_view key) {
 
 constexpr std::array<Number, 2> place_guesses{place_guess<0>("x"), place_guess<1>("y")};
 
-/// Where the numbers of one item stand: use(prefix of their path, place, item, numbers, measure of the item or null).
+/// Calls use(prefix of their path, place, item, numbers, measure of the item or null) for the numbers of every item.
 template <class AnyScene, class Use>
 void visit_items(AnyScene& scene, Use use) {
   using Parts = std::array<std::string_view, 4>;
@@ -215,7 +215,7 @@ double get_value(const Scene& scene, std::string_view path) {
   at_path(scene, path, [&](const ParameterRow& row, auto& item, const Number& number) {
     const std::optional<double> si = number.get(&item);
     if (!si && row.place.owner == Owner::drive) {
-      fail(row, "expected a drive with a start, this one begins where the mechanism stands; give it one");
+      fail(row, "expected a drive with a start, this one starts from the assembled pose; add the key start");
     }
     value = si.value_or(0.0) / row.dimension.unit(scene.units);
   });

@@ -14,7 +14,7 @@ Planar<T> coefficient(const Arm& arm) {
   return arm.turn == 0.0 ? c : c * unit(static_cast<T>(arm.turn));
 }
 
-/// A vector of the plane  p(q) = c0 + sum_e coefficient_e phi_{coordinate_e},  with the coordinates that move it.
+/// A plane vector  p(q) = c0 + sum_e coefficient_e phi_{coordinate_e},  with the coordinates that change it.
 template <class T>
 class PhasorSum {
  public:
@@ -26,12 +26,12 @@ class PhasorSum {
   };
 
   PhasorSum() = default;
-  /// Arms of one coordinate must follow each other. Coordinates that were dropped stand at their start value.
+  /// Arms of one coordinate must be consecutive. Dropped coordinates have their start value.
   PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms);
 
   const std::vector<Term>& terms() const { return terms_; }
   const Planar<T>& constant() const { return constant_; }
-  /// Coordinates that move it, sorted.
+  /// Coordinates that change it, sorted.
   const std::vector<int>& support() const { return support_; }
   int size() const { return static_cast<int>(support_.size()); }
 
@@ -57,7 +57,8 @@ class PhasorSum {
     }
   }
 
-  /// add(i, j, d2 p / d q_i d q_j) by slots i >= j of the support, each pair once: no two angles ever mix.
+  /// add(i, j, d2 p / d q_i d q_j) by slots i >= j of the support, each pair once; mixed derivatives by two angles are
+  /// zero.
   template <class Add>
   void second_derivative(const Phasors<T>& phasors, const Planar<T>* pose, Add add) const {
     for (const Term& term : terms_) {
@@ -130,7 +131,7 @@ PhasorSum<T>::PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms)
   for (const Arm& arm : arms) {
     Planar<T> c = coefficient<T>(arm);
     int t = arm.coordinate;
-    // What was dropped stays where the scene's start puts it: a length turns with its frame, an angle is a constant.
+    // A dropped coordinate keeps its start value: a length turns with its frame, an angle is a constant.
     if (t >= 0 && phasors.dropped(t) && !phasors.is_angle(t)) {
       c = phasors.start(t) * c;
       t = phasors.any_frame(t);

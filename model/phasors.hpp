@@ -10,12 +10,12 @@ namespace poise {
 /// The phasors of a mechanism's coordinates q, n = coordinates() of them, angles first:
 ///   phi_k = exp(i q_k)                 for an angle,
 ///   phi_t = q_t exp(i q_f(t)) or q_t   for a length along a line fixed in frame f(t) or in the ground.
-/// place() evaluates them once per configuration into a caller's buffer `pose`; all else reads it. Directions u, v, w
-/// have n values, phasor arrays n entries; D is a derivative with respect to q.
+/// place() evaluates them once per configuration into a caller's buffer `pose`, which all others read. Directions u, v,
+/// w have n values, phasor arrays n entries; D is a derivative with respect to q.
 template <class T>
 class Phasors {
  public:
-  /// With `keeps_values`, `pose` holds the coordinates too: measures of angles and lengths read them there.
+  /// With `keeps_values`, `pose` also holds the coordinates, for measures of angles and lengths.
   Phasors(const Layout& layout, bool keeps_values)
       : angles_(layout.angles), keeps_values_(keeps_values), start_(layout.coordinates.size()) {
     for (int t = 0; t < layout.kept; ++t) frame_.push_back(layout.coordinates[t].frame);
@@ -31,7 +31,7 @@ class Phasors {
   /// Coordinate of the angle of the frame in which the line of length t is fixed; -1 for the ground, and for angles.
   int frame(int t) const { return frame_[t]; }
 
-  /// Size of `pose`: phasors, directions of the lengths' lines, and the coordinates where it keeps them.
+  /// Size of `pose`: phasors, directions of the lengths' lines, and with `keeps_values` the coordinates.
   int pose_size() const { return (keeps_values_ ? 3 : 2) * coordinates() - angles_; }
   void place(const T* q, Planar<T>* pose) const {
     const int n = coordinates();
@@ -46,8 +46,7 @@ class Phasors {
     Planar<T>* values = pose + 2 * n - angles_;
     for (int t = 0; t < n; ++t) values[t].x = q[t];
   }
-  /// The same for some coordinates only, sorted, among them the frames of the lengths; `phasors` false: just the
-  /// values.
+  /// The same for some coordinates only, sorted, including the frames of the lengths; `phasors` false: the values only.
   void place_some(const T* q, const std::vector<int>& some, bool phasors, Planar<T>* pose) const {
     const int n = coordinates();
     for (const int t : some) {
@@ -62,12 +61,12 @@ class Phasors {
       pose[t] = q[t] * along;
     }
   }
-  /// exp(i theta_f(t)), the direction of the line along which length coordinate t runs; 1 on the ground.
+  /// exp(i theta_f(t)), the direction of the line of length coordinate t; 1 on the ground.
   const Planar<T>& line_direction(const Planar<T>* pose, int t) const { return pose[coordinates() + t - angles_]; }
   /// q_t.
   const T& value(const Planar<T>* pose, int t) const { return pose[2 * coordinates() - angles_ + t].x; }
 
-  /// Phasor and line of a coordinate that the mechanism dropped, at its start value.
+  /// Dropped coordinates and their start values.
   bool dropped(int t) const { return t >= coordinates(); }
   const T& start(int t) const { return start_[t]; }
   bool is_angle(int t) const { return is_angle_[t]; }
@@ -77,9 +76,9 @@ class Phasors {
   void first(const Planar<T>* pose, const T* u, Planar<T>* out) const;
   void second(const Planar<T>* pose, const T* u, const T* v, Planar<T>* out) const;
   void third(const Planar<T>* pose, const T* u, const T* v, const T* w, Planar<T>* out) const;
-  /// g_a += sum_t Re(conj(d phi_t/dq_a) f_t): what a force f_t on every phasor does along each coordinate.
+  /// g_a += sum_t Re(conj(d phi_t/dq_a) f_t): generalized forces of forces f_t on the phasors.
   void add_projection(const Planar<T>* pose, const Planar<T>* f, T* g) const;
-  /// g_a += sum_t Re(conj(d/dq_a D phi_t[u]) f_t): how that changes along u while f stays.
+  /// g_a += sum_t Re(conj(d/dq_a D phi_t[u]) f_t): their change along u for constant f.
   void add_projection_change(const Planar<T>* pose, const T* u, const Planar<T>* f, T* g) const;
 
  private:

@@ -4,10 +4,10 @@
 
 namespace poise {
 
-/// A vector of the plane, read also as the complex number x + i y.
+/// A plane vector, also the complex number x + i y.
 ///
 /// std::complex is unspecified for scalars other than the built-in ones, and Poise evaluates the same formulas
-/// in double and in 50 digits, so the few operations it needs are written here once.
+/// in double and in 50 digits, so the few operations needed are defined here.
 template <class T>
 struct Planar {
   T x{};
@@ -38,7 +38,7 @@ Planar<T> planar_cast(const Planar<S>& a) {
   return {static_cast<T>(a.x), static_cast<T>(a.y)};
 }
 
-/// i a: the vector turned by a quarter turn counter-clockwise.
+/// i a: the vector rotated by a quarter turn counter-clockwise.
 template <class T>
 Planar<T> quarter_turn(const Planar<T>& a) {
   return {-a.y, a.x};

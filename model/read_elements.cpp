@@ -41,7 +41,7 @@ class ElementReader {
  private:
   using Keys = std::vector<std::string_view>;
 
-  /// The tables [[key]], which share one family of names: "WHAT 1", ... where none are given.
+  /// The tables [[key]], which share one set of names: "WHAT 1", ... if none are given.
   template <class Item, class ReadOne>
   void read_family(std::string_view key, std::vector<Item>& family, ReadOne read_one) {
     const std::vector<TomlTable> tables = root_.tables(key);
@@ -100,7 +100,7 @@ class ElementReader {
   void read_loads() {
     const std::vector<TomlTable> forces = root_.tables("force");
     const std::vector<TomlTable> torques = root_.tables("torque");
-    // One family of names, for load.NAME must mean one load.
+    // Forces and torques share one set of names, because load.NAME must be unique.
     std::vector<TomlTable> loads = forces;
     loads.insert(loads.end(), torques.begin(), torques.end());
     std::vector<std::string> defaults = numbered("force", forces.size());
@@ -155,7 +155,7 @@ class ElementReader {
     return stop;
   }
 
-  /// The measure of a table that holds one of the keys `measures` and, besides a name, the keys `others`.
+  /// The measure of a table that has one of the keys `measures` and, besides a name, the keys `others`.
   Measure read_measure(const TomlTable& table, const MeasureKeys& measures, const Keys& others) const {
     const std::optional<std::string_view> key = measure_key(table, measures);
     Keys allowed{"name"};
@@ -190,18 +190,18 @@ class ElementReader {
       }
     }
     if (terms.empty())
-      table.place_of("sum").fail("expected one term or more, { factor = NUMBER, slide = \"...\" }, say");
+      table.place_of("sum").fail("expected one term or more, for example { factor = NUMBER, slide = \"...\" }");
     return Measure::sum_of(std::move(terms));
   }
 
-  /// Whether the measure under this key is an angle, before it is read: it decides which other keys the table may have.
+  /// Whether the measure under this key is an angle, before it is read: it determines the other keys of the table.
   static bool reads_angle(const TomlTable& table, std::optional<std::string_view> key) {
     if (key != "sum") return key == "bodies";
     const std::vector<TomlTable> terms = table.tables("sum");
     return !terms.empty() && terms.front().has("bodies");
   }
 
-  /// The one key among them that the table has; none where it has none of them. Fails where it has several.
+  /// The one of these keys that the table has; empty if it has none. Fails if it has several.
   static std::optional<std::string_view> measure_key(const TomlTable& table, const MeasureKeys& measures) {
     std::optional<std::string_view> key;
     for (const std::string_view measure : measures) {
@@ -214,7 +214,7 @@ class ElementReader {
 
   [[noreturn]] static void fail_without_measure(const TomlTable& table, const MeasureKeys& measures) {
     if (measures.size() == 1) {
-      // Says how the key is written.
+      // The meaning of the key.
       table.two_texts(measures.front());
     }
     std::string list;

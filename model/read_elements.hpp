@@ -1,7 +1,7 @@
 #pragma once
 
-// What acts on the bodies of a scene file: springs, dampers, friction, drives, loads and stops. Private to the readers
-// of model/.
+// Reads the items of a scene file that act on bodies: springs, dampers, friction, drives, loads and stops. Private to
+// the readers of model/.
 
 #include <span>
 #include <string_view>
@@ -14,15 +14,15 @@
 namespace poise {
 
 /// Reads these numbers of an item at its address `item`, which acts on the measure `on` or on none (null), under their
-/// keys. Fails where one that is needed is absent.
+/// keys. Fails if a required one is absent.
 void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on,
                   const Units& units);
 
 /// The tables of force elements, "spring", "torsion_spring", ..., in the order in which they are read.
 std::vector<std::string_view> element_tables();
 
-/// Reads these tables of the document `root` and adds what they hold to the scene, whose units, bodies and joints were
-/// read before and are known to `names`. Throws InputError with file, line and item.
+/// Reads these tables of the document `root` and adds their items to the scene, whose units, bodies and joints have
+/// been read and are registered in `names`. Throws InputError with file, line and item.
 void read_elements(const TomlTable& root, const SceneNames& names, Scene& scene);
 
 }  // namespace poise

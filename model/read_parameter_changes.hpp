@@ -10,7 +10,7 @@
 
 namespace poise {
 
-/// The key `set` of a table, { "load.P" = 40 }: changes, which are made in the scene as well.
+/// Reads the key `set` of a table, { "load.P" = 40 }, and applies the changes to the scene.
 std::vector<ParameterChange> read_parameter_changes(const TomlTable& table, Scene& scene);
 
 }  // namespace poise

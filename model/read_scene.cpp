@@ -131,7 +131,7 @@ class SceneReader {
       items.push_back(table);
       defaults.push_back(scene_.name_of(joints.back().a) + "-" + scene_.name_of(joints.back().b));
     }
-    // [start] calls bodies and joints by name alike, so no joint may have the name of a body.
+    // [start] refers to bodies and joints by name, so no joint may have the name of a body.
     NameLines taken;
     for (const Body& body : scene_.bodies) taken.emplace(body.name, body.line);
     const std::vector<std::string> names = names_of(items, defaults, std::move(taken));
@@ -153,7 +153,8 @@ class SceneReader {
     std::tie(joint.a, joint.b) = names_.two_points(table);
     if (joint.has_travel()) {
       joint.axis = table.vector("axis", 1.0);
-      if (joint.axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give [1, 0], say");
+      if (joint.axis == Vec2{})
+        table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
     }
     return joint;
   }

@@ -2,9 +2,9 @@
 
 namespace poise {
 
-/// Units in which a mechanism's numbers are of order one. Powers of two, so that scaling rounds nothing.
+/// Units in which a mechanism's numbers are of order one. Powers of two, so that scaling is exact.
 struct Scales {
-  double length = 1.0;  ///< m: about the reach of the mechanism
+  double length = 1.0;  ///< m: about the size of the mechanism
   double force = 1.0;   ///< N: about the sum of all loads, or, without loads, the largest spring force
 
   double energy() const { return length * force; }

@@ -11,7 +11,8 @@ namespace {
 Vec2 normalised(const Vec2& a, const std::string& joint) {
   const double larger = std::max(std::abs(a.x), std::abs(a.y));
   if (!std::isfinite(a.x) || !std::isfinite(a.y) || larger == 0.0) {
-    throw InputError("joint \"" + joint + "\": axis: expected a finite vector that is not zero; give [1, 0], say");
+    throw InputError("joint \"" + joint +
+                     "\": axis: expected a finite vector that is not zero; give for example [1, 0]");
   }
   const Vec2 scaled{a.x / larger, a.y / larger};
   return {scaled.x / norm(scaled), scaled.y / norm(scaled)};

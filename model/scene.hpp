@@ -40,7 +40,7 @@ struct Body {
   double mass = 0.0;     ///< kg
   Vec2 center{};         ///< centre of mass in the body's frame, m
   double inertia = 0.0;  ///< about the centre of mass, kg m^2
-  int line = 0;          ///< where the scene file declares it
+  int line = 0;          ///< in the scene file
 
   static const std::array<Number, 4> numbers;
 };
@@ -53,7 +53,7 @@ struct BodyInertia {
   T moment{};         ///< I + m |c|^2, kg m^2
 };
 
-/// How that changes per unit of Body::numbers[number].
+/// Derivative of the inertia by Body::numbers[number].
 inline BodyInertia<double> inertia_by(const Body& body, int number) {
   const Vec2& c = body.center;
   switch (number) {
@@ -74,9 +74,9 @@ inline constexpr std::array<Number, 4> Body::numbers{
     component_number<&Body::center, 0>("center.x", dimension::length),
     component_number<&Body::center, 1>("center.y", dimension::length)};
 
-/// A force element: a law upon a measure. The torsion spring of a scene file is a linear spring upon an angle.
+/// A force element: a law on a measure. The torsion spring of a scene file is a linear spring on an angle.
 struct Element {
-  std::string table;  ///< of the scene file in which it stands, "spring": the family of its name
+  std::string table;  ///< its table in the scene file, "spring"
   std::string name;
   Measure on;
   Law law;
@@ -129,16 +129,16 @@ struct Torque {
 
 inline constexpr std::array<Number, 1> Torque::numbers{plain_number<&Torque::value>("", dimension::torque)};
 
-/// Guesses from which loops are closed and solvers start; absent guesses are zero. Angles are absolute and
-/// unwrapped, in rad; travels in m; positions (world place of a body's origin, m) matter only to bodies that no chain
-/// of joints, or only bars, tie to the ground.
+/// Initial guesses for loop closing and solvers; absent guesses are zero. Angles are absolute and unwrapped, in rad;
+/// travels in m; positions (of a body's origin in the world, m) are used only for bodies connected to the ground by no
+/// chain of joints, or by bars only.
 struct Start {
   std::vector<std::optional<double>> angle;   ///< per body
   std::vector<std::optional<double>> travel;  ///< per joint
   std::vector<std::optional<Vec2>> position;  ///< per body
 };
 
-/// A planar mechanism as a person writes it down. All values SI.
+/// A planar mechanism as declared in a scene file. All values SI.
 struct Scene {
   std::string file;  ///< for messages
   std::string title;
@@ -154,10 +154,10 @@ struct Scene {
   std::vector<Stop> stops;
   Start start;
 
-  /// A scene that holds only the ground.
+  /// A scene with the ground only.
   Scene();
 
-  /// Building a scene in code. Each returns the index of what it added. Start guesses grow with it.
+  /// For building a scene in code. Each returns the index of the new item and extends the start guesses.
   int add_body(std::string name);
   PointRef add_point(int body, std::string name, Vec2 at);
   int add_joint(Joint joint);
@@ -178,7 +178,7 @@ inline constexpr std::array<Number, 2> Scene::numbers{
 /// Throws InputError naming file, line, item, what was expected and the nearest valid name.
 Scene read_scene(const std::filesystem::path& file);
 
-/// The same from a text; `name` stands for the file in messages.
+/// The same from a text; `name` replaces the file name in messages.
 Scene parse_scene(std::string_view text, const std::string& name);
 
 /// Sets one number of the scene, given in the scene's own units, by its path:
@@ -186,19 +186,19 @@ Scene parse_scene(std::string_view text, const std::string& name);
 ///   gravity.x | y
 ///   point.BODY.POINT.x | y   in the body's frame; BODY may be ground
 ///   body.NAME.mass | inertia | center.x | center.y
-///   TABLE.NAME.NUMBER     of a force element: spring.NAME.stiffness, friction.NAME.torque, ...; they stand beside
+///   TABLE.NAME.NUMBER     of a force element: spring.NAME.stiffness, friction.NAME.torque, ...; declared with
 ///                         each law in model/laws/
 ///   drive.NAME.start | rate | acceleration | amplitude | frequency | phase
 ///   bar.NAME.length,  slide.NAME.angle,  weld.NAME.angle
 ///   stop.NAME.min | max
 ///   start.NAME            guess for the angle of a body or the travel of a joint
-///   start.NAME.x | y      guess for the place of a body
+///   start.NAME.x | y      guess for the position of a body
 /// Throws InputError naming the nearest valid path. Takes some 10 ns per number that the scene holds.
 void set_value(Scene& scene, std::string_view path, double value);
 
-/// The number that set_value sets, in the scene's own units: get_value(set_value(x)) = x. The limit that a stop lacks
-/// is infinite, a guess that is absent 0; the start that a drive lacks is not known yet and throws InputError, and so
-/// does a path that set_value does not take.
+/// The number that set_value sets, in the scene's own units: get_value(set_value(x)) = x. An absent limit of a stop is
+/// infinite, an absent guess 0; an absent start of a drive is not known yet and throws InputError, and so does a path
+/// that set_value does not accept.
 double get_value(const Scene& scene, std::string_view path);
 
 /// SI value of one unit of that number: the scene holds get_value(scene, path) value_unit(scene, path).

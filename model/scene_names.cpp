@@ -69,7 +69,7 @@ PointRef SceneNames::point(const TomlText& name) const {
                     did_you_mean_or_list(name.value, candidates));
   }
   for (const auto& [candidate, ref] : points_) candidates.push_back(candidate);
-  // The nearest of several is the first: make that independent of the hash.
+  // Sorted, so that the nearest of several does not depend on the hash.
   std::sort(candidates.begin(), candidates.end());
   name.place.fail("expected a point \"BODY.POINT\"" + found + did_you_mean_or_list(name.value, candidates));
 }
@@ -114,7 +114,7 @@ void check_name(const std::string& name, const TomlPlace& place) {
 
 std::vector<std::string> names_of(const std::vector<TomlTable>& items, const std::vector<std::string>& defaults,
                                   NameLines taken) {
-  // Names that were chosen come first, so that no default can take one of them.
+  // Given names come first, so that no default can take one of them.
   std::vector<std::string> names(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) {
     const std::optional<TomlText> name = items[i].find_text("name");
@@ -124,7 +124,7 @@ std::vector<std::string> names_of(const std::vector<TomlTable>& items, const std
     if (!is_new) fail_taken(name->place, name->value, other->second);
     names[i] = name->value;
   }
-  // How often each default occurred: lets many parallel joints be numbered without trying every number.
+  // Count of each default, so that many parallel joints are numbered without trying every number.
   std::unordered_map<std::string, int> count;
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (!names[i].empty()) continue;

@@ -1,7 +1,6 @@
 #pragma once
 
-// The names of a scene file: who is called what, and messages with the nearest name for who is not. Private to the
-// readers of model/.
+// Look-up of the names of a scene file, with messages that give the nearest name. Private to the readers of model/.
 
 #include <string>
 #include <unordered_map>
@@ -13,27 +12,27 @@
 
 namespace poise {
 
-/// A name and the line of the file that gave it.
+/// Names and the lines of the file that declare them.
 using NameLines = std::unordered_map<std::string, int>;
 
-/// Looks up bodies, points and joints of a scene that grows. Everything is found in constant time; only a failure
-/// looks through all names for the nearest.
+/// Looks up bodies, points and joints of a scene that is being read. Look-up takes constant time; only a failure
+/// searches all names for the nearest.
 class SceneNames {
  public:
   explicit SceneNames(const Scene& scene) : scene_(scene) {}
 
-  /// Learns a body (joint) that was added to the scene, with its points.
+  /// Registers a body (joint) that was added to the scene, with its points.
   void learn_body(int body);
   void learn_joint(int joint);
 
-  /// The body so called; fails when there is none. `movable` leaves out the ground.
+  /// The body of that name; fails if there is none. `movable` excludes the ground.
   int body(const TomlText& name) const { return find_body(name, 0); }
   int movable_body(const TomlText& name) const { return find_body(name, 1); }
   /// The point "BODY.POINT", split at the last dot.
   PointRef point(const TomlText& name) const;
-  /// The slide or pin in a slot so called.
+  /// The slide or pin in a slot of that name.
   int travelling_joint(const TomlText& name) const;
-  /// The two ends of something that joins two different bodies: the key `points` (`bodies`) of the table.
+  /// The two ends of an item between two different bodies: the key `points` (`bodies`) of the table.
   std::pair<PointRef, PointRef> two_points(const TomlTable& table) const;
   std::pair<int, int> two_bodies(const TomlTable& table) const;
 
@@ -56,11 +55,11 @@ class SceneNames {
 /// Fails because something else, in that line of the file (0: in none), has the name already.
 [[noreturn]] void fail_taken(const TomlPlace& place, const std::string& name, int line);
 
-/// Fails unless a name is fit to be shown and referred to: not empty, no control characters.
+/// Fails unless a name is valid: not empty, no control characters.
 void check_name(const std::string& name, const TomlPlace& place);
 
-/// The name of each item: what its key `name` says, which must be new, or its default, to which " (2)", " (3)", ... is
-/// added when it is not. `taken` are names that other things have already.
+/// The name of each item: the value of its key `name`, which must be unique, or its default, made unique by " (2)", "
+/// (3)", ... `taken` are names already in use.
 std::vector<std::string> names_of(const std::vector<TomlTable>& items, const std::vector<std::string>& defaults,
                                   NameLines taken);
 

@@ -101,7 +101,7 @@ TomlPlace TomlTable::place_of(std::string_view key) const {
 
 TomlPlace TomlTable::place_of(const toml::node& node, std::string_view key) const {
   TomlPlace place = place_of(key);
-  // Tables that a dotted key implies have no place of their own.
+  // Tables implied by a dotted key have no line of their own.
   if (!node.is_table()) place.line = line_of(node.source());
   return place;
 }
@@ -153,7 +153,7 @@ bool TomlTable::flag(std::string_view key, bool otherwise) const {
 }
 
 long long TomlTable::whole_number(std::string_view key, long long least, long long otherwise) const {
-  constexpr double most = 9007199254740992.0;  // up to which a double holds every whole number
+  constexpr double most = 9007199254740992.0;  // up to which a double represents every whole number
   const std::optional<double> number = find_number(key, 1.0, Range::finite);
   if (!number) return otherwise;
   if (*number != std::floor(*number) || *number < static_cast<double>(least) || *number > most) {

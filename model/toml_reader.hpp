@@ -1,6 +1,6 @@
 #pragma once
 
-// Checked access to a TOML document: every value is asked for with what it must be, and whatever is not so throws an
+// Checked access to a TOML document: every value is read with its expected type and range, and any other throws an
 // InputError "file:line: item: expected ...". Private to the readers of files.
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace poise {
 
-/// Where a value stands, for messages.
+/// The place of a value in a file, for messages.
 struct TomlPlace {
   std::string_view file;  ///< outlived by what it names: the reader keeps the string
   int line = 0;           ///< 0: it is in no file
@@ -30,7 +30,7 @@ struct TomlPlace {
   [[noreturn]] void fail(const std::string& message) const;
 };
 
-/// Calls f; what it throws as InputError is thrown again with the place in front.
+/// Calls f; an InputError from f is thrown again with the place in front.
 template <class F>
 auto located(const TomlPlace& place, F f) {
   try {
@@ -40,13 +40,13 @@ auto located(const TomlPlace& place, F f) {
   }
 }
 
-/// A string and where it stands.
+/// A string and its place.
 struct TomlText {
   std::string value;
   TomlPlace place;
 };
 
-/// Index of the text among the words that are allowed; fails with the nearest.
+/// Index of the text among the allowed words; fails with the nearest.
 std::size_t choose(const TomlText& text, const std::vector<std::string>& words);
 
 /// A table read key by key. Refers to a document that must outlive it.
@@ -60,16 +60,16 @@ class TomlTable {
   bool has(std::string_view key) const { return table_->contains(key); }
   bool holds_table(std::string_view key) const;
   bool holds_list(std::string_view key) const;
-  /// The place of one key of the table, be it there or not.
+  /// The place of one key of the table, present or not.
   TomlPlace place_of(std::string_view key) const;
   /// The keys in the order of the file.
   std::vector<std::string> keys() const;
-  /// Fails on the first key that is not among `valid`, with the nearest one that is.
+  /// Fails on the first key that is not in `valid`, with the nearest valid one.
   void allow_keys(std::span<const std::string_view> valid) const;
   void allow_keys(std::initializer_list<std::string_view> valid) const { allow_keys(std::span(valid)); }
 
-  /// The number under `key` times `unit`, the SI value of the unit it is written in. Fails unless it is an integer or a
-  /// float that lies in `range`, also after conversion. The second kind is empty when the key is absent.
+  /// The number under `key` times `unit`, the SI value of its unit. Fails unless it is an integer or a float within
+  /// `range`, also after conversion. The second is empty if the key is absent.
   double number(std::string_view key, double unit, Range range) const;
   std::optional<double> find_number(std::string_view key, double unit, Range range) const;
 
@@ -90,8 +90,8 @@ class TomlTable {
   std::vector<TomlText> texts(std::string_view key) const;
 
   std::optional<TomlTable> find_table(std::string_view key) const;
-  /// The tables of [[key]], none when the key is absent; each one's item is `key "NAME"` if it has a name, else
-  /// "key 2" by its place in the list, behind the item of this table.
+  /// The tables of [[key]], none when the key is absent; the item of each is `key "NAME"` if it has a name, otherwise
+  /// "key 2" by its position in the list, after the item of this table.
   std::vector<TomlTable> tables(std::string_view key) const;
 
  private:

@@ -4,8 +4,8 @@
 
 namespace poise {
 
-/// SI value of one unit of the scene. Every number in a Scene is SI already (m, N, kg, rad); the units are kept
-/// so that results can be shown in what the user wrote.
+/// SI values of the units of a scene file. Every number in a Scene is SI (m, N, kg, rad); the units are kept to show
+/// results in the units of the file.
 struct Units {
   std::string length_name = "m";
   std::string force_name = "N";

@@ -14,7 +14,7 @@ inline bool contains(Range range, double value) {
   return range == Range::finite || value > 0.0 || (range == Range::not_negative && value == 0.0);
 }
 
-/// "expected a finite number >= 0, found -1": what to say about a value that the range does not contain.
+/// Message about a value outside the range: "expected a finite number >= 0, found -1".
 inline std::string out_of_range(Range range, double value) {
   const char* const limit = range == Range::positive ? " > 0" : range == Range::not_negative ? " >= 0" : "";
   char digits[32];

@@ -8,9 +8,9 @@
 
 namespace poise {
 
-/// Constant force: T = F whatever the measure, V = F g. A counterweight on a rope, a constant-force spring.
+/// Constant force: T = F for every value of the measure, V = F g. A counterweight on a rope, a constant-force spring.
 struct ConstantForce {
-  double force = 0.0;  ///< F: N or N m, positive where it tends to diminish g
+  double force = 0.0;  ///< F: N or N m, positive if it tends to reduce g
 
   template <class S>
   S energy(const S& g) const {

@@ -10,13 +10,13 @@
 
 namespace poise {
 
-/// A motor that prescribes its measure, an angle or a travel, as a function of time t, whatever force that takes:
+/// A motor that prescribes its measure, an angle or a travel, as a function of time t, with unlimited force:
 ///   g(t) = start + rate t + acceleration t^2/2 + amplitude (sin(2 pi frequency t + phase) - sin(phase)).
 /// rad or m. Statics leaves drives out.
 struct Drive {
   std::string name;
   Measure on;
-  std::optional<double> start;  ///< absent: where the mechanism stands when it is assembled
+  std::optional<double> start;  ///< absent: the value in the assembled pose
   double rate = 0.0;
   double acceleration = 0.0;
   double amplitude = 0.0;

@@ -9,7 +9,7 @@
 
 namespace poise {
 
-/// Dry friction: T = F tanh((dg/dt) / width), Coulomb's law made smooth, so that bodies creep instead of sticking.
+/// Dry friction: T = F tanh((dg/dt) / width), regularized Coulomb friction, so that bodies creep instead of sticking.
 struct DryFriction {
   double force = 0.0;   ///< F, of sliding: N or N m
   double width = 0.01;  ///< m/s or rad/s
@@ -30,10 +30,10 @@ struct DryFriction {
 
   std::string_view idle() const { return {}; }
 
-  // Its slope at rest comes only of making Coulomb's law smooth.
+  // Its slope at rate zero is only due to the regularization.
   static constexpr bool damps_small_motion = false;
   static constexpr std::string_view left_out =
-      "nothing moves in statics, but it may hold the mechanism elsewhere; rests are found as if it were not there";
+      "nothing moves in statics; friction may also hold the mechanism in other poses, which are not searched";
   static constexpr std::array tables{LawTable{"friction"}};
   static const std::array<Number, 2> numbers;
 };

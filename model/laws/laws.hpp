@@ -12,17 +12,17 @@
 
 namespace poise {
 
-/// Every force law there is. A new one is a file beside these and one name here.
+/// All force laws. A new one needs its own file in this folder and its name here.
 using Law = std::variant<LinearSpring, CubicSpring, ConstantForce, Damper, DryFriction>;
 
-/// A law that stores energy, and so acts on a mechanism at rest.
+/// A law that stores energy, and so acts in statics.
 template <class L>
 concept StoresEnergy = requires(const L& law, double g) {
   law.energy(g);
   law.at_rest(g);
 };
 
-/// A law that resists motion, and is without force where nothing moves.
+/// A law that resists motion, without force at rate zero.
 template <class L>
 concept ResistsMotion = requires(const L& law, double g) {
   law.resisting(g, g);
@@ -36,7 +36,7 @@ inline bool resists_motion(const Law& law) {
   return std::visit([]<class L>(const L&) { return ResistsMotion<L>; }, law);
 }
 
-/// True where the force is proportional to small rates, so that small oscillations know it as damping.
+/// True if the force is proportional to small rates, so that it damps small oscillations.
 inline bool damps_small_motion(const Law& law) {
   return std::visit(
       []<class L>(const L&) {
@@ -52,12 +52,12 @@ inline std::span<const Number> numbers_of(const Law& law) {
   return std::visit([](const auto& l) { return std::span<const Number>(l.numbers); }, law);
 }
 
-/// Why the law never acts, with the numbers it has; empty where it does.
+/// Why the law never acts with its present numbers; empty if it does.
 inline std::string_view idle(const Law& law) {
   return std::visit([](const auto& l) { return l.idle(); }, law);
 }
 
-/// Why statics leaves the law out; empty where it acts at rest.
+/// Why statics leaves the law out; empty if it acts in statics.
 inline std::string_view left_out_of_statics(const Law& law) {
   return std::visit(
       []<class L>(const L&) -> std::string_view {
@@ -69,7 +69,7 @@ inline std::string_view left_out_of_statics(const Law& law) {
       law);
 }
 
-/// Size of the force at rest where the measure has changed by `change`; 0 for laws that store no energy.
+/// Size of the static force for a change `change` of the measure; 0 for laws that store no energy.
 inline double force_scale(const Law& law, double change) {
   return std::visit(
       [&]<class L>(const L& l) {
@@ -94,7 +94,7 @@ S energy(const Law& law, const S& g) {
       law);
 }
 
-/// What the law does to a mechanism at rest.
+/// Static force of the law, 0 for laws that store no energy.
 template <class S>
 LawForce<S> force_at_rest(const Law& law, const S& g) {
   return std::visit(
@@ -107,7 +107,7 @@ LawForce<S> force_at_rest(const Law& law, const S& g) {
       law);
 }
 
-/// What the law does at the rate w beyond that.
+/// Additional force of the law at the rate w.
 template <class S>
 LawForce<S> force_of_motion(const Law& law, const S& g, const S& w) {
   return std::visit(

@@ -40,7 +40,7 @@ struct LinearSpring {
     return number == 0 ? S(g - S(free_length)) : S(-S(stiffness));
   }
 
-  /// Size of the force where g has changed by `change`: sets the scale of a scene without loads.
+  /// Size of the force for a change `change` of g: sets the scale of a scene without loads.
   double force_scale(double change) const { return stiffness * change; }
 
   std::string_view idle() const { return stiffness == 0.0 ? "its stiffness is zero" : ""; }

@@ -10,7 +10,7 @@
 
 namespace poise {
 
-/// A stop keeps min <= g <= max of the measure g: rad or m. The limit that it lacks is infinite.
+/// A stop keeps min <= g <= max of the measure g: rad or m. An absent limit is infinite.
 struct Stop {
   std::string name;
   Measure on;

@@ -4,17 +4,17 @@
 
 namespace poise {
 
-/// A configuration of a mechanism, as Phasors::place() left it, and scratch behind it.
+/// A configuration of a mechanism, as evaluated by Phasors::place(), with scratch memory.
 template <class T>
 struct Configuration {
   const Phasors<T>& phasors;
   const Planar<T>* pose;
-  Planar<T>* scratch;  ///< as many as the measure's scratch_size() says
+  Planar<T>* scratch;  ///< scratch_size() entries of the measure
 
   const T& value(int coordinate) const { return phasors.value(pose, coordinate); }
 };
 
-// What a compiled measure g(q) provides, by slots: places in the sorted list support() of coordinates that move it.
+// Members of a compiled measure g(q), by slots: indices into the sorted list support() of coordinates that change it.
 //   value(at)                          g
 //   gradient(at, use)                  use(slot, dg/dq) for every slot whose derivative may differ from zero
 //   curvature(at, force, slope, add)   add(i, j, value) by slots i >= j, summed up:  force D2g + slope Dg Dg^T

@@ -11,8 +11,8 @@ namespace poise {
 ///   r_u   = d.d_u / r
 ///   r_uv  = (d_u.d_v + d.d_uv - r_u r_v) / r
 ///   r_uvw = (d_u.d_vw + d_v.d_uw + d_w.d_uv + d.d_uvw - r_uv r_w - r_uw r_v - r_vw r_u) / r.
-/// Where the points coincide the distance has no direction: its gradient counts as zero there. A force T(r) along it
-/// then acts like a spring of free length zero and stiffness dT/dr.
+/// If the points coincide the distance has no direction: its gradient is set to zero. A force T(r) along it then acts
+/// like a spring of free length zero and stiffness dT/dr.
 template <class T>
 class DistanceMeasure {
  public:

@@ -14,7 +14,7 @@ class LinearMeasure {
   LinearMeasure() = default;
   explicit LinearMeasure(const T& constant) : constant_(constant) {}
 
-  /// g += factor q_coordinate, with a coordinate that was dropped at its start value, and none (-1) at zero.
+  /// g += factor q_coordinate; a dropped coordinate counts with its start value, none (-1) with zero.
   void add(const Phasors<T>& phasors, int coordinate, const T& factor) {
     if (coordinate < 0) return;
     if (phasors.dropped(coordinate)) {

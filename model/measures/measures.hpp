@@ -87,7 +87,7 @@ class CompiledMeasure {
     return sum;
   }
 
-  // A sum within a sum is multiplied out.
+  // A sum within a sum is expanded.
   static void add_terms(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure,
                         const T& factor, SumMeasure<T>& sum) {
     for (const Measure::Term& term : measure.terms) {

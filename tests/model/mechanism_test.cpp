@@ -492,9 +492,9 @@ TEST(Mechanism, DropsWhatNothingAsksFor) {
   ASSERT_EQ(layout.coordinates.size(), 2u);
   EXPECT_EQ(layout.kept, 1);
   EXPECT_EQ(layout.coordinates[0].name, "link1");
-  EXPECT_PRED2(contains, layout.coordinates[0].why(), "bears a load");
+  EXPECT_PRED2(contains, layout.coordinates[0].why(), "carries a load");
   EXPECT_EQ(layout.coordinates[1].name, "link2");
-  EXPECT_PRED2(contains, layout.coordinates[1].why(), "bears no load");
+  EXPECT_PRED2(contains, layout.coordinates[1].why(), "carries no load");
   // It keeps its guess, carried along by the first link.
   const double q = 1.0;
   const BodyPose<double> hanging = mechanism.poses(&q)[2];
@@ -560,7 +560,7 @@ TEST(Mechanism, NamesWhatOnlyMotionMeets) {
   EXPECT_PRED2(contains, dropped, "damper \"oil\": nothing moves in statics");
   EXPECT_PRED2(contains, dropped, "torsion damper \"grease\": nothing moves in statics");
   EXPECT_PRED2(contains, dropped, "friction \"dry\": nothing moves in statics");
-  EXPECT_PRED2(contains, dropped, "drive \"motor\": statics does not know drives, its coordinate is free");
+  EXPECT_PRED2(contains, dropped, "drive \"motor\": statics leaves drives out, its coordinate is free");
   EXPECT_TRUE(lay_out(scene, Purpose::dynamics).dropped.empty());
 }
 

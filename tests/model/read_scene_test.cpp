@@ -727,7 +727,7 @@ INSTANTIATE_TEST_SUITE_P(
         after("SlotAxisMissing", "[[pin_in_slot]]\npoints = ['ground.O', 'crank.O']\n",
               "7: pin_in_slot 1: expected the key axis; add axis = [X, Y]"),
         after("AxisZero", "[[slide]]\npoints = ['ground.O', 'crank.O']\naxis = [0, 0.0]\n",
-              "9: slide 1.axis: expected a direction, found [0, 0]; give [1, 0], say"),
+              "9: slide 1.axis: expected a direction, found [0, 0]; give for example [1, 0]"),
         after("LengthMissing", "[[bar]]\npoints = ['ground.O', 'crank.O']\n",
               "7: bar 1: expected the key length; add length = NUMBER"),
         after("LengthZero", "[[bar]]\nlength = 0\npoints = ['ground.O', 'crank.O']\n",
@@ -904,7 +904,7 @@ INSTANTIATE_TEST_SUITE_P(
         after("ConstantForceNotFinite", "[[constant_force]]\nbodies = ['ground', 'rod']\ntorque = inf\n",
               "9: constant_force 1.torque: expected a finite number, found inf"),
         after("SumEmpty", "[[spring]]\nsum = []\nstiffness = 1\nfree_length = 1\n",
-              "8: spring 1.sum: expected one term or more, { factor = NUMBER, slide = \"...\" }, say"),
+              "8: spring 1.sum: expected one term or more, for example { factor = NUMBER, slide = \"...\" }"),
         after("SumOfAnglesAndLengths",
               "[[spring]]\nsum = [{ factor = 1, x = 'rod.B' },\n{ factor = 1, bodies = ['ground', 'rod'] }]\n"
               "stiffness = 1\nfree_length = 1\n",

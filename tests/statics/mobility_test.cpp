@@ -274,8 +274,8 @@ TEST(Mobility, SaysWhatIsKeptAndWhatIsDroppedAndWhy) {
                                       "kept.toml"));
   const Mobility mobility = analyse_mobility(model);
   EXPECT_EQ(mobility.kept.size(), 1u);
-  EXPECT_TRUE(any_contains(mobility.kept, "angle \"arm\"", "bears a load"));
-  EXPECT_TRUE(any_contains(mobility.dropped, "angle \"idle\"", "bears no load"));
+  EXPECT_TRUE(any_contains(mobility.kept, "angle \"arm\"", "carries a load"));
+  EXPECT_TRUE(any_contains(mobility.dropped, "angle \"idle\"", "carries no load"));
   EXPECT_TRUE(any_contains(mobility.dropped, "mass of 2 bodies", "no gravity"));
   EXPECT_TRUE(any_contains(mobility.dropped, "inertia of 1 body", "nothing moves in statics"));
   EXPECT_TRUE(any_contains(mobility.dropped, "force \"Z\"", "zero"));
