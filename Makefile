@@ -1,4 +1,4 @@
-# The short commands. Everything they do is CMake's: see CMakePresets.json and CMakeLists.txt.
+# Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
 #   make run | test | bench | benchmarks | figures | lint | format | compile-time | install PREFIX=/usr/local | setup | clean
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 
@@ -27,7 +27,7 @@ bench: benchmarks
 	$(BUILD)/benchmarks/poise_benchmarks --benchmark_min_time=0.1 $(ARGS)
 	$(MAKE) figures PRESET=$(PRESET)
 
-# Every picture and table that README.md and docs/ show, made anew on this machine.
+# Makes every picture and table of README.md and docs/ anew on this machine.
 figures: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg docs/toggle_clamp.svg
 	$(BUILD)/poise compare datasets/six_bar.toml --tolerances 1e-2..1e-14 --svg docs/work_precision.svg

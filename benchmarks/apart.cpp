@@ -48,7 +48,7 @@ double peak_memory() {
 bool run_apart(const std::function<void(void*)>& work, void* result, std::size_t size, double seconds) {
   int ends[2];
   if (pipe(ends) != 0) return false;
-  std::fflush(nullptr);  // what waits to be printed is not the child's to print
+  std::fflush(nullptr);  // the child must not print the parent's buffered output
   const pid_t child = fork();
   if (child < 0) return false;
   if (child == 0) {

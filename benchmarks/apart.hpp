@@ -9,14 +9,14 @@
 
 namespace poise::benchmarks {
 
-/// Most memory that this process has ever held, kB (VmHWM of /proc/self/status).
+/// Peak memory of this process, kB (VmHWM of /proc/self/status).
 double peak_memory();
 
-/// Runs `work` in a child process of its own, so that memory is counted from nothing and whatever runs too long can be
-/// ended. `work` fills `size` bytes at its argument. False where the child failed or took more than `seconds`.
+/// Runs `work` in a child process, so that its memory is measured separately and it can be ended after a time limit.
+/// `work` fills `size` bytes at its argument. False if the child failed or took more than `seconds`.
 bool run_apart(const std::function<void(void*)>& work, void* result, std::size_t size, double seconds);
 
-/// The same for a plain struct; nothing where the child failed or took too long.
+/// The same for a plain struct; empty if the child failed or took too long.
 template <class Result>
 std::optional<Result> run_apart(const std::function<Result()>& work, double seconds) {
   static_assert(std::is_trivially_copyable_v<Result>);

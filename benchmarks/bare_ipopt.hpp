@@ -5,16 +5,15 @@
 
 namespace poise::benchmarks {
 
-/// Minimum energy by Ipopt as one would write it for one problem alone: exact derivatives from the formulas below and
-/// the options of solvers/ipopt.cpp, none of Poise. The yardstick for Poise's energy method.
+/// Minimum energy by Ipopt, programmed for one problem alone: exact derivatives from the formulas below and the options
+/// of solvers/ipopt.cpp, without Poise. The reference for Poise's energy method.
 struct BareIpoptResult {
-  bool solved = false;  ///< Ipopt's own word
+  bool solved = false;  ///< as Ipopt reports
   int iterations = 0;
   std::vector<double> angles;  ///< rad
 };
 
-/// Units in which Ipopt sees the numbers, so that both programs can be given the same ones: how far Ipopt goes in one
-/// iteration depends on them.
+/// Units of the numbers given to Ipopt, so that both programs use the same: its step lengths depend on them.
 struct BareUnits {
   double length = 1.0;
   double force = 1.0;

@@ -1,7 +1,6 @@
-// poise_baselines: what people would use if there were no Poise, on the same small mechanisms, in the same run: Ipopt,
-// SciPy and Simbody, each with exact derivatives and with the loosest tolerance that is good enough. What is not
-// installed is left out, visibly. No time is printed whose answer is wrong. Exit code 1 where an answer of ours is
-// wrong: how fast a machine is today passes or fails nothing.
+// poise_baselines: alternatives to Poise on the same small mechanisms in the same run: Ipopt, SciPy and Simbody, each
+// with exact derivatives and with the loosest sufficient tolerance. Programs that are not installed are listed as left
+// out. Times of wrong answers are not printed. Exit code 1 if an answer of Poise is wrong; times do not affect it.
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +25,7 @@ constexpr const char* scenes[] = {"thesis_four_bar.toml", "four_bar_gravity.toml
                                   "toggle_press.toml",    "vertical_slider_crank.toml", "thesis_chain.toml",
                                   "pendulum_chain.toml",  "chain of 10 links",          "chain of 100 links"};
 
-// How many times faster Poise promises to be, on mechanisms of at most `small` coordinates, at an error that is not
+// Required speed of Poise relative to theirs, on mechanisms of at most `small` coordinates, at an error that is not
 // larger than theirs, or rounding.
 const std::map<std::string, double> promises = {{"Ipopt", 500.0}, {"SciPy", 50.0}, {"Simbody", 300.0}};
 constexpr int small = 20;
@@ -72,7 +71,7 @@ class Table {
       fmt::print("  {:<8} >= {:>3} x  {:<6}  least {:.0f} x ({})", family, limit,
                  promise.missed == 0 ? "met" : "MISSED", promise.least, promise.scene);
       if (promise.missed > 0) fmt::print("; missed in {} of {}", promise.missed, promise.missed + promise.kept);
-      if (promise.nobody > 0) fmt::print("; no method arrives in {} more", promise.nobody);
+      if (promise.nobody > 0) fmt::print("; no method converges in {} more", promise.nobody);
       fmt::print("\n");
     }
   }
@@ -92,8 +91,8 @@ class Table {
   static std::string line(const SolverResult& s, const SolverResult& ours) {
     const std::string name = s.solver->family + " " + s.solver->method;
     if (!s.arrives) {
-      const std::string how = std::isinf(s.error) ? "it fails" : fmt::format("{:.1e} off", s.error);
-      return fmt::format("  {:<34}does not arrive: {}", name, how);
+      const std::string how = std::isinf(s.error) ? "it fails" : fmt::format("error {:.1e}", s.error);
+      return fmt::format("  {:<34}does not converge: {}", name, how);
     }
     const std::string accuracy = s.solver->has_accuracy ? fmt::format("{:.0e}", s.accuracy) : "-";
     const std::string nearby = s.nearby < 0 ? "-" : fmt::format("{}/{}", s.nearby, nearby_starts);
@@ -116,7 +115,7 @@ class Table {
     return fmt::format("  >= {} {}{}", limit, met ? "met" : "MISSED", as_exact ? "" : ", ours is less exact");
   }
 
-  // Families that took part and have no method that arrives.
+  // Families that took part without a method that converges.
   void note_absent(const std::vector<SolverResult>& results) {
     std::set<std::string> took_part;
     for (const SolverResult& s : results) took_part.insert(s.solver->family);
@@ -125,7 +124,7 @@ class Table {
     }
   }
 
-  // Ours are virtual work and the adapter to Ipopt; this one is asked for as little as will do.
+  // Methods of Poise are virtual work and the adapter to Ipopt; the latter is run at the loosest sufficient tolerance.
   void check_answer(const SolverResult& s) {
     const bool by_virtual_work = s.solver->family == "Poise";
     if (!by_virtual_work && s.solver->family != "Ipopt") return;
@@ -140,7 +139,7 @@ class Table {
   bool all_right_ = true;
 };
 
-// Empty for what was not there when Poise was configured.
+// Empty for a program that was not found when Poise was configured.
 std::vector<std::string> scipy_command() {
 #ifdef POISE_SCIPY_PYTHON
   return {POISE_SCIPY_PYTHON, POISE_SOURCE_DIR "/benchmarks/scipy_baseline.py", POISE_EVALUATE_SCENE};

@@ -1,6 +1,6 @@
 // A library for programs in other languages: a scene's potential, closures and their exact derivatives, dense, row by
-// row, in Poise's scaled coordinates, at compiled speed. scipy_baseline.py loads it. What goes in and what comes out
-// stays in the scene's own memory, so that a call passes one pointer.
+// row, in Poise's scaled coordinates, at compiled speed. scipy_baseline.py loads it. Input and output are in the
+// scene's own memory, so that a call passes one pointer.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ using poise::solvers::Evaluation;
 using poise::solvers::Pattern;
 using poise::solvers::Problem;
 
-// What the other language sees. n variables x, m closures c with multipliers y.
+// The interface to the other language. n variables x, m closures c with multipliers y.
 struct SceneView {
   int n, m;
   long evaluations;    // distinct points x so far
@@ -124,7 +124,7 @@ DenseScene& dense(SceneView* scene) { return *static_cast<DenseScene*>(scene); }
 
 extern "C" {
 
-// Null where the scene cannot be had; stderr has the reason.
+// Null if the scene cannot be read; the reason is on stderr.
 SceneView* scene_open(const char* name) {
   try {
     return new DenseScene(name);

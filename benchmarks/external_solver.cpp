@@ -19,7 +19,7 @@ constexpr int patience = 60000;  // ms, for one answer
 [[noreturn]] void become(const std::vector<std::string>& command, int in, int out) {
   dup2(in, STDIN_FILENO);
   dup2(out, STDOUT_FILENO);
-  // Threads of a BLAS only cost time on matrices this small.
+  // Threads of BLAS only slow down matrices this small.
   for (const char* threads : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"}) setenv(threads, "1", 1);
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -31,7 +31,7 @@ constexpr int patience = 60000;  // ms, for one answer
 }  // namespace
 
 ExternalSolver::ExternalSolver(std::string name, const std::vector<std::string>& command) : name_(std::move(name)) {
-  std::signal(SIGPIPE, SIG_IGN);  // one that died is told by write()
+  std::signal(SIGPIPE, SIG_IGN);  // write() reports a process that has ended
   if (!launch(command)) {
     why_absent_ = "no process could be started";
     return;
@@ -97,7 +97,7 @@ bool ExternalSolver::read_line() {
   }
 }
 
-// True where the answer is "ok"; what follows it is then in answer_.
+// True if the answer is "ok"; answer_ then has the rest of it.
 bool ExternalSolver::ask(const std::string& request) {
   if (process_ < 0) return false;
   const std::string line = request + "\n";
@@ -130,7 +130,7 @@ std::optional<SolverAnswer> ExternalSolver::solve(int method, double accuracy, i
   std::istringstream words(answer_);
   words >> answer.seconds >> answer.evaluations >> answer.claimed;
   for (double value = 0.0; words >> value;) answer.x.push_back(value);
-  if (answer.x.size() != variables_) return std::nullopt;  // reading ends where a number is not finite
+  if (answer.x.size() != variables_) return std::nullopt;  // reading ends at a number that is not finite
   return answer;
 }
 

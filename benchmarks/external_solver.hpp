@@ -8,16 +8,16 @@
 
 namespace poise::benchmarks {
 
-/// What a solver found, and how long that took it.
+/// Result and time of a solver.
 struct SolverAnswer {
-  double seconds = 0.0;   ///< per solution, measured by the solver itself around its own work alone
+  double seconds = 0.0;   ///< per solution, measured by the solver itself, without communication
   int evaluations = 0;    ///< distinct points, per solution
-  bool claimed = false;   ///< its own word
+  bool claimed = false;   ///< it reports success
   std::vector<double> x;  ///< Poise's scaled coordinates
 };
 
-/// A program that solves scenes in a process of its own, because it is in another language or brings an Ipopt of its
-/// own along. It reads one line at a time from its input and answers with one line each:
+/// A program that solves scenes in a separate process, because it is in another language or contains its own Ipopt. It
+/// reads one line at a time from its input and answers with one line each:
 ///
 ///     methods                       ok NAME|NAME|...
 ///     idle                          ok SECONDS          (least that its quickest method takes, with nothing to solve)
@@ -25,11 +25,11 @@ struct SolverAnswer {
 ///     start X1 X2 ...               ok                  (scaled coordinates from which every solution starts)
 ///     solve METHOD ACCURACY TIMES   ok SECONDS EVALUATIONS CLAIMED X1 X2 ...     (METHOD counts from 0)
 ///
-/// or "no WHY". Accuracy is about the error of coordinates wanted, 1e-4 to 1e-14: each method makes its own tolerances
-/// of it.
+/// or "no WHY". Accuracy is about the required error of coordinates, 1e-4 to 1e-14: each method derives its tolerances
+/// from it.
 class ExternalSolver {
  public:
-  /// Starts `command`. Where it does not answer, why_absent() says so and it has no methods.
+  /// Starts `command`. If it does not answer, why_absent() gives the reason and it has no methods.
   ExternalSolver(std::string name, const std::vector<std::string>& command);
   ~ExternalSolver();
   ExternalSolver(const ExternalSolver&) = delete;
@@ -39,13 +39,13 @@ class ExternalSolver {
   const std::vector<std::string>& methods() const { return methods_; }
   const std::string& why_absent() const { return why_absent_; }
 
-  /// Seconds that its quickest method takes at least. Nothing where it does not tell.
+  /// Least time of its fastest method, s. Empty if it does not report one.
   std::optional<double> idle();
-  /// False where the solver cannot do this scene; why_not() says why.
+  /// False if the solver does not support this scene; why_not() gives the reason.
   bool take(const std::string& scene);
   const std::string& why_not() const { return why_not_; }
   bool start_from(const std::vector<double>& x);
-  /// Nothing where it failed, or took longer than a minute and was ended.
+  /// Empty if it failed, or took longer than a minute and was ended.
   std::optional<SolverAnswer> solve(int method, double accuracy, int times);
 
  private:

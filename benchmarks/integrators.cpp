@@ -110,7 +110,7 @@ double apart(const State& a, const State& b) {
   return most;
 }
 
-// The quickest of several runs.
+// The fastest of several runs.
 Measured measure(const Integrator& by, Swing& swing, double tolerance, const State& truth) {
   Measured out;
   out.tolerance = tolerance;
@@ -127,7 +127,7 @@ Measured measure(const Integrator& by, Swing& swing, double tolerance, const Sta
   return out;
 }
 
-// Seconds for an error, between the two measurements around it on logarithmic scales; none where none was so good.
+// Seconds for an error, between the two measurements around it on logarithmic scales; empty if none reached that error.
 std::optional<double> seconds_for(const std::vector<Measured>& measured, double error) {
   std::optional<double> best;
   for (std::size_t k = 0; k + 1 < measured.size(); ++k) {
@@ -186,13 +186,13 @@ void compare(const std::string& title, Swing& swing) {
 
 int compare_all() {
   if (sundials_integrators().empty()) fmt::print("SUNDIALS was not found: CVODES and ARKODE are skipped.\n");
-  // All these scenes count the bodies that are let go first.
+  // In all these scenes the released bodies come first.
   Swing lift(read_scene(dataset("lift.toml")), {{0, false, 0.005}}, true, 2.0);
-  compare("Lift, let go 5 mrad from its rest", lift);
+  compare("Lift, released 5 mrad from its equilibrium", lift);
   Swing pendulum(read_scene(dataset("pendulum_a01.toml")), {}, false, 10.0);
   compare("Pendulum of A01", pendulum);
   Swing arms(read_scene(dataset("double_pendulum.toml")), {{0, false, 0.5}, {1, false, 1.0}}, false, 2.0);
-  compare("Double pendulum let go from above", arms);
+  compare("Double pendulum released from above", arms);
   return 0;
 }
 

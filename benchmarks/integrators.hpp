@@ -8,7 +8,7 @@
 
 namespace poise::benchmarks {
 
-/// Counts evaluations of the system it hands on.
+/// Counts evaluations of the system that it wraps.
 class CountedSystem : public solvers::OdeSystem {
  public:
   explicit CountedSystem(solvers::OdeSystem& system) : system_(system) {}
@@ -25,14 +25,14 @@ class CountedSystem : public solvers::OdeSystem {
 };
 
 /// A way from y at t = 0 to y at `end`, all components of order one, each step's error estimate below `tolerance` (the
-/// step itself of the method with fixed steps). Empty where it fails.
+/// step itself of the method with fixed steps). Empty if it fails.
 struct Integrator {
   std::string name;
   bool fixed_steps = false;
   std::function<std::vector<double>(solvers::OdeSystem&, std::vector<double> y, double end, double tolerance)> run;
 };
 
-/// RungeKutta78 of solvers/, the steps by next_step(), as simulate() has it.
+/// RungeKutta78 of solvers/, step sizes by next_step(), as in simulate().
 Integrator poise_integrator();
 /// Boost.Odeint: fixed RK4, and Bulirsch-Stoer.
 std::vector<Integrator> odeint_integrators();

@@ -4,11 +4,12 @@
 
 namespace poise::benchmarks {
 
-/// No time counts unless its answer is right. Truth for the thesis four-bar from datasets/thesis_four_bar.toml, for the
-/// hanging chain from the references (static.hanging_chain_span06), both known to more digits than a double holds.
+/// A time counts only if its answer is right. Reference values for the thesis four-bar from
+/// datasets/thesis_four_bar.toml, for the hanging chain from the references (static.hanging_chain_span06), both known
+/// to more digits than a double holds.
 
-inline constexpr double virtual_work_error = 1e-12;  ///< what virtual work must reach, rad or m or N
-inline constexpr double energy_error = 1e-9;         ///< what the energy method must reach
+inline constexpr double virtual_work_error = 1e-12;  ///< limit for virtual work, rad or m or N
+inline constexpr double energy_error = 1e-9;         ///< limit for the energy method
 
 /// Largest error of the angles of links 4, 6, 7 against the equilibrium nearest the printed pose, rad.
 double four_bar_error(const double* angles);

@@ -7,7 +7,7 @@
 
 namespace poise::benchmarks {
 
-/// What a fit by Ceres' own numeric differentiation came to.
+/// Result of a fit by Ceres' numeric differentiation.
 struct NumericFit {
   bool converged = false;
   std::vector<double> parameters;  ///< values in the scene, SI
@@ -20,9 +20,9 @@ struct NumericFitOptions {
   double function_tolerance = 1e-7;
 };
 
-/// The fit that Poise is measured against: the same residuals, parameters, nuisances and tolerances, but Jacobians by
-/// ceres::DynamicNumericDiffCostFunction (central differences). Every number is given to Ceres in a unit of its own
-/// size, so that one relative step suits all. Ranges are not kept.
+/// The fit with which Poise is compared: the same residuals, parameters, nuisances and tolerances, but Jacobians by
+/// ceres::DynamicNumericDiffCostFunction (central differences). Every number is scaled to order one, so that one
+/// relative step suits all. Ranges are ignored.
 NumericFit fit_numerically(const FitProblem& problem, const std::vector<Record>& records,
                            const std::vector<double>& parameters, const std::vector<std::vector<double>>& nuisances,
                            const NumericFitOptions& options);

@@ -1,4 +1,4 @@
-// What one run of the program is made of: reading, compiling, evaluating, solving's analysis, the independent check.
+// The parts of a run of the program: reading, compiling, evaluating, analysis for solving, the independent check.
 
 #include <cstdint>
 #include <fstream>

@@ -5,16 +5,16 @@
 
 namespace poise::benchmarks {
 
-/// Solves so many times, one after the other; seconds per solution.
+/// Solves the given number of times in sequence; returns seconds per solution.
 using Turn = std::function<double(int times)>;
 
 struct RaceLength {
-  double seconds = 2.5;  ///< turns begin until this time is over
+  double seconds = 2.5;  ///< new turns begin until this time
   int fewest_turns = 5;
 };
 
-/// Median seconds per solution of each. Turns alternate, and so does which begins, so that a machine that changes its
-/// speed does so for all. What takes less than half a millisecond runs several times per turn.
+/// Median seconds per solution of each. Turns and their order alternate, so that changes of the machine's speed affect
+/// all alike. Solutions shorter than half a millisecond run several times per turn.
 std::vector<double> race(const std::vector<Turn>& turns, const RaceLength& length = {});
 
 }  // namespace poise::benchmarks

@@ -1,6 +1,6 @@
 // poise_ratios: the speed Poise promises, as one table. Every ratio is of two solvers measured in this run, turn by
-// turn, medians over the turns; no time is printed whose answer is wrong. Exit code 1 where an answer is wrong: how
-// fast a machine is today passes or fails nothing.
+// turn, medians over the turns; times of wrong answers are not printed. Exit code 1 if an answer is wrong; times do not
+// affect it.
 
 #include <algorithm>
 #include <functional>
@@ -27,7 +27,7 @@ constexpr double hand_limit = 3.0;    // Poise's Newton over the one written by 
 constexpr double ipopt_limit = 1.2;   // Poise's Ipopt over the bare program
 constexpr double linear_limit = 2.0;  // growth of Poise's time per link and step over the yardstick's
 
-// One solution, as its solver left it.
+// Result of one solution.
 struct Answer {
   int iterations = 0;
   double error = 0.0;  // rad, m or N
@@ -76,7 +76,7 @@ class Table {
                ratio, limit, verdict(ratio <= limit), steps, errors, per_link);
   }
 
-  // How the time per link and step grows from the short chain to the long one. Caches let the yardstick's grow too;
+  // Growth of the time per link and step from the short chain to the long one. With caches the reference's grows too;
   // beyond that Poise must be linear.
   void growth(const std::string& name, const Race& short_chain, int short_links, const Race& long_chain, int long_links,
               double limit) {

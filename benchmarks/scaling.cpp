@@ -1,7 +1,7 @@
-// poise_scaling: how time and memory grow with a mechanism, from ten elements to a hundred thousand: links of a hanging
-// chain, windows of a ladder (one loop and four angles each). Every size runs in a process of its own. Times are
-// the least of many turns: growth should be the work's own, not that of what else the machine is at; no time is printed
-// whose answer is wrong. Exit code 1 where an answer is wrong: how fast a machine is today passes or fails nothing.
+// poise_scaling: growth of time and memory with the size of a mechanism, from ten elements to a hundred thousand: links
+// of a hanging chain, windows of a ladder (one loop and four angles each). Every size runs in a separate process. Times
+// are the least of many turns, to exclude other load of the machine; times of wrong answers are not printed. Exit code
+// 1 if an answer is wrong; times do not affect it.
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ namespace poise::benchmarks {
 namespace {
 
 constexpr int sizes[] = {10, 100, 1000, 10000, 100000};
-constexpr int smallest = 10;  // its peak is the memory that code and libraries take
+constexpr int smallest = 10;  // its peak is the memory of code and libraries
 constexpr int judged_from = 100, judged_to = 100000;
 constexpr int sparse_from = 1000;     // the check of smaller ones is dense
 constexpr double growth_limit = 1.5;  // of the time per element in between

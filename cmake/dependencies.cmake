@@ -1,4 +1,4 @@
-# All that Poise builds on, one line each, with the Debian package that brings it: cmake/setup.sh reads the names from here.
+# All dependencies of Poise, one line each, with their Debian package: cmake/setup.sh reads the names from here.
 
 # Tools: # apt: cmake ninja-build g++ pkg-config gnuplot-nox
 # Tools of `make lint`: # apt lint: clang-format clang-tidy
@@ -28,7 +28,7 @@ endif()
 if(POISE_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 REQUIRED)                                              # apt: libbenchmark-dev
   find_package(SUNDIALS 6.4)                                                        # apt: libsundials-dev
-  # What people would use otherwise; large, so installed by `cmake/setup.sh baselines` only.
+  # Alternatives to Poise for comparison; large, so installed by `cmake/setup.sh baselines` only.
   find_package(Simbody 3.7 QUIET)                                                   # apt baselines: libsimbody-dev
   function(poise_has_scipy result python)
     execute_process(COMMAND "${python}" -c "import scipy.optimize" RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)

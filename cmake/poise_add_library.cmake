@@ -1,8 +1,8 @@
 # poise_add_library(FOLDER HEADERS header... SOURCES source...)
-# is the library poise_FOLDER, known as poise::FOLDER here and to users of find_package(poise).
-# HEADERS are the public ones, which get installed, and SOURCES all that is compiled.
-# Inside the project headers are included from its root ("model/scene.hpp"). Users of an installed Poise write
-# <poise/model/scene.hpp>; the include folder include/poise lets the headers find each other there.
+# adds the library poise_FOLDER with the alias poise::FOLDER, which find_package(poise) provides too. HEADERS are the
+# public headers, which are installed, and SOURCES all sources. Inside the project headers are included from its root
+# ("model/scene.hpp"). Users of an installed Poise write <poise/model/scene.hpp>; the include folder include/poise lets
+# the headers find each other there.
 function(poise_add_library folder)
   cmake_parse_arguments(arg "" "" "HEADERS;SOURCES" ${ARGN})
   set(library poise_${folder})

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the Debian packages that Poise needs and this machine lacks; with nothing lacking it touches nothing.
+# Installs the Debian packages that Poise needs and that are missing; changes nothing if none is missing.
 #   cmake/setup.sh         what building, testing and benchmarking need
 #   cmake/setup.sh lint    what `make lint` and `make format` need
 # The packages are those named in cmake/dependencies.cmake after "# apt:" or "# apt lint:".
@@ -9,7 +9,7 @@ purpose=${1:+ $1}
 packages=$(sed -n "s/.*# apt$purpose: *//p" "$(dirname "$0")/dependencies.cmake")
 
 if ! command -v apt-get >/dev/null; then
-  echo "setup: no apt-get here; going on with what is installed. Debian calls what Poise needs:" $packages
+  echo "setup: no apt-get here; continuing with what is installed. Poise needs these packages, by their Debian names:" $packages
   exit 0
 fi
 
@@ -32,7 +32,7 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 
 echo "setup: installing$missing (this may take some minutes)"
-# A stale list of some other package source must not stop us: whether the packages arrive is what counts.
-$as_root apt-get update -qq || echo "setup: apt-get update failed; trying with the package lists at hand" >&2
+# A failing update of some other package source is no error; the installation decides.
+$as_root apt-get update -qq || echo "setup: apt-get update failed; trying with the present package lists" >&2
 $as_root env DEBIAN_FRONTEND=noninteractive \
   apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 $missing >/dev/null

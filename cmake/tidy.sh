@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs clang-tidy on the sources of some folders, all processors at work, and shows its words only when it objects.
+# Runs clang-tidy on the sources of some folders in parallel, and prints its output only if there are warnings.
 #   cmake/tidy.sh BUILD_FOLDER JOBS FOLDER...
 set -eu
 
