@@ -94,7 +94,7 @@ TEST(Catalogue, KeepsTheOrderOfItsFiles) {
   EXPECT_EQ(cases[1].name, "toy");
 }
 
-TEST(Catalogue, SaysWhatIsWrongWithItsList) {
+TEST(Catalogue, ReportsErrorsInItsList) {
   const ToyCatalogue catalogue(toy_case("toy", "pendulum"));
   const auto with_list = [&](const std::string& text) {
     catalogue.folder().write("catalogue.toml", text);
@@ -112,7 +112,7 @@ TEST(Catalogue, SaysWhatIsWrongWithItsList) {
   EXPECT_THROW(read_catalogue(catalogue.path() / "nowhere"), InputError);
 }
 
-TEST(Catalogue, SaysWhatIsWrongWithAFileOfCases) {
+TEST(Catalogue, ReportsErrorsInAFileOfCases) {
   const ToyCatalogue catalogue("");
   const auto with_text = [&](const std::string& text) {
     catalogue.folder().write("toy.cases.toml", text);
@@ -126,7 +126,7 @@ TEST(Catalogue, SaysWhatIsWrongWithAFileOfCases) {
             "toy.cases.toml:2: cases: expected one of the keys kind, case; did you mean \"case\"?");
 }
 
-TEST(Catalogue, SaysWhatIsWrongWithACase) {
+TEST(Catalogue, ReportsErrorsInACase) {
   EXPECT_EQ(objection_to("[[case]]\ntitle = \"Toy\"\n"),
             "toy.cases.toml:2: case 1: expected the key name; add name = \"...\"");
   EXPECT_EQ(objection_to("[[case]]\nname = \"toy\"\n"),
@@ -160,7 +160,7 @@ TEST(Catalogue, SaysWhatIsWrongWithACase) {
             "toy.cases.toml:7: case \"toy\".complete: expected true or false, without quotes");
 }
 
-TEST(Catalogue, SaysWhatIsWrongWithAScene) {
+TEST(Catalogue, ReportsErrorsInAScene) {
   EXPECT_EQ(objection_to(toy_case("toy", "pendulums")),
             "toy.cases.toml:6: case \"toy\".scene: expected a scene file, relative to this file; there is no "
             "\"pendulums.toml\"");
@@ -178,7 +178,7 @@ TEST(Catalogue, SaysWhatIsWrongWithAScene) {
   EXPECT_EQ(objection(catalogue).substr(0, 15), "pendulum.toml:1");
 }
 
-TEST(Catalogue, SaysWhatIsWrongWithASeries) {
+TEST(Catalogue, ReportsErrorsInASeries) {
   const std::string head = "[[case]]\nname = \"toy\"\ntitle = \"Toy\"\nsource = \"ours\"\n";
   EXPECT_EQ(objection_to(head + "series = \"hanging chains\"\nsize = 3\n"),
             "toy.cases.toml:6: case \"toy\".series: expected one of hanging chain, window ladder, found \"hanging "
@@ -191,7 +191,7 @@ TEST(Catalogue, SaysWhatIsWrongWithASeries) {
             "toy.cases.toml:8: case \"toy\".set: expected no settings with a series; write a scene file");
 }
 
-TEST(Catalogue, SaysWhatIsWrongWithAnEquilibrium) {
+TEST(Catalogue, ReportsErrorsInAnEquilibrium) {
   const auto with = [](const std::string& text) { return objection_to_rest("[[case.equilibrium]]\n" + text); };
   const std::string at = "toy.cases.toml:7: case \"toy\".equilibrium 1: ";
   EXPECT_EQ(with("stability = \"stable\"\n"), at + "expected an angle or a travel; add angles = { BODY = NUMBER }");

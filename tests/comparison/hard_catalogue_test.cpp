@@ -1,4 +1,4 @@
-// The catalogue of hard cases that Poise ships, from a few starts each: virtual work arrives, and claims nothing wrong.
+// The catalogue of hard cases that Poise ships, from a few starts each: virtual work converges without false claims.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 constexpr int starts = 3;
 constexpr int largest_series = 1000;
 
-TEST(HardCatalogue, VirtualWorkArrivesAndClaimsNothingWrong) {
+TEST(HardCatalogue, VirtualWorkConvergesWithoutFalseClaims) {
   StressOptions options;
   options.methods = {Method::virtual_work};
   options.starts = starts;

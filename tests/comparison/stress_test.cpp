@@ -50,7 +50,7 @@ void expect_all_wrong(const Cell& cell) {
 
 const std::string complete = "complete = true\n";
 
-TEST(Stress, APendulumArrivesAtItsKnownRests) {
+TEST(Stress, APendulumConvergesToItsKnownEquilibria) {
   const Cell nearest = cell_of("pendulum", complete + both_rests());
   expect_all_arrive(nearest);
   EXPECT_LT(nearest.error.value(), 1e-12);
@@ -76,7 +76,7 @@ TEST(Stress, AnAnswerOfAWrongListIsWrong) {
   EXPECT_EQ(lacks.wrong + lacks.arrived, starts);
 }
 
-TEST(Stress, WhatTheCheckLetsPassIsInexactAndNoMore) {
+TEST(Stress, ErrorsWithinTheBoundsOfTheCheckAreInexact) {
   // 1e-7 rad off, held by a curvature of a thousandth: an imbalance of 1e-10 of the load, which the check lets pass.
   const std::string near = toy_rest("rod", "-1.5707962267948966", "stable");
   const Cell cell = cell_of("soft_pendulum", complete + "seek = \"stable\"\n" + near);
@@ -86,7 +86,7 @@ TEST(Stress, WhatTheCheckLetsPassIsInexactAndNoMore) {
       cell_of("soft_pendulum", complete + "seek = \"stable\"\n" + toy_rest("rod", "-1.57078632", "stable")));
 }
 
-TEST(Stress, AnOpenListLetsFiftyDigitsDecide) {
+TEST(Stress, FiftyDigitsDecideForAnOpenList) {
   expect_all_arrive(cell_of("pendulum", ""));
   expect_all_arrive(cell_of("pendulum", toy_rest("rod", test::hanging_down, "stable")));
   expect_all_arrive(cell_of("pendulum", toy_rest("rod", "0.3", "stable")));
@@ -110,7 +110,7 @@ TEST(Stress, TravelsAreComparedInMetres) {
   expect_all_wrong(cell_of("against_the_stop", at("0.2501")));
 }
 
-TEST(Stress, WhereThereIsNoRestNothingMayBeClaimed) {
+TEST(Stress, WithoutEquilibriumNothingMayBeClaimed) {
   const std::string none = "expect = \"none\"\nwhy = \"nothing holds it\"\n";
   const Cell runs_away = cell_of("runaway", none);
   expect_all_arrive(runs_away);
@@ -124,7 +124,7 @@ TEST(Stress, WhereThereIsNoRestNothingMayBeClaimed) {
 TEST(Stress, ASingularConfigurationHasToBeSaid) {
   const std::string locked = "expect = \"locked\"\nwhy = \"no finite pull\"\nreach = 0\n";
   expect_all_arrive(cell_of("taut_bars", locked));
-  // It rests, which is right, but nobody speaks of a singular configuration.
+  // The equilibrium is right, but the singular configuration is not reported.
   const Cell rests = cell_of("pendulum", locked);
   EXPECT_EQ(rests.arrived + rests.wrong, 0);
   EXPECT_NE(rests.why.find("does not say"), std::string::npos) << rests.why;
@@ -133,7 +133,7 @@ TEST(Stress, ASingularConfigurationHasToBeSaid) {
   EXPECT_EQ(silent.arrived + silent.wrong, 0);
 }
 
-TEST(Stress, RestEverywhereIsNeutral) {
+TEST(Stress, EquilibriumEverywhereIsNeutral) {
   expect_all_arrive(cell_of("balanced_beam", "everywhere = true\n"));
   expect_all_wrong(cell_of("pendulum", "everywhere = true\n"));
 }
@@ -146,7 +146,7 @@ TEST(Stress, ARefusalIsNoFailure) {
   EXPECT_EQ(refused.starts, 0);
   EXPECT_NE(refused.why.find("jet"), std::string::npos) << refused.why;
   EXPECT_FALSE(refused.iterations || refused.microseconds);
-  // What statics tells must be what is known, no more.
+  // The stability found must be exactly the known one.
   expect_all_wrong(cell_of("follower", complete + "reach = 0.5\n" + toy_rest("rod", "1.0", "unknown")));
 }
 
@@ -176,7 +176,7 @@ TEST(Stress, OnlyVirtualWorkIsGivenAllTime) {
 }
 
 TEST(Stress, ASlowStartIsGivenUp) {
-  // The stable rest of a long chain is far from random angles: Ipopt would take seconds.
+  // The stable equilibrium of a long chain is far from random angles: Ipopt would take seconds.
   HardCase hard;
   hard.name = "chain";
   hard.series = "hanging chain";
@@ -245,7 +245,7 @@ TEST(Stress, WithoutScalingTheAnswerIsTheSamePlace) {
   }
 }
 
-TEST(Stress, UnknownNamesOfASeriesAreTold) {
+TEST(Stress, UnknownNamesOfASeriesAreReported) {
   HardCase hard;
   hard.name = "chain";
   hard.series = "hanging chain";
@@ -302,7 +302,7 @@ TEST_F(CaseCheckTest, NoConditionExcusesAnotherPlace) {
   EXPECT_EQ(verdict_on(std::nan(""), Stability::stable).kind, Verdict::Kind::wrong);
 }
 
-TEST_F(CaseCheckTest, WhoMeetsASingularConfigurationAndRestsElsewhereMustRest) {
+TEST_F(CaseCheckTest, AnEquilibriumBeyondASingularConfigurationMustBeConfirmed) {
   hard.expect = Expect::locked;
   Equilibrium rest;
   rest.status = Status::confirmed;
@@ -314,7 +314,7 @@ TEST_F(CaseCheckTest, WhoMeetsASingularConfigurationAndRestsElsewhereMustRest) {
   EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::wrong);
 }
 
-TEST_F(CaseCheckTest, TellsDenialsFromFailures) {
+TEST_F(CaseCheckTest, DistinguishesUnconfirmedClaimsFromFailures) {
   hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}};
   Equilibrium rest;
   rest.x = {0.1};

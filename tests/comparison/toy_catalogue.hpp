@@ -23,7 +23,7 @@ center = [0.002, 0]
 points = ["ground.O", "rod.O"]
 )";
 
-/// Equal loads on both ends of a beam pinned in its middle: at rest everywhere, neutral.
+/// Equal loads on both ends of a beam pinned in its middle: in equilibrium everywhere, neutral.
 inline constexpr const char* balanced_beam = R"([ground]
 points = { O = [0, 0] }
 [body.beam]
@@ -94,7 +94,7 @@ inline std::string toy_rest(const std::string& body, const std::string& angle, c
 inline constexpr const char* hanging_down = "-1.5707963267948966192";
 inline constexpr const char* standing_up = "1.5707963267948966192";
 
-/// Both rests of a pendulum.
+/// Both equilibria of a pendulum.
 inline std::string both_rests() {
   return toy_rest("rod", hanging_down, "stable") + toy_rest("rod", standing_up, "unstable");
 }

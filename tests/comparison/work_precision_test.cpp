@@ -110,8 +110,8 @@ TEST(WorkPrecision, CoarseAnswersAreClaimedAndFineOnesConfirmed) {
   }
 }
 
-TEST(WorkPrecision, EachRunIsMeasuredFromTheRestNextToIt) {
-  // Upside down Newton meets the unstable rest above, and descent leaves it.
+TEST(WorkPrecision, EachRunIsMeasuredFromTheNearestEquilibrium) {
+  // Started upside down, Newton finds the unstable equilibrium above, and descent leaves it.
   const StaticModel model = pendulum_from(1.5);
   const WorkPrecision result = measure(model, independent, {1e-12});
   ASSERT_EQ(result.rests.size(), 2U);
@@ -155,7 +155,7 @@ TEST(WorkPrecision, RefusalsAreNamedAndNotRun) {
   EXPECT_NEAR(result.rows.front().x.front(), 1.0, 1e-12);
 }
 
-TEST(WorkPrecision, WhereNothingRestsNoRunArrives) {
+TEST(WorkPrecision, WithoutEquilibriumNoRunConverges) {
   const WorkPrecision result = measure(model_of(app_tests::runaway), independent, {1e-3, 1e-9});
   EXPECT_TRUE(result.rests.empty());
   ASSERT_EQ(result.rows.size(), 4U);
@@ -168,8 +168,8 @@ TEST(WorkPrecision, WhereNothingRestsNoRunArrives) {
   }
 }
 
-TEST(WorkPrecision, SuccessClaimedFarFromAnyRestIsAnotherPlace) {
-  // To a tolerance of 0.9 Ipopt finds the start good enough, 2 rad from the rest.
+TEST(WorkPrecision, SuccessClaimedFarFromAnyEquilibriumIsElsewhere) {
+  // With a tolerance of 0.9 Ipopt accepts the start, 2 rad from the equilibrium.
   const StaticModel model = pendulum_from(0.5);
   const WorkPrecision result = measure(model, {Method::energy}, {0.9, 1e-10});
   ASSERT_EQ(result.rows.size(), 2U);
@@ -179,7 +179,7 @@ TEST(WorkPrecision, SuccessClaimedFarFromAnyRestIsAnotherPlace) {
   EXPECT_EQ(result.rows[1].ending, Ending::arrived);
 }
 
-TEST(WorkPrecision, OfAContinuumOfRestsNoneIsFarAway) {
+TEST(WorkPrecision, OfAContinuumOfEquilibriaNoneIsFarAway) {
   const StaticModel model = model_of(balanced_arm);
   const WorkPrecision result = measure(model, independent, {1e-6, 1e-12});
   ASSERT_EQ(result.rests.size(), 1U);

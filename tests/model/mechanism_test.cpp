@@ -518,7 +518,7 @@ TEST(Mechanism, DropsMassesWithoutGravityAndInertias) {
   EXPECT_EQ(lay_out(sketch.scene, Purpose::statics).kept, 2);
 }
 
-TEST(Mechanism, NamesLoadsThatDoNothing) {
+TEST(Mechanism, NamesLoadsWithoutEffect) {
   Sketch sketch = chain({0.3});
   sketch.push(1, {1, 0}, {0, -1});
   sketch.push(1, {1, 0}, {0, 0});
@@ -533,7 +533,7 @@ TEST(Mechanism, NamesLoadsThatDoNothing) {
   EXPECT_PRED2(contains, joined(layout.dropped), "torque \"twist\"");
 }
 
-TEST(Mechanism, NamesTorquesAndTorsionSpringsThatDoNothing) {
+TEST(Mechanism, NamesTorquesAndTorsionSpringsWithoutEffect) {
   Sketch sketch = chain({0.3});
   sketch.push(1, {1, 0}, {0, -1});
   sketch.scene.torques.push_back({"idle", 1, 0.0});
@@ -543,7 +543,7 @@ TEST(Mechanism, NamesTorquesAndTorsionSpringsThatDoNothing) {
   EXPECT_PRED2(contains, dropped, "torsion spring \"soft\": its stiffness is zero");
 }
 
-TEST(Mechanism, NamesWhatOnlyMotionMeets) {
+TEST(Mechanism, NamesItemsThatOnlyActInMotion) {
   Sketch sketch = chain({0.3});
   sketch.push(1, {1, 0}, {0, -1});
   Scene& scene = sketch.scene;
@@ -579,7 +579,7 @@ TEST(Mechanism, WeldedBodiesShareAFrame) {
   EXPECT_LT(norm(pose.world({0.2, 0}) - unit(1.0)), 1e-15);
 }
 
-TEST(Mechanism, RefusesWeldsThatContradictEachOther) {
+TEST(Mechanism, RejectsContradictoryWelds) {
   Sketch sketch = chain({0.3});
   const int arm = sketch.body("arm");
   sketch.join(Joint::Kind::weld, 1, {1, 0}, arm, {0, 0}).angle = 0.5;

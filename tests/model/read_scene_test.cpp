@@ -475,7 +475,7 @@ TEST(ReadScene, IsInSiWithoutUnits) {
   EXPECT_EQ(scene.local({1, 0}), (Vec2{1.0, 2.0}));
 }
 
-TEST(ReadScene, KnowsEveryUnit) {
+TEST(ReadScene, ReadsEveryUnit) {
   const auto units_of = [](const std::string& units) {
     return parse_scene("[units]\n" + units + "\n[body.a]", "s.toml").units;
   };
@@ -608,7 +608,7 @@ BadScene after_slide(const char* name, const std::string& text, const std::strin
 
 class ReadBadScene : public testing::TestWithParam<BadScene> {};
 
-TEST_P(ReadBadScene, SaysWhatWasExpectedWhere) {
+TEST_P(ReadBadScene, ReportsWhatWasExpectedAndWhere) {
   try {
     parse_scene(GetParam().text, "s.toml");
     ADD_FAILURE() << "no error";

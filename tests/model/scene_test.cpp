@@ -69,7 +69,7 @@ TEST_F(SlideOnAxis, MustHaveADirection) {
   EXPECT_THROW(axis_kept({1.0, std::numeric_limits<double>::quiet_NaN()}), InputError);
 }
 
-TEST(Scene, RefusesIndicesThatDoNotExist) {
+TEST(Scene, RejectsInvalidIndices) {
   Scene scene;
   EXPECT_THROW(scene.add_point(1, "O", {}), std::out_of_range);
   EXPECT_THROW(scene.name_of({0, 0}), std::out_of_range);

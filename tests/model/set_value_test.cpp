@@ -242,7 +242,7 @@ TEST_F(SetValue, ListsPathsWhereNoneIsNear) {
   expect_listed("start.ground.O-crank.O", "start.ground.S-rod.1.B, ");
 }
 
-TEST_F(SetValue, RefusesValuesOutOfRangeAndKeepsTheOld) {
+TEST_F(SetValue, RejectsValuesOutOfRangeAndKeepsTheOld) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(message("load.P", -1), "load.P: expected a finite number >= 0, found -1");
   EXPECT_EQ(message("load.T", nan), "load.T: expected a finite number, found nan");
@@ -332,7 +332,7 @@ TEST_F(SetValue, IsReadBackAtEveryPath) {
   }
 }
 
-TEST_F(SetValue, ReadsWhatTheSceneFileSays) {
+TEST_F(SetValue, ReadsTheValuesOfTheSceneFile) {
   EXPECT_DOUBLE_EQ(get_value(scene, "load.P"), 5.0);
   EXPECT_EQ(get_value(scene, "load.none"), 0.0);
   EXPECT_DOUBLE_EQ(get_value(scene, "stop.turn.max"), 90.0);
@@ -359,7 +359,7 @@ TEST_F(SetValue, NamesTheNearestPathToReadToo) {
   EXPECT_NO_THROW(value_unit(scene, "drive.motor.start"));
 }
 
-TEST_F(SetValue, RefusesTwoValuesOfTheSameName) {
+TEST_F(SetValue, RejectsTwoValuesOfTheSameName) {
   scene.elements.push_back(test::element(scene, "spring"));
   EXPECT_EQ(message("spring.spring 1.stiffness", 1),
             "spring.spring 1.stiffness: expected one value, found several; give them different names");

@@ -216,7 +216,7 @@ TEST(InverseDynamics, MotorPaysForTheDamperOverATurn) {
   EXPECT_NEAR(given, taken, 1e-9 * taken);
 }
 
-// The force in the shut cylinder that lift_dynamics.json knows, with the cylinder as a drive instead of a spring.
+// The force in the shut cylinder of lift_dynamics.json, with the cylinder as a drive instead of a spring.
 TEST(InverseDynamics, CylinderHoldsTheLift) {
   const json answers = test::read_json(test::dataset("lift_dynamics.json"));
   for (const json& known : answers.at("entries")) {

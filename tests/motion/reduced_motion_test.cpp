@@ -1,5 +1,4 @@
-// Equations of motion against mechanics that does not know them, and their derivatives against differences in 50
-// digits.
+// Equations of motion against mechanics independent of them, and their derivatives against differences in 50 digits.
 
 #include "motion/reduced_motion.hpp"
 

@@ -11,7 +11,7 @@
 namespace poise {
 namespace {
 
-// A crank with an offset load, and a balanced wheel on it that only motion has to know.
+// A crank with an offset load, and a balanced wheel on it that matters in motion only.
 Scene crank_with_wheel() {
   Scene scene;
   scene.gravity = {0, -9.81};

@@ -35,7 +35,7 @@ class AugmentedLagrangian : public testing::TestWithParam<Tangent> {
 INSTANTIATE_TEST_SUITE_P(With, AugmentedLagrangian, testing::Values(Tangent::newton, Tangent::modified),
                          [](const auto& with) { return with.param == Tangent::newton ? "Newton" : "Modified"; });
 
-TEST_P(AugmentedLagrangian, RestsOnACircle) {
+TEST_P(AugmentedLagrangian, FindsTheEquilibriumOnACircle) {
   const SearchResult result = solve(PlaneProblem(true), {0.9, 0.3});
   EXPECT_TRUE(result.claims_success) << result.status;
   EXPECT_NEAR(result.x[0], 1.0, accuracy);
@@ -43,7 +43,7 @@ TEST_P(AugmentedLagrangian, RestsOnACircle) {
   EXPECT_NEAR(result.multipliers[0], -1.0, accuracy);  // x + lambda x = 0
 }
 
-TEST_P(AugmentedLagrangian, ArrivesWhateverTheScaleAndThePenalty) {
+TEST_P(AugmentedLagrangian, ConvergesForEveryScaleAndPenalty) {
   for (const double k : {1e-3, 1.0, 1e3}) {
     for (const double p : {0.0, 10.0, 1e3}) {
       AugmentedLagrangianOptions options = with(GetParam());
@@ -81,7 +81,7 @@ TEST_P(AugmentedLagrangian, BoundsHoldWithMultipliersOfTheRightSign) {
   }
 }
 
-TEST_P(AugmentedLagrangian, ABoundThatWouldPullLetsGo) {
+TEST_P(AugmentedLagrangian, ABoundWithAMultiplierOfWrongSignIsReleased) {
   PlaneProblem problem(false, -0.5, 0.9);
   problem.p = 0.3;
   for (const double bound : {-0.5, 0.9, 2.0}) {

@@ -72,7 +72,7 @@ TEST(DynamicRelaxation, BoundsHoldWithMultipliersOfTheRightSign) {
   }
 }
 
-TEST(DynamicRelaxation, ABoundThatWouldPullLetsGo) {
+TEST(DynamicRelaxation, ABoundWithAMultiplierOfWrongSignIsReleased) {
   PlaneProblem problem(false, -0.5, 0.9);
   problem.p = 0.3;
   for (const double bound : {-0.5, 0.9, 2.0}) {
@@ -111,7 +111,7 @@ TEST(DynamicRelaxation, SmallLargeAndRepeatedConstraintsAreSolvedAlike) {
   }
 }
 
-TEST(DynamicRelaxation, WhatFallsForEverIsTold) {
+TEST(DynamicRelaxation, AnUnboundedObjectiveIsReported) {
   PlaneProblem problem(false);
   problem.a = 0;
   problem.p = 1;

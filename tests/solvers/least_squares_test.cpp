@@ -41,7 +41,7 @@ TEST(LeastSquares, BoundsHoldWithMultipliersOfTheRightSign) {
   }
 }
 
-TEST(LeastSquares, ABoundThatWouldPullLetsGo) {
+TEST(LeastSquares, ABoundWithAMultiplierOfWrongSignIsReleased) {
   PlaneProblem problem(false, -0.5, 0.9);
   problem.p = 0.3;
   for (const double bound : {-0.5, 0.9}) {

@@ -138,7 +138,7 @@ TEST_P(NewtonOnBoth, InequalitiesHoldWithMultipliersOfTheRightSign) {
   EXPECT_NEAR(result.multipliers[1], -1.5, 1e-13);
 }
 
-TEST_P(NewtonOnBoth, AnInequalityThatWouldPullIsReleased) {
+TEST_P(NewtonOnBoth, AnInequalityWithAMultiplierOfWrongSignIsReleased) {
   Parabola parabola(false, 0.5, 2.0);
   parabola.b = -1.0;
   parabola.s = 1.0;
@@ -151,7 +151,7 @@ TEST_P(NewtonOnBoth, AnInequalityThatWouldPullIsReleased) {
   EXPECT_NEAR(result.multipliers[0], 2.0, 1e-13);
 }
 
-TEST_P(NewtonOnBoth, FallingWithoutEndIsUnbounded) {
+TEST_P(NewtonOnBoth, AnUnboundedObjectiveIsReported) {
   Parabola parabola;
   parabola.b = -1.0;
   Newton newton(parabola, goal(Goal::minimum));
@@ -328,7 +328,7 @@ TEST(Kkt, BothAlgebrasGiveTheSameStepAndMultipliers) {
   }
 }
 
-TEST(Kkt, TellsPositiveDefiniteFromIndefinite) {
+TEST(Kkt, DistinguishesPositiveDefiniteFromIndefinite) {
   Parabola parabola(true);
   parabola.a = 1;
   parabola.b = 4;

@@ -53,7 +53,7 @@ TEST_P(NloptProgram, BoundsHoldWithMultipliersOfTheRightSign) {
   for (const double side : {1.0, -1.0}) {
     const PlaneProblem problem(true, side > 0 ? 0.5 : -infinity, side > 0 ? infinity : -0.5);
     const SearchResult result = solve(problem, {0.6, side * 0.8});
-    // At the kink of a penalty L-BFGS finds no step and says that it failed, wherever it stands.
+    // At the kink of a penalty L-BFGS finds no step and reports failure.
     EXPECT_TRUE(result.claims_success || GetParam().algorithm == NloptAlgorithm::auglag_lbfgs) << result.status;
     EXPECT_NEAR(result.x[1], side * 0.5, accuracy());
     // x + lambda x = 0, 4 y + lambda y + mu = 0
@@ -88,7 +88,7 @@ TEST_P(NloptProgram, RowsLeftOutDoNotHold) {
   EXPECT_EQ(result.multipliers[0], 0.0);
 }
 
-// Beside 1e6 a step of 1e-6 changes f by less than its rounding: only gradients can tell it.
+// With f of 1e6 a step of 1e-6 changes f by less than its rounding: only gradients resolve it.
 TEST_P(NloptProgram, RoundingOfTheObjectiveHidesNothingFromGradients) {
   PlaneProblem problem(true);
   problem.a = 1.0;
@@ -132,14 +132,14 @@ TEST_P(NloptProgram, AnInterruptStopsTheSearch) {
   EXPECT_NE(result.status.find("interrupted"), std::string::npos) << result.status;
 }
 
-TEST_P(NloptProgram, FallingWithoutEndLeavesAFinitePoint) {
+TEST_P(NloptProgram, AnUnboundedObjectiveEndsAtAFinitePoint) {
   PlaneProblem problem(false);
   problem.b = -1.0;
   const SearchResult result = solve(problem, {0.0, 0.1}, {.iterations = 500});
   EXPECT_EQ(result.x.size(), 2U);
 }
 
-// An empty set has no lowest point, whatever NLopt says of the nearest it came.
+// An empty set has no minimum, whatever NLopt reports.
 TEST_P(NloptProgram, WhatCannotHoldStaysOpen) {
   PlaneProblem problem(true);
   problem.r2 = -1.0;

@@ -85,7 +85,7 @@ NewtonOptions with(Goal goal, Safeguards safeguards) {
   return options;
 }
 
-TEST(Safeguards, LineSearchHoldsStepsThatOvershoot) {
+TEST(Safeguards, LineSearchShortensStepsThatOvershoot) {
   const Groove groove = funnel();
   const double start[] = {2.0, 0.0};
   for (const Goal goal : {Goal::stationary, Goal::minimum}) {
@@ -152,7 +152,7 @@ TEST(Safeguards, RestartsFindWhatTheStartMisses) {
   EXPECT_NEAR(found.x[0], 0.0, 1e-12);
 }
 
-TEST(Safeguards, LoadSteppingIsNotNeededWhereTheRestArrives) {
+TEST(Safeguards, LoadSteppingIsNotNeededWhereTheOthersConverge) {
   const Groove groove = two_wells();
   const double start[] = {0.9, 0.1};
   Newton newton(groove);

@@ -90,7 +90,7 @@ TEST(SparseLdl, EntriesOfOnePlaceShareIt) {
   EXPECT_EQ(factors.values().size(), 4u);
 }
 
-TEST(SparseLdl, TellsAPivotThatVanishesOrOverflows) {
+TEST(SparseLdl, ReportsAPivotThatVanishesOrOverflows) {
   std::vector<int> row = {0, 1, 1}, column = {0, 0, 1};
   SparseLdl factors;
   factors.analyse(2, row, column);

@@ -44,7 +44,8 @@ void expect_vector(Vec2 found, Vec2 expected, double tolerance) {
   EXPECT_NEAR(found.y, expected.y, tolerance);
 }
 
-// --- wrong results are not confirmed ----------------------------------------------------------------------------------
+// --- wrong results are not confirmed
+// ----------------------------------------------------------------------------------
 // ----------------------------------------------------------------------------------------
 
 class Refutes : public testing::TestWithParam<const char*> {};
@@ -159,7 +160,7 @@ TEST(Check, NamesTheStopThatIsOverrun) {
   EXPECT_TRUE(contains(check.objection, "stop \"low\" is overrun")) << check.objection;
 }
 
-TEST(Check, CatchesWhatIsNotANumber) {
+TEST(Check, RejectsNan) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
   const std::vector<double> rest = solve(model).x;
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
@@ -559,14 +560,14 @@ TEST(LargeMechanisms, AreRefutedLikeSmallOnes) {
   const Check check = poise::check(model, x);
   EXPECT_FALSE(check.is_equilibrium());
   EXPECT_EQ(check.worst_joint, model.layout().closures[0].name);
-  // Closed, but not at rest: the arc it starts from.
+  // Closed, but not in equilibrium: the arc it starts from.
   const Check arc = poise::check(model, assemble(model));
   EXPECT_TRUE(arc.closed);
   EXPECT_FALSE(arc.balanced);
 }
 
 TEST(LargeMechanisms, CountFallingDirectionsOfAStandingChain) {
-  // All links of an open chain upright: as many falling directions as links.
+  // All links of an open chain upright: as many unstable directions as links.
   Scene scene = test::chain(400, 0.1, 1.0);
   scene.gravity = {0.0, -1.0};
   for (auto& angle : scene.start.angle) angle = M_PI_2;
@@ -626,7 +627,7 @@ TEST(Stops, WithoutPlayHoldBothWays) {
 }
 
 TEST(Stops, TouchedWithoutPressureHoldNothing) {
-  // Hanging straight down just at a stop: the stop bears nothing, so the freedom remains.
+  // Hanging straight down just at a stop: the stop carries nothing, so the degree of freedom remains.
   const StaticModel model =
       arm_on_stop(fmt::format("[[stop]]\nname = \"rest\"\nbodies = [\"ground\", \"arm\"]\nmin = {}\n", -M_PI_2));
   const Check check = poise::check(model, at(model, {{"arm", -M_PI_2}}));

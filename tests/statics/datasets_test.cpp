@@ -71,7 +71,7 @@ class Datasets : public testing::TestWithParam<std::string> {
   const json& known() const { return answers().at(GetParam()); }
 };
 
-// Experiments and designs are no scenes; scenes of motion need not rest.
+// Experiments and designs are no scenes; scenes of motion need not have an equilibrium.
 TEST(Answers, HoldOneEntryForEachSceneOfStatics) {
   const std::set<std::string> of_motion = {"andrews.toml", "nfb2.toml", "pendulum_a01.toml"};
   std::vector<std::string> scenes;
@@ -107,7 +107,7 @@ TEST_P(Datasets, RestsByEnergyFromItsOwnStart) {
   if (nearest.at("stable").get<bool>()) {
     expect_agrees(model, found, nearest, energy_tolerance);
   } else if (found.found()) {
-    // It may leave for a rest that the list does not hold, but what it calls stable is stable.
+    // It may find an equilibrium that is not in the list, but one reported stable is stable.
     EXPECT_EQ(found.check.unstable_directions, found.check.stability == Stability::stable ? 0 : 1);
   } else {
     EXPECT_NE(found.status, Status::refuted) << found.why;

@@ -259,7 +259,7 @@ TEST(Elements, StopsUponEveryMeasureHold) {
   }
 }
 
-// The check cuts every body free and knows nothing of the phasor model; energies come from the places of the bodies.
+// The check cuts every body free, independent of the phasor model; energies come from the poses of the bodies.
 TEST(Elements, UponEveryMeasureOfRandomMechanismsAreConfirmedBodyByBody) {
   int confirmed = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {

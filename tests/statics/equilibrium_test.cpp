@@ -1,4 +1,4 @@
-// Every way a search can end, and that what it finds depends on nothing but the mechanism.
+// Every outcome of a search, and that its result depends on the mechanism only.
 
 #include "statics/equilibrium.hpp"
 
@@ -29,7 +29,7 @@ constexpr Method methods[] = {Method::virtual_work, Method::energy};
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// A block on a vertical rail under gravity 10 m/s^2, from y = `start`; what holds it is for the test to say.
+// A block on a vertical rail under gravity 10 m/s^2, from y = `start`; the test adds its support.
 Scene block(double mass, double start, const std::string& rest) {
   return parse_scene(fmt::format(R"(
     gravity = [0, -10]
@@ -96,7 +96,7 @@ TEST(Status, Confirmed) {
   }
 }
 
-TEST(Status, RefutedWhereTheCheckDeniesTheClaim) {
+TEST(Status, NotConfirmedIfTheCheckRejectsTheClaim) {
   const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
   for (const Method method : methods) {
     SolveOptions options = by(method);
@@ -123,7 +123,7 @@ TEST(Status, NotFoundWhereThereIsNoRest) {
 }
 
 TEST(Status, NotFoundWhereItIsNotOfTheKindSought) {
-  // Ipopt sees no reason to leave an exact maximum.
+  // Ipopt does not leave an exact maximum.
   const StaticModel model(upright_chain(1));
   const Equilibrium found = solve(model, model.start(), by(Method::energy, Seek::stable));
   if (found.found()) {
@@ -135,7 +135,7 @@ TEST(Status, NotFoundWhereItIsNotOfTheKindSought) {
   }
 }
 
-TEST(Status, RefusedNamesTheForceWithoutPotential) {
+TEST(Status, NotApplicableNamesTheForceWithoutPotential) {
   Scene scene = upright_chain(2);
   test::add_force(scene, "2.b", {-3.0, 0.0}, "thrust");
   scene.forces[0].follows = 2;
@@ -194,7 +194,7 @@ TEST(Dispatch, AMethodThatIsNoneIsRefused) {
   EXPECT_THROW(solve(model, by(static_cast<Method>(all_methods().size()))), std::invalid_argument);
 }
 
-TEST(Assemble, NamesTheLoopThatStaysOpenAndItsGap) {
+TEST(Assemble, NamesTheOpenLoopAndItsGap) {
   // Three links of a metre cannot span 5 m: two are missing.
   Scene scene = test::chain(3, 1.0, 1.0);
   scene.file = "span.toml";
@@ -214,8 +214,8 @@ TEST(Assemble, NamesTheStopThatCannotBeKeptAndItsLine) {
   expect_message(scene, {"stops.toml:1", ": mechanism:", "cannot be assembled", "stop \"", "remains overrun by 0.5"});
 }
 
-TEST(Assemble, StartsABodyHungOnBarsWhereTheSceneSays) {
-  // A plank on two legs of one metre; only its start position says whether it stands on them or hangs from them.
+TEST(Assemble, StartsABodyOnBarsAtThePositionOfTheScene) {
+  // A plank on two legs of one metre; its start position decides whether it stands on them or hangs from them.
   for (const double side : {1.0, -1.0}) {
     Scene scene = parse_scene(
         "gravity = [0, -10]\n[ground]\npoints = { A = [0, 0], B = [2, 0] }\n[body.plank]\n"
@@ -250,7 +250,7 @@ TEST(Solve, DoesNotConfirmWhatASpringTooStiffForDoubleHides) {
   EXPECT_NE(lever("1e20").status, Status::confirmed);
 }
 
-TEST(Assemble, SaysTheGapInTheUnitsOfTheScene) {
+TEST(Assemble, ReportsTheGapInTheUnitsOfTheScene) {
   Scene scene = test::chain(2, 1.0, 1.0);
   scene.units.length_name = "mm";
   scene.units.length = 1e-3;
@@ -260,7 +260,7 @@ TEST(Assemble, SaysTheGapInTheUnitsOfTheScene) {
   expect_message(scene, {"cannot be assembled", "open by 500 mm"});
 }
 
-TEST(Assemble, SaysThatNoFreedomIsLeft) {
+TEST(Assemble, ReportsThatNoDegreeOfFreedomIsLeft) {
   Scene scene = test::chain(2, 1.0, 1.0);
   scene.gravity = {0.0, -10.0};
   scene.add_point(0, "E", {1.0, 0.0});
@@ -270,7 +270,7 @@ TEST(Assemble, SaysThatNoFreedomIsLeft) {
   expect_message(scene, {"no degree of freedom left", "2 coordinates", "2 independent closure equations"});
 }
 
-TEST(Assemble, SaysThatNothingCanMove) {
+TEST(Assemble, ReportsThatNothingCanMove) {
   expect_message(test::chain(2, 1.0, 1.0), {"nothing can move under load"});
   expect_message(Scene(), {"nothing can move under load"});
 }
@@ -313,7 +313,7 @@ TEST(SeekStable, LeavesAnExactSaddle) {
 
 // --- stops -------------------------------------------------------------------------------------------------------
 
-TEST(StopsInSearch, BothMethodsComeToRestOnThem) {
+TEST(StopsInSearch, BothMethodsFindEquilibriaAtThem) {
   const char* held[] = {"[[stop]]\nname = \"stop\"\nslide = \"rail\"\nmin = -2\nmax = 4\n",
                         "[[stop]]\nname = \"stop\"\npoints = [\"ground.top\", \"block.P\"]\nmax = 7\n",
                         "[[stop]]\nname = \"stop\"\npoints = [\"ground.bottom\", \"block.P\"]\nmin = 3\n"};
@@ -346,7 +346,7 @@ TEST(StopsInSearch, TheMethodsAgreeOnTheClamp) {
   EXPECT_NEAR(work.energy.value(), energy.energy.value(), 1e-8);
 }
 
-TEST(StopsInSearch, TheClampLetsGoAndOpensToItsOtherStop) {
+TEST(StopsInSearch, TheClampOpensToItsOtherStop) {
   Scene scene = read_scene(dataset("toggle_clamp.toml"));
   set_value(scene, "load.P", 38.0);
   const StaticModel model(scene);
@@ -398,8 +398,8 @@ INSTANTIATE_TEST_SUITE_P(Springs, Slack,
                                          SlackCase{"RopeFromBelowSlackAtFirst", rope_below, -4.0, -8.2}),
                          [](const auto& scene) { return std::string(scene.param.name); });
 
-TEST(SlackSpring, ASpringThatIsSlackHoldsNothing) {
-  // A hanger that could only press, already let go.
+TEST(SlackSpring, ASlackSpringHasNoForce) {
+  // A hanger that acts in compression only, already slack.
   Scene scene = block(2.0, 0.0, hanger);
   test::law<LinearSpring>(scene, "spring").acts = LinearSpring::Acts::compression;
   const StaticModel model(scene);
@@ -408,7 +408,7 @@ TEST(SlackSpring, ASpringThatIsSlackHoldsNothing) {
   }
 }
 
-TEST(SlackSpring, ASlackRopeLeavesThePendulumAlone) {
+TEST(SlackSpring, ASlackRopeDoesNotActOnThePendulum) {
   const StaticModel model(parse_scene(R"(
     gravity = [0, -10]
     [ground]

@@ -130,13 +130,13 @@ TEST(Planted, SampleIsMixed) {
   EXPECT_GT(torsion, 100);
 }
 
-TEST(Planted, CheckKnowsTheEquilibriumAndItsStability) {
+TEST(Planted, CheckConfirmsTheEquilibriumAndItsStability) {
   for_samples(60, {}, [](const Sample& sample) { expect_judged(sample, check(sample.model, sample.rest)); });
 }
 
 TEST(Planted, CheckRefutesWhatOnlyReactionsAgainstEachOtherBalance) {
-  // Redundant joints repeat each other only where they close. A gap of 1e-9 leaves the closure Jacobian a singular
-  // value of that order, and reactions of 1e9 loads, against one another, then balance anything.
+  // Redundant closures are dependent only where they hold. A gap of 1e-9 leaves the closure Jacobian a singular value
+  // of that order, and reactions of 1e9 loads, against one another, then balance anything.
   test::Random random(3);
   for_samples(60, {}, [&](const Sample& sample) {
     if (sample.planted.redundant == 0) return;
@@ -197,7 +197,7 @@ TEST(PlantedFollowers, VirtualWorkRecoversTheEquilibrium) {
   });
 }
 
-TEST(PlantedFollowers, EnergyRefusesByName) {
+TEST(PlantedFollowers, EnergyDoesNotApplyAndNamesTheLoad) {
   for_samples(5, {.followers = true}, [](const Sample& sample) {
     const Equilibrium answer = sample.solved(Method::energy, Seek::nearest);
     EXPECT_EQ(answer.status, Status::refused);
@@ -205,7 +205,7 @@ TEST(PlantedFollowers, EnergyRefusesByName) {
   });
 }
 
-TEST(PlantedStops, CheckKnowsTheEquilibriumAndItsStability) {
+TEST(PlantedStops, CheckConfirmsTheEquilibriumAndItsStability) {
   int pressing = 0;
   int no_freedom_left = 0;
   for_samples(60, {.stops = true}, [&](const Sample& sample) {
@@ -244,7 +244,7 @@ TEST(PlantedStops, NearestStaysWhereItIsAtRest) {
 }
 
 TEST(PlantedStops, NearestNeverClaimsWhatTheCheckRefutes) {
-  // Beside a stop that presses, an equilibrium free of it may be the nearest that Newton's method sees.
+  // Near an active stop, Newton's method may find a nearer equilibrium away from it.
   int found = 0;
   for_samples(60, {.stops = true}, [&](const Sample& sample) {
     const Equilibrium answer = sample.solved(Method::virtual_work, Seek::nearest);

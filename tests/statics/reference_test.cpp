@@ -49,7 +49,7 @@ TEST_P(PulledChain, HasFortyDigitsOfItsClosedForm) {
   EXPECT_LT(reference.error, 1e-15);
   ASSERT_EQ(reference.decimal.size(), static_cast<std::size_t>(links));
   for (int i = 1; i <= links; ++i) {
-    // The scene says 9.81 in double, and that is what the reference takes.
+    // The scene has 9.81 in double, which the reference takes as exact.
     const Real from_vertical = atan2(Real(10), (links - i + Real("0.5")) * Real(9.81));
     expect_digits(reference.decimal[i - 1], from_vertical - half_turn / 2);
     EXPECT_EQ(reference.x[i - 1], static_cast<double>(from_vertical - half_turn / 2));

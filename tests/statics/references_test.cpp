@@ -51,7 +51,7 @@ class References : public testing::Test {
 struct Search {
   double reach = 0.02;     ///< starts are this far from the known pose, rad and m
   bool near_fold = false;  ///< allow what rounding does to equilibria that nearly coincide
-  int falling = -1;        ///< expected number of falling directions where it is known
+  int falling = -1;        ///< expected number of unstable directions if known
 };
 
 // Guesses shifted by up to reach.
@@ -298,7 +298,7 @@ TEST_F(References, InvertedPendulumOnATorsionSpring) {
     const bool nearly_flat = std::abs(std::stod(lambda) - 1.0) < 1e-3;
     std::vector<Pose> poses{{{"rod", 0.0}}};
     if (lambda == "1") {
-      // A fourth-order minimum: the equilibrium is exact at the start, and no curvature tells it.
+      // A fourth-order minimum: the equilibrium is exact at the start, with zero curvature.
       const StaticModel model(scene);
       const Equilibrium found = solve(model);
       ASSERT_EQ(found.status, Status::confirmed) << found.why;
@@ -368,7 +368,7 @@ TEST_F(References, FoldsOfThePendulum) {
     const StaticModel upon(test::started_at(inverted_pendulum(fold.lambda, fold.offset), {{"rod", fold.theta}}));
     const Check at_fold = check(upon, upon.start());
     // Rounded to a double, lambda lies on one side of the fold or the other: there are two equilibria some 1e-8 apart,
-    // or none. Double precision cannot tell, 50 digits do.
+    // or none. Double precision cannot decide, 50 digits do.
     if (at_fold.is_equilibrium()) {
       EXPECT_LE(std::abs(at_fold.principal_directions.at(0).curvature), 1e-6);
       EXPECT_GE(at_fold.accuracy.value(), 1e-8);
@@ -381,7 +381,7 @@ TEST_F(References, FoldsOfThePendulum) {
 // --- chains
 // -----------------------------------------------------------------------------------------------------------
 
-// Bit i of `turned` turns link i round, which is again an equilibrium with one more falling direction.
+// Bit i of `turned` turns link i round, which is again an equilibrium with one more unstable direction.
 Pose tip_force_pose(int links, double force, double mass, unsigned turned) {
   Pose pose;
   for (int i = 1; i <= links; ++i) {
@@ -563,7 +563,7 @@ TEST_F(References, ScissorLiftsHeldByAStop) {
     SCOPED_TRACE(key);
     const std::size_t cut = key.find("_theta");
     const double theta = std::stod(key.substr(cut + 6));
-    if (theta < 1e-3) continue;  // cos(theta) says too little of theta in double
+    if (theta < 1e-3) continue;  // cos(theta) determines theta too poorly in double
     Scene scene = test::scissor(std::stoi(key.substr(1, cut - 1)), 50.0, 1000.0, theta);
     Stop stop;
     stop.name = "buffer";

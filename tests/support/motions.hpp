@@ -18,7 +18,7 @@ struct Release {
 };
 MotionState released(const MotionModel& model, const Release& release, const std::vector<double>* q = nullptr);
 
-/// Closed coordinates (SI) at which the scene rests, the equilibrium next to its start.
+/// Closed coordinates (SI) of the equilibrium next to the scene's start.
 std::vector<double> rest_of(const MotionModel& model);
 
 /// Simulates and expects completion.

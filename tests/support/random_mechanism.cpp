@@ -486,7 +486,8 @@ class Planting {
     }
   }
 
-  // Sets the limits of the stops: some press in the present pose, with a force drawn for each, the others are wide.
+  // Sets the limits of the stops: some are active in the present pose, with a random force for each, the others are
+  // wide.
   void choose_stops_that_press() {
     const Mechanism<double> mechanism(scene());
     std::vector<int> rows = closure_rows(mechanism);
@@ -511,7 +512,7 @@ class Planting {
     }
   }
 
-  // -Q of all loads and of the stops that press.
+  // -Q of all loads and of the active stops.
   VectorXd negative_force(const Mechanism<double>& mechanism) {
     std::vector<int> rows;
     for (const int s : out_.pressing) rows.push_back(mechanism.stop_row(s));
@@ -696,7 +697,7 @@ class Planting {
   Random& random_;
   const Wish& wish_;
   Draft draft_;
-  std::vector<double> push_;  // of the stops that press: their multipliers
+  std::vector<double> push_;  // multipliers of the active stops
   PlantedMechanism out_;
 };
 

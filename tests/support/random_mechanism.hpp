@@ -16,7 +16,7 @@ using comparison::Random;
 struct Wish {
   int loops = 1;           ///< independent loops, redundant ones counted
   bool followers = false;  ///< one or two forces that follow a body
-  bool stops = false;      ///< up to three stops, some of which press
+  bool stops = false;      ///< up to three stops, some of them active
   /// Of the start: rad, or lengths over the length of a typical body. So little that, away from singular poses and
   /// neutral equilibria, the planted equilibrium is the nearest one.
   double disturbance = 0.02;
@@ -33,9 +33,9 @@ struct PlantedMechanism {
   int loops = 0;
   int redundant = 0;          ///< scalar closure equations that repeat others
   int freedoms = 0;           ///< of the compiled model, 1 to 3
-  std::vector<int> pressing;  ///< stops that press: indices into Scene::stops
+  std::vector<int> pressing;  ///< active stops: indices into Scene::stops
   /// Eigenvalues of the reduced Hessian (of the reduced stiffness where loads follow bodies) at the equilibrium, with
-  /// stops that press held, in the generator's own units. By finite differences along the motion the joints allow: of
+  /// active stops held, in the generator's own units. By finite differences along the motion the joints allow: of
   /// the energy seen in the places of the bodies, or of the forces where loads follow bodies.
   std::vector<std::complex<double>> curvature;
   /// Norm of the inverse of the equilibrium equations' Jacobian in the generator's units: how far unit errors of the
