@@ -75,8 +75,8 @@ struct Check {
   /// near a fold, where equilibria merge, and of the change caused by gaps of 4 eps, which is far more near a singular
   /// pose, where reactions are large. Empty if curvatures are unknown.
   std::optional<double> accuracy;
-  /// The same of all coordinates across the neutral directions, along which the position is arbitrary. Empty where there
-  /// are none, or curvatures are unknown.
+  /// The same of all coordinates across the neutral directions, along which the position is arbitrary. Empty where
+  /// there are none, or curvatures are unknown.
   std::optional<double> accuracy_across_neutral;
 
   /// Closed, balanced and within its stops.

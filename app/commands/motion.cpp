@@ -12,10 +12,10 @@
 
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "app/motion_files.hpp"
 #include "app/report/motion_report.hpp"
 #include "app/report/parts.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
 #include "motion/release.hpp"

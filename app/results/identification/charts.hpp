@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "app/plot.hpp"
+#include "app/draw/chart/plot.hpp"
 #include "app/results/identification/identify.hpp"
 
 namespace poise::app {
