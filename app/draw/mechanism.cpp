@@ -97,7 +97,7 @@ double draw_heading(Canvas& page, const Stage& stage, double width) {
   return y;
 }
 
-/// Which way things fall, and how fast; an arrow with its upper left corner at `at`.
+/// Direction and size of gravity.
 Canvas draw_gravity(const Stage& stage) {
   Canvas canvas;
   const double size = norm(stage.scene.gravity);

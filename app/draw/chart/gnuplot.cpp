@@ -53,11 +53,11 @@ class PassingFile {
 
 struct Ran {
   bool well = false;
-  std::string out, complaint;
+  std::string out, message;
 };
 
 Ran run(std::vector<std::string> words, const std::string& input) {
-  PassingFile in, out, complaint;
+  PassingFile in, out, message;
   in.write(input);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -66,7 +66,7 @@ Ran run(std::vector<std::string> words, const std::string& input) {
   ::posix_spawn_file_actions_init(&streams);
   ::posix_spawn_file_actions_adddup2(&streams, in.descriptor(), STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&streams, out.descriptor(), STDOUT_FILENO);
-  ::posix_spawn_file_actions_adddup2(&streams, complaint.descriptor(), STDERR_FILENO);
+  ::posix_spawn_file_actions_adddup2(&streams, message.descriptor(), STDERR_FILENO);
   pid_t child = 0;
   const int error = ::posix_spawnp(&child, argv.front(), &streams, nullptr, argv.data(), environ);
   ::posix_spawn_file_actions_destroy(&streams);
@@ -75,13 +75,13 @@ Ran run(std::vector<std::string> words, const std::string& input) {
   while (::waitpid(child, &status, 0) < 0) {
     if (errno != EINTR) return {false, "", std::strerror(errno)};
   }
-  return {WIFEXITED(status) && WEXITSTATUS(status) == 0, out.read(), complaint.read()};
+  return {WIFEXITED(status) && WEXITSTATUS(status) == 0, out.read(), message.read()};
 }
 
-/// The line of a complaint that says something: gnuplot repeats the command and points at it before.
+/// The last line of what gnuplot wrote, which states the error: it repeats the command and points at it before.
 std::string last_line(const std::string& text) {
   const std::size_t end = text.find_last_not_of(" \n");
-  if (end == std::string::npos) return "it does not say why";
+  if (end == std::string::npos) return "no reason given";
   const std::size_t begin = text.rfind('\n', end);
   return one_line(text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin));
 }
@@ -92,7 +92,7 @@ bool has_gnuplot() { return run({"gnuplot", "--version"}, "").well; }
 
 std::string run_gnuplot(const std::string& script) {
   Ran ran = run({"gnuplot", "--default-settings", "-"}, script);
-  if (!ran.well) throw std::runtime_error("gnuplot failed: " + last_line(ran.complaint));
+  if (!ran.well) throw std::runtime_error("gnuplot failed: " + last_line(ran.message));
   return std::move(ran.out);
 }
 

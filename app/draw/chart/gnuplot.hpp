@@ -8,7 +8,7 @@ namespace poise::app {
 bool has_gnuplot();
 
 /// What gnuplot writes to its standard output when it reads the script, without anybody's settings. No shell is
-/// involved. Throws std::runtime_error with gnuplot's first complaint where it fails.
+/// involved. Throws std::runtime_error with gnuplot's message where it fails.
 std::string run_gnuplot(const std::string& script);
 
 /// A text for people as a gnuplot string: in single quotes, where nothing but a single quote means something, and with
