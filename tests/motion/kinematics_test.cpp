@@ -21,38 +21,38 @@ using std::numbers::pi;
 
 // Four-bar a (crank), b (coupler), c (rocker) on a ground d long, without any load: O = (0, 0), C = (d, 0).
 Scene four_bar(double a, double b, double c, double d, double crank, double coupler, double rocker) {
-  Scene scene;
-  scene.file = "four_bar.toml";
-  scene.add_point(0, "O", {0, 0});
-  scene.add_point(0, "C", {d, 0});
-  test::add_link(scene, "crank", a);
-  test::add_link(scene, "coupler", b);
-  test::add_link(scene, "rocker", c);
-  test::add_pin(scene, "ground.O", "crank.a", "O");
-  test::add_pin(scene, "crank.b", "coupler.a", "A");
-  test::add_pin(scene, "coupler.b", "rocker.b", "B");
-  test::add_pin(scene, "ground.C", "rocker.a", "C");
-  scene.start.angle = {0.0, crank, coupler, rocker};
-  return scene;
+  SceneBuilder builder("four_bar.toml");
+  test::add_link(builder, "crank", a);
+  test::add_link(builder, "coupler", b);
+  test::add_link(builder, "rocker", c);
+  return builder.ground_point("O", {0, 0})
+      .ground_point("C", {d, 0})
+      .pin("ground.O", "crank.a", "O")
+      .pin("crank.b", "coupler.a", "A")
+      .pin("coupler.b", "rocker.b", "B")
+      .pin("ground.C", "rocker.a", "C")
+      .start("crank", crank)
+      .start("coupler", coupler)
+      .start("rocker", rocker)
+      .build();
 }
 
 // Slider-crank r, l with the slide "rail" along x through the crank's pivot.
 Scene slider_crank(double r, double l, double crank) {
-  Scene scene;
-  scene.file = "slider_crank.toml";
-  scene.add_point(0, "O", {0, 0});
-  test::add_link(scene, "crank", r);
-  test::add_link(scene, "rod", l);
-  const int slider = scene.add_body("slider");
-  scene.add_point(slider, "D", {0, 0});
-  test::add_pin(scene, "ground.O", "crank.a");
-  test::add_pin(scene, "crank.b", "rod.a");
-  test::add_pin(scene, "rod.b", "slider.D", "D");
-  test::add_slide(scene, "ground.O", "slider.D", {1, 0}, "rail");
+  SceneBuilder builder("slider_crank.toml");
+  test::add_link(builder, "crank", r);
+  test::add_link(builder, "rod", l);
   const double rod = std::asin(-r * std::sin(crank) / l);
-  scene.start.angle = {0.0, crank, rod, 0.0};
-  scene.start.travel.back() = r * std::cos(crank) + l * std::cos(rod);
-  return scene;
+  return builder.ground_point("O", {0, 0})
+      .body("slider", {.points = {{"D", {0, 0}}}})
+      .pin("ground.O", "crank.a")
+      .pin("crank.b", "rod.a")
+      .pin("rod.b", "slider.D", "D")
+      .slide("ground.O", "slider.D", {1, 0}, "rail")
+      .start("crank", crank)
+      .start("rod", rod)
+      .start("rail", r * std::cos(crank) + l * std::cos(rod))
+      .build();
 }
 
 int body_of(const Scene& scene, const std::string& name) {
@@ -135,13 +135,11 @@ TEST(Kinematics, SliderCrankMovesByTheClosedForm) {
 }
 
 TEST(Kinematics, TwoDrivesKeepPace) {
-  Scene scene;
-  scene.add_point(0, "O", {0, 0});
-  test::add_link(scene, "upper", 1.0);
-  test::add_link(scene, "lower", 0.7);
-  test::add_pin(scene, "ground.O", "upper.a");
-  test::add_pin(scene, "upper.b", "lower.a");
-  const KinematicsResult result = sweep(scene, {{"upper", 0.0, 1.0}, {"lower", 0.5, -2.5}});
+  SceneBuilder builder("double pendulum");
+  test::add_link(builder, "upper", 1.0);
+  test::add_link(builder, "lower", 0.7);
+  builder.ground_point("O", {0, 0}).pin("ground.O", "upper.a").pin("upper.b", "lower.a");
+  const KinematicsResult result = sweep(builder.build(), {{"upper", 0.0, 1.0}, {"lower", 0.5, -2.5}});
   ASSERT_TRUE(result.complete) << result.why;
   for (const KinematicSample& at : result.samples) {
     EXPECT_NEAR(at.drive[1], 0.5 - 3 * at.drive[0], 1e-13);

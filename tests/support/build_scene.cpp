@@ -56,6 +56,12 @@ int add_link(Scene& scene, const std::string& name, double length, double mass) 
   return body;
 }
 
+void add_link(SceneBuilder& builder, const std::string& name, double length, double mass) {
+  builder.body(name, {.points = {{"a", {0.0, 0.0}}, {"m", {0.5 * length, 0.0}}, {"b", {length, 0.0}}},
+                      .mass = mass,
+                      .center = {0.5 * length, 0.0}});
+}
+
 int add_pin(Scene& scene, const std::string& a, const std::string& b, const std::string& name) {
   return scene.add_joint(joint_between(scene, Joint::Kind::pin, a, b, name));
 }
@@ -100,76 +106,80 @@ void add_torsion_spring(Scene& scene, int a, int b, double stiffness, double fre
   scene.elements.push_back(torsion_spring(name, a, b, stiffness, free_angle));
 }
 
-Scene chain(int count, double length, double mass) {
-  Scene scene;
-  scene.add_point(0, "O", {0.0, 0.0});
+namespace {
+
+SceneBuilder chain_builder(int count, double length, double mass) {
+  SceneBuilder builder("chain");
+  builder.ground_point("O", {0.0, 0.0});
   std::string end = "ground.O";
   for (int i = 1; i <= count; ++i) {
     const std::string link = std::to_string(i);
-    add_link(scene, link, length, mass);
-    add_pin(scene, end, link + ".a", "joint" + link);
+    add_link(builder, link, length, mass);
+    builder.pin(end, link + ".a", "joint" + link);
     end = link + ".b";
   }
-  return scene;
+  return builder;
 }
 
+}  // namespace
+
+Scene chain(int count, double length, double mass) { return chain_builder(count, length, mass).build(); }
+
 Scene hanging_chain(int count, double total_length, double total_weight, double span) {
-  Scene scene = chain(count, total_length / count, total_weight / count);
-  scene.gravity = {0.0, -1.0};
-  scene.add_point(0, "E", {span, 0.0});
-  add_pin(scene, std::to_string(count) + ".b", "ground.E", "end");
+  SceneBuilder builder = chain_builder(count, total_length / count, total_weight / count);
+  builder.gravity({0.0, -1.0}).ground_point("E", {span, 0.0});
+  builder.pin(std::to_string(count) + ".b", "ground.E", "end");
   const double half = half_angle_of_arc(span, total_length);
-  for (int i = 1; i <= count; ++i) scene.start.angle[i] = half * (2.0 * i - 1.0 - count) / count;
-  return scene;
+  for (int i = 1; i <= count; ++i) builder.start(std::to_string(i), half * (2.0 * i - 1.0 - count) / count);
+  return builder.build();
 }
 
 Scene scissor(int stages, double arm_weight, double load, double theta) {
-  Scene scene;
-  scene.gravity = {0.0, -1.0};
-  scene.add_point(0, "O", {0.0, 0.0});
+  SceneBuilder builder("scissor");
+  builder.gravity({0.0, -1.0}).ground_point("O", {0.0, 0.0});
   std::string left = "ground.O";
   std::string right;
   for (int s = 1; s <= stages; ++s) {
     const std::string rise = "rise" + std::to_string(s);
     const std::string fall = "fall" + std::to_string(s);
-    scene.start.angle[add_link(scene, rise, 1.0, arm_weight)] = theta;
-    scene.start.angle[add_link(scene, fall, 1.0, arm_weight)] = M_PI - theta;
-    add_pin(scene, left, rise + ".a");
+    add_link(builder, rise, 1.0, arm_weight);
+    add_link(builder, fall, 1.0, arm_weight);
+    builder.start(rise, theta).start(fall, M_PI - theta);
+    builder.pin(left, rise + ".a");
     if (s == 1)
-      add_pin_in_slot(scene, "ground.O", fall + ".a", {1.0, 0.0}, "base");
+      builder.pin_in_slot("ground.O", fall + ".a", {1.0, 0.0}, "base");
     else
-      add_pin(scene, right, fall + ".a");
-    add_pin(scene, rise + ".m", fall + ".m");
+      builder.pin(right, fall + ".a");
+    builder.pin(rise + ".m", fall + ".m");
     // Arms cross: what rises from the left ends on the right.
     left = fall + ".b";
     right = rise + ".b";
   }
-  const int platform = scene.add_body("platform");
-  scene.add_point(platform, "left", {0.0, 0.0});
-  scene.add_point(platform, "middle", {0.5 * std::cos(theta), 0.0});
-  add_pin(scene, left, "platform.left");
-  add_pin_in_slot(scene, "platform.left", right, {1.0, 0.0}, "top");
-  add_force(scene, "platform.middle", {0.0, -load}, "W");
-  for (auto& travel : scene.start.travel) travel = std::cos(theta);
-  return scene;
+  builder.body("platform", {.points = {{"left", {0.0, 0.0}}, {"middle", {0.5 * std::cos(theta), 0.0}}}})
+      .pin(left, "platform.left")
+      .pin_in_slot("platform.left", right, {1.0, 0.0}, "top")
+      .force("W", "platform.middle", {0.0, -load})
+      .start("base", std::cos(theta))
+      .start("top", std::cos(theta));
+  return builder.build();
 }
 
 Scene windows(int count) {
-  Scene scene;
-  scene.gravity = {0.0, -1.0};
+  SceneBuilder builder("windows");
+  builder.gravity({0.0, -1.0});
   for (int i = 0; i <= count; ++i) {
     const std::string number = std::to_string(i);
-    scene.add_point(0, "O" + number, {static_cast<double>(i), 0.0});
-    add_link(scene, "post" + number, 1.0, 1.0);
-    add_pin(scene, "ground.O" + number, "post" + number + ".a");
+    builder.ground_point("O" + number, {static_cast<double>(i), 0.0});
+    add_link(builder, "post" + number, 1.0, 1.0);
+    builder.pin("ground.O" + number, "post" + number + ".a");
   }
   for (int i = 1; i <= count; ++i) {
     const std::string beam = "beam" + std::to_string(i);
-    add_link(scene, beam, 1.0, 1.0);
-    add_pin(scene, "post" + std::to_string(i - 1) + ".b", beam + ".a");
-    add_pin(scene, beam + ".b", "post" + std::to_string(i) + ".b");
+    add_link(builder, beam, 1.0, 1.0);
+    builder.pin("post" + std::to_string(i - 1) + ".b", beam + ".a");
+    builder.pin(beam + ".b", "post" + std::to_string(i) + ".b");
   }
-  return scene;
+  return builder.build();
 }
 
 }  // namespace poise::test

@@ -3,16 +3,20 @@
 #include <string>
 
 #include "model/scene.hpp"
+#include "model/scene_builder.hpp"
 
 namespace poise::test {
 
-// Scenes whose size is a parameter, built in code. All SI, angles from +x; points are named "body.point".
+// Scenes whose size is a parameter, built by SceneBuilder, and changes to scenes after they are built, also to such as
+// the reader of scene files refuses. All SI, angles from +x; points are named "body.point".
 
 /// The point of that name. Throws std::out_of_range where there is none.
 PointRef point(const Scene& scene, const std::string& name);
 
 /// A uniform link of that length: points a = (0, 0), m in the middle and b = (length, 0).
 int add_link(Scene& scene, const std::string& name, double length, double mass = 0.0);
+
+void add_link(SceneBuilder& builder, const std::string& name, double length, double mass = 0.0);
 
 /// Joints by the names of their points; the joint's own name is "a.P-b.Q" unless given.
 int add_pin(Scene& scene, const std::string& a, const std::string& b, const std::string& name = {});
