@@ -127,7 +127,7 @@ TEST(Stress, ASingularConfigurationHasToBeSaid) {
   // The equilibrium is right, but the singular configuration is not reported.
   const Cell rests = cell_of("pendulum", locked);
   EXPECT_EQ(rests.arrived + rests.wrong, 0);
-  EXPECT_NE(rests.why.find("does not say"), std::string::npos) << rests.why;
+  EXPECT_NE(rests.why.find("without a report that the start is locked"), std::string::npos) << rests.why;
   // Nor where nothing is confirmed.
   const Cell silent = cell_of("runaway", locked);
   EXPECT_EQ(silent.arrived + silent.wrong, 0);
