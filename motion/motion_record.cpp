@@ -82,6 +82,10 @@ MotionRecord record(const MotionModel& model, const Motion& motion, double rate)
   out.channels = channels_of(model);
   out.value.resize(out.channels.size());
   out.rate.resize(out.channels.size());
+  const std::vector<Body>& bodies = model.scene().bodies;
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    for (const NamedPoint& p : bodies[i].points) out.points.push_back({bodies[i].name + "." + p.name});
+  }
   if (motion.trajectory.nodes() < 2) return out;
   std::vector<int> all(static_cast<std::size_t>(motion.trajectory.coordinates));
   std::iota(all.begin(), all.end(), 0);
@@ -102,6 +106,16 @@ MotionRecord record(const MotionModel& model, const Motion& motion, double rate)
       const Channel& channel = out.channels[c];
       out.value[c].push_back(q[static_cast<std::size_t>(channel.coordinate)] + channel.offset);
       out.rate[c].push_back(v[static_cast<std::size_t>(channel.coordinate)]);
+    }
+    const std::vector<BodyPose<double>> poses = model.poses(model.from_si(q));
+    std::size_t point = 0;
+    for (std::size_t i = 1; i < bodies.size(); ++i) {
+      for (const NamedPoint& p : bodies[i].points) {
+        const Vec2 at = poses[i].world(p.at);
+        out.points[point].x.push_back(at.x);
+        out.points[point].y.push_back(at.y);
+        ++point;
+      }
     }
     energies.add(q, v, out);
   }

@@ -8,9 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
-#include "app/report/design_report.hpp"
+#include "app/results/motion/design.hpp"
+#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -46,24 +47,24 @@ int run_design(const DesignRequest& request, const Palette& palette) {
   };
   progress.now("searching");
   const auto begin = std::chrono::steady_clock::now();
-  DesignResult result = design(problem, options);
+  DesignResult best = design(problem, options);
   const double microseconds =
       std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
-  const DesignCheck check = result.values.empty() ? DesignCheck{} : check_design(problem, result);
+  const DesignCheck check = best.values.empty() ? DesignCheck{} : check_design(problem, best);
 
   progress.now("writing the result");
-  std::string written =
-      files.write(files.wants_json() ? design_json(problem, result, check, request.seed) : "", "", "");
-  if (found && !result.values.empty()) {
-    result.scene.title = problem.title;
-    result.scene.source = fmt::format("poise design {} --seed {}", problem.file, request.seed);
-    found->prepare(geometry_text(result.scene));
+  const Result result = design_result(problem, best, check, request.seed, microseconds);
+  std::string written = files.write(result, "");
+  if (found && !best.values.empty()) {
+    best.scene.title = problem.title;
+    best.scene.source = fmt::format("poise design {} --seed {}", problem.file, request.seed);
+    found->prepare(geometry_text(best.scene));
     found->commit();
     written += "wrote " + found->path().string() + "\n";
   }
   progress.done();
-  print(design_report(problem, result, check, microseconds, palette) + (written.empty() ? "" : "\n" + written));
-  return result.met && check.met ? solved : not_solved;
+  print(request.common, result, written, palette);
+  return best.met && check.met ? solved : not_solved;
 }
 
 }  // namespace
@@ -75,7 +76,7 @@ Command design_command() {
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
   command.add({"--starts", &request->starts, "N", "Searches before it gives up (300)"});
   command.add({"--scene", &request->found, "FILE", "Write the geometry found to FILE, as a scene"});
-  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
+  add_output_options(command, request->common, {});
   command.run = [request](const Palette& palette) { return run_design(*request, palette); };
   return command;
 }

@@ -1,5 +1,6 @@
 #include "app/commands/forces.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -12,8 +13,11 @@
 #include "app/commands/drive_option.hpp"
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
-#include "app/report/forces_report.hpp"
+#include "app/draw/chart/motion_charts.hpp"
+#include "app/draw/motion_pictures.hpp"
+#include "app/present/numbers.hpp"
+#include "app/results/motion/forces.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "identification/motion_import.hpp"
 
 namespace poise::app {
@@ -85,7 +89,10 @@ ForcesAnswer along_motion(const MotionModel& model, const std::string& file) {
 
 int run_forces(const ForcesRequest& request, const Palette& palette) {
   check(request);
-  if (!request.common.svg.empty()) expect_plotter();
+  const bool has_chart =
+      !request.motion.empty() || std::any_of(request.drives.begin(), request.drives.end(),
+                                             [](const std::string& d) { return d.find("..") != std::string::npos; });
+  if (!request.common.svg.empty() && has_chart) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
   const MotionModel model(with_drives(load_scene(request.common), request.drives));
@@ -98,16 +105,17 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
       : request.motion.empty() ? ForcesAnswer{"standing still where the scene's start puts it", forces_in_place(model)}
                                : along_motion(model, request.motion);
   const ForcesAlong& found = answer.found;
-  if (!request.common.svg.empty() && found.at.empty()) {
-    throw InputError("--svg: there is one pose only; expected a range, say --drive crank=0..360, or --motion");
-  }
+  const Result result = forces_result(model, answer, request.common.settings);
   progress.now("writing the result");
   const bool any = !found.poses.empty();
-  const std::string written = files.write(files.wants_json() ? forces_json(model, answer, request.common.settings) : "",
-                                          files.wants_svg() && any ? draw_plot(forces_panels(scene, answer)) : "",
-                                          files.wants_csv() && any ? forces_csv(scene, answer) : "");
+  std::string svg;
+  if (files.wants_svg() && any) {
+    svg = found.at.empty() ? forces_picture(scene, found.poses.front(), result.verdict.text, found.balanced())
+                           : draw_plot(forces_panels(scene, found));
+  }
+  const std::string written = files.write(result, svg);
   progress.done();
-  print(forces_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
+  print(request.common, result, written, palette);
   return (found.complete || found.stop) && any && found.balanced() ? solved : not_solved;
 }
 
@@ -128,9 +136,11 @@ Command forces_command() {
   command.add({"--motion", &request->motion, "FILE",
                "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "
                "writes it"});
-  command.add({"--csv", &request->common.csv, "FILE", "Write all forces, one line for each pose, to FILE"});
-  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
-  command.add({"--svg", &request->common.svg, "FILE", "Draw efforts and reactions over the range into FILE"});
+  add_output_options(
+      command, request->common,
+      {.svg = "Draw the mechanism with its forces in one pose, or efforts and\njoint forces over the range, "
+              "into FILE",
+       .csv = "Write all forces, one line for each pose, to FILE"});
   command.run = [request](const Palette& palette) { return run_forces(*request, palette); };
   return command;
 }

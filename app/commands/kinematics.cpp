@@ -11,16 +11,19 @@
 #include "app/commands/drive_option.hpp"
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
-#include "app/kinematics_files.hpp"
-#include "app/report/kinematics_report.hpp"
+#include "app/draw/chart/motion_charts.hpp"
+#include "app/draw/mechanism.hpp"
+#include "app/draw/motion_pictures.hpp"
+#include "app/results/motion/kinematics.hpp"
+#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
 
 struct KinematicsRequest {
   Request common;
-  std::vector<std::string> drives, points;
+  std::vector<std::string> drives;
+  KinematicsView view;
   int steps = 72;
   std::optional<double> rate;
 };
@@ -45,21 +48,24 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
     if (!(*request.rate > 0.0) || !std::isfinite(*request.rate)) {
       throw InputError(fmt::format("--rate: expected a number > 0, found {}", *request.rate));
     }
-    options.rate = *request.rate * unit_value(quantity_of(find_drive(scene, ranges.front().name).on), scene.units);
+    options.rate =
+        *request.rate * unit_value(quantity_of(find_drive(scene, ranges[first_moving(ranges)].name).on), scene.units);
   }
   progress.now("driving the mechanism");
-  const KinematicsResult result = sweep(scene, ranges, options);
-  const std::string report = kinematics_report(scene, result, ranges, options.rate, request.points, palette);
+  const KinematicsResult found = sweep(scene, ranges, options);
+  const Result result = kinematics_result(scene, found, ranges, options.rate, request.view, request.common.settings);
 
   progress.now("writing the result");
-  const bool any = !result.samples.empty();
-  const std::string written =
-      files.write(files.wants_json() ? kinematics_json(scene, result, ranges, request.common.settings) : "",
-                  files.wants_svg() && any ? draw_plot(kinematics_panels(scene, result, ranges), 1) : "",
-                  files.wants_csv() && any ? kinematics_csv(scene, result, ranges) : "");
+  const bool reached = found.complete || found.stop;
+  std::string svg;
+  if (files.wants_svg() && !found.samples.empty()) {
+    svg = stacked(kinematics_picture(scene, found, request.view.points, result.verdict.text, reached),
+                  draw_plot(kinematics_panels(scene, found, ranges)));
+  }
+  const std::string written = files.write(result, svg);
   progress.done();
-  print(report + (written.empty() ? "" : "\n" + written));
-  return result.complete || result.stop ? solved : not_solved;
+  print(request.common, result, written, palette);
+  return reached ? solved : not_solved;
 }
 
 }  // namespace
@@ -75,10 +81,13 @@ Command kinematics_command() {
   command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
   command.add({"--rate", &request->rate, "NUMBER",
                "Speed of the first drive that moves, scene's units per second\n(1 rad/s or 1 m/s)"});
-  command.add({"--point", &request->points, "BODY.POINT", "Show this point too: crank.B; several times"});
-  command.add({"--csv", &request->common.csv, "FILE", "Write all samples, one line each, to FILE"});
-  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
-  command.add({"--svg", &request->common.svg, "FILE", "Draw coordinates and their derivatives into FILE"});
+  command.add({"--point", &request->view.points, "BODY.POINT",
+               "Show this point: crank.B; --svg draws its path; several times"});
+  command.add({"--all", &request->view.all, "", "Show every angle and slide too"});
+  add_output_options(command, request->common,
+                     {.svg = "Draw the mechanism at the start, middle and end of the range, and\nits angles and slides "
+                             "over the drive, into FILE",
+                      .csv = "Write all angles, slides and points, one line for each sample,\nto FILE"});
   command.run = [request](const Palette& palette) { return run_kinematics(*request, palette); };
   return command;
 }

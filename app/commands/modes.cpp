@@ -7,8 +7,8 @@
 
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
-#include "app/report/modes_report.hpp"
+#include "app/results/motion/modes.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "motion/rest_pose.hpp"
 
 namespace poise::app {
@@ -29,19 +29,19 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   options.interrupt = &watch_for_interrupt();
 
-  progress.now("looking for rest");
+  progress.now("looking for the equilibrium");
   ModesAnswer answer;
   answer.rest = solve(statics, options);
   if (answer.rest.found()) {
-    progress.now("looking at its small motions");
+    progress.now("analysing small motions");
     answer.x = motion_coordinates(model, statics, answer.rest.x);
     answer.modes = modes_of(model, answer.x);
   }
   progress.now("writing the result");
-  const std::string written =
-      files.write(files.wants_json() ? modes_json(model, answer, request.common.settings) : "", "");
+  const Result result = modes_result(model, answer, request.common.settings);
+  const std::string written = files.write(result, "");
   progress.done();
-  print(modes_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
+  print(request.common, result, written, palette);
   return answer.modes.known ? solved : not_solved;
 }
 
@@ -51,9 +51,8 @@ Command modes_command() {
   const auto request = std::make_shared<ModesRequest>();
   Command command{"modes", "Find small oscillations about equilibrium: frequencies, shapes, damping"};
   add_scene_options(command, request->common);
-  command.add({"--seek", &request->seek, "WHAT",
-               "nearest: any equilibrium near the start (the default);\nstable: minima only"});
-  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
+  add_seek_option(command, request->seek);
+  add_output_options(command, request->common, {});
   command.run = [request](const Palette& palette) { return run_modes(*request, palette); };
   return command;
 }

@@ -12,12 +12,12 @@
 
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/motion_files.hpp"
-#include "app/report/motion_report.hpp"
-#include "app/report/parts.hpp"
+#include "app/draw/chart/motion_charts.hpp"
+#include "app/draw/mechanism.hpp"
+#include "app/draw/motion_pictures.hpp"
+#include "app/results/motion/motion.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
-#include "model/nearest_name.hpp"
 #include "motion/release.hpp"
 
 namespace poise::app {
@@ -52,14 +52,13 @@ void check(const MotionRequest& request) {
   if (request.noise > 0 && request.common.csv.empty()) {
     throw InputError("--noise: there is no record to add it to; expected --csv FILE too");
   }
-  if (!request.from.empty() && request.from != "rest" && request.from != "start") {
-    throw InputError(fmt::format("--from: expected rest or start, found \"{}\"{}", request.from,
-                                 did_you_mean(request.from, {"rest", "start"})));
-  }
+  if (!request.from.empty()) chosen("--from", request.from, {"equilibrium", "start"});
 }
 
 void expect_record_of_a_size(const MotionRequest& request, const MotionModel& model) {
-  const double numbers = request.duration * request.rate * (2.0 * static_cast<double>(channels_of(model).size()) + 3);
+  std::size_t columns = 2 * channels_of(model).size() + 3;
+  for (const Body& body : model.scene().bodies) columns += 2 * body.points.size();
+  const double numbers = request.duration * request.rate * static_cast<double>(columns);
   if (numbers <= most_numbers) return;
   throw InputError(fmt::format("--rate: {} samples per second for {} s make {:.2g} numbers; expected {:.2g} at most",
                                request.rate, request.duration, numbers, most_numbers));
@@ -72,7 +71,7 @@ MotionOrigin find_origin(const MotionRequest& request, const MotionModel& model,
 
 /// How the motion starts, in words; each displacement adds to them.
 std::string words_of(const MotionOrigin& origin) {
-  if (origin.stability) return fmt::format("rest ({})", to_string(*origin.stability));
+  if (origin.stability) return fmt::format("equilibrium ({})", to_string(*origin.stability));
   return origin.kind == MotionOrigin::Kind::unloaded ? "as assembled, which nothing loads" : "as assembled";
 }
 
@@ -94,8 +93,8 @@ std::vector<Displacement> read_displacements(const MotionRequest& request, const
   return out;
 }
 
-/// Tells how far a motion has come, a few times a second.
-std::function<void(double)> teller(Progress& progress, const std::string& doing, double duration) {
+/// Shows how far a motion has come, a few times a second.
+std::function<void(double)> progress_of(Progress& progress, const std::string& doing, double duration) {
   using Clock = std::chrono::steady_clock;
   return [&progress, doing, duration, last = Clock::time_point{}](double t) mutable {
     const auto now = Clock::now();
@@ -115,42 +114,42 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   const std::atomic<bool>& interrupt = watch_for_interrupt();
 
-  progress.now("looking for rest");
+  progress.now("looking for the equilibrium");
   const MotionOrigin origin = find_origin(request, model, interrupt);
   if (!origin.found()) {
     progress.done();
-    print(heading(model, palette) + palette.paint(Tone::bad, "No rest to start from") + "\n" +
-          fact("why", origin.why, palette) + fact("", "--from start begins where the scene is assembled", palette));
+    const Result result = no_origin_result(model, origin.why, request.common.settings);
+    print(request.common, result, "", palette);
     return not_solved;
   }
   MotionAnswer answer;
   answer.start = words_of(origin);
   const std::vector<Displacement> displaced = read_displacements(request, model, answer.start);
   if (displaced.empty() && origin.q && model.scene().drives.empty())
-    answer.start += "; it stays, nothing lets it go: --release";
+    answer.start += "; already at equilibrium, use --release to displace it";
   answer.duration = request.duration;
   answer.accuracy = request.accuracy;
   MotionOptions options;
   options.duration = request.duration;
   options.accuracy = request.accuracy;
   options.interrupt = &interrupt;
-  options.progress = teller(progress, "moving", request.duration);
+  options.progress = progress_of(progress, "moving", request.duration);
   answer.found = simulate_and_confirm(model, release(model, origin, displaced), options,
-                                      teller(progress, "estimating the error", request.duration));
+                                      progress_of(progress, "estimating the error", request.duration));
 
   progress.now("writing the result");
   answer.record = record(model, answer.found.motion, request.rate);
-  const std::string json = files.wants_json() ? motion_json(model, answer, request.common.settings) : "";
-  const std::string svg = files.wants_svg() ? draw_plot(motion_panels(model, answer.record)) : "";
-  std::string csv;
-  if (files.wants_csv()) {
-    MotionRecord measured = answer.record;
-    if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
-    csv = motion_csv(model, measured);
+  MotionRecord measured = answer.record;
+  if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
+  const Result result = motion_result(model, answer, measured, request.common.settings);
+  std::string svg;
+  if (files.wants_svg() && answer.found.motion.trajectory.nodes() > 0) {
+    svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
+                  draw_plot(motion_panels(model.scene(), answer.record)));
   }
-  const std::string written = files.write(json, svg, csv);
+  const std::string written = files.write(result, svg);
   progress.done();
-  print(motion_report(model, answer, palette) + (written.empty() ? "" : "\n" + written));
+  print(request.common, result, written, palette);
   return answer.found.confirmed() ? solved : not_solved;
 }
 
@@ -169,16 +168,18 @@ Command motion_command() {
            "Start with this body turned, or joint moved, by so much from the\npose of --from, in the scene's units; "
            "several times");
   add_list("--release-rate", request->release_rate, "The same with a speed, per second");
-  command.add({"--from", &request->from, "WHAT",
-               "rest: the equilibrium near the start (the default without\ndrives); start: as it is assembled (the "
-               "default with drives)"});
+  command.add(
+      {"--from", &request->from, "WHAT",
+       "equilibrium: the one near the start (the default without drives);\nstart: as it is assembled (the default "
+       "with drives)"});
   command.add({"--noise", &request->noise, "SIGMA",
                "Standard deviation of Gaussian noise added to the angles and\ntravels of --csv, in the scene's units"});
   command.add({"--seed", &request->seed, "N", "Of the noise (1)"});
   command.add({"--accuracy", &request->accuracy, "NUMBER", "Relative accuracy of the motion (1e-10)"});
-  command.add({"--csv", &request->common.csv, "FILE", "Write the record, one line for each sample, to FILE"});
-  command.add({"--json", &request->common.json, "FILE", "Write the result to FILE as JSON"});
-  command.add({"--svg", &request->common.svg, "FILE", "Draw angles, travels and energies over time into FILE"});
+  add_output_options(command, request->common,
+                     {.svg = "Draw the mechanism at the start, in the middle and at the end, and\nangles, travels and "
+                             "energies over time, into FILE",
+                      .csv = "Write the record, one line for each sample, to FILE"});
   command.run = [request](const Palette& palette) { return run_motion(*request, palette); };
   return command;
 }

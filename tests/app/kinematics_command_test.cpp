@@ -25,21 +25,58 @@ TEST(KinematicsCommand, WritesTheSameNumbersEverywhere) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(contains(outcome.out, "Driven through the whole range."));
   const json answer = json::parse(contents(result));
-  ASSERT_EQ(answer["samples"].size(), 9u);
+  const json& samples = answer["samples"];
+  ASSERT_EQ(samples["crank"].size(), 9u);
   EXPECT_EQ(answer["units"]["angle"], "deg");
-  const json& middle = answer["samples"][4];
-  EXPECT_NEAR(middle["drive"]["crank"].get<double>(), -60.0, 1e-12);
-  EXPECT_NEAR(middle["angles"]["crank"][1].get<double>(), 10.0, 1e-12);
+  EXPECT_NEAR(samples["drive.crank"][4].get<double>(), -60.0, 1e-12);
+  EXPECT_NEAR(samples["crank.rate"][4].get<double>(), 10.0, 1e-12);
   // The crank's end runs on a circle of 2 in at 10 deg/s.
-  const json& end = middle["points"]["crank.A"];
   const double w = 10 * std::numbers::pi / 180;
-  EXPECT_NEAR(end["position"][0].get<double>(), 1.0, 1e-12);
-  EXPECT_NEAR(end["velocity"][0].get<double>(), 2 * w * std::sin(std::numbers::pi / 3), 1e-12);
-  EXPECT_NEAR(end["acceleration"][0].get<double>(), -w * w, 1e-12);
+  EXPECT_NEAR(samples["crank.A.x"][4].get<double>(), 1.0, 1e-12);
+  EXPECT_NEAR(samples["crank.A.x.rate"][4].get<double>(), 2 * w * std::sin(std::numbers::pi / 3), 1e-12);
+  EXPECT_NEAR(samples["crank.A.x.second"][4].get<double>(), -w * w, 1e-12);
   const std::string lines = contents(table);
   EXPECT_TRUE(lines.starts_with("drive.crank,crank,crank.rate,crank.second,coupler"));
   EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 10);
+  const std::string header = lines.substr(0, lines.find('\n'));
+  EXPECT_EQ(static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1, samples.size());
   EXPECT_EQ(objection_to_xml(contents(chart)), "");
+}
+
+TEST(KinematicsCommand, ShowsAScreenAndMoreOnDemand) {
+  const std::vector<std::string> words = {"kinematics", dataset("lift"), "--drive", "obd=0.3..0.6"};
+  const auto shown = [&](const std::vector<std::string>& further) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), further.begin(), further.end());
+    const Outcome outcome = run_poise(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out;
+  };
+  const std::string plain = shown({});
+  EXPECT_LT(std::count(plain.begin(), plain.end(), '\n'), 45);
+  EXPECT_TRUE(contains(plain, "1 degree of freedom, driven by obd"));
+  EXPECT_TRUE(contains(plain, "rate of obd (rad/s)"));
+  EXPECT_FALSE(contains(plain, "Angles"));
+  const std::string all = shown({"--all"});
+  EXPECT_TRUE(contains(all, "Slide accelerations (m/s²)")) << all;
+  EXPECT_TRUE(contains(all, "platform, payload")) << "welded bodies share a column";
+  const std::string point = shown({"--point", "platform.P"});
+  EXPECT_TRUE(contains(point, "Point platform.P")) << point;
+  EXPECT_TRUE(contains(point, "vy (m/s)")) << point;
+  EXPECT_FALSE(contains(point, "Angles"));
+}
+
+TEST(KinematicsCommand, DrawsTheMechanismAndThePathOfAPoint) {
+  const TempFolder folder;
+  const std::string picture = folder.path("k.svg");
+  const Outcome outcome = run_poise(
+      {"kinematics", dataset("six_bar"), "--drive", "crank=-100..-20", "--point", "coupler.B", "--svg", picture});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string text = contents(picture);
+  EXPECT_EQ(objection_to_xml(text), "");
+  for (const char* part : {"coupler.B", "end of the range", "middle of the range", "Angular velocities"}) {
+    EXPECT_TRUE(contains(text, part)) << part;
+  }
 }
 
 TEST(KinematicsCommand, NamesTheDeadCentreAndSaysNoByItsExitCode) {
@@ -59,8 +96,8 @@ TEST(KinematicsCommand, EndsAtAStopAndSaysSo) {
   const json answer = json::parse(contents(result));
   EXPECT_FALSE(answer["complete"].get<bool>());
   EXPECT_EQ(answer["stop"], json({{"name", "reach"}, {"limit", "max"}, {"value", 0.44}}));
-  const json& end = answer["samples"].back()["points"]["hood.H"]["position"];
-  EXPECT_NEAR(std::hypot(end[0].get<double>() - 0.27, end[1].get<double>() + 0.08), 0.44, 1e-14);
+  const double x = answer["samples"]["hood.H.x"].back(), y = answer["samples"]["hood.H.y"].back();
+  EXPECT_NEAR(std::hypot(x - 0.27, y + 0.08), 0.44, 1e-14);
   const Outcome beyond = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=1.3"});
   EXPECT_EQ(beyond.exit_code, 2);
   EXPECT_TRUE(contains(beyond.err, "the stop \"reach\" is reached at hood = ")) << beyond.err;
@@ -95,8 +132,7 @@ TEST(DesignCommand, WritesASceneThatMovesAsItSays) {
   ASSERT_EQ(moved.exit_code, 0) << moved.out << moved.err;
   double low = 1e300, high = -1e300;
   const json motion = json::parse(contents(swept));
-  for (const json& sample : motion["samples"]) {
-    const double y = sample["points"]["platform.Q"]["position"][1];
+  for (const double y : motion["samples"]["platform.Q.y"]) {
     low = std::min(low, y);
     high = std::max(high, y);
   }

@@ -86,7 +86,7 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
   const Outcome run = run_poise(words(folder.write("a.toml", oscillator),
                                       {"--duration", "2", "--rate", "500", "--release", "rail=7", "--csv", csv}));
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
-  const CsvTable table = read_csv(csv, {"time", "rail", "rail.rate", "energy.kinetic"});
+  const CsvTable table = read_csv(csv, {"time", "rail", "rail.rate", "energy.kinetic", "block.C.x", "block.C.y"});
   ASSERT_EQ(table.values[0].size(), 1001U);
   const double decay = 1.0;
   const double w = std::sqrt(100.0 - decay * decay);
@@ -95,11 +95,19 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
     EXPECT_DOUBLE_EQ(t, static_cast<double>(i) / 500);
     const double swing = 7 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
     const double rate = -7 * std::exp(-decay * t) * (w + decay * decay / w) * std::sin(w * t);
-    ASSERT_NEAR(table.values[1][i], 100 + swing, 1e-8) << "mm, from rest at 100 mm";
+    ASSERT_NEAR(table.values[1][i], 100 + swing, 1e-8) << "mm, from equilibrium at 100 mm";
     ASSERT_NEAR(table.values[2][i], rate, 1e-7) << "mm/s";
     ASSERT_NEAR(table.values[3][i], 0.5 * 2 * rate * rate * 1e-6 * 1e3, 1e-9) << "N mm";
+    ASSERT_NEAR(table.values[4][i], table.values[1][i], 1e-12) << "the point is where the rail takes it, in mm";
+    ASSERT_EQ(table.values[5][i], 0.0);
   }
-  EXPECT_NE(run.out.find("rest (stable), rail released by 7 mm"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("equilibrium (stable), rail released by 7 mm"), std::string::npos) << run.out;
+}
+
+TEST(MotionCommand, SaysThatItIsAlreadyAtEquilibrium) {
+  const TempFolder folder;
+  const Outcome run = run_poise(words(folder.write("a.toml", oscillator), {"--duration", "0.1"}));
+  EXPECT_NE(run.out.find("already at equilibrium, use --release to displace it"), std::string::npos) << run.out;
 }
 
 TEST(MotionCommand, StartsWhereAssembledIfToldSo) {
@@ -132,7 +140,7 @@ TEST(MotionCommand, DriveDoesTheWorkThatTheWheelGains) {
   const Outcome run = run_poise(words(scene, {"--duration", "2", "--json", file}));
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   const json r = json::parse(contents(file));
-  EXPECT_EQ(r["freedoms"], 0);
+  EXPECT_EQ(r["degrees_of_freedom"], 0);
   EXPECT_NEAR(r["angles"]["wheel"]["start"], 10.0, 1e-10);
   EXPECT_NEAR(r["angles"]["wheel"]["end"], 10 + 40 + 120, 1e-9);
   const double degree = M_PI / 180;
@@ -176,7 +184,7 @@ TEST(MotionCommand, ReportsWhatItCannotMove) {
   EXPECT_NE(run.out.find("no inertia"), std::string::npos) << run.out;
   const Outcome nowhere = run_poise(words(folder.write("b.toml", runaway), {"--duration", "1"}));
   EXPECT_EQ(nowhere.exit_code, 1);
-  EXPECT_NE(nowhere.out.find("No rest to start from"), std::string::npos) << nowhere.out;
+  EXPECT_NE(nowhere.out.find("No equilibrium found to start from: "), std::string::npos) << nowhere.out;
 }
 
 TEST(MotionCommand, NothingIsReleasedThatADriveCarries) {
@@ -203,7 +211,7 @@ TEST(MotionCommand, BadWordsAreNamed) {
       {{"--duration", "1", "--accuracy", "0"}, "--accuracy: expected"},
       {{"--duration", "1", "--noise", "0.1"}, "--noise: there is no record"},
       {{"--duration", "1", "--noise", "-1", "--csv", csv}, "--noise: expected"},
-      {{"--duration", "1", "--from", "rets"}, "did you mean \"rest\"?"},
+      {{"--duration", "1", "--from", "equilibrum"}, "did you mean \"equilibrium\"?"},
       {{"--duration", "1", "--release", "rial=1"}, "did you mean \"rail\"?"},
       {{"--duration", "1", "--release", "rail"}, "there is no \"=\""},
       {{"--duration", "1", "--release-rate", "rail=fast"}, "is not a number"},
@@ -231,7 +239,7 @@ TEST(MotionCommand, DrawsWhatMoves) {
   EXPECT_EQ(objection_to_xml(text), "");
   EXPECT_LT(text.size(), 300000U);
   for (const char* part : {"Lifting linkage", "from where they start", "angle (rad)", "travel (m)", "energy (J)", "obd",
-                           "stroke", "cylinder, rod", "kinetic", "time (s)"}) {
+                           "stroke", "cylinder, rod", "kinetic", "time (s)", "at the end", "Moved for 1 s"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
   }
 }

@@ -1,0 +1,196 @@
+#include "app/draw/chart/motion_charts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "motion/courses.hpp"
+#include "motion/force_courses.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr std::size_t most_curves = 12;
+
+std::string titled(const std::string& title, Quantity quantity, const Units& units) {
+  return fmt::format("{} ({})", title, unit_name(quantity, units));
+}
+
+/// What an axis says of it: `, up to the stop "cowl"`, or nothing.
+std::string up_to_stop(const std::optional<MetStop>& met, const Scene& scene) {
+  return met ? fmt::format(", up to the stop \"{}\"", scene.stops[met->stop].name) : "";
+}
+
+struct Extent {
+  double low = 0.0, high = 0.0;
+  double size() const { return high - low; }
+};
+
+Extent extent_of(const std::vector<double>& values) {
+  if (values.empty()) return {};
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return {*low, *high};
+}
+
+/// What is drawn as one curve: the channels of one coordinate, bodies that keep parallel.
+struct Moving {
+  std::size_t channel = 0;  // the first of them
+  std::string names;
+  Extent extent;
+};
+
+std::vector<Moving> moving(const MotionRecord& record, Quantity quantity) {
+  std::vector<Moving> out;
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    const Channel& channel = record.channels[c];
+    if (channel.quantity != quantity) continue;
+    const auto same = std::find_if(out.begin(), out.end(), [&](const Moving& m) {
+      return record.channels[m.channel].coordinate == channel.coordinate;
+    });
+    if (same == out.end())
+      out.push_back({c, channel.name, extent_of(record.value[c])});
+    else
+      same->names += ", " + channel.name;
+  }
+  return out;
+}
+
+/// Curves of one quantity; no curves where nothing of the kind moves.
+Panel panel_of(const MotionRecord& record, Quantity quantity, const Units& units) {
+  const std::string noun = quantity == Quantity::angle ? "angle" : "travel";
+  std::vector<Moving> chosen = moving(record, quantity);
+  if (chosen.empty()) return {};
+  Extent all = chosen.front().extent;
+  double widest = 0.0;
+  for (const Moving& m : chosen) {
+    all = {std::min(all.low, m.extent.low), std::max(all.high, m.extent.high)};
+    widest = std::max(widest, m.extent.size());
+  }
+  Panel panel{.title = noun + "s", .y_label = titled(noun, quantity, units)};
+  if (chosen.size() > most_curves) {
+    panel.title = fmt::format("the {} of {} {}s that change most", most_curves, chosen.size(), noun);
+    std::stable_sort(chosen.begin(), chosen.end(),
+                     [&](const Moving& a, const Moving& b) { return a.extent.size() > b.extent.size(); });
+    chosen.resize(most_curves);
+  }
+  constexpr double little = 0.15;
+  const bool from_start = widest < little * all.size();
+  if (from_start) panel.title += ", from where they start";
+  for (const Moving& m : chosen) {
+    Curve curve{.name = m.names, .x = record.time, .y = in_unit(record.value[m.channel], quantity, units)};
+    const double start = from_start && !curve.y.empty() ? curve.y.front() : 0.0;
+    for (double& y : curve.y) y -= start;
+    panel.curves.push_back(std::move(curve));
+  }
+  return panel;
+}
+
+Panel energy_panel(const MotionRecord& record, const Units& units) {
+  std::vector<double> kinetic = in_unit(record.kinetic, Quantity::energy, units);
+  std::vector<double> potential = in_unit(record.potential, Quantity::energy, units);
+  std::vector<double> sum = kinetic;
+  const double start = potential.empty() ? 0.0 : potential.front();
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += potential[k] -= start;
+  Panel panel{.title = "energies, the potential from its start", .y_label = titled("energy", Quantity::energy, units)};
+  panel.curves = {{.name = "kinetic", .x = record.time, .y = std::move(kinetic)},
+                  {.name = "potential", .x = record.time, .y = std::move(potential)},
+                  {.name = "sum", .x = record.time, .y = std::move(sum), .style = Curve::Style::dashed}};
+  return panel;
+}
+
+}  // namespace
+
+std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& found,
+                                     const std::vector<DriveRange>& ranges) {
+  struct Derivative {
+    const char* angles;
+    const char* lengths;
+    const char* per;
+    std::vector<double> Course::*values;
+  };
+  static constexpr std::array<Derivative, 3> derivatives = {
+      {{"Angles", "Slides", "", &Course::value},
+       {"Angular velocities", "Slide velocities", "/s", &Course::rate},
+       {"Angular accelerations", "Slide accelerations", "/s²", &Course::acceleration}}};
+  const std::vector<Course> courses = coordinate_courses(scene, found);
+  const Course drive = drive_course(scene, found, 0, ranges);
+  const std::vector<double> x = in_unit(drive.value, drive.quantity, scene.units);
+  const std::string label =
+      fmt::format("{} ({}){}", drive.name, unit_name(drive.quantity, scene.units), up_to_stop(found.stop, scene));
+  std::vector<Panel> panels;
+  for (const Quantity quantity : {Quantity::angle, Quantity::length}) {
+    for (const Derivative& d : derivatives) {
+      Panel panel{.title = quantity == Quantity::angle ? d.angles : d.lengths,
+                  .x_label = label,
+                  .y_label = unit_name(quantity, scene.units) + d.per};
+      for (const Course& course : courses) {
+        if (course.quantity != quantity || panel.curves.size() == most_curves) continue;
+        panel.curves.push_back({.name = course.name, .x = x, .y = in_unit(course.*d.values, quantity, scene.units)});
+      }
+      if (!panel.curves.empty()) panels.push_back(std::move(panel));
+    }
+  }
+  return panels;
+}
+
+std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record) {
+  std::vector<Panel> panels;
+  for (const Quantity quantity : {Quantity::angle, Quantity::length}) {
+    Panel panel = panel_of(record, quantity, scene.units);
+    if (!panel.curves.empty()) panels.push_back(std::move(panel));
+  }
+  panels.push_back(energy_panel(record, scene.units));
+  for (Panel& panel : panels) {
+    char& first = panel.title.front();
+    first = static_cast<char>(std::toupper(static_cast<unsigned char>(first)));
+  }
+  panels.back().x_label = "time (s)";
+  return panels;
+}
+
+std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found) {
+  const std::vector<double> x = found.measure ? in_unit(found.at, *found.measure, scene.units) : found.at;
+  const std::string x_label =
+      (found.measure ? titled(found.along, *found.measure, scene.units) : found.along + " (s)") +
+      up_to_stop(found.stop, scene);
+  std::vector<Panel> panels;
+  const auto panel = [&](const std::string& title, Quantity quantity) -> Panel& {
+    for (Panel& p : panels) {
+      if (p.title == title) return p;
+    }
+    panels.push_back({.title = title,
+                      .x_label = x_label,
+                      .y_label = titled(quantity == Quantity::moment ? "torque" : "force", quantity, scene.units)});
+    return panels.back();
+  };
+  for (const ForceCourse& course : force_courses(scene, found)) {
+    if (!course.name.starts_with("effort.")) continue;
+    const bool turns = course.quantity == Quantity::moment;
+    panel(turns ? "torques of drives" : "forces of drives", course.quantity)
+        .curves.push_back(
+            {.name = course.name.substr(7), .x = x, .y = in_unit(course.value, course.quantity, scene.units)});
+  }
+  std::vector<Curve> sizes;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    Curve curve{.name = scene.joints[j].name, .x = x};
+    for (const Forces& f : found.poses) {
+      curve.y.push_back(in_unit(norm(f.reactions[j].force), Quantity::force, scene.units));
+    }
+    sizes.push_back(std::move(curve));
+  }
+  const auto largest = [](const Curve& c) { return *std::max_element(c.y.begin(), c.y.end()); };
+  if (sizes.size() > most_curves) {
+    std::stable_sort(sizes.begin(), sizes.end(),
+                     [&](const Curve& a, const Curve& b) { return largest(a) > largest(b); });
+    sizes.resize(most_curves);
+  }
+  if (!sizes.empty()) panel("sizes of joint forces", Quantity::force).curves = std::move(sizes);
+  return panels;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "app/draw/chart/plot.hpp"
+#include "motion/forces_along.hpp"
+#include "motion/kinematics.hpp"
+#include "motion/motion_record.hpp"
+
+namespace poise::app {
+
+// Charts of mechanisms that move, in the units of the scene, at most twelve curves each.
+
+/// Values, rates and second derivatives of angles and of lengths over the first drive.
+std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& found,
+                                     const std::vector<DriveRange>& ranges);
+
+/// Angles, travels and energies over time: of those that move most; where all move little for how far apart they are,
+/// counted from where they start.
+std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record);
+
+/// Efforts of drives and sizes of joint forces over a range or time.
+std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found);
+
+}  // namespace poise::app

@@ -1,0 +1,293 @@
+#include "app/results/motion/forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/motion/kinematics.hpp"
+#include "app/results/parts.hpp"
+#include "motion/force_courses.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr int place_digits = 8;
+
+std::string power_unit(const Units& units) {
+  const std::string energy = unit_name(Quantity::energy, units);
+  return energy == "J" ? "W" : energy + "/s";
+}
+
+/// The pose that is worst out of balance.
+const Forces& worst(const ForcesAlong& found) {
+  return *std::max_element(found.poses.begin(), found.poses.end(), [](const Forces& a, const Forces& b) {
+    return a.imbalance * b.largest_force < b.imbalance * a.largest_force;
+  });
+}
+
+bool moves(const ForcesAlong& found) {
+  return std::any_of(found.poses.begin(), found.poses.end(), [](const Forces& forces) {
+    return std::any_of(forces.motions.begin(), forces.motions.end(),
+                       [](const BodyMotion& m) { return m.rate != 0.0 || norm(m.velocity) > 0.0; });
+  });
+}
+
+double largest_size(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double v : values) largest = std::max(largest, std::abs(v));
+  return largest;
+}
+
+/// "at ram = 300 mm no finite force of the drive holds the load"; nothing where there is no dead point.
+std::string dead_points(const MotionModel& model, const ForcesAlong& found) {
+  const std::vector<Drive>& drives = model.scene().drives;
+  std::vector<std::string> places;
+  for (const std::vector<double>& point : found.dead_points) {
+    std::vector<std::string> values;
+    for (std::size_t k = 0; k < point.size(); ++k) {
+      values.push_back(
+          fmt::format("{} = {}", drives[k].name, with_unit(model, point[k], quantity_of(drives[k].on), place_digits)));
+    }
+    places.push_back("at " + listed(values));
+  }
+  if (places.empty()) return "";
+  const char* const effort = drives.size() > 1              ? "finite efforts of the drives hold"
+                             : drives.front().on.is_angle() ? "finite torque of the drive holds"
+                                                            : "finite force of the drive holds";
+  return fmt::format("{} no {} the load", listed(places), effort);
+}
+
+Line verdict(const MotionModel& model, const ForcesAlong& found) {
+  const std::string dead = dead_points(model, found);
+  const bool ended = !found.complete && !found.stop;
+  if (!dead.empty() && (ended || !found.balanced())) return {.text = "Dead point: " + dead + ".", .tone = Tone::bad};
+  if (ended) return {.text = "Driven in part only: " + found.why + ".", .tone = Tone::bad};
+  if (found.poses.empty()) return {.text = "No pose was reached.", .tone = Tone::bad};
+  if (!found.balanced()) {
+    return {.text = found.poses.front().drives.empty()
+                        ? "Out of balance: nothing holds the load; name a drive by --drive."
+                        : "Out of balance: the drives cannot hold the load.",
+            .tone = Tone::bad};
+  }
+  if (!dead.empty()) return {.text = "Every body is in balance. Dead point: " + dead + ".", .tone = Tone::doubtful};
+  return {.text = "Every body is in balance.", .tone = Tone::good};
+}
+
+/// Stops that are passed, and elements against which drives work though the mechanism's load does not ask for it.
+void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& found) {
+  const auto warn = [&](std::string text) {
+    result.warnings.push_back({.text = std::move(text), .tone = Tone::doubtful});
+  };
+  if (found.stop) warn("The range ends early: " + found.why + ".");
+  for (const ForceCourse& course : force_courses(model.scene(), found)) {
+    if (!course.name.starts_with("overrun.")) continue;
+    const auto passed = std::count_if(course.value.begin(), course.value.end(), [](double v) { return v > 0.0; });
+    warn(fmt::format("Stop \"{}\" is passed in {} of {} poses, by up to {}.", course.name.substr(8), passed,
+                     course.value.size(), with_unit(model, largest_size(course.value), course.quantity)));
+  }
+  for (const auto& [element, drive, course] : loaded_parallels(model, found)) {
+    warn(
+        fmt::format("{} acts in parallel with the drive \"{}\", whose effort includes it (up to {}); --set "
+                    "\"{}.{}=0\" leaves it out.",
+                    course.name, drive, with_unit(model, largest_size(course.value), course.quantity), course.name,
+                    numbers_of(element.law).front().key_on(&element.on)));
+  }
+}
+
+/// Drives of a single pose.
+void add_drives(Group& group, const MotionModel& model, const Forces& forces, bool moving) {
+  std::vector<std::string> names, efforts, notes;
+  std::vector<double> powers;
+  for (const DriveEffort& drive : forces.drives) {
+    names.push_back(drive.name);
+    efforts.push_back(with_unit(model, drive.value, drive.is_angle ? Quantity::moment : Quantity::force));
+    powers.push_back(in_unit(drive.power, Quantity::energy, model.scene().units));
+    notes.emplace_back(drive.determined ? "" : "undetermined");
+  }
+  Table& table = group.table("", "Drives, positive where they drive forwards", Rows::list);
+  table.words("", "drive", std::move(names));
+  table.words("", "effort", std::move(efforts));
+  if (moving) {
+    table.numbers("", "power", power_unit(model.scene().units), std::move(powers),
+                  format_of(model, Quantity::energy, force_digits));
+  }
+  table.remarks(std::move(notes), Tone::doubtful);
+}
+
+bool is_element(const ForceCourse& course) {
+  const std::string kind = course.name.substr(0, course.name.find('.'));
+  return kind != "effort" && kind != "power" && kind != "reaction" && kind != "stop" && kind != "imbalance" &&
+         kind != "overrun";
+}
+
+/// Springs, dampers and friction of one pose.
+void add_elements(Group& group, const MotionModel& model, const std::vector<ForceCourse>& courses) {
+  std::vector<std::string> names, values;
+  for (const ForceCourse& course : courses) {
+    if (!is_element(course)) continue;
+    names.push_back(course.name);
+    values.push_back(with_unit(model, course.value.front(), course.quantity));
+  }
+  Table& table = group.table("", "Springs and dampers, tension positive, moments on the second body", Rows::list);
+  table.words("", "element", std::move(names));
+  table.words("", "carries", std::move(values));
+}
+
+struct Places {
+  std::string title, unit;
+  std::vector<double> values;
+};
+
+Places places_of(const ForcesAlong& found, const Units& units) {
+  if (!found.measure) return {found.along, "s", found.at};
+  return {found.along, unit_name(*found.measure, units), in_unit(found.at, *found.measure, units)};
+}
+
+/// Efforts, and powers where it moves, from place to place.
+void add_efforts(Group& group, const MotionModel& model, const ForcesAlong& found,
+                 const std::vector<ForceCourse>& courses, bool moving) {
+  if (model.scene().drives.empty()) return;
+  const Units& units = model.scene().units;
+  const Places places = places_of(found, units);
+  Table& table = group.table("", "Drives, positive where they drive forwards", Rows::list);
+  table.shown = Table::Shown::spread;
+  table.numbers("", places.title, places.unit, places.values, {.digits = place_digits});
+  for (const ForceCourse& course : courses) {
+    const std::string name = course.name.substr(course.name.find('.') + 1);
+    if (course.name.starts_with("effort.")) {
+      add_column(table, model, "", "effort of " + name, course.quantity, course.value, force_digits);
+    } else if (moving && course.name.starts_with("power.")) {
+      table.numbers("", "power", power_unit(units), in_unit(course.value, course.quantity, units),
+                    format_of(model, course.quantity, force_digits));
+    }
+  }
+}
+
+/// The largest of everything that is no drive, by size, and where.
+void add_largest(Group& group, const MotionModel& model, const ForcesAlong& found,
+                 const std::vector<ForceCourse>& courses) {
+  const Scene& scene = model.scene();
+  std::vector<ForceCourse> shown;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    ForceCourse size{"reaction." + scene.joints[j].name, Quantity::force, {}};
+    for (const Forces& f : found.poses) size.value.push_back(norm(f.reactions[j].force));
+    shown.push_back(std::move(size));
+  }
+  for (const ForceCourse& course : courses) {
+    const bool moment = course.name.starts_with("reaction.") && course.name.ends_with(".moment");
+    if (moment || course.name.starts_with("stop.") || is_element(course)) shown.push_back(course);
+  }
+  double rounding = 0.0;
+  for (const Forces& f : found.poses) rounding = std::max(rounding, found.tolerance * f.largest_force);
+  const Places places = places_of(found, scene.units);
+  std::vector<std::string> names, values;
+  std::vector<double> where;
+  for (const ForceCourse& course : shown) {
+    const auto largest = std::max_element(course.value.begin(), course.value.end(),
+                                          [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const double unit = course.quantity == Quantity::moment ? model.scales().length : 1.0;
+    names.push_back(course.name);
+    values.push_back(with_unit(model, std::abs(*largest) <= rounding * unit ? 0.0 : *largest, course.quantity));
+    where.push_back(places.values[static_cast<std::size_t>(largest - course.value.begin())]);
+  }
+  Table& table = group.table("", "Largest forces by size, tension positive", Rows::list);
+  table.words("", "force", std::move(names));
+  table.words("", "largest", std::move(values));
+  table.numbers("", "at " + places.title, places.unit, std::move(where), {.digits = place_digits});
+}
+
+void add_numerics(Group& group, const MotionModel& model, const ForcesAlong& found) {
+  const Forces& f = worst(found);
+  double work = 0.0, power = 0.0;
+  for (const Forces& forces : found.poses) {
+    work = std::max(work, forces.work_error);
+    power = std::max(power, forces.power.error);
+  }
+  group.data("work_error", work);
+  group.data("power_error", power);
+  Group& numerics = group.group("", "Numerics");
+  numerics.fact("imbalance", fmt::format("{} {} at \"{}\" (largest force {})",
+                                         small_number(in_unit(f.imbalance, Quantity::force, model.scene().units)),
+                                         model.scene().units.force_name, f.worst_body,
+                                         with_unit(model, f.largest_force, Quantity::force, 4)));
+  numerics.fact("cross-check", fmt::format("virtual work of the phasor model left over: {} of the largest force{}",
+                                           small_number(work), moves(found) ? "; power: " + small_number(power) : ""));
+}
+
+void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer,
+              const std::vector<ForceCourse>& courses) {
+  const Scene& scene = model.scene();
+  const ForcesAlong& found = answer.found;
+  group.data("how", answer.how);
+  group.data("complete", found.complete);
+  group.data("why", found.why);
+  add_met_stop(group, found.stop, scene);
+  Branch& dead = group.array("dead_points");
+  for (const std::vector<double>& point : found.dead_points) {
+    Group& place = dead.parts.emplace_back();
+    for (std::size_t k = 0; k < point.size(); ++k) {
+      place.data(scene.drives[k].name, in_unit(point[k], quantity_of(scene.drives[k].on), scene.units));
+    }
+  }
+  group.data("balanced", found.balanced());
+  Branch& parallel = group.array("parallel");
+  for (const LoadedParallel& one : loaded_parallels(model, found)) {
+    Group& pair = parallel.parts.emplace_back();
+    pair.data("element", one.course.name);
+    pair.data("drive", one.drive);
+  }
+  group.data("along", found.along);
+  Table& forces = group.table("forces", "", Rows::columns, Verbosity::data);
+  forces.csv = !found.poses.empty();
+  if (!found.at.empty()) forces.data(found.along, places_of(found, scene.units).values);
+  for (const ForceCourse& course : courses) {
+    forces.data(course.name, in_unit(course.value, course.quantity, scene.units));
+  }
+  std::set<std::string> undetermined, idle;
+  for (const Forces& pose : found.poses) {
+    for (const Reaction& r : pose.reactions) {
+      if (!r.determined) undetermined.insert(r.name);
+    }
+    for (const DriveEffort& d : pose.drives) {
+      if (!d.determined) undetermined.insert(d.name);
+    }
+    idle.insert(pose.idle_stops.begin(), pose.idle_stops.end());
+  }
+  group.data("undetermined", std::vector<std::string>(undetermined.begin(), undetermined.end()));
+  group.data("idle_stops", std::vector<std::string>(idle.begin(), idle.end()));
+  for (const std::string& stop : idle) {
+    group.fact("stop", fmt::format("\"{}\" is in contact without force: the drives alone hold the load", stop));
+  }
+}
+
+}  // namespace
+
+Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<std::string>& settings) {
+  const ForcesAlong& found = answer.found;
+  Result out = scene_result(model.scene(), settings);
+  Group& content = out.content;
+  out.verdict = verdict(model, found);
+  add_warnings(out, model, found);
+  content.fact("pose", answer.how);
+  if (!found.complete && !found.stop) content.fact("range", found.why);
+  const std::vector<ForceCourse> courses = force_courses(model.scene(), found);
+  add_data(content, model, answer, courses);
+  if (found.poses.empty()) return out;
+  const bool moving = moves(found);
+  if (found.at.empty()) {
+    const Forces& forces = found.poses.front();
+    add_drives(content, model, forces, moving);
+    add_elements(content, model, courses);
+    add_reactions(content, model, forces.reactions, forces.redundancy);
+  } else {
+    add_efforts(content, model, found, courses, moving);
+    add_largest(content, model, found, courses);
+  }
+  add_numerics(content, model, found);
+  return out;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "motion/forces_along.hpp"
+
+namespace poise::app {
+
+/// What `poise forces` found.
+struct ForcesAnswer {
+  std::string how;  ///< in words: "standing still in every pose", "driven, crank at 1 rad/s", ...
+  ForcesAlong found;
+};
+
+/// What `poise forces` shows. One pose: drives, springs, dampers and all joint forces. More poses: the efforts of the
+/// drives from place to place and the largest of everything else.
+Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<std::string>& settings);
+
+}  // namespace poise::app

@@ -1,0 +1,280 @@
+#include "app/results/motion/kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
+#include "model/nearest_name.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr int value_digits = 8;
+constexpr int rate_digits = 6;
+constexpr double nothing = 1e-12;  // of the largest value of a table: rounding, shown as 0
+
+Quantity quantity_of(const Scene& scene, const DriveRange& range) {
+  return poise::quantity_of(find_drive(scene, range.name).on);
+}
+
+double largest_of(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double v : values) largest = std::max(largest, std::abs(v));
+  return largest;
+}
+
+/// `largest`, SI, of all that stands beside it decides what is rounding.
+void add_values(Table& table, const std::string& title, const std::string& unit, const std::vector<double>& si,
+                Quantity quantity, const Units& units, int digits, double largest) {
+  table.numbers("", title, unit, in_unit(si, quantity, units),
+                {.digits = digits, .zero_below = in_unit(nothing * largest, quantity, units)});
+}
+
+void add_drive(Table& table, const Course& drive, const Units& units) {
+  add_values(table, drive.name, unit_name(drive.quantity, units), drive.value, drive.quantity, units, value_digits,
+             largest_of(drive.value));
+}
+
+Table& course_table(Group& group, const std::string& title, Verbosity level) {
+  Table& table = group.table("", title, Rows::list, level);
+  table.shown = Table::Shown::spread;
+  return table;
+}
+
+struct Derivative {
+  const char* angles;
+  const char* lengths;
+  const char* per;
+  std::vector<double> Course::*values;
+  int digits;
+};
+constexpr Derivative derivatives[] = {
+    {"Angles", "Slides and places", "", &Course::value, value_digits},
+    {"Angular velocities", "Slide velocities", "/s", &Course::rate, rate_digits},
+    {"Angular accelerations", "Slide accelerations", "/s²", &Course::acceleration, rate_digits}};
+
+/// Second derivatives of what turns evenly are nothing against the square of its speed, not against themselves.
+double scale_of(const std::vector<Course>& courses, std::vector<double> Course::*values, const Course& drive) {
+  double largest = values == &Course::acceleration ? std::pow(largest_of(drive.rate), 2) : 0.0;
+  for (const Course& course : courses) largest = std::max(largest, largest_of(course.*values));
+  return largest;
+}
+
+/// Angles of bodies that welds join once, under all their names.
+std::vector<Course> without_welded(const Scene& scene, const std::vector<Course>& courses) {
+  const std::vector<int> groups = rigid_groups(scene);
+  std::vector<Course> out;
+  std::vector<int> group_of;
+  for (const Course& course : courses) {
+    if (course.quantity != Quantity::angle) continue;
+    const auto body =
+        std::find_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.name == course.name; });
+    const int group = groups[static_cast<std::size_t>(body - scene.bodies.begin())];
+    const auto known = std::find(group_of.begin(), group_of.end(), group);
+    if (known != group_of.end()) {
+      out[static_cast<std::size_t>(known - group_of.begin())].name += ", " + course.name;
+    } else {
+      out.push_back(course);
+      group_of.push_back(group);
+    }
+  }
+  return out;
+}
+
+void add_courses(Group& group, const Scene& scene, const std::vector<Course>& courses, const Course& drive,
+                 Verbosity level) {
+  std::vector<Course> lengths;
+  for (const Course& course : courses) {
+    if (course.quantity == Quantity::length) lengths.push_back(course);
+  }
+  for (const std::vector<Course>& kind : {without_welded(scene, courses), lengths}) {
+    if (kind.empty()) continue;
+    const Quantity quantity = kind.front().quantity;
+    for (const Derivative& d : derivatives) {
+      const std::string unit = unit_name(quantity, scene.units) + d.per;
+      Table& table =
+          course_table(group, fmt::format("{} ({})", quantity == Quantity::angle ? d.angles : d.lengths, unit), level);
+      add_drive(table, drive, scene.units);
+      const double largest = scale_of(kind, d.values, drive);
+      for (const Course& course : kind) {
+        if (d.values == &Course::value && course.name == drive.name) continue;
+        add_values(table, course.name, "", course.*d.values, quantity, scene.units, d.digits, largest);
+      }
+    }
+  }
+}
+
+/// A section for each point: where it is, its velocity and its acceleration.
+void add_points(Group& group, const Scene& scene, const std::vector<std::string>& points,
+                const std::vector<Course>& courses, const Course& drive) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < courses.size(); i += 2) {
+    names.push_back(courses[i].name.substr(0, courses[i].name.size() - 2));
+  }
+  for (const std::string& point : points) {
+    const auto found = std::find(names.begin(), names.end(), point);
+    if (found == names.end()) {
+      throw InputError(
+          fmt::format("--point {}: expected a point of a moving body{}", point, did_you_mean(point, names)));
+    }
+    const auto first = courses.begin() + 2 * (found - names.begin());
+    const std::vector<Course> both(first, first + 2);
+    Table& table = course_table(group, "Point " + point, Verbosity::normal);
+    add_drive(table, drive, scene.units);
+    const char* const symbols[] = {"", "v", "a"};
+    for (std::size_t k = 0; k < std::size(derivatives); ++k) {
+      const Derivative& d = derivatives[k];
+      const double largest = scale_of(both, d.values, drive);
+      for (std::size_t c = 0; c < 2; ++c) {
+        add_values(table, fmt::format("{}{}", symbols[k], c == 0 ? "x" : "y"), scene.units.length_name + d.per,
+                   both[c].*d.values, Quantity::length, scene.units, d.digits, largest);
+      }
+    }
+  }
+}
+
+/// Values and rates of all drives.
+void add_drives(Group& group, const Scene& scene, const std::vector<Course>& drives) {
+  Table& table = course_table(group, "Driven", Verbosity::normal);
+  for (const Course& drive : drives) add_drive(table, drive, scene.units);
+  for (const Course& drive : drives) {
+    add_values(table, "rate of " + drive.name, unit_name(drive.quantity, scene.units) + "/s", drive.rate,
+               drive.quantity, scene.units, rate_digits, largest_of(drive.rate));
+  }
+}
+
+/// Every number, for JSON and CSV.
+void add_samples(Group& group, const Scene& scene, const KinematicsResult& found, const std::vector<Course>& drives,
+                 const std::vector<Course>& courses, const std::vector<Course>& points) {
+  Table& table = group.table("samples", "", Rows::columns, Verbosity::data);
+  table.csv = true;
+  for (const Course& drive : drives) {
+    table.data("drive." + drive.name, in_unit(drive.value, drive.quantity, scene.units));
+  }
+  for (const std::vector<Course>* kind : {&courses, &points}) {
+    for (const Course& course : *kind) {
+      table.data(course.name, in_unit(course.value, course.quantity, scene.units));
+      table.data(course.name + ".rate", in_unit(course.rate, course.quantity, scene.units));
+      table.data(course.name + ".second", in_unit(course.acceleration, course.quantity, scene.units));
+    }
+  }
+  std::vector<double> closeness;
+  for (const KinematicSample& sample : found.samples) closeness.push_back(sample.closeness_to_singular);
+  table.data("closeness_to_singular", std::move(closeness));
+}
+
+std::string place_in_words(const Scene& scene, const std::vector<DriveRange>& ranges,
+                           const std::vector<double>& values) {
+  std::string out;
+  for (std::size_t k = 0; k < ranges.size(); ++k) {
+    const Quantity quantity = quantity_of(scene, ranges[k]);
+    double shown = in_unit(values[k], quantity, scene.units);
+    if (std::abs(shown) < 1e-9) shown = 0.0;  // singular poses are found to 1e-10
+    out += fmt::format("{}{} = {} {}", out.empty() ? "" : ", ", ranges[k].name, significant(shown, 10),
+                       unit_name(quantity, scene.units));
+  }
+  return out;
+}
+
+void add_singular(Group& group, const Scene& scene, const KinematicsResult& found,
+                  const std::vector<DriveRange>& ranges) {
+  Branch& poses = group.array("singular");
+  std::vector<std::string> words;
+  for (const SingularPose& pose : found.singular) {
+    Group& one = poses.parts.emplace_back();
+    one.data("kind", pose.kind == SingularPose::Kind::change_point ? "change point" : "dead centre");
+    one.data("before_range", pose.before_range);
+    Group& drive = one.group("drive", "", Verbosity::data);
+    for (std::size_t k = 0; k < ranges.size(); ++k) {
+      drive.data(ranges[k].name, in_unit(pose.drive[k], quantity_of(scene, ranges[k]), scene.units));
+    }
+    one.data("text", pose.text);
+    words.push_back(fmt::format("{}{}: {}", place_in_words(scene, ranges, pose.drive),
+                                pose.before_range ? " (on the way to the range)" : "", pose.text));
+  }
+  group.list("", "Singular poses", std::move(words));
+}
+
+void add_range_data(Group& group, const Scene& scene, const KinematicsResult& found,
+                    const std::vector<DriveRange>& ranges) {
+  group.data("complete", found.complete);
+  group.data("why", found.why);
+  add_met_stop(group, found.stop, scene);
+  group.data("degrees_of_freedom", ranges.size());
+  std::vector<std::string> names;
+  std::vector<double> from, to;
+  for (const DriveRange& range : ranges) {
+    const Quantity quantity = quantity_of(scene, range);
+    names.push_back(range.name);
+    from.push_back(in_unit(range.from, quantity, scene.units));
+    to.push_back(in_unit(range.to, quantity, scene.units));
+  }
+  Table& table = group.table("drives", "", Rows::list, Verbosity::data);
+  table.words("name", "", std::move(names));
+  table.data("from", std::move(from));
+  table.data("to", std::move(to));
+}
+
+Line verdict(const KinematicsResult& found) {
+  if (found.complete) return {.text = "Driven through the whole range.", .tone = Tone::good};
+  if (found.stop) return {.text = "Driven up to a stop: " + found.why + ".", .tone = Tone::doubtful};
+  return {.text = "Not driven through the whole range: " + found.why + ".", .tone = Tone::bad};
+}
+
+}  // namespace
+
+void add_met_stop(Group& group, const std::optional<MetStop>& met, const Scene& scene) {
+  if (!met) {
+    group.data("stop", nullptr);
+    return;
+  }
+  const Stop& stop = scene.stops[met->stop];
+  Group& out = group.group("stop", "", Verbosity::data);
+  out.data("name", stop.name);
+  out.data("limit", met->at_max ? "max" : "min");
+  out.data("value", in_unit(met->at_max ? stop.max : stop.min, poise::quantity_of(stop.on), scene.units));
+}
+
+Result kinematics_result(const Scene& scene, const KinematicsResult& found, const std::vector<DriveRange>& ranges,
+                         double rate, const KinematicsView& view, const std::vector<std::string>& settings) {
+  Result out = scene_result(scene, settings);
+  Group& content = out.content;
+  out.verdict = verdict(found);
+  add_range_data(content, scene, found, ranges);
+  std::vector<Course> drives;
+  for (std::size_t k = 0; k < ranges.size(); ++k) drives.push_back(drive_course(scene, found, k, ranges));
+  const std::vector<Course> courses = coordinate_courses(scene, found);
+  const std::vector<Course> points = point_courses(scene, found);
+  const std::size_t pace = first_moving(ranges);
+  const Quantity quantity = drives[pace].quantity;
+  content.fact(
+      "mobility",
+      fmt::format("{}, driven by {}", count(static_cast<int>(ranges.size()), "degree of freedom", "degrees of freedom"),
+                  listed([&] {
+                    std::vector<std::string> names;
+                    for (const DriveRange& range : ranges) names.push_back(range.name);
+                    return names;
+                  }())));
+  content.fact("rate",
+               fmt::format("{} at {} {}/s, {}", ranges[pace].name, significant(in_unit(rate, quantity, scene.units), 6),
+                           unit_name(quantity, scene.units),
+                           count(static_cast<int>(found.samples.size()), "sample", "samples")));
+  add_singular(content, scene, found, ranges);
+  if (view.points.empty()) add_drives(content, scene, drives);
+  add_points(content, scene, view.points, points, drives.front());
+  add_courses(content, scene, courses, drives.front(), view.all ? Verbosity::normal : Verbosity::verbose);
+  add_samples(content, scene, found, drives, courses, points);
+  if (!found.samples.empty()) {
+    double closest = 1.0;
+    for (const KinematicSample& sample : found.samples) closest = std::min(closest, sample.closeness_to_singular);
+    content.group("", "Numerics")
+        .fact("closeness", significant(closest, 3) +
+                               " at worst to a singular pose: smallest over largest singular value of the closures");
+  }
+  return out;
+}
+
+}  // namespace poise::app

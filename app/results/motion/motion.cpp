@@ -1,0 +1,293 @@
+#include "app/results/motion/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr int rate_digits = 6;
+// Errors up to so many times the accuracy asked for need no remark.
+constexpr double remarkable = 100.0;
+
+double reached(const Motion& motion) { return motion.trajectory.t.empty() ? 0.0 : motion.trajectory.t.back(); }
+
+Line verdict(const MotionAnswer& answer) {
+  const Motion& motion = answer.found.motion;
+  const std::optional<double>& error = answer.found.error;
+  if (!motion.completed()) {
+    return {.text = fmt::format("Moved for {} s of {} s only: {}.", significant(reached(motion), 6),
+                                significant(answer.duration, 6), motion.why),
+            .tone = Tone::bad};
+  }
+  const std::string moved = fmt::format("Moved for {} s", significant(answer.duration, 6));
+  if (!error) return {.text = moved + "; interrupted before its error was known.", .tone = Tone::bad};
+  if (motion.energy_error >= ConfirmedMotion::useful) {
+    return {.text = moved + ", not confirmed: its energy is not in balance.", .tone = Tone::bad};
+  }
+  if (!answer.found.confirmed()) {
+    return {.text = moved + ", not confirmed: small errors grow to the size of the motion.", .tone = Tone::bad};
+  }
+  if (*error > remarkable * answer.accuracy || motion.energy_error > remarkable * answer.accuracy) {
+    return {.text = moved + "; small errors grow along this motion.", .tone = Tone::doubtful};
+  }
+  return {.text = moved + ", its energy in balance.", .tone = Tone::good};
+}
+
+std::string effort(const Motion& motion) {
+  std::string text = fmt::format("Runge-Kutta-Fehlberg of order 8: {}", count(motion.steps, "step", "steps"));
+  if (motion.rejected > 0) text += fmt::format(", {} rejected", motion.rejected);
+  return text +
+         fmt::format(", {}, {}", count(motion.evaluations, "evaluation", "evaluations"), duration(motion.microseconds));
+}
+
+std::string error_in_words(const MotionAnswer& answer) {
+  if (!answer.found.error) return "not estimated: the motion did not end";
+  return fmt::format("{} of the way each coordinate goes, estimated by a run ten times as accurate (asked for: {})",
+                     small_number(*answer.found.error), answer.accuracy);
+}
+
+std::string singular_poses(const Motion& motion) {
+  constexpr std::size_t shown = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(shown, motion.singular.size()); ++i) {
+    text += fmt::format("{}{} s", i == 0 ? "passed at t = " : ", ", significant(motion.singular[i], 6));
+  }
+  if (motion.singular.size() > shown) text += fmt::format(" and {} more", motion.singular.size() - shown);
+  return text;
+}
+
+enum class Moving { angle, travel, place };
+
+Moving kind_of(const MotionModel& model, const Channel& channel) {
+  if (channel.quantity == Quantity::angle) return Moving::angle;
+  const std::vector<int>& travel = model.layout().travel;
+  return std::find(travel.begin(), travel.end(), channel.coordinate) != travel.end() ? Moving::travel : Moving::place;
+}
+
+/// What moves, at the ends of the motion and between them; SI.
+struct Extremes {
+  std::vector<std::string> names;
+  std::vector<double> start, end, rate_start, rate_end, least, most;
+};
+
+/// Bodies that keep parallel because welds join them share a row where they are `merged`.
+Extremes extremes_of(const MotionModel& model, const MotionAnswer& answer, auto&& wanted, bool merged) {
+  const Trajectory& path = answer.found.motion.trajectory;
+  const std::size_t last = (path.nodes() - 1) * static_cast<std::size_t>(path.coordinates);
+  const MotionRecord& record = answer.record;
+  const std::vector<int> groups = rigid_groups(model.scene());
+  std::vector<int> rows;  // group of each row; 0 for what is no angle
+  Extremes out;
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    const Channel& channel = record.channels[c];
+    if (!wanted(channel)) continue;
+    int group = 0;
+    if (channel.quantity == Quantity::angle) {
+      const std::vector<Body>& bodies = model.scene().bodies;
+      const auto body =
+          std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == channel.name; });
+      group = groups[static_cast<std::size_t>(body - bodies.begin())];
+    }
+    const auto known = group == 0 ? rows.end() : std::find(rows.begin(), rows.end(), group);
+    if (merged && known != rows.end()) {
+      out.names[static_cast<std::size_t>(known - rows.begin())] += ", " + channel.name;
+      continue;
+    }
+    rows.push_back(group);
+    const auto i = static_cast<std::size_t>(channel.coordinate);
+    out.names.push_back(channel.name);
+    out.start.push_back(path.q[i] + channel.offset);
+    out.end.push_back(path.q[last + i] + channel.offset);
+    out.rate_start.push_back(path.v[i]);
+    out.rate_end.push_back(path.v[last + i]);
+    out.least.push_back(std::min(out.start.back(), out.end.back()));
+    out.most.push_back(std::max(out.start.back(), out.end.back()));
+    for (const double value : record.value[c]) {
+      out.least.back() = std::min(out.least.back(), value);
+      out.most.back() = std::max(out.most.back(), value);
+    }
+  }
+  return out;
+}
+
+void add_moving(Group& group, const MotionModel& model, const MotionAnswer& answer, Moving kind,
+                const std::string& title) {
+  const Units& units = model.scene().units;
+  const Quantity quantity = kind == Moving::angle ? Quantity::angle : Quantity::length;
+  const Extremes found = extremes_of(
+      model, answer, [&](const Channel& channel) { return kind_of(model, channel) == kind; }, true);
+  Table& table = group.table("", fmt::format("{} ({})", title, unit_name(quantity, units)), Rows::list);
+  table.words("", kind == Moving::travel ? "joint" : "body", found.names);
+  Format format = format_of(model, quantity, coordinate_digits);
+  format.scale = in_unit(quantity == Quantity::angle ? M_PI : model.scales().length, quantity, units);
+  for (const auto& [name, values] : {std::pair("at the start", &found.start), std::pair("at the end", &found.end),
+                                     std::pair("least", &found.least), std::pair("most", &found.most)}) {
+    table.numbers("", name, "", in_unit(*values, quantity, units), format);
+  }
+  table.numbers("", "rate at the end", unit_name(quantity, units) + "/s", in_unit(found.rate_end, quantity, units),
+                format_of(model, quantity, rate_digits));
+}
+
+void add_moving_data(Group& group, const MotionModel& model, const MotionAnswer& answer) {
+  const Units& units = model.scene().units;
+  for (const auto& [key, kind] : {std::pair("angles", Quantity::angle), std::pair("slides", Quantity::length)}) {
+    const Quantity quantity = kind;
+    Extremes found;
+    if (answer.found.motion.trajectory.nodes() > 0) {
+      found = extremes_of(
+          model, answer, [&](const Channel& c) { return c.quantity == quantity; }, false);
+    }
+    Table& table = group.table(key, "", Rows::by_name, Verbosity::data);
+    table.words("name", "", std::move(found.names));
+    table.data("start", in_unit(std::move(found.start), quantity, units));
+    table.data("end", in_unit(std::move(found.end), quantity, units));
+    table.data("least", in_unit(std::move(found.least), quantity, units));
+    table.data("most", in_unit(std::move(found.most), quantity, units));
+    table.data("rate_start", in_unit(std::move(found.rate_start), quantity, units));
+    table.data("rate_end", in_unit(std::move(found.rate_end), quantity, units));
+  }
+}
+
+void add_energies(Group& group, const MotionModel& model, const Motion& motion) {
+  std::vector<double> start, end, most;
+  for (const std::vector<double>* energy : {&motion.kinetic, &motion.potential, &motion.work}) {
+    start.push_back(energy->front());
+    end.push_back(energy->back());
+    most.push_back(*std::max_element(energy->begin(), energy->end()));
+  }
+  const Units& units = model.scene().units;
+  Table& table = group.table("", fmt::format("Energies ({})", unit_name(Quantity::energy, units)), Rows::list);
+  table.words("", "energy", {"kinetic", "potential", "work of drives, followers and resistances"});
+  for (const auto& [name, values] :
+       {std::pair("at the start", &start), std::pair("at the end", &end), std::pair("most", &most)}) {
+    table.numbers("", name, "", in_unit(*values, Quantity::energy, units),
+                  format_of(model, Quantity::energy, coordinate_digits - 2));
+  }
+}
+
+void add_energy_data(Group& group, const MotionModel& model, const Motion& motion) {
+  if (motion.kinetic.empty()) {
+    group.data("energies", nullptr);
+    return;
+  }
+  Group& energies = group.group("energies", "", Verbosity::data);
+  for (const auto& [key, node] : {std::pair("start", std::size_t{0}), std::pair("end", motion.kinetic.size() - 1)}) {
+    Group& one = energies.group(key, "", Verbosity::data);
+    const auto shown = [&, at = node](const std::vector<double>& energy) {
+      return in_unit(energy[at], Quantity::energy, model.scene().units);
+    };
+    one.data("kinetic", shown(motion.kinetic));
+    one.data("potential", shown(motion.potential));
+    one.data("work", shown(motion.work));
+  }
+}
+
+/// The largest effort of each drive, by size, and when.
+void add_drives(Group& group, const MotionModel& model, const Motion& motion) {
+  const Scene& scene = model.scene();
+  std::vector<std::string> names, efforts;
+  std::vector<double> largest, times;
+  for (std::size_t d = 0; d < motion.drive_force.size(); ++d) {
+    const std::vector<double>& force = motion.drive_force[d];
+    const Quantity quantity = effort_of(scene.drives[d].on);
+    const auto most =
+        std::max_element(force.begin(), force.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const bool any = most != force.end() && *most != 0.0;
+    names.push_back(scene.drives[d].name);
+    efforts.push_back(with_unit(model, any ? *most : 0.0, quantity));
+    largest.push_back(in_unit(any ? *most : 0.0, quantity, scene.units));
+    times.push_back(any ? motion.trajectory.t[static_cast<std::size_t>(most - force.begin())] : 0.0);
+  }
+  Table& table = group.table("drives", "Drives", Rows::list);
+  table.words("name", "drive", std::move(names));
+  table.numbers("largest", "largest effort", "", std::move(largest)).texts = std::move(efforts);
+  table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
+}
+
+void add_record(Group& group, const Units& units, const MotionRecord& record) {
+  Table& table = group.table("", "", Rows::columns, Verbosity::data);
+  table.csv = true;
+  table.data("time", record.time);
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    table.data(record.channels[c].name, in_unit(record.value[c], record.channels[c].quantity, units));
+  }
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    table.data(record.channels[c].name + ".rate", in_unit(record.rate[c], record.channels[c].quantity, units));
+  }
+  for (const PointRecord& point : record.points) {
+    table.data(point.name + ".x", in_unit(point.x, Quantity::length, units));
+    table.data(point.name + ".y", in_unit(point.y, Quantity::length, units));
+  }
+  table.data("energy.kinetic", in_unit(record.kinetic, Quantity::energy, units));
+  table.data("energy.potential", in_unit(record.potential, Quantity::energy, units));
+}
+
+void add_data(Group& group, const MotionAnswer& answer) {
+  const Motion& motion = answer.found.motion;
+  group.data("status", to_string(motion.status));
+  group.data("why", motion.why);
+  group.data("confirmed", answer.found.confirmed());
+  group.data("start", answer.start);
+  group.data("duration", answer.duration);
+  group.data("reached", reached(motion));
+  group.data("accuracy", answer.accuracy);
+  group.data("error", answer.found.error);
+  group.data("energy_error", motion.energy_error);
+  group.data("degrees_of_freedom", motion.freedoms);
+  group.data("steps", motion.steps);
+  group.data("rejected", motion.rejected);
+  group.data("evaluations", motion.evaluations);
+  group.data("microseconds", motion.microseconds);
+  group.data("singular", motion.singular);
+  group.data("overrun", motion.overrun);
+}
+
+}  // namespace
+
+Result motion_result(const MotionModel& model, const MotionAnswer& answer, const MotionRecord& measured,
+                     const std::vector<std::string>& settings) {
+  const Motion& motion = answer.found.motion;
+  Result out = scene_result(model.scene(), settings);
+  out.verdict = verdict(answer);
+  for (const std::string& stop : motion.overrun) {
+    out.warnings.push_back(
+        {.text = fmt::format("It ran through {}: stops do not act in motion.", stop), .tone = Tone::doubtful});
+  }
+  Group& content = out.content;
+  add_data(content, answer);
+  content.fact("start", answer.start);
+  content.fact("mobility", fmt::format("{}, of {}", count(motion.freedoms, "degree of freedom", "degrees of freedom"),
+                                       count(model.layout().kept, "coordinate that moves", "coordinates that move")));
+  if (!motion.singular.empty()) content.fact("singular", singular_poses(motion));
+  add_moving_data(content, model, answer);
+  add_energy_data(content, model, motion);
+  if (motion.trajectory.nodes() > 0) {
+    add_moving(content, model, answer, Moving::angle, "Angles");
+    add_moving(content, model, answer, Moving::travel, "Slides");
+    add_moving(content, model, answer, Moving::place, "Positions of free bodies");
+  }
+  add_drives(content, model, motion);
+  if (motion.trajectory.nodes() > 0) add_energies(content, model, motion);
+  add_record(content, model.scene().units, measured);
+  Group& numerics = content.group("", "Numerics");
+  numerics.fact("method", effort(motion));
+  numerics.fact("error", error_in_words(answer));
+  numerics.fact("energy", fmt::format("kinetic + potential - work stays within {} of the energy exchanged",
+                                      small_number(motion.energy_error)));
+  return out;
+}
+
+Result no_origin_result(const MotionModel& model, const std::string& why, const std::vector<std::string>& settings) {
+  Result out = scene_result(model.scene(), settings);
+  out.verdict = {.text = "No equilibrium found to start from: " + why, .tone = Tone::bad};
+  out.content.fact("remedy", "--from start begins where the scene is assembled");
+  return out;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "motion/confirmed_motion.hpp"
+#include "motion/motion_record.hpp"
+
+namespace poise::app {
+
+/// What `poise motion` found.
+struct MotionAnswer {
+  std::string start;      ///< how it began, in words
+  double duration = 0.0;  ///< asked for, s
+  double accuracy = 0.0;  ///< asked for
+  ConfirmedMotion found;
+  MotionRecord record;  ///< without noise
+};
+
+/// What `poise motion` shows: verdict, start, where everything that moves began, ended and turned round, drives,
+/// energies, numerics. The table for CSV is `measured`: the record, with noise where that was asked for.
+Result motion_result(const MotionModel& model, const MotionAnswer& answer, const MotionRecord& measured,
+                     const std::vector<std::string>& settings);
+
+/// The result where no equilibrium was found to start from.
+Result no_origin_result(const MotionModel& model, const std::string& why, const std::vector<std::string>& settings);
+
+}  // namespace poise::app
