@@ -103,7 +103,7 @@ CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& rest) const {
 Verdict CaseCheck::verdict_on(const Equilibrium& rest) const {
   if (rest.found()) {
     Verdict verdict = verdict_on_confirmed(rest);
-    if (verdict.kind == Verdict::Kind::wrong) verdict.why += "; it is at " + pose_in_words(model_, rest.x);
+    if (verdict.kind == Verdict::Kind::false_claim) verdict.why += "; it is at " + pose_in_words(model_, rest.x);
     return verdict;
   }
   Verdict verdict;
@@ -111,9 +111,9 @@ Verdict CaseCheck::verdict_on(const Equilibrium& rest) const {
   const bool said_to_lock = hard_.expect == Expect::locked && (rest.check.singular || rest.met_singular);
   const bool denied = rest.status == Status::refuted;
   if (said_to_lock || (hard_.expect == Expect::none && !denied)) {
-    verdict.kind = Verdict::Kind::arrived;
+    verdict.kind = Verdict::Kind::converged;
   } else if (denied) {
-    verdict.kind = Verdict::Kind::denied;
+    verdict.kind = Verdict::Kind::denied_by_check;
   }
   return verdict;
 }
@@ -123,16 +123,16 @@ Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& rest) const {
   if (hard_.expect == Expect::locked) {
     // An equilibrium elsewhere is a correct result, but the case asks whether the singular configuration is reported.
     verdict = verdict_by_reference(rest);
-    if (verdict.kind == Verdict::Kind::arrived && !rest.met_singular) {
+    if (verdict.kind == Verdict::Kind::converged && !rest.met_singular) {
       verdict.kind = Verdict::Kind::failed;
       verdict.why = "an equilibrium elsewhere, without a report that the start is locked";
     }
   } else if (hard_.expect != Expect::equilibrium) {
-    verdict.kind = Verdict::Kind::wrong;
+    verdict.kind = Verdict::Kind::false_claim;
     verdict.why = fmt::format("confirmed as {}, but {}", to_string(rest.check.stability), hard_.why);
   } else if (hard_.everywhere) {
     const bool neutral = rest.check.stability == Stability::neutral;
-    verdict.kind = neutral ? Verdict::Kind::arrived : Verdict::Kind::wrong;
+    verdict.kind = neutral ? Verdict::Kind::converged : Verdict::Kind::false_claim;
     if (!neutral) {
       verdict.why =
           fmt::format("confirmed as {}, but every closed pose is an equilibrium", to_string(rest.check.stability));
@@ -158,12 +158,12 @@ Verdict CaseCheck::verdict_by_list(const Equilibrium& rest) const {
   const std::string claim = "confirmed as " + to_string(rest.check.stability);
   if (!(apart <= bounds.confirmed)) {
     if (!hard_.complete) return verdict_by_reference(rest);
-    return {Verdict::Kind::wrong, apart, rest.check.accuracy,
+    return {Verdict::Kind::false_claim, apart, rest.check.accuracy,
             fmt::format("{}, but {:.2g} (rad or sizes) from the nearest known equilibrium", claim, apart)};
   }
   if (rest.check.stability != nearest->stability) {
     const bool told = rest.check.stability != Stability::unknown;
-    return {told ? Verdict::Kind::wrong : Verdict::Kind::failed, apart, rest.check.accuracy,
+    return {told ? Verdict::Kind::false_claim : Verdict::Kind::failed, apart, rest.check.accuracy,
             fmt::format("{}, but it is {}", claim, to_string(nearest->stability))};
   }
   return verdict_by_distance(apart, rest, bounds);
@@ -173,15 +173,15 @@ Verdict CaseCheck::verdict_by_reference(const Equilibrium& rest) const {
   const Reference reference = refine(model_, rest.x);
   if (reference.refined) return verdict_by_distance(reference.error, rest, bounds_at(rest));
   Verdict verdict;
-  verdict.kind = Verdict::Kind::wrong;
+  verdict.kind = Verdict::Kind::false_claim;
   verdict.why = "confirmed by the check, but not by 50 digits: " + reference.why;
   return verdict;
 }
 
 Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& rest, const Bounds& bounds) {
-  if (apart <= bounds.arrived) return {Verdict::Kind::arrived, apart, rest.check.accuracy, ""};
-  return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::wrong, apart, rest.check.accuracy,
-          fmt::format("error {:.2g} (rad or sizes), of which rounding explains {:.1g}", apart, bounds.arrived)};
+  if (apart <= bounds.converged) return {Verdict::Kind::converged, apart, rest.check.accuracy, ""};
+  return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::false_claim, apart, rest.check.accuracy,
+          fmt::format("error {:.2g} (rad or sizes), of which rounding explains {:.1g}", apart, bounds.converged)};
 }
 
 }  // namespace poise::comparison

@@ -11,11 +11,11 @@ namespace poise::comparison {
 /// Comparison of one result with the known equilibria of a case.
 struct Verdict {
   enum class Kind {
-    arrived,
-    inexact,  ///< near a known equilibrium, but farther from it than rounding explains
-    wrong,    ///< confirmed by the check, but contradicted by the known equilibria
-    denied,   ///< claimed by the solver, not confirmed by the check
-    failed    ///< nothing claimed
+    converged,
+    inexact,          ///< near a known equilibrium, but farther from it than rounding explains
+    false_claim,      ///< confirmed by the check, but contradicted by the known equilibria
+    denied_by_check,  ///< claimed by the solver, not confirmed by the check
+    failed            ///< nothing claimed
   };
   Kind kind = Kind::failed;
   /// Distance from the nearest known equilibrium, rad or mechanism sizes; empty if there is none.
@@ -52,7 +52,7 @@ class CaseCheck {
     Stability stability;
   };
   struct Bounds {
-    double arrived, confirmed;
+    double converged, confirmed;
   };
 
   Target target_of(const KnownEquilibrium& known) const;

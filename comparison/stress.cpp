@@ -21,7 +21,7 @@ struct MethodVariant {
   Method method{};
   Variant variant{};
 
-  // What has to master the catalogue; the others only have to be compared.
+  // The method that must solve the catalogue; the others are compared with it.
   bool never_stops() const {
     const solvers::Safeguards& on = variant.safeguards;
     return method == Method::virtual_work && variant.scaling && on.inertia_correction && on.line_search &&
@@ -79,7 +79,7 @@ Cell run(const HardCase& hard, const StaticModel& model, const CaseCheck& case_c
     const Equilibrium rest = solve(model, starts.next(), settings);
     if (interrupted(options)) break;
     if (rest.status == Status::refused) {
-      tally.refuse(rest.why);
+      tally.does_not_apply(rest.why);
       break;
     }
     if (rest.status == Status::interrupted) {
@@ -150,6 +150,6 @@ std::optional<double> median(std::vector<double> values) {
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
-bool mastered(const Cell& cell) { return cell.starts > 0 && cell.arrived >= enough * cell.starts; }
+bool solved(const Cell& cell) { return cell.starts > 0 && cell.converged >= enough * cell.starts; }
 
 }  // namespace poise::comparison

@@ -21,20 +21,20 @@ struct StressOptions {
   std::function<void(const std::string& doing)> progress{};  ///< called before every cell; may be empty
 };
 
-/// One method on one case. Every start counts as arrived, inexact, wrong or denied, or as none of these if the method
-/// failed or found an equilibrium of the wrong kind.
+/// One method on one case. Every start counts as converged, inexact, false claim or denied by the check, or as none of
+/// these if the method failed or found an equilibrium of the wrong kind.
 struct Cell {
   Method method{};
-  bool refused = false;  ///< the method does not apply to the case; `why` gives the reason
-  int starts = 0;        ///< tried
+  bool applies = true;  ///< the method applies to the case; if not, `why` gives the reason
+  int starts = 0;       ///< tried
   /// Converged: confirmed by the check, of the kind sought, and known (in open lists: or confirmed by 50 digits). If
   /// the joints lock: reported as locked. If there is no equilibrium: neither claimed nor confirmed.
-  int arrived = 0;
+  int converged = 0;
   /// Confirmed near a known equilibrium of that stability, within the bounds of the check, but farther than rounding
   /// explains.
   int inexact = 0;
-  int wrong = 0;   ///< false claims: confirmed by the check, but no equilibrium or of another stability; must be 0
-  int denied = 0;  ///< claimed by the solver and not confirmed by the check
+  int false_claims = 0;     ///< confirmed by the check, but no equilibrium or of another stability; must be 0
+  int denied_by_check = 0;  ///< claimed by the solver and not confirmed by the check
   // Empty if no start converged, or no equilibrium is known:
   std::optional<double> iterations{};    ///< median over converged starts
   std::optional<double> microseconds{};  ///< median over converged starts
@@ -42,7 +42,7 @@ struct Cell {
   std::optional<double> error{};
   /// Conditioning limit of that equilibrium, same units (Check::accuracy).
   std::optional<double> allowed{};
-  std::string why;  ///< of the first start that was wrong, otherwise of the first that did not converge
+  std::string why;  ///< of the first false claim, otherwise of the first that did not converge
 };
 
 struct CaseResult {
@@ -72,7 +72,7 @@ std::vector<CaseResult> stress_safeguards(const std::vector<HardCase>& cases, co
 inline constexpr double enough = 0.999;
 
 /// Whether at least that share converged.
-bool mastered(const Cell& cell);
+bool solved(const Cell& cell);
 
 /// Median of the values, for an even number the mean of the middle two; empty if there are none.
 std::optional<double> median(std::vector<double> values);

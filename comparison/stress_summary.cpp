@@ -12,15 +12,15 @@ std::vector<MethodSummary> summaries(const StressOutcome& outcome) {
     s.name = outcome.methods[k];
     std::vector<double> iterations, times;
     for (const CaseResult& result : outcome.results) {
-      if (k >= result.cells.size() || result.cells[k].refused) continue;
+      if (k >= result.cells.size() || !result.cells[k].applies) continue;
       const Cell& cell = result.cells[k];
-      s.wrong += cell.wrong;
-      s.denied += cell.denied;
+      s.false_claims += cell.false_claims;
+      s.denied_by_check += cell.denied_by_check;
       s.inexact += cell.inexact;
       if (result.hard.expect != Expect::equilibrium) continue;
-      ++s.taken;
-      if (mastered(cell)) ++s.mastered;
-      if (cell.arrived == 0) continue;
+      ++s.applicable;
+      if (solved(cell)) ++s.solved;
+      if (cell.converged == 0) continue;
       iterations.push_back(cell.iterations.value());
       times.push_back(cell.microseconds.value());
     }
@@ -36,18 +36,18 @@ std::vector<const CaseResult*> shown_cases(const StressOutcome& outcome) {
   for (const CaseResult& result : outcome.results) {
     const bool differs = std::any_of(result.cells.begin(), result.cells.end(), [&](const Cell& cell) {
       const Cell& first = result.cells.front();
-      return cell.refused != first.refused || arrived_tenths(cell) != arrived_tenths(first) ||
-             (cell.wrong > 0) != (first.wrong > 0);
+      return cell.applies != first.applies || converged_tenths(cell) != converged_tenths(first) ||
+             (cell.false_claims > 0) != (first.false_claims > 0);
     });
     if (!outcome.safeguards || differs) out.push_back(&result);
   }
   return out;
 }
 
-std::optional<int> arrived_tenths(const Cell& cell) {
+std::optional<int> converged_tenths(const Cell& cell) {
   if (cell.starts == 0) return std::nullopt;
-  if (cell.arrived == 0) return 0;
-  return std::max(1, static_cast<int>(std::floor(1000.0 * cell.arrived / cell.starts)));
+  if (cell.converged == 0) return 0;
+  return std::max(1, static_cast<int>(std::floor(1000.0 * cell.converged / cell.starts)));
 }
 
 StressFailures failures_of(const StressOutcome& outcome) {
@@ -55,11 +55,11 @@ StressFailures failures_of(const StressOutcome& outcome) {
   for (const CaseResult& result : outcome.results) {
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
       const Cell& cell = result.cells[k];
-      out.wrong += cell.wrong;
+      out.false_claims += cell.false_claims;
       // Of safeguards only the first form has all of them.
       const bool must = cell.method == Method::virtual_work && (!outcome.safeguards || k == 0);
-      if (must && result.hard.expect == Expect::equilibrium && !mastered(cell)) {
-        out.missed.push_back(result.hard.name);
+      if (must && result.hard.expect == Expect::equilibrium && !solved(cell)) {
+        out.unsolved.push_back(result.hard.name);
       }
     }
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a run of the catalogue comes to.
+// Summaries of a run of the catalogue.
 
 #include <cstddef>
 #include <optional>
@@ -24,27 +24,26 @@ struct StressOutcome {
 /// One method, or one form of virtual work, over all cases.
 struct MethodSummary {
   std::string name;
-  int taken = 0;                                   ///< cases with an answer to which it applies
-  int mastered = 0;                                ///< of these
-  int wrong = 0, denied = 0, inexact = 0;          ///< starts
-  std::optional<double> iterations, microseconds;  ///< medians over cases; empty where it never arrived
+  int applicable = 0;                                      ///< cases with an answer to which it applies
+  int solved = 0;                                          ///< of these
+  int false_claims = 0, denied_by_check = 0, inexact = 0;  ///< starts
+  std::optional<double> iterations, microseconds;          ///< medians over cases; empty where it never converged
 };
 
 std::vector<MethodSummary> summaries(const StressOutcome& outcome);
 
-/// The cases worth showing side by side: all, or, of safeguards, those where switching one off changes the arrivals by
-/// a tenth of a per cent or makes a claim wrong.
+/// The cases worth showing side by side: all, or, of safeguards, those where switching one off changes the share of
+/// starts that converge by a tenth of a per cent, or makes a false claim.
 std::vector<const CaseResult*> shown_cases(const StressOutcome& outcome);
 
-/// The part of starts that arrived in tenths of a per cent, cut, so that only all are 1000 and only none are 0; empty
-/// where there were no starts.
-std::optional<int> arrived_tenths(const Cell& cell);
+/// The share of starts that converged, in tenths of a per cent, cut, so that only all are 1000 and only none are 0;
+/// empty where there were no starts.
+std::optional<int> converged_tenths(const Cell& cell);
 
-/// What was wrongly claimed, and what virtual work (with all its safeguards) fails to master although there is an
-/// answer.
+/// False claims, and the cases with an answer that virtual work (with all its safeguards) does not solve.
 struct StressFailures {
-  int wrong = 0;                    ///< claims
-  std::vector<std::string> missed;  ///< cases
+  int false_claims = 0;
+  std::vector<std::string> unsolved;  ///< cases
 };
 StressFailures failures_of(const StressOutcome& outcome);
 

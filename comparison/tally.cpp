@@ -2,8 +2,8 @@
 
 namespace poise::comparison {
 
-void Tally::refuse(const std::string& why) {
-  cell_.refused = true;
+void Tally::does_not_apply(const std::string& why) {
+  cell_.applies = false;
   cell_.why = why;
 }
 
@@ -15,18 +15,18 @@ void Tally::give_up(const std::string& why) {
 void Tally::add(const Equilibrium& rest, const Verdict& verdict) {
   ++cell_.starts;
   switch (verdict.kind) {
-    case Verdict::Kind::arrived:
-      arrive(rest, verdict);
+    case Verdict::Kind::converged:
+      add_converged(rest, verdict);
       return;
     case Verdict::Kind::inexact:
       ++cell_.inexact;
       break;
-    case Verdict::Kind::wrong:
-      // What is worst is what has to be told.
-      if (cell_.wrong++ == 0) cell_.why = verdict.why;
+    case Verdict::Kind::false_claim:
+      // The worst that can happen: its reason is the one kept.
+      if (cell_.false_claims++ == 0) cell_.why = verdict.why;
       break;
-    case Verdict::Kind::denied:
-      ++cell_.denied;
+    case Verdict::Kind::denied_by_check:
+      ++cell_.denied_by_check;
       break;
     case Verdict::Kind::failed:
       break;
@@ -41,11 +41,11 @@ Cell Tally::cell() const {
   return cell;
 }
 
-void Tally::arrive(const Equilibrium& rest, const Verdict& verdict) {
-  ++cell_.arrived;
+void Tally::add_converged(const Equilibrium& rest, const Verdict& verdict) {
+  ++cell_.converged;
   iterations_.push_back(rest.iterations);
   microseconds_.push_back(rest.microseconds);
-  // Where nothing was to be found, this is how the method put it.
+  // In a case without an answer: how the method ended.
   if (!verdict.why.empty() && cell_.why.empty()) cell_.why = verdict.why;
   // A start that is said to lock has no error; the largest of the others stays.
   if (verdict.error && (!cell_.error || *verdict.error > *cell_.error)) {

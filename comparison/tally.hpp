@@ -13,7 +13,7 @@ class Tally {
  public:
   explicit Tally(Method method) { cell_.method = method; }
 
-  void refuse(const std::string& why);
+  void does_not_apply(const std::string& why);
   /// A start that was ended before its time.
   void give_up(const std::string& why);
   void add(const Equilibrium& rest, const Verdict& verdict);
@@ -22,7 +22,7 @@ class Tally {
   Cell cell() const;
 
  private:
-  void arrive(const Equilibrium& rest, const Verdict& verdict);
+  void add_converged(const Equilibrium& rest, const Verdict& verdict);
 
   Cell cell_;
   std::vector<double> iterations_, microseconds_;

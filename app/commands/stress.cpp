@@ -11,11 +11,11 @@
 #include <fmt/format.h>
 
 #include "app/commands/method_options.hpp"
+#include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/interrupt.hpp"
 #include "app/poise_folder.hpp"
-#include "app/report/stress_report.hpp"
-#include "app/stress_files.hpp"
+#include "app/results/statics/stress.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise::app {
@@ -123,20 +123,18 @@ int run_stress(const StressRequest& request, const Palette& palette) {
   const std::vector<comparison::HardCase> cases = chosen_cases(comparison::read_catalogue(catalogue), request.cases);
   if (request.list) {
     progress.done();
-    print(stress_list(cases, palette));
+    print(request.common, stress_list_result(cases), "", palette);
     return solved;
   }
   OutputFiles files(request.common);
   const comparison::StressOutcome outcome = run_cases(request, cases, progress);
   progress.now("writing the result");
-  const std::string written = files.write(files.wants_json() ? stress_json(outcome, command_of(request)) : "", "",
-                                          files.wants_csv() ? stress_csv(outcome) : "",
-                                          files.wants_markdown() ? stress_markdown(outcome, command_of(request)) : "");
+  const Result result = stress_result(outcome, command_of(request), !request.cases.empty());
+  const std::string written = files.write(result, "");
   progress.done();
-  print((request.cases.empty() ? stress_overview(outcome, palette) : stress_details(outcome, palette)) +
-        (written.empty() ? "" : "\n" + written));
-  const comparison::StressFailures failures = failures_of(outcome);
-  return failures.wrong == 0 && failures.missed.empty() && !outcome.interrupted ? solved : not_solved;
+  print(request.common, result, written, palette);
+  const comparison::StressFailures failures = comparison::failures_of(outcome);
+  return failures.false_claims == 0 && failures.unsolved.empty() && !outcome.interrupted ? solved : not_solved;
 }
 
 }  // namespace
@@ -155,9 +153,7 @@ Command stress_command() {
                "Methods other than virtual-work try no further starts of a\ncase after S seconds (1)"});
   command.add({"--safeguards", &request->safeguards, "",
                "Virtual work alone: with all its safeguards, and with each\nswitched off in turn"});
-  command.add({"--csv", &request->common.csv, "FILE", "Write the table to FILE as CSV"});
-  command.add({"--json", &request->common.json, "FILE", "Write the table to FILE as JSON"});
-  command.add({"--markdown", &request->common.markdown, "FILE", "Write the table to FILE as a page of docs/"});
+  add_output_options(command, request->common, {.csv = "Write one row for each case and method to FILE as CSV"});
   command.run = [request](const Palette& palette) { return run_stress(*request, palette); };
   return command;
 }

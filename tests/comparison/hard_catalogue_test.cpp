@@ -22,8 +22,8 @@ TEST(HardCatalogue, VirtualWorkConvergesWithoutFalseClaims) {
     const std::vector<CaseResult> results = stress({hard}, options);
     ASSERT_EQ(results.size(), 1u);
     const Cell& cell = results.front().cells.at(0);
-    EXPECT_EQ(cell.wrong, 0) << cell.why;
-    EXPECT_EQ(cell.arrived, cell.starts) << cell.why;
+    EXPECT_EQ(cell.false_claims, 0) << cell.why;
+    EXPECT_EQ(cell.converged, cell.starts) << cell.why;
     ++tried;
   }
   EXPECT_GE(tried, 100);

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "comparison/stress_summary.hpp"
+
+namespace poise::app {
+
+/// What `poise stress --list` shows: the cases by kind.
+Result stress_list_result(const std::vector<comparison::HardCase>& cases);
+
+/// What `poise stress` shows, made by `command`: false claims, and then either the sheet of all cases (per cent of the
+/// starts that converge, case by case and method by method, and what each method comes to; of safeguards only the cases
+/// where one makes a difference), or, where `details` are asked for, case by case effort and errors.
+Result stress_result(const comparison::StressOutcome& outcome, const std::string& command, bool details);
+
+}  // namespace poise::app
