@@ -14,10 +14,10 @@ namespace poise::comparison {
 namespace {
 
 constexpr double far_away = 0.5;  // rad, or mechanism sizes: largest distance at which a run belongs to an equilibrium
-constexpr double same_rest = 1e-9;    // 50-digit refinements closer than this are the same equilibrium
-constexpr double patience = 3.0;      // s: no further runs of a row after this time
-constexpr double sample_time = 1e-3;  // s per repeat: short runs are repeated until then
-constexpr int most_per_repeat = 100;  // runs
+constexpr double same_equilibrium = 1e-9;  // 50-digit refinements closer than this are the same equilibrium
+constexpr double patience = 3.0;           // s: no further runs of a row after this time
+constexpr double sample_time = 1e-3;       // s per repeat: short runs are repeated until then
+constexpr int most_per_repeat = 100;       // runs
 
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
@@ -41,12 +41,12 @@ class Study {
   WorkPrecision run() {
     run_defaults();
     for (const Method method : methods_) {
-      if (!refuses(method)) run_rows(method);
+      if (!does_not_apply(method)) run_rows(method);
     }
     for (const WorkPrecisionRow& row : out_.rows) {
-      if (row.confirmed && nearest_rest(row.x).rest < 0) learn(row.x, check(model_, row.x), nullptr);
+      if (row.confirmed && nearest_equilibrium(row.x).index < 0) keep(row.x, check(model_, row.x), nullptr);
     }
-    for (WorkPrecisionRow& row : out_.rows) tell_error(row);
+    for (WorkPrecisionRow& row : out_.rows) set_error(row);
     return std::move(out_);
   }
 
@@ -63,12 +63,12 @@ class Study {
     if (options_.progress) options_.progress(doing);
   }
 
-  bool refuses(Method method) const {
-    return std::any_of(out_.refused.begin(), out_.refused.end(),
-                       [method](const Refusal& refusal) { return refusal.method == method; });
+  bool does_not_apply(Method method) const {
+    return std::any_of(out_.not_applicable.begin(), out_.not_applicable.end(),
+                       [method](const NotApplicable& of) { return of.method == method; });
   }
 
-  /// Runs whatever may know a rest as it comes, keeps what is confirmed, and notes which methods refuse the scene.
+  /// Runs the methods that may find an equilibrium, keeps what is confirmed, and notes which do not apply.
   void run_defaults() {
     std::vector<Method> witnesses = methods_;
     for (const Method independent : {Method::virtual_work, Method::energy}) {
@@ -77,26 +77,27 @@ class Study {
     }
     for (std::size_t k = 0; k < witnesses.size() && !out_.interrupted; ++k) {
       tell("searching equilibria by " + to_string(witnesses[k]));
-      const Equilibrium rest = solve(model_, start_, settings_of(witnesses[k]));
-      out_.interrupted = rest.status == Status::interrupted;
-      if (rest.status == Status::refused && k < methods_.size()) out_.refused.push_back({rest.method, rest.why});
-      if (rest.found()) learn(rest.x, rest.check, &rest.method);
+      const Equilibrium found = solve(model_, start_, settings_of(witnesses[k]));
+      out_.interrupted = found.status == Status::interrupted;
+      if (found.status == Status::refused && k < methods_.size())
+        out_.not_applicable.push_back({found.method, found.why});
+      if (found.found()) keep(found.x, found.check, &found.method);
     }
   }
 
-  /// Adds the 50-digit refinement of a confirmed answer to the known rests, or its method to those that know it.
-  void learn(const std::vector<double>& x, const Check& check, const Method* finder) {
+  /// Adds the 50-digit refinement of a confirmed answer to the known equilibria, or its method to its finders.
+  void keep(const std::vector<double>& x, const Check& check, const Method* finder) {
     tell("refining an equilibrium in 50 digits");
     const Reference reference = refine(model_, x);
     if (!reference.refined) return;
     const bool neutral = check.neutral_directions > 0;
     // Of a continuum one is enough: which one a method finds is arbitrary.
-    auto known = std::find_if(out_.rests.begin(), out_.rests.end(), [&](const KnownRest& rest) {
-      return (neutral && rest.neutral) || largest_difference(model_, rest.x, reference.x).size < same_rest;
+    auto known = std::find_if(out_.equilibria.begin(), out_.equilibria.end(), [&](const ReferenceEquilibrium& other) {
+      return (neutral && other.neutral) || largest_difference(model_, other.x, reference.x).size < same_equilibrium;
     });
-    if (known == out_.rests.end()) {
-      out_.rests.push_back({reference.x, reference.digits, check.stability, neutral, check.accuracy, {}});
-      known = std::prev(out_.rests.end());
+    if (known == out_.equilibria.end()) {
+      out_.equilibria.push_back({reference.x, reference.digits, check.stability, neutral, check.accuracy, {}});
+      known = std::prev(out_.equilibria.end());
     }
     if (finder != nullptr) known->found_by.push_back(*finder);
   }
@@ -117,17 +118,17 @@ class Study {
     std::vector<double> times;
     const auto begin = std::chrono::steady_clock::now();
     do {
-      Equilibrium rest = solve(model_, start_, settings);
-      out_.interrupted = rest.status == Status::interrupted;
+      Equilibrium found = solve(model_, start_, settings);
+      out_.interrupted = found.status == Status::interrupted;
       if (out_.interrupted) return;
-      times.push_back(rest.microseconds);
+      times.push_back(found.microseconds);
       if (times.size() > 1) continue;
-      row.claimed = rest.claimed;
-      row.confirmed = rest.found();
-      row.iterations = rest.iterations;
-      row.evaluations = rest.evaluations;
-      row.x = std::move(rest.x);
-      row.why = std::move(rest.why);
+      row.claimed = found.claimed;
+      row.confirmed = found.found();
+      row.iterations = found.iterations;
+      row.evaluations = found.evaluations;
+      row.x = std::move(found.x);
+      row.why = std::move(found.why);
     } while (wants_more(times.size(), begin));
     row.repeats = static_cast<int>(times.size());
     row.microseconds = median(std::move(times));
@@ -142,36 +143,36 @@ class Study {
   }
 
   struct Nearest {
-    int rest = -1;
+    int index = -1;
     std::optional<double> error{};
   };
 
-  Nearest nearest_rest(const std::vector<double>& x) const {
+  Nearest nearest_equilibrium(const std::vector<double>& x) const {
     if (!all_finite(x)) return {};
     Nearest nearest{-1, far_away};
     Nearest neutral;
-    for (std::size_t k = 0; k < out_.rests.size(); ++k) {
-      const KnownRest& rest = out_.rests[k];
-      if (rest.neutral) neutral.rest = static_cast<int>(k);
-      const double distance = rest.neutral ? far_away : largest_difference(model_, rest.x, x).size;
+    for (std::size_t k = 0; k < out_.equilibria.size(); ++k) {
+      const ReferenceEquilibrium& known = out_.equilibria[k];
+      if (known.neutral) neutral.index = static_cast<int>(k);
+      const double distance = known.neutral ? far_away : largest_difference(model_, known.x, x).size;
       if (distance < *nearest.error) nearest = {static_cast<int>(k), distance};
     }
-    if (nearest.rest >= 0) return nearest;
-    if (neutral.rest < 0) return {};
+    if (nearest.index >= 0) return nearest;
+    if (neutral.index < 0) return {};
     const Reference own = refine(model_, x);
     if (!own.refined) return {};
     neutral.error = own.error;
     return neutral;
   }
 
-  void tell_error(WorkPrecisionRow& row) const {
-    const Nearest nearest = nearest_rest(row.x);
-    row.rest = nearest.rest;
+  void set_error(WorkPrecisionRow& row) const {
+    const Nearest nearest = nearest_equilibrium(row.x);
+    row.equilibrium = nearest.index;
     row.error = nearest.error;
     if (!row.claimed)
-      row.ending = Ending::gave_up;
+      row.ending = Ending::not_converged;
     else
-      row.ending = row.rest >= 0 ? Ending::arrived : Ending::elsewhere;
+      row.ending = row.equilibrium >= 0 ? Ending::converged : Ending::elsewhere;
   }
 
   const StaticModel& model_;

@@ -20,7 +20,7 @@ struct WorkPrecisionOptions {
 };
 
 /// An equilibrium that errors are measured from, known in 50 digits.
-struct KnownRest {
+struct ReferenceEquilibrium {
   std::vector<double> x;  ///< scaled coordinates, rounded from 50 digits
   int digits = 0;         ///< to which the refinement converged
   Stability stability = Stability::unknown;
@@ -32,19 +32,19 @@ struct KnownRest {
 
 /// How a run ended, independent of its own tolerance.
 enum class Ending {
-  arrived,    ///< the solver claims success within 0.5 rad (or mechanism sizes) of a known equilibrium
-  elsewhere,  ///< the solver claims success, with no known equilibrium that near
-  gave_up     ///< the solver does not claim success
+  converged,     ///< the solver claims success within 0.5 rad (or mechanism sizes) of a known equilibrium
+  elsewhere,     ///< the solver claims success, with no known equilibrium that near
+  not_converged  ///< the solver does not claim success
 };
 
 /// One method at one tolerance.
 struct WorkPrecisionRow {
   Method method{};
   double tolerance = 0.0;
-  Ending ending = Ending::gave_up;
-  bool claimed = false;    ///< the solver reports success
-  bool confirmed = false;  ///< by statics/check with its default bounds, independent of the tolerance of the run
-  int rest = -1;           ///< index of the nearest known equilibrium in WorkPrecision::rests, -1 if none is within 0.5
+  Ending ending = Ending::not_converged;
+  bool claimed = false;           ///< the solver reports success
+  bool confirmed = false;         ///< by statics/check with its default bounds, independent of the tolerance of the run
+  int equilibrium = -1;           ///< index of the nearest in WorkPrecision::equilibria, -1 if none is within 0.5
   std::optional<double> error{};  ///< from that equilibrium; empty if there is none
   double microseconds = 0.0;
   int repeats = 0;  ///< runs the median is taken over
@@ -54,30 +54,31 @@ struct WorkPrecisionRow {
   std::string why;        ///< the solver's report, and the objection of the check
 };
 
-struct Refusal {
+/// A method that does not apply to the scene.
+struct NotApplicable {
   Method method{};
   std::string why;
 };
 
 struct WorkPrecision {
-  std::vector<KnownRest> rests;
-  std::vector<Refusal> refused;
+  std::vector<ReferenceEquilibrium> equilibria;
+  std::vector<NotApplicable> not_applicable;
   std::vector<WorkPrecisionRow> rows;  ///< method by method, in the order of the tolerances
   bool interrupted = false;            ///< unfinished rows are left out
 };
 
 /// Work-precision data of each method: time, achieved error and effort of runs from the scene's assembled start.
 ///
-/// rests    The known equilibria; no run is measured against its own method. The default runs of the methods and of the
-///          two independent ones (virtual work, energy) that the check confirms are refined by Newton in 50 digits
-///          (statics/reference.hpp), and each distinct one is kept (differences above 1e-9). A run at some tolerance
-///          that the check confirms far from all of them adds its own refinement.
-/// error    Largest difference of a scaled coordinate (rad, or length over mechanism size) from the nearest known
-///          equilibrium, without whole turns if nothing counts them. For a neutral equilibrium, one of a continuum, the
-///          50-digit solution next to the run itself is taken, because no other of the continuum is better.
-/// time     Median of Equilibrium::microseconds, the search alone. A row makes `repeats` runs, if they are short as
-/// many
-///          more as fit into 1 ms times `repeats`, and fewer only if they take more than 3 s together.
+/// equilibria  The known ones; no run is measured against its own method. The default runs of the methods and of the
+/// two
+///             independent ones (virtual work, energy) that the check confirms are refined by Newton in 50 digits
+///             (statics/reference.hpp), and each distinct one is kept (differences above 1e-9). A run at some tolerance
+///             that the check confirms far from all of them adds its own refinement.
+/// error       Largest difference of a scaled coordinate (rad, or length over mechanism size) from the nearest known
+///             equilibrium, without whole turns if nothing counts them. For a neutral equilibrium, one of a continuum,
+///             the 50-digit solution next to the run itself is taken, because no other of the continuum is better.
+/// time        Median of Equilibrium::microseconds, the search alone. A row makes `repeats` runs, if they are short as
+///             many more as fit into 1 ms times `repeats`, and fewer only if they take more than 3 s together.
 ///
 /// The tolerance has a different meaning for every method (a step, a gradient, a residual), hence error on the other
 /// axis. Virtual work bounds its last Newton step d and still applies it, which leaves an error of about d^2: near the

@@ -7,8 +7,8 @@ namespace poise::comparison {
 namespace {
 
 bool same_outcome(const WorkPrecisionRow& a, const WorkPrecisionRow& b) {
-  return a.error == b.error && a.rest == b.rest && a.iterations == b.iterations && a.evaluations == b.evaluations &&
-         a.ending == b.ending && a.confirmed == b.confirmed;
+  return a.error == b.error && a.equilibrium == b.equilibrium && a.iterations == b.iterations &&
+         a.evaluations == b.evaluations && a.ending == b.ending && a.confirmed == b.confirmed;
 }
 
 ToleranceSpan span_of(const WorkPrecisionRow* first, const WorkPrecisionRow* end) {
@@ -36,14 +36,19 @@ std::vector<std::vector<ToleranceSpan>> tolerance_spans(const WorkPrecision& res
 
 std::string status_of(const WorkPrecisionRow& row) {
   switch (row.ending) {
-    case Ending::arrived:
-      return row.confirmed ? "confirmed" : "claimed";
+    case Ending::converged:
+      return row.confirmed ? "confirmed" : "too coarse";
     case Ending::elsewhere:
-      return "another place";
-    case Ending::gave_up:
+      return "elsewhere";
+    case Ending::not_converged:
       break;
   }
-  return "gave up";
+  return "not converged";
+}
+
+bool any_confirmed(const WorkPrecision& result) {
+  return std::any_of(result.rows.begin(), result.rows.end(),
+                     [](const WorkPrecisionRow& row) { return row.ending == Ending::converged && row.confirmed; });
 }
 
 }  // namespace poise::comparison

@@ -1,6 +1,6 @@
 #pragma once
 
-// What runs at many tolerances come to.
+// Summaries of runs at many tolerances.
 
 #include <string>
 #include <vector>
@@ -9,9 +9,12 @@
 
 namespace poise::comparison {
 
-/// How a run ended: "confirmed" (claimed, near a known rest, and confirmed by the check), "claimed" (the same, but too
-/// coarse for the check's bounds), "another place", "gave up".
+/// How a run ended: "confirmed" (converged, and confirmed by the check), "too coarse" (converged, but not within the
+/// check's bounds), "elsewhere", "not converged".
 std::string status_of(const WorkPrecisionRow& row);
+
+/// Whether some run is "confirmed".
+bool any_confirmed(const WorkPrecision& result);
 
 /// Tolerances next to each other that led one method to the very same answer.
 struct ToleranceSpan {

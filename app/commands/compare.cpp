@@ -10,8 +10,8 @@
 #include "app/commands/method_options.hpp"
 #include "app/commands/scene_options.hpp"
 #include "app/commands/session.hpp"
-#include "app/commands/work_precision.hpp"
 #include "app/results/statics/compare.hpp"
+#include "app/results/statics/work_precision.hpp"
 #include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
@@ -48,7 +48,8 @@ comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& wo
   return options;
 }
 
-/// Every method that was asked for by default has to answer or refuse; of a list that somebody names, one is enough.
+/// Every method that was asked for by default has to find an equilibrium where it applies; of a list that is named, one
+/// is enough.
 bool succeeded(const CompareRequest& words, const std::vector<Answer>& answers) {
   const auto is = [](Status status) { return [status](const Answer& a) { return a.rest.status == status; }; };
   if (words.methods) {
@@ -91,6 +92,29 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   return succeeded(words, answers) ? solved : not_solved;
 }
 
+int run_work_precision(const CompareRequest& words, const Palette& palette) {
+  const Request& request = words.common;
+  comparison::WorkPrecisionOptions options = work_precision_options(words);
+  Progress progress;
+  progress.now("reading the scene");
+  const StaticModel model(load_scene(request));
+  OutputFiles files(request);
+  if (files.wants_svg()) expect_plotter();
+  options.interrupt = &watch_for_interrupt();
+  options.progress = [&progress](const std::string& doing) { progress.now(doing); };
+  const comparison::WorkPrecision study = comparison::work_precision(model, options);
+
+  const Result result = work_precision_result(model, study, options.repeats, request.settings);
+  std::string written;
+  if (!study.interrupted) {
+    progress.now("writing the result");
+    written = files.write(result, files.wants_svg() ? draw_plot(work_precision_panels(model, study)) : "");
+  }
+  progress.done();
+  print(request, result, written, palette);
+  return comparison::any_confirmed(study) && !study.interrupted ? solved : not_solved;
+}
+
 }  // namespace
 
 Command compare_command() {
@@ -110,8 +134,7 @@ Command compare_command() {
                      {.svg = "Draw the mechanism in equilibrium, or, with --tolerances, error\nagainst time, into FILE",
                       .csv = "Write the runs at all tolerances to FILE as CSV"});
   command.run = [request](const Palette& palette) {
-    if (!request->tolerances) return run_side_by_side(*request, palette);
-    return run_work_precision(request->common, work_precision_options(*request), palette);
+    return request->tolerances ? run_work_precision(*request, palette) : run_side_by_side(*request, palette);
   };
   return command;
 }

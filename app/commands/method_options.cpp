@@ -1,9 +1,16 @@
 #include "app/commands/method_options.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <optional>
 #include <sstream>
+#include <string_view>
+
+#include <fmt/format.h>
 
 #include "app/commands/scene_options.hpp"
+#include "model/input_error.hpp"
+#include "model/named_number.hpp"
 
 namespace poise::app {
 namespace {
@@ -12,6 +19,37 @@ std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (const MethodTraits& method : all_methods()) names.emplace_back(method.name);
   return names;
+}
+
+constexpr double tightest = 1e-20, loosest = 1.0;
+
+double read_tolerance(std::string_view text) {
+  const std::optional<double> value = read_number(text);
+  const std::string expected = "expected numbers as in 1e-2..1e-14 or 1e-3,1e-6";
+  // A point in front is what is left of three between two numbers.
+  if (!value || text.starts_with('.')) {
+    throw InputError(fmt::format("--tolerances: \"{}\" is not a number; {}", text, expected));
+  }
+  if (!(*value >= tightest && *value < loosest)) {
+    throw InputError(
+        fmt::format("--tolerances: expected numbers from {:g} to less than {:g}, found {}", tightest, loosest, text));
+  }
+  return *value;
+}
+
+std::vector<double> decades(std::string_view from, std::string_view to) {
+  const double first = read_tolerance(from), last = read_tolerance(to);
+  if (first < last) {
+    throw InputError(
+        fmt::format("--tolerances: {}..{} rises; expected the loosest first, say {}..{}", from, to, to, from));
+  }
+  constexpr double rounding = 1e-9;
+  std::vector<double> out;
+  for (double value = first; value >= last * (1 - rounding); value /= 10) {
+    // Read back from 12 digits, so that 1e-5 is the number 1e-5.
+    out.push_back(std::stod(fmt::format("{:.12g}", value)));
+  }
+  return out;
 }
 
 }  // namespace
@@ -45,6 +83,21 @@ std::vector<Method> read_methods(const std::string& option, const std::string& n
     if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
   }
   return methods;
+}
+
+std::vector<double> read_tolerances(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  if (dots != std::string::npos) {
+    const std::string_view all = text;
+    return decades(all.substr(0, dots), all.substr(dots + 2));
+  }
+  std::vector<double> out;
+  // A comma at the end leaves an empty value behind it, which getline would not give.
+  std::istringstream list(text + (text.empty() || text.back() == ',' ? "," : ""));
+  for (std::string value; std::getline(list, value, ',');) out.push_back(read_tolerance(value));
+  std::sort(out.begin(), out.end(), std::greater<>());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
 }
 
 }  // namespace poise::app

@@ -8,10 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/method_options.hpp"
-#include "app/commands/work_precision.hpp"
 #include "app/draw/chart/gnuplot.hpp"
-#include "app/report/work_precision_report.hpp"
-#include "app/work_precision_files.hpp"
+#include "app/present/text.hpp"
+#include "app/results/statics/work_precision.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 
@@ -66,8 +65,8 @@ TEST(WorkPrecisionCommand, PrintsTimesErrorsAndStatuses) {
                                  "--tolerances", "1e-2..1e-14", "--repeat", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_EQ(run.err, "");
-  for (const char* part : {"stable, met by virtual-work and energy", "Least time to an error below", "13 of 13",
-                           "iterations  evaluations  status", "claimed", "confirmed",
+  for (const char* part : {"stable, found by virtual-work and energy", "Least time to an error below", "13 of 13",
+                           "iterations  evaluations  status", "too coarse", "confirmed",
                            "virtual-work: Newton-Raphson on the equations of virtual work"}) {
     EXPECT_TRUE(contains(run.out, part)) << part << "\n" << run.out;
   }
@@ -84,7 +83,7 @@ TEST(WorkPrecisionCommand, WritesOneCsvRowForEachMethodAndTolerance) {
   const std::vector<std::string> lines = lines_of(contents(csv));
   ASSERT_EQ(lines.size(), 5U);
   EXPECT_EQ(lines[0],
-            "method,status,tolerance,microseconds,error,iterations,evaluations,claimed,confirmed,repeats,rest");
+            "method,status,tolerance,microseconds,error,iterations,evaluations,claimed,confirmed,repeats,equilibrium");
   EXPECT_TRUE(lines[1].starts_with("virtual-work,confirmed,1e-06,")) << lines[1];
   EXPECT_TRUE(lines[4].starts_with("energy,confirmed,1e-12,")) << lines[4];
   for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 10) << line;
@@ -103,9 +102,9 @@ TEST(WorkPrecisionCommand, WritesJsonAndPicture) {
   ASSERT_EQ(r["methods"][1]["runs"].size(), 11U);
   EXPECT_EQ(r["methods"][1]["runs"][0]["tolerance"], 1e-2);
   EXPECT_LT(r["methods"][0]["runs"][10]["error"], 1e-13);
-  EXPECT_EQ(r["rests"][0]["found_by"], json({"virtual-work", "energy"}));
-  EXPECT_EQ(r["rests"][0]["stability"], "stable");
-  EXPECT_GE(r["rests"][0]["digits"], 40);
+  EXPECT_EQ(r["equilibria"][0]["found_by"], json({"virtual-work", "energy"}));
+  EXPECT_EQ(r["equilibria"][0]["stability"], "stable");
+  EXPECT_GE(r["equilibria"][0]["digits"], 40);
   const std::string picture = contents(svg);
   EXPECT_EQ(app_tests::objection_to_xml(picture), "");
   EXPECT_LT(picture.size(), 300000U);
@@ -127,7 +126,7 @@ TEST(WorkPrecisionCommand, RefusalsAreTold) {
   const Outcome run = run_poise({"compare", folder.write("a.toml", app_tests::follower), "--methods",
                                  "virtual-work,energy", "--tolerances", "1e-9", "--repeat", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.out;
-  EXPECT_TRUE(contains(run.out, "energy refuses: force \"jet\" follows a body")) << run.out;
+  EXPECT_TRUE(contains(run.out, "energy does not apply: force \"jet\" follows a body")) << run.out;
 }
 
 comparison::WorkPrecisionRow run_with(Ending ending, bool confirmed, std::optional<double> error) {
@@ -135,44 +134,44 @@ comparison::WorkPrecisionRow run_with(Ending ending, bool confirmed, std::option
   run.method = Method::cobyla;
   run.tolerance = 1e-3;
   run.ending = ending;
-  run.claimed = ending != Ending::gave_up;
+  run.claimed = ending != Ending::not_converged;
   run.confirmed = confirmed;
   run.error = error;
   run.microseconds = 5.0;
   return run;
 }
 
-TEST(WorkPrecisionFiles, ThePictureShowsOnlyRunsThatArrived) {
+TEST(WorkPrecisionResult, TheChartShowsOnlyRunsThatConverged) {
   const StaticModel model(parse_scene(app_tests::pendulum, "scene"));
   comparison::WorkPrecision result;
-  result.rows = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::gave_up, false, 1e-5),
-                 run_with(Ending::arrived, true, 0.0)};
+  result.rows = {run_with(Ending::converged, true, 1e-4), run_with(Ending::not_converged, false, 1e-5),
+                 run_with(Ending::converged, true, 0.0)};
   comparison::WorkPrecisionRow lost = run_with(Ending::elsewhere, false, std::nullopt);
   lost.method = Method::slsqp;
   result.rows.push_back(lost);
   const std::vector<Panel> panels = work_precision_panels(model, result);
   ASSERT_EQ(panels.size(), 1U);
   EXPECT_TRUE(panels[0].log_x && panels[0].log_y && panels[0].x_falls);
-  EXPECT_EQ(panels[0].title, "Pendulum: slsqp never arrived");
+  EXPECT_EQ(panels[0].title, "Pendulum: slsqp did not converge");
   ASSERT_EQ(panels[0].curves.size(), 1U);
   const Curve& curve = panels[0].curves[0];
   EXPECT_EQ(curve.name, "cobyla");
   ASSERT_EQ(curve.x.size(), 3U);
   EXPECT_EQ(curve.x[0], 1e-4);
   EXPECT_EQ(curve.y[0], 5.0);
-  EXPECT_TRUE(std::isnan(curve.x[1])) << "a gap where it gave up";
+  EXPECT_TRUE(std::isnan(curve.x[1])) << "a gap where it did not converge";
   EXPECT_EQ(curve.x[2], 1e-17) << "an error of nothing has to stand somewhere on a logarithmic axis";
 }
 
-TEST(WorkPrecisionReport, AnInterruptedStudyPrintsWhatItHas) {
+TEST(WorkPrecisionResult, AnInterruptedStudyPrintsWhatItHas) {
   const StaticModel model(parse_scene(app_tests::pendulum, "scene"));
   comparison::WorkPrecision result;
   result.interrupted = true;
-  result.rows = {run_with(Ending::gave_up, true, 1e-9)};
+  result.rows = {run_with(Ending::not_converged, true, 1e-9)};
   result.rows[0].why = "out of patience";
-  const std::string text = work_precision_report(model, result, {}, Palette());
+  const std::string text = plain_text(work_precision_result(model, result, 7, {}), Palette());
   EXPECT_TRUE(contains(text, "Interrupted: 1 row was finished.")) << text;
-  EXPECT_TRUE(contains(text, "gave up, confirmed")) << text;
+  EXPECT_TRUE(contains(text, "not converged, confirmed")) << text;
   EXPECT_TRUE(contains(text, "at 1e-3: out of patience")) << text;
 }
 
@@ -182,7 +181,7 @@ TEST(CompareMethods, ManyMethodsShareTheColumnsOfTheirRests) {
   const Outcome run = run_poise({"compare", dataset("heaton_timme"), "--methods", "all", "--json", file});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_EQ(json::parse(contents(file))["methods"].size(), all_methods().size());
-  EXPECT_TRUE(contains(run.out, "at rest")) << run.out;
+  EXPECT_TRUE(contains(run.out, "  body     equilibrium\n")) << run.out;
   for (const MethodTraits& method : all_methods()) EXPECT_TRUE(contains(run.out, method.name)) << run.out;
   for (const std::string& line : lines_of(run.out)) {
     const std::size_t found = line.find("2.353554680");

@@ -59,21 +59,21 @@ WorkPrecision measure(const StaticModel& model, std::vector<Method> methods, std
 TEST(WorkPrecision, ErrorsOfAPendulumAreThoseFromItsClosedForm) {
   const StaticModel model = model_of(app_tests::pendulum);
   const WorkPrecision result = measure(model, independent, decades);
-  ASSERT_EQ(result.rests.size(), 1U);
-  const KnownRest& rest = result.rests.front();
+  ASSERT_EQ(result.equilibria.size(), 1U);
+  const ReferenceEquilibrium& rest = result.equilibria.front();
   EXPECT_DOUBLE_EQ(rest.x.front(), -M_PI / 2);
   EXPECT_GE(rest.digits, 40);
   EXPECT_EQ(rest.stability, Stability::stable);
   EXPECT_EQ(rest.found_by, independent);
   EXPECT_FALSE(rest.neutral);
   EXPECT_FALSE(result.interrupted);
-  EXPECT_TRUE(result.refused.empty());
+  EXPECT_TRUE(result.not_applicable.empty());
   ASSERT_EQ(result.rows.size(), 2 * decades.size());
   for (std::size_t k = 0; k < result.rows.size(); ++k) {
     const WorkPrecisionRow& run = result.rows[k];
     EXPECT_EQ(run.method, independent[k / decades.size()]);
     EXPECT_EQ(run.tolerance, decades[k % decades.size()]);
-    EXPECT_EQ(run.ending, Ending::arrived);
+    EXPECT_EQ(run.ending, Ending::converged);
     EXPECT_TRUE(run.claimed);
     EXPECT_DOUBLE_EQ(run.error.value(), std::abs(run.x.front() + M_PI / 2));
     EXPECT_GT(run.microseconds, 0.0);
@@ -91,7 +91,7 @@ TEST(WorkPrecision, NewtonLeavesTheSquareOfItsTolerance) {
   const WorkPrecision result = measure(model, {Method::virtual_work}, {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7});
   double coarsest = 0.0;
   for (const WorkPrecisionRow& run : result.rows) {
-    EXPECT_EQ(run.ending, Ending::arrived);
+    EXPECT_EQ(run.ending, Ending::converged);
     EXPECT_LT(run.error.value(), 10 * run.tolerance * run.tolerance + 1e-14) << run.tolerance;
     coarsest = std::max(coarsest, run.error.value());
   }
@@ -102,7 +102,7 @@ TEST(WorkPrecision, CoarseAnswersAreClaimedAndFineOnesConfirmed) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
   const WorkPrecision result = measure(model, independent, {1e-2, 1e-14});
   for (std::size_t k = 0; k < result.rows.size(); k += 2) {
-    EXPECT_EQ(result.rows[k].ending, Ending::arrived);
+    EXPECT_EQ(result.rows[k].ending, Ending::converged);
     EXPECT_FALSE(result.rows[k].confirmed) << "the check has its own bounds, not those of the run";
     EXPECT_GT(result.rows[k].error.value(), 1e-7);
     EXPECT_TRUE(result.rows[k + 1].confirmed);
@@ -114,15 +114,15 @@ TEST(WorkPrecision, EachRunIsMeasuredFromTheNearestEquilibrium) {
   // Started upside down, Newton finds the unstable equilibrium above, and descent leaves it.
   const StaticModel model = pendulum_from(1.5);
   const WorkPrecision result = measure(model, independent, {1e-12});
-  ASSERT_EQ(result.rests.size(), 2U);
-  EXPECT_DOUBLE_EQ(result.rests[0].x.front(), M_PI / 2);
-  EXPECT_EQ(result.rests[0].stability, Stability::unstable);
-  EXPECT_EQ(result.rests[0].found_by, std::vector<Method>{Method::virtual_work});
-  EXPECT_EQ(result.rests[1].found_by, std::vector<Method>{Method::energy});
+  ASSERT_EQ(result.equilibria.size(), 2U);
+  EXPECT_DOUBLE_EQ(result.equilibria[0].x.front(), M_PI / 2);
+  EXPECT_EQ(result.equilibria[0].stability, Stability::unstable);
+  EXPECT_EQ(result.equilibria[0].found_by, std::vector<Method>{Method::virtual_work});
+  EXPECT_EQ(result.equilibria[1].found_by, std::vector<Method>{Method::energy});
   for (int k = 0; k < 2; ++k) {
     const WorkPrecisionRow& run = result.rows[static_cast<std::size_t>(k)];
-    EXPECT_EQ(run.ending, Ending::arrived);
-    EXPECT_EQ(run.rest, k);
+    EXPECT_EQ(run.ending, Ending::converged);
+    EXPECT_EQ(run.equilibrium, k);
     EXPECT_LT(run.error.value(), 1e-10);
   }
 }
@@ -130,39 +130,39 @@ TEST(WorkPrecision, EachRunIsMeasuredFromTheNearestEquilibrium) {
 TEST(WorkPrecision, TheIndependentMethodsAreWitnessesOfAnyOther) {
   const StaticModel model = model_of(app_tests::pendulum);
   const WorkPrecision result = measure(model, {Method::energy}, {1e-8});
-  ASSERT_EQ(result.rests.size(), 1U);
-  EXPECT_EQ(result.rests[0].found_by, (std::vector<Method>{Method::energy, Method::virtual_work}));
+  ASSERT_EQ(result.equilibria.size(), 1U);
+  EXPECT_EQ(result.equilibria[0].found_by, (std::vector<Method>{Method::energy, Method::virtual_work}));
   EXPECT_EQ(result.rows.size(), 1U);
 }
 
 TEST(WorkPrecision, WholeTurnsAreNoError) {
   const StaticModel model = pendulum_from(4.5);
   const WorkPrecision result = measure(model, independent, {1e-10});
-  ASSERT_EQ(result.rests.size(), 1U);
-  EXPECT_NEAR(result.rests[0].x.front(), 1.5 * M_PI, 1e-15);
+  ASSERT_EQ(result.equilibria.size(), 1U);
+  EXPECT_NEAR(result.equilibria[0].x.front(), 1.5 * M_PI, 1e-15);
   for (const WorkPrecisionRow& run : result.rows) EXPECT_LT(run.error.value(), 1e-9);
 }
 
 TEST(WorkPrecision, RefusalsAreNamedAndNotRun) {
   const WorkPrecision result = measure(model_of(app_tests::follower), {}, {1e-9});
-  EXPECT_GE(result.refused.size(), 1U);
-  for (const Refusal& refusal : result.refused) {
+  EXPECT_GE(result.not_applicable.size(), 1U);
+  for (const NotApplicable& refusal : result.not_applicable) {
     EXPECT_TRUE(traits(refusal.method).needs_potential);
     EXPECT_NE(refusal.why.find("\"jet\""), std::string::npos) << refusal.why;
     for (const WorkPrecisionRow& run : result.rows) EXPECT_NE(run.method, refusal.method);
   }
-  EXPECT_EQ(result.refused.size() + result.rows.size(), all_methods().size());
+  EXPECT_EQ(result.not_applicable.size() + result.rows.size(), all_methods().size());
   EXPECT_NEAR(result.rows.front().x.front(), 1.0, 1e-12);
 }
 
 TEST(WorkPrecision, WithoutEquilibriumNoRunConverges) {
   const WorkPrecision result = measure(model_of(app_tests::runaway), independent, {1e-3, 1e-9});
-  EXPECT_TRUE(result.rests.empty());
+  EXPECT_TRUE(result.equilibria.empty());
   ASSERT_EQ(result.rows.size(), 4U);
   for (const WorkPrecisionRow& run : result.rows) {
-    EXPECT_NE(run.ending, Ending::arrived);
+    EXPECT_NE(run.ending, Ending::converged);
     EXPECT_FALSE(run.error);
-    EXPECT_EQ(run.rest, -1);
+    EXPECT_EQ(run.equilibrium, -1);
     EXPECT_FALSE(run.confirmed);
     EXPECT_FALSE(run.why.empty());
   }
@@ -176,17 +176,17 @@ TEST(WorkPrecision, SuccessClaimedFarFromAnyEquilibriumIsElsewhere) {
   EXPECT_EQ(result.rows[0].ending, Ending::elsewhere) << result.rows[0].x.front() << result.rows[0].why;
   EXPECT_TRUE(result.rows[0].claimed);
   EXPECT_FALSE(result.rows[0].error);
-  EXPECT_EQ(result.rows[1].ending, Ending::arrived);
+  EXPECT_EQ(result.rows[1].ending, Ending::converged);
 }
 
 TEST(WorkPrecision, OfAContinuumOfEquilibriaNoneIsFarAway) {
   const StaticModel model = model_of(balanced_arm);
   const WorkPrecision result = measure(model, independent, {1e-6, 1e-12});
-  ASSERT_EQ(result.rests.size(), 1U);
-  EXPECT_TRUE(result.rests[0].neutral);
-  EXPECT_EQ(result.rests[0].found_by, independent);
+  ASSERT_EQ(result.equilibria.size(), 1U);
+  EXPECT_TRUE(result.equilibria[0].neutral);
+  EXPECT_EQ(result.equilibria[0].found_by, independent);
   for (const WorkPrecisionRow& run : result.rows) {
-    EXPECT_EQ(run.ending, Ending::arrived);
+    EXPECT_EQ(run.ending, Ending::converged);
     EXPECT_LT(run.error.value(), 1e-12);
   }
 }
@@ -217,7 +217,7 @@ TEST(WorkPrecision, InterruptKeepsFinishedRows) {
   EXPECT_TRUE(result.interrupted);
   ASSERT_EQ(result.rows.size(), 2U);
   EXPECT_EQ(result.rows.back().tolerance, 1e-4);
-  EXPECT_EQ(result.rows.back().ending, Ending::arrived);
+  EXPECT_EQ(result.rows.back().ending, Ending::converged);
 }
 
 WorkPrecisionRow run_with(Ending ending, bool confirmed, std::optional<double> error) {
@@ -225,7 +225,7 @@ WorkPrecisionRow run_with(Ending ending, bool confirmed, std::optional<double> e
   run.method = Method::cobyla;
   run.tolerance = 1e-3;
   run.ending = ending;
-  run.claimed = ending != Ending::gave_up;
+  run.claimed = ending != Ending::not_converged;
   run.confirmed = confirmed;
   run.error = error;
   run.microseconds = 5.0;
@@ -233,16 +233,16 @@ WorkPrecisionRow run_with(Ending ending, bool confirmed, std::optional<double> e
 }
 
 TEST(WorkPrecisionSummary, StatusesAreToldApart) {
-  EXPECT_EQ(status_of(run_with(Ending::arrived, true, 0.0)), "confirmed");
-  EXPECT_EQ(status_of(run_with(Ending::arrived, false, 0.1)), "claimed");
-  EXPECT_EQ(status_of(run_with(Ending::elsewhere, false, std::nullopt)), "another place");
-  EXPECT_EQ(status_of(run_with(Ending::gave_up, true, 1e-9)), "gave up");
+  EXPECT_EQ(status_of(run_with(Ending::converged, true, 0.0)), "confirmed");
+  EXPECT_EQ(status_of(run_with(Ending::converged, false, 0.1)), "too coarse");
+  EXPECT_EQ(status_of(run_with(Ending::elsewhere, false, std::nullopt)), "elsewhere");
+  EXPECT_EQ(status_of(run_with(Ending::not_converged, true, 1e-9)), "not converged");
 }
 
 TEST(WorkPrecisionSummary, TolerancesThatChangeNothingShareARun) {
   WorkPrecision result;
-  result.rows = {run_with(Ending::arrived, true, 1e-4), run_with(Ending::arrived, true, 1e-4),
-                 run_with(Ending::arrived, true, 1e-4), run_with(Ending::arrived, true, 1e-9)};
+  result.rows = {run_with(Ending::converged, true, 1e-4), run_with(Ending::converged, true, 1e-4),
+                 run_with(Ending::converged, true, 1e-4), run_with(Ending::converged, true, 1e-9)};
   result.rows[1].microseconds = 7.0;
   result.rows[2].microseconds = 6.0;
   result.rows.push_back(result.rows.back());
