@@ -14,22 +14,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "app/commands/check.hpp"
 #include "app/commands/command.hpp"
 #include "app/commands/commands.hpp"
-#include "app/commands/compare.hpp"
-#include "app/commands/design.hpp"
-#include "app/commands/forces.hpp"
-#include "app/commands/identifiability.hpp"
-#include "app/commands/identify.hpp"
-#include "app/commands/kinematics.hpp"
-#include "app/commands/modes.hpp"
-#include "app/commands/montecarlo.hpp"
-#include "app/commands/motion.hpp"
-#include "app/commands/solve.hpp"
-#include "app/commands/stress.hpp"
-#include "app/poise_folder.hpp"
-#include "app/quantity.hpp"
+#include "app/commands/options.hpp"
+#include "app/present/numbers.hpp"
+#include "app/terminal/poise_folder.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise::app {

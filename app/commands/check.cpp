@@ -1,10 +1,11 @@
-#include "app/commands/check.hpp"
+#include "app/results/statics/check.hpp"
 
 #include <memory>
 
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/results/statics/check.hpp"
+#include "app/draw/mechanism.hpp"
 
 namespace poise::app {
 namespace {
@@ -17,7 +18,11 @@ int run_check(const Request& request, const Palette& palette) {
   progress.now("analysing its mobility");
   const Mobility mobility = analyse_mobility(model);
   const Result result = check_result(model, mobility, request.settings);
-  const std::string written = files.write(result, "");
+  const std::string written =
+      files.write(result, files.wants_svg() ? draw_mechanism(model.scene(), {.poses = model.poses(mobility.x),
+                                                                             .heading = result.verdict.text,
+                                                                             .confirmed = mobility.assembled})
+                                            : "");
   progress.done();
   print(request, result, written, palette);
   // Where solve would refuse the scene, its sentence ends the check too. A scene without loads can be checked.
@@ -31,7 +36,7 @@ Command check_command() {
   const auto request = std::make_shared<Request>();
   Command command{"check", "Show what a scene is: bodies, joints, mobility, what the model keeps"};
   add_scene_options(command, *request);
-  add_output_options(command, *request, {});
+  add_output_options(command, *request, {.svg = "Draw the mechanism as it is assembled into FILE"});
   command.run = [request](const Palette& palette) { return run_check(*request, palette); };
   return command;
 }

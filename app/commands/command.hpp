@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "app/palette.hpp"
+#include "app/terminal/palette.hpp"
 
 namespace poise::app {
 

@@ -1,26 +1,56 @@
 #pragma once
 
-#include <string>
-#include <vector>
+// The commands of poise, in the order of --help.
 
-#include "statics/equilibrium.hpp"
+#include "app/commands/command.hpp"
 
 namespace poise::app {
 
-/// What was asked for on the command line.
-struct Request {
-  std::string scene;                     ///< file
-  std::string kind = "scene";            ///< what that file is
-  std::vector<std::string> settings;     ///< "load.P=40"
-  std::string json, svg, csv, markdown;  ///< files to write, empty for none
-  bool quiet = false, verbose = false;   ///< what text shows: verdict and warnings alone; everything
-};
+/// `poise check SCENE`: what the scene is: bodies, joints, mobility, what the model keeps. bad_input where it cannot be
+/// assembled.
+Command check_command();
 
-/// Exit codes of the command line.
-enum ExitCode : int {
-  solved = 0,      ///< found and confirmed
-  not_solved = 1,  ///< not found, or not confirmed
-  bad_input = 2    ///< the scene, the command line or a file to write
-};
+/// `poise solve SCENE`: where it rests, by one method.
+Command solve_command();
+
+/// `poise compare SCENE`: where it rests, by virtual work and by energy side by side; exit code solved where every one
+/// that does not refuse the scene is confirmed. With --methods by any of them; exit code solved where one is confirmed.
+/// With --tolerances: what accuracy costs each method; exit code solved where some run is confirmed.
+Command compare_command();
+
+/// `poise kinematics SCENE --drive crank=0..360`: positions, velocities and accelerations over a driven range, and the
+/// singular poses in it. Exit code solved where the whole range could be driven.
+Command kinematics_command();
+
+/// `poise motion SCENE --duration S`: the free or driven motion of a scene, with its energy balance and estimated
+/// error. Exit code solved where the motion came to its end and both confirm it; Ctrl-C keeps what was reached.
+Command motion_command();
+
+/// `poise modes SCENE`: natural frequencies, shapes and damping of the small motions about an equilibrium. Exit code
+/// solved where the equilibrium is confirmed and its motions are known.
+Command modes_command();
+
+/// `poise forces SCENE`: what drives must give and joints carry in a pose, over a driven range, or along a recorded
+/// motion. Exit code solved where every body is in balance everywhere.
+Command forces_command();
+
+/// `poise design FILE`: dimensions that meet the goals of a design file, found from random starts and judged by the
+/// general kinematics. Exit code solved where all goals are met and that confirms it.
+Command design_command();
+
+/// `poise identify EXPERIMENT`: the parameters that explain its records, with how sure they are. Exit code solved where
+/// a fit converged, also where its residuals are larger than the noise (the report warns, deviations are enlarged).
+Command identify_command();
+
+/// `poise identifiability EXPERIMENT`: what it can tell, before any data. Exit code solved where that could be judged.
+Command identifiability_command();
+
+/// `poise montecarlo EXPERIMENT`: simulate and fit, again and again, with new noise and new starts. Ctrl-C keeps the
+/// trials that have ended. Exit code solved where all trials ended and fits converged.
+Command montecarlo_command();
+
+/// `poise stress [CASE...]`: all methods on the hard catalogue, from many seeded starts. Exit code solved where no
+/// claim was wrong and virtual work arrived in at least 99.9 % of the starts of every case that has an answer.
+Command stress_command();
 
 }  // namespace poise::app

@@ -1,4 +1,4 @@
-#include "app/commands/compare.hpp"
+#include "app/results/statics/compare.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -7,10 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "app/commands/method_options.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/results/statics/compare.hpp"
 #include "app/results/statics/work_precision.hpp"
 #include "app/terminal/interrupt.hpp"
 

@@ -1,4 +1,4 @@
-#include "app/commands/design.hpp"
+#include "app/results/motion/design.hpp"
 
 #include <chrono>
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/results/motion/design.hpp"
 #include "app/terminal/interrupt.hpp"
 
 namespace poise::app {

@@ -1,4 +1,4 @@
-#include "app/commands/forces.hpp"
+#include "app/results/motion/forces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "app/commands/drive_option.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/present/numbers.hpp"
-#include "app/results/motion/forces.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/motion_import.hpp"
 

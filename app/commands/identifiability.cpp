@@ -1,11 +1,10 @@
-#include "app/commands/identifiability.hpp"
+#include "app/results/identification/identifiability.hpp"
 
 #include <memory>
 
-#include "app/commands/experiment_options.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/results/identification/identifiability.hpp"
 #include "identification/first_readings.hpp"
 
 namespace poise::app {

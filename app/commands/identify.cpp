@@ -1,13 +1,12 @@
-#include "app/commands/identify.hpp"
+#include "app/results/identification/identify.hpp"
 
 #include <memory>
 #include <string>
 
-#include "app/commands/experiment_options.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/results/identification/charts.hpp"
-#include "app/results/identification/identify.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/first_readings.hpp"
 

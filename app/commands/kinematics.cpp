@@ -1,4 +1,4 @@
-#include "app/commands/kinematics.hpp"
+#include "app/results/motion/kinematics.hpp"
 
 #include <cmath>
 #include <memory>
@@ -8,13 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "app/commands/drive_option.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/draw/motion_pictures.hpp"
-#include "app/results/motion/kinematics.hpp"
 #include "app/terminal/interrupt.hpp"
 
 namespace poise::app {

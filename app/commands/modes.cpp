@@ -1,13 +1,13 @@
-#include "app/commands/modes.hpp"
+#include "app/results/motion/modes.hpp"
 
 #include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
 
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/results/motion/modes.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "motion/rest_pose.hpp"
 

@@ -1,5 +1,3 @@
-#include "app/commands/montecarlo.hpp"
-
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -7,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "app/commands/experiment_options.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/results/identification/monte_carlo.hpp"
 #include "app/terminal/interrupt.hpp"

@@ -1,4 +1,4 @@
-#include "app/commands/motion.hpp"
+#include "app/results/motion/motion.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/draw/motion_pictures.hpp"
-#include "app/results/motion/motion.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
 #include "motion/release.hpp"

@@ -56,30 +56,24 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
   if (!request.markdown.empty()) markdown_.emplace(request.markdown, "--markdown");
 }
 
-std::string OutputFiles::write(const std::string& json, const std::string& svg, const std::string& csv,
-                               const std::string& markdown) {
+std::string OutputFiles::write(const Result& result, const std::string& svg) {
   std::vector<OutputFile*> prepared;
   const auto prepare = [&](std::optional<OutputFile>& file, const std::string& text) {
-    if (!file || text.empty()) return;
+    if (text.empty()) return;
     file->prepare(text);
     prepared.push_back(&*file);
   };
-  prepare(json_, json);
-  prepare(svg_, svg);
-  prepare(csv_, csv);
-  prepare(markdown_, markdown);
+  const Table* const table = result.csv();
+  if (json_) prepare(json_, json_text(result));
+  if (svg_) prepare(svg_, svg);
+  if (csv_ && table != nullptr) prepare(csv_, csv_text(*table));
+  if (markdown_) prepare(markdown_, markdown_text(result));
   std::string lines;
   for (OutputFile* file : prepared) {
     file->commit();
     lines += "wrote " + file->path().string() + "\n";
   }
   return lines;
-}
-
-std::string OutputFiles::write(const Result& result, const std::string& svg) {
-  const Table* const table = wants_csv() ? result.csv() : nullptr;
-  return write(wants_json() ? json_text(result) : "", wants_svg() ? svg : "", table != nullptr ? csv_text(*table) : "",
-               wants_markdown() ? markdown_text(result) : "");
 }
 
 void print(const Request& request, const Result& result, const std::string& written, const Palette& palette) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/result/result.hpp"
 #include "app/terminal/output_file.hpp"
 #include "app/terminal/palette.hpp"
@@ -24,17 +24,11 @@ class OutputFiles {
  public:
   explicit OutputFiles(const Request& request, const std::vector<std::string>& read = {});
 
-  bool wants_json() const { return json_.has_value(); }
   bool wants_svg() const { return svg_.has_value(); }
   bool wants_csv() const { return csv_.has_value(); }
-  bool wants_markdown() const { return markdown_.has_value(); }
   /// Writes the result in the forms asked for, and a picture, or, where that fails, throws InputError. An empty picture
   /// is not written. Returns one line for each file written.
   std::string write(const Result& result, const std::string& svg);
-  /// Writes all or, where that fails, throws InputError. An empty text is not written.
-  /// Returns one line for each file written.
-  std::string write(const std::string& json, const std::string& svg, const std::string& csv = "",
-                    const std::string& markdown = "");
 
  private:
   std::optional<OutputFile> json_, svg_, csv_, markdown_;

@@ -1,12 +1,11 @@
-#include "app/commands/solve.hpp"
+#include "app/results/statics/solve.hpp"
 
 #include <memory>
 #include <string>
 
-#include "app/commands/method_options.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/results/statics/solve.hpp"
 #include "app/terminal/interrupt.hpp"
 
 namespace poise::app {

@@ -1,4 +1,4 @@
-#include "app/commands/stress.hpp"
+#include "app/results/statics/stress.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "app/commands/method_options.hpp"
-#include "app/commands/scene_options.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/poise_folder.hpp"
-#include "app/results/statics/stress.hpp"
 #include "app/terminal/interrupt.hpp"
+#include "app/terminal/poise_folder.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise::app {

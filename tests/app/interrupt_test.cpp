@@ -1,4 +1,4 @@
-#include "app/interrupt.hpp"
+#include "app/terminal/interrupt.hpp"
 
 #include <csignal>
 

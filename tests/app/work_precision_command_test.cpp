@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/method_options.hpp"
+#include "app/commands/options.hpp"
 #include "app/draw/chart/gnuplot.hpp"
 #include "app/present/text.hpp"
 #include "app/results/statics/work_precision.hpp"

@@ -1,4 +1,4 @@
-#include "app/poise_folder.hpp"
+#include "app/terminal/poise_folder.hpp"
 
 #include <system_error>
 

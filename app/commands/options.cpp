@@ -1,0 +1,186 @@
+#include "app/commands/options.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "identification/fit.hpp"
+#include "model/input_error.hpp"
+#include "model/named_number.hpp"
+#include "model/nearest_name.hpp"
+#include "model/quantity.hpp"
+
+namespace poise::app {
+namespace {
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const MethodTraits& method : all_methods()) names.emplace_back(method.name);
+  return names;
+}
+
+constexpr double tightest = 1e-20, loosest = 1.0;
+
+double read_tolerance(std::string_view text) {
+  const std::optional<double> value = read_number(text);
+  const std::string expected = "expected numbers as in 1e-2..1e-14 or 1e-3,1e-6";
+  // A point in front is what is left of three between two numbers.
+  if (!value || text.starts_with('.')) {
+    throw InputError(fmt::format("--tolerances: \"{}\" is not a number; {}", text, expected));
+  }
+  if (!(*value >= tightest && *value < loosest)) {
+    throw InputError(
+        fmt::format("--tolerances: expected numbers from {:g} to less than {:g}, found {}", tightest, loosest, text));
+  }
+  return *value;
+}
+
+std::vector<double> decades(std::string_view from, std::string_view to) {
+  const double first = read_tolerance(from), last = read_tolerance(to);
+  if (first < last) {
+    throw InputError(
+        fmt::format("--tolerances: {}..{} rises; expected the loosest first, say {}..{}", from, to, to, from));
+  }
+  constexpr double rounding = 1e-9;
+  std::vector<double> out;
+  for (double value = first; value >= last * (1 - rounding); value /= 10) {
+    // Read back from 12 digits, so that 1e-5 is the number 1e-5.
+    out.push_back(std::stod(fmt::format("{:.12g}", value)));
+  }
+  return out;
+}
+
+}  // namespace
+
+void add_scene_options(Command& command, Request& request) {
+  command.add({"SCENE", &request.scene, "", "Scene file (TOML)", Presence::required});
+  add_settings(command, request);
+}
+
+void add_settings(Command& command, Request& request) {
+  command.add({"--set", &request.settings, "PATH=NUMBER",
+               "Change a number of the scene, in its own units: load.P=40,\n"
+               "body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;\n"
+               "can be given several times"});
+}
+
+void add_output_options(Command& command, Request& request, const FileHelp& help) {
+  command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"});
+  if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv});
+  command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"});
+  if (!help.svg.empty()) command.add({"--svg", &request.svg, "FILE", help.svg});
+  command.add({"--quiet", &request.quiet, "", "Print the verdict and warnings only"});
+  command.add({"--verbose", &request.verbose, "", "Print all details"});
+}
+
+void add_seek_option(Command& command, std::string& seek) {
+  command.add({"--seek", &seek, "WHAT",
+               "nearest: any equilibrium near the start (the default;\nminimising methods find minima only); stable: "
+               "minima only"});
+}
+
+Seek read_seek(const std::string& word) {
+  return chosen("--seek", word, {"nearest", "stable"}) == 0 ? Seek::nearest : Seek::stable;
+}
+
+std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+  throw InputError(
+      fmt::format("{}: expected {}, found \"{}\"{}", option, listed(words, "or"), word, did_you_mean(word, words)));
+}
+
+std::string method_help() {
+  std::string text;
+  for (const MethodTraits& method : all_methods()) {
+    text += (text.empty() ? "" : "\n") + std::string(method.name) + ": " + method.what;
+  }
+  return text;
+}
+
+Method read_method(const std::string& option, const std::string& name) {
+  return all_methods()[chosen(option, name, method_names())].method;
+}
+
+std::vector<Method> read_methods(const std::string& option, const std::string& names) {
+  std::vector<Method> methods;
+  if (names == "all") {
+    for (const MethodTraits& method : all_methods()) methods.push_back(method.method);
+    return methods;
+  }
+  std::vector<std::string> known = method_names();
+  known.emplace_back("all");
+  // A comma at the end leaves an empty name behind it, which getline would not give.
+  std::istringstream list(names + (names.empty() || names.back() == ',' ? "," : ""));
+  for (std::string name; std::getline(list, name, ',');) {
+    const std::size_t place = chosen(option, name, known);
+    if (place + 1 == known.size()) return read_methods(option, "all");
+    const Method method = all_methods()[place].method;
+    if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
+  }
+  return methods;
+}
+
+std::vector<double> read_tolerances(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  if (dots != std::string::npos) {
+    const std::string_view all = text;
+    return decades(all.substr(0, dots), all.substr(dots + 2));
+  }
+  std::vector<double> out;
+  // A comma at the end leaves an empty value behind it, which getline would not give.
+  std::istringstream list(text + (text.empty() || text.back() == ',' ? "," : ""));
+  for (std::string value; std::getline(list, value, ',');) out.push_back(read_tolerance(value));
+  std::sort(out.begin(), out.end(), std::greater<>());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+DriveRange read_drive(const std::string& text, const Scene& scene) {
+  const std::string expected = "NAME=FROM..TO, say crank=0..360";
+  const NamedText given = read_named_text("--drive", text, expected);
+  const std::string_view range = given.text;
+  const std::size_t dots = range.find("..");
+  const std::optional<double> from = read_number(range.substr(0, dots));
+  const std::optional<double> to = dots == std::string_view::npos ? from : read_number(range.substr(dots + 2));
+  if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) {
+    throw InputError(fmt::format("--drive {}: \"{}\" is no range of numbers; expected {}", text, range, expected));
+  }
+  const double unit = unit_value(quantity_of(find_drive(scene, given.name).on), scene.units);
+  return {given.name, *from * unit, *to * unit};
+}
+
+void add_experiment_options(Command& command, ExperimentRequest& request) {
+  request.common.kind = "experiment";
+  command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required});
+  command.add({"--data", &request.data, "FILE",
+               "Read this CSV file in place of the one that the experiment's\nruns name (all the same)"});
+  add_settings(command, request.common);
+}
+
+Experiment load_experiment(const ExperimentRequest& request) {
+  quiet_ceres();
+  Experiment experiment =
+      read_experiment(request.common.scene, {.data = request.data, .settings = request.common.settings});
+  if (experiment.unknowns.empty()) {
+    throw InputError(experiment.file +
+                     ": it has no unknowns; expected at least one [[unknown]] with a path, say \"body.arm.mass\"");
+  }
+  return experiment;
+}
+
+std::vector<std::string> files_read(const Experiment& experiment) {
+  std::vector<std::string> files = {experiment.scene.file};
+  for (const Run& run : experiment.runs) {
+    if (!run.data.empty() && run.data.string() != files.back()) files.push_back(run.data.string());
+  }
+  return files;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,84 @@
+#pragma once
+
+// What was asked for on the command line, and the options that several commands share.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "app/commands/command.hpp"
+#include "identification/fit_problem.hpp"
+#include "motion/kinematics.hpp"
+#include "statics/equilibrium.hpp"
+#include "statics/method.hpp"
+
+namespace poise::app {
+
+/// What was asked for on the command line.
+struct Request {
+  std::string scene;                     ///< file
+  std::string kind = "scene";            ///< what that file is
+  std::vector<std::string> settings;     ///< "load.P=40"
+  std::string json, svg, csv, markdown;  ///< files to write, empty for none
+  bool quiet = false, verbose = false;   ///< what text shows: verdict and warnings alone; everything
+};
+
+/// Exit codes of the command line.
+enum ExitCode : int {
+  solved = 0,      ///< found and confirmed
+  not_solved = 1,  ///< not found, or not confirmed
+  bad_input = 2    ///< the scene, the command line or a file to write
+};
+
+/// What every command that reads a scene takes: SCENE and --set. `request` must outlive the command.
+void add_scene_options(Command& command, Request& request);
+/// --set alone, for commands that read a scene through another file.
+void add_settings(Command& command, Request& request);
+
+/// What every command that has a result takes: --json, --csv and --svg where a text says what they hold, --markdown,
+/// --quiet and --verbose.
+struct FileHelp {
+  std::string svg{}, csv{};  ///< empty: the command has none
+};
+void add_output_options(Command& command, Request& request, const FileHelp& help);
+
+/// --seek; its word goes to `seek`, which must outlive the command.
+void add_seek_option(Command& command, std::string& seek);
+/// nearest or stable. Throws InputError.
+Seek read_seek(const std::string& word);
+
+/// The place of a word among those that an option knows. Throws InputError naming them, with the nearest.
+std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words);
+
+/// One line for each method, "NAME: what it does", for the help of an option.
+std::string method_help();
+
+/// The method of a name. Throws InputError naming the option and all methods.
+Method read_method(const std::string& option, const std::string& name);
+
+/// "all", or names with commas between them, each kept once. Throws InputError.
+std::vector<Method> read_methods(const std::string& option, const std::string& names);
+
+/// "1e-2..1e-14": from the first by decades as far as the second; or a list "1e-3,1e-6", which is put in falling order,
+/// each value once. Throws InputError where that is no range of falling numbers within 1e-20 <= tolerance < 1.
+std::vector<double> read_tolerances(const std::string& text);
+
+/// Reads "crank=0..360", or "crank=30" for one place, in the scene's units. Throws InputError naming --drive.
+DriveRange read_drive(const std::string& text, const Scene& scene);
+
+/// What was asked of an experiment.
+struct ExperimentRequest {
+  Request common;    ///< its `scene` is the experiment's file
+  std::string data;  ///< file that takes the place of the runs' own
+};
+
+/// What every command that reads an experiment takes: EXPERIMENT, --data and --set. `request` must outlive the command.
+void add_experiment_options(Command& command, ExperimentRequest& request);
+
+/// Throws InputError, also where the experiment has no unknowns.
+Experiment load_experiment(const ExperimentRequest& request);
+
+/// All files that an experiment was read from.
+std::vector<std::string> files_read(const Experiment& experiment);
+
+}  // namespace poise::app
