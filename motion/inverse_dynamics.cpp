@@ -168,7 +168,6 @@ class InverseDynamics {
       out_.drives.push_back(std::move(effort));
     }
     out_.reactions.assign(bodies.reactions.begin(), first_drive);
-    out_.drive_reactions.assign(first_drive, bodies.reactions.end());
     for (std::size_t i = 0; i < scene_.elements.size(); ++i) out_.element_force[i] += bodies.element_force[i];
     out_.redundancy = bodies.redundancy;
     out_.imbalance = bodies.imbalance;

@@ -36,8 +36,7 @@ struct PowerBalance {
 struct Forces {
   std::vector<BodyMotion> motions;  ///< of all bodies, then of all bars
   std::vector<DriveEffort> drives;
-  std::vector<Reaction> reactions;        ///< of joints, bars and active stops
-  std::vector<Reaction> drive_reactions;  ///< the efforts of the drives, in their order, as reactions
+  std::vector<Reaction> reactions;  ///< of joints, bars and active stops
   /// T of every element of the scene, N or N m: positive if it tends to reduce its measure.
   std::vector<double> element_force;
   std::vector<std::string>

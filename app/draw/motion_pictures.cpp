@@ -1,7 +1,6 @@
 #include "app/draw/motion_pictures.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "app/draw/mechanism.hpp"
 
@@ -47,12 +46,11 @@ std::string motion_picture(const MotionModel& model, const Motion& motion, const
 }
 
 std::string forces_picture(const Scene& scene, const Forces& forces, const std::string& heading, bool confirmed) {
-  std::vector<Reaction> reactions = forces.reactions;
-  reactions.insert(reactions.end(), forces.drive_reactions.begin(), forces.drive_reactions.end());
   return draw_mechanism(scene, {.poses = poses_of(forces.motions),
                                 .heading = heading,
                                 .confirmed = confirmed,
-                                .reactions = std::move(reactions)});
+                                .reactions = forces.reactions,
+                                .drives = forces.drives});
 }
 
 }  // namespace poise::app
