@@ -139,7 +139,8 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
 
   progress.now("writing the result");
   answer.record = record(model, answer.found.motion, request.rate);
-  MotionRecord measured = answer.record;
+  MotionRecord measured;
+  if (files.wants_csv()) measured = answer.record;
   if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
   const Result result = motion_result(model, answer, measured, request.common.settings);
   std::string svg;

@@ -19,7 +19,8 @@ struct MotionAnswer {
 };
 
 /// What `poise motion` shows: verdict, start, where everything that moves began, ended and turned round, drives,
-/// energies, numerics. The table for CSV is `measured`: the record, with noise where that was asked for.
+/// energies, numerics. The table for CSV is `measured`: the record, with noise where that was asked for; empty
+/// where no CSV is.
 Result motion_result(const MotionModel& model, const MotionAnswer& answer, const MotionRecord& measured,
                      const std::vector<std::string>& settings);
 
