@@ -51,7 +51,7 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const s
          .style = answer.fit.runs[worst[i]].white ? Curve::Style::points : Curve::Style::line});
   }
   const double two = 2 * sensor.noise / sensor.dimension().unit(units);
-  panel.bands = {{.low = -two, .high = two, .name = "2 standard deviations of the noise"}};
+  panel.bands = {{.low = -two, .high = two, .name = "2 sigma of the noise"}};
   return panel;
 }
 
