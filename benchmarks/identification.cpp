@@ -18,7 +18,7 @@
 #include "benchmarks/timing.hpp"
 #include "benchmarks/yardstick_inputs.hpp"
 #include "identification/fit.hpp"
-#include "identification/swing_start.hpp"
+#include "identification/oscillation_start.hpp"
 
 namespace poise::benchmarks {
 namespace {
@@ -115,11 +115,11 @@ void race_sensitivities(Table& table, const FitProblem& problem) {
               fmt::format("{} columns, {}/{} steps", sensitive.trajectory.columns, sensitive.steps, motion.steps));
 }
 
-/// Largest difference in standard deviations.
+/// Largest difference in standard errors.
 double apart(const Fit& reference, const std::vector<double>& parameters) {
   double worst = 0.0;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    worst = std::max(worst, std::abs(parameters[i] - reference.parameters[i]) / reference.estimates[i].deviation);
+    worst = std::max(worst, std::abs(parameters[i] - reference.parameters[i]) / reference.estimates[i].standard_error);
   }
   return worst;
 }
@@ -160,13 +160,13 @@ void race_fits(Table& table, const FitProblem& problem) {
                              const std::function<NumericFit()>& theirs) {
       NumericFit numeric;
       const double their_seconds = seconds_of([&] { numeric = theirs(); }, 1);
-      const double off = apart(reference, numeric.parameters);
-      // What they find passes or fails nothing here, but is told.
+      const double difference = apart(reference, numeric.parameters);
+      // Their results are reported, but not judged here.
       table.speedup(name + setting, our_seconds, their_seconds, numeric_limit, right(ours),
-                    fmt::format("{} iterations, {:.1e} deviations off", numeric.iterations, off));
+                    fmt::format("{} iterations, differs by {:.1e} standard errors", numeric.iterations, difference));
     };
     against("numeric fit / fit, no start", automatic, seconds[0], [&] {
-      const auto start = start_from_swings(problem, records);
+      const auto start = start_from_oscillations(problem, records);
       return fit_numerically(problem, records, start->parameters, start->nuisances, how);
     });
     against("numeric fit / fit, starts off by 30 %", from_starts, seconds[1], [&] {
