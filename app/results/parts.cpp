@@ -216,7 +216,9 @@ void add_reactions(Group& group, const ScaledModel& model, const std::vector<Rea
     determined.push_back(r.determined ? 1.0 : 0.0);
     notes.emplace_back(r.determined ? "" : "undetermined");
   }
-  Table& table = group.table("reactions", "Joint forces on the named body, along world axes", Rows::list, level);
+  const bool any_stop = std::find(kinds.begin(), kinds.end(), "stop") != kinds.end();
+  const std::string heading = any_stop ? "Forces of joints and active stops" : "Joint forces";
+  Table& table = group.table("reactions", heading + " on the named body, along world axes", Rows::list, level);
   table.words("name", "joint", std::move(names));
   table.words("kind", "kind", std::move(kinds));
   table.words("on", "on", std::move(on));

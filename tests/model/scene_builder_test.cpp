@@ -201,7 +201,7 @@ TEST(SceneBuilder, SaysWhatIsWrongInTheWordsOfTheReader) {
   EXPECT_EQ(error_of([](SceneBuilder& b) {
               b.slide("ground.O", "rod.C", {0, 0}, "rail");
             }),
-            "press: slide \"rail\".axis: expected a direction, found [0, 0]; give [1, 0], say");
+            "press: slide \"rail\".axis: expected a direction, found [0, 0]; give for example [1, 0]");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.bar("ground.O", "rod.C", 0, "rod"); }),
             "press: bar \"rod\".length: expected a finite number > 0, found 0");
   EXPECT_EQ(

@@ -208,7 +208,7 @@ TEST(ReadDesign, NamesTheLineAndTheLikelyMeaning) {
   EXPECT_EQ(said("1.8", "1.8"), "");
   EXPECT_NE(said("\"point.gl.L.x\"", "\"point.gl.LL.x\"").find("did you mean \"point.gl.L.x\"?"), std::string::npos);
   EXPECT_NE(said("[0.3, 1.5]", "[1.5, 0.3]").find("swap them"), std::string::npos);
-  EXPECT_NE(said("turn = [40, 75]", "turn = [-40, 75]").find("design.toml:14: drive.turn"), std::string::npos)
+  EXPECT_NE(said("turn = [40, 75]", "turn = [-40, 75]").find("design.toml:15: drive.turn"), std::string::npos)
       << said("turn = [40, 75]", "turn = [-40, 75]");
   EXPECT_NE(said("drift = ", "drif = ").find("did you mean \"drift\"?"), std::string::npos);
   std::filesystem::remove_all(folder);

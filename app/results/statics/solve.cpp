@@ -13,7 +13,7 @@ namespace poise::app {
 namespace {
 
 /// A joint force so many times the largest load is that of a mechanism close to a dead centre.
-constexpr double near_dead_centre = 200.0;
+constexpr double near_dead_centre = 100.0;
 
 Line verdict(const Equilibrium& rest) {
   const Check& check = rest.check;
