@@ -11,32 +11,11 @@ function(run)
   endif()
 endfunction()
 
-# The text of the first fenced block of C++ that follows the comment `marker` in README.md.
-function(read_example marker variable)
-  file(READ "${source_dir}/README.md" text)
-  string(REPLACE "\r" "" text "${text}")
-  foreach(landmark "${marker}" "```cpp\n")
-    string(FIND "${text}" "${landmark}" at)
-    if(at EQUAL -1)
-      message(FATAL_ERROR "README.md: expected the comment ${marker} and after it a block fenced by ```cpp")
-    endif()
-    string(LENGTH "${landmark}" length)
-    math(EXPR at "${at} + ${length}")
-    string(SUBSTRING "${text}" ${at} -1 text)
-  endforeach()
-  string(FIND "${text}" "\n```" end)
-  if(end EQUAL -1)
-    message(FATAL_ERROR "README.md: the block of C++ after ${marker} has no end")
-  endif()
-  string(SUBSTRING "${text}" 0 ${end} text)
-  set(${variable} "${text}\n" PARENT_SCOPE)
-endfunction()
-
 file(REMOVE_RECURSE "${work}")
 run("${CMAKE_COMMAND}" --install "${build_dir}" --prefix "${prefix}")
 
-read_example("<!-- example: library -->" example)
-file(WRITE "${work}/source/example.cpp" "${example}")
+run("${CMAKE_COMMAND}" -D "page=${source_dir}/README.md" -D program=example -D "output=${work}/source/example.cpp"
+  -P "${source_dir}/tests/docs/extract_program.cmake")
 file(COPY "${source_dir}/tests/install/CMakeLists.txt" DESTINATION "${work}/source")
 
 # A program that includes every installed header shows that none of them needs one that is not installed.
