@@ -1,5 +1,5 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | bench | benchmarks | figures | lint | format | compile-time | install PREFIX=/usr/local | setup | clean
+#   make run | test | bench | benchmarks | figures | docs | lint | format | compile-time | install PREFIX=/usr/local | setup | clean
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 
 PRESET ?= $(if $(CI),ci,release)
@@ -10,7 +10,7 @@ BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
 SOURCE_FOLDERS := model solvers statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
 
-.PHONY: run test bench benchmarks figures lint format compile-time install setup configure app all clean
+.PHONY: run test bench benchmarks figures docs lint format compile-time install setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -34,6 +34,10 @@ figures: app
 	$(BUILD)/poise identify datasets/lift_experiment.toml --svg docs/lift_fit.svg
 	$(BUILD)/poise stress --starts 10 --seconds 0.02 --markdown docs/stress.md
 	$(BUILD)/poise stress --safeguards --starts 20 --seconds 0.2 --markdown docs/safeguards.md
+
+# The outputs that README.md and docs/ show, made anew; the cuts "..." stay.
+docs: all
+	POISE_UPDATE_DOCS=1 $(BUILD)/tests/poise_docs_tests --gtest_brief=1
 
 # Without precompiled headers: clang-tidy cannot read those of GCC, and every source must include what it uses.
 lint: setup
