@@ -1,0 +1,371 @@
+// docs/json.md against the JSON and CSV files that the commands write: every key is documented with its type, and every
+// documented key is written by one of the commands below.
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/run_poise.hpp"
+#include "tests/docs/page.hpp"
+
+namespace poise::docs_tests {
+namespace {
+
+using app_tests::contents;
+using app_tests::run_poise;
+using app_tests::TempFolder;
+using Json = nlohmann::ordered_json;
+using Path = std::vector<std::string>;  ///< members and "[]"
+
+struct Key {
+  Path path;  ///< "*" stands for any name
+  std::string type;
+  bool written = false;
+  bool shared = false;  ///< of another section
+};
+
+/// A section of docs/json.md.
+struct Section {
+  std::vector<Key> json;
+  std::vector<Key> csv;  ///< columns: paths of one name, in which "*" stands for anything
+};
+
+std::string text_of(const Path& path) {
+  std::string out;
+  for (const std::string& part : path) out += (out.empty() || part == "[]" ? "" : ".") + part;
+  return out;
+}
+
+/// "reactions[].force[]" -> reactions, [], force, [].
+Path path_of(const std::string& text) {
+  static const std::regex part(R"([^.\[\]]+|\[\])");
+  Path out;
+  for (std::sregex_iterator it(text.begin(), text.end(), part); it != std::sregex_iterator(); ++it) {
+    out.push_back(it->str());
+  }
+  return out;
+}
+
+bool matches(const Path& pattern, const Path& path) {
+  return pattern.size() >= path.size() &&
+         std::equal(path.begin(), path.end(), pattern.begin(),
+                    [](const auto& a, const auto& b) { return a == b || (b == "*" && a != "[]"); });
+}
+
+bool column_matches(const std::string& pattern, const std::string& column) {
+  std::string expression;
+  for (const char c : pattern)
+    expression += c == '*'                                           ? std::string("(.+)")
+                  : std::isalnum(static_cast<unsigned char>(c)) != 0 ? std::string(1, c)
+                                                                     : std::string("\\") + c;
+  return std::regex_match(column, std::regex(expression));
+}
+
+std::vector<std::string> cells_of(const std::string& row) {
+  std::vector<std::string> out;
+  std::size_t at = 1;
+  for (std::size_t end = row.find(" |", at); end != std::string::npos; end = row.find(" |", at)) {
+    out.push_back(row.substr(at + 1, end - at - 1));
+    at = end + 2;
+  }
+  return out;
+}
+
+/// The sections by their headings; a row of the type "keys of [NAME](#name)" has the keys of that section below its
+/// own.
+std::map<std::string, Section> read_sections() {
+  static const std::regex keys_of(R"(keys of \[([^\]]+)\].*)");
+  std::map<std::string, Section> out;
+  std::vector<Key>* list = nullptr;
+  std::string name;
+  for (const std::string& line : read_page(std::filesystem::path(POISE_SOURCE_DIR) / "docs" / "json.md").lines) {
+    if (line.starts_with("## ")) name = line.substr(3);
+    if (line.starts_with("| key |")) list = &out[name].json;
+    if (line.starts_with("| column |")) list = &out[name].csv;
+    if (!line.starts_with('|')) list = nullptr;
+    if (list == nullptr || !line.starts_with("| `")) continue;
+    const std::vector<std::string> cells = cells_of(line);
+    const std::string key = cells.at(0).substr(1, cells[0].size() - 2);
+    std::smatch match;
+    if (list == &out[name].csv) {
+      list->push_back({{key}, ""});
+    } else if (std::regex_match(cells.at(1), match, keys_of)) {
+      for (const Key& below : std::as_const(out[match[1].str()]).json) {
+        Key grafted = below;
+        grafted.shared = true;
+        const Path before = key == "*" ? Path{} : path_of(key);
+        grafted.path.insert(grafted.path.begin(), before.begin(), before.end());
+        list->push_back(grafted);
+      }
+    } else {
+      list->push_back({path_of(key), cells.at(1)});
+    }
+  }
+  return out;
+}
+
+std::string type_of(const Json& value) {
+  if (value.is_null()) return "null";
+  if (value.is_boolean()) return "true or false";
+  if (value.is_number_integer()) return "whole number";
+  if (value.is_number()) return "number";
+  return "text";
+}
+
+bool allows(const std::string& documented, const std::string& type) {
+  if (type == "whole number" && documented.find("number") != std::string::npos) return true;
+  if (type == "number" && documented.find("whole number") != std::string::npos) return false;
+  return documented.find(type) != std::string::npos;
+}
+
+class Checker {
+ public:
+  explicit Checker(std::vector<Key>& keys) : keys_(keys) {}
+
+  void check(const Json& value, const Path& path) {
+    if (value.is_structured() && !value.empty()) {
+      for (const auto& item : value.items()) {
+        Path below = path;
+        below.push_back(value.is_array() ? "[]" : item.key());
+        check(item.value(), below);
+      }
+      return;
+    }
+    bool documented = false;
+    for (Key& key : keys_) {
+      if (!matches(key.path, path)) continue;
+      // An empty list or object stands for all that could be in it.
+      const bool leaf = key.path.size() == path.size() && !value.is_structured();
+      if (leaf && !allows(key.type, type_of(value))) continue;
+      documented = documented || leaf || value.is_structured() || (value.is_null() && key.path.size() > path.size());
+      key.written = key.written || leaf;
+    }
+    EXPECT_TRUE(documented) << text_of(path) << ": " << type_of(value) << " is not documented";
+  }
+
+ private:
+  std::vector<Key>& keys_;
+};
+
+/// Keys that sections share are looked for where they have them all.
+enum class Shared { some, all };
+
+void expect_all_written(const std::vector<Key>& keys, Shared shared) {
+  for (const Key& key : keys) {
+    if (shared == Shared::some && key.shared) continue;
+    EXPECT_TRUE(key.written) << text_of(key.path) << " is documented and never written";
+  }
+}
+
+struct Run {
+  std::vector<std::string> arguments;
+  bool csv = false;
+};
+constexpr bool with_csv = true;
+
+std::string scene(const std::string& name) { return app_tests::dataset(name); }
+
+/// What writes the keys of a section.
+void check_section(const std::string& name, const std::vector<Run>& runs, Shared shared = Shared::some) {
+  Section section = read_sections()[name];
+  ASSERT_FALSE(section.json.empty()) << "docs/json.md has no section " << name;
+  const TempFolder folder;
+  for (const Run& run : runs) {
+    std::vector<std::string> arguments = run.arguments;
+    arguments.insert(arguments.end(), {"--json", folder.path("out.json").string()});
+    if (run.csv) arguments.insert(arguments.end(), {"--csv", folder.path("out.csv").string()});
+    SCOPED_TRACE(testing::PrintToString(run.arguments));
+    const app_tests::Outcome outcome = run_poise(arguments);
+    ASSERT_LT(outcome.exit_code, 2) << outcome.err;
+    Checker(section.json).check(Json::parse(contents(folder.path("out.json"))), {});
+    if (!run.csv) continue;
+    std::istringstream header(split_lines(contents(folder.path("out.csv"))).at(0));
+    for (std::string column; std::getline(header, column, ',');) {
+      // "*.rate" rather than "*".
+      Key* best = nullptr;
+      for (Key& key : section.csv) {
+        const bool better = best == nullptr || key.path.front().size() > best->path.front().size();
+        if (better && column_matches(key.path.front(), column)) best = &key;
+      }
+      EXPECT_NE(best, nullptr) << "column " << column << " is not documented";
+      if (best != nullptr) best->written = true;
+    }
+  }
+  expect_all_written(section.json, shared);
+  expect_all_written(section.csv, shared);
+}
+
+TEST(JsonDocs, Check) {
+  check_section("check", {{{"check", scene("redundant_parallelogram")}},
+                          {{"check", scene("toggle_clamp"), "--set", "load.P=30"}}});
+}
+
+/// A plate on a pin with clearance, which dry friction may hold.
+constexpr const char* plate = R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.plate]
+points = { hole = [0, 0] }
+mass = 1
+center = [0, -1]
+[[stop]]
+points = ["ground.O", "plate.hole"]
+max = 0.1
+[[friction]]
+bodies = ["ground", "plate"]
+torque = 1
+[start]
+plate = 0.1
+position = { plate = [0, -0.05] }
+)";
+
+TEST(JsonDocs, Solve) {
+  const TempFolder folder;
+  check_section("solve",
+                {{{"solve", scene("toggle_clamp"), "--set", "load.P=30"}},
+                 {{"solve", scene("thesis_four_bar_reversed")}},
+                 {{"solve", scene("four_bar_torsion")}},
+                 {{"solve", scene("hard/follower_four_bar"), "--method", "energy"}},
+                 {{"solve", scene("lift")}},
+                 {{"solve", folder.write("plate.toml", plate)}}},
+                Shared::all);
+}
+
+TEST(JsonDocs, Compare) {
+  check_section("compare", {{{"compare", scene("toggle_clamp")}}, {{"compare", scene("hard/follower_four_bar")}}});
+}
+
+TEST(JsonDocs, CompareTolerances) {
+  check_section("compare --tolerances",
+                {{{"compare", scene("toggle_clamp"), "--tolerances", "1e-2,1e-8", "--repeat", "1"}, with_csv},
+                 {{"compare", scene("hard/follower_four_bar"), "--tolerances", "1e-2,1e-8", "--repeat", "1"}}});
+}
+
+TEST(JsonDocs, Modes) { check_section("modes", {{{"modes", scene("lift")}}, {{"modes", scene("double_pendulum")}}}); }
+
+TEST(JsonDocs, Kinematics) {
+  check_section("kinematics",
+                {{{"kinematics", scene("lift"), "--drive", "stroke=0.5..0.79", "--steps", "3"}, with_csv},
+                 {{"kinematics", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
+                 {{"kinematics", scene("redundant_parallelogram"), "--drive", "crank1=1..4", "--steps", "3"}}});
+}
+
+/// A pendulum on a driven crank; it passes its stop.
+constexpr const char* driven = R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], P = [1, 0] }
+[body.bob]
+points = { P = [0, 0] }
+mass = 1
+center = [1, 0]
+[[pin]]
+points = ["ground.O", "crank.O"]
+[[pin]]
+points = ["crank.P", "bob.P"]
+[[drive]]
+name = "motor"
+bodies = ["ground", "crank"]
+rate = 1
+[[stop]]
+bodies = ["ground", "bob"]
+min = -0.5
+)";
+
+TEST(JsonDocs, Motion) {
+  const TempFolder folder;
+  check_section("motion",
+                {{{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005"}, with_csv},
+                 {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
+                 {{"motion", folder.write("driven.toml", driven), "--duration", "1"}}});
+}
+
+/// A slider-crank, driven at its block past the dead point.
+constexpr const char* slider_crank = R"(
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], B = [1, 0] }
+[body.rod]
+points = { B = [0, 0], C = [3, 0] }
+[body.block]
+points = { C = [0, 0] }
+[[pin]]
+points = ["ground.O", "crank.O"]
+[[pin]]
+points = ["crank.B", "rod.B"]
+[[pin]]
+points = ["rod.C", "block.C"]
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+[[torque]]
+on = "crank"
+value = 20
+[start]
+crank = 1
+rail = 3.4
+)";
+
+TEST(JsonDocs, Forces) {
+  const TempFolder folder;
+  check_section("forces", {{{"forces", scene("toggle_clamp"), "--drive", "handle=30..60", "--steps", "2"}, with_csv},
+                           {{"forces", scene("toggle_clamp"), "--drive", "handle=60"}},
+                           {{"forces", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
+                           {{"forces", scene("lift"), "--drive", "stroke=0.6", "--rate", "0.1"}, with_csv},
+                           {{"forces", scene("redundant_parallelogram"), "--drive", "crank1=1"}},
+                           {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}}});
+}
+
+TEST(JsonDocs, Design) { check_section("design", {{{"design", scene("lift_design")}}}); }
+
+/// A measured run beside simulated ones.
+constexpr const char* measured = R"(
+scene = "SCENE"
+[[sensor]]
+angle = "obd"
+name = "obd"
+noise = 1e-4
+[[unknown]]
+path = "spring.oil.stiffness"
+[[run]]
+data = "measured.csv"
+)";
+
+TEST(JsonDocs, Identify) {
+  const TempFolder folder;
+  run_poise({"motion", scene("lift"), "--duration", "1", "--release", "obd=0.005", "--noise", "1e-4", "--csv",
+             folder.path("measured.csv").string()});
+  std::string experiment = measured;
+  experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
+  check_section(
+      "identify",
+      {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
+       {{"identify", scene("lift_experiment_empty")}},
+       {{"identify", folder.write("measured.toml", experiment)}}},
+      Shared::all);
+}
+
+TEST(JsonDocs, Identifiability) {
+  check_section("identifiability", {{{"identifiability", scene("lift_experiment")}},
+                                    {{"identifiability", scene("lift_experiment_empty")}}});
+}
+
+TEST(JsonDocs, MonteCarlo) {
+  check_section("montecarlo", {{{"montecarlo", scene("lift_experiment_four_runs"), "--trials", "3"}}});
+}
+
+TEST(JsonDocs, Stress) {
+  check_section("stress", {{{"stress", "toggle-1e-6", "dead-centre-crank-0", "--starts", "2"}, with_csv},
+                           {{"stress", "toggle-1e-6", "--safeguards", "--starts", "2"}}});
+}
+
+}  // namespace
+}  // namespace poise::docs_tests
