@@ -172,8 +172,8 @@ TEST(IdentifyCommand, DrawsReadingsResidualsAndSensitivities) {
   ASSERT_EQ(run_poise({"identify", experiment(folder, std::string(swing) + one_run), "--svg", svg}).exit_code, 0);
   const std::string text = contents(svg);
   EXPECT_EQ(objection_to_xml(text), "");
-  for (const char* part : {"fitted", "reading (deg)", "2 sigma of the noise", "relative sensitivities",
-                           "up to", "time (s)"}) {
+  for (const char* part :
+       {"fitted", "reading (deg)", "2 sigma of the noise", "relative sensitivities", "up to", "time (s)"}) {
     EXPECT_TRUE(has(text, part)) << part;
   }
 }

@@ -34,7 +34,7 @@ TEST(KinematicsCommand, WritesTheSameNumbersEverywhere) {
   const double w = 10 * std::numbers::pi / 180;
   EXPECT_NEAR(samples["crank.A.x"][4].get<double>(), 1.0, 1e-12);
   EXPECT_NEAR(samples["crank.A.x.rate"][4].get<double>(), 2 * w * std::sin(std::numbers::pi / 3), 1e-12);
-  EXPECT_NEAR(samples["crank.A.x.second"][4].get<double>(), -w * w, 1e-12);
+  EXPECT_NEAR(samples["crank.A.x.acceleration"][4].get<double>(), -w * w, 1e-12);
   const std::string lines = contents(table);
   EXPECT_TRUE(lines.starts_with("drive.crank,crank,crank.rate,crank.second,coupler"));
   EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 10);

@@ -158,7 +158,7 @@ void add_samples(Group& group, const Scene& scene, const KinematicsResult& found
     for (const Course& course : *kind) {
       table.data(course.name, in_unit(course.value, course.quantity, scene.units));
       table.data(course.name + ".rate", in_unit(course.rate, course.quantity, scene.units));
-      table.data(course.name + ".second", in_unit(course.acceleration, course.quantity, scene.units));
+      table.data(course.name + ".acceleration", in_unit(course.acceleration, course.quantity, scene.units));
     }
   }
   std::vector<double> closeness;
