@@ -36,7 +36,7 @@ TEST(KinematicsCommand, WritesTheSameNumbersEverywhere) {
   EXPECT_NEAR(samples["crank.A.x.rate"][4].get<double>(), 2 * w * std::sin(std::numbers::pi / 3), 1e-12);
   EXPECT_NEAR(samples["crank.A.x.acceleration"][4].get<double>(), -w * w, 1e-12);
   const std::string lines = contents(table);
-  EXPECT_TRUE(lines.starts_with("drive.crank,crank,crank.rate,crank.second,coupler"));
+  EXPECT_TRUE(lines.starts_with("drive.crank,crank,crank.rate,crank.acceleration,coupler"));
   EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 10);
   const std::string header = lines.substr(0, lines.find('\n'));
   EXPECT_EQ(static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1, samples.size());
