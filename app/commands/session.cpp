@@ -36,6 +36,7 @@ Scene load_scene(const Request& request) {
 }
 
 OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>& read) {
+  if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
   const auto expect_not_read = [&](const std::string& file, const std::string& option) {
     expect_different(file, option, request.scene, "the " + request.kind);
     for (const std::string& other : read) expect_different(file, option, other, "a file that is read");

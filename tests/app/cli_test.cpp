@@ -324,6 +324,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadWords{"RepeatsOfWords", {"compare", "SCENE", "--tolerances", "1e-3", "--repeat", "x"}, "--repeat"},
         BadWords{"RepeatAlone", {"compare", "SCENE", "--repeat", "3"}, "--repeat: counts only with --tolerances"},
         BadWords{"CsvAlone", {"compare", "SCENE", "--csv", "a.csv"}, "--csv: is written only with --tolerances"},
+        BadWords{"QuietAndVerbose", {"solve", "SCENE", "--quiet", "--verbose"}, "--quiet: expected no --verbose"},
         BadWords{"SetWithoutEquals", {"solve", "SCENE", "--set", "load.P"}, "there is no \"=\""},
         BadWords{"SetWithoutNumber", {"solve", "SCENE", "--set", "load.P="}, "\"\" is not a number"},
         BadWords{"SetToText", {"solve", "SCENE", "--set", "load.P=4k"}, "\"4k\" is not a number"},
