@@ -129,8 +129,15 @@ std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult&
                   .x_label = label,
                   .y_label = unit_name(quantity, scene.units) + d.per};
       for (const Course& course : courses) {
-        if (course.quantity != quantity || panel.curves.size() == most_curves) continue;
-        panel.curves.push_back({.name = course.name, .x = x, .y = in_unit(course.*d.values, quantity, scene.units)});
+        if (course.quantity != quantity) continue;
+        const std::vector<double> y = in_unit(course.*d.values, quantity, scene.units);
+        // Bodies that remain parallel share a curve.
+        const auto same =
+            std::find_if(panel.curves.begin(), panel.curves.end(), [&](const Curve& c) { return c.y == y; });
+        if (same != panel.curves.end())
+          same->name += ", " + course.name;
+        else if (panel.curves.size() < most_curves)
+          panel.curves.push_back({.name = course.name, .x = x, .y = y});
       }
       if (!panel.curves.empty()) panels.push_back(std::move(panel));
     }
