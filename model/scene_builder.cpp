@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include "model/read_elements.hpp"
@@ -38,8 +39,8 @@ struct SceneBuilder::Document {
 
   /// Keys count up: the reader takes tables in the order of their places in the text.
   toml::key key(std::string_view name) {
-    ++keys;
-    return toml::key(name, toml::source_region{{0, keys}, {0, keys}, {}});
+    ++keys_;
+    return toml::key(name, toml::source_region{{0, keys_}, {0, keys_}, {}});
   }
 
   template <class Value>
@@ -94,7 +95,7 @@ struct SceneBuilder::Document {
     set_measure(table, on);
     for (const Key& entry : entries) {
       if (table.contains(entry.name)) {
-        const std::string item = list + (name.empty() ? "" : " \"" + name + "\"");
+        const std::string item = name.empty() ? list : fmt::format("{} \"{}\"", list, name);
         TomlPlace{title, 0, item}.fail("expected the key " + entry.name + " once, found it twice");
       }
       std::visit([&](const auto& value) { set(table, entry.name, value); }, entry.value);
@@ -102,7 +103,7 @@ struct SceneBuilder::Document {
   }
 
  private:
-  std::uint32_t keys = 0;
+  std::uint32_t keys_ = 0;
 };
 
 SceneBuilder::SceneBuilder(std::string title, const UnitNames& units) : document_(std::make_unique<Document>()) {

@@ -72,8 +72,8 @@ class SceneBuilder {
 
   /// A key of a table of a scene file with its number or word.
   struct Key {
-    Key(std::string name_, double number) : name(std::move(name_)), value(number) {}
-    Key(std::string name_, std::string word) : name(std::move(name_)), value(std::move(word)) {}
+    Key(std::string key, double number) : name(std::move(key)), value(number) {}
+    Key(std::string key, std::string word) : name(std::move(key)), value(std::move(word)) {}
 
     std::string name;
     std::variant<double, std::string> value;

@@ -66,15 +66,15 @@ std::vector<Channel> channels_of(const MotionModel& model) {
   return channels;
 }
 
-const Channel& channel_named(const std::string& name, const std::vector<Channel>& channels) {
+const Channel& channel_named(const std::string& where, const std::string& name, const std::vector<Channel>& channels) {
   std::vector<std::string> names;
   for (const Channel& channel : channels) {
     if (channel.name == name) return channel;
     names.push_back(channel.name);
   }
   throw InputError(
-      fmt::format("nothing that moves is called \"{}\"; expected a body that turns or a joint that slides{}", name,
-                  did_you_mean_or_list(name, names)));
+      fmt::format("{}: nothing that moves is called \"{}\"; expected a body that turns or a joint that slides{}", where,
+                  name, did_you_mean_or_list(name, names)));
 }
 
 MotionRecord record(const MotionModel& model, const Motion& motion, double rate) {

@@ -22,7 +22,7 @@ struct Channel {
 std::vector<Channel> channels_of(const MotionModel& model);
 
 /// The channel so named. Throws InputError with the nearest name where there is none.
-const Channel& channel_named(const std::string& name, const std::vector<Channel>& channels);
+const Channel& channel_named(const std::string& where, const std::string& name, const std::vector<Channel>& channels);
 
 /// A point of a moving body, "boom.tip", in the world; per time, m.
 struct PointRecord {

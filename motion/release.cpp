@@ -4,10 +4,11 @@
 
 namespace poise {
 
-MotionOrigin equilibrium_origin(const MotionModel& model, const std::atomic<bool>* interrupt) {
+MotionOrigin equilibrium_origin(const MotionModel& model, Seek seek, const std::atomic<bool>* interrupt) {
   const StaticModel statics(model.scene());
   if (statics.mechanism().coordinates() == 0) return {.kind = MotionOrigin::Kind::unloaded};
   SolveOptions options;
+  options.seek = seek;
   options.interrupt = interrupt;
   const Equilibrium found = solve(statics, options);
   if (!found.found()) return {.kind = MotionOrigin::Kind::not_found, .why = found.why};

@@ -26,8 +26,9 @@ struct MotionOrigin {
   bool found() const { return kind != Kind::not_found; }
 };
 
-/// The equilibrium next to the start of the scene, drives left out.
-MotionOrigin equilibrium_origin(const MotionModel& model, const std::atomic<bool>* interrupt = nullptr);
+/// The equilibrium next to the start of the scene, any or a stable one, drives left out.
+MotionOrigin equilibrium_origin(const MotionModel& model, Seek seek = Seek::nearest,
+                                const std::atomic<bool>* interrupt = nullptr);
 
 /// A change of what moves, or a rate.
 struct Displacement {

@@ -73,7 +73,7 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) 
   if (request.rate) options.rate = *request.rate * unit_value(quantity, scene.units);
   return {request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
                                      unit_name(quantity, scene.units))
-                       : "standing still in every pose",
+                       : "held still in every pose",
           forces_over(model, ranges, options, request.rate.has_value())};
 }
 
@@ -99,10 +99,10 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   const bool driven = !request.drives.empty() && has_range(request.drives.front());
   progress.now("balancing the bodies");
-  const ForcesAnswer answer =
-      driven                   ? over_range(model, request)
-      : request.motion.empty() ? ForcesAnswer{"standing still where the scene's start puts it", forces_in_place(model)}
-                               : along_motion(model, request.motion);
+  const ForcesAnswer answer = driven ? over_range(model, request)
+                              : request.motion.empty()
+                                  ? ForcesAnswer{"held still as the scene's start assembles it", forces_in_place(model)}
+                                  : along_motion(model, request.motion);
   const ForcesAlong& found = answer.found;
   const Result result = forces_result(model, answer, request.common.settings);
   progress.now("writing the result");

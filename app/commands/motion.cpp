@@ -30,6 +30,7 @@ struct MotionRequest {
   double rate = 1000.0;
   std::vector<std::string> release, release_rate;
   std::string from;
+  std::string seek = "nearest";
   double noise = 0.0;
   std::uint64_t seed = 1;
   double accuracy = 1e-10;
@@ -66,7 +67,7 @@ void expect_record_of_a_size(const MotionRequest& request, const MotionModel& mo
 
 MotionOrigin find_origin(const MotionRequest& request, const MotionModel& model, const std::atomic<bool>& interrupt) {
   const bool assembled = request.from == "start" || (request.from.empty() && !model.scene().drives.empty());
-  return assembled ? MotionOrigin{} : equilibrium_origin(model, &interrupt);
+  return assembled ? MotionOrigin{} : equilibrium_origin(model, read_seek(request.seek), &interrupt);
 }
 
 /// How the motion starts, in words; each displacement adds to them.
@@ -83,10 +84,11 @@ std::vector<Displacement> read_displacements(const MotionRequest& request, const
   const auto read = [&](const std::string& option, const std::string& text, bool is_rate) {
     const NamedNumber given = read_named_number(option, text, "NAME=NUMBER, say boom=0.5");
     expect_number(option + " " + text, given.value, true, "a finite number");
-    const Channel& channel = channel_named(given.name, channels);
+    const Channel& channel = channel_named(option + " " + text, given.name, channels);
     out.push_back({channel, is_rate, given.value * unit_value(channel.quantity, units)});
-    words += fmt::format(", {} {} by {} {}{}", given.name, is_rate ? "moving" : "released", given.value,
-                         unit_name(channel.quantity, units), is_rate ? "/s" : "");
+    const std::string unit = unit_name(channel.quantity, units);
+    words += is_rate ? fmt::format(", {} started at {} {}/s", given.name, given.value, unit)
+                     : fmt::format(", {} displaced by {} {} and released", given.name, given.value, unit);
   };
   for (const std::string& text : request.release) read("--release", text, false);
   for (const std::string& text : request.release_rate) read("--release-rate", text, true);
@@ -173,6 +175,7 @@ Command motion_command() {
       {"--from", &request->from, "WHAT",
        "equilibrium: the one near the start (the default without drives);\nstart: as it is assembled (the default "
        "with drives)"});
+  add_seek_option(command, request->seek);
   command.add({"--noise", &request->noise, "SIGMA",
                "Standard deviation of Gaussian noise added to the angles and\ntravels of --csv, in the scene's units"});
   command.add({"--seed", &request->seed, "N", "Of the noise (1)"});

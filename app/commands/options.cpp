@@ -152,7 +152,15 @@ DriveRange read_drive(const std::string& text, const Scene& scene) {
   if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) {
     throw InputError(fmt::format("--drive {}: \"{}\" is no range of numbers; expected {}", text, range, expected));
   }
-  const double unit = unit_value(quantity_of(find_drive(scene, given.name).on), scene.units);
+  const Measure& on = find_drive(scene, given.name).on;
+  const double unit = unit_value(quantity_of(on), scene.units);
+  // Every turn is followed; beyond this nobody waits for it.
+  constexpr double most_turns = 1000.0;
+  const double farthest = std::max(std::abs(*from), std::abs(*to)) * unit;
+  if (on.is_angle() && farthest > most_turns * 2 * M_PI) {
+    throw InputError(fmt::format("--drive {}: that is {:.3g} turns; expected angles within {} turns", text,
+                                 farthest / (2 * M_PI), most_turns));
+  }
   return {given.name, *from * unit, *to * unit};
 }
 

@@ -22,7 +22,7 @@ TEST(MotionImport, ReadsNamedColumnsInTheUnitsOfTheScene) {
   scene.units.angle_name = "deg";
   scene.units.angle = M_PI / 180;
   const MotionModel model(scene);
-  const Channel crank = channel_named("crank", channels_of(model));
+  const Channel crank = channel_named("test", "crank", channels_of(model));
   const ImportedMotion motion =
       import_motion(model, written("time,other,crank,crank.rate\n0,1,30,90\n0.1,2,39,90\n0.2,3,48,90\n"));
   EXPECT_EQ(motion.time, (std::vector<double>{0, 0.1, 0.2}));

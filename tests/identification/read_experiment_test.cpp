@@ -260,7 +260,8 @@ TEST(ReadExperiment, ReadsTheExampleOfItsPage) {
       app_tests::contents(std::filesystem::path(POISE_SOURCE_DIR) / "docs" / "experiment-files.md");
   const std::size_t begin = page.find("```toml\n") + 8;
   const TempFolder folder;
-  folder.write("lift.toml", app_tests::contents(test::dataset("lift.toml")));
+  std::filesystem::create_directory(folder.path("datasets"));
+  folder.write("datasets/lift.toml", app_tests::contents(test::dataset("lift.toml")));
   folder.write("middle_loaded.csv", "t,angle\n0,0.37\n0.1,0.38\n0.2,0.37\n");
   const std::string example = page.substr(begin, page.find("```", begin) - begin);
   const Experiment experiment = read_experiment(folder.write("lift_experiment.toml", example));

@@ -34,7 +34,7 @@ TEST(Release, DisplacesFromTheEquilibrium) {
   const MotionOrigin origin = equilibrium_origin(model);
   ASSERT_EQ(origin.kind, MotionOrigin::Kind::equilibrium);
   EXPECT_EQ(origin.stability, Stability::stable);
-  const Channel rail = channel_named("rail", channels_of(model));
+  const Channel rail = channel_named("test", "rail", channels_of(model));
   EXPECT_EQ(rail.quantity, Quantity::length);
   const double rest = hanging + mass * 9.81 / stiffness;
   EXPECT_NEAR(value(*origin.q, rail), rest, 1e-12);
@@ -60,18 +60,18 @@ TEST(Release, SaysThatThereIsNoEquilibrium) {
 TEST(ChannelNamed, NamesTheNearest) {
   const MotionModel model(block_on_spring());
   try {
-    channel_named("rial", channels_of(model));
+    channel_named("test", "rial", channels_of(model));
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "nothing that moves is called \"rial\"; expected a body that turns or a joint that slides; "
+                 "test: nothing that moves is called \"rial\"; expected a body that turns or a joint that slides; "
                  "did you mean \"rail\"?");
   }
 }
 
 TEST(ConfirmedMotion, EstimatesItsErrorByAStricterRun) {
   const MotionModel model(block_on_spring());
-  const Channel rail = channel_named("rail", channels_of(model));
+  const Channel rail = channel_named("test", "rail", channels_of(model));
   const MotionOrigin origin = equilibrium_origin(model);
   const MotionState start = release(model, origin, {{rail, false, 0.02}});
   MotionOptions options;

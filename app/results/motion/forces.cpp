@@ -10,6 +10,8 @@
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
 #include "motion/force_courses.hpp"
+#include "statics/pose_values.hpp"
+#include "statics/readings.hpp"
 
 namespace poise::app {
 namespace {
@@ -63,13 +65,13 @@ std::string dead_points(const MotionModel& model, const ForcesAlong& found) {
 Line verdict(const MotionModel& model, const ForcesAlong& found) {
   const std::string dead = dead_points(model, found);
   const bool ended = !found.complete && !found.stop;
-  if (!dead.empty() && (ended || !found.balanced())) return {.text = "Dead point: " + dead + ".", .tone = Tone::bad};
   if (ended) return {.text = "Driven in part only: " + found.why + ".", .tone = Tone::bad};
+  if (!dead.empty() && !found.balanced()) return {.text = "Dead point: " + dead + ".", .tone = Tone::bad};
   if (found.poses.empty()) return {.text = "No pose was reached.", .tone = Tone::bad};
   if (!found.balanced()) {
     return {.text = found.poses.front().drives.empty()
-                        ? "Out of balance: nothing holds the load; name a drive by --drive."
-                        : "Out of balance: the drives cannot hold the load.",
+                        ? "Out of balance: the forces below do not hold the load; name a drive by --drive."
+                        : "Out of balance: the drives cannot hold the load, nor do the forces below.",
             .tone = Tone::bad};
   }
   if (!dead.empty()) return {.text = "Every body is in balance. Dead point: " + dead + ".", .tone = Tone::doubtful};
@@ -81,6 +83,8 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
   const auto warn = [&](std::string text) {
     result.warnings.push_back({.text = std::move(text), .tone = Tone::doubtful});
   };
+  const std::string dead = dead_points(model, found);
+  if (!dead.empty() && !found.complete && !found.stop) warn("Dead point: " + dead + ".");
   if (found.stop) warn("The range ends early: " + found.why + ".");
   for (const ForceCourse& course : force_courses(model.scene(), found)) {
     if (!course.name.starts_with("overrun.")) continue;
@@ -115,6 +119,41 @@ void add_drives(Group& group, const MotionModel& model, const Forces& forces, bo
                   format_of(model, Quantity::energy, force_digits));
   }
   table.remarks(std::move(notes), Tone::doubtful);
+}
+
+/// Angles and slides of a single pose, bodies that welds join in one row.
+void add_position(Group& group, const MotionModel& model, const Forces& forces) {
+  const Scene& scene = model.scene();
+  const Readings pose = readings_of(scene, poses_of(forces.motions));
+  const std::vector<int> groups = rigid_groups(scene);
+  std::vector<std::string> names;
+  std::vector<double> values;
+  std::vector<std::size_t> row(scene.bodies.size(), 0);
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const auto first = static_cast<std::size_t>(groups[i]);
+    if (first == 0) continue;
+    if (first != i) {
+      names[row[first]] += ", " + scene.bodies[i].name;
+      continue;
+    }
+    row[i] = names.size();
+    names.push_back(scene.bodies[i].name);
+    values.push_back(pose.poses[i].angle);
+  }
+  const auto add = [&](const std::string& title, const std::string& noun, Quantity quantity) {
+    Table& table = group.table("", title, Rows::list);
+    table.words("", noun, std::move(names));
+    add_column(table, model, "", "value", quantity, values, place_digits);
+    names.clear();
+    values.clear();
+  };
+  add("Angles", "body", Quantity::angle);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (!scene.joints[j].has_travel()) continue;
+    names.push_back(scene.joints[j].name);
+    values.push_back(pose.travel[j]);
+  }
+  add("Slides", "joint", Quantity::length);
 }
 
 bool is_element(const ForceCourse& course) {
@@ -213,7 +252,7 @@ void add_numerics(Group& group, const MotionModel& model, const ForcesAlong& fou
                                          small_number(in_unit(f.imbalance, Quantity::force, model.scene().units)),
                                          model.scene().units.force_name, f.worst_body,
                                          with_unit(model, f.largest_force, Quantity::force, 4)));
-  numerics.fact("cross-check", fmt::format("virtual work of the phasor model left over: {} of the largest force{}",
+  numerics.fact("cross-check", fmt::format("virtual work of the compiled model leaves {} of the largest force{}",
                                            small_number(work), moves(found) ? "; power: " + small_number(power) : ""));
 }
 
@@ -280,6 +319,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   if (found.at.empty()) {
     const Forces& forces = found.poses.front();
     add_drives(content, model, forces, moving);
+    add_position(content, model, forces);
     add_elements(content, model, courses);
     add_reactions(content, model, forces.reactions, forces.redundancy);
   } else {

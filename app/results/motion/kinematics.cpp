@@ -118,7 +118,7 @@ void add_points(Group& group, const Scene& scene, const std::vector<std::string>
     const auto found = std::find(names.begin(), names.end(), point);
     if (found == names.end()) {
       throw InputError(
-          fmt::format("--point {}: expected a point of a moving body{}", point, did_you_mean(point, names)));
+          fmt::format("--point {}: expected a point of a moving body{}", point, did_you_mean_or_list(point, names)));
     }
     const auto first = courses.begin() + 2 * (found - names.begin());
     const std::vector<Course> both(first, first + 2);
@@ -272,7 +272,8 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
     for (const KinematicSample& sample : found.samples) closest = std::min(closest, sample.closeness_to_singular);
     content.group("", "Numerics")
         .fact("closeness", significant(closest, 3) +
-                               " at worst to a singular pose: smallest over largest singular value of the closures");
+                               " at worst (0: singular pose, 1: farthest from one): smallest over largest singular "
+                               "value of the closures");
   }
   return out;
 }

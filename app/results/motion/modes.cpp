@@ -69,7 +69,7 @@ Line verdict(const ModesAnswer& answer) {
     return {.text = "No equilibrium found about which it could oscillate: " + answer.rest.why, .tone = Tone::bad};
   }
   const Modes& modes = answer.modes;
-  if (!modes.known) return {.text = "In equilibrium; its small motions are not known: " + modes.why, .tone = Tone::bad};
+  if (!modes.known) return {.text = "In equilibrium, but without small motions: " + modes.why + ".", .tone = Tone::bad};
   const auto number = [&](Kind kind) {
     return static_cast<int>(std::count_if(modes.vibrations.begin(), modes.vibrations.end(),
                                           [&](const Vibration& v) { return v.kind == kind; }));

@@ -21,14 +21,14 @@ Line verdict(const MotionAnswer& answer) {
   const Motion& motion = answer.found.motion;
   const std::optional<double>& error = answer.found.error;
   if (!motion.completed()) {
-    return {.text = fmt::format("Moved for {} s of {} s only: {}.", significant(reached(motion), 6),
+    return {.text = fmt::format("Simulated {} s of {} s only: {}.", significant(reached(motion), 6),
                                 significant(answer.duration, 6), motion.why),
             .tone = Tone::bad};
   }
-  const std::string moved = fmt::format("Moved for {} s", significant(answer.duration, 6));
+  const std::string moved = fmt::format("Simulated {} s", significant(answer.duration, 6));
   if (!error) return {.text = moved + "; interrupted before its error was known.", .tone = Tone::bad};
   if (motion.energy_error >= ConfirmedMotion::useful) {
-    return {.text = moved + ", not confirmed: its energy is not in balance.", .tone = Tone::bad};
+    return {.text = moved + ", not confirmed: energy is not conserved.", .tone = Tone::bad};
   }
   if (!answer.found.confirmed()) {
     return {.text = moved + ", not confirmed: small errors grow to the size of the motion.", .tone = Tone::bad};
@@ -36,7 +36,7 @@ Line verdict(const MotionAnswer& answer) {
   if (*error > remarkable * answer.accuracy || motion.energy_error > remarkable * answer.accuracy) {
     return {.text = moved + "; small errors grow along this motion.", .tone = Tone::doubtful};
   }
-  return {.text = moved + ", its energy in balance.", .tone = Tone::good};
+  return {.text = moved + "; energy is conserved.", .tone = Tone::good};
 }
 
 std::string effort(const Motion& motion) {
@@ -48,7 +48,7 @@ std::string effort(const Motion& motion) {
 
 std::string error_in_words(const MotionAnswer& answer) {
   if (!answer.found.error) return "not estimated: the motion did not end";
-  return fmt::format("{} of the way each coordinate goes, estimated by a run ten times as accurate (asked for: {})",
+  return fmt::format("{} of the range of each coordinate, estimated by a run ten times as accurate (asked for: {})",
                      small_number(*answer.found.error), answer.accuracy);
 }
 

@@ -71,13 +71,23 @@ void add_methods(Group& group, const StaticModel& model, const std::vector<Answe
                      fmt::format("energy: {}", energy_note)};
 }
 
-Line verdict(const std::vector<Answer>& answers, const Agreement& agreement) {
+/// How far apart two equilibria are, in the unit of the coordinate in which they differ most.
+std::string distance(const StaticModel& model, const Agreement& agreement) {
+  const std::vector<Coordinate>& coordinates = model.layout().coordinates;
+  const auto found = std::find_if(coordinates.begin(), coordinates.end(),
+                                  [&](const Coordinate& c) { return c.name == agreement.coordinate; });
+  const bool angle = found == coordinates.end() || found->kind == Coordinate::Kind::angle;
+  return angle ? with_unit(model, agreement.difference, Quantity::angle, 4)
+               : with_unit(model, agreement.difference * model.scales().length, Quantity::length, 4);
+}
+
+Line verdict(const StaticModel& model, const std::vector<Answer>& answers, const Agreement& agreement) {
   std::vector<std::string> names, equilibria;
   for (std::size_t e = 0; e < agreement.rests.size(); ++e) {
     std::vector<std::string> finders;
     for (const std::size_t place : agreement.rests[e]) finders.push_back(to_string(answers[place].rest.method));
-    const std::string who = has_letters(answers, agreement) ? letter(e) + "," : listed(finders);
-    equilibria.push_back(fmt::format("{} one that is {}", who, kind_of(answers[agreement.rests[e].front()])));
+    const std::string who = has_letters(answers, agreement) ? letter(e) : listed(finders);
+    equilibria.push_back(fmt::format("{}: {}", who, kind_of(answers[agreement.rests[e].front()])));
     names.insert(names.end(), finders.begin(), finders.end());
   }
   if (agreement.confirmed == 0) return {.text = "No method found a confirmed equilibrium.", .tone = Tone::bad};
@@ -85,10 +95,8 @@ Line verdict(const std::vector<Answer>& answers, const Agreement& agreement) {
     return {.text = "Only " + listed(names) + " found an equilibrium.", .tone = Tone::doubtful};
   }
   if (!agreement.same) {
-    return {.text = fmt::format("The methods found different equilibria: {}. They are {} apart in {} (rad, or length "
-                                "over size).",
-                                fmt::join(equilibria, has_letters(answers, agreement) ? "; " : ", "),
-                                significant(agreement.difference, 3), agreement.coordinate),
+    return {.text = fmt::format("The methods found different equilibria: {}. Largest difference: {} in {}.",
+                                fmt::join(equilibria, "; "), distance(model, agreement), agreement.coordinate),
             .tone = Tone::doubtful};
   }
   const std::string by = agreement.difference == 0.0
@@ -129,7 +137,7 @@ Result compare_result(const StaticModel& model, const std::vector<Answer>& answe
                       const std::vector<std::string>& settings) {
   const Agreement agreement = comparison::compare_answers(model, answers);
   Result out = scene_result(model.scene(), settings);
-  out.verdict = verdict(answers, agreement);
+  out.verdict = verdict(model, answers, agreement);
   for (const Answer& answer : answers) {
     if (answer.rest.found()) continue;
     out.warnings.push_back({.text = fmt::format("{}, {}: {}.", to_string(answer.rest.method),

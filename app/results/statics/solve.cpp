@@ -57,6 +57,19 @@ void add_directions(Group& group, const Check& check) {
   if (!check.stability_note.empty()) group.fact("stability", check.stability_note);
 }
 
+/// What a reader of an unstable equilibrium, or of one without a reference, must know.
+void warn_of_doubt(Result& result, const Answer& answer) {
+  const Equilibrium& rest = answer.rest;
+  if (rest.check.stability == Stability::unstable && rest.seek == Seek::nearest) {
+    result.warnings.push_back(
+        {.text = "The mechanism would leave this equilibrium; --seek stable searches for one in which it stays.",
+         .tone = Tone::doubtful});
+  }
+  if (rest.check.neutral_directions == 0 && answer.reference && !answer.reference->refined) {
+    result.warnings.push_back({.text = "Not verified in 50 digits: " + answer.reference->why + ".", .tone = Tone::bad});
+  }
+}
+
 /// The largest load on the mechanism, N: forces, weights, torques over the mechanism's size, and of a spring what it
 /// carried at the start too: what it carries besides is a consequence of the other loads.
 double largest_load(const StaticModel& model, const Readings& readings) {
@@ -95,7 +108,7 @@ std::string effort(const Equilibrium& rest) {
   const char* sought = method_traits.needs_potential                          ? "a minimum of the energy"
                        : method_traits.minimises || rest.seek == Seek::stable ? "a stable equilibrium"
                                                                               : "the nearest equilibrium";
-  const std::string method = fmt::format("{}, seeking {}", to_string(rest.method), sought);
+  std::string method = fmt::format("{}, seeking {}", to_string(rest.method), sought);
   if (rest.status == Status::refused) return method;
   return fmt::format("{}: {}, {}, {}", method, count(rest.iterations, "iteration", "iterations"),
                      count(rest.evaluations, "evaluation", "evaluations"), duration(rest.microseconds));
@@ -136,13 +149,11 @@ std::string residuals(const StaticModel& model, const Check& check) {
 /// Names of the elements of one kind; with the table in front where one of another table has the same name.
 class ElementNames {
  public:
-  explicit ElementNames(const Scene& scene) : scene_(scene) {}
   std::string of(const Element& element) {
     return taken_.emplace(element.name, 0).second ? element.name : element.table + "." + element.name;
   }
 
  private:
-  const Scene& scene_;
   std::map<std::string, int> taken_;
 };
 
@@ -150,7 +161,7 @@ void add_springs(Group& group, const StaticModel& model, const Readings& reading
   const Scene& scene = model.scene();
   std::vector<std::string> names, notes;
   std::vector<double> lengths, forces, slack;
-  ElementNames keys(scene);
+  ElementNames keys;
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const Element& element = scene.elements[i];
     if (!stores_energy(element.law) || element.on.is_angle()) continue;
@@ -178,7 +189,7 @@ void add_torsion_springs(Group& group, const StaticModel& model, const Readings&
   const Scene& scene = model.scene();
   std::vector<std::string> names, bodies;
   std::vector<double> moments;
-  ElementNames keys(scene);
+  ElementNames keys;
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const Element& element = scene.elements[i];
     if (!stores_energy(element.law) || !element.on.is_angle()) continue;
@@ -372,6 +383,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   warn_of_friction(out, model.scene());
   Group& content = out.content;
   if (rest.found() && answer.readings) {
+    warn_of_doubt(out, answer);
     warn_of_dead_centre(out, model, answer);
   } else {
     content.fact("why", rest.why);
