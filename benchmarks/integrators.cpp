@@ -15,8 +15,8 @@
 
 #include <fmt/format.h>
 
+#include "motion/equilibrium_pose.hpp"
 #include "motion/reduced_system.hpp"
-#include "motion/rest_pose.hpp"
 #include "motion/simulate.hpp"
 #include "statics/equilibrium.hpp"
 
@@ -31,11 +31,11 @@ std::string dataset(const std::string& name) { return std::string(POISE_SOURCE_D
 // The reduced equations of a scene in u, where  z = z0 + far u_z,  w = w0 + fast u_w: all components of order one.
 class Swing : public solvers::OdeSystem {
  public:
-  Swing(Scene scene, const std::vector<StartValue>& release, bool from_rest, double duration)
+  Swing(Scene scene, const std::vector<StartValue>& release, bool from_equilibrium, double duration)
       : model_(std::move(scene)),
         reduced_(model_.scaled_scene(), model_.mechanism(), model_.inertia()),
         end_(duration) {
-    const MotionState start = begin(release, from_rest);
+    const MotionState start = begin(release, from_equilibrium);
     const std::vector<double> q = model_.from_si(start.q);
     const std::vector<double> v = model_.from_si(start.v);
     reduced_.start_drives(q.data());
@@ -77,13 +77,13 @@ class Swing : public solvers::OdeSystem {
   }
 
  private:
-  MotionState begin(const std::vector<StartValue>& release, bool from_rest) const {
-    if (!from_rest) return start_motion(model_, release);
+  MotionState begin(const std::vector<StartValue>& release, bool from_equilibrium) const {
+    if (!from_equilibrium) return start_motion(model_, release);
     const StaticModel statics(model_.scene());
-    const std::vector<double> rest = model_.to_si(motion_coordinates(model_, statics, solve(statics).x));
+    const std::vector<double> equilibrium = model_.to_si(motion_coordinates(model_, statics, solve(statics).x));
     std::vector<StartValue> wanted = release;
-    for (StartValue& value : wanted) value.value += rest[static_cast<std::size_t>(value.coordinate)];
-    return start_motion(model_, wanted, &rest);
+    for (StartValue& value : wanted) value.value += equilibrium[static_cast<std::size_t>(value.coordinate)];
+    return start_motion(model_, wanted, &equilibrium);
   }
 
   MotionModel model_;

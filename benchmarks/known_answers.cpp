@@ -24,7 +24,7 @@ constexpr std::array<KnownChain, 5> known_chains = {
      {10000, 0.1631682738247173534456845, 0.3627821879004040961014348},
      {100000, 0.163168274085221740463588, 0.3627821852681372700107796}}};
 
-constexpr std::array<double, 3> four_bar_rest = {1.18098097986277511, 0.31112579393843272, 5.3708134990460867};
+constexpr std::array<double, 3> four_bar_equilibrium = {1.18098097986277511, 0.31112579393843272, 5.3708134990460867};
 
 const KnownChain& known_chain(int links) {
   const auto* found = std::find_if(known_chains.begin(), known_chains.end(),
@@ -37,7 +37,7 @@ const KnownChain& known_chain(int links) {
 
 double four_bar_error(const double* angles) {
   double worst = 0.0;
-  for (int k = 0; k < 3; ++k) worst = std::max(worst, std::abs(angles[k] - four_bar_rest[k]));
+  for (int k = 0; k < 3; ++k) worst = std::max(worst, std::abs(angles[k] - four_bar_equilibrium[k]));
   return worst;
 }
 

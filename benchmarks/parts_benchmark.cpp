@@ -73,17 +73,19 @@ void analyse(benchmark::State& state, Make make) {
   }
 }
 
-std::vector<double> rest(const StaticModel& model) { return solvers::Newton(model.problem()).solve(model.start()).x; }
+std::vector<double> equilibrium(const StaticModel& model) {
+  return solvers::Newton(model.problem()).solve(model.start()).x;
+}
 
-void check_rest(benchmark::State& state, Make make) {
+void check_equilibrium(benchmark::State& state, Make make) {
   const StaticModel model(make());
-  const std::vector<double> x = rest(model);
+  const std::vector<double> x = equilibrium(model);
   for (auto _ : state) benchmark::DoNotOptimize(check(model, x));
 }
 
 void fifty_digits(benchmark::State& state, Make make) {
   const StaticModel model(make());
-  const std::vector<double> x = rest(model);
+  const std::vector<double> x = equilibrium(model);
   for (auto _ : state) benchmark::DoNotOptimize(refine(model, x));
 }
 
@@ -100,8 +102,8 @@ BENCHMARK_CAPTURE(tangent, chain, chain_1000)->Name("tangent/chain_1000");
 BENCHMARK_CAPTURE(tangent, ladder, ladder_100)->Name("tangent/ladder_100");
 BENCHMARK_CAPTURE(analyse, four_bar, thesis_four_bar)->Name("analyse/four_bar");
 BENCHMARK_CAPTURE(analyse, chain, chain_1000)->Name("analyse/chain_1000")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(check_rest, four_bar, thesis_four_bar)->Name("check/four_bar")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(check_rest, chain, chain_100)->Name("check/chain_100")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(check_equilibrium, four_bar, thesis_four_bar)->Name("check/four_bar")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(check_equilibrium, chain, chain_100)->Name("check/chain_100")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(fifty_digits, four_bar, thesis_four_bar)
     ->Name("fifty_digits/four_bar")
     ->Unit(benchmark::kMicrosecond);

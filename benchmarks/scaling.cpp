@@ -118,10 +118,10 @@ Ours measure_ours(const Subject& subject, int size) {
     newton.solve(start);
     out.search_peak = peak_memory();
   }
-  const Equilibrium rest = solve(model);
+  const Equilibrium equilibrium = solve(model);
   out.whole_peak = peak_memory();
   out.coordinates = model.mechanism().coordinates();
-  out.iterations = rest.iterations;
+  out.iterations = equilibrium.iterations;
 
   solvers::Newton newton(model.problem());
   const solvers::NewtonResult* found = nullptr;
@@ -143,7 +143,7 @@ Ours measure_ours(const Subject& subject, int size) {
   out.model = seconds[1];
   out.everything = seconds[2];
   out.by_hand = seconds[3];
-  out.right = rest.found() && is_right(subject.series, model, rest.x, virtual_work_error) &&
+  out.right = equilibrium.found() && is_right(subject.series, model, equilibrium.x, virtual_work_error) &&
               is_right(subject.series, model, found->x, virtual_work_error);
   return out;
 }

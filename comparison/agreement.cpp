@@ -12,7 +12,7 @@ bool same_equilibrium(const StaticModel& model, const Answer& a, const Answer& b
   constexpr double same_answer = 1e-6;
   const bool refined = a.reference && a.reference->refined && b.reference && b.reference->refined;
   if (refined) return largest_difference(model, a.reference->x, b.reference->x).size < same_reference;
-  return largest_difference(model, a.rest.x, b.rest.x).size < same_answer;
+  return largest_difference(model, a.equilibrium.x, b.equilibrium.x).size < same_answer;
 }
 
 }  // namespace
@@ -21,21 +21,21 @@ Agreement compare_answers(const StaticModel& model, const std::vector<Answer>& a
   Agreement agreement;
   std::vector<const Answer*> confirmed;
   for (std::size_t k = 0; k < answers.size(); ++k) {
-    if (!answers[k].rest.found()) continue;
+    if (!answers[k].equilibrium.found()) continue;
     confirmed.push_back(&answers[k]);
-    const auto group = std::find_if(agreement.rests.begin(), agreement.rests.end(), [&](const auto& places) {
+    const auto group = std::find_if(agreement.equilibria.begin(), agreement.equilibria.end(), [&](const auto& places) {
       return same_equilibrium(model, answers[places.front()], answers[k]);
     });
-    if (group != agreement.rests.end())
+    if (group != agreement.equilibria.end())
       group->push_back(k);
     else
-      agreement.rests.push_back({k});
+      agreement.equilibria.push_back({k});
   }
   agreement.confirmed = static_cast<int>(confirmed.size());
-  agreement.same = agreement.rests.size() < 2;
+  agreement.same = agreement.equilibria.size() < 2;
   for (std::size_t i = 0; i < confirmed.size(); ++i) {
     for (std::size_t j = i + 1; j < confirmed.size(); ++j) {
-      const Difference d = largest_difference(model, confirmed[i]->rest.x, confirmed[j]->rest.x);
+      const Difference d = largest_difference(model, confirmed[i]->equilibrium.x, confirmed[j]->equilibrium.x);
       agreement.whole_turns = agreement.whole_turns || d.whole_turns;
       if (d.size < agreement.difference) continue;
       agreement.difference = d.size;

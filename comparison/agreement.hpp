@@ -14,7 +14,7 @@ struct Agreement {
   int confirmed = 0;  ///< answers that count
   bool same = true;   ///< they are one equilibrium
   /// Places of the confirmed answers, those of one equilibrium together; in their order.
-  std::vector<std::vector<std::size_t>> rests;
+  std::vector<std::vector<std::size_t>> equilibria;
   double difference = 0.0;   ///< largest difference of a scaled coordinate between two of them
   std::string coordinate;    ///< the coordinate of that difference
   bool whole_turns = false;  ///< some angle differs by whole turns, which are not counted

@@ -88,9 +88,9 @@ double CaseCheck::distance(const std::vector<double>& x, const std::vector<BodyP
   return largest;
 }
 
-CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& rest) const {
+CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& equilibrium) const {
   const CheckTolerances passed;
-  const Check& check = rest.check;
+  const Check& check = equilibrium.check;
   // The scaled imbalance that the check accepts, converted into distance by the smallest curvature; if that is unknown,
   // no near result is too far.
   if (!check.accuracy) return {exact, elsewhere};
@@ -100,16 +100,16 @@ CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& rest) const {
   return {bounded(*check.accuracy), bounded(given_way + passed.closure + stops)};
 }
 
-Verdict CaseCheck::verdict_on(const Equilibrium& rest) const {
-  if (rest.found()) {
-    Verdict verdict = verdict_on_confirmed(rest);
-    if (verdict.kind == Verdict::Kind::false_claim) verdict.why += "; it is at " + pose_in_words(model_, rest.x);
+Verdict CaseCheck::verdict_on(const Equilibrium& equilibrium) const {
+  if (equilibrium.found()) {
+    Verdict verdict = verdict_on_confirmed(equilibrium);
+    if (verdict.kind == Verdict::Kind::false_claim) verdict.why += "; it is at " + pose_in_words(model_, equilibrium.x);
     return verdict;
   }
   Verdict verdict;
-  verdict.why = rest.why;
-  const bool said_to_lock = hard_.expect == Expect::locked && (rest.check.singular || rest.met_singular);
-  const bool denied = rest.status == Status::refuted;
+  verdict.why = equilibrium.why;
+  const bool said_to_lock = hard_.expect == Expect::locked && (equilibrium.check.singular || equilibrium.met_singular);
+  const bool denied = equilibrium.status == Status::not_confirmed;
   if (said_to_lock || (hard_.expect == Expect::none && !denied)) {
     verdict.kind = Verdict::Kind::converged;
   } else if (denied) {
@@ -118,69 +118,70 @@ Verdict CaseCheck::verdict_on(const Equilibrium& rest) const {
   return verdict;
 }
 
-Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& rest) const {
+Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& equilibrium) const {
   Verdict verdict;
   if (hard_.expect == Expect::locked) {
     // An equilibrium elsewhere is a correct result, but the case asks whether the singular configuration is reported.
-    verdict = verdict_by_reference(rest);
-    if (verdict.kind == Verdict::Kind::converged && !rest.met_singular) {
+    verdict = verdict_by_reference(equilibrium);
+    if (verdict.kind == Verdict::Kind::converged && !equilibrium.met_singular) {
       verdict.kind = Verdict::Kind::failed;
       verdict.why = "an equilibrium elsewhere, without a report that the start is locked";
     }
   } else if (hard_.expect != Expect::equilibrium) {
     verdict.kind = Verdict::Kind::false_claim;
-    verdict.why = fmt::format("confirmed as {}, but {}", to_string(rest.check.stability), hard_.why);
+    verdict.why = fmt::format("confirmed as {}, but {}", to_string(equilibrium.check.stability), hard_.why);
   } else if (hard_.everywhere) {
-    const bool neutral = rest.check.stability == Stability::neutral;
+    const bool neutral = equilibrium.check.stability == Stability::neutral;
     verdict.kind = neutral ? Verdict::Kind::converged : Verdict::Kind::false_claim;
     if (!neutral) {
-      verdict.why =
-          fmt::format("confirmed as {}, but every closed pose is an equilibrium", to_string(rest.check.stability));
+      verdict.why = fmt::format("confirmed as {}, but every closed pose is an equilibrium",
+                                to_string(equilibrium.check.stability));
     }
   } else {
-    verdict = verdict_by_list(rest);
+    verdict = verdict_by_list(equilibrium);
   }
   return verdict;
 }
 
-Verdict CaseCheck::verdict_by_list(const Equilibrium& rest) const {
-  const std::vector<BodyPose<double>> poses = model_.poses(rest.x);
+Verdict CaseCheck::verdict_by_list(const Equilibrium& equilibrium) const {
+  const std::vector<BodyPose<double>> poses = model_.poses(equilibrium.x);
   const Target* nearest = nullptr;
   double apart = std::numeric_limits<double>::infinity();
   for (const Target& target : known_) {
-    const double d = distance(rest.x, poses, target);
+    const double d = distance(equilibrium.x, poses, target);
     if (d < apart) {
       apart = d;
       nearest = &target;
     }
   }
-  const Bounds bounds = bounds_at(rest);
-  const std::string claim = "confirmed as " + to_string(rest.check.stability);
+  const Bounds bounds = bounds_at(equilibrium);
+  const std::string claim = "confirmed as " + to_string(equilibrium.check.stability);
   if (!(apart <= bounds.confirmed)) {
-    if (!hard_.complete) return verdict_by_reference(rest);
-    return {Verdict::Kind::false_claim, apart, rest.check.accuracy,
+    if (!hard_.complete) return verdict_by_reference(equilibrium);
+    return {Verdict::Kind::false_claim, apart, equilibrium.check.accuracy,
             fmt::format("{}, but {:.2g} (rad or sizes) from the nearest known equilibrium", claim, apart)};
   }
-  if (rest.check.stability != nearest->stability) {
-    const bool told = rest.check.stability != Stability::unknown;
-    return {told ? Verdict::Kind::false_claim : Verdict::Kind::failed, apart, rest.check.accuracy,
+  if (equilibrium.check.stability != nearest->stability) {
+    const bool known = equilibrium.check.stability != Stability::unknown;
+    return {known ? Verdict::Kind::false_claim : Verdict::Kind::failed, apart, equilibrium.check.accuracy,
             fmt::format("{}, but it is {}", claim, to_string(nearest->stability))};
   }
-  return verdict_by_distance(apart, rest, bounds);
+  return verdict_by_distance(apart, equilibrium, bounds);
 }
 
-Verdict CaseCheck::verdict_by_reference(const Equilibrium& rest) const {
-  const Reference reference = refine(model_, rest.x);
-  if (reference.refined) return verdict_by_distance(reference.error, rest, bounds_at(rest));
+Verdict CaseCheck::verdict_by_reference(const Equilibrium& equilibrium) const {
+  const Reference reference = refine(model_, equilibrium.x);
+  if (reference.refined) return verdict_by_distance(reference.error, equilibrium, bounds_at(equilibrium));
   Verdict verdict;
   verdict.kind = Verdict::Kind::false_claim;
   verdict.why = "confirmed by the check, but not by 50 digits: " + reference.why;
   return verdict;
 }
 
-Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& rest, const Bounds& bounds) {
-  if (apart <= bounds.converged) return {Verdict::Kind::converged, apart, rest.check.accuracy, ""};
-  return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::false_claim, apart, rest.check.accuracy,
+Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& equilibrium, const Bounds& bounds) {
+  if (apart <= bounds.converged) return {Verdict::Kind::converged, apart, equilibrium.check.accuracy, ""};
+  return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::false_claim, apart,
+          equilibrium.check.accuracy,
           fmt::format("error {:.2g} (rad or sizes), of which rounding explains {:.1g}", apart, bounds.converged)};
 }
 

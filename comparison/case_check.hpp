@@ -40,7 +40,7 @@ class CaseCheck {
   /// `hard` and `model` must outlive this. Throws InputError if a known equilibrium names an unknown body or travel.
   CaseCheck(const HardCase& hard, const StaticModel& model);
 
-  Verdict verdict_on(const Equilibrium& rest) const;
+  Verdict verdict_on(const Equilibrium& equilibrium) const;
 
  private:
   struct Value {
@@ -57,11 +57,11 @@ class CaseCheck {
 
   Target target_of(const KnownEquilibrium& known) const;
   double distance(const std::vector<double>& x, const std::vector<BodyPose<double>>& poses, const Target& target) const;
-  Bounds bounds_at(const Equilibrium& rest) const;
-  Verdict verdict_on_confirmed(const Equilibrium& rest) const;
-  Verdict verdict_by_list(const Equilibrium& rest) const;
-  Verdict verdict_by_reference(const Equilibrium& rest) const;
-  static Verdict verdict_by_distance(double apart, const Equilibrium& rest, const Bounds& bounds);
+  Bounds bounds_at(const Equilibrium& equilibrium) const;
+  Verdict verdict_on_confirmed(const Equilibrium& equilibrium) const;
+  Verdict verdict_by_list(const Equilibrium& equilibrium) const;
+  Verdict verdict_by_reference(const Equilibrium& equilibrium) const;
+  static Verdict verdict_by_distance(double apart, const Equilibrium& equilibrium, const Bounds& bounds);
 
   const HardCase& hard_;
   const StaticModel& model_;

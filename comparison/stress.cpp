@@ -76,17 +76,17 @@ Cell run(const HardCase& hard, const StaticModel& model, const CaseCheck& case_c
     return by.never_stops() || std::chrono::duration<double>(Clock::now() - begin).count() < options.seconds;
   };
   while (tally.starts() < wanted && (tally.starts() == 0 || has_time())) {
-    const Equilibrium rest = solve(model, starts.next(), settings);
+    const Equilibrium equilibrium = solve(model, starts.next(), settings);
     if (interrupted(options)) break;
-    if (rest.status == Status::refused) {
-      tally.does_not_apply(rest.why);
+    if (equilibrium.status == Status::not_applicable) {
+      tally.does_not_apply(equilibrium.why);
       break;
     }
-    if (rest.status == Status::interrupted) {
+    if (equilibrium.status == Status::interrupted) {
       tally.give_up(fmt::format("given up after {:.3g} s", StressOptions::patience * options.seconds));
       break;
     }
-    tally.add(rest, case_check.verdict_on(rest));
+    tally.add(equilibrium, case_check.verdict_on(equilibrium));
   }
   return tally.cell();
 }

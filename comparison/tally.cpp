@@ -12,11 +12,11 @@ void Tally::give_up(const std::string& why) {
   if (cell_.why.empty()) cell_.why = why;
 }
 
-void Tally::add(const Equilibrium& rest, const Verdict& verdict) {
+void Tally::add(const Equilibrium& equilibrium, const Verdict& verdict) {
   ++cell_.starts;
   switch (verdict.kind) {
     case Verdict::Kind::converged:
-      add_converged(rest, verdict);
+      add_converged(equilibrium, verdict);
       return;
     case Verdict::Kind::inexact:
       ++cell_.inexact;
@@ -41,10 +41,10 @@ Cell Tally::cell() const {
   return cell;
 }
 
-void Tally::add_converged(const Equilibrium& rest, const Verdict& verdict) {
+void Tally::add_converged(const Equilibrium& equilibrium, const Verdict& verdict) {
   ++cell_.converged;
-  iterations_.push_back(rest.iterations);
-  microseconds_.push_back(rest.microseconds);
+  iterations_.push_back(equilibrium.iterations);
+  microseconds_.push_back(equilibrium.microseconds);
   // In a case without an answer: how the method ended.
   if (!verdict.why.empty() && cell_.why.empty()) cell_.why = verdict.why;
   // A start that is said to lock has no error; the largest of the others stays.

@@ -16,13 +16,13 @@ class Tally {
   void does_not_apply(const std::string& why);
   /// A start that was ended before its time.
   void give_up(const std::string& why);
-  void add(const Equilibrium& rest, const Verdict& verdict);
+  void add(const Equilibrium& equilibrium, const Verdict& verdict);
 
   int starts() const { return cell_.starts; }
   Cell cell() const;
 
  private:
-  void add_converged(const Equilibrium& rest, const Verdict& verdict);
+  void add_converged(const Equilibrium& equilibrium, const Verdict& verdict);
 
   Cell cell_;
   std::vector<double> iterations_, microseconds_;

@@ -79,7 +79,7 @@ class Study {
       tell("searching equilibria by " + to_string(witnesses[k]));
       const Equilibrium found = solve(model_, start_, settings_of(witnesses[k]));
       out_.interrupted = found.status == Status::interrupted;
-      if (found.status == Status::refused && k < methods_.size())
+      if (found.status == Status::not_applicable && k < methods_.size())
         out_.not_applicable.push_back({found.method, found.why});
       if (found.found()) keep(found.x, found.check, &found.method);
     }

@@ -8,7 +8,7 @@
 
 #include "model/nearest_name.hpp"
 #include "motion/driven_path.hpp"
-#include "motion/rest_pose.hpp"
+#include "motion/equilibrium_pose.hpp"
 #include "motion/singular_words.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"

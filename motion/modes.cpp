@@ -250,7 +250,7 @@ class Linear {
     for (Index k = 0; k < square.size(); ++k) {
       if (std::abs(square[k]) <= zero_square(z.col(k))) clean[k] = 0.0;
       Vibration vibration;
-      vibration.kind = clean[k] > 0   ? Vibration::Kind::swings
+      vibration.kind = clean[k] > 0   ? Vibration::Kind::oscillates
                        : clean[k] < 0 ? Vibration::Kind::diverges
                                       : Vibration::Kind::neutral;
       vibration.frequency = std::sqrt(std::max(clean[k], 0.0)) / (2 * M_PI);
@@ -282,7 +282,7 @@ class Linear {
     }
     for (std::size_t k = 0; k < taken.size(); ++k) {
       Vibration& vibration = out_.vibrations[k];
-      if (vibration.kind == Vibration::Kind::swings && taken[k][0].imag() == 0.0) {
+      if (vibration.kind == Vibration::Kind::oscillates && taken[k][0].imag() == 0.0) {
         vibration.kind = Vibration::Kind::decays;
       }
       describe_roots(vibration, taken[k][0], taken[k][1]);
@@ -310,13 +310,13 @@ class Linear {
   void add_follower_mode(const Root& root, Complex a, Complex b) {
     Vibration vibration;
     const double size = std::abs(root.s);
-    const bool swings = root.s.imag() != 0.0;
+    const bool is_complex = root.s.imag() != 0.0;
     if (size * size <= zero_square(root.u / root.u.norm()))
       vibration.kind = Vibration::Kind::neutral;
     else if (root.s.real() > no_growth * size)
-      vibration.kind = swings ? Vibration::Kind::flutters : Vibration::Kind::diverges;
+      vibration.kind = is_complex ? Vibration::Kind::flutters : Vibration::Kind::diverges;
     else
-      vibration.kind = swings ? Vibration::Kind::swings : Vibration::Kind::decays;
+      vibration.kind = is_complex ? Vibration::Kind::oscillates : Vibration::Kind::decays;
     if (vibration.kind != Vibration::Kind::neutral && vibration.kind != Vibration::Kind::diverges) {
       vibration.frequency = std::sqrt(std::abs(a * b)) / (2 * M_PI);
     }

@@ -12,13 +12,13 @@ namespace poise {
 /// One mode of free motion of a mechanism near its equilibrium: exp(s t) times a shape.
 struct Vibration {
   enum class Kind {
-    swings,    ///< stable oscillation
-    decays,    ///< stable, overdamped: decays without oscillation
-    neutral,   ///< no restoring force: zero frequency
-    diverges,  ///< unstable without oscillation (divergence)
-    flutters   ///< oscillates with growing amplitude; only with follower loads
+    oscillates,  ///< stable oscillation
+    decays,      ///< stable, overdamped: decays without oscillation
+    neutral,     ///< no restoring force: zero frequency
+    diverges,    ///< unstable without oscillation (divergence)
+    flutters     ///< oscillates with growing amplitude; only with follower loads
   };
-  Kind kind = Kind::swings;
+  Kind kind = Kind::oscillates;
   /// Hz: undamped, sqrt(K/M) / 2 pi, and with follower loads |s| / 2 pi; 0 if K gives no restoring force.
   double frequency = 0.0;
   /// -(s1 + s2) / (2 sqrt(s1 s2)):  -Re s / |s| if oscillating, 1 and more if decaying; 0 if neutral or diverging.

@@ -1,6 +1,6 @@
 #include "motion/release.hpp"
 
-#include "motion/rest_pose.hpp"
+#include "motion/equilibrium_pose.hpp"
 
 namespace poise {
 

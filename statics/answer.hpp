@@ -10,7 +10,7 @@ namespace poise {
 
 /// What one method answered, with all that is measured of it.
 struct Answer {
-  Equilibrium rest;
+  Equilibrium equilibrium;
   std::optional<Readings> readings;    ///< where the search ended; none when it did not begin
   std::optional<Reference> reference;  ///< of confirmed answers
 };
@@ -19,6 +19,6 @@ struct Answer {
 std::optional<double> error_of(const Answer& answer);
 
 /// Takes the readings of a result, and, of a confirmed one, its reference.
-Answer measure(const StaticModel& model, Equilibrium rest);
+Answer measure(const StaticModel& model, Equilibrium equilibrium);
 
 }  // namespace poise

@@ -279,7 +279,7 @@ class EquilibriumCheck {
     double smallest = std::numeric_limits<double>::infinity();
     for (double c : curvature) smallest = std::min(smallest, std::abs(c));
     // Near a fold a step as long as the distance to the fold may not converge.
-    const double step = step_to_rest(reduced);
+    const double step = step_to_equilibrium(reduced);
     const bool beside_a_fold = !(step * std::max(1.0, reduced.largest) <= safe_step * smallest);
     if (doubtful || beside_a_fold) {
       const double within = doubtful ? beside_a_cusp : tolerances_.position;
@@ -352,7 +352,7 @@ class EquilibriumCheck {
   }
 
   // The length of one more Newton step, open closures included:  J v = -c,  Z^T (F + K (v + Z z)) = 0,  d = v + Z z.
-  double step_to_rest(const ReducedHessian<double>& reduced) const {
+  double step_to_equilibrium(const ReducedHessian<double>& reduced) const {
     Eigen::VectorXd v = Eigen::VectorXd::Zero(reduced.basis.rows());
     const Eigen::Index closures = model_.mechanism().equalities();
     if (closures > 0) {
@@ -442,7 +442,7 @@ class EquilibriumCheck {
   // does not depend on the units of the coordinates: negative means divergence. With more than one degree of freedom a
   // positive one does not exclude flutter, which depends on the masses.
   void check_followers(const ReducedHessian<double>& reduced) {
-    if (!is_close(step_to_rest(reduced))) return;
+    if (!is_close(step_to_equilibrium(reduced))) return;
     out_.accuracy = force_rounding / solvers::singular_value_decomposition(reduced.matrix).values.minCoeff();
     const double scale = std::max(1.0, reduced.largest);
     const double determinant = solvers::FullyPivotedLu(reduced.matrix / scale).determinant();

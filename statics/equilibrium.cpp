@@ -98,13 +98,13 @@ void search_by_program(Program program, const StaticModel& model, const std::vec
   const Mechanism<double>& m = model.mechanism();
   const MethodTraits& method = traits(options.method);
   if (method.needs_potential && m.has_follower_loads()) {
-    out.status = Status::refused;
+    out.status = Status::not_applicable;
     out.why = fmt::format("force \"{}\" follows a body and has no potential, so there is no energy to minimise",
                           m.follower_names().front());
     return;
   }
   if (m.coordinates() > method.coordinates) {
-    out.status = Status::refused;
+    out.status = Status::not_applicable;
     out.why = fmt::format("{} coordinates are too many for this method; its limit is {}", m.coordinates(),
                           method.coordinates);
     return;
@@ -171,7 +171,7 @@ void check_answer(const StaticModel& model, const SolveOptions& options, Equilib
     out.status = Status::confirmed;
     return;
   }
-  out.status = out.claimed && !out.check.is_equilibrium() ? Status::refuted : Status::not_found;
+  out.status = out.claimed && !out.check.is_equilibrium() ? Status::not_confirmed : Status::not_found;
   out.why +=
       wrong_kind && out.check.is_equilibrium() ? "; the result is an unstable equilibrium" : "; " + out.check.objection;
 }
@@ -188,12 +188,14 @@ Equilibrium search_and_check(const StaticModel& model, const std::vector<double>
     search(plain, plain.from_si(model.to_si(x)), options, out);
     out.x = model.from_si(plain.to_si(out.x));
   }
-  if (out.status != Status::refused) check_answer(model, options, out);
+  if (out.status != Status::not_applicable) check_answer(model, options, out);
   return out;
 }
 
 // The solver claims success, and the check does not confirm it.
-bool is_denied(const Equilibrium& rest) { return rest.claimed && !rest.found() && rest.status != Status::interrupted; }
+bool is_denied(const Equilibrium& equilibrium) {
+  return equilibrium.claimed && !equilibrium.found() && equilibrium.status != Status::interrupted;
+}
 
 }  // namespace
 
@@ -203,11 +205,11 @@ std::string to_string(Status status) {
       return "not solved";
     case Status::confirmed:
       return "confirmed";
-    case Status::refuted:
+    case Status::not_confirmed:
       return "not confirmed";
     case Status::not_found:
       return "not found";
-    case Status::refused:
+    case Status::not_applicable:
       return "not applicable";
     case Status::interrupted:
       return "interrupted";

@@ -20,10 +20,10 @@ enum class Seek {
 
 enum class Status {
   not_solved,
-  confirmed,  ///< the independent check confirms the result
-  refuted,    ///< the solver claims success and the independent check does not confirm it
-  not_found,  ///< the search failed, or its result is an equilibrium of the wrong kind
-  refused,    ///< the method does not apply: a load without potential in the energy method, too many coordinates
+  confirmed,       ///< the independent check confirms the result
+  not_confirmed,   ///< the solver claims success and the independent check does not confirm it
+  not_found,       ///< the search failed, or its result is an equilibrium of the wrong kind
+  not_applicable,  ///< the method does not apply: a load without potential in the energy method, too many coordinates
   interrupted
 };
 

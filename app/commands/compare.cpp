@@ -21,7 +21,7 @@ const Answer* best_of(const std::vector<Answer>& answers) {
   const Answer* best = nullptr;
   for (const Answer& answer : answers) {
     if (!answer.readings) continue;
-    if (answer.rest.found()) return &answer;
+    if (answer.equilibrium.found()) return &answer;
     if (best == nullptr) best = &answer;
   }
   return best;
@@ -50,13 +50,14 @@ comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& wo
 /// Every method that was asked for by default has to find an equilibrium where it applies; of a list that is named, one
 /// is enough.
 bool succeeded(const CompareRequest& words, const std::vector<Answer>& answers) {
-  const auto is = [](Status status) { return [status](const Answer& a) { return a.rest.status == status; }; };
+  const auto is = [](Status status) { return [status](const Answer& a) { return a.equilibrium.status == status; }; };
   if (words.methods) {
     return std::any_of(answers.begin(), answers.end(), is(Status::confirmed)) &&
            std::none_of(answers.begin(), answers.end(), is(Status::interrupted));
   }
-  return std::all_of(answers.begin(), answers.end(),
-                     [](const Answer& answer) { return answer.rest.found() || answer.rest.status == Status::refused; });
+  return std::all_of(answers.begin(), answers.end(), [](const Answer& answer) {
+    return answer.equilibrium.found() || answer.equilibrium.status == Status::not_applicable;
+  });
 }
 
 int run_side_by_side(const CompareRequest& words, const Palette& palette) {
@@ -76,12 +77,12 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   for (const Method method : methods) {
     options.method = method;
     answers.push_back(search(model, options, progress));
-    if (answers.back().rest.status == Status::interrupted) break;
+    if (answers.back().equilibrium.status == Status::interrupted) break;
   }
 
   const Result result = compare_result(model, answers, request.settings);
   std::string written;
-  if (answers.back().rest.status != Status::interrupted) {
+  if (answers.back().equilibrium.status != Status::interrupted) {
     progress.now("writing the result");
     const Answer* drawn = files.wants_svg() ? best_of(answers) : nullptr;
     written = files.write(result, drawn != nullptr ? picture(model, *drawn) : "");

@@ -9,7 +9,7 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/terminal/interrupt.hpp"
-#include "motion/rest_pose.hpp"
+#include "motion/equilibrium_pose.hpp"
 
 namespace poise::app {
 namespace {
@@ -31,10 +31,10 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
 
   progress.now("looking for the equilibrium");
   ModesAnswer answer;
-  answer.rest = solve(statics, options);
-  if (answer.rest.found()) {
+  answer.equilibrium = solve(statics, options);
+  if (answer.equilibrium.found()) {
     progress.now("analysing small motions");
-    answer.x = motion_coordinates(model, statics, answer.rest.x);
+    answer.x = motion_coordinates(model, statics, answer.equilibrium.x);
     answer.modes = modes_of(model, answer.x);
   }
   progress.now("writing the result");

@@ -85,13 +85,13 @@ void print(const Request& request, const Result& result, const std::string& writ
 
 Answer search(const StaticModel& model, const SolveOptions& options, Progress& progress) {
   progress.now("searching by " + to_string(options.method));
-  Equilibrium rest = solve(model, options);
-  if (rest.found()) progress.now("refining the answer of " + to_string(options.method) + " in 50 digits");
-  return measure(model, std::move(rest));
+  Equilibrium equilibrium = solve(model, options);
+  if (equilibrium.found()) progress.now("refining the answer of " + to_string(options.method) + " in 50 digits");
+  return measure(model, std::move(equilibrium));
 }
 
 std::string picture(const StaticModel& model, const Answer& answer) {
-  return draw_svg(model, answer.rest, assemble(model));
+  return draw_svg(model, answer.equilibrium, assemble(model));
 }
 
 void print(const std::string& text) {

@@ -31,14 +31,14 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
 
   const Result result = solve_result(model, answer, request.settings);
   std::string written;
-  if (answer.rest.status != Status::interrupted) {
+  if (answer.equilibrium.status != Status::interrupted) {
     progress.now("writing the result");
     const bool drawn = files.wants_svg() && answer.readings;
     written = files.write(result, drawn ? picture(model, answer) : "");
   }
   progress.done();
   print(request, result, written, palette);
-  return answer.rest.found() ? solved : not_solved;
+  return answer.equilibrium.found() ? solved : not_solved;
 }
 
 }  // namespace

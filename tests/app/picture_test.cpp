@@ -72,8 +72,8 @@ std::vector<Vec2> joints_of(const std::string& svg) {
 }
 
 std::string picture_of(const test::PlantedMechanism& planted) {
-  const StaticModel model(planted.at_rest);
-  const std::vector<double> x = model.from_si(planted.rest);
+  const StaticModel model(planted.in_equilibrium);
+  const std::vector<double> x = model.from_si(planted.equilibrium);
   return draw_mechanism(model.scene(), {.poses = model.poses(x), .reactions = check(model, x).reactions});
 }
 
@@ -295,9 +295,9 @@ TEST(Picture, ShowsWhatADriveGives) {
 
 TEST(Picture, PoseWithoutExtentIsDrawn) {
   const StaticModel model(parse_scene(app_tests::against_the_stop, "stop.toml"));
-  const Equilibrium rest = solve(model);
-  ASSERT_TRUE(rest.found()) << rest.why;
-  const std::string svg = draw_svg(model, rest, {});
+  const Equilibrium equilibrium = solve(model);
+  ASSERT_TRUE(equilibrium.found()) << equilibrium.why;
+  const std::string svg = draw_svg(model, equilibrium, {});
   EXPECT_EQ(app_tests::objection_to_xml(svg), "");
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   EXPECT_NE(svg.find("end: 7 N"), std::string::npos);
@@ -306,10 +306,11 @@ TEST(Picture, PoseWithoutExtentIsDrawn) {
 
 TEST(Picture, ShadowShowsWhereItStarted) {
   const StaticModel model(parse_scene(app_tests::pendulum, "pendulum.toml"));
-  const Equilibrium rest = solve(model);
-  ASSERT_TRUE(rest.found()) << rest.why;
-  EXPECT_NE(draw_svg(model, rest, model.start()).find("starting position"), std::string::npos);
-  EXPECT_EQ(draw_svg(model, rest, rest.x).find("starting position"), std::string::npos) << "it did not move";
+  const Equilibrium equilibrium = solve(model);
+  ASSERT_TRUE(equilibrium.found()) << equilibrium.why;
+  EXPECT_NE(draw_svg(model, equilibrium, model.start()).find("starting position"), std::string::npos);
+  EXPECT_EQ(draw_svg(model, equilibrium, equilibrium.x).find("starting position"), std::string::npos)
+      << "it did not move";
 }
 
 }  // namespace

@@ -13,22 +13,23 @@ namespace poise::app_tests {
 namespace {
 
 using nlohmann::json;
-using test::both_rests;
+using test::both_equilibria;
 using test::toy_case;
-using test::toy_rest;
+using test::toy_equilibrium;
 using test::ToyCatalogue;
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 std::string sound_cases() {
-  return toy_case("hanging", "pendulum", "complete = true\nseek = \"stable\"\nstarts = 20\n" + both_rests()) +
-         toy_case("jet", "follower", "complete = true\nreach = 0.5\nstarts = 20\n" + toy_rest("rod", "1.0", "stable")) +
+  return toy_case("hanging", "pendulum", "complete = true\nseek = \"stable\"\nstarts = 20\n" + both_equilibria()) +
+         toy_case("jet", "follower",
+                  "complete = true\nreach = 0.5\nstarts = 20\n" + toy_equilibrium("rod", "1.0", "stable")) +
          toy_case("away", "runaway", "expect = \"none\"\nstarts = 20\nwhy = \"nothing holds the block\"\n");
 }
 
 // The list says that the rests are where they are not.
 std::string unsound_cases() {
-  return toy_case("bent", "pendulum", "complete = true\nstarts = 20\n" + toy_rest("rod", "0.5", "stable"));
+  return toy_case("bent", "pendulum", "complete = true\nstarts = 20\n" + toy_equilibrium("rod", "0.5", "stable"));
 }
 
 Outcome run_stress(const ToyCatalogue& catalogue, std::vector<std::string> arguments) {

@@ -10,9 +10,9 @@
 namespace poise::comparison {
 namespace {
 
-using test::both_rests;
+using test::both_equilibria;
 using test::toy_case;
-using test::toy_rest;
+using test::toy_equilibrium;
 using test::ToyCatalogue;
 
 // What reading throws, without the folder; empty where it does not.
@@ -33,14 +33,16 @@ std::string objection(const ToyCatalogue& catalogue) {
 std::string objection_to(const std::string& cases) { return objection(ToyCatalogue(cases)); }
 
 // Lines of toy_case: [[case]] is line 2 of the file, `rest` begins in line 7.
-std::string objection_to_rest(const std::string& rest) { return objection_to(toy_case("toy", "pendulum", rest)); }
+std::string objection_to_equilibrium(const std::string& equilibrium) {
+  return objection_to(toy_case("toy", "pendulum", equilibrium));
+}
 
 TEST(Catalogue, ReadsAllKeys) {
   const ToyCatalogue catalogue(
       toy_case("first", "pendulum",
                "set = { \"load.P\" = 2.5, \"start.rod\" = 0.1 }\nseek = \"stable\"\nstarts = 20\nreach = 0.5\n"
                "complete = true\nturns_count = true\n" +
-                   both_rests()) +
+                   both_equilibria()) +
       toy_case("second", "runaway", "expect = \"none\"\nwhy = \"it runs away\"\n") +
       toy_case("third", "against_the_stop",
                "[[case.equilibrium]]\ntravels = { rail = 0.25 }\nstability = \"stable\"\n"));
@@ -141,22 +143,22 @@ TEST(Catalogue, ReportsErrorsInACase) {
   EXPECT_EQ(objection_to(head), "toy.cases.toml:2: case \"toy\": expected one of the keys scene, series");
   EXPECT_EQ(objection_to(head + "scene = \"pendulum.toml\"\nseries = \"hanging chain\"\n"),
             "toy.cases.toml:2: case \"toy\": expected one of the keys scene, series");
-  EXPECT_EQ(objection_to_rest("stars = 10\n"),
+  EXPECT_EQ(objection_to_equilibrium("stars = 10\n"),
             "toy.cases.toml:7: case \"toy\".stars: expected one of the keys name, title, source, scene, series, size, "
             "set, seek, expect, why, starts, reach, complete, turns_count, everywhere, equilibrium; did you mean "
             "\"starts\"?");
-  EXPECT_EQ(objection_to_rest("starts = 0\n"),
+  EXPECT_EQ(objection_to_equilibrium("starts = 0\n"),
             "toy.cases.toml:7: case \"toy\".starts: expected a whole number from 1 to 2^53");
-  EXPECT_EQ(objection_to_rest("starts = 3000000000\n"),
+  EXPECT_EQ(objection_to_equilibrium("starts = 3000000000\n"),
             "toy.cases.toml:7: case \"toy\".starts: expected at most 2^31 - 1");
-  EXPECT_EQ(objection_to_rest("reach = -1\n"),
+  EXPECT_EQ(objection_to_equilibrium("reach = -1\n"),
             "toy.cases.toml:7: case \"toy\".reach: expected a finite number >= 0, found -1");
-  EXPECT_EQ(objection_to_rest("seek = \"stabel\"\n"),
+  EXPECT_EQ(objection_to_equilibrium("seek = \"stabel\"\n"),
             "toy.cases.toml:7: case \"toy\".seek: expected one of nearest, stable, found \"stabel\"; did you mean "
             "\"stable\"?");
-  EXPECT_EQ(objection_to_rest("expect = \"nothing\"\n"),
+  EXPECT_EQ(objection_to_equilibrium("expect = \"nothing\"\n"),
             "toy.cases.toml:7: case \"toy\".expect: expected one of equilibrium, locked, none, found \"nothing\"");
-  EXPECT_EQ(objection_to_rest("complete = \"yes\"\n"),
+  EXPECT_EQ(objection_to_equilibrium("complete = \"yes\"\n"),
             "toy.cases.toml:7: case \"toy\".complete: expected true or false, without quotes");
 }
 
@@ -164,13 +166,13 @@ TEST(Catalogue, ReportsErrorsInAScene) {
   EXPECT_EQ(objection_to(toy_case("toy", "pendulums")),
             "toy.cases.toml:6: case \"toy\".scene: expected a scene file, relative to this file; there is no "
             "\"pendulums.toml\"");
-  EXPECT_EQ(objection_to_rest("size = 3\n"),
+  EXPECT_EQ(objection_to_equilibrium("size = 3\n"),
             "toy.cases.toml:7: case \"toy\".size: expected no size with a scene; series have one");
-  EXPECT_EQ(objection_to_rest("set = { \"load.Q\" = 1 }\n").substr(0, 50),
+  EXPECT_EQ(objection_to_equilibrium("set = { \"load.Q\" = 1 }\n").substr(0, 50),
             "toy.cases.toml:7: case \"toy\".set: load.Q: expected");
-  EXPECT_EQ(objection_to_rest("set = { \"load.P\" = -1 }\n"),
+  EXPECT_EQ(objection_to_equilibrium("set = { \"load.P\" = -1 }\n"),
             "toy.cases.toml:7: case \"toy\".set: load.P: expected a finite number >= 0, found -1");
-  EXPECT_EQ(objection_to_rest("set = { load.P = 1 }\n"),
+  EXPECT_EQ(objection_to_equilibrium("set = { load.P = 1 }\n"),
             "toy.cases.toml:7: case \"toy\".set.load: expected a number; put the path in quotes: \"body.NAME.mass\" = "
             "2");
   const ToyCatalogue catalogue(toy_case("toy", "pendulum"));
@@ -192,7 +194,7 @@ TEST(Catalogue, ReportsErrorsInASeries) {
 }
 
 TEST(Catalogue, ReportsErrorsInAnEquilibrium) {
-  const auto with = [](const std::string& text) { return objection_to_rest("[[case.equilibrium]]\n" + text); };
+  const auto with = [](const std::string& text) { return objection_to_equilibrium("[[case.equilibrium]]\n" + text); };
   const std::string at = "toy.cases.toml:7: case \"toy\".equilibrium 1: ";
   EXPECT_EQ(with("stability = \"stable\"\n"), at + "expected an angle or a travel; add angles = { BODY = NUMBER }");
   EXPECT_EQ(with("angles = { rod = 1 }\n"), at + "expected the key stability; add stability = \"...\"");
@@ -217,26 +219,28 @@ TEST(Catalogue, ReportsErrorsInAnEquilibrium) {
 TEST(Catalogue, RejectsContradictions) {
   const std::string none = "expect = \"none\"\n", locked = "expect = \"locked\"\n";
   const std::string why = "why = \"because\"\n";
-  EXPECT_EQ(objection_to_rest(none),
+  EXPECT_EQ(objection_to_equilibrium(none),
             "toy.cases.toml:2: case \"toy\": expected the key why, the reason to report; add why = \"...\"");
   for (const std::string& expect : {none, locked}) {
-    EXPECT_EQ(objection_to_rest(expect + why), "");
-    EXPECT_TRUE(objection_to_rest(expect + why + both_rests()).ends_with("remove it or the key expect"));
-    EXPECT_TRUE(objection_to_rest(expect + why + "complete = true\n").ends_with("remove it or the key expect"));
-    EXPECT_TRUE(objection_to_rest(expect + why + "everywhere = true\n").ends_with("remove it or the key expect"));
+    EXPECT_EQ(objection_to_equilibrium(expect + why), "");
+    EXPECT_TRUE(objection_to_equilibrium(expect + why + both_equilibria()).ends_with("remove it or the key expect"));
+    EXPECT_TRUE(objection_to_equilibrium(expect + why + "complete = true\n").ends_with("remove it or the key expect"));
+    EXPECT_TRUE(
+        objection_to_equilibrium(expect + why + "everywhere = true\n").ends_with("remove it or the key expect"));
   }
-  EXPECT_EQ(objection_to_rest(why),
+  EXPECT_EQ(objection_to_equilibrium(why),
             "toy.cases.toml:7: case \"toy\".why: expected no such key in a case with an equilibrium; it gives the "
             "reason why there is none");
-  EXPECT_EQ(objection_to_rest("complete = true\n"),
+  EXPECT_EQ(objection_to_equilibrium("complete = true\n"),
             "toy.cases.toml:7: case \"toy\".complete: expected an equilibrium in a complete list; add "
             "[[case.equilibrium]]");
-  EXPECT_EQ(objection_to_rest("complete = true\nseek = \"stable\"\n" + toy_rest("rod", "1.5", "unstable")),
-            "toy.cases.toml:8: case \"toy\".seek: expected at least one equilibrium in the list that is not "
-            "unstable");
-  EXPECT_EQ(objection_to_rest("everywhere = true\ncomplete = true\n"),
+  EXPECT_EQ(
+      objection_to_equilibrium("complete = true\nseek = \"stable\"\n" + toy_equilibrium("rod", "1.5", "unstable")),
+      "toy.cases.toml:8: case \"toy\".seek: expected at least one equilibrium in the list that is not "
+      "unstable");
+  EXPECT_EQ(objection_to_equilibrium("everywhere = true\ncomplete = true\n"),
             "toy.cases.toml:8: case \"toy\".complete: expected no such key if every closed pose is an equilibrium");
-  EXPECT_NE(objection_to_rest("everywhere = true\n" + both_rests()), "");
+  EXPECT_NE(objection_to_equilibrium("everywhere = true\n" + both_equilibria()), "");
 }
 
 }  // namespace

@@ -13,11 +13,11 @@ Verdict converged_with(std::optional<double> error, std::optional<double> allowe
 
 TEST(Tally, TheLargestErrorSurvivesConvergedStartsWithoutOne) {
   Tally tally(Method::virtual_work);
-  const Equilibrium rest;
-  tally.add(rest, converged_with(1e-12, 1e-11));
-  tally.add(rest, converged_with(1e-9, 1e-8));
-  tally.add(rest, converged_with({}, {}));
-  tally.add(rest, converged_with(1e-13, 1e-7));
+  const Equilibrium equilibrium;
+  tally.add(equilibrium, converged_with(1e-12, 1e-11));
+  tally.add(equilibrium, converged_with(1e-9, 1e-8));
+  tally.add(equilibrium, converged_with({}, {}));
+  tally.add(equilibrium, converged_with(1e-13, 1e-7));
   const Cell cell = tally.cell();
   EXPECT_EQ(cell.converged, 4);
   EXPECT_EQ(cell.error, 1e-9);

@@ -15,16 +15,16 @@
 namespace poise::comparison {
 namespace {
 
-using test::both_rests;
+using test::both_equilibria;
 using test::toy_case;
-using test::toy_rest;
+using test::toy_equilibrium;
 using test::ToyCatalogue;
 
 constexpr int starts = 40;
 
 // One cell of the case with `rest` after its scene.
-Cell cell_of(const std::string& scene, const std::string& rest, Method method = Method::virtual_work) {
-  const ToyCatalogue catalogue(toy_case("toy", scene, rest));
+Cell cell_of(const std::string& scene, const std::string& equilibrium, Method method = Method::virtual_work) {
+  const ToyCatalogue catalogue(toy_case("toy", scene, equilibrium));
   StressOptions options;
   options.methods = {method};
   options.starts = starts;
@@ -51,7 +51,7 @@ void expect_all_false(const Cell& cell) {
 const std::string complete = "complete = true\n";
 
 TEST(Stress, APendulumConvergesToItsKnownEquilibria) {
-  const Cell nearest = cell_of("pendulum", complete + both_rests());
+  const Cell nearest = cell_of("pendulum", complete + both_equilibria());
   expect_all_converge(nearest);
   EXPECT_LT(nearest.error.value(), 1e-12);
   EXPECT_GT(nearest.iterations.value(), 0);
@@ -59,18 +59,18 @@ TEST(Stress, APendulumConvergesToItsKnownEquilibria) {
   // Torque (5 + 1) N * 2 m against the scaled curvature of order one: some units in the last place.
   EXPECT_GT(nearest.allowed.value(), 1e-15);
   EXPECT_LT(nearest.allowed.value(), 1e-13);
-  expect_all_converge(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_rests()));
-  expect_all_converge(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_rests(), Method::energy));
+  expect_all_converge(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_equilibria()));
+  expect_all_converge(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_equilibria(), Method::energy));
 }
 
 TEST(Stress, AnAnswerOfAWrongListIsWrong) {
-  expect_all_false(
-      cell_of("pendulum", complete + toy_rest("rod", "-1.570797", "stable") + toy_rest("rod", "1.570797", "unstable")));
+  expect_all_false(cell_of("pendulum", complete + toy_equilibrium("rod", "-1.570797", "stable") +
+                                           toy_equilibrium("rod", "1.570797", "unstable")));
   // The right places with each other's stability.
-  expect_all_false(cell_of("pendulum", complete + toy_rest("rod", test::hanging_down, "unstable") +
-                                           toy_rest("rod", test::standing_up, "stable")));
+  expect_all_false(cell_of("pendulum", complete + toy_equilibrium("rod", test::hanging_down, "unstable") +
+                                           toy_equilibrium("rod", test::standing_up, "stable")));
   // A list that is called complete and lacks one: half of the starts, about, go there.
-  const Cell lacks = cell_of("pendulum", complete + toy_rest("rod", test::hanging_down, "stable"));
+  const Cell lacks = cell_of("pendulum", complete + toy_equilibrium("rod", test::hanging_down, "stable"));
   EXPECT_GT(lacks.false_claims, starts / 5);
   EXPECT_GT(lacks.converged, starts / 5);
   EXPECT_EQ(lacks.false_claims + lacks.converged, starts);
@@ -78,28 +78,28 @@ TEST(Stress, AnAnswerOfAWrongListIsWrong) {
 
 TEST(Stress, ErrorsWithinTheBoundsOfTheCheckAreInexact) {
   // 1e-7 rad off, held by a curvature of a thousandth: an imbalance of 1e-10 of the load, which the check lets pass.
-  const std::string near = toy_rest("rod", "-1.5707962267948966", "stable");
+  const std::string near = toy_equilibrium("rod", "-1.5707962267948966", "stable");
   const Cell cell = cell_of("soft_pendulum", complete + "seek = \"stable\"\n" + near);
   EXPECT_EQ(cell.inexact, starts) << cell.why;
   EXPECT_EQ(cell.converged + cell.false_claims, 0);
   expect_all_false(
-      cell_of("soft_pendulum", complete + "seek = \"stable\"\n" + toy_rest("rod", "-1.57078632", "stable")));
+      cell_of("soft_pendulum", complete + "seek = \"stable\"\n" + toy_equilibrium("rod", "-1.57078632", "stable")));
 }
 
 TEST(Stress, FiftyDigitsDecideForAnOpenList) {
   expect_all_converge(cell_of("pendulum", ""));
-  expect_all_converge(cell_of("pendulum", toy_rest("rod", test::hanging_down, "stable")));
-  expect_all_converge(cell_of("pendulum", toy_rest("rod", "0.3", "stable")));
-  expect_all_false(cell_of("pendulum", "seek = \"stable\"\n" + toy_rest("rod", test::hanging_down, "unstable")));
+  expect_all_converge(cell_of("pendulum", toy_equilibrium("rod", test::hanging_down, "stable")));
+  expect_all_converge(cell_of("pendulum", toy_equilibrium("rod", "0.3", "stable")));
+  expect_all_false(cell_of("pendulum", "seek = \"stable\"\n" + toy_equilibrium("rod", test::hanging_down, "unstable")));
 }
 
 TEST(Stress, TurnsCountOnlyWhereTheyAreSaidTo) {
   const std::string once_around = complete + "seek = \"stable\"\nreach = 0.1\n";
-  const std::string turned = toy_rest("rod", "4.7123889803846898577", "stable");
+  const std::string turned = toy_equilibrium("rod", "4.7123889803846898577", "stable");
   expect_all_converge(cell_of("pendulum", once_around + turned));
   expect_all_false(cell_of("pendulum", once_around + "turns_count = true\n" + turned));
   expect_all_converge(
-      cell_of("pendulum", once_around + "turns_count = true\n" + toy_rest("rod", test::hanging_down, "stable")));
+      cell_of("pendulum", once_around + "turns_count = true\n" + toy_equilibrium("rod", test::hanging_down, "stable")));
 }
 
 TEST(Stress, TravelsAreComparedInMetres) {
@@ -116,18 +116,18 @@ TEST(Stress, WithoutEquilibriumNothingMayBeClaimed) {
   expect_all_converge(runs_away);
   EXPECT_FALSE(runs_away.why.empty());
   EXPECT_FALSE(runs_away.error);
-  const Cell rests = cell_of("pendulum", none);
-  expect_all_false(rests);
-  EXPECT_NE(rests.why.find("nothing holds it"), std::string::npos) << rests.why;
+  const Cell cell = cell_of("pendulum", none);
+  expect_all_false(cell);
+  EXPECT_NE(cell.why.find("nothing holds it"), std::string::npos) << cell.why;
 }
 
 TEST(Stress, ASingularConfigurationHasToBeSaid) {
   const std::string locked = "expect = \"locked\"\nwhy = \"no finite pull\"\nreach = 0\n";
   expect_all_converge(cell_of("taut_bars", locked));
   // The equilibrium is right, but the singular configuration is not reported.
-  const Cell rests = cell_of("pendulum", locked);
-  EXPECT_EQ(rests.converged + rests.false_claims, 0);
-  EXPECT_NE(rests.why.find("without a report that the start is locked"), std::string::npos) << rests.why;
+  const Cell cell = cell_of("pendulum", locked);
+  EXPECT_EQ(cell.converged + cell.false_claims, 0);
+  EXPECT_NE(cell.why.find("without a report that the start is locked"), std::string::npos) << cell.why;
   // Nor where nothing is confirmed.
   const Cell silent = cell_of("runaway", locked);
   EXPECT_EQ(silent.converged + silent.false_claims, 0);
@@ -139,7 +139,7 @@ TEST(Stress, EquilibriumEverywhereIsNeutral) {
 }
 
 TEST(Stress, ARefusalIsNoFailure) {
-  const std::string known = complete + "reach = 0.5\nturns_count = true\n" + toy_rest("rod", "1.0", "stable");
+  const std::string known = complete + "reach = 0.5\nturns_count = true\n" + toy_equilibrium("rod", "1.0", "stable");
   expect_all_converge(cell_of("follower", known));
   const Cell other = cell_of("follower", known, Method::energy);
   EXPECT_FALSE(other.applies);
@@ -147,12 +147,12 @@ TEST(Stress, ARefusalIsNoFailure) {
   EXPECT_NE(other.why.find("jet"), std::string::npos) << other.why;
   EXPECT_FALSE(other.iterations || other.microseconds);
   // The stability found must be exactly the known one.
-  expect_all_false(cell_of("follower", complete + "reach = 0.5\n" + toy_rest("rod", "1.0", "unknown")));
+  expect_all_false(cell_of("follower", complete + "reach = 0.5\n" + toy_equilibrium("rod", "1.0", "unknown")));
 }
 
 TEST(Stress, StartsAreSeededByTheNameOfTheCase) {
-  const std::string rest = complete + both_rests();
-  const ToyCatalogue catalogue(toy_case("a", "pendulum", rest) + toy_case("b", "pendulum", rest));
+  const std::string equilibrium = complete + both_equilibria();
+  const ToyCatalogue catalogue(toy_case("a", "pendulum", equilibrium) + toy_case("b", "pendulum", equilibrium));
   StressOptions options;
   options.methods = {Method::virtual_work};
   options.starts = 200;
@@ -213,7 +213,7 @@ TEST(Stress, AnInterruptKeepsWhatThereIs) {
 }
 
 TEST(Stress, SafeguardsAreSwitchedOffOneByOne) {
-  const ToyCatalogue catalogue(toy_case("toy", "pendulum", complete + "seek = \"stable\"\n" + both_rests()));
+  const ToyCatalogue catalogue(toy_case("toy", "pendulum", complete + "seek = \"stable\"\n" + both_equilibria()));
   StressOptions options;
   options.starts = starts;
   options.seconds = 10;
@@ -238,10 +238,10 @@ TEST(Stress, WithoutScalingTheAnswerIsTheSamePlace) {
   for (const bool scaling : {true, false}) {
     SolveOptions options;
     options.scaling = scaling;
-    const Equilibrium rest = solve(model, {-1.2}, options);
-    ASSERT_EQ(rest.x.size(), 1U);
-    EXPECT_TRUE(rest.found()) << rest.why;
-    EXPECT_NEAR(rest.x[0], -M_PI / 2, 1e-12) << scaling;
+    const Equilibrium equilibrium = solve(model, {-1.2}, options);
+    ASSERT_EQ(equilibrium.x.size(), 1U);
+    EXPECT_TRUE(equilibrium.found()) << equilibrium.why;
+    EXPECT_NEAR(equilibrium.x[0], -M_PI / 2, 1e-12) << scaling;
   }
 }
 
@@ -264,12 +264,12 @@ TEST(Stress, UnknownNamesOfASeriesAreReported) {
 class CaseCheckTest : public testing::Test {
  protected:
   Verdict verdict_on(double angle, Stability stability, std::optional<double> accuracy = 1e-14) const {
-    Equilibrium rest;
-    rest.status = Status::confirmed;
-    rest.x = {angle};
-    rest.check.stability = stability;
-    rest.check.accuracy = accuracy;
-    return CaseCheck(hard, model).verdict_on(rest);
+    Equilibrium equilibrium;
+    equilibrium.status = Status::confirmed;
+    equilibrium.x = {angle};
+    equilibrium.check.stability = stability;
+    equilibrium.check.accuracy = accuracy;
+    return CaseCheck(hard, model).verdict_on(equilibrium);
   }
 
   static Scene scene() { return parse_scene(app_tests::pendulum, "pendulum.toml"); }
@@ -305,35 +305,35 @@ TEST_F(CaseCheckTest, NoConditionExcusesAnotherPlace) {
 
 TEST_F(CaseCheckTest, AnEquilibriumBeyondASingularConfigurationMustBeConfirmed) {
   hard.expect = Expect::locked;
-  Equilibrium rest;
-  rest.status = Status::confirmed;
-  rest.met_singular = true;
-  rest.x = {-M_PI / 2};
-  rest.check.accuracy = 1e-14;
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::converged);
-  rest.x = {-1.0};
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::false_claim);
+  Equilibrium equilibrium;
+  equilibrium.status = Status::confirmed;
+  equilibrium.met_singular = true;
+  equilibrium.x = {-M_PI / 2};
+  equilibrium.check.accuracy = 1e-14;
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::converged);
+  equilibrium.x = {-1.0};
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::false_claim);
 }
 
 TEST_F(CaseCheckTest, DistinguishesUnconfirmedClaimsFromFailures) {
   hard.known = {{{{"rod", 0.1}}, {}, Stability::stable}};
-  Equilibrium rest;
-  rest.x = {0.1};
-  rest.why = "it stopped";
-  rest.status = Status::refuted;
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::denied_by_check);
-  rest.status = Status::not_found;
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::failed);
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).why, "it stopped");
+  Equilibrium equilibrium;
+  equilibrium.x = {0.1};
+  equilibrium.why = "it stopped";
+  equilibrium.status = Status::not_confirmed;
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::denied_by_check);
+  equilibrium.status = Status::not_found;
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::failed);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).why, "it stopped");
   hard.known.clear();
   hard.expect = Expect::none;
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::converged);
-  rest.status = Status::refuted;
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::denied_by_check);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::converged);
+  equilibrium.status = Status::not_confirmed;
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::denied_by_check);
   hard.expect = Expect::locked;
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::denied_by_check);
-  rest.check.singular = true;
-  EXPECT_EQ(CaseCheck(hard, model).verdict_on(rest).kind, Verdict::Kind::converged);
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::denied_by_check);
+  equilibrium.check.singular = true;
+  EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::converged);
 }
 
 TEST(Median, IsTheMiddle) {

@@ -81,13 +81,13 @@ class ToyCatalogue {
 };
 
 /// [[case]] with what every case has, and then `rest`.
-inline std::string toy_case(const std::string& name, const std::string& scene, const std::string& rest = "") {
+inline std::string toy_case(const std::string& name, const std::string& scene, const std::string& more = "") {
   return "[[case]]\nname = \"" + name + "\"\ntitle = \"Toy\"\nsource = \"ours\"\nscene = \"" + scene + ".toml\"\n" +
-         rest + "\n";
+         more + "\n";
 }
 
 /// A known equilibrium of that body.
-inline std::string toy_rest(const std::string& body, const std::string& angle, const std::string& stability) {
+inline std::string toy_equilibrium(const std::string& body, const std::string& angle, const std::string& stability) {
   return "[[case.equilibrium]]\nangles = { " + body + " = " + angle + " }\nstability = \"" + stability + "\"\n";
 }
 
@@ -95,8 +95,8 @@ inline constexpr const char* hanging_down = "-1.5707963267948966192";
 inline constexpr const char* standing_up = "1.5707963267948966192";
 
 /// Both equilibria of a pendulum.
-inline std::string both_rests() {
-  return toy_rest("rod", hanging_down, "stable") + toy_rest("rod", standing_up, "unstable");
+inline std::string both_equilibria() {
+  return toy_equilibrium("rod", hanging_down, "stable") + toy_equilibrium("rod", standing_up, "unstable");
 }
 
 }  // namespace poise::test

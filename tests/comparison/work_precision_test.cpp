@@ -60,12 +60,12 @@ TEST(WorkPrecision, ErrorsOfAPendulumAreThoseFromItsClosedForm) {
   const StaticModel model = model_of(app_tests::pendulum);
   const WorkPrecision result = measure(model, independent, decades);
   ASSERT_EQ(result.equilibria.size(), 1U);
-  const ReferenceEquilibrium& rest = result.equilibria.front();
-  EXPECT_DOUBLE_EQ(rest.x.front(), -M_PI / 2);
-  EXPECT_GE(rest.digits, 40);
-  EXPECT_EQ(rest.stability, Stability::stable);
-  EXPECT_EQ(rest.found_by, independent);
-  EXPECT_FALSE(rest.neutral);
+  const ReferenceEquilibrium& equilibrium = result.equilibria.front();
+  EXPECT_DOUBLE_EQ(equilibrium.x.front(), -M_PI / 2);
+  EXPECT_GE(equilibrium.digits, 40);
+  EXPECT_EQ(equilibrium.stability, Stability::stable);
+  EXPECT_EQ(equilibrium.found_by, independent);
+  EXPECT_FALSE(equilibrium.neutral);
   EXPECT_FALSE(result.interrupted);
   EXPECT_TRUE(result.not_applicable.empty());
   ASSERT_EQ(result.rows.size(), 2 * decades.size());

@@ -179,21 +179,22 @@ TEST(ReadRuns, RefusesRuns) {
 }
 
 TEST(ReadRuns, RefusesPosesOfRest) {
-  const auto refused_rest = [](const std::string& keys) {
+  const auto refused_equilibrium = [](const std::string& keys) {
     return refused_run("duration = 2\nrate = 100\nrest = { " + keys + " }\n");
   };
   const std::string place = "experiment.toml:9: run 1.rest";
   const std::string by = ", by = \"spring.coil.free_length\"";
-  EXPECT_EQ(refused_rest("at = 1" + by), place + ": expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
-  EXPECT_EQ(refused_rest("angle = \"rod\", travel = \"rail\", at = 1" + by),
+  EXPECT_EQ(refused_equilibrium("at = 1" + by),
             place + ": expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
-  EXPECT_EQ(refused_rest("angle = \"rod\"" + by), place + ": expected the key at; add at = NUMBER");
-  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1"), place + ": expected the key by; add by = \"...\"");
-  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, fixed = true" + by),
+  EXPECT_EQ(refused_equilibrium("angle = \"rod\", travel = \"rail\", at = 1" + by),
+            place + ": expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
+  EXPECT_EQ(refused_equilibrium("angle = \"rod\"" + by), place + ": expected the key at; add at = NUMBER");
+  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1"), place + ": expected the key by; add by = \"...\"");
+  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1, fixed = true" + by),
             place + ".fixed: expected one of the keys angle, travel, at, by, known");
-  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, known = 0" + by),
+  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1, known = 0" + by),
             place + ".known: expected true or false, without quotes");
-  EXPECT_EQ(refused_rest("angle = \"rod\", at = 1, by = \"spring.coil.stiffness\""),
+  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1, by = \"spring.coil.stiffness\""),
             place +
                 ".by: expected spring.NAME.free_length or torsion_spring.NAME.free_angle, found "
                 "\"spring.coil.stiffness\"; known here: spring.coil.free_length, torsion_spring.wrap.free_angle");

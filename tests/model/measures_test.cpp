@@ -89,7 +89,7 @@ void for_measures(const std::function<void(const Scene&, const Layout&, const Me
       const auto seed = static_cast<std::uint64_t>(100 * loops + k);
       SCOPED_TRACE("seed " + std::to_string(seed));
       Random random(seed);
-      Scene scene = test::plant_mechanism(seed, {.loops = loops}).at_rest;
+      Scene scene = test::plant_mechanism(seed, {.loops = loops}).in_equilibrium;
       const std::vector<NamedMeasure> measures = measures_of(scene, random);
       const Purpose purpose = k % 2 == 0 ? Purpose::statics : Purpose::dynamics;
       const Mechanism<double> mechanism(scene, purpose);
@@ -129,14 +129,15 @@ TEST(Measures, AreWhatThePlacesOfTheBodiesSayWhereLoopsClose) {
       SCOPED_TRACE("seed " + std::to_string(seed));
       Random random(seed);
       const test::PlantedMechanism planted = test::plant_mechanism(seed, {.loops = loops});
-      Scene scene = planted.at_rest;
+      Scene scene = planted.in_equilibrium;
       const std::vector<NamedMeasure> measures = measures_of(scene, random);
       const Mechanism<double> mechanism(scene);
-      ASSERT_EQ(mechanism.coordinates(), static_cast<int>(planted.rest.size()));
+      ASSERT_EQ(mechanism.coordinates(), static_cast<int>(planted.equilibrium.size()));
       for (const auto& [name, measure] : measures) {
         SCOPED_TRACE(name);
         Placed<double> placed(scene, mechanism.layout(), measure);
-        EXPECT_NEAR(placed.value(planted.rest), test::measured(scene, measure, mechanism.poses(planted.rest.data())),
+        EXPECT_NEAR(placed.value(planted.equilibrium),
+                    test::measured(scene, measure, mechanism.poses(planted.equilibrium.data())),
                     1e-12 * (1 + mechanism.layout().size));
       }
     }

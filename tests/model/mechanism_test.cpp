@@ -128,7 +128,7 @@ TEST(MechanismDerivatives, OfRandomMechanismsMatchDifferences) {
   for_random_mechanisms(6, [](const PlantedMechanism& planted, Random& random) {
     const StaticModel model(planted.scene);
     for (const double by : {0.01, 1.0}) {
-      expect_derivatives(model.mechanism(), shaken(model.from_si(planted.rest), by, random), random);
+      expect_derivatives(model.mechanism(), shaken(model.from_si(planted.equilibrium), by, random), random);
     }
   });
 }
@@ -143,7 +143,7 @@ TEST(MechanismDerivatives, OfDataSetsMatchDifferences) {
 // The same with elements, and stops, upon every kind of measure.
 void for_every_measure(const std::function<void(const Scene&, Random&)>& expect) {
   for_random_mechanisms(3, [&](const PlantedMechanism& planted, Random& random) {
-    Scene scene = planted.at_rest;
+    Scene scene = planted.in_equilibrium;
     test::add_elements_upon_every_measure(scene, random);
     for (const auto& [name, measure] : test::measures_of(scene, random)) {
       Stop& stop = scene.stops.emplace_back();
@@ -209,7 +209,7 @@ TEST(Mechanism, StopsAreMeasuredBetweenThePlacesOfBodies) {
   for_random_mechanisms(6, [](const PlantedMechanism& planted, Random& random) {
     const Mechanism<double> mechanism(planted.scene);
     // Travels of joints that close a loop are theirs only where the loop closes.
-    VectorXd q = shaken(planted.rest, 0.0, random);
+    VectorXd q = shaken(planted.equilibrium, 0.0, random);
     for (int pass = 0; pass < 2; ++pass) {
       const VectorXd c = constraint(mechanism, q);
       const test::Poses poses = mechanism.poses(q.data());
@@ -222,7 +222,7 @@ TEST(Mechanism, StopsAreMeasuredBetweenThePlacesOfBodies) {
         EXPECT_EQ(mechanism.lower()[s], stop.min);
         EXPECT_EQ(mechanism.upper()[s], stop.max);
       }
-      q = shaken(planted.rest, 1.0, random);
+      q = shaken(planted.equilibrium, 1.0, random);
     }
   });
 }
@@ -248,7 +248,7 @@ void for_open_chains(const std::function<void(const Scene&, Random&)>& expect) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
-    Scene scene = test::plant_mechanism(seed, {.loops = 0}).at_rest;
+    Scene scene = test::plant_mechanism(seed, {.loops = 0}).in_equilibrium;
     test::add_elements_upon_every_measure(scene, random);
     expect(scene, random);
   }

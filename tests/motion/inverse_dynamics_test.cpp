@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "motion/equilibrium_pose.hpp"
 #include "motion/kinematics.hpp"
 #include "motion/reduced_motion.hpp"
-#include "motion/rest_pose.hpp"
 #include "statics/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
@@ -251,7 +251,7 @@ TEST(InverseDynamics, FreeMotionsOfRandomMechanismsAreInBalance) {
     test::Wish wish;
     wish.loops = static_cast<int>(seed % 3);
     wish.followers = seed % 5 == 0;
-    Scene scene = test::plant_mechanism(seed, wish).at_rest;
+    Scene scene = test::plant_mechanism(seed, wish).in_equilibrium;
     for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
       scene.bodies[i].mass += 0.5;
       scene.bodies[i].inertia += 0.1;

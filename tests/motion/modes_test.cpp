@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "motion/equilibrium_pose.hpp"
 #include "motion/kinematics.hpp"
-#include "motion/rest_pose.hpp"
 #include "statics/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
@@ -19,12 +19,12 @@ using nlohmann::json;
 using Kind = Vibration::Kind;
 
 // The modes about the equilibrium next to the scene's start.
-Modes modes_at_rest(const Scene& scene) {
+Modes modes_at_equilibrium(const Scene& scene) {
   const StaticModel statics(scene);
   const MotionModel motion(scene);
-  const Equilibrium rest = solve(statics);
-  EXPECT_TRUE(rest.found()) << rest.why;
-  return modes_of(motion, motion_coordinates(motion, statics, rest.x));
+  const Equilibrium equilibrium = solve(statics);
+  EXPECT_TRUE(equilibrium.found()) << equilibrium.why;
+  return modes_of(motion, motion_coordinates(motion, statics, equilibrium.x));
 }
 
 // A compound pendulum on ground.O: centre of mass 0.4 m out, 3 kg, 0.2 kg m^2.
@@ -64,19 +64,19 @@ void add_damper(Scene& scene, const std::string& a, const std::string& b, double
 }
 
 TEST(Modes, PendulumSwingsByItsMomentAboutThePin) {
-  const Modes modes = modes_at_rest(pendulum(-1.2));
+  const Modes modes = modes_at_equilibrium(pendulum(-1.2));
   ASSERT_TRUE(modes.known);
   ASSERT_EQ(modes.vibrations.size(), 1u);
   const double moment = 0.2 + 3.0 * 0.4 * 0.4;
   const double omega = std::sqrt(3.0 * 9.81 * 0.4 / moment);
-  EXPECT_EQ(modes.vibrations[0].kind, Kind::swings);
+  EXPECT_EQ(modes.vibrations[0].kind, Kind::oscillates);
   EXPECT_NEAR(modes.vibrations[0].frequency, omega / (2 * M_PI), 1e-14);
   EXPECT_NEAR(modes.vibrations[0].shape[0].real(), 1 / std::sqrt(moment), 1e-14);
   EXPECT_EQ(modes.vibrations[0].damping_ratio, 0.0);
 }
 
 TEST(Modes, PendulumOnItsHeadLeavesAtTheSameRate) {
-  const Modes modes = modes_at_rest(pendulum(M_PI / 2));
+  const Modes modes = modes_at_equilibrium(pendulum(M_PI / 2));
   ASSERT_EQ(modes.vibrations.size(), 1u);
   const double moment = 0.2 + 3.0 * 0.4 * 0.4;
   EXPECT_EQ(modes.vibrations[0].kind, Kind::diverges);
@@ -94,7 +94,7 @@ TEST(Modes, DoublePendulumHasItsTwoFrequencies) {
     scene.bodies[i].inertia = 0.0;
     scene.start.angle[i] = -1.4;
   }
-  const Modes modes = modes_at_rest(scene);
+  const Modes modes = modes_at_equilibrium(scene);
   ASSERT_EQ(modes.vibrations.size(), 2u);
   for (int k = 0; k < 2; ++k) {
     const double sign = k == 0 ? -1.0 : 1.0;
@@ -106,7 +106,7 @@ TEST(Modes, DoublePendulumHasItsTwoFrequencies) {
 
 TEST(Modes, SpringMassChainHasTheFrequenciesOfAFixedFreeChain) {
   constexpr int count = 6;
-  const Modes modes = modes_at_rest(spring_mass_chain(count, 0.3, 70.0));
+  const Modes modes = modes_at_equilibrium(spring_mass_chain(count, 0.3, 70.0));
   ASSERT_EQ(modes.vibrations.size(), static_cast<std::size_t>(count));
   for (int j = 1; j <= count; ++j) {
     const double omega = 2 * std::sqrt(70.0 / 0.3) * std::sin((2 * j - 1) * M_PI / (2.0 * (2 * count + 1)));
@@ -117,8 +117,8 @@ TEST(Modes, SpringMassChainHasTheFrequenciesOfAFixedFreeChain) {
 TEST(Modes, StatesDampingRatioAndDampedFrequency) {
   Scene scene = spring_mass_chain(1, 2.0, 50.0);
   add_damper(scene, "ground.O", "1.c", 4.0);
-  const Vibration mode = modes_at_rest(scene).vibrations.at(0);
-  EXPECT_EQ(mode.kind, Kind::swings);
+  const Vibration mode = modes_at_equilibrium(scene).vibrations.at(0);
+  EXPECT_EQ(mode.kind, Kind::oscillates);
   EXPECT_NEAR(mode.frequency, 5.0 / (2 * M_PI), 1e-14);
   EXPECT_NEAR(mode.damping_ratio, 0.2, 1e-14);
   EXPECT_NEAR(mode.damped_frequency, 5.0 * std::sqrt(1 - 0.04) / (2 * M_PI), 1e-14);
@@ -128,7 +128,7 @@ TEST(Modes, StatesDampingRatioAndDampedFrequency) {
 TEST(Modes, OverdampedMassDecaysAtTwoRates) {
   Scene scene = spring_mass_chain(1, 2.0, 50.0);
   add_damper(scene, "ground.O", "1.c", 52.0);  // s^2 + 26 s + 25 = (s + 1) (s + 25)
-  const Vibration mode = modes_at_rest(scene).vibrations.at(0);
+  const Vibration mode = modes_at_equilibrium(scene).vibrations.at(0);
   EXPECT_EQ(mode.kind, Kind::decays);
   EXPECT_NEAR(mode.growth, -1.0, 1e-12);
   EXPECT_NEAR(std::min(mode.roots[0].real(), mode.roots[1].real()), -25.0, 1e-12);
@@ -141,7 +141,7 @@ TEST(Modes, ExponentsSolveTheQuadraticEigenproblem) {
   constexpr double m = 0.5, k = 30.0, c = 1.7;
   Scene scene = spring_mass_chain(2, m, k);
   add_damper(scene, "1.c", "2.c", c);
-  const Modes modes = modes_at_rest(scene);
+  const Modes modes = modes_at_equilibrium(scene);
   ASSERT_EQ(modes.vibrations.size(), 2u);
   for (const Vibration& mode : modes.vibrations) {
     for (const std::complex<double>& s : mode.roots) {
@@ -158,32 +158,32 @@ TEST(Modes, ExponentsSolveTheQuadraticEigenproblem) {
 TEST(Modes, TorsionDamperTakesFromARelativeTurn) {
   Scene scene = pendulum(-1.5);
   scene.elements.push_back(test::torsion_damper("joint", 0, 1, 0.3));
-  const Vibration mode = modes_at_rest(scene).vibrations.at(0);
+  const Vibration mode = modes_at_equilibrium(scene).vibrations.at(0);
   EXPECT_NEAR(mode.growth, -0.3 / (2 * (0.2 + 3.0 * 0.4 * 0.4)), 1e-13);
 }
 
 TEST(Modes, FreeBlockIsNeutral) {
   Scene scene = spring_mass_chain(2, 1.0, 20.0);
   scene.elements.erase(scene.elements.begin());  // the pair may drift, and swings against itself
-  const Modes modes = modes_at_rest(scene);
+  const Modes modes = modes_at_equilibrium(scene);
   ASSERT_EQ(modes.vibrations.size(), 2u);
   EXPECT_EQ(modes.vibrations[0].kind, Kind::neutral);
   EXPECT_EQ(modes.vibrations[0].frequency, 0.0);
-  EXPECT_EQ(modes.vibrations[1].kind, Kind::swings);
+  EXPECT_EQ(modes.vibrations[1].kind, Kind::oscillates);
   EXPECT_NEAR(modes.vibrations[1].frequency, std::sqrt(2 * 20.0) / (2 * M_PI), 1e-13);
 }
 
 TEST(Modes, MasslessBlockFollowsItsSprings) {
   Scene scene = spring_mass_chain(2, 3.0, 40.0);
   scene.bodies[1].mass = 0.0;  // two springs in series hold the second block
-  const Modes modes = modes_at_rest(scene);
+  const Modes modes = modes_at_equilibrium(scene);
   ASSERT_TRUE(modes.known) << modes.why;
   EXPECT_EQ(modes.massless, 1);
   ASSERT_EQ(modes.vibrations.size(), 1u);
   EXPECT_NEAR(modes.vibrations[0].frequency, std::sqrt(20.0 / 3.0) / (2 * M_PI), 1e-13);
   EXPECT_NEAR((modes.vibrations[0].shape[0] / modes.vibrations[0].shape[1]).real(), 0.5, 1e-13);
   add_damper(scene, "ground.O", "1.c", 1.0);
-  const Modes damped = modes_at_rest(scene);
+  const Modes damped = modes_at_equilibrium(scene);
   EXPECT_FALSE(damped.known);
   EXPECT_NE(damped.why.find("\"x1\" is damped but has no inertia"), std::string::npos) << damped.why;
 }
@@ -193,13 +193,13 @@ TEST(Modes, SayWhatNeitherInertiaNorStiffnessHolds) {
   Scene scene = spring_mass_chain(3, 3.0, 40.0);
   scene.bodies[2].mass = scene.bodies[3].mass = 0.0;
   scene.elements.erase(scene.elements.begin() + 1);
-  const Modes modes = modes_at_rest(scene);
+  const Modes modes = modes_at_equilibrium(scene);
   EXPECT_FALSE(modes.known);
   EXPECT_NE(modes.why.find("has neither inertia nor stiffness"), std::string::npos) << modes.why;
 }
 
 TEST(Modes, SayWhereNothingHasInertia) {
-  const Modes modes = modes_at_rest(spring_mass_chain(1, 0.0, 5.0));
+  const Modes modes = modes_at_equilibrium(spring_mass_chain(1, 0.0, 5.0));
   EXPECT_FALSE(modes.known);
   EXPECT_NE(modes.why.find("has inertia"), std::string::npos) << modes.why;
 }
@@ -223,15 +223,15 @@ Scene ziegler(double load) {
 
 TEST(Modes, FollowerLoadFluttersBeyondZieglersLoad) {
   const double critical = 3.5 - std::sqrt(2.0);
-  const Modes before = modes_at_rest(ziegler(critical - 1e-6));
+  const Modes before = modes_at_equilibrium(ziegler(critical - 1e-6));
   ASSERT_EQ(before.vibrations.size(), 2u);
-  for (const Vibration& mode : before.vibrations) EXPECT_EQ(mode.kind, Kind::swings);
-  const Modes beyond = modes_at_rest(ziegler(critical + 1e-6));
+  for (const Vibration& mode : before.vibrations) EXPECT_EQ(mode.kind, Kind::oscillates);
+  const Modes beyond = modes_at_equilibrium(ziegler(critical + 1e-6));
   ASSERT_EQ(beyond.vibrations.size(), 2u);
   EXPECT_EQ(beyond.vibrations[0].kind, Kind::flutters);
   EXPECT_GT(beyond.vibrations[0].growth, 1e-4);
   // s^4 + (7/2 - P) s^2 + 1/2 = 0
-  const Modes light = modes_at_rest(ziegler(1.0));
+  const Modes light = modes_at_equilibrium(ziegler(1.0));
   for (const Vibration& mode : light.vibrations) {
     const double square = std::pow(2 * M_PI * mode.frequency, 2);
     EXPECT_NEAR(square * square - 2.5 * square + 0.5, 0.0, 1e-12);
@@ -244,9 +244,9 @@ TEST(Modes, LittleDampingLowersZieglersLoad) {
     Scene scene = ziegler(load);
     for (int i = 1; i <= 2; ++i)
       scene.elements.push_back(test::torsion_damper(std::string("c").append(std::to_string(i)), i - 1, i, 1e-3));
-    return modes_at_rest(scene);
+    return modes_at_equilibrium(scene);
   };
-  EXPECT_EQ(damped(41.0 / 28 - 1e-3).vibrations[0].kind, Kind::swings);
+  EXPECT_EQ(damped(41.0 / 28 - 1e-3).vibrations[0].kind, Kind::oscillates);
   EXPECT_EQ(damped(41.0 / 28 + 1e-3).vibrations[0].kind, Kind::flutters);
 }
 
@@ -259,7 +259,7 @@ TEST(Modes, PressingStopHolds) {
   scene.stops.push_back(stop);
   scene.start.travel[0] = 0.9;
   scene.start.travel[1] = 1.4;
-  const Modes modes = modes_at_rest(scene);
+  const Modes modes = modes_at_equilibrium(scene);
   ASSERT_TRUE(modes.known) << modes.why;
   EXPECT_EQ(modes.held, 1);
   ASSERT_EQ(modes.vibrations.size(), 1u);
@@ -269,11 +269,11 @@ TEST(Modes, PressingStopHolds) {
 TEST(Modes, DoNotDependOnScales) {
   Scene scene = read_scene(test::dataset("lift.toml"));
   const StaticModel statics(scene);
-  const Equilibrium rest = solve(statics);
+  const Equilibrium equilibrium = solve(statics);
   const MotionModel motion(scene);
   const MotionModel other(scene, {motion.scales().length / 16, motion.scales().force * 32});
-  const Vibration a = modes_of(motion, motion_coordinates(motion, statics, rest.x)).vibrations.at(0);
-  const Vibration b = modes_of(other, motion_coordinates(other, statics, rest.x)).vibrations.at(0);
+  const Vibration a = modes_of(motion, motion_coordinates(motion, statics, equilibrium.x)).vibrations.at(0);
+  const Vibration b = modes_of(other, motion_coordinates(other, statics, equilibrium.x)).vibrations.at(0);
   EXPECT_NEAR(a.frequency, b.frequency, 1e-12 * a.frequency);
   EXPECT_NEAR(a.damping_ratio, b.damping_ratio, 1e-12 * a.damping_ratio);
   for (std::size_t i = 0; i < a.shape.size(); ++i) EXPECT_NEAR(std::abs(a.shape[i] - b.shape[i]), 0.0, 1e-13);
@@ -294,10 +294,10 @@ TEST(Modes, LiftSwingsAsItsReducedEquationSays) {
     for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.start.angle[i] = at.bodies[i].pose.angle;
     const StaticModel statics(scene);
     const MotionModel motion(scene);
-    const Equilibrium rest = solve(statics);
-    ASSERT_TRUE(rest.found());
-    EXPECT_NEAR(test::angle_of(statics, rest.x, "obd"), q, 1e-9);
-    const Modes modes = modes_of(motion, motion_coordinates(motion, statics, rest.x));
+    const Equilibrium equilibrium = solve(statics);
+    ASSERT_TRUE(equilibrium.found());
+    EXPECT_NEAR(test::angle_of(statics, equilibrium.x, "obd"), q, 1e-9);
+    const Modes modes = modes_of(motion, motion_coordinates(motion, statics, equilibrium.x));
     ASSERT_EQ(modes.vibrations.size(), 1u);
     const Vibration& swing = modes.vibrations[0];
     const double omega = 2 * M_PI * swing.frequency;

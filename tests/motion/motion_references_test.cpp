@@ -109,10 +109,10 @@ Scene undamped_lift() {
 
 TEST(MotionReferences, UndampedLiftKeepsItsEnergyForAMinute) {
   const MotionModel model(undamped_lift());
-  const std::vector<double> rest = test::rest_of(model);
-  const double obd = rest[static_cast<std::size_t>(test::coordinate_of(model, "obd"))];
+  const std::vector<double> equilibrium = test::equilibrium_of(model);
+  const double obd = equilibrium[static_cast<std::size_t>(test::coordinate_of(model, "obd"))];
   for (double swing : {0.005, 0.05}) {
-    const MotionState start = test::released(model, {{{"obd", obd + swing}}, {}}, &rest);
+    const MotionState start = test::released(model, {{{"obd", obd + swing}}, {}}, &equilibrium);
     const Motion motion = test::moved(model, start, 60.0);
     EXPECT_LT(motion.energy_error, 1e-10);
     const double drift =
@@ -124,10 +124,10 @@ TEST(MotionReferences, UndampedLiftKeepsItsEnergyForAMinute) {
 }
 
 // Period from rest to rest: times at which the boom turns round.
-double frequency_of_swing(const MotionModel& model, const std::vector<double>& rest, double swing) {
+double frequency_of_swing(const MotionModel& model, const std::vector<double>& equilibrium, double swing) {
   const int obd = test::coordinate_of(model, "obd");
-  const double place = rest[static_cast<std::size_t>(obd)];
-  const MotionState start = test::released(model, {{{"obd", place + swing}}, {}}, &rest);
+  const double place = equilibrium[static_cast<std::size_t>(obd)];
+  const MotionState start = test::released(model, {{{"obd", place + swing}}, {}}, &equilibrium);
   const Motion motion = test::moved(model, start, 4.0);
   std::vector<double> turns{0.0};
   TrajectoryReader reader(motion.trajectory, {obd});
@@ -153,13 +153,13 @@ double frequency_of_swing(const MotionModel& model, const std::vector<double>& r
 
 TEST(MotionReferences, SmallSwingOfTheLiftHasItsNaturalFrequency) {
   const MotionModel model(undamped_lift());
-  const std::vector<double> rest = test::rest_of(model);
-  const Modes modes = modes_of(model, model.from_si(rest));
+  const std::vector<double> equilibrium = test::equilibrium_of(model);
+  const Modes modes = modes_of(model, model.from_si(equilibrium));
   ASSERT_EQ(modes.vibrations.size(), 1u);
   const double natural = modes.vibrations[0].frequency;
   // The frequency of a swing falls off with its square.
-  EXPECT_NEAR(frequency_of_swing(model, rest, 1e-5), natural, 1e-8 * natural);
-  EXPECT_NEAR(frequency_of_swing(model, rest, 1e-3), natural, 1e-4 * natural);
+  EXPECT_NEAR(frequency_of_swing(model, equilibrium, 1e-5), natural, 1e-8 * natural);
+  EXPECT_NEAR(frequency_of_swing(model, equilibrium, 1e-3), natural, 1e-4 * natural);
   const json reference = test::read_json(dataset("lift_dynamics.json"));
   for (const json& entry : reference.at("entries")) {
     if (entry.at("frac") == 0.5 && entry.at("payload") == 200.0) {

@@ -36,12 +36,12 @@ TEST(Release, DisplacesFromTheEquilibrium) {
   EXPECT_EQ(origin.stability, Stability::stable);
   const Channel rail = channel_named("test", "rail", channels_of(model));
   EXPECT_EQ(rail.quantity, Quantity::length);
-  const double rest = hanging + mass * 9.81 / stiffness;
-  EXPECT_NEAR(value(*origin.q, rail), rest, 1e-12);
+  const double equilibrium = hanging + mass * 9.81 / stiffness;
+  EXPECT_NEAR(value(*origin.q, rail), equilibrium, 1e-12);
   const MotionState still = release(model, origin, {});
-  EXPECT_NEAR(value(still.q, rail), rest, 1e-12);
+  EXPECT_NEAR(value(still.q, rail), equilibrium, 1e-12);
   const MotionState moved = release(model, origin, {{rail, false, 0.02}, {rail, true, -0.3}});
-  EXPECT_NEAR(value(moved.q, rail), rest + 0.02, 1e-12);
+  EXPECT_NEAR(value(moved.q, rail), equilibrium + 0.02, 1e-12);
   EXPECT_NEAR(value(moved.v, rail), -0.3, 1e-12);
   const MotionState assembled = release(model, {}, {{rail, false, 0.02}});
   EXPECT_NEAR(value(assembled.q, rail), 0.12, 1e-12) << "counted from the start of the scene";

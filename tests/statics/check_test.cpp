@@ -162,11 +162,11 @@ TEST(Check, NamesTheStopThatIsOverrun) {
 
 TEST(Check, RejectsNan) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
-  const std::vector<double> rest = solve(model).x;
+  const std::vector<double> equilibrium = solve(model).x;
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()}) {
-    for (std::size_t i = 0; i < rest.size(); ++i) {
-      std::vector<double> x = rest;
+    for (std::size_t i = 0; i < equilibrium.size(); ++i) {
+      std::vector<double> x = equilibrium;
       x[i] = bad;
       const Check check = poise::check(model, x);
       EXPECT_FALSE(check.is_equilibrium());

@@ -265,7 +265,7 @@ TEST(Elements, UponEveryMeasureOfRandomMechanismsAreConfirmedBodyByBody) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
     test::Random random(seed);
-    Scene scene = test::plant_mechanism(seed, {.loops = static_cast<int>(seed % 4)}).at_rest;
+    Scene scene = test::plant_mechanism(seed, {.loops = static_cast<int>(seed % 4)}).in_equilibrium;
     test::add_elements_upon_every_measure(scene, random);
     const StaticModel model(scene);
     const Equilibrium found = solve(model, test::by(Method::virtual_work, Seek::stable));

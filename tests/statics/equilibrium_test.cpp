@@ -30,7 +30,7 @@ constexpr Method methods[] = {Method::virtual_work, Method::energy};
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // A block on a vertical rail under gravity 10 m/s^2, from y = `start`; the test adds its support.
-Scene block(double mass, double start, const std::string& rest) {
+Scene block(double mass, double start, const std::string& more) {
   return parse_scene(fmt::format(R"(
     gravity = [0, -10]
     [ground]
@@ -46,7 +46,7 @@ Scene block(double mass, double start, const std::string& rest) {
     [start]
     rail = {}
   )",
-                                 mass, rest, start),
+                                 mass, more, start),
                      "block.toml");
 }
 
@@ -226,10 +226,10 @@ TEST(Assemble, StartsABodyOnBarsAtThePositionOfTheScene) {
             std::to_string(0.98 * side) + "] }\n",
         "plank");
     const StaticModel model(scene);
-    const Equilibrium rest = solve(model);
-    ASSERT_TRUE(rest.found()) << rest.why;
-    EXPECT_EQ(rest.check.stability, side > 0 ? Stability::unstable : Stability::stable);
-    EXPECT_NEAR(model.poses(rest.x)[1].origin.y, side * std::sqrt(1.0 - 0.01), 1e-12);
+    const Equilibrium equilibrium = solve(model);
+    ASSERT_TRUE(equilibrium.found()) << equilibrium.why;
+    EXPECT_EQ(equilibrium.check.stability, side > 0 ? Stability::unstable : Stability::stable);
+    EXPECT_NEAR(model.poses(equilibrium.x)[1].origin.y, side * std::sqrt(1.0 - 0.01), 1e-12);
   }
 }
 
@@ -365,7 +365,7 @@ TEST(StopsInSearch, TheClampOpensToItsOtherStop) {
 struct SlackCase {
   const char* name;
   const char* spring;
-  double start, rest;
+  double start, equilibrium;
 };
 
 class Slack : public testing::TestWithParam<SlackCase> {};
@@ -376,7 +376,8 @@ TEST_P(Slack, BothMethodsFindTheRest) {
     for (const Seek seek : {Seek::nearest, Seek::stable}) {
       const Equilibrium found = solve(model, by(method, seek));
       ASSERT_TRUE(found.found()) << to_string(method) << ": " << found.why;
-      EXPECT_NEAR(test::travel_of(model, found.x, "rail"), GetParam().rest, method == Method::energy ? 1e-9 : 1e-12);
+      EXPECT_NEAR(test::travel_of(model, found.x, "rail"), GetParam().equilibrium,
+                  method == Method::energy ? 1e-9 : 1e-12);
       EXPECT_EQ(to_string(found.check.stability), "stable");
     }
   }
@@ -509,7 +510,7 @@ struct Rest {
   double crank, rod, wrist;
 };
 
-Rest rest_of(const Scene& scene, Method method, double load) {
+Rest equilibrium_of(const Scene& scene, Method method, double load) {
   const StaticModel model(scene);
   const Equilibrium found = solve(model, by(method));
   EXPECT_TRUE(found.found()) << found.why;
@@ -520,12 +521,12 @@ Rest rest_of(const Scene& scene, Method method, double load) {
 class Invariance : public testing::TestWithParam<Method> {
  protected:
   void expect_same(const Scene& scene, double load = 1.0) {
-    const Rest known = rest_of(slider_crank(1.0, 1.0, "m", 1.0, "N", 1.0), GetParam(), 1.0);
-    const Rest rest = rest_of(scene, GetParam(), load);
+    const Rest known = equilibrium_of(slider_crank(1.0, 1.0, "m", 1.0, "N", 1.0), GetParam(), 1.0);
+    const Rest equilibrium = equilibrium_of(scene, GetParam(), load);
     const double tolerance = GetParam() == Method::energy ? 1e-9 : 1e-12;
-    EXPECT_NEAR(rest.crank, known.crank, tolerance);
-    EXPECT_NEAR(rest.rod, known.rod, tolerance);
-    EXPECT_NEAR(rest.wrist, known.wrist, 100 * tolerance);
+    EXPECT_NEAR(equilibrium.crank, known.crank, tolerance);
+    EXPECT_NEAR(equilibrium.rod, known.rod, tolerance);
+    EXPECT_NEAR(equilibrium.wrist, known.wrist, 100 * tolerance);
   }
 };
 

@@ -43,53 +43,53 @@ double arm_degrees() {
 }
 
 TEST(NamedEquilibrium, IsReadBySceneNamesInSi) {
-  const NamedEquilibrium rest = solve(arm_and_block().build());
-  ASSERT_TRUE(rest.found());
+  const NamedEquilibrium equilibrium = solve(arm_and_block().build());
+  ASSERT_TRUE(equilibrium.found());
   const double theta = arm_degrees() * degree;
-  EXPECT_NEAR(rest.angle("arm"), theta, 1e-9);
-  EXPECT_EQ(rest.angle("ground"), 0.0);
-  EXPECT_NEAR(rest.point("arm.B").x, 0.2 * std::cos(theta), 1e-9);
-  EXPECT_NEAR(rest.point("arm.B").y, 0.2 * std::sin(theta), 1e-9);
+  EXPECT_NEAR(equilibrium.angle("arm"), theta, 1e-9);
+  EXPECT_EQ(equilibrium.angle("ground"), 0.0);
+  EXPECT_NEAR(equilibrium.point("arm.B").x, 0.2 * std::cos(theta), 1e-9);
+  EXPECT_NEAR(equilibrium.point("arm.B").y, 0.2 * std::sin(theta), 1e-9);
   // 5 N on 500 N/m: 10 mm longer than 40 mm.
-  EXPECT_NEAR(rest.travel("rail"), 0.05, 1e-9);
-  EXPECT_NEAR(rest.measure("spring.coil"), 0.05, 1e-9);
-  EXPECT_NEAR(rest.force("spring.coil"), 5.0, 1e-7);
-  EXPECT_EQ(rest.force("slack"), 0.0);
+  EXPECT_NEAR(equilibrium.travel("rail"), 0.05, 1e-9);
+  EXPECT_NEAR(equilibrium.measure("spring.coil"), 0.05, 1e-9);
+  EXPECT_NEAR(equilibrium.force("spring.coil"), 5.0, 1e-7);
+  EXPECT_EQ(equilibrium.force("slack"), 0.0);
   // Tends to diminish an angle that is negative: pushes it up.
-  EXPECT_NEAR(rest.force("torsion_spring.coil"), 0.020 / degree * theta, 1e-9);
-  EXPECT_NEAR(rest.reaction("hinge").force.y, 3.0, 1e-9);
-  EXPECT_NEAR(rest.reaction("hinge").at.x, 0.0, 1e-12);
-  EXPECT_EQ(rest.stop_reaction("floor").axial, 0.0);
-  EXPECT_EQ(rest.energy(), rest.result().energy);
+  EXPECT_NEAR(equilibrium.force("torsion_spring.coil"), 0.020 / degree * theta, 1e-9);
+  EXPECT_NEAR(equilibrium.reaction("hinge").force.y, 3.0, 1e-9);
+  EXPECT_NEAR(equilibrium.reaction("hinge").at.x, 0.0, 1e-12);
+  EXPECT_EQ(equilibrium.stop_reaction("floor").axial, 0.0);
+  EXPECT_EQ(equilibrium.energy(), equilibrium.result().energy);
 }
 
 TEST(NamedEquilibrium, IsReadInTheUnitsOfTheSceneOrOthers) {
-  const NamedEquilibrium rest = solve(arm_and_block().build());
-  const NamedEquilibrium shown = rest.in_scene_units();
+  const NamedEquilibrium equilibrium = solve(arm_and_block().build());
+  const NamedEquilibrium shown = equilibrium.in_scene_units();
   EXPECT_NEAR(shown.angle("arm"), arm_degrees(), 1e-7);
   EXPECT_NEAR(shown.travel("rail"), 50, 1e-6);
   EXPECT_NEAR(shown.measure("torsion_spring.coil"), arm_degrees(), 1e-7);
   EXPECT_NEAR(shown.force("torsion_spring.coil"), 20 * arm_degrees(), 1e-5);
   EXPECT_NEAR(shown.reaction("rail").at.x, 500, 1e-6);
-  EXPECT_NEAR(*shown.energy(), 1000 * *rest.energy(), 1e-9);
-  const NamedEquilibrium inches = rest.in({.length = "in", .force = "lbf"});
+  EXPECT_NEAR(*shown.energy(), 1000 * *equilibrium.energy(), 1e-9);
+  const NamedEquilibrium inches = equilibrium.in({.length = "in", .force = "lbf"});
   EXPECT_NEAR(inches.point("block.C").x, 0.5 / 0.0254, 1e-9);
   EXPECT_NEAR(inches.force("spring.coil"), 5 / 4.4482216152605, 1e-7);
-  EXPECT_NEAR(inches.angle("arm"), rest.angle("arm"), 1e-15);
+  EXPECT_NEAR(inches.angle("arm"), equilibrium.angle("arm"), 1e-15);
 }
 
 TEST(NamedEquilibrium, HasTheForceOfAStopInContact) {
   SceneBuilder builder = arm_and_block();
   builder.force("more", "block.C", {0, -100});
-  const NamedEquilibrium rest = solve(builder.build());
-  ASSERT_TRUE(rest.found());
-  EXPECT_NEAR(rest.in_scene_units().travel("rail"), 200, 1e-6);
+  const NamedEquilibrium equilibrium = solve(builder.build());
+  ASSERT_TRUE(equilibrium.found());
+  EXPECT_NEAR(equilibrium.in_scene_units().travel("rail"), 200, 1e-6);
   // The spring takes 0.5 (200 - 40) = 80 of 105 N.
-  EXPECT_NEAR(norm(rest.stop_reaction("floor").force), 25, 1e-6);
+  EXPECT_NEAR(norm(equilibrium.stop_reaction("floor").force), 25, 1e-6);
 }
 
 TEST(NamedEquilibrium, NamesTheNearestOfAnUnknownName) {
-  const NamedEquilibrium rest = solve(arm_and_block().build());
+  const NamedEquilibrium equilibrium = solve(arm_and_block().build());
   const auto message = [](const std::function<void()>& read) -> std::string {
     try {
       read();
@@ -98,19 +98,19 @@ TEST(NamedEquilibrium, NamesTheNearestOfAnUnknownName) {
     }
     return "";
   };
-  EXPECT_EQ(message([&] { rest.angle("amr"); }),
+  EXPECT_EQ(message([&] { equilibrium.angle("amr"); }),
             "arm: expected the name of a body, found \"amr\"; did you mean \"arm\"?");
-  EXPECT_EQ(message([&] { rest.point("arm.C"); }),
+  EXPECT_EQ(message([&] { equilibrium.point("arm.C"); }),
             "arm: expected a point \"BODY.POINT\", found \"arm.C\"; did you mean \"arm.O\"?");
-  EXPECT_EQ(message([&] { rest.travel("hinge"); }),
+  EXPECT_EQ(message([&] { equilibrium.travel("hinge"); }),
             "arm: expected the name of a slide or pin_in_slot, found \"hinge\"; known here: rail");
-  EXPECT_EQ(message([&] { rest.force("slak"); }),
+  EXPECT_EQ(message([&] { equilibrium.force("slak"); }),
             "arm: expected the name of a force element, found \"slak\"; did you mean \"slack\"?");
-  EXPECT_EQ(message([&] { rest.force("coil"); }),
+  EXPECT_EQ(message([&] { equilibrium.force("coil"); }),
             "arm: expected one element called \"coil\", found spring.coil and torsion_spring.coil; give one of these");
-  EXPECT_EQ(message([&] { rest.reaction("hing"); }),
+  EXPECT_EQ(message([&] { equilibrium.reaction("hing"); }),
             "arm: expected the name of a joint, found \"hing\"; did you mean \"hinge\"?");
-  EXPECT_EQ(message([&] { rest.stop_reaction("flor"); }),
+  EXPECT_EQ(message([&] { equilibrium.stop_reaction("flor"); }),
             "arm: expected the name of a stop, found \"flor\"; did you mean \"floor\"?");
 }
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "motion/body_motion.hpp"
-#include "motion/rest_pose.hpp"
+#include "motion/equilibrium_pose.hpp"
 #include "statics/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 
@@ -30,11 +30,11 @@ MotionState released(const MotionModel& model, const Release& release, const std
   return start_motion(model, wanted, q);
 }
 
-std::vector<double> rest_of(const MotionModel& model) {
+std::vector<double> equilibrium_of(const MotionModel& model) {
   const StaticModel statics(model.scene());
-  const Equilibrium rest = solve(statics);
-  EXPECT_TRUE(rest.found()) << rest.why;
-  return model.to_si(motion_coordinates(model, statics, rest.x));
+  const Equilibrium equilibrium = solve(statics);
+  EXPECT_TRUE(equilibrium.found()) << equilibrium.why;
+  return model.to_si(motion_coordinates(model, statics, equilibrium.x));
 }
 
 Motion moved(const MotionModel& model, const MotionState& start, double duration, double accuracy) {

@@ -19,7 +19,7 @@ struct Release {
 MotionState released(const MotionModel& model, const Release& release, const std::vector<double>* q = nullptr);
 
 /// Closed coordinates (SI) of the equilibrium next to the scene's start.
-std::vector<double> rest_of(const MotionModel& model);
+std::vector<double> equilibrium_of(const MotionModel& model);
 
 /// Simulates and expects completion.
 Motion moved(const MotionModel& model, const MotionState& start, double duration, double accuracy = 1e-10);

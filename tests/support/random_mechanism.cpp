@@ -669,15 +669,16 @@ class Planting {
   void finish() {
     const Scales to_si = {std::exp2(random_.index(9) - 5), std::exp2(random_.index(11) - 8)};
     scene().file = "random mechanism";
-    out_.at_rest = scaled(scene(), to_si);
+    out_.in_equilibrium = scaled(scene(), to_si);
     disturb(scene().start);
     out_.scene = scaled(scene(), to_si);
-    const Mechanism<double> at_rest(out_.at_rest);
-    out_.rest = start_of(at_rest, out_.at_rest);
+    const Mechanism<double> in_equilibrium(out_.in_equilibrium);
+    out_.equilibrium = start_of(in_equilibrium, out_.in_equilibrium);
     out_.start = start_of(Mechanism<double>(out_.scene), out_.scene);
-    const std::vector<double> guess = at_rest.start();
+    const std::vector<double> guess = in_equilibrium.start();
     for (std::size_t i = 0; i < guess.size(); ++i) {
-      out_.hangs_on_bars = out_.hangs_on_bars || std::abs(std::remainder(guess[i] - out_.rest[i], 2 * M_PI)) > 1e-9;
+      out_.hangs_on_bars =
+          out_.hangs_on_bars || std::abs(std::remainder(guess[i] - out_.equilibrium[i], 2 * M_PI)) > 1e-9;
     }
   }
 

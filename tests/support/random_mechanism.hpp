@@ -24,10 +24,10 @@ struct Wish {
 
 /// A random mechanism with a known equilibrium.
 struct PlantedMechanism {
-  Scene scene;    ///< its start is the equilibrium disturbed
-  Scene at_rest;  ///< the same, starting from the equilibrium itself
+  Scene scene;           ///< its start is the equilibrium disturbed
+  Scene in_equilibrium;  ///< the same, starting from the equilibrium itself
   /// Coordinates of the compiled model at the equilibrium and at the disturbed start, rad or m.
-  std::vector<double> rest, start;
+  std::vector<double> equilibrium, start;
   /// A body hangs on bars alone. A scene has no guess for them, so that Mechanism::start() is not `start`.
   bool hangs_on_bars = false;
   int loops = 0;

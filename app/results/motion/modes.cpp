@@ -23,7 +23,7 @@ constexpr double smallest_part = 0.005;
 
 const char* name_of(Kind kind) {
   switch (kind) {
-    case Kind::swings:
+    case Kind::oscillates:
       return "oscillates";
     case Kind::decays:
       return "decays";
@@ -65,8 +65,9 @@ std::string shape_in_words(const MotionModel& model, const Vibration& mode) {
 }
 
 Line verdict(const ModesAnswer& answer) {
-  if (!answer.rest.found()) {
-    return {.text = "No equilibrium found about which it could oscillate: " + answer.rest.why, .tone = Tone::bad};
+  if (!answer.equilibrium.found()) {
+    return {.text = "No equilibrium found about which it could oscillate: " + answer.equilibrium.why,
+            .tone = Tone::bad};
   }
   const Modes& modes = answer.modes;
   if (!modes.known) return {.text = "In equilibrium, but without small motions: " + modes.why + ".", .tone = Tone::bad};
@@ -84,7 +85,7 @@ Line verdict(const ModesAnswer& answer) {
             .tone = Tone::doubtful};
   }
   if (modes.vibrations.empty()) return {.text = "Stable equilibrium; nothing is free to move.", .tone = Tone::good};
-  const bool oscillates = number(Kind::swings) > 0;
+  const bool oscillates = number(Kind::oscillates) > 0;
   return {.text = fmt::format("{} this equilibrium: stable, {}.",
                               oscillates ? "It oscillates about" : "It returns without oscillation to", all),
           .tone = Tone::good};
@@ -92,7 +93,7 @@ Line verdict(const ModesAnswer& answer) {
 
 void add_facts(Group& group, const MotionModel& model, const ModesAnswer& answer) {
   const Modes& modes = answer.modes;
-  group.fact("equilibrium", in_words(answer.rest.check), tone_of(answer.rest.check.stability));
+  group.fact("equilibrium", in_words(answer.equilibrium.check), tone_of(answer.equilibrium.check.stability));
   std::string mobility = fmt::format("{}, of {}", count(modes.freedoms, "degree of freedom", "degrees of freedom"),
                                      count(model.layout().kept, "coordinate that moves", "coordinates that move"));
   if (modes.known && modes.massless > 0)
@@ -143,9 +144,9 @@ void add_complex(Group& group, const std::string& key, const Numbers& numbers) {
 
 void add_data(Group& group, const MotionModel& model, const ModesAnswer& answer) {
   const Modes& modes = answer.modes;
-  group.data("status", to_string(answer.rest.status));
-  group.data("why", answer.rest.why);
-  group.data("stability", to_string(answer.rest.check.stability));
+  group.data("status", to_string(answer.equilibrium.status));
+  group.data("why", answer.equilibrium.why);
+  group.data("stability", to_string(answer.equilibrium.check.stability));
   group.data("degrees_of_freedom", modes.freedoms);
   group.data("massless", modes.massless);
   group.data("held", modes.held);
@@ -184,7 +185,7 @@ Result modes_result(const MotionModel& model, const ModesAnswer& answer, const s
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(answer);
   add_data(out.content, model, answer);
-  if (!answer.rest.found()) return out;
+  if (!answer.equilibrium.found()) return out;
   add_facts(out.content, model, answer);
   add_modes(out.content, model, answer.modes);
   const std::vector<Element>& elements = model.scene().elements;
@@ -195,7 +196,7 @@ Result modes_result(const MotionModel& model, const ModesAnswer& answer, const s
          .tone = Tone::doubtful});
   }
   out.content.group("", "Numerics", Verbosity::verbose)
-      .fact("statics", fmt::format("{}; {}", to_string(answer.rest.status), answer.rest.why));
+      .fact("statics", fmt::format("{}; {}", to_string(answer.equilibrium.status), answer.equilibrium.why));
   return out;
 }
 

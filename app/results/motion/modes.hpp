@@ -11,7 +11,7 @@ namespace poise::app {
 
 /// What `poise modes` found.
 struct ModesAnswer {
-  Equilibrium rest;
+  Equilibrium equilibrium;
   std::vector<double> x;  ///< scaled coordinates of the motion model; empty without an equilibrium
   Modes modes;
 };

@@ -25,8 +25,8 @@ std::string letter(std::size_t equilibrium) { return std::string(1, static_cast<
 /// "A" of each answer that found an equilibrium, "-" of the others.
 std::vector<std::string> letters_of(const std::vector<Answer>& answers, const Agreement& agreement) {
   std::vector<std::string> letters(answers.size(), "-");
-  for (std::size_t e = 0; e < agreement.rests.size(); ++e) {
-    for (const std::size_t place : agreement.rests[e]) letters[place] = letter(e);
+  for (std::size_t e = 0; e < agreement.equilibria.size(); ++e) {
+    for (const std::size_t place : agreement.equilibria[e]) letters[place] = letter(e);
   }
   return letters;
 }
@@ -43,18 +43,19 @@ void add_methods(Group& group, const StaticModel& model, const std::vector<Answe
   std::vector<double> iterations, evaluations, times, errors, energies;
   const Units& units = model.scene().units;
   for (const Answer& answer : answers) {
-    const Equilibrium& rest = answer.rest;
-    const bool ran = rest.status != Status::refused;
-    methods.push_back(to_string(rest.method));
-    statuses.push_back(to_string(rest.status));
-    status_tones.push_back(tone_of(rest.status));
-    iterations.push_back(ran ? rest.iterations : NAN);
-    evaluations.push_back(ran ? rest.evaluations : NAN);
-    times.push_back(ran ? rest.microseconds : NAN);
+    const Equilibrium& equilibrium = answer.equilibrium;
+    const bool ran = equilibrium.status != Status::not_applicable;
+    methods.push_back(to_string(equilibrium.method));
+    statuses.push_back(to_string(equilibrium.status));
+    status_tones.push_back(tone_of(equilibrium.status));
+    iterations.push_back(ran ? equilibrium.iterations : NAN);
+    evaluations.push_back(ran ? equilibrium.evaluations : NAN);
+    times.push_back(ran ? equilibrium.microseconds : NAN);
     errors.push_back(or_gap(error_of(answer)));
-    stabilities.push_back(rest.found() ? in_words(rest.check) : "-");
-    stability_tones.push_back(rest.found() ? tone_of(rest.check.stability) : Tone::plain);
-    energies.push_back(in_unit(or_gap(rest.found() ? rest.energy : std::nullopt), Quantity::energy, units));
+    stabilities.push_back(equilibrium.found() ? in_words(equilibrium.check) : "-");
+    stability_tones.push_back(equilibrium.found() ? tone_of(equilibrium.check.stability) : Tone::plain);
+    energies.push_back(
+        in_unit(or_gap(equilibrium.found() ? equilibrium.energy : std::nullopt), Quantity::energy, units));
   }
   Table& table = group.table("", "Methods", Rows::list);
   table.words("", "method", std::move(methods));
@@ -83,11 +84,12 @@ std::string distance(const StaticModel& model, const Agreement& agreement) {
 
 Line verdict(const StaticModel& model, const std::vector<Answer>& answers, const Agreement& agreement) {
   std::vector<std::string> names, equilibria;
-  for (std::size_t e = 0; e < agreement.rests.size(); ++e) {
+  for (std::size_t e = 0; e < agreement.equilibria.size(); ++e) {
     std::vector<std::string> finders;
-    for (const std::size_t place : agreement.rests[e]) finders.push_back(to_string(answers[place].rest.method));
+    for (const std::size_t place : agreement.equilibria[e])
+      finders.push_back(to_string(answers[place].equilibrium.method));
     const std::string who = has_letters(answers, agreement) ? letter(e) : listed(finders);
-    equilibria.push_back(fmt::format("{}: {}", who, kind_of(answers[agreement.rests[e].front()])));
+    equilibria.push_back(fmt::format("{}: {}", who, kind_of(answers[agreement.equilibria[e].front()])));
     names.insert(names.end(), finders.begin(), finders.end());
   }
   if (agreement.confirmed == 0) return {.text = "No method found a confirmed equilibrium.", .tone = Tone::bad};
@@ -117,15 +119,15 @@ void add_positions(Group& group, const StaticModel& model, const std::vector<Ans
   std::vector<const Readings*> poses;
   std::vector<std::string> titles;
   if (answers.size() > most_side_by_side && agreement.confirmed > 0) {
-    for (std::size_t e = 0; e < std::min(agreement.rests.size(), most_equilibria_shown); ++e) {
-      poses.push_back(&*answers[agreement.rests[e].front()].readings);
+    for (std::size_t e = 0; e < std::min(agreement.equilibria.size(), most_equilibria_shown); ++e) {
+      poses.push_back(&*answers[agreement.equilibria[e].front()].readings);
       titles.push_back(agreement.same ? "equilibrium" : letter(e));
     }
   } else {
     for (const Answer& answer : answers) {
       if (!answer.readings || poses.size() == most_side_by_side) continue;
       poses.push_back(&*answer.readings);
-      titles.push_back(to_string(answer.rest.method) + (answer.rest.found() ? "" : ", no equilibrium"));
+      titles.push_back(to_string(answer.equilibrium.method) + (answer.equilibrium.found() ? "" : ", no equilibrium"));
     }
   }
   add_coordinates(group, model, poses, titles);
@@ -139,9 +141,9 @@ Result compare_result(const StaticModel& model, const std::vector<Answer>& answe
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(model, answers, agreement);
   for (const Answer& answer : answers) {
-    if (answer.rest.found()) continue;
-    out.warnings.push_back({.text = fmt::format("{}, {}: {}.", to_string(answer.rest.method),
-                                                to_string(answer.rest.status), answer.rest.why),
+    if (answer.equilibrium.found()) continue;
+    out.warnings.push_back({.text = fmt::format("{}, {}: {}.", to_string(answer.equilibrium.method),
+                                                to_string(answer.equilibrium.status), answer.equilibrium.why),
                             .tone = Tone::bad});
   }
   warn_of_friction(out, model.scene());

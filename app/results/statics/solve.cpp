@@ -15,18 +15,18 @@ namespace {
 /// A joint force so many times the largest load is that of a mechanism close to a dead centre.
 constexpr double near_dead_centre = 100.0;
 
-Line verdict(const Equilibrium& rest) {
-  const Check& check = rest.check;
-  switch (rest.status) {
+Line verdict(const Equilibrium& equilibrium) {
+  const Check& check = equilibrium.check;
+  switch (equilibrium.status) {
     case Status::confirmed:
       return {.text = check.stability == Stability::unknown
                           ? "In equilibrium, confirmed; whether it is stable is unknown."
                           : fmt::format("In equilibrium, confirmed: {}.", to_string(check.stability)),
               .tone = tone_of(check.stability)};
-    case Status::refuted:
+    case Status::not_confirmed:
       return {.text = "Not confirmed: the method claims an equilibrium, the independent check does not confirm it.",
               .tone = Tone::bad};
-    case Status::refused:
+    case Status::not_applicable:
       return {.text = "Not applicable: this method cannot solve this scene.", .tone = Tone::bad};
     case Status::interrupted:
       return {.text = "Interrupted.", .tone = Tone::bad};
@@ -59,13 +59,13 @@ void add_directions(Group& group, const Check& check) {
 
 /// What a reader of an unstable equilibrium, or of one without a reference, must know.
 void warn_of_doubt(Result& result, const Answer& answer) {
-  const Equilibrium& rest = answer.rest;
-  if (rest.check.stability == Stability::unstable && rest.seek == Seek::nearest) {
+  const Equilibrium& equilibrium = answer.equilibrium;
+  if (equilibrium.check.stability == Stability::unstable && equilibrium.seek == Seek::nearest) {
     result.warnings.push_back(
         {.text = "The mechanism would leave this equilibrium; --seek stable searches for one in which it stays.",
          .tone = Tone::doubtful});
   }
-  if (rest.check.neutral_directions == 0 && answer.reference && !answer.reference->refined) {
+  if (equilibrium.check.neutral_directions == 0 && answer.reference && !answer.reference->refined) {
     result.warnings.push_back({.text = "Not verified in 50 digits: " + answer.reference->why + ".", .tone = Tone::bad});
   }
 }
@@ -88,7 +88,7 @@ double largest_load(const StaticModel& model, const Readings& readings) {
 }
 
 void warn_of_dead_centre(Result& result, const StaticModel& model, const Answer& answer) {
-  const std::vector<Reaction>& reactions = answer.rest.check.reactions;
+  const std::vector<Reaction>& reactions = answer.equilibrium.check.reactions;
   const auto heaviest = std::max_element(reactions.begin(), reactions.end(), [](const Reaction& a, const Reaction& b) {
     return norm(a.force) < norm(b.force);
   });
@@ -103,22 +103,22 @@ void warn_of_dead_centre(Result& result, const StaticModel& model, const Answer&
        .tone = Tone::doubtful});
 }
 
-std::string effort(const Equilibrium& rest) {
-  const MethodTraits& method_traits = traits(rest.method);
-  const char* sought = method_traits.needs_potential                          ? "a minimum of the energy"
-                       : method_traits.minimises || rest.seek == Seek::stable ? "a stable equilibrium"
-                                                                              : "the nearest equilibrium";
-  std::string method = fmt::format("{}, seeking {}", to_string(rest.method), sought);
-  if (rest.status == Status::refused) return method;
-  return fmt::format("{}: {}, {}, {}", method, count(rest.iterations, "iteration", "iterations"),
-                     count(rest.evaluations, "evaluation", "evaluations"), duration(rest.microseconds));
+std::string effort(const Equilibrium& equilibrium) {
+  const MethodTraits& method_traits = traits(equilibrium.method);
+  const char* sought = method_traits.needs_potential                                 ? "a minimum of the energy"
+                       : method_traits.minimises || equilibrium.seek == Seek::stable ? "a stable equilibrium"
+                                                                                     : "the nearest equilibrium";
+  std::string method = fmt::format("{}, seeking {}", to_string(equilibrium.method), sought);
+  if (equilibrium.status == Status::not_applicable) return method;
+  return fmt::format("{}: {}, {}, {}", method, count(equilibrium.iterations, "iteration", "iterations"),
+                     count(equilibrium.evaluations, "evaluation", "evaluations"), duration(equilibrium.microseconds));
 }
 
 int digits_of(double accuracy) { return std::max(0, static_cast<int>(std::floor(-std::log10(accuracy)))); }
 
 /// "13 digits (rounding may move it by 2e-14 rad, or length over size); error 4e-16 from the 50-digit reference".
 std::string accuracy(const Answer& answer) {
-  const Check& check = answer.rest.check;
+  const Check& check = answer.equilibrium.check;
   const bool neutral = check.neutral_directions > 0 && check.accuracy_across_neutral.has_value();
   const std::optional<double>& limit = neutral ? check.accuracy_across_neutral : check.accuracy;
   std::string text;
@@ -295,8 +295,8 @@ void add_reference(Group& group, const StaticModel& model, const Answer& answer)
   coordinates.words("value", "", std::move(values));
 }
 
-void add_check_data(Group& group, const StaticModel& model, const Equilibrium& rest) {
-  const Check& check = rest.check;
+void add_check_data(Group& group, const StaticModel& model, const Equilibrium& equilibrium) {
+  const Check& check = equilibrium.check;
   const Units& units = model.scene().units;
   group.data("stability", to_string(check.stability));
   group.data("stability_note", check.stability_note);
@@ -325,14 +325,14 @@ void add_check_data(Group& group, const StaticModel& model, const Equilibrium& r
 
 /// How it was searched for, and how that ended.
 void add_search_data(Group& group, const StaticModel& model, const Answer& answer) {
-  const Equilibrium& rest = answer.rest;
-  group.data("method", to_string(rest.method));
-  group.data("seek", rest.seek == Seek::stable ? "stable" : "nearest");
-  group.data("status", to_string(rest.status));
-  group.data("why", rest.why);
-  group.data("iterations", rest.iterations);
-  group.data("evaluations", rest.evaluations);
-  group.data("microseconds", rest.microseconds);
+  const Equilibrium& equilibrium = answer.equilibrium;
+  group.data("method", to_string(equilibrium.method));
+  group.data("seek", equilibrium.seek == Seek::stable ? "stable" : "nearest");
+  group.data("status", to_string(equilibrium.status));
+  group.data("why", equilibrium.why);
+  group.data("iterations", equilibrium.iterations);
+  group.data("evaluations", equilibrium.evaluations);
+  group.data("microseconds", equilibrium.microseconds);
   group.data("error", error_of(answer));
   add_reference(group, model, answer);
   // Of a method that does not apply there is no pose.
@@ -348,16 +348,16 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
 void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_springs(group, model, *answer.readings);
   add_torsion_springs(group, model, *answer.readings);
-  add_reactions(group, model, answer.rest.check.reactions, answer.rest.check.redundancy);
-  add_stops(group, model, *answer.readings, answer.rest.check);
+  add_reactions(group, model, answer.equilibrium.check.reactions, answer.equilibrium.check.redundancy);
+  add_stops(group, model, *answer.readings, answer.equilibrium.check);
   add_pose_data(group, model, *answer.readings);
-  add_check_data(group, model, answer.rest);
+  add_check_data(group, model, answer.equilibrium);
   group.data("energy_note", energy_note);
 }
 
-std::optional<double> energy_of(const StaticModel& model, const Equilibrium& rest) {
-  if (!rest.energy || !std::isfinite(*rest.energy)) return std::nullopt;
-  return in_unit(*rest.energy, Quantity::energy, model.scene().units);
+std::optional<double> energy_of(const StaticModel& model, const Equilibrium& equilibrium) {
+  if (!equilibrium.energy || !std::isfinite(*equilibrium.energy)) return std::nullopt;
+  return in_unit(*equilibrium.energy, Quantity::energy, model.scene().units);
 }
 
 }  // namespace
@@ -365,7 +365,7 @@ std::optional<double> energy_of(const StaticModel& model, const Equilibrium& res
 Tone tone_of(Status status) { return status == Status::confirmed ? Tone::good : Tone::bad; }
 
 std::string kind_of(const Answer& answer) {
-  const Stability stability = answer.rest.check.stability;
+  const Stability stability = answer.equilibrium.check.stability;
   return stability == Stability::unknown ? "of unknown stability" : to_string(stability);
 }
 
@@ -373,35 +373,36 @@ void add_answer_data(Group& group, const StaticModel& model, const Answer& answe
   add_search_data(group, model, answer);
   if (!answer.readings) return;
   add_pose(group, model, answer);
-  group.data("energy", energy_of(model, answer.rest));
+  group.data("energy", energy_of(model, answer.equilibrium));
 }
 
 Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings) {
-  const Equilibrium& rest = answer.rest;
+  const Equilibrium& equilibrium = answer.equilibrium;
   Result out = scene_result(model.scene(), settings);
-  out.verdict = verdict(rest);
+  out.verdict = verdict(equilibrium);
   warn_of_friction(out, model.scene());
   Group& content = out.content;
-  if (rest.found() && answer.readings) {
+  if (equilibrium.found() && answer.readings) {
     warn_of_doubt(out, answer);
     warn_of_dead_centre(out, model, answer);
   } else {
-    content.fact("why", rest.why);
+    content.fact("why", equilibrium.why);
   }
   add_search_data(content, model, answer);
   if (answer.readings) {
-    add_directions(content, rest.check);
-    add_coordinates(content, model, {&*answer.readings}, {rest.found() ? "equilibrium" : "reached, no equilibrium"});
+    add_directions(content, equilibrium.check);
+    add_coordinates(content, model, {&*answer.readings},
+                    {equilibrium.found() ? "equilibrium" : "reached, no equilibrium"});
     add_pose(content, model, answer);
   }
   content.list("left_out", "Left out of statics", model.layout().dropped);
   Group& numerics = content.group("", "Numerics");
-  numerics.fact("method", effort(rest));
+  numerics.fact("method", effort(equilibrium));
   if (!answer.readings) return out;
   const std::string digits = accuracy(answer);
   if (!digits.empty()) numerics.fact("accuracy", digits);
-  numerics.fact("residuals", residuals(model, rest.check));
-  const std::optional<double> energy = energy_of(model, rest);
+  numerics.fact("residuals", residuals(model, equilibrium.check));
+  const std::optional<double> energy = energy_of(model, equilibrium);
   if (energy) {
     const Format format = format_of(model, Quantity::energy, coordinate_digits, Format::Style::significant);
     numerics.entry("energy", "energy", *energy, unit_name(Quantity::energy, model.scene().units), format,
@@ -409,7 +410,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   } else {
     content.data("energy", nullptr);
   }
-  if (rest.found()) numerics.fact("ended", rest.why, Tone::plain, Verbosity::verbose);
+  if (equilibrium.found()) numerics.fact("ended", equilibrium.why, Tone::plain, Verbosity::verbose);
   return out;
 }
 

@@ -1,4 +1,4 @@
-#include "motion/rest_pose.hpp"
+#include "motion/equilibrium_pose.hpp"
 
 #include <cmath>
 
@@ -29,25 +29,25 @@ Scene crank_with_wheel() {
   return scene;
 }
 
-TEST(RestPose, KeepsWhatStaticsDroppedAtItsStart) {
+TEST(EquilibriumPose, KeepsWhatStaticsDroppedAtItsStart) {
   const StaticModel statics(crank_with_wheel());
   const MotionModel motion(crank_with_wheel());
   ASSERT_LT(statics.mechanism().coordinates(), motion.mechanism().coordinates());
-  const Equilibrium rest = solve(statics);
-  ASSERT_TRUE(rest.found());
-  const std::vector<BodyPose<double>> poses = motion.poses(motion_coordinates(motion, statics, rest.x));
+  const Equilibrium equilibrium = solve(statics);
+  ASSERT_TRUE(equilibrium.found());
+  const std::vector<BodyPose<double>> poses = motion.poses(motion_coordinates(motion, statics, equilibrium.x));
   EXPECT_NEAR(poses[1].angle, -M_PI / 2, 1e-12);
   EXPECT_EQ(poses[2].angle, 2.5);
 }
 
-TEST(RestPose, GoesThroughSiWhereScalesDiffer) {
+TEST(EquilibriumPose, GoesThroughSiWhereScalesDiffer) {
   const Scene scene = read_scene(test::dataset("lift.toml"));
   const StaticModel statics(scene);
   const MotionModel motion(scene, {8.0 * statics.scales().length, 4.0 * statics.scales().force});
-  const Equilibrium rest = solve(statics);
-  ASSERT_TRUE(rest.found());
-  const auto expected = statics.poses(rest.x);
-  const auto poses = motion.poses(motion_coordinates(motion, statics, rest.x));
+  const Equilibrium equilibrium = solve(statics);
+  ASSERT_TRUE(equilibrium.found());
+  const auto expected = statics.poses(equilibrium.x);
+  const auto poses = motion.poses(motion_coordinates(motion, statics, equilibrium.x));
   ASSERT_EQ(poses.size(), expected.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     EXPECT_NEAR(poses[i].angle, expected[i].angle, 1e-13) << scene.bodies[i].name;
@@ -55,7 +55,7 @@ TEST(RestPose, GoesThroughSiWhereScalesDiffer) {
   }
 }
 
-TEST(RestPose, ClosesLoopsThatStandOpen) {
+TEST(EquilibriumPose, ClosesLoopsThatStandOpen) {
   const Scene scene = read_scene(test::dataset("lift.toml"));
   const StaticModel statics(scene);
   const MotionModel motion(scene);

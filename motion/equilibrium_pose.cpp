@@ -1,4 +1,4 @@
-#include "motion/rest_pose.hpp"
+#include "motion/equilibrium_pose.hpp"
 
 #include <algorithm>
 #include <cmath>
