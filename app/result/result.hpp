@@ -9,9 +9,11 @@
 #include <list>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "app/result/each.hpp"
 #include "app/result/tone.hpp"
 
 namespace poise::app {
@@ -115,6 +117,10 @@ struct Line {
   std::string label{}, text;
   Tone tone = Tone::plain;
 };
+
+inline Line good(std::string text) { return {"", std::move(text), Tone::good}; }
+inline Line doubtful(std::string text) { return {"", std::move(text), Tone::doubtful}; }
+inline Line bad(std::string text) { return {"", std::move(text), Tone::bad}; }
 
 /// A value of the data, which text shows as a line where it has a label.
 struct Entry {

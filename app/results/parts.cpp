@@ -52,12 +52,7 @@ struct CoordinateRows {
 };
 
 CoordinateRows all_rows(const std::vector<NamedValue>& values) {
-  CoordinateRows rows;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    rows.places.push_back(i);
-    rows.names.push_back(values[i].name);
-  }
-  return rows;
+  return {places(values.size()), each(values, &NamedValue::name)};
 }
 
 /// Bodies that welds join in one row.
@@ -88,18 +83,16 @@ void add_values(Group& group, const StaticModel& model, const std::string& title
   const double scale = in_unit(quantity == Quantity::angle ? M_PI : model.scales().length, quantity, units);
   Table& table = group.table("", fmt::format("{} ({})", title, unit_name(quantity, units)), Rows::list);
   table.words("", noun, rows.names);
-  std::vector<std::string> notes;
-  for (const std::size_t i : rows.places) {
-    notes.emplace_back(poses.front()[i].determined ? "" : "free: carries no load, left at its start");
-  }
   for (std::size_t c = 0; c < poses.size(); ++c) {
-    std::vector<double> values;
-    for (const std::size_t i : rows.places) values.push_back(in_unit(poses[c][i].value, quantity, units));
+    const auto value = [&](std::size_t i) { return in_unit(poses[c][i].value, quantity, units); };
     Format format = format_of(model, quantity, coordinate_digits);
     format.scale = scale;
-    table.numbers("", titles[c], "", std::move(values), format);
+    table.numbers("", titles[c], "", each(rows.places, value), format);
   }
-  table.remarks(std::move(notes), Tone::faint);
+  const auto remark = [&](std::size_t i) {
+    return poses.front()[i].determined ? "" : "free: carries no load, left at its start";
+  };
+  table.remarks(each(rows.places, remark), Tone::faint);
 }
 
 }  // namespace
@@ -188,54 +181,48 @@ void add_coordinates(Group& group, const StaticModel& model, const std::vector<c
              titles);
 }
 
+Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t number) {
+  const std::vector<std::size_t> rows = places(number);
+  table.words("name", "", each(rows, [&](std::size_t i) { return layout.coordinates[i].name; }));
+  table.words("unit", "", each(rows, [&](std::size_t i) {
+                return layout.coordinates[i].kind == Coordinate::Kind::angle ? "rad" : "m";
+              }));
+  return table;
+}
+
 void add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
                    Verbosity level) {
   const Units& units = model.scene().units;
   const ReactionBodies bodies(model.scene());
-  std::vector<std::string> names, kinds, on, notes;
-  std::vector<double> at_x, at_y, x, y, size, moments, axials, shown_axials, determined;
-  double largest = 0.0;
-  bool any_moment = false, any_axial = false;
-  for (const Reaction& r : reactions) {
-    names.push_back(r.name);
-    kinds.push_back(r.kind);
-    on.push_back(bodies.of(r));
-    at_x.push_back(r.at.x);
-    at_y.push_back(r.at.y);
-    x.push_back(r.force.x);
-    y.push_back(r.force.y);
-    size.push_back(norm(r.force));
-    largest = std::max(largest, size.back());
-    moments.push_back(r.moment);
-    any_moment = any_moment || std::abs(in_unit(r.moment, Quantity::moment, units)) >
-                                   format_of(model, Quantity::moment, force_digits).zero_below;
-    const bool is_axial = r.kind == "bar" || r.axial != 0.0;
-    axials.push_back(r.axial);
-    shown_axials.push_back(is_axial ? r.axial : std::numeric_limits<double>::quiet_NaN());
-    any_axial = any_axial || is_axial;
-    determined.push_back(r.determined ? 1.0 : 0.0);
-    notes.emplace_back(r.determined ? "" : "undetermined");
-  }
-  const bool any_stop = std::find(kinds.begin(), kinds.end(), "stop") != kinds.end();
-  const std::string heading = any_stop ? "Forces of joints and active stops" : "Joint forces";
+  const auto is_axial = [](const Reaction& r) { return r.kind == "bar" || r.axial != 0.0; };
+  const auto any = [&](auto&& is) { return std::any_of(reactions.begin(), reactions.end(), is); };
+  const std::vector<double> sizes = each(reactions, [](const Reaction& r) { return norm(r.force); });
+  const double largest = sizes.empty() ? 0.0 : *std::max_element(sizes.begin(), sizes.end());
+  const std::string heading =
+      any([](const Reaction& r) { return r.kind == "stop"; }) ? "Forces of joints and active stops" : "Joint forces";
   Table& table = group.table("reactions", heading + " on the named body, along world axes", Rows::list, level);
-  table.words("name", "joint", std::move(names));
-  table.words("kind", "kind", std::move(kinds));
-  table.words("on", "on", std::move(on));
-  table.data("at[]", in_unit(at_x, Quantity::length, units));
-  table.data("at[]", in_unit(at_y, Quantity::length, units));
+  table.words("name", "joint", each(reactions, &Reaction::name));
+  table.words("kind", "kind", each(reactions, &Reaction::kind));
+  table.words("on", "on", each(reactions, [&](const Reaction& r) { return bodies.of(r); }));
+  const auto length = [&](double si) { return in_unit(si, Quantity::length, units); };
+  table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.x); }));
+  table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.y); }));
   const auto add_force = [&](const std::string& key, const std::string& title, const std::vector<double>& values) {
     add_column(table, model, key, title, Quantity::force, values, force_digits).format.scale =
         in_unit(largest, Quantity::force, units);
   };
-  add_force("force[]", "Fx", x);
-  add_force("force[]", "Fy", y);
-  add_force("", "|F|", size);
-  add_column(table, model, "moment", "moment", Quantity::moment, moments, force_digits).shown = any_moment;
-  table.data("axial", in_unit(axials, Quantity::force, units));
-  add_column(table, model, "", "tension", Quantity::force, shown_axials, force_digits).shown = any_axial;
-  table.flags("determined", std::move(determined));
-  table.remarks(std::move(notes), Tone::doubtful);
+  add_force("force[]", "Fx", each(reactions, [](const Reaction& r) { return r.force.x; }));
+  add_force("force[]", "Fy", each(reactions, [](const Reaction& r) { return r.force.y; }));
+  add_force("", "|F|", sizes);
+  const double rounding = format_of(model, Quantity::moment, force_digits).zero_below;
+  add_column(table, model, "moment", "moment", Quantity::moment, each(reactions, &Reaction::moment), force_digits)
+      .shown = any([&](const Reaction& r) { return std::abs(in_unit(r.moment, Quantity::moment, units)) > rounding; });
+  table.data("axial", in_unit(each(reactions, &Reaction::axial), Quantity::force, units));
+  add_column(table, model, "", "tension", Quantity::force,
+             each(reactions, [&](const Reaction& r) { return is_axial(r) ? r.axial : NAN; }), force_digits)
+      .shown = any(is_axial);
+  table.flags("determined", each(reactions, &Reaction::determined));
+  table.remarks(each(reactions, [](const Reaction& r) { return r.determined ? "" : "undetermined"; }), Tone::doubtful);
   if (redundancy > 0) {
     table.footnotes.push_back(count(redundancy, "state of self-stress", "states of self-stress") +
                               ": statics does not determine the marked forces; shown are those of minimum norm");
@@ -250,8 +237,7 @@ void warn_of_friction(Result& result, const Scene& scene) {
   }
   if (names.empty()) return;
   result.warnings.push_back(
-      {.text = fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names)),
-       .tone = Tone::doubtful});
+      doubtful(fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names))));
 }
 
 }  // namespace poise::app

@@ -46,6 +46,9 @@ Tone tone_of(Stability stability);
 void add_coordinates(Group& group, const StaticModel& model, const std::vector<const Readings*>& poses,
                      const std::vector<std::string>& titles);
 
+/// Columns with names and SI units ("rad", "m") of the first coordinates, so many.
+Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t number);
+
 /// What every joint, bar and active stop carries: reactions [{name, kind, on, at[], force[], moment, axial,
 /// determined}]; reactions that statics leaves undetermined are marked.
 void add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,

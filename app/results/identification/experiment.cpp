@@ -17,11 +17,7 @@ constexpr std::size_t most_in_table = 12;
 constexpr double close = 0.9;
 
 std::vector<std::size_t> identifiable_ones(const Identifiability& known) {
-  std::vector<std::size_t> out;
-  for (std::size_t i = 0; i < known.identifiable.size(); ++i) {
-    if (known.identifiable[i]) out.push_back(i);
-  }
-  return out;
+  return chosen_of(places(known.identifiable.size()), [&](std::size_t i) -> bool { return known.identifiable[i]; });
 }
 
 std::vector<std::string> close_pairs(const FitProblem& problem, const Identifiability& known,
@@ -91,11 +87,9 @@ std::string data_in_words(const FitProblem& problem) {
 }
 
 std::vector<std::string> parameter_units(const FitProblem& problem) {
-  std::vector<std::string> units;
-  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
-    units.push_back(problem.number(static_cast<int>(i)).dimension().unit_name(problem.experiment().scene.units));
-  }
-  return units;
+  return each(places(problem.parameters().size()), [&](std::size_t i) {
+    return problem.number(static_cast<int>(i)).dimension().unit_name(problem.experiment().scene.units);
+  });
 }
 
 std::string rounded_to(double value, double standard_error) {
@@ -140,14 +134,11 @@ void add_correlations(Group& group, const FitProblem& problem, const Identifiabi
   // The columns are numbered by their rows: names would make the table too wide.
   table.numbers("", "", "", {}).texts = numbers;
   for (std::size_t j = 0; j + 1 < identifiable.size(); ++j) {
-    std::vector<std::string> cells;
-    std::vector<Tone> tones;
-    for (std::size_t i = 0; i < identifiable.size(); ++i) {
-      const double r = known.correlation[identifiable[i]][identifiable[j]].value();
-      cells.push_back(i > j ? fmt::format("{:+.3f}", r) : "");
-      tones.push_back(i > j && std::abs(r) > close ? Tone::doubtful : Tone::plain);
-    }
-    table.words("", numbers[j], std::move(cells)).tones = std::move(tones);
+    const std::vector<std::size_t> rows = places(identifiable.size());
+    const auto r = [&](std::size_t i) { return known.correlation[identifiable[i]][identifiable[j]].value(); };
+    table.words("", numbers[j], each(rows, [&](std::size_t i) { return i > j ? fmt::format("{:+.3f}", r(i)) : ""; }))
+        .tones =
+        each(rows, [&](std::size_t i) { return i > j && std::abs(r(i)) > close ? Tone::doubtful : Tone::plain; });
   }
 }
 
@@ -159,17 +150,14 @@ void add_identifiability_data(Group& group, const FitProblem& problem, const Ide
   out.data("gap", known.gap);
   out.data("singular_values", known.singular_values);
   const std::vector<Parameter>& parameters = problem.parameters();
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < known.correlation.size(); ++i) names.push_back(parameters[i].name);
+  const std::vector<std::string> names =
+      each(places(known.correlation.size()), [&](std::size_t i) { return parameters[i].name; });
   Table& correlation = out.table("correlation", "", Rows::by_name, Verbosity::data);
   correlation.words("name", "", names);
   for (std::size_t j = 0; j < names.size(); ++j) {
-    std::vector<double> column;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const bool both = known.identifiable[i] && known.identifiable[j];
-      column.push_back(or_gap(both ? known.correlation[i][j] : std::nullopt));
-    }
-    correlation.data(names[j], std::move(column));
+    correlation.data(names[j], each(places(names.size()), [&](std::size_t i) {
+                       return known.identifiable[i] && known.identifiable[j] ? known.correlation[i][j] : std::nullopt;
+                     }));
   }
   Branch& directions = out.array("not_identifiable");
   for (const Identifiability::Direction& direction : known.null_directions) {

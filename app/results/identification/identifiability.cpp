@@ -12,49 +12,38 @@ namespace poise::app {
 namespace {
 
 Line verdict(const FitProblem& problem, const Identifiability& known) {
-  if (!known.ok) return {.text = "Identifiability is not known: " + known.why + ".", .tone = Tone::bad};
+  if (!known.ok) return bad("Identifiability is not known: " + known.why + ".");
   const int all = static_cast<int>(problem.parameters().size());
   const int not_identifiable =
       static_cast<int>(std::count(known.identifiable.begin(), known.identifiable.end(), false));
   if (not_identifiable == 0) {
-    return {.text = all == 1 ? "The parameter is identifiable from these data."
-                             : fmt::format("All {} parameters are identifiable from these data.", all),
-            .tone = Tone::good};
+    return good(all == 1 ? "The parameter is identifiable from these data."
+                         : fmt::format("All {} parameters are identifiable from these data.", all));
   }
-  return {.text = fmt::format("{} of {} {} not identifiable from these data.", not_identifiable,
-                              count(all, "parameter", "parameters"), not_identifiable == 1 ? "is" : "are"),
-          .tone = Tone::bad};
+  return bad(fmt::format("{} of {} {} not identifiable from these data.", not_identifiable,
+                         count(all, "parameter", "parameters"), not_identifiable == 1 ? "is" : "are"));
 }
 
 void add_predicted(Group& group, const FitProblem& problem, const Identifiability& known) {
-  std::vector<std::string> names, paths, relative, notes;
-  std::vector<double> values, standard_errors, identifiable;
-  std::vector<std::string> value_texts, error_texts;
-  for (std::size_t i = 0; known.ok && i < problem.parameters().size(); ++i) {
-    const Unknown& unknown = problem.unknown_of(i);
-    const double value = problem.parameters()[i].truth + unknown.includes;
-    const bool is_identifiable = known.identifiable[i];
-    names.push_back(problem.parameters()[i].name);
-    paths.push_back(unknown.path);
-    values.push_back(value / unknown.unit);
-    value_texts.push_back(significant(values.back(), 6));
-    standard_errors.push_back(is_identifiable ? known.standard_error[i] / unknown.unit : NAN);
-    error_texts.push_back(is_identifiable ? significant(standard_errors.back(), 2) : "");
-    relative.push_back(is_identifiable ? per_cent(known.standard_error[i], value) : "");
-    identifiable.push_back(is_identifiable ? 1.0 : 0.0);
-    notes.emplace_back(is_identifiable ? "" : "not identifiable");
-  }
+  const std::vector<std::size_t> rows = places(known.ok ? problem.parameters().size() : 0);
+  const auto unit = [&](std::size_t i) { return problem.unknown_of(i).unit; };
+  const auto value = [&](std::size_t i) { return problem.parameters()[i].truth + problem.unknown_of(i).includes; };
+  const auto error = [&](std::size_t i) { return known.identifiable[i] ? known.standard_error[i] / unit(i) : NAN; };
+  const auto if_identifiable = [&](auto&& text) {
+    return each(rows, [&](std::size_t i) { return known.identifiable[i] ? text(i) : std::string(); });
+  };
   Table& table = group.table("predicted", "Least standard errors (Cramer-Rao bound)", Rows::list);
-  table.words("name", "parameter", std::move(names));
-  table.words("path", "", std::move(paths)).shown = false;
-  table.numbers("value", "in the scene", "", std::move(values)).texts = std::move(value_texts);
-  table.numbers("standard_error", "standard error", "", std::move(standard_errors)).texts = std::move(error_texts);
-  table.numbers("", "per cent", "", {}).texts = std::move(relative);
-  std::vector<std::string> units = parameter_units(problem);
-  if (!known.ok) units.clear();
-  table.words("unit", "unit", std::move(units));
-  table.flags("identifiable", std::move(identifiable));
-  table.remarks(std::move(notes), Tone::bad);
+  table.words("name", "parameter", each(rows, [&](std::size_t i) { return problem.parameters()[i].name; }));
+  table.words("path", "", each(rows, [&](std::size_t i) { return problem.unknown_of(i).path; })).shown = false;
+  table.numbers("value", "in the scene", "", each(rows, [&](std::size_t i) { return value(i) / unit(i); })).texts =
+      each(rows, [&](std::size_t i) { return significant(value(i) / unit(i), 6); });
+  table.numbers("standard_error", "standard error", "", each(rows, error)).texts =
+      if_identifiable([&](std::size_t i) { return significant(error(i), 2); });
+  table.numbers("", "per cent", "", {}).texts =
+      if_identifiable([&](std::size_t i) { return per_cent(known.standard_error[i], value(i)); });
+  table.words("unit", "unit", known.ok ? parameter_units(problem) : std::vector<std::string>{});
+  table.flags("identifiable", each(rows, [&](std::size_t i) -> bool { return known.identifiable[i]; }));
+  table.remarks(each(rows, [&](std::size_t i) { return known.identifiable[i] ? "" : "not identifiable"; }), Tone::bad);
 }
 
 /// "3 of 4; singular values drop by 2.1e+08 there; 1 of them below 3, the limit of identifiability".

@@ -35,15 +35,15 @@ double largest_autocorrelation(const Fit& fitted) {
 Line verdict(const Fit& fitted) {
   switch (fitted.status) {
     case FitStatus::converged:
-      return {.text = "Converged: residuals agree with the stated noise.", .tone = Tone::good};
+      return good("Converged: residuals agree with the stated noise.");
     case FitStatus::misfit:
-      return {.text = fmt::format("Converged with a misfit: {}.", fitted.why), .tone = Tone::doubtful};
+      return doubtful(fmt::format("Converged with a misfit: {}.", fitted.why));
     case FitStatus::not_run:
     case FitStatus::failed:
     case FitStatus::interrupted:
       break;
   }
-  return {.text = fmt::format("No fit: {}.", fitted.why), .tone = Tone::bad};
+  return bad(fmt::format("No fit: {}.", fitted.why));
 }
 
 std::vector<Line> warnings(const Fit& fitted) {
@@ -51,64 +51,64 @@ std::vector<Line> warnings(const Fit& fitted) {
   if (!fitted.usable()) return out;
   if (withheld(fitted) > 0) {
     const std::string all = count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates");
-    out.push_back({.text = fmt::format("Withheld: {} of {}, see below.", withheld(fitted), all), .tone = Tone::bad});
+    out.push_back(bad(fmt::format("Withheld: {} of {}, see below.", withheld(fitted), all)));
   }
   if (largest_autocorrelation(fitted) > not_independent) {
-    out.push_back({.text = fmt::format("Residuals are correlated from one sample to the next (autocorrelation up to "
-                                       "{:.3f}): standard errors are larger than shown, by about {} times.",
-                                       largest_autocorrelation(fitted), significant(fitted.autocorrelation_factor, 2)),
-                   .tone = Tone::doubtful});
+    out.push_back(
+        doubtful(fmt::format("Residuals are correlated from one sample to the next (autocorrelation up to "
+                             "{:.3f}): standard errors are larger than shown, by about {} times.",
+                             largest_autocorrelation(fitted), significant(fitted.autocorrelation_factor, 2))));
   }
   if (!fitted.identifiability.ok) {
-    out.push_back({.text = "Standard errors are not known: " + fitted.identifiability.why + ".", .tone = Tone::bad});
+    out.push_back(bad("Standard errors are not known: " + fitted.identifiability.why + "."));
   }
   return out;
 }
 
 void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
+  const std::vector<Estimate>& rows = fitted.estimates;
   const bool known = fitted.identifiability.ok;
-  const bool any = withheld(fitted) < static_cast<int>(fitted.estimates.size());
+  const bool any = withheld(fitted) < static_cast<int>(rows.size());
   const bool simulated = problem.experiment().is_simulated();
-  std::vector<std::string> names, paths, shown, error_texts, relative, truth_texts, differences, reasons;
-  std::vector<double> values, standard_errors, truths;
-  std::vector<Tone> tones, difference_tones;
-  for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
-    const Estimate& e = fitted.estimates[i];
-    names.push_back(e.name);
-    paths.push_back(problem.unknown_of(i).path);
-    values.push_back(e.withheld ? NAN : e.value / e.unit);
-    standard_errors.push_back(e.withheld || !known ? NAN : e.standard_error / e.unit);
-    truths.push_back(e.withheld || !simulated ? NAN : e.truth / e.unit);
-    shown.push_back(e.withheld ? "withheld" : rounded_to(values.back(), known ? standard_errors.back() : 0.0));
-    tones.push_back(e.withheld ? Tone::bad : Tone::plain);
-    error_texts.push_back(e.withheld ? "" : significant(standard_errors.back(), 2));
-    relative.push_back(e.withheld ? "" : known ? per_cent(e.standard_error, e.value) : "-");
-    truth_texts.push_back(e.withheld ? "" : significant(truths.back(), 7));
-    const double difference = (e.value - e.truth) / e.standard_error;
-    differences.push_back(e.withheld ? "" : known ? fmt::format("{:+.1f}", difference) : "-");
-    difference_tones.push_back(!e.withheld && std::abs(difference) > remarkable ? Tone::bad : Tone::plain);
-    reasons.push_back(e.why);
-  }
+  // What is withheld has no number, and no text in the columns behind the estimate.
+  const auto number = [&](double Estimate::*si, bool there) {
+    return each(rows, [&](const Estimate& e) { return e.withheld || !there ? NAN : e.*si / e.unit; });
+  };
+  const auto text = [&](auto&& of) {
+    return each(rows, [&](const Estimate& e) { return e.withheld ? std::string() : of(e); });
+  };
+  const auto difference_of = [](const Estimate& e) { return (e.value - e.truth) / e.standard_error; };
   Table& table = group.table("estimates", fitted.usable() ? "Estimates" : "Values reached, no estimates", Rows::list);
-  std::vector<std::string> units = fitted.estimates.empty() ? std::vector<std::string>{} : parameter_units(problem);
-  table.words("name", "parameter", std::move(names));
-  table.words("path", "", std::move(paths)).shown = false;
-  table.words("", "estimate", std::move(shown)).tones = std::move(tones);
-  table.data("value", std::move(values));
-  Column& errors = table.numbers("standard_error", "standard error", "", std::move(standard_errors));
-  errors.texts = std::move(error_texts);
+  table.words("name", "parameter", each(rows, &Estimate::name));
+  table.words("path", "", each(places(rows.size()), [&](std::size_t i) { return problem.unknown_of(i).path; })).shown =
+      false;
+  table
+      .words("", "estimate",
+             each(rows,
+                  [&](const Estimate& e) {
+                    return e.withheld ? "withheld"
+                                      : rounded_to(e.value / e.unit, known ? e.standard_error / e.unit : 0.0);
+                  }))
+      .tones = each(rows, [](const Estimate& e) { return e.withheld ? Tone::bad : Tone::plain; });
+  table.data("value", number(&Estimate::value, true));
+  Column& errors = table.numbers("standard_error", "standard error", "", number(&Estimate::standard_error, known));
+  errors.texts = text([&](const Estimate& e) { return significant(known ? e.standard_error / e.unit : NAN, 2); });
   errors.shown = any;
   Column& per_cents = table.numbers("", "per cent", "", {});
-  per_cents.texts = std::move(relative);
+  per_cents.texts = text([&](const Estimate& e) { return known ? per_cent(e.standard_error, e.value) : "-"; });
   per_cents.shown = any;
-  table.words("unit", "unit", std::move(units));
-  Column& truth = table.numbers("truth", "truth", "", std::move(truths));
-  truth.texts = std::move(truth_texts);
+  table.words("unit", "unit", rows.empty() ? std::vector<std::string>{} : parameter_units(problem));
+  Column& truth = table.numbers("truth", "truth", "", number(&Estimate::truth, simulated));
+  truth.texts = text([&](const Estimate& e) { return significant(simulated ? e.truth / e.unit : NAN, 7); });
   truth.shown = any && simulated;
-  Column& difference = table.words("", "error / sigma", std::move(differences));
-  difference.tones = std::move(difference_tones);
+  Column& difference =
+      table.words("", "error / sigma",
+                  text([&](const Estimate& e) { return known ? fmt::format("{:+.1f}", difference_of(e)) : "-"; }));
+  difference.tones = each(rows, [&](const Estimate& e) {
+    return !e.withheld && std::abs(difference_of(e)) > remarkable ? Tone::bad : Tone::plain;
+  });
   difference.shown = any && simulated;
-  Column& why = table.remarks(std::move(reasons), Tone::bad);
+  Column& why = table.remarks(each(rows, &Estimate::why), Tone::bad);
   why.key = "withheld";
   why.kind = Column::Kind::word_or_null;
 }
@@ -145,32 +145,27 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
   const Experiment& experiment = problem.experiment();
   constexpr std::size_t most_sensors = 4;
   const std::size_t sensors = std::min(most_sensors, experiment.sensors.size());
-  std::vector<std::string> names, over_noise, lagged, white;
-  std::vector<Tone> tones;
-  std::vector<std::vector<std::string>> rms(sensors);
-  for (const std::size_t r : worst_first(problem, fitted)) {
-    const RunFit& run = fitted.runs[r];
-    names.push_back(one_line(run.name));
-    over_noise.push_back(significant(rms_over_noise(problem, run), residual_digits));
-    double largest = 0.0;
-    for (const double a : run.autocorrelation) largest = std::abs(a) > std::abs(largest) ? a : largest;
-    lagged.push_back(run.rms.empty() ? "-" : fmt::format("{:+.3f}", largest));
-    white.emplace_back(run.white ? "white" : "not white");
-    tones.push_back(run.white ? Tone::plain : Tone::doubtful);
-    const std::vector<double> shown = in_units(run.rms, experiment);
-    for (std::size_t k = 0; k < sensors; ++k) {
-      rms[k].push_back(shown.empty() ? "-" : significant(shown[k], residual_digits));
-    }
-  }
+  std::vector<RunFit> rows;
+  for (const std::size_t r : worst_first(problem, fitted)) rows.push_back(fitted.runs[r]);
+  const auto lagged = [](const RunFit& run) {
+    const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
+    const auto largest = std::max_element(run.autocorrelation.begin(), run.autocorrelation.end(), size);
+    return largest == run.autocorrelation.end() ? "-" : fmt::format("{:+.3f}", *largest);
+  };
   Table& table = section.table("", "Residuals of the runs: root mean squares, the worst first", Rows::list);
-  table.words("", "run", std::move(names));
-  table.numbers("", "over noise", "", {}).texts = std::move(over_noise);
+  table.words("", "run", each(rows, [](const RunFit& run) { return one_line(run.name); }));
+  table.numbers("", "over noise", "", {}).texts =
+      each(rows, [&](const RunFit& run) { return significant(rms_over_noise(problem, run), residual_digits); });
   for (std::size_t k = 0; k < sensors; ++k) {
     const Sensor& sensor = experiment.sensors[k];
-    table.numbers("", sensor.name, sensor.dimension().unit_name(experiment.scene.units), {}).texts = std::move(rms[k]);
+    table.numbers("", sensor.name, sensor.dimension().unit_name(experiment.scene.units), {}).texts =
+        each(rows, [&](const RunFit& run) {
+          return run.rms.empty() ? "-" : significant(in_units(run.rms, experiment)[k], residual_digits);
+        });
   }
-  table.numbers("", "autocorrelation", "", {}).texts = std::move(lagged);
-  table.words("", "", std::move(white)).tones = std::move(tones);
+  table.numbers("", "autocorrelation", "", {}).texts = each(rows, lagged);
+  table.words("", "", each(rows, [](const RunFit& run) { return run.white ? "white" : "not white"; })).tones =
+      each(rows, [](const RunFit& run) { return run.white ? Tone::plain : Tone::doubtful; });
 }
 
 void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& answer) {
@@ -207,17 +202,10 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
   content.data("evaluations", fitted.evaluations);
   content.data("tries", fitted.tries);
   content.data("microseconds", fitted.microseconds);
-  std::vector<std::string> names, sensor_units;
-  std::vector<double> noise;
-  for (const Sensor& sensor : experiment.sensors) {
-    names.push_back(sensor.name);
-    sensor_units.push_back(sensor.dimension().unit_name(units));
-    noise.push_back(sensor.noise / sensor.dimension().unit(units));
-  }
   Table& sensors = content.table("sensors", "", Rows::list, Verbosity::data);
-  sensors.words("name", "", std::move(names));
-  sensors.words("unit", "", std::move(sensor_units));
-  sensors.data("noise", std::move(noise));
+  sensors.words("name", "", each(experiment.sensors, &Sensor::name));
+  sensors.words("unit", "", each(experiment.sensors, [&](const Sensor& s) { return s.dimension().unit_name(units); }));
+  sensors.data("noise", each(experiment.sensors, [&](const Sensor& s) { return s.noise / s.dimension().unit(units); }));
   content.data("rms", in_units(fitted.rms, experiment));
   content.data("rms_from_first_readings",
                answer.rms_from_readings.empty() ? Value() : Value(in_units(answer.rms_from_readings, experiment)));

@@ -12,11 +12,11 @@ namespace poise::app {
 namespace {
 
 Line verdict(const MonteCarloOptions& options, const MonteCarlo& answer) {
-  if (answer.trials == 0) return {.text = "Interrupted before the first trial had ended.", .tone = Tone::bad};
+  if (answer.trials == 0) return bad("Interrupted before the first trial had ended.");
   const std::string done = answer.interrupted
                                ? fmt::format("Interrupted after {} of {} trials", answer.trials, options.trials)
                                : fmt::format("{} simulated and fitted", count(answer.trials, "trial", "trials"));
-  if (answer.converged == 0) return {.text = done + ": no fit converged.", .tone = Tone::bad};
+  if (answer.converged == 0) return bad(done + ": no fit converged.");
   if (answer.converged < answer.trials) {
     return {
         .text = fmt::format("{}: {} did not converge.", done, count(answer.trials - answer.converged, "fit", "fits")),
@@ -28,63 +28,58 @@ Line verdict(const MonteCarloOptions& options, const MonteCarlo& answer) {
     if (!agrees) differing.push_back(s.name);
   }
   if (!differing.empty()) {
-    return {.text = fmt::format("{}: the errors do not agree with the stated standard errors of {}.", done,
-                                listed(differing)),
-            .tone = Tone::doubtful};
+    return doubtful(
+        fmt::format("{}: the errors do not agree with the stated standard errors of {}.", done, listed(differing)));
   }
   return {.text = done + ": the errors agree with the stated standard errors.",
           .tone = answer.interrupted ? Tone::doubtful : Tone::good};
 }
 
 void add_estimates(Group& group, const FitProblem& problem, const MonteCarlo& answer) {
-  struct Cells {
-    std::vector<std::string> texts;
-    std::vector<Tone> tones;
+  struct Row {
+    TrialStatistics of;
+    BoundStatistics found;
+    std::string unit;
   };
-  std::vector<std::string> names, units, truth_texts, bound_texts;
-  std::vector<double> truths, bounds, biases, errors, relative_errors, coverages, coverage_errors;
-  Cells bias, rmse, coverage;
-  const std::vector<std::string> all_units = parameter_units(problem);
+  std::vector<Row> rows;
+  const std::vector<std::string> units = parameter_units(problem);
   for (std::size_t i = 0; answer.converged > 0 && i < answer.parameters.size(); ++i) {
-    const TrialStatistics& s = answer.parameters[i];
-    const BoundStatistics found = against_bound(s, answer.converged);
-    const bool known = s.is_identifiable();
-    names.push_back(s.name);
-    units.push_back(all_units[i]);
-    truths.push_back(s.truth / s.unit);
-    truth_texts.push_back(significant(truths.back(), 6));
-    bounds.push_back(known ? s.bound / s.unit : NAN);
-    bound_texts.push_back(known ? per_cent(s.bound, s.truth) : "not identifiable");
-    biases.push_back(s.bias / s.unit);
-    errors.push_back(s.rmse / s.unit);
-    relative_errors.push_back(known ? found.rmse.value : NAN);
-    coverages.push_back(s.coverage);
-    coverage_errors.push_back(found.coverage.standard_error);
-    const auto add = [&](Cells& cells, const Statistic& statistic, std::string text) {
-      cells.texts.push_back(known ? std::move(text) : "-");
-      cells.tones.push_back(statistic.as_expected() || !known ? Tone::plain : Tone::bad);
-    };
-    add(bias, found.bias, fmt::format("{:+.3f} ± {:.3f}", found.bias.value, found.bias.standard_error));
-    add(rmse, found.rmse, fmt::format("{:.3f} ± {:.3f}", found.rmse.value, found.rmse.standard_error));
-    add(coverage, found.coverage,
-        fmt::format("{:.1f} ± {:.1f} %", 100 * found.coverage.value, 100 * found.coverage.standard_error));
+    rows.push_back({answer.parameters[i], against_bound(answer.parameters[i], answer.converged), units[i]});
   }
-  Table& table = group.table("estimates", "Errors of the estimates over the Cramer-Rao bound", Rows::list);
-  table.words("name", "parameter", std::move(names));
-  table.numbers("truth", "truth", "", std::move(truths)).texts = std::move(truth_texts);
-  table.words("unit", "unit", std::move(units));
-  table.numbers("bound", "bound, per cent", "", std::move(bounds)).texts = std::move(bound_texts);
-  const auto add_words = [&](const std::string& title, Cells cells) {
-    table.words("", title, std::move(cells.texts)).tones = std::move(cells.tones);
+  const auto si = [&](double TrialStatistics::*value) {
+    return each(rows, [&](const Row& row) { return row.of.*value / row.of.unit; });
   };
-  add_words("bias / bound", std::move(bias));
-  add_words("rms error / bound", std::move(rmse));
-  add_words("95 % intervals that cover", std::move(coverage));
-  table.data("bias", std::move(biases));
-  table.data("rmse", std::move(errors));
-  table.data("rmse_over_bound", std::move(relative_errors));
-  table.data("coverage", std::move(coverages));
-  table.data("coverage_standard_error", std::move(coverage_errors));
+  const auto if_known = [](const Row& row, double value) { return row.of.is_identifiable() ? value : NAN; };
+  Table& table = group.table("estimates", "Errors of the estimates over the Cramer-Rao bound", Rows::list);
+  table.words("name", "parameter", each(rows, [](const Row& row) { return row.of.name; }));
+  table.numbers("truth", "truth", "", si(&TrialStatistics::truth)).texts =
+      each(rows, [](const Row& row) { return significant(row.of.truth / row.of.unit, 6); });
+  table.words("unit", "unit", each(rows, &Row::unit));
+  table
+      .numbers("bound", "bound, per cent", "",
+               each(rows, [&](const Row& row) { return if_known(row, row.of.bound / row.of.unit); }))
+      .texts = each(rows, [](const Row& row) {
+    return row.of.is_identifiable() ? per_cent(row.of.bound, row.of.truth) : "not identifiable";
+  });
+  const auto add = [&](const std::string& title, Statistic BoundStatistics::*statistic, auto&& text) {
+    table
+        .words("", title,
+               each(rows, [&](const Row& row) { return row.of.is_identifiable() ? text(row.found.*statistic) : "-"; }))
+        .tones = each(rows, [&](const Row& row) {
+      return (row.found.*statistic).as_expected() || !row.of.is_identifiable() ? Tone::plain : Tone::bad;
+    });
+  };
+  add("bias / bound", &BoundStatistics::bias,
+      [](const Statistic& s) { return fmt::format("{:+.3f} ± {:.3f}", s.value, s.standard_error); });
+  add("rms error / bound", &BoundStatistics::rmse,
+      [](const Statistic& s) { return fmt::format("{:.3f} ± {:.3f}", s.value, s.standard_error); });
+  add("95 % intervals that cover", &BoundStatistics::coverage,
+      [](const Statistic& s) { return fmt::format("{:.1f} ± {:.1f} %", 100 * s.value, 100 * s.standard_error); });
+  table.data("bias", si(&TrialStatistics::bias));
+  table.data("rmse", si(&TrialStatistics::rmse));
+  table.data("rmse_over_bound", each(rows, [&](const Row& row) { return if_known(row, row.found.rmse.value); }));
+  table.data("coverage", each(rows, [](const Row& row) { return row.of.coverage; }));
+  table.data("coverage_standard_error", each(rows, [](const Row& row) { return row.found.coverage.standard_error; }));
   table.footnotes = {"expected: bias 0, rms error 1, coverage 95 %"};
 }
 

@@ -20,22 +20,21 @@ std::string in_length(double si, const Units& units) {
 std::string in_degrees(double si) { return significant(si / degree, digits) + " deg"; }
 
 Line verdict(const DesignResult& found, const DesignCheck& check) {
-  if (found.values.empty()) return {.text = "Nothing was tried.", .tone = Tone::bad};
-  if (!found.met) return {.text = "No dimensions meet all goals yet; these come nearest.", .tone = Tone::bad};
-  if (!check.met) return {.text = "Not confirmed: " + check.why + ".", .tone = Tone::bad};
-  return {.text = "Dimensions that meet all goals, confirmed by the general kinematics.", .tone = Tone::good};
+  if (found.values.empty()) return bad("Nothing was tried.");
+  if (!found.met) return bad("No dimensions meet all goals yet; these come nearest.");
+  if (!check.met) return bad("Not confirmed: " + check.why + ".");
+  return good("Dimensions that meet all goals, confirmed by the general kinematics.");
 }
 
 void add_goals(Group& group, const DesignProblem& problem, const DesignFacts& facts) {
   const Units& units = problem.scene.units;
-  std::vector<std::string> names, values, limits, marks;
-  std::vector<Tone> tones;
-  const auto add = [&](const std::string& name, const std::string& value, const std::string& limit, bool met) {
-    names.push_back(name);
-    values.push_back(value);
-    limits.push_back(limit);
-    marks.emplace_back(met ? "met" : "missed");
-    tones.push_back(met ? Tone::good : Tone::bad);
+  struct Goal {
+    std::string name, reached, required;
+    bool met;
+  };
+  std::vector<Goal> goals;
+  const auto add = [&](const std::string& name, const std::string& reached, const std::string& required, bool met) {
+    goals.push_back({name, reached, required, met});
   };
   add("travel of " + problem.scene.name_of(problem.guided), in_length(facts.travel, units),
       "= " + in_length(problem.travel, units), true);
@@ -61,10 +60,11 @@ void add_goals(Group& group, const DesignProblem& problem, const DesignFacts& fa
   add("longest span of a body", in_length(facts.longest, units), "<= " + in_length(problem.longest, units),
       facts.longest <= problem.longest);
   Table& table = group.table("", "Goals", Rows::list);
-  table.words("", "goal", std::move(names));
-  table.words("", "reached", std::move(values));
-  table.words("", "required", std::move(limits));
-  table.words("", "", std::move(marks)).tones = std::move(tones);
+  table.words("", "goal", each(goals, &Goal::name));
+  table.words("", "reached", each(goals, &Goal::reached));
+  table.words("", "required", each(goals, &Goal::required));
+  table.words("", "", each(goals, [](const Goal& goal) { return goal.met ? "met" : "missed"; })).tones =
+      each(goals, [](const Goal& goal) { return goal.met ? Tone::good : Tone::bad; });
 }
 
 void add_dimensions(Group& group, const Scene& scene) {

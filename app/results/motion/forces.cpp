@@ -65,24 +65,21 @@ std::string dead_points(const MotionModel& model, const ForcesAlong& found) {
 Line verdict(const MotionModel& model, const ForcesAlong& found) {
   const std::string dead = dead_points(model, found);
   const bool ended = !found.complete && !found.stop;
-  if (ended) return {.text = "Driven in part only: " + found.why + ".", .tone = Tone::bad};
-  if (!dead.empty() && !found.balanced()) return {.text = "Dead point: " + dead + ".", .tone = Tone::bad};
-  if (found.poses.empty()) return {.text = "No pose was reached.", .tone = Tone::bad};
+  if (ended) return bad("Driven in part only: " + found.why + ".");
+  if (!dead.empty() && !found.balanced()) return bad("Dead point: " + dead + ".");
+  if (found.poses.empty()) return bad("No pose was reached.");
   if (!found.balanced()) {
-    return {.text = found.poses.front().drives.empty()
-                        ? "Out of balance: the forces below do not hold the load; name a drive by --drive."
-                        : "Out of balance: the drives cannot hold the load, nor do the forces below.",
-            .tone = Tone::bad};
+    return bad(found.poses.front().drives.empty()
+                   ? "Out of balance: the forces below do not hold the load; name a drive by --drive."
+                   : "Out of balance: the drives cannot hold the load, nor do the forces below.");
   }
-  if (!dead.empty()) return {.text = "Every body is in balance. Dead point: " + dead + ".", .tone = Tone::doubtful};
-  return {.text = "Every body is in balance.", .tone = Tone::good};
+  if (!dead.empty()) return doubtful("Every body is in balance. Dead point: " + dead + ".");
+  return good("Every body is in balance.");
 }
 
 /// Stops that are passed, and elements against which drives work though the mechanism's load does not ask for it.
 void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& found) {
-  const auto warn = [&](std::string text) {
-    result.warnings.push_back({.text = std::move(text), .tone = Tone::doubtful});
-  };
+  const auto warn = [&](std::string text) { result.warnings.push_back(doubtful(std::move(text))); };
   const std::string dead = dead_points(model, found);
   if (!dead.empty() && !found.complete && !found.stop) warn("Dead point: " + dead + ".");
   if (found.stop) warn("The range ends early: " + found.why + ".");
@@ -103,22 +100,20 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
 
 /// Drives of a single pose.
 void add_drives(Group& group, const MotionModel& model, const Forces& forces, bool moving) {
-  std::vector<std::string> names, efforts, notes;
-  std::vector<double> powers;
-  for (const DriveEffort& drive : forces.drives) {
-    names.push_back(drive.name);
-    efforts.push_back(with_unit(model, drive.value, drive.is_angle ? Quantity::moment : Quantity::force));
-    powers.push_back(in_unit(drive.power, Quantity::energy, model.scene().units));
-    notes.emplace_back(drive.determined ? "" : "undetermined");
-  }
+  const Units& units = model.scene().units;
+  const auto effort = [&](const DriveEffort& drive) {
+    return with_unit(model, drive.value, drive.is_angle ? Quantity::moment : Quantity::force);
+  };
   Table& table = group.table("", "Drives, positive where they drive forwards", Rows::list);
-  table.words("", "drive", std::move(names));
-  table.words("", "effort", std::move(efforts));
+  table.words("", "drive", each(forces.drives, &DriveEffort::name));
+  table.words("", "effort", each(forces.drives, effort));
   if (moving) {
-    table.numbers("", "power", power_unit(model.scene().units), std::move(powers),
+    table.numbers("", "power", power_unit(units),
+                  in_unit(each(forces.drives, &DriveEffort::power), Quantity::energy, units),
                   format_of(model, Quantity::energy, force_digits));
   }
-  table.remarks(std::move(notes), Tone::doubtful);
+  table.remarks(each(forces.drives, [](const DriveEffort& drive) { return drive.determined ? "" : "undetermined"; }),
+                Tone::doubtful);
 }
 
 /// Angles and slides of a single pose, bodies that welds join in one row.
@@ -164,15 +159,12 @@ bool is_element(const ForceCourse& course) {
 
 /// Springs, dampers and friction of one pose.
 void add_elements(Group& group, const MotionModel& model, const std::vector<ForceCourse>& courses) {
-  std::vector<std::string> names, values;
-  for (const ForceCourse& course : courses) {
-    if (!is_element(course)) continue;
-    names.push_back(course.name);
-    values.push_back(with_unit(model, course.value.front(), course.quantity));
-  }
+  const std::vector<ForceCourse> elements = chosen_of(courses, is_element);
   Table& table = group.table("", "Springs and dampers, tension positive, moments on the second body", Rows::list);
-  table.words("", "element", std::move(names));
-  table.words("", "carries", std::move(values));
+  table.words("", "element", each(elements, &ForceCourse::name));
+  table.words("", "carries", each(elements, [&](const ForceCourse& course) {
+                return with_unit(model, course.value.front(), course.quantity);
+              }));
 }
 
 struct Places {

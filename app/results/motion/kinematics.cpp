@@ -86,10 +86,8 @@ std::vector<Course> without_welded(const Scene& scene, const std::vector<Course>
 
 void add_courses(Group& group, const Scene& scene, const std::vector<Course>& courses, const Course& drive,
                  Verbosity level) {
-  std::vector<Course> lengths;
-  for (const Course& course : courses) {
-    if (course.quantity == Quantity::length) lengths.push_back(course);
-  }
+  const std::vector<Course> lengths =
+      chosen_of(courses, [](const Course& course) { return course.quantity == Quantity::length; });
   for (const std::vector<Course>& kind : {without_welded(scene, courses), lengths}) {
     if (kind.empty()) continue;
     const Quantity quantity = kind.front().quantity;
@@ -161,9 +159,7 @@ void add_samples(Group& group, const Scene& scene, const KinematicsResult& found
       table.data(course.name + ".acceleration", in_unit(course.acceleration, course.quantity, scene.units));
     }
   }
-  std::vector<double> closeness;
-  for (const KinematicSample& sample : found.samples) closeness.push_back(sample.closeness_to_singular);
-  table.data("closeness_to_singular", std::move(closeness));
+  table.data("closeness_to_singular", each(found.samples, &KinematicSample::closeness_to_singular));
 }
 
 std::string place_in_words(const Scene& scene, const std::vector<DriveRange>& ranges,
@@ -204,24 +200,19 @@ void add_range_data(Group& group, const Scene& scene, const KinematicsResult& fo
   group.data("why", found.why);
   add_met_stop(group, found.stop, scene);
   group.data("degrees_of_freedom", ranges.size());
-  std::vector<std::string> names;
-  std::vector<double> from, to;
-  for (const DriveRange& range : ranges) {
-    const Quantity quantity = quantity_of(scene, range);
-    names.push_back(range.name);
-    from.push_back(in_unit(range.from, quantity, scene.units));
-    to.push_back(in_unit(range.to, quantity, scene.units));
-  }
+  const auto end = [&](double DriveRange::*si) {
+    return each(ranges, [&](const DriveRange& r) { return in_unit(r.*si, quantity_of(scene, r), scene.units); });
+  };
   Table& table = group.table("drives", "", Rows::list, Verbosity::data);
-  table.words("name", "", std::move(names));
-  table.data("from", std::move(from));
-  table.data("to", std::move(to));
+  table.words("name", "", each(ranges, &DriveRange::name));
+  table.data("from", end(&DriveRange::from));
+  table.data("to", end(&DriveRange::to));
 }
 
 Line verdict(const KinematicsResult& found) {
-  if (found.complete) return {.text = "Driven through the whole range.", .tone = Tone::good};
-  if (found.stop) return {.text = "Driven up to a stop: " + found.why + ".", .tone = Tone::doubtful};
-  return {.text = "Not driven through the whole range: " + found.why + ".", .tone = Tone::bad};
+  if (found.complete) return good("Driven through the whole range.");
+  if (found.stop) return doubtful("Driven up to a stop: " + found.why + ".");
+  return bad("Not driven through the whole range: " + found.why + ".");
 }
 
 }  // namespace
@@ -253,11 +244,7 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
   content.fact(
       "mobility",
       fmt::format("{}, driven by {}", count(static_cast<int>(ranges.size()), "degree of freedom", "degrees of freedom"),
-                  listed([&] {
-                    std::vector<std::string> names;
-                    for (const DriveRange& range : ranges) names.push_back(range.name);
-                    return names;
-                  }())));
+                  listed(each(ranges, &DriveRange::name))));
   content.fact("rate",
                fmt::format("{} at {} {}/s, {}", ranges[pace].name, significant(in_unit(rate, quantity, scene.units), 6),
                            unit_name(quantity, scene.units),

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -66,11 +65,10 @@ std::string shape_in_words(const MotionModel& model, const Vibration& mode) {
 
 Line verdict(const ModesAnswer& answer) {
   if (!answer.equilibrium.found()) {
-    return {.text = "No equilibrium found about which it could oscillate: " + answer.equilibrium.why,
-            .tone = Tone::bad};
+    return bad("No equilibrium found about which it could oscillate: " + answer.equilibrium.why);
   }
   const Modes& modes = answer.modes;
-  if (!modes.known) return {.text = "In equilibrium, but without small motions: " + modes.why + ".", .tone = Tone::bad};
+  if (!modes.known) return bad("In equilibrium, but without small motions: " + modes.why + ".");
   const auto number = [&](Kind kind) {
     return static_cast<int>(std::count_if(modes.vibrations.begin(), modes.vibrations.end(),
                                           [&](const Vibration& v) { return v.kind == kind; }));
@@ -78,17 +76,16 @@ Line verdict(const ModesAnswer& answer) {
   std::vector<std::string> leaves;
   if (number(Kind::diverges) > 0) leaves.push_back(count(number(Kind::diverges), "mode diverges", "modes diverge"));
   if (number(Kind::flutters) > 0) leaves.push_back(count(number(Kind::flutters), "mode flutters", "modes flutter"));
-  if (!leaves.empty()) return {.text = "Unstable equilibrium: " + listed(leaves) + ".", .tone = Tone::bad};
+  if (!leaves.empty()) return bad("Unstable equilibrium: " + listed(leaves) + ".");
   const std::string all = count(static_cast<int>(modes.vibrations.size()), "mode", "modes");
   if (number(Kind::neutral) > 0) {
-    return {.text = fmt::format("Neutral equilibrium: {} of {} without a restoring force.", number(Kind::neutral), all),
-            .tone = Tone::doubtful};
+    return doubtful(
+        fmt::format("Neutral equilibrium: {} of {} without a restoring force.", number(Kind::neutral), all));
   }
-  if (modes.vibrations.empty()) return {.text = "Stable equilibrium; nothing is free to move.", .tone = Tone::good};
+  if (modes.vibrations.empty()) return good("Stable equilibrium; nothing is free to move.");
   const bool oscillates = number(Kind::oscillates) > 0;
-  return {.text = fmt::format("{} this equilibrium: stable, {}.",
-                              oscillates ? "It oscillates about" : "It returns without oscillation to", all),
-          .tone = Tone::good};
+  return good(fmt::format("{} this equilibrium: stable, {}.",
+                          oscillates ? "It oscillates about" : "It returns without oscillation to", all));
 }
 
 void add_facts(Group& group, const MotionModel& model, const ModesAnswer& answer) {
@@ -106,40 +103,30 @@ void add_facts(Group& group, const MotionModel& model, const ModesAnswer& answer
 }
 
 void add_modes(Group& group, const MotionModel& model, const Modes& modes) {
-  std::vector<std::string> kinds, shapes;
-  std::vector<Tone> tones;
-  std::vector<double> frequencies, ratios, damped, growths;
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
-  for (const Vibration& mode : modes.vibrations) {
-    const bool has_frequency = mode.kind != Kind::diverges && mode.kind != Kind::neutral;
-    kinds.emplace_back(name_of(mode.kind));
-    tones.push_back(tone_of_kind(mode.kind));
-    frequencies.push_back(mode.kind == Kind::diverges ? unknown : mode.frequency);
-    ratios.push_back(has_frequency ? mode.damping_ratio : unknown);
-    damped.push_back(has_frequency ? mode.damped_frequency : unknown);
-    growths.push_back(mode.growth);
-    shapes.push_back(shape_in_words(model, mode));
-  }
+  const std::vector<Vibration>& rows = modes.vibrations;
+  const auto if_it_oscillates = [&](double Vibration::*value) {
+    return each(rows, [&](const Vibration& mode) {
+      return mode.kind == Kind::diverges || mode.kind == Kind::neutral ? NAN : mode.*value;
+    });
+  };
   Table& table = group.table("", "Modes, shapes in rad and mechanism sizes", Rows::list);
-  table.words("", "mode", std::move(kinds)).tones = std::move(tones);
-  table.numbers("", "frequency", "Hz", std::move(frequencies), {.digits = frequency_digits});
-  table.numbers("", "damping ratio", "", std::move(ratios), {.digits = damping_digits});
-  table.numbers("", "damped", "Hz", std::move(damped), {.digits = frequency_digits});
-  table.numbers("", "growth", "1/s", std::move(growths), {.digits = damping_digits});
-  table.words("", "shape", std::move(shapes));
+  table.words("", "mode", each(rows, [](const Vibration& mode) { return name_of(mode.kind); })).tones =
+      each(rows, [](const Vibration& mode) { return tone_of_kind(mode.kind); });
+  table.numbers("", "frequency", "Hz",
+                each(rows, [](const Vibration& mode) { return mode.kind == Kind::diverges ? NAN : mode.frequency; }),
+                {.digits = frequency_digits});
+  table.numbers("", "damping ratio", "", if_it_oscillates(&Vibration::damping_ratio), {.digits = damping_digits});
+  table.numbers("", "damped", "Hz", if_it_oscillates(&Vibration::damped_frequency), {.digits = frequency_digits});
+  table.numbers("", "growth", "1/s", each(rows, &Vibration::growth), {.digits = damping_digits});
+  table.words("", "shape", each(rows, [&](const Vibration& mode) { return shape_in_words(model, mode); }));
 }
 
 /// {re: [...], im: [...]}.
 template <class Numbers>
 void add_complex(Group& group, const std::string& key, const Numbers& numbers) {
-  std::vector<double> re, im;
-  for (const std::complex<double>& z : numbers) {
-    re.push_back(z.real());
-    im.push_back(z.imag());
-  }
   Table& table = group.table(key, "", Rows::columns, Verbosity::data);
-  table.data("re", std::move(re));
-  table.data("im", std::move(im));
+  table.data("re", each(numbers, [](const std::complex<double>& z) { return z.real(); }));
+  table.data("im", each(numbers, [](const std::complex<double>& z) { return z.imag(); }));
 }
 
 void add_data(Group& group, const MotionModel& model, const ModesAnswer& answer) {
@@ -153,19 +140,15 @@ void add_data(Group& group, const MotionModel& model, const ModesAnswer& answer)
   group.data("known", modes.known);
   group.data("why_unknown", modes.why);
   const std::vector<double> q = answer.x.empty() ? answer.x : model.to_si(answer.x);
-  std::vector<std::string> names, kinds;
-  std::vector<double> values;
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const Coordinate& c = model.layout().coordinates[i];
-    const bool angle = c.kind == Coordinate::Kind::angle;
-    names.push_back(c.name);
-    kinds.emplace_back(angle ? "angle" : "length");
-    values.push_back(in_unit(q[i], angle ? Quantity::angle : Quantity::length, model.scene().units));
-  }
+  const std::vector<std::size_t> rows = places(q.size());
+  const auto coordinate = [&](std::size_t i) -> const Coordinate& { return model.layout().coordinates[i]; };
+  const auto is_angle = [&](std::size_t i) { return coordinate(i).kind == Coordinate::Kind::angle; };
   Table& coordinates = group.table("coordinates", "", Rows::list, Verbosity::data);
-  coordinates.words("name", "", std::move(names));
-  coordinates.words("kind", "", std::move(kinds));
-  coordinates.data("value", std::move(values));
+  coordinates.words("name", "", each(rows, [&](std::size_t i) { return coordinate(i).name; }));
+  coordinates.words("kind", "", each(rows, [&](std::size_t i) { return is_angle(i) ? "angle" : "length"; }));
+  coordinates.data("value", each(rows, [&](std::size_t i) {
+                     return in_unit(q[i], is_angle(i) ? Quantity::angle : Quantity::length, model.scene().units);
+                   }));
   Branch& list = group.array("modes");
   for (const Vibration& mode : modes.vibrations) {
     Group& one = list.parts.emplace_back();
@@ -192,8 +175,7 @@ Result modes_result(const MotionModel& model, const ModesAnswer& answer, const s
   if (answer.modes.known && std::any_of(elements.begin(), elements.end(),
                                         [](const Element& e) { return std::holds_alternative<DryFriction>(e.law); })) {
     out.warnings.push_back(
-        {.text = "Dry friction is left out, which is not linear: it damps small oscillations more than shown here.",
-         .tone = Tone::doubtful});
+        doubtful("Dry friction is left out, which is not linear: it damps small oscillations more than shown here."));
   }
   out.content.group("", "Numerics", Verbosity::verbose)
       .fact("statics", fmt::format("{}; {}", to_string(answer.equilibrium.status), answer.equilibrium.why));

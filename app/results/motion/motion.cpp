@@ -21,22 +21,21 @@ Line verdict(const MotionAnswer& answer) {
   const Motion& motion = answer.found.motion;
   const std::optional<double>& error = answer.found.error;
   if (!motion.completed()) {
-    return {.text = fmt::format("Simulated {} s of {} s only: {}.", significant(reached(motion), 6),
-                                significant(answer.duration, 6), motion.why),
-            .tone = Tone::bad};
+    return bad(fmt::format("Simulated {} s of {} s only: {}.", significant(reached(motion), 6),
+                           significant(answer.duration, 6), motion.why));
   }
   const std::string moved = fmt::format("Simulated {} s", significant(answer.duration, 6));
-  if (!error) return {.text = moved + "; interrupted before its error was known.", .tone = Tone::bad};
+  if (!error) return bad(moved + "; interrupted before its error was known.");
   if (motion.energy_error >= ConfirmedMotion::useful) {
-    return {.text = moved + ", not confirmed: energy is not conserved.", .tone = Tone::bad};
+    return bad(moved + ", not confirmed: energy is not conserved.");
   }
   if (!answer.found.confirmed()) {
-    return {.text = moved + ", not confirmed: small errors grow to the size of the motion.", .tone = Tone::bad};
+    return bad(moved + ", not confirmed: small errors grow to the size of the motion.");
   }
   if (*error > remarkable * answer.accuracy || motion.energy_error > remarkable * answer.accuracy) {
-    return {.text = moved + "; small errors grow along this motion.", .tone = Tone::doubtful};
+    return doubtful(moved + "; small errors grow along this motion.");
   }
-  return {.text = moved + "; energy is conserved.", .tone = Tone::good};
+  return good(moved + "; energy is conserved.");
 }
 
 std::string effort(const Motion& motion) {
@@ -72,18 +71,18 @@ Moving kind_of(const MotionModel& model, const Channel& channel) {
 
 /// What moves, at the ends of the motion and between them; SI.
 struct Extremes {
-  std::vector<std::string> names;
-  std::vector<double> start, end, rate_start, rate_end, least, most;
+  std::string name;
+  double start, end, least, most, rate_start, rate_end;
 };
 
 /// Bodies that keep parallel because welds join them share a row where they are `merged`.
-Extremes extremes_of(const MotionModel& model, const MotionAnswer& answer, auto&& wanted, bool merged) {
+std::vector<Extremes> extremes_of(const MotionModel& model, const MotionAnswer& answer, auto&& wanted, bool merged) {
   const Trajectory& path = answer.found.motion.trajectory;
   const std::size_t last = (path.nodes() - 1) * static_cast<std::size_t>(path.coordinates);
   const MotionRecord& record = answer.record;
   const std::vector<int> groups = rigid_groups(model.scene());
   std::vector<int> rows;  // group of each row; 0 for what is no angle
-  Extremes out;
+  std::vector<Extremes> out;
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     const Channel& channel = record.channels[c];
     if (!wanted(channel)) continue;
@@ -96,22 +95,18 @@ Extremes extremes_of(const MotionModel& model, const MotionAnswer& answer, auto&
     }
     const auto known = group == 0 ? rows.end() : std::find(rows.begin(), rows.end(), group);
     if (merged && known != rows.end()) {
-      out.names[static_cast<std::size_t>(known - rows.begin())] += ", " + channel.name;
+      out[static_cast<std::size_t>(known - rows.begin())].name += ", " + channel.name;
       continue;
     }
     rows.push_back(group);
     const auto i = static_cast<std::size_t>(channel.coordinate);
-    out.names.push_back(channel.name);
-    out.start.push_back(path.q[i] + channel.offset);
-    out.end.push_back(path.q[last + i] + channel.offset);
-    out.rate_start.push_back(path.v[i]);
-    out.rate_end.push_back(path.v[last + i]);
-    out.least.push_back(std::min(out.start.back(), out.end.back()));
-    out.most.push_back(std::max(out.start.back(), out.end.back()));
+    const double start = path.q[i] + channel.offset, end = path.q[last + i] + channel.offset;
+    Extremes row{channel.name, start, end, std::min(start, end), std::max(start, end), path.v[i], path.v[last + i]};
     for (const double value : record.value[c]) {
-      out.least.back() = std::min(out.least.back(), value);
-      out.most.back() = std::max(out.most.back(), value);
+      row.least = std::min(row.least, value);
+      row.most = std::max(row.most, value);
     }
+    out.push_back(std::move(row));
   }
   return out;
 }
@@ -120,37 +115,37 @@ void add_moving(Group& group, const MotionModel& model, const MotionAnswer& answ
                 const std::string& title) {
   const Units& units = model.scene().units;
   const Quantity quantity = kind == Moving::angle ? Quantity::angle : Quantity::length;
-  const Extremes found = extremes_of(
+  const std::vector<Extremes> found = extremes_of(
       model, answer, [&](const Channel& channel) { return kind_of(model, channel) == kind; }, true);
   Table& table = group.table("", fmt::format("{} ({})", title, unit_name(quantity, units)), Rows::list);
-  table.words("", kind == Moving::travel ? "joint" : "body", found.names);
+  table.words("", kind == Moving::travel ? "joint" : "body", each(found, &Extremes::name));
   Format format = format_of(model, quantity, coordinate_digits);
   format.scale = in_unit(quantity == Quantity::angle ? M_PI : model.scales().length, quantity, units);
-  for (const auto& [name, values] : {std::pair("at the start", &found.start), std::pair("at the end", &found.end),
-                                     std::pair("least", &found.least), std::pair("most", &found.most)}) {
-    table.numbers("", name, "", in_unit(*values, quantity, units), format);
+  for (const auto& [name, value] :
+       {std::pair("at the start", &Extremes::start), std::pair("at the end", &Extremes::end),
+        std::pair("least", &Extremes::least), std::pair("most", &Extremes::most)}) {
+    table.numbers("", name, "", in_unit(each(found, value), quantity, units), format);
   }
-  table.numbers("", "rate at the end", unit_name(quantity, units) + "/s", in_unit(found.rate_end, quantity, units),
-                format_of(model, quantity, rate_digits));
+  table.numbers("", "rate at the end", unit_name(quantity, units) + "/s",
+                in_unit(each(found, &Extremes::rate_end), quantity, units), format_of(model, quantity, rate_digits));
 }
 
 void add_moving_data(Group& group, const MotionModel& model, const MotionAnswer& answer) {
-  const Units& units = model.scene().units;
   for (const auto& [key, kind] : {std::pair("angles", Quantity::angle), std::pair("slides", Quantity::length)}) {
     const Quantity quantity = kind;
-    Extremes found;
+    std::vector<Extremes> found;
     if (answer.found.motion.trajectory.nodes() > 0) {
       found = extremes_of(
           model, answer, [&](const Channel& c) { return c.quantity == quantity; }, false);
     }
     Table& table = group.table(key, "", Rows::by_name, Verbosity::data);
-    table.words("name", "", std::move(found.names));
-    table.data("start", in_unit(std::move(found.start), quantity, units));
-    table.data("end", in_unit(std::move(found.end), quantity, units));
-    table.data("least", in_unit(std::move(found.least), quantity, units));
-    table.data("most", in_unit(std::move(found.most), quantity, units));
-    table.data("rate_start", in_unit(std::move(found.rate_start), quantity, units));
-    table.data("rate_end", in_unit(std::move(found.rate_end), quantity, units));
+    table.words("name", "", each(found, &Extremes::name));
+    for (const auto& [name, value] :
+         {std::pair("start", &Extremes::start), std::pair("end", &Extremes::end), std::pair("least", &Extremes::least),
+          std::pair("most", &Extremes::most), std::pair("rate_start", &Extremes::rate_start),
+          std::pair("rate_end", &Extremes::rate_end)}) {
+      table.data(name, in_unit(each(found, value), quantity, model.scene().units));
+    }
   }
 }
 
@@ -256,8 +251,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(answer);
   for (const std::string& stop : motion.overrun) {
-    out.warnings.push_back(
-        {.text = fmt::format("It ran through {}: stops do not act in motion.", stop), .tone = Tone::doubtful});
+    out.warnings.push_back(doubtful(fmt::format("It ran through {}: stops do not act in motion.", stop)));
   }
   Group& content = out.content;
   add_data(content, answer);
@@ -285,7 +279,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
 
 Result no_origin_result(const MotionModel& model, const std::string& why, const std::vector<std::string>& settings) {
   Result out = scene_result(model.scene(), settings);
-  out.verdict = {.text = "No equilibrium found to start from: " + why, .tone = Tone::bad};
+  out.verdict = bad("No equilibrium found to start from: " + why);
   out.content.fact("remedy", "--from start begins where the scene is assembled");
   return out;
 }

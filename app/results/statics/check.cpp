@@ -15,9 +15,9 @@ namespace poise::app {
 namespace {
 
 Line verdict(const Mobility& mobility) {
-  if (!mobility.assembled) return {.text = "Cannot be assembled: " + mobility.gap + ".", .tone = Tone::bad};
+  if (!mobility.assembled) return bad("Cannot be assembled: " + mobility.gap + ".");
   if (mobility.freedoms == 0) {
-    return {.text = "All loops close; no degree of freedom that carries a load.", .tone = Tone::doubtful};
+    return doubtful("All loops close; no degree of freedom that carries a load.");
   }
   return {
       .text = fmt::format("All loops close; {}.", count(mobility.freedoms, "degree of freedom", "degrees of freedom")),
@@ -25,45 +25,38 @@ Line verdict(const Mobility& mobility) {
 }
 
 void add_bodies(Group& group, const Scene& scene) {
-  std::vector<std::string> names, points;
-  std::vector<double> masses, x, y, inertias;
-  bool any_mass = false;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    const Body& body = scene.bodies[i];
-    names.push_back(body.name);
-    std::vector<std::string> named;
-    for (const NamedPoint& p : body.points) named.push_back(p.name);
-    points.push_back(fmt::format("{}", fmt::join(named, ", ")));
-    masses.push_back(in_unit(body.mass, Quantity::mass, scene.units));
-    x.push_back(in_unit(body.center.x, Quantity::length, scene.units));
-    y.push_back(in_unit(body.center.y, Quantity::length, scene.units));
-    inertias.push_back(body.inertia / dimension::inertia.unit(scene.units));
-    any_mass = any_mass || body.mass > 0;
-  }
-  Table& table = group.table("bodies", "Bodies", Rows::list);
-  table.words("name", "name", std::move(names));
+  const std::vector<Body> moving(scene.bodies.begin() + 1, scene.bodies.end());
+  const bool any_mass = std::any_of(moving.begin(), moving.end(), [](const Body& body) { return body.mass > 0; });
   const std::string length = unit_name(Quantity::length, scene.units);
-  table.numbers("mass", "mass", unit_name(Quantity::mass, scene.units), std::move(masses)).shown = any_mass;
-  table.numbers("center[]", "centre x", length, std::move(x)).shown = any_mass;
-  table.numbers("center[]", "centre y", length, std::move(y)).shown = any_mass;
-  table.numbers("inertia", "inertia", dimension::inertia.unit_name(scene.units), std::move(inertias)).shown = any_mass;
-  table.words("points", "points", std::move(points));
+  const auto in_length = [&](double si) { return in_unit(si, Quantity::length, scene.units); };
+  Table& table = group.table("bodies", "Bodies", Rows::list);
+  table.words("name", "name", each(moving, &Body::name));
+  const auto add = [&](const std::string& key, const std::string& title, const std::string& unit, auto value) {
+    table.numbers(key, title, unit, each(moving, value)).shown = any_mass;
+  };
+  add("mass", "mass", unit_name(Quantity::mass, scene.units),
+      [&](const Body& body) { return in_unit(body.mass, Quantity::mass, scene.units); });
+  add("center[]", "centre x", length, [&](const Body& body) { return in_length(body.center.x); });
+  add("center[]", "centre y", length, [&](const Body& body) { return in_length(body.center.y); });
+  add("inertia", "inertia", dimension::inertia.unit_name(scene.units),
+      [&](const Body& body) { return body.inertia / dimension::inertia.unit(scene.units); });
+  table.words("points", "points", each(moving, [](const Body& body) {
+                return fmt::format("{}", fmt::join(each(body.points, &NamedPoint::name), ", "));
+              }));
+}
+
+std::string spaced(std::string word) {
+  std::replace(word.begin(), word.end(), '_', ' ');
+  return word;
 }
 
 void add_joints(Group& group, const Scene& scene) {
-  std::vector<std::string> names, kinds, from, to;
-  for (const Joint& joint : scene.joints) {
-    names.push_back(joint.name);
-    kinds.emplace_back(joint.traits().key);
-    std::replace(kinds.back().begin(), kinds.back().end(), '_', ' ');
-    from.push_back(scene.name_of(joint.a));
-    to.push_back(scene.name_of(joint.b));
-  }
   Table& table = group.table("joints", "Joints", Rows::list);
-  table.words("name", "name", std::move(names));
-  table.words("kind", "kind", std::move(kinds));
-  table.words("from", "from", std::move(from));
-  table.words("to", "to", std::move(to));
+  table.words("name", "name", each(scene.joints, &Joint::name));
+  table.words("kind", "kind",
+              each(scene.joints, [](const Joint& joint) { return spaced(std::string(joint.traits().key)); }));
+  table.words("from", "from", each(scene.joints, [&](const Joint& joint) { return scene.name_of(joint.a); }));
+  table.words("to", "to", each(scene.joints, [&](const Joint& joint) { return scene.name_of(joint.b); }));
 }
 
 /// What a measure is taken of: "A.P to B.Q", "crank against ground".
@@ -101,65 +94,51 @@ std::vector<std::string> numbers_of_items(const Scene& scene, Owner owner, std::
 }
 
 void add_elements(Group& group, const Scene& scene) {
-  std::vector<std::string> names, kinds, measures;
-  for (const Element& element : scene.elements) {
-    names.push_back(element.name);
-    kinds.push_back(element.table);
-    std::replace(kinds.back().begin(), kinds.back().end(), '_', ' ');
-    measures.push_back(in_words(scene, element.on));
-  }
   Table& table = group.table("elements", "Springs, dampers and other force elements", Rows::list);
-  table.words("name", "name", std::move(names));
-  table.words("kind", "kind", std::move(kinds));
-  table.words("on", "on", std::move(measures));
+  table.words("name", "name", each(scene.elements, &Element::name));
+  table.words("kind", "kind", each(scene.elements, [](const Element& element) { return spaced(element.table); }));
+  table.words("on", "on", each(scene.elements, [&](const Element& e) { return in_words(scene, e.on); }));
   table.words("numbers", "numbers", numbers_of_items(scene, Owner::element, scene.elements.size()));
 }
 
 void add_loads(Group& group, const Scene& scene) {
-  std::vector<std::string> names, at, values;
+  struct Load {
+    std::string name, on, value;
+  };
+  std::vector<Load> loads;
   for (const Force& force : scene.forces) {
     const auto part = [&](double si) { return significant(in_unit(si, Quantity::force, scene.units), force_digits); };
-    names.push_back(force.name);
-    at.push_back(scene.name_of(force.at));
-    values.push_back(fmt::format("[{}, {}] {}{}", part(force.vector.x), part(force.vector.y), scene.units.force_name,
-                                 force.follows < 0 ? "" : ", follows " + scene.bodies[force.follows].name));
+    const std::string follows = force.follows < 0 ? "" : ", follows " + scene.bodies[force.follows].name;
+    loads.push_back(
+        {force.name, scene.name_of(force.at),
+         fmt::format("[{}, {}] {}{}", part(force.vector.x), part(force.vector.y), scene.units.force_name, follows)});
   }
   const std::vector<std::string> torques = numbers_of_items(scene, Owner::torque, scene.torques.size());
   for (std::size_t i = 0; i < scene.torques.size(); ++i) {
-    names.push_back(scene.torques[i].name);
-    at.push_back(scene.bodies[scene.torques[i].body].name);
-    values.push_back(torques[i]);
+    loads.push_back({scene.torques[i].name, scene.bodies[scene.torques[i].body].name, torques[i]});
   }
   Table& table = group.table("loads", "Loads", Rows::list);
-  table.words("name", "name", std::move(names));
-  table.words("on", "on", std::move(at));
-  table.words("value", "value", std::move(values));
+  table.words("name", "name", each(loads, &Load::name));
+  table.words("on", "on", each(loads, &Load::on));
+  table.words("value", "value", each(loads, &Load::value));
 }
 
 void add_stops_and_drives(Group& group, const Scene& scene) {
-  std::vector<std::string> names, measures, ranges;
-  for (const Stop& stop : scene.stops) {
+  const auto range = [&](const Stop& stop) {
     const Quantity quantity = quantity_of(stop.on);
     const auto limit = [&](double si) {
       return std::isfinite(si) ? significant(in_unit(si, quantity, scene.units), force_digits) : std::string("any");
     };
-    names.push_back(stop.name);
-    measures.push_back(in_words(scene, stop.on));
-    ranges.push_back(fmt::format("{} to {} {}", limit(stop.min), limit(stop.max), unit_name(quantity, scene.units)));
-  }
+    return fmt::format("{} to {} {}", limit(stop.min), limit(stop.max), unit_name(quantity, scene.units));
+  };
   Table& stops = group.table("stops", "Stops", Rows::list);
-  stops.words("name", "name", std::move(names));
-  stops.words("on", "on", std::move(measures));
-  stops.words("range", "range", std::move(ranges));
-  std::vector<std::string> driven, drives;
-  for (const Drive& drive : scene.drives) {
-    driven.push_back(drive.name);
-    drives.push_back(in_words(scene, drive.on));
-  }
-  Table& table = group.table("drives", "Drives", Rows::list);
-  table.words("name", "name", std::move(driven));
-  table.words("on", "on", std::move(drives));
-  table.words("numbers", "numbers", numbers_of_items(scene, Owner::drive, scene.drives.size()));
+  stops.words("name", "name", each(scene.stops, &Stop::name));
+  stops.words("on", "on", each(scene.stops, [&](const Stop& stop) { return in_words(scene, stop.on); }));
+  stops.words("range", "range", each(scene.stops, range));
+  Table& drives = group.table("drives", "Drives", Rows::list);
+  drives.words("name", "name", each(scene.drives, &Drive::name));
+  drives.words("on", "on", each(scene.drives, [&](const Drive& drive) { return in_words(scene, drive.on); }));
+  drives.words("numbers", "numbers", numbers_of_items(scene, Owner::drive, scene.drives.size()));
 }
 
 }  // namespace

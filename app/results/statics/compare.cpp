@@ -38,35 +38,31 @@ bool has_letters(const std::vector<Answer>& answers, const Agreement& agreement)
 
 void add_methods(Group& group, const StaticModel& model, const std::vector<Answer>& answers,
                  const Agreement& agreement) {
-  std::vector<std::string> methods, statuses, stabilities;
-  std::vector<Tone> status_tones, stability_tones;
-  std::vector<double> iterations, evaluations, times, errors, energies;
   const Units& units = model.scene().units;
-  for (const Answer& answer : answers) {
-    const Equilibrium& equilibrium = answer.equilibrium;
-    const bool ran = equilibrium.status != Status::not_applicable;
-    methods.push_back(to_string(equilibrium.method));
-    statuses.push_back(to_string(equilibrium.status));
-    status_tones.push_back(tone_of(equilibrium.status));
-    iterations.push_back(ran ? equilibrium.iterations : NAN);
-    evaluations.push_back(ran ? equilibrium.evaluations : NAN);
-    times.push_back(ran ? equilibrium.microseconds : NAN);
-    errors.push_back(or_gap(error_of(answer)));
-    stabilities.push_back(equilibrium.found() ? in_words(equilibrium.check) : "-");
-    stability_tones.push_back(equilibrium.found() ? tone_of(equilibrium.check.stability) : Tone::plain);
-    energies.push_back(
-        in_unit(or_gap(equilibrium.found() ? equilibrium.energy : std::nullopt), Quantity::energy, units));
-  }
+  const auto if_run = [](auto Equilibrium::*number) {
+    return [number](const Answer& a) {
+      return a.equilibrium.status == Status::not_applicable ? NAN : static_cast<double>(a.equilibrium.*number);
+    };
+  };
+  const auto energy = [&](const Answer& a) {
+    return in_unit(or_gap(a.equilibrium.found() ? a.equilibrium.energy : std::nullopt), Quantity::energy, units);
+  };
   Table& table = group.table("", "Methods", Rows::list);
-  table.words("", "method", std::move(methods));
-  table.words("", "status", std::move(statuses)).tones = std::move(status_tones);
+  table.words("", "method", each(answers, [](const Answer& a) { return to_string(a.equilibrium.method); }));
+  table.words("", "status", each(answers, [](const Answer& a) { return to_string(a.equilibrium.status); })).tones =
+      each(answers, [](const Answer& a) { return tone_of(a.equilibrium.status); });
   if (has_letters(answers, agreement)) table.words("", "equilibrium", letters_of(answers, agreement));
-  table.counts("", "iterations", std::move(iterations));
-  table.counts("", "evaluations", std::move(evaluations));
-  table.numbers("", "time", "", std::move(times), {.style = Format::Style::duration});
-  table.numbers("", "error", "", std::move(errors), {.style = Format::Style::error});
-  table.words("", "stability", std::move(stabilities)).tones = std::move(stability_tones);
-  table.numbers("", "energy", unit_name(Quantity::energy, units), std::move(energies),
+  table.counts("", "iterations", each(answers, if_run(&Equilibrium::iterations)));
+  table.counts("", "evaluations", each(answers, if_run(&Equilibrium::evaluations)));
+  table.numbers("", "time", "", each(answers, if_run(&Equilibrium::microseconds)), {Format::Style::duration});
+  table.numbers("", "error", "", each(answers, error_of), {Format::Style::error});
+  table
+      .words("", "stability",
+             each(answers, [](const Answer& a) { return a.equilibrium.found() ? in_words(a.equilibrium.check) : "-"; }))
+      .tones = each(answers, [](const Answer& a) {
+    return a.equilibrium.found() ? tone_of(a.equilibrium.check.stability) : Tone::plain;
+  });
+  table.numbers("", "energy", unit_name(Quantity::energy, units), each(answers, energy),
                 format_of(model, Quantity::energy, coordinate_digits));
   table.footnotes = {"error: largest of all coordinates (rad, or length over size) from the 50-digit reference",
                      fmt::format("energy: {}", energy_note)};
@@ -92,14 +88,13 @@ Line verdict(const StaticModel& model, const std::vector<Answer>& answers, const
     equilibria.push_back(fmt::format("{}: {}", who, kind_of(answers[agreement.equilibria[e].front()])));
     names.insert(names.end(), finders.begin(), finders.end());
   }
-  if (agreement.confirmed == 0) return {.text = "No method found a confirmed equilibrium.", .tone = Tone::bad};
+  if (agreement.confirmed == 0) return bad("No method found a confirmed equilibrium.");
   if (agreement.confirmed == 1) {
-    return {.text = "Only " + listed(names) + " found an equilibrium.", .tone = Tone::doubtful};
+    return doubtful("Only " + listed(names) + " found an equilibrium.");
   }
   if (!agreement.same) {
-    return {.text = fmt::format("The methods found different equilibria: {}. Largest difference: {} in {}.",
-                                fmt::join(equilibria, "; "), distance(model, agreement), agreement.coordinate),
-            .tone = Tone::doubtful};
+    return doubtful(fmt::format("The methods found different equilibria: {}. Largest difference: {} in {}.",
+                                fmt::join(equilibria, "; "), distance(model, agreement), agreement.coordinate));
   }
   const std::string by = agreement.difference == 0.0
                              ? "no coordinate differs"
@@ -110,8 +105,7 @@ Line verdict(const StaticModel& model, const std::vector<Answer>& answers, const
       : names.size() == answers.size()
           ? fmt::format("All {} methods", names.size())
           : fmt::format("The {} of {} methods that found an equilibrium", names.size(), answers.size());
-  return {.text = fmt::format("{} agree: {}{}.", who, by, agreement.whole_turns ? ", whole turns of a body aside" : ""),
-          .tone = Tone::good};
+  return good(fmt::format("{} agree: {}{}.", who, by, agreement.whole_turns ? ", whole turns of a body aside" : ""));
 }
 
 void add_positions(Group& group, const StaticModel& model, const std::vector<Answer>& answers,
@@ -142,9 +136,8 @@ Result compare_result(const StaticModel& model, const std::vector<Answer>& answe
   out.verdict = verdict(model, answers, agreement);
   for (const Answer& answer : answers) {
     if (answer.equilibrium.found()) continue;
-    out.warnings.push_back({.text = fmt::format("{}, {}: {}.", to_string(answer.equilibrium.method),
-                                                to_string(answer.equilibrium.status), answer.equilibrium.why),
-                            .tone = Tone::bad});
+    out.warnings.push_back(bad(fmt::format("{}, {}: {}.", to_string(answer.equilibrium.method),
+                                           to_string(answer.equilibrium.status), answer.equilibrium.why)));
   }
   warn_of_friction(out, model.scene());
   Group& content = out.content;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -24,17 +24,16 @@ Line verdict(const Equilibrium& equilibrium) {
                           : fmt::format("In equilibrium, confirmed: {}.", to_string(check.stability)),
               .tone = tone_of(check.stability)};
     case Status::not_confirmed:
-      return {.text = "Not confirmed: the method claims an equilibrium, the independent check does not confirm it.",
-              .tone = Tone::bad};
+      return bad("Not confirmed: the method claims an equilibrium, the independent check does not confirm it.");
     case Status::not_applicable:
-      return {.text = "Not applicable: this method cannot solve this scene.", .tone = Tone::bad};
+      return bad("Not applicable: this method cannot solve this scene.");
     case Status::interrupted:
-      return {.text = "Interrupted.", .tone = Tone::bad};
+      return bad("Interrupted.");
     case Status::not_found:
     case Status::not_solved:
       break;
   }
-  return {.text = "No equilibrium found.", .tone = Tone::bad};
+  return bad("No equilibrium found.");
 }
 
 /// "link4 +0.79, link6 -0.49".
@@ -96,11 +95,10 @@ void warn_of_dead_centre(Result& result, const StaticModel& model, const Answer&
   const double load = largest_load(model, *answer.readings);
   if (load <= 0.0 || norm(heaviest->force) < near_dead_centre * load) return;
   result.warnings.push_back(
-      {.text = fmt::format("Near a dead centre: {} \"{}\" carries {}, for loads of {} at most; a small change of a "
+      doubtful(fmt::format("Near a dead centre: {} \"{}\" carries {}, for loads of {} at most; a small change of a "
                            "dimension changes this force greatly.",
                            heaviest->kind, heaviest->name, with_unit(model, norm(heaviest->force), Quantity::force, 4),
-                           with_unit(model, load, Quantity::force, 4)),
-       .tone = Tone::doubtful});
+                           with_unit(model, load, Quantity::force, 4))));
 }
 
 std::string effort(const Equilibrium& equilibrium) {
@@ -146,131 +144,130 @@ std::string residuals(const StaticModel& model, const Check& check) {
   return text;
 }
 
-/// Names of the elements of one kind; with the table in front where one of another table has the same name.
-class ElementNames {
- public:
-  std::string of(const Element& element) {
-    return taken_.emplace(element.name, 0).second ? element.name : element.table + "." + element.name;
-  }
-
- private:
-  std::map<std::string, int> taken_;
+/// An element, with the name of its table in front where an earlier one of the list has the same name.
+struct NamedElement {
+  std::size_t place;
+  std::string name;
 };
 
-void add_springs(Group& group, const StaticModel& model, const Readings& readings) {
-  const Scene& scene = model.scene();
-  std::vector<std::string> names, notes;
-  std::vector<double> lengths, forces, slack;
-  ElementNames keys;
+/// The elements that store energy, on angles or on lengths.
+std::vector<NamedElement> springs_of(const Scene& scene, bool on_angles) {
+  std::set<std::string> taken;
+  std::vector<NamedElement> out;
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const Element& element = scene.elements[i];
-    if (!stores_energy(element.law) || element.on.is_angle()) continue;
-    const ElementReading& reading = readings.elements[i];
-    names.push_back(keys.of(element));
-    lengths.push_back(reading.value);
-    forces.push_back(reading.force);
-    slack.push_back(reading.slack ? 1.0 : 0.0);
-    const double nothing =
-        unit_value(Quantity::force, scene.units) * format_of(model, Quantity::force, force_digits).zero_below;
-    notes.emplace_back(reading.slack              ? "slack"
-                       : reading.force > nothing  ? "in tension"
-                       : reading.force < -nothing ? "in compression"
-                                                  : "unloaded");
+    if (!stores_energy(element.law) || element.on.is_angle() != on_angles) continue;
+    const bool is_new = taken.insert(element.name).second;
+    out.push_back({i, is_new ? element.name : element.table + "." + element.name});
   }
+  return out;
+}
+
+void add_springs(Group& group, const StaticModel& model, const Readings& readings) {
+  const std::vector<NamedElement> springs = springs_of(model.scene(), false);
+  const auto read = [&](const NamedElement& spring) -> const ElementReading& {
+    return readings.elements[spring.place];
+  };
+  const double nothing =
+      unit_value(Quantity::force, model.scene().units) * format_of(model, Quantity::force, force_digits).zero_below;
   Table& table = group.table("springs", "Springs, tension positive", Rows::by_name);
-  table.words("name", "name", std::move(names));
-  add_column(table, model, "length", "length", Quantity::length, lengths, force_digits);
-  add_column(table, model, "force", "force", Quantity::force, forces, force_digits);
-  table.flags("slack", std::move(slack));
-  table.remarks(std::move(notes), Tone::faint);
+  table.words("name", "name", each(springs, &NamedElement::name));
+  add_column(table, model, "length", "length", Quantity::length,
+             each(springs, [&](const NamedElement& s) { return read(s).value; }), force_digits);
+  add_column(table, model, "force", "force", Quantity::force,
+             each(springs, [&](const NamedElement& s) { return read(s).force; }), force_digits);
+  table.flags("slack", each(springs, [&](const NamedElement& s) { return read(s).slack; }));
+  table.remarks(each(springs,
+                     [&](const NamedElement& s) {
+                       return read(s).slack              ? "slack"
+                              : read(s).force > nothing  ? "in tension"
+                              : read(s).force < -nothing ? "in compression"
+                                                         : "unloaded";
+                     }),
+                Tone::faint);
 }
 
 void add_torsion_springs(Group& group, const StaticModel& model, const Readings& readings) {
   const Scene& scene = model.scene();
-  std::vector<std::string> names, bodies;
-  std::vector<double> moments;
-  ElementNames keys;
-  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
-    const Element& element = scene.elements[i];
-    if (!stores_energy(element.law) || !element.on.is_angle()) continue;
-    names.push_back(keys.of(element));
-    bodies.push_back(scene.bodies[element.on.kind == Measure::Kind::angle ? element.on.body_b : 0].name);
-    moments.push_back(-readings.elements[i].force);
-  }
+  const std::vector<NamedElement> springs = springs_of(scene, true);
+  const auto body = [&](const NamedElement& spring) {
+    const Measure& on = scene.elements[spring.place].on;
+    return scene.bodies[on.kind == Measure::Kind::angle ? on.body_b : 0].name;
+  };
   Table& table = group.table("torsion_springs", "Torsion springs, moment on the named body", Rows::by_name);
-  table.words("name", "name", std::move(names));
-  table.words("on", "on", std::move(bodies));
-  add_column(table, model, "moment", "moment", Quantity::moment, moments, force_digits);
+  table.words("name", "name", each(springs, &NamedElement::name));
+  table.words("on", "on", each(springs, body));
+  add_column(table, model, "moment", "moment", Quantity::moment,
+             each(springs, [&](const NamedElement& s) { return -readings.elements[s.place].force; }), force_digits);
 }
 
 /// Stops in angles and in lengths: their values have different units, which stand behind them.
 void add_stops(Group& group, const StaticModel& model, const Readings& readings, const Check& check) {
-  const Scene& scene = model.scene();
-  std::vector<std::string> names, values, lows, highs, active;
-  std::vector<double> value, low, high;
-  std::vector<Tone> tones;
-  for (std::size_t i = 0; i < scene.stops.size(); ++i) {
-    const Stop& stop = scene.stops[i];
-    const Quantity quantity = quantity_of(stop.on);
-    const auto shown = [&](double si) { return std::isfinite(si) ? with_unit(model, si, quantity) : "-"; };
-    names.push_back(stop.name);
-    value.push_back(in_unit(readings.stops[i], quantity, scene.units));
-    low.push_back(in_unit(stop.min, quantity, scene.units));
-    high.push_back(in_unit(stop.max, quantity, scene.units));
-    values.push_back(shown(readings.stops[i]));
-    lows.push_back(shown(stop.min));
-    highs.push_back(shown(stop.max));
+  const std::vector<Stop>& stops = model.scene().stops;
+  const std::vector<std::size_t> rows = places(stops.size());
+  const auto limit = [&](std::size_t i) -> std::string {
     const bool in_contact = std::any_of(check.reactions.begin(), check.reactions.end(),
-                                        [&](const Reaction& r) { return r.kind == "stop" && r.name == stop.name; });
-    active.emplace_back(in_contact ? pressed_limit(stop, readings.stops[i]).name : "");
-    tones.push_back(in_contact ? Tone::plain : Tone::faint);
-  }
+                                        [&](const Reaction& r) { return r.kind == "stop" && r.name == stops[i].name; });
+    return in_contact ? pressed_limit(stops[i], readings.stops[i]).name : "";
+  };
   Table& table = group.table("stops", "Stops", Rows::by_name);
-  table.words("name", "stop", std::move(names));
-  table.numbers("value", "value", "", std::move(value)).texts = std::move(values);
-  table.numbers("min", "min", "", std::move(low)).texts = std::move(lows);
-  table.numbers("max", "max", "", std::move(high)).texts = std::move(highs);
-  Column& contact = table.words("active", "", std::move(active));
+  table.words("name", "stop", each(stops, &Stop::name));
+  const auto add = [&](const std::string& key, auto&& si) {
+    table
+        .numbers(
+            key, key, "",
+            each(rows, [&](std::size_t i) { return in_unit(si(i), quantity_of(stops[i].on), model.scene().units); }))
+        .texts = each(rows, [&](std::size_t i) {
+      return std::isfinite(si(i)) ? with_unit(model, si(i), quantity_of(stops[i].on)) : "-";
+    });
+  };
+  add("value", [&](std::size_t i) { return readings.stops[i]; });
+  add("min", [&](std::size_t i) { return stops[i].min; });
+  add("max", [&](std::size_t i) { return stops[i].max; });
+  Column& contact = table.words("active", "", each(rows, limit));
   contact.kind = Column::Kind::word_or_null;
-  for (const std::string& limit : contact.words)
-    contact.texts.push_back(limit.empty() ? "free" : "active at its " + limit);
-  contact.tones = std::move(tones);
+  contact.texts =
+      each(contact.words, [](const std::string& at) { return at.empty() ? "free" : "active at its " + at; });
+  contact.tones = each(contact.words, [](const std::string& at) { return at.empty() ? Tone::faint : Tone::plain; });
 }
 
 void add_pose_data(Group& group, const StaticModel& model, const Readings& readings) {
   const Scene& scene = model.scene();
-  std::vector<std::string> points, bodies, joints, free;
-  std::vector<double> x, y, angles, travels, free_x, free_y;
+  const auto length = [&](double si) { return in_unit(si, Quantity::length, scene.units); };
+  const auto values = [&](const std::string& key) -> Table& {
+    return group.table(key, "", Rows::values, Verbosity::data);
+  };
+  const auto add_places = [](Table& table, std::vector<std::string> names, const std::vector<Vec2>& at, auto&& shown) {
+    table.words("name", "", std::move(names));
+    table.data("[]", each(at, [&](const Vec2& p) { return shown(p.x); }));
+    table.data("[]", each(at, [&](const Vec2& p) { return shown(p.y); }));
+  };
+  std::vector<std::string> points;
+  std::vector<Vec2> at;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     for (const NamedPoint& p : scene.bodies[i].points) {
-      const Vec2 at = readings.poses[i].world(p.at);
       points.push_back(scene.bodies[i].name + "." + p.name);
-      x.push_back(in_unit(at.x, Quantity::length, scene.units));
-      y.push_back(in_unit(at.y, Quantity::length, scene.units));
+      at.push_back(readings.poses[i].world(p.at));
     }
-    if (i == 0) continue;
-    bodies.push_back(scene.bodies[i].name);
-    angles.push_back(in_unit(readings.poses[i].angle, Quantity::angle, scene.units));
   }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (!scene.joints[j].has_travel()) continue;
-    joints.push_back(scene.joints[j].name);
-    travels.push_back(in_unit(readings.travel[j], Quantity::length, scene.units));
-  }
-  for (const std::size_t i : free_bodies(model.layout())) {
-    free.push_back(scene.bodies[i].name);
-    free_x.push_back(in_unit(readings.poses[i].origin.x, Quantity::length, scene.units));
-    free_y.push_back(in_unit(readings.poses[i].origin.y, Quantity::length, scene.units));
-  }
-  const auto add = [&](const std::string& key, std::vector<std::string> names, std::vector<std::vector<double>> parts) {
-    Table& table = group.table(key, "", Rows::values, Verbosity::data);
-    table.words("name", "", std::move(names));
-    for (std::vector<double>& part : parts) table.data(parts.size() > 1 ? "[]" : "value", std::move(part));
-  };
-  add("points", std::move(points), {std::move(x), std::move(y)});
-  add("angles", std::move(bodies), {std::move(angles)});
-  add("slides", std::move(joints), {std::move(travels)});
-  add("positions", std::move(free), {std::move(free_x), std::move(free_y)});
+  add_places(values("points"), std::move(points), at, length);
+  const auto body = [&](std::size_t i) { return scene.bodies[i].name; };
+  std::vector<std::size_t> moving = places(scene.bodies.size());
+  moving.erase(moving.begin());
+  Table& angles = values("angles");
+  angles.words("name", "", each(moving, body));
+  angles.data("value", each(moving, [&](std::size_t i) {
+                return in_unit(readings.poses[i].angle, Quantity::angle, scene.units);
+              }));
+  const auto sliding =
+      chosen_of(places(scene.joints.size()), [&](std::size_t j) { return scene.joints[j].has_travel(); });
+  Table& slides = values("slides");
+  slides.words("name", "", each(sliding, [&](std::size_t j) { return scene.joints[j].name; }));
+  slides.data("value", each(sliding, [&](std::size_t j) { return length(readings.travel[j]); }));
+  const std::vector<std::size_t> free = free_bodies(model.layout());
+  std::vector<Vec2> origins;
+  for (const std::size_t i : free) origins.push_back(readings.poses[i].origin);
+  add_places(values("positions"), each(free, body), origins, length);
 }
 
 void add_reference(Group& group, const StaticModel& model, const Answer& answer) {
@@ -282,17 +279,9 @@ void add_reference(Group& group, const StaticModel& model, const Answer& answer)
   reference.data("refined", answer.reference->refined);
   reference.data("digits", answer.reference->digits);
   reference.data("why", answer.reference->why);
-  std::vector<std::string> names, units, values;
-  for (std::size_t i = 0; i < answer.reference->decimal.size(); ++i) {
-    const Coordinate& c = model.layout().coordinates[i];
-    names.push_back(c.name);
-    units.emplace_back(c.kind == Coordinate::Kind::angle ? "rad" : "m");
-    values.push_back(answer.reference->decimal[i]);
-  }
-  Table& coordinates = reference.table("coordinates", "", Rows::list, Verbosity::data);
-  coordinates.words("name", "", std::move(names));
-  coordinates.words("unit", "", std::move(units));
-  coordinates.words("value", "", std::move(values));
+  add_coordinate_names(reference.table("coordinates", "", Rows::list, Verbosity::data), model.layout(),
+                       answer.reference->decimal.size())
+      .words("value", "", each(answer.reference->decimal, [](const std::string& text) { return text; }));
 }
 
 void add_check_data(Group& group, const StaticModel& model, const Equilibrium& equilibrium) {

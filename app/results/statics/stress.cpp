@@ -49,21 +49,18 @@ Tone tone_of(const HardCase& hard, const Cell& cell) {
 void add_verdict(Result& out, const StressOutcome& outcome) {
   const comparison::StressFailures failures = comparison::failures_of(outcome);
   if (failures.false_claims > 0) {
-    out.verdict = {.text = fmt::format("{}: confirmed answers that are no equilibrium, or of another stability.",
-                                       count(failures.false_claims, "false claim", "false claims")),
-                   .tone = Tone::bad};
+    out.verdict = bad(fmt::format("{}: confirmed answers that are no equilibrium, or of another stability.",
+                                  count(failures.false_claims, "false claim", "false claims")));
   } else if (!outcome.results.empty()) {
-    out.verdict = {.text = "No false claims.", .tone = Tone::good};
+    out.verdict = good("No false claims.");
   }
   if (outcome.interrupted) {
-    out.warnings.push_back({.text = fmt::format("Interrupted in case {} of {}.",
-                                                std::max<std::size_t>(1, outcome.results.size()), outcome.asked),
-                            .tone = Tone::doubtful});
+    out.warnings.push_back(doubtful(
+        fmt::format("Interrupted in case {} of {}.", std::max<std::size_t>(1, outcome.results.size()), outcome.asked)));
   }
   if (!failures.unsolved.empty()) {
-    out.warnings.push_back({.text = fmt::format("virtual-work converges from less than {} % of the starts of {}.",
-                                                significant(100 * comparison::enough, 4), listed(failures.unsolved)),
-                            .tone = Tone::doubtful});
+    out.warnings.push_back(doubtful(fmt::format("virtual-work converges from less than {} % of the starts of {}.",
+                                                significant(100 * comparison::enough, 4), listed(failures.unsolved))));
   }
 }
 
@@ -130,31 +127,30 @@ void add_sheet(Group& group, const StressOutcome& outcome) {
       "Asked for locked: it converges where it says that the joints lock; none: where it claims nothing."};
 }
 
+template <class Row>
+Tone tone_of_claims(const Row& row) {
+  return row.false_claims > 0 ? Tone::bad : Tone::plain;
+}
+
+template <class Row>
+void add_costs(Table& table, const std::vector<Row>& rows) {
+  table.numbers("", "iterations", "", each(rows, &Row::iterations), {Format::Style::significant, 3});
+  table.numbers("", "time", "", each(rows, &Row::microseconds), {Format::Style::duration});
+}
+
 void add_summaries(Group& group, const StressOutcome& outcome) {
-  std::vector<std::string> names, solved_of;
-  std::vector<double> numbers, solved, false_claims, denied, inexact, iterations, times;
-  std::vector<Tone> tones;
-  for (const comparison::MethodSummary& s : comparison::summaries(outcome)) {
-    numbers.push_back(static_cast<double>(numbers.size() + 1));
-    names.push_back(s.name);
-    solved.push_back(s.solved);
-    solved_of.push_back(fmt::format("{} of {}", s.solved, s.applicable));
-    false_claims.push_back(s.false_claims);
-    tones.push_back(s.false_claims > 0 ? Tone::bad : Tone::plain);
-    denied.push_back(s.denied_by_check);
-    inexact.push_back(s.inexact);
-    iterations.push_back(or_gap(s.iterations));
-    times.push_back(or_gap(s.microseconds));
-  }
+  using comparison::MethodSummary;
+  const std::vector<MethodSummary> rows = comparison::summaries(outcome);
   Table& table = group.table("", outcome.safeguards ? "Results by form" : "Results by method", Rows::list);
-  table.counts("", "", std::move(numbers));
-  table.words("", outcome.safeguards ? "virtual work" : "method", std::move(names));
-  table.counts("", "solved", std::move(solved)).texts = std::move(solved_of);
-  table.counts("", "false claims", std::move(false_claims)).tones = std::move(tones);
-  table.counts("", "denied", std::move(denied));
-  table.counts("", "inexact", std::move(inexact));
-  table.numbers("", "iterations", "", std::move(iterations), {.style = Format::Style::significant, .digits = 3});
-  table.numbers("", "time", "", std::move(times), {.style = Format::Style::duration});
+  table.counts("", "", each(places(rows.size()), [](std::size_t i) { return i + 1; }));
+  table.words("", outcome.safeguards ? "virtual work" : "method", each(rows, &MethodSummary::name));
+  table.counts("", "solved", each(rows, &MethodSummary::solved)).texts =
+      each(rows, [](const MethodSummary& s) { return fmt::format("{} of {}", s.solved, s.applicable); });
+  table.counts("", "false claims", each(rows, &MethodSummary::false_claims)).tones =
+      each(rows, tone_of_claims<MethodSummary>);
+  table.counts("", "denied", each(rows, &MethodSummary::denied_by_check));
+  table.counts("", "inexact", each(rows, &MethodSummary::inexact));
+  add_costs(table, rows);
   table.footnotes = {
       fmt::format("Solved: cases with an answer in which it converges from {} % of the starts or more, of those to "
                   "which it applies.",
@@ -181,37 +177,30 @@ std::string known_in_words(const HardCase& hard) {
   return listed(parts) + (hard.complete ? "; a complete list" : "; others are refined in 50 digits");
 }
 
+/// What one method made of one case.
+struct MethodCell {
+  const HardCase* hard;
+  const Cell* cell;
+  std::string method;
+};
+
 /// What is known of cells, for JSON and CSV: one row for each.
-void add_cells(Table& table, const std::vector<std::pair<const Cell*, std::string>>& cells) {
-  std::vector<std::string> methods, whys;
-  std::vector<double> applies, starts, converged_starts, inexact, false_claims, denied, iterations, times, errors,
-      allowed;
-  for (const auto& [cell, method] : cells) {
-    methods.push_back(method);
-    whys.push_back(cell->why);
-    applies.push_back(cell->applies ? 1.0 : 0.0);
-    starts.push_back(cell->starts);
-    converged_starts.push_back(cell->converged);
-    inexact.push_back(cell->inexact);
-    false_claims.push_back(cell->false_claims);
-    denied.push_back(cell->denied_by_check);
-    iterations.push_back(or_gap(cell->iterations));
-    times.push_back(or_gap(cell->microseconds));
-    errors.push_back(or_gap(cell->error));
-    allowed.push_back(or_gap(cell->allowed));
-  }
-  table.words("method", "", std::move(methods));
-  table.words("why", "", std::move(whys));
-  table.flags("applies", std::move(applies));
-  table.counts("starts", "", std::move(starts));
-  table.counts("converged", "", std::move(converged_starts));
-  table.counts("inexact", "", std::move(inexact));
-  table.counts("false_claims", "", std::move(false_claims));
-  table.counts("denied_by_check", "", std::move(denied));
-  table.data("iterations", std::move(iterations));
-  table.data("microseconds", std::move(times));
-  table.data("error", std::move(errors));
-  table.data("allowed", std::move(allowed));
+void add_cells(Table& table, const std::vector<MethodCell>& rows) {
+  const auto of = [&](auto Cell::*member) {
+    return each(rows, [&](const MethodCell& row) { return row.cell->*member; });
+  };
+  table.words("method", "", each(rows, &MethodCell::method));
+  table.words("why", "", of(&Cell::why));
+  table.flags("applies", of(&Cell::applies));
+  table.counts("starts", "", of(&Cell::starts));
+  table.counts("converged", "", of(&Cell::converged));
+  table.counts("inexact", "", of(&Cell::inexact));
+  table.counts("false_claims", "", of(&Cell::false_claims));
+  table.counts("denied_by_check", "", of(&Cell::denied_by_check));
+  table.data("iterations", of(&Cell::iterations));
+  table.data("microseconds", of(&Cell::microseconds));
+  table.data("error", of(&Cell::error));
+  table.data("allowed", of(&Cell::allowed));
 }
 
 void add_details(Group& content, const StressOutcome& outcome, const CaseResult& result) {
@@ -222,38 +211,24 @@ void add_details(Group& content, const StressOutcome& outcome, const CaseResult&
   group.fact("known", one_line(known_in_words(hard)));
   group.fact("starts", fmt::format("every coordinate within {} (rad, or mechanism sizes) of the scene's own start",
                                    significant(hard.reach, 3)));
-  std::vector<std::string> methods, percent, digits;
-  std::vector<Tone> tones, claim_tones;
-  std::vector<double> starts, inexact, false_claims, denied, iterations, times, errors, exact;
-  for (std::size_t k = 0; k < result.cells.size(); ++k) {
-    const Cell& cell = result.cells[k];
-    const auto number = [&](int value) { return cell.applies ? value : NAN; };
-    methods.push_back(outcome.methods[k]);
-    starts.push_back(number(cell.starts));
-    percent.push_back(converged(cell));
-    tones.push_back(tone_of(hard, cell));
-    inexact.push_back(number(cell.inexact));
-    false_claims.push_back(number(cell.false_claims));
-    claim_tones.push_back(cell.false_claims > 0 ? Tone::bad : Tone::plain);
-    denied.push_back(number(cell.denied_by_check));
-    iterations.push_back(or_gap(cell.iterations));
-    times.push_back(or_gap(cell.microseconds));
-    errors.push_back(or_gap(cell.error));
-    digits.push_back(cell.allowed ? fmt::format("{:.1f}", std::max(0.0, -std::log10(*cell.allowed))) : "-");
-  }
+  const std::vector<Cell>& cells = result.cells;
+  const auto starts = [&](int Cell::*number) {
+    return each(cells, [&](const Cell& cell) { return cell.applies ? cell.*number : NAN; });
+  };
   Table& table = group.table("", "", Rows::list);
-  table.words("", outcome.safeguards ? "virtual work" : "method", std::move(methods));
-  table.counts("", "starts", std::move(starts));
+  table.words("", outcome.safeguards ? "virtual work" : "method", outcome.methods);
+  table.counts("", "starts", starts(&Cell::starts));
   Column& share = table.counts("", "converged, %", {});
-  share.texts = std::move(percent);
-  share.tones = std::move(tones);
-  table.counts("", "inexact", std::move(inexact));
-  table.counts("", "false claims", std::move(false_claims)).tones = std::move(claim_tones);
-  table.counts("", "denied", std::move(denied));
-  table.numbers("", "iterations", "", std::move(iterations), {.style = Format::Style::significant, .digits = 3});
-  table.numbers("", "time", "", std::move(times), {.style = Format::Style::duration});
-  table.numbers("", "error", "", std::move(errors), {.style = Format::Style::error});
-  table.counts("", "digits", {}).texts = std::move(digits);
+  share.texts = each(cells, converged);
+  share.tones = each(cells, [&](const Cell& cell) { return tone_of(hard, cell); });
+  table.counts("", "inexact", starts(&Cell::inexact));
+  table.counts("", "false claims", starts(&Cell::false_claims)).tones = each(cells, tone_of_claims<Cell>);
+  table.counts("", "denied", starts(&Cell::denied_by_check));
+  add_costs(table, cells);
+  table.numbers("", "error", "", each(cells, &Cell::error), {Format::Style::error});
+  table.counts("", "digits", {}).texts = each(cells, [](const Cell& cell) {
+    return cell.allowed ? fmt::format("{:.1f}", std::max(0.0, -std::log10(*cell.allowed))) : "-";
+  });
   for (std::size_t k = 0; k < result.cells.size(); ++k) {
     const Cell& cell = result.cells[k];
     if (!cell.why.empty()) group.fact(outcome.methods[k], one_line(cell.why));
@@ -262,8 +237,7 @@ void add_details(Group& content, const StressOutcome& outcome, const CaseResult&
 
 void add_data(Group& content, const StressOutcome& outcome) {
   Branch& cases = content.array("cases");
-  std::vector<std::string> names, kinds, expects;
-  std::vector<std::pair<const Cell*, std::string>> all;
+  std::vector<MethodCell> all;
   for (const CaseResult& result : outcome.results) {
     const HardCase& hard = result.hard;
     Group& of_case = cases.parts.emplace_back();
@@ -274,21 +248,18 @@ void add_data(Group& content, const StressOutcome& outcome) {
     of_case.data("seek", hard.seek == Seek::stable ? "stable" : "nearest");
     of_case.data("expect", expected(hard));
     of_case.data("why", hard.why);
-    std::vector<std::pair<const Cell*, std::string>> cells;
+    std::vector<MethodCell> cells;
     for (std::size_t k = 0; k < result.cells.size(); ++k) {
-      cells.emplace_back(&result.cells[k], outcome.methods[k]);
-      names.push_back(hard.name);
-      kinds.push_back(hard.kind);
-      expects.push_back(expected(hard));
+      cells.push_back({&hard, &result.cells[k], outcome.methods[k]});
     }
     add_cells(of_case.table("methods", "", Rows::list), cells);
     all.insert(all.end(), cells.begin(), cells.end());
   }
   Table& csv = content.table("", "", Rows::list, Verbosity::data);
   csv.csv = true;
-  csv.words("case", "", std::move(names));
-  csv.words("kind", "", std::move(kinds));
-  csv.words("expect", "", std::move(expects));
+  csv.words("case", "", each(all, [](const MethodCell& row) { return row.hard->name; }));
+  csv.words("kind", "", each(all, [](const MethodCell& row) { return row.hard->kind; }));
+  csv.words("expect", "", each(all, [](const MethodCell& row) { return expected(*row.hard); }));
   add_cells(csv, all);
 }
 

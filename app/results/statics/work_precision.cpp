@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,17 +43,19 @@ Line verdict(const WorkPrecision& study, const std::vector<Spans>& methods) {
                        [](const ToleranceSpan& span) { return converged(span) && span.loosest->confirmed; });
   });
   const std::size_t all = methods.size() + study.not_applicable.size();
-  if (confirmed == 0) return {.text = "No run found a confirmed equilibrium.", .tone = Tone::bad};
-  return {.text = fmt::format("{} of {} found a confirmed equilibrium.", confirmed,
-                              count(static_cast<int>(all), "method", "methods")),
-          .tone = Tone::good};
+  if (confirmed == 0) return bad("No run found a confirmed equilibrium.");
+  return good(fmt::format("{} of {} found a confirmed equilibrium.", confirmed,
+                          count(static_cast<int>(all), "method", "methods")));
+}
+
+std::vector<std::string> names_of(const std::vector<Method>& methods) {
+  return each(methods, [](Method method) { return to_string(method); });
 }
 
 std::string finders(const ReferenceEquilibrium& equilibrium) {
   constexpr std::size_t most_named = 3;
   if (equilibrium.found_by.empty()) return "found at another tolerance only";
-  std::vector<std::string> names;
-  for (const Method method : equilibrium.found_by) names.push_back(to_string(method));
+  std::vector<std::string> names = names_of(equilibrium.found_by);
   if (names.size() > most_named) {
     const std::size_t more = names.size() - most_named + 1;
     names.resize(most_named - 1);
@@ -75,25 +78,13 @@ void add_equilibria(Group& content, const StaticModel& model, const WorkPrecisio
     content.fact(label, std::move(text));
 
     Group& part = data.parts.emplace_back();
-    std::vector<std::string> methods, names, units;
-    std::vector<double> values;
-    for (const Method method : known.found_by) methods.push_back(to_string(method));
-    for (std::size_t i = 0; i < known.x.size(); ++i) {
-      const Coordinate& c = model.layout().coordinates[i];
-      const bool angle = c.kind == Coordinate::Kind::angle;
-      names.push_back(c.name);
-      units.emplace_back(angle ? "rad" : "m");
-      values.push_back(known.x[i] * (angle ? 1.0 : model.scales().length));
-    }
     part.data("digits", known.digits);
     part.data("stability", to_string(known.stability));
     part.data("neutral", known.neutral);
     part.data("accuracy", known.accuracy);
-    part.data("found_by", std::move(methods));
-    Table& coordinates = part.table("coordinates", "", Rows::list);
-    coordinates.words("name", "", std::move(names));
-    coordinates.words("unit", "", std::move(units));
-    coordinates.data("value", std::move(values));
+    part.data("found_by", names_of(known.found_by));
+    add_coordinate_names(part.table("coordinates", "", Rows::list), model.layout(), known.x.size())
+        .data("value", model.to_si(known.x));
   }
   if (study.equilibria.empty()) content.fact(label, "none is known in 50 digits, so that errors are unknown");
 }
@@ -127,50 +118,40 @@ std::string runs_converged(const Spans& spans) {
 }
 
 void add_summary(Group& content, const std::vector<Spans>& methods) {
-  std::vector<std::string> names, runs;
-  std::vector<double> errors;
-  for (const Spans& spans : methods) {
-    names.push_back(to_string(spans.front().loosest->method));
-    errors.push_back(least_error(spans));
-    runs.push_back(runs_converged(spans));
-  }
   Table& table = content.table("", "Least time to an error below", Rows::list);
-  table.words("", "method", std::move(names));
+  table.words("", "method", each(methods, [](const Spans& s) { return to_string(s.front().loosest->method); }));
   for (const double milestone : milestones) {
-    std::vector<double> times;
-    for (const Spans& spans : methods) times.push_back(least_time(spans, milestone));
-    table.numbers("", power(milestone), "", std::move(times), {.style = Format::Style::duration});
+    table.numbers("", power(milestone), "", each(methods, [&](const Spans& s) { return least_time(s, milestone); }),
+                  {Format::Style::duration});
   }
-  table.numbers("", "best error", "", std::move(errors), {.style = Format::Style::error});
-  table.counts("", "runs converged", {}).texts = std::move(runs);
+  table.numbers("", "best error", "", each(methods, least_error), {Format::Style::error});
+  table.counts("", "runs converged", {}).texts = each(methods, runs_converged);
 }
 
+/// The number of the equilibrium that a run is nearest to, from 1.
+double number_of(const WorkPrecisionRow& run) { return run.equilibrium < 0 ? NAN : run.equilibrium + 1; }
+
 void add_method(Group& content, const Spans& spans, bool several_equilibria) {
-  std::vector<std::string> tolerances, statuses;
-  std::vector<double> times, errors, iterations, evaluations, equilibria;
-  std::vector<Tone> tones;
-  for (const ToleranceSpan& span : spans) {
-    const WorkPrecisionRow& row = *span.loosest;
-    tolerances.push_back(power(row.tolerance) +
-                         (span.tightest == span.loosest ? "" : " .. " + power(span.tightest->tolerance)));
-    times.push_back(span.microseconds);
-    errors.push_back(or_gap(row.error));
-    iterations.push_back(row.iterations);
-    evaluations.push_back(row.evaluations);
-    equilibria.push_back(row.equilibrium < 0 ? NAN : row.equilibrium + 1);
-    // A run that does not converge may be confirmed all the same.
-    statuses.push_back(comparison::status_of(row) + (!converged(span) && row.confirmed ? ", confirmed" : ""));
-    tones.push_back(!converged(span) ? Tone::bad : row.confirmed ? Tone::good : Tone::plain);
-  }
+  const auto tolerance = [](const ToleranceSpan& s) {
+    return power(s.loosest->tolerance) + (s.tightest == s.loosest ? "" : " .. " + power(s.tightest->tolerance));
+  };
+  // A run that does not converge may be confirmed all the same.
+  const auto status = [](const ToleranceSpan& s) {
+    return comparison::status_of(*s.loosest) + (!converged(s) && s.loosest->confirmed ? ", confirmed" : "");
+  };
   const MethodTraits& method = traits(spans.front().loosest->method);
   Table& table = content.table("", fmt::format("{}: {}", method.name, method.what), Rows::list);
-  table.words("", "tolerance", std::move(tolerances));
-  table.numbers("", "time", "", std::move(times), {.style = Format::Style::duration});
-  table.numbers("", "error", "", std::move(errors), {.style = Format::Style::error});
-  table.counts("", "iterations", std::move(iterations));
-  table.counts("", "evaluations", std::move(evaluations));
-  table.counts("", "equilibrium", std::move(equilibria)).shown = several_equilibria;
-  table.words("", "status", std::move(statuses)).tones = std::move(tones);
+  table.words("", "tolerance", each(spans, tolerance));
+  table.numbers("", "time", "", each(spans, &ToleranceSpan::microseconds), {Format::Style::duration});
+  table.numbers("", "error", "", each(spans, [](const ToleranceSpan& s) { return s.loosest->error; }),
+                {Format::Style::error});
+  table.counts("", "iterations", each(spans, [](const ToleranceSpan& s) { return s.loosest->iterations; }));
+  table.counts("", "evaluations", each(spans, [](const ToleranceSpan& s) { return s.loosest->evaluations; }));
+  table.counts("", "equilibrium", each(spans, [](const ToleranceSpan& s) { return number_of(*s.loosest); })).shown =
+      several_equilibria;
+  table.words("", "status", each(spans, status)).tones = each(spans, [](const ToleranceSpan& s) {
+    return !converged(s) ? Tone::bad : s.loosest->confirmed ? Tone::good : Tone::plain;
+  });
   const auto failed = std::find_if_not(spans.begin(), spans.end(), converged);
   if (failed != spans.end()) {
     table.footnotes.push_back(fmt::format("at {}: {}", power(failed->loosest->tolerance), failed->loosest->why));
@@ -178,59 +159,37 @@ void add_method(Group& content, const Spans& spans, bool several_equilibria) {
 }
 
 /// Adds the columns of some runs, those of one method without its name.
-void add_runs(Table& table, const WorkPrecisionRow* first, const WorkPrecisionRow* end, bool with_method) {
-  std::vector<std::string> methods, statuses, whys;
-  std::vector<double> tolerances, times, errors, iterations, evaluations, claimed, confirmed, repeats, equilibria;
-  for (const WorkPrecisionRow* row = first; row != end; ++row) {
-    methods.push_back(to_string(row->method));
-    statuses.push_back(comparison::status_of(*row));
-    whys.push_back(row->why);
-    tolerances.push_back(row->tolerance);
-    times.push_back(row->microseconds);
-    errors.push_back(or_gap(row->error));
-    iterations.push_back(row->iterations);
-    evaluations.push_back(row->evaluations);
-    claimed.push_back(row->claimed ? 1.0 : 0.0);
-    confirmed.push_back(row->confirmed ? 1.0 : 0.0);
-    repeats.push_back(row->repeats);
-    equilibria.push_back(row->equilibrium < 0 ? NAN : row->equilibrium + 1);
-  }
-  if (with_method) table.words("method", "", std::move(methods));
-  table.words("status", "", std::move(statuses));
-  table.data("tolerance", std::move(tolerances));
-  table.data("microseconds", std::move(times));
-  table.data("error", std::move(errors));
-  table.counts("iterations", "", std::move(iterations));
-  table.counts("evaluations", "", std::move(evaluations));
-  table.flags("claimed", std::move(claimed));
-  table.flags("confirmed", std::move(confirmed));
-  table.counts("repeats", "", std::move(repeats));
-  table.counts("equilibrium", "", std::move(equilibria));
-  if (!with_method) table.words("why", "", std::move(whys));
+void add_runs(Table& table, std::span<const WorkPrecisionRow> runs, bool with_method) {
+  if (with_method) table.words("method", "", each(runs, [](const auto& run) { return to_string(run.method); }));
+  table.words("status", "", each(runs, comparison::status_of));
+  table.data("tolerance", each(runs, &WorkPrecisionRow::tolerance));
+  table.data("microseconds", each(runs, &WorkPrecisionRow::microseconds));
+  table.data("error", each(runs, &WorkPrecisionRow::error));
+  table.counts("iterations", "", each(runs, &WorkPrecisionRow::iterations));
+  table.counts("evaluations", "", each(runs, &WorkPrecisionRow::evaluations));
+  table.flags("claimed", each(runs, &WorkPrecisionRow::claimed));
+  table.flags("confirmed", each(runs, &WorkPrecisionRow::confirmed));
+  table.counts("repeats", "", each(runs, &WorkPrecisionRow::repeats));
+  table.counts("equilibrium", "", each(runs, number_of));
+  if (!with_method) table.words("why", "", each(runs, &WorkPrecisionRow::why));
 }
 
 void add_data(Group& content, const WorkPrecision& study) {
-  std::vector<std::string> methods, whys;
-  for (const comparison::NotApplicable& of : study.not_applicable) {
-    methods.push_back(to_string(of.method));
-    whys.push_back(of.why);
-  }
   Table& not_applicable = content.table("does_not_apply", "", Rows::list, Verbosity::data);
-  not_applicable.words("method", "", std::move(methods));
-  not_applicable.words("why", "", std::move(whys));
-  const WorkPrecisionRow* const end = study.rows.data() + study.rows.size();
+  not_applicable.words("method", "", each(study.not_applicable, [](const auto& of) { return to_string(of.method); }));
+  not_applicable.words("why", "", each(study.not_applicable, &comparison::NotApplicable::why));
   Branch& by_method = content.array("methods");
-  for (const WorkPrecisionRow* first = study.rows.data(); first != end;) {
-    const WorkPrecisionRow* const next =
-        std::find_if(first, end, [first](const WorkPrecisionRow& row) { return row.method != first->method; });
+  for (auto first = study.rows.begin(); first != study.rows.end();) {
+    const auto next =
+        std::find_if(first, study.rows.end(), [&](const auto& row) { return row.method != first->method; });
     Group& part = by_method.parts.emplace_back();
     part.data("method", to_string(first->method));
-    add_runs(part.table("runs", "", Rows::list), first, next, false);
+    add_runs(part.table("runs", "", Rows::list), {first, next}, false);
     first = next;
   }
   Table& csv = content.table("", "", Rows::list, Verbosity::data);
   csv.csv = true;
-  add_runs(csv, study.rows.data(), end, true);
+  add_runs(csv, study.rows, true);
 }
 
 }  // namespace
@@ -241,13 +200,11 @@ Result work_precision_result(const StaticModel& model, const WorkPrecision& stud
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(study, methods);
   if (study.interrupted) {
-    out.warnings.push_back({.text = fmt::format("Interrupted: {} finished.",
-                                                count(static_cast<int>(study.rows.size()), "row was", "rows were")),
-                            .tone = Tone::bad});
+    out.warnings.push_back(bad(
+        fmt::format("Interrupted: {} finished.", count(static_cast<int>(study.rows.size()), "row was", "rows were"))));
   }
   for (const comparison::NotApplicable& of : study.not_applicable) {
-    out.warnings.push_back(
-        {.text = fmt::format("{} does not apply: {}", to_string(of.method), of.why), .tone = Tone::doubtful});
+    out.warnings.push_back(doubtful(fmt::format("{} does not apply: {}", to_string(of.method), of.why)));
   }
   warn_of_friction(out, model.scene());
   Group& content = out.content;
