@@ -198,8 +198,34 @@ void check_section(const std::string& name, const std::vector<Run>& runs, Shared
   expect_all_written(section.csv, shared);
 }
 
+/// A pendulum on a driven crank; it passes its stop.
+constexpr const char* driven = R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], P = [1, 0] }
+[body.bob]
+points = { P = [0, 0] }
+mass = 1
+center = [1, 0]
+[[pin]]
+points = ["ground.O", "crank.O"]
+[[pin]]
+points = ["crank.P", "bob.P"]
+[[drive]]
+name = "motor"
+bodies = ["ground", "crank"]
+rate = 1
+[[stop]]
+bodies = ["ground", "bob"]
+min = -0.5
+)";
+
 TEST(JsonDocs, Check) {
+  const TempFolder folder;
   check_section("check", {{{"check", scene("redundant_parallelogram")}},
+                          {{"check", folder.write("driven.toml", driven)}},
                           {{"check", scene("toggle_clamp"), "--set", "load.P=30"}}});
 }
 
@@ -253,30 +279,6 @@ TEST(JsonDocs, Kinematics) {
                  {{"kinematics", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
                  {{"kinematics", scene("redundant_parallelogram"), "--drive", "crank1=1..4", "--steps", "3"}}});
 }
-
-/// A pendulum on a driven crank; it passes its stop.
-constexpr const char* driven = R"(
-gravity = [0, -10]
-[ground]
-points = { O = [0, 0] }
-[body.crank]
-points = { O = [0, 0], P = [1, 0] }
-[body.bob]
-points = { P = [0, 0] }
-mass = 1
-center = [1, 0]
-[[pin]]
-points = ["ground.O", "crank.O"]
-[[pin]]
-points = ["crank.P", "bob.P"]
-[[drive]]
-name = "motor"
-bodies = ["ground", "crank"]
-rate = 1
-[[stop]]
-bodies = ["ground", "bob"]
-min = -0.5
-)";
 
 TEST(JsonDocs, Motion) {
   const TempFolder folder;

@@ -262,7 +262,7 @@ TEST(ReadExperiment, ReadsTheExampleOfItsPage) {
   const TempFolder folder;
   std::filesystem::create_directory(folder.path("datasets"));
   folder.write("datasets/lift.toml", app_tests::contents(test::dataset("lift.toml")));
-  folder.write("middle_loaded.csv", "t,angle\n0,0.37\n0.1,0.38\n0.2,0.37\n");
+  folder.write("middle_loaded.csv", "time,obd\n0,0.37\n0.1,0.38\n0.2,0.37\n");
   const std::string example = page.substr(begin, page.find("```", begin) - begin);
   const Experiment experiment = read_experiment(folder.write("lift_experiment.toml", example));
   EXPECT_EQ(experiment.runs.size(), 2u);

@@ -27,7 +27,7 @@ Line verdict(const MotionAnswer& answer) {
   const std::string moved = fmt::format("Simulated {} s", significant(answer.duration, 6));
   if (!error) return bad(moved + "; interrupted before its error was known.");
   if (motion.energy_error >= ConfirmedMotion::useful) {
-    return bad(moved + ", not confirmed: energy is not conserved.");
+    return bad(moved + ", not confirmed: the energy balance does not close.");
   }
   if (!answer.found.confirmed()) {
     return bad(moved + ", not confirmed: small errors grow to the size of the motion.");
@@ -35,7 +35,7 @@ Line verdict(const MotionAnswer& answer) {
   if (*error > remarkable * answer.accuracy || motion.energy_error > remarkable * answer.accuracy) {
     return doubtful(moved + "; small errors grow along this motion.");
   }
-  return good(moved + "; energy is conserved.");
+  return good(moved + "; the energy balance closes.");
 }
 
 std::string effort(const Motion& motion) {
