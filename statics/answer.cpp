@@ -5,6 +5,30 @@
 #include <utility>
 
 namespace poise {
+namespace {
+
+double largest_applied(const StaticModel& model) {
+  const Scene& scene = model.scene();
+  double largest = 0.0;
+  for (const Force& force : scene.forces) largest = std::max(largest, norm(force.vector));
+  for (const Torque& torque : scene.torques)
+    largest = std::max(largest, std::abs(torque.value) / model.scales().length);
+  for (const Body& body : scene.bodies) largest = std::max(largest, body.mass * norm(scene.gravity));
+  return largest;
+}
+
+double largest_preload(const StaticModel& model, const Readings& now) {
+  const Readings start = read_off(model, assemble(model));
+  double largest = 0.0;
+  for (std::size_t i = 0; i < now.elements.size(); ++i) {
+    const double force = std::min(std::abs(start.elements[i].force), std::abs(now.elements[i].force));
+    const bool is_moment = model.scene().elements[i].on.is_angle();
+    largest = std::max(largest, is_moment ? force / model.scales().length : force);
+  }
+  return largest;
+}
+
+}  // namespace
 
 std::optional<double> error_of(const Answer& answer) {
   if (!answer.reference || !answer.reference->refined) return std::nullopt;
@@ -20,6 +44,21 @@ Answer measure(const StaticModel& model, Equilibrium equilibrium) {
   if (searched && finite && !x.empty()) answer.readings = read_off(model, x);
   if (answer.equilibrium.found()) answer.reference = refine(model, x);
   return answer;
+}
+
+std::optional<HeavyReaction> heavy_reaction(const StaticModel& model, const Answer& answer, double times) {
+  const std::vector<Reaction>& reactions = answer.equilibrium.check.reactions;
+  const auto heaviest = std::max_element(reactions.begin(), reactions.end(), [](const Reaction& a, const Reaction& b) {
+    return norm(a.force) < norm(b.force);
+  });
+  if (heaviest == reactions.end() || !answer.readings) return std::nullopt;
+  const double force = norm(heaviest->force);
+  const double applied = largest_applied(model);
+  // Closing the loops of the start takes longer than all else here.
+  if (applied <= 0.0 || force < times * applied) return std::nullopt;
+  const double load = std::max(applied, largest_preload(model, *answer.readings));
+  if (force < times * load) return std::nullopt;
+  return HeavyReaction{heaviest->kind, heaviest->name, force, load};
 }
 
 }  // namespace poise

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "statics/equilibrium.hpp"
 #include "statics/readings.hpp"
@@ -20,5 +21,14 @@ std::optional<double> error_of(const Answer& answer);
 
 /// Takes the readings of a result, and, of a confirmed one, its reference.
 Answer measure(const StaticModel& model, Equilibrium equilibrium);
+
+/// The largest force of a joint, N, and the largest load, N, where the first is at least `times` the second: the
+/// mechanism is close to a dead centre. Loads are forces, weights, torques over the mechanism's size, and of a force
+/// element what it carries at the assembled start too: what it carries besides follows from the other loads.
+struct HeavyReaction {
+  std::string kind, name;
+  double force = 0.0, load = 0.0;
+};
+std::optional<HeavyReaction> heavy_reaction(const StaticModel& model, const Answer& answer, double times = 100.0);
 
 }  // namespace poise

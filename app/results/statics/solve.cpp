@@ -12,9 +12,6 @@
 namespace poise::app {
 namespace {
 
-/// A joint force so many times the largest load is that of a mechanism close to a dead centre.
-constexpr double near_dead_centre = 100.0;
-
 Line verdict(const Equilibrium& equilibrium) {
   const Check& check = equilibrium.check;
   switch (equilibrium.status) {
@@ -69,36 +66,14 @@ void warn_of_doubt(Result& result, const Answer& answer) {
   }
 }
 
-/// The largest load on the mechanism, N: forces, weights, torques over the mechanism's size, and of a spring what it
-/// carried at the start too: what it carries besides is a consequence of the other loads.
-double largest_load(const StaticModel& model, const Readings& readings) {
-  const Scene& scene = model.scene();
-  const double size = model.scales().length;
-  double largest = 0.0;
-  for (const Force& force : scene.forces) largest = std::max(largest, norm(force.vector));
-  for (const Torque& torque : scene.torques) largest = std::max(largest, std::abs(torque.value) / size);
-  for (const Body& body : scene.bodies) largest = std::max(largest, body.mass * norm(scene.gravity));
-  const Readings start = read_off(model, assemble(model));
-  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
-    const double force = std::min(std::abs(start.elements[i].force), std::abs(readings.elements[i].force));
-    largest = std::max(largest, scene.elements[i].on.is_angle() ? force / size : force);
-  }
-  return largest;
-}
-
 void warn_of_dead_centre(Result& result, const StaticModel& model, const Answer& answer) {
-  const std::vector<Reaction>& reactions = answer.equilibrium.check.reactions;
-  const auto heaviest = std::max_element(reactions.begin(), reactions.end(), [](const Reaction& a, const Reaction& b) {
-    return norm(a.force) < norm(b.force);
-  });
-  if (heaviest == reactions.end()) return;
-  const double load = largest_load(model, *answer.readings);
-  if (load <= 0.0 || norm(heaviest->force) < near_dead_centre * load) return;
-  result.warnings.push_back(
-      doubtful(fmt::format("Near a dead centre: {} \"{}\" carries {}, for loads of {} at most; a small change of a "
-                           "dimension changes this force greatly.",
-                           heaviest->kind, heaviest->name, with_unit(model, norm(heaviest->force), Quantity::force, 4),
-                           with_unit(model, load, Quantity::force, 4))));
+  const std::optional<HeavyReaction> heavy = heavy_reaction(model, answer);
+  if (!heavy) return;
+  result.warnings.push_back(doubtful(fmt::format(
+      "Near a dead centre: {} \"{}\" carries {}, for loads of {} at most; a small change of a dimension changes this "
+      "force greatly.",
+      heavy->kind, heavy->name, with_unit(model, heavy->force, Quantity::force, 4),
+      with_unit(model, heavy->load, Quantity::force, 4))));
 }
 
 std::string effort(const Equilibrium& equilibrium) {
