@@ -7,25 +7,24 @@
 namespace poise {
 namespace {
 
-double largest_applied(const StaticModel& model) {
+double applied_loads(const StaticModel& model) {
   const Scene& scene = model.scene();
-  double largest = 0.0;
-  for (const Force& force : scene.forces) largest = std::max(largest, norm(force.vector));
-  for (const Torque& torque : scene.torques)
-    largest = std::max(largest, std::abs(torque.value) / model.scales().length);
-  for (const Body& body : scene.bodies) largest = std::max(largest, body.mass * norm(scene.gravity));
-  return largest;
+  double sum = 0.0;
+  for (const Force& force : scene.forces) sum += norm(force.vector);
+  for (const Torque& torque : scene.torques) sum += std::abs(torque.value) / model.scales().length;
+  for (const Body& body : scene.bodies) sum += body.mass * norm(scene.gravity);
+  return sum;
 }
 
-double largest_preload(const StaticModel& model, const Readings& now) {
+double preloads(const StaticModel& model, const Readings& now) {
   const Readings start = read_off(model, assemble(model));
-  double largest = 0.0;
+  double sum = 0.0;
   for (std::size_t i = 0; i < now.elements.size(); ++i) {
     const double force = std::min(std::abs(start.elements[i].force), std::abs(now.elements[i].force));
     const bool is_moment = model.scene().elements[i].on.is_angle();
-    largest = std::max(largest, is_moment ? force / model.scales().length : force);
+    sum += is_moment ? force / model.scales().length : force;
   }
-  return largest;
+  return sum;
 }
 
 }  // namespace
@@ -53,10 +52,10 @@ std::optional<HeavyReaction> heavy_reaction(const StaticModel& model, const Answ
   });
   if (heaviest == reactions.end() || !answer.readings) return std::nullopt;
   const double force = norm(heaviest->force);
-  const double applied = largest_applied(model);
+  const double applied = applied_loads(model);
   // Closing the loops of the start takes longer than all else here.
   if (applied <= 0.0 || force < times * applied) return std::nullopt;
-  const double load = std::max(applied, largest_preload(model, *answer.readings));
+  const double load = applied + preloads(model, *answer.readings);
   if (force < times * load) return std::nullopt;
   return HeavyReaction{heaviest->kind, heaviest->name, force, load};
 }

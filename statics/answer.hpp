@@ -22,7 +22,7 @@ std::optional<double> error_of(const Answer& answer);
 /// Takes the readings of a result, and, of a confirmed one, its reference.
 Answer measure(const StaticModel& model, Equilibrium equilibrium);
 
-/// The largest force of a joint, N, and the largest load, N, where the first is at least `times` the second: the
+/// The largest force of a joint, N, and the sum of all loads, N, where the first is at least `times` the second: the
 /// mechanism is close to a dead centre. Loads are forces, weights, torques over the mechanism's size, and of a force
 /// element what it carries at the assembled start too: what it carries besides follows from the other loads.
 struct HeavyReaction {

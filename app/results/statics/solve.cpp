@@ -70,7 +70,7 @@ void warn_of_dead_centre(Result& result, const StaticModel& model, const Answer&
   const std::optional<HeavyReaction> heavy = heavy_reaction(model, answer);
   if (!heavy) return;
   result.warnings.push_back(doubtful(fmt::format(
-      "Near a dead centre: {} \"{}\" carries {}, for loads of {} at most; a small change of a dimension changes this "
+      "Near a dead centre: {} \"{}\" carries {}, for loads of {} in all; a small change of a dimension changes this "
       "force greatly.",
       heavy->kind, heavy->name, with_unit(model, heavy->force, Quantity::force, 4),
       with_unit(model, heavy->load, Quantity::force, 4))));
