@@ -49,7 +49,7 @@ std::vector<Entry> all_commands() {
   };
 }
 
-/// Tells CLI11 of an option.
+/// Adds an option to CLI11.
 struct Declaration {
   CLI::App& app;
   const Option& option;
@@ -66,7 +66,7 @@ struct Declaration {
   }
 };
 
-/// Where docs and examples are on this machine; nothing where they are not.
+/// Where docs and examples are on this machine; empty where they are not installed.
 std::string places() {
   const std::optional<std::filesystem::path> folder = poise_folder();
   if (!folder) return "";
@@ -101,7 +101,7 @@ int complain(const std::string& line) {
   return bad_input;
 }
 
-/// What CLI11 would only call "required": no command, or one that is misspelt.
+/// Throws InputError where there is no command or an unknown one: CLI11 would only call it "required".
 void expect_command(const std::vector<Entry>& commands, int argc, const char* const* argv) {
   std::vector<std::string> names;
   for (const Entry& entry : commands) names.push_back(entry.command.name);
@@ -113,7 +113,7 @@ void expect_command(const std::vector<Entry>& commands, int argc, const char* co
   throw InputError(fmt::format("poise: {}, found \"{}\"{}", expected, word, did_you_mean(word, names)));
 }
 
-/// Names the first word of the command line that the command has no use for.
+/// Throws InputError naming the first word of the command line that the command does not take.
 std::string unexpected(const CLI::App& command, int argc, const char* const* argv) {
   const std::vector<std::string> extra = command.remaining();
   const auto* word = std::find_if(argv + 1, argv + argc, [&](const std::string& w) {

@@ -4,9 +4,9 @@
 
 namespace poise::benchmarks {
 
-/// Rest of the hanging chain (comparison/series.hpp) by a Newton that costs O(n) per step: the yardstick for Poise on
-/// long chains. With link length l, the weight w_i = 1 - (i + 1/2)/n that link i and all after it hang on its far side,
-/// and multipliers x, y:
+/// Equilibrium of the hanging chain (comparison/series.hpp) by a Newton that costs O(n) per step: the yardstick for
+/// Poise on long chains. With link length l, the weight w_i = 1 - (i + 1/2)/n that link i and all after it hang on its
+/// far side, and multipliers x, y:
 ///
 ///   energy   sum l w_i sin t_i,  closure  sum l cos t_i = span,  sum l sin t_i = 0
 ///   Hessian  h_i = -l ((w_i + y) sin t_i + x cos t_i),  diagonal

@@ -4,9 +4,9 @@
 
 namespace poise::benchmarks {
 
-/// Rest of the four-bar datasets/thesis_four_bar.toml (in, lbf, rad) by a Newton written for this one linkage: the
-/// yardstick for Poise's virtual work. With the angles t4, t6, t7 of the links, e_k = (cos t_k, sin t_k), lengths l_k,
-/// mid-link forces F4 = (-13.29, 0), F6 = (0, 50), F7 = (10, 0) and the pivots A = (0, 0), D = (g, 0):
+/// Equilibrium of the four-bar datasets/thesis_four_bar.toml (in, lbf, rad) by a Newton written for this one linkage:
+/// the yardstick for Poise's virtual work. With the angles t4, t6, t7 of the links, e_k = (cos t_k, sin t_k), lengths
+/// l_k, mid-link forces F4 = (-13.29, 0), F6 = (0, 50), F7 = (10, 0) and the pivots A = (0, 0), D = (g, 0):
 ///
 ///   closure       l4 e4 + l6 e6 + l7 e7 - (g, 0) = 0                                          2 equations
 ///   virtual work  N^T Q = 0,  N = (sin(t7 - t6) / l4, sin(t4 - t7) / l6, sin(t6 - t4) / l7)   1 equation

@@ -29,9 +29,9 @@ using Clock = std::chrono::steady_clock;
 std::string dataset(const std::string& name) { return std::string(POISE_SOURCE_DIR) + "/datasets/" + name; }
 
 // The reduced equations of a scene in u, where  z = z0 + far u_z,  w = w0 + fast u_w: all components of order one.
-class Swing : public solvers::OdeSystem {
+class FreeMotion : public solvers::OdeSystem {
  public:
-  Swing(Scene scene, const std::vector<StartValue>& release, bool from_equilibrium, double duration)
+  FreeMotion(Scene scene, const std::vector<StartValue>& release, bool from_equilibrium, double duration)
       : model_(std::move(scene)),
         reduced_(model_.scaled_scene(), model_.mechanism(), model_.inertia()),
         end_(duration) {
@@ -111,17 +111,17 @@ double apart(const State& a, const State& b) {
 }
 
 // The fastest of several runs.
-Measured measure(const Integrator& by, Swing& swing, double tolerance, const State& truth) {
+Measured measure(const Integrator& by, FreeMotion& free_motion, double tolerance, const State& truth) {
   Measured out;
   out.tolerance = tolerance;
-  CountedSystem counted(swing);
-  out.error = apart(run(by, counted, swing.end(), tolerance), truth);
+  CountedSystem counted(free_motion);
+  out.error = apart(run(by, counted, free_motion.end(), tolerance), truth);
   out.evaluations = counted.evaluations;
   out.seconds = std::numeric_limits<double>::infinity();
   const auto begun = Clock::now();
   do {
     const auto from = Clock::now();
-    run(by, swing, swing.end(), tolerance);
+    run(by, free_motion, free_motion.end(), tolerance);
     out.seconds = std::min(out.seconds, std::chrono::duration<double>(Clock::now() - from).count());
   } while (Clock::now() - begun < std::chrono::milliseconds(60));
   return out;
@@ -141,7 +141,7 @@ std::optional<double> seconds_for(const std::vector<Measured>& measured, double 
   return best;
 }
 
-void compare(const std::string& title, Swing& swing) {
+void compare(const std::string& title, FreeMotion& free_motion) {
   std::vector<Integrator> methods = {poise_integrator()};
   for (auto& more : {odeint_integrators(), sundials_integrators()}) {
     methods.insert(methods.end(), more.begin(), more.end());
@@ -151,10 +151,10 @@ void compare(const std::string& title, Swing& swing) {
                          [&](const Integrator& m) { return m.name.find(part) != std::string::npos; });
   };
   // Runge-Kutta methods against extrapolation, all others against Runge-Kutta.
-  const State by_poise = run(methods[0], swing, swing.end(), 1e-15);
-  const State by_extrapolation = run(named("Bulirsch"), swing, swing.end(), 1e-14);
-  fmt::print("\n{}: {} components, {:g} s. The two references differ by {:.1e}.\n", title, swing.size(), swing.end(),
-             apart(by_poise, by_extrapolation));
+  const State by_poise = run(methods[0], free_motion, free_motion.end(), 1e-15);
+  const State by_extrapolation = run(named("Bulirsch"), free_motion, free_motion.end(), 1e-14);
+  fmt::print("\n{}: {} components, {:g} s. The two references differ by {:.1e}.\n", title, free_motion.size(),
+             free_motion.end(), apart(by_poise, by_extrapolation));
   fmt::print("{:<26} {:>9} {:>9} {:>12} {:>11}\n", "", "tolerance", "error", "evaluations", "time");
   std::vector<std::vector<Measured>> all;
   for (const Integrator& method : methods) {
@@ -162,8 +162,8 @@ void compare(const std::string& title, Swing& swing) {
     std::vector<Measured>& measured = all.emplace_back();
     for (int digit = 4; digit <= 14; ++digit) {
       // 2^k steps stand for the k-th tolerance of a method without one.
-      const double tolerance = method.fixed_steps ? swing.end() / (20 << digit) : std::pow(10.0, -digit);
-      measured.push_back(measure(method, swing, tolerance, against_itself ? by_poise : by_extrapolation));
+      const double tolerance = method.fixed_steps ? free_motion.end() / (20 << digit) : std::pow(10.0, -digit);
+      measured.push_back(measure(method, free_motion, tolerance, against_itself ? by_poise : by_extrapolation));
       const Measured& m = measured.back();
       fmt::print("{:<26} {:>9.1e} {:>9.1e} {:>12} {:>8.3f} ms\n", method.name, m.tolerance, m.error, m.evaluations,
                  1e3 * m.seconds);
@@ -187,11 +187,11 @@ void compare(const std::string& title, Swing& swing) {
 int compare_all() {
   if (sundials_integrators().empty()) fmt::print("SUNDIALS was not found: CVODES and ARKODE are skipped.\n");
   // In all these scenes the released bodies come first.
-  Swing lift(read_scene(dataset("lift.toml")), {{0, false, 0.005}}, true, 2.0);
+  FreeMotion lift(read_scene(dataset("lift.toml")), {{0, false, 0.005}}, true, 2.0);
   compare("Lift, released 5 mrad from its equilibrium", lift);
-  Swing pendulum(read_scene(dataset("pendulum_a01.toml")), {}, false, 10.0);
+  FreeMotion pendulum(read_scene(dataset("pendulum_a01.toml")), {}, false, 10.0);
   compare("Pendulum of A01", pendulum);
-  Swing arms(read_scene(dataset("double_pendulum.toml")), {{0, false, 0.5}, {1, false, 1.0}}, false, 2.0);
+  FreeMotion arms(read_scene(dataset("double_pendulum.toml")), {{0, false, 0.5}, {1, false, 1.0}}, false, 2.0);
   compare("Double pendulum released from above", arms);
   return 0;
 }

@@ -95,7 +95,7 @@ std::vector<double> race(const std::vector<std::function<void()>>& works) {
   return least;
 }
 
-// The chain against its reference; the ladder upright and symmetric, which is its only stable rest.
+// The chain against its reference; the ladder upright and symmetric, which is its only stable equilibrium.
 bool is_right(Series series, const StaticModel& model, const std::vector<double>& x, double error) {
   if (series == Series::chain) return chain_error(x) <= error;
   double worst = 0.0;

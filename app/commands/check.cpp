@@ -25,7 +25,7 @@ int run_check(const Request& request, const Palette& palette) {
                                             : "");
   progress.done();
   print(request, result, written, palette);
-  // Where solve would refuse the scene, its sentence ends the check too. A scene without loads can be checked.
+  // Throws the same error as solve where the scene cannot be assembled; a scene without loads can be checked.
   if (model.mechanism().coordinates() > 0) assemble(model);
   return solved;
 }

@@ -10,11 +10,11 @@ namespace poise::app {
 /// assembled.
 Command check_command();
 
-/// `poise solve SCENE`: where it rests, by one method.
+/// `poise solve SCENE`: an equilibrium, by one method.
 Command solve_command();
 
-/// `poise compare SCENE`: where it rests, by virtual work and by energy side by side; exit code solved where every one
-/// that does not refuse the scene is confirmed. With --methods by any of them; exit code solved where one is confirmed.
+/// `poise compare SCENE`: an equilibrium, by virtual work and by energy side by side; exit code solved where every
+/// method that applies is confirmed. With --methods by any of them; exit code solved where one is confirmed.
 /// With --tolerances: what accuracy costs each method; exit code solved where some run is confirmed.
 Command compare_command();
 
@@ -23,34 +23,35 @@ Command compare_command();
 Command kinematics_command();
 
 /// `poise motion SCENE --duration S`: the free or driven motion of a scene, with its energy balance and estimated
-/// error. Exit code solved where the motion came to its end and both confirm it; Ctrl-C keeps what was reached.
+/// error. Exit code solved where the motion is complete and both confirm it; Ctrl-C keeps the part computed so far.
 Command motion_command();
 
 /// `poise modes SCENE`: natural frequencies, shapes and damping of the small motions about an equilibrium. Exit code
 /// solved where the equilibrium is confirmed and its motions are known.
 Command modes_command();
 
-/// `poise forces SCENE`: what drives must give and joints carry in a pose, over a driven range, or along a recorded
+/// `poise forces SCENE`: efforts of drives and forces of joints in a pose, over a driven range, or along a recorded
 /// motion. Exit code solved where every body is in balance everywhere.
 Command forces_command();
 
-/// `poise design FILE`: dimensions that meet the goals of a design file, found from random starts and judged by the
-/// general kinematics. Exit code solved where all goals are met and that confirms it.
+/// `poise design FILE`: dimensions that meet the goals of a design file, found from random starts and checked by the
+/// general kinematics. Exit code solved where all goals are met and the check confirms them.
 Command design_command();
 
-/// `poise identify EXPERIMENT`: the parameters that explain its records, with how sure they are. Exit code solved where
-/// a fit converged, also where its residuals are larger than the noise (the report warns, deviations are enlarged).
+/// `poise identify EXPERIMENT`: parameters fitted to its records, with standard errors. Exit code solved where a fit
+/// converged, also where its residuals are larger than the noise (with a warning and enlarged standard errors).
 Command identify_command();
 
-/// `poise identifiability EXPERIMENT`: what it can tell, before any data. Exit code solved where that could be judged.
+/// `poise identifiability EXPERIMENT`: which parameters it determines, before any data. Exit code solved where
+/// that could be computed.
 Command identifiability_command();
 
-/// `poise montecarlo EXPERIMENT`: simulate and fit, again and again, with new noise and new starts. Ctrl-C keeps the
+/// `poise montecarlo EXPERIMENT`: simulate and fit many times, each with new noise and a new start. Ctrl-C keeps the
 /// trials that have ended. Exit code solved where all trials ended and fits converged.
 Command montecarlo_command();
 
-/// `poise stress [CASE...]`: all methods on the hard catalogue, from many seeded starts. Exit code solved where no
-/// claim was wrong and virtual work arrived in at least 99.9 % of the starts of every case that has an answer.
+/// `poise stress [CASE...]`: all methods on the hard catalogue, from many seeded starts. Exit code solved without
+/// false claims and with virtual work converged from at least 99.9 % of the starts of every case that has an answer.
 Command stress_command();
 
 }  // namespace poise::app

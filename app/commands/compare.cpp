@@ -16,7 +16,7 @@
 namespace poise::app {
 namespace {
 
-/// The answer worth a picture: the first confirmed one, or else the first that reached any pose.
+/// The answer to draw: the first confirmed one, or else the first that reached any pose.
 const Answer* best_of(const std::vector<Answer>& answers) {
   const Answer* best = nullptr;
   for (const Answer& answer : answers) {
@@ -47,8 +47,7 @@ comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& wo
   return options;
 }
 
-/// Every method that was asked for by default has to find an equilibrium where it applies; of a list that is named, one
-/// is enough.
+/// Of the default methods each has to find an equilibrium where it applies; of a list given by --methods, one of them.
 bool succeeded(const CompareRequest& words, const std::vector<Answer>& answers) {
   const auto is = [](Status status) { return [status](const Answer& a) { return a.equilibrium.status == status; }; };
   if (words.methods) {

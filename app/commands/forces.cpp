@@ -52,7 +52,7 @@ void check(const ForcesRequest& request) {
   }
 }
 
-/// The scene with the drives asked for in the place of its own.
+/// The scene with these drives in place of its own.
 Scene with_drives(Scene scene, const std::vector<std::string>& drives) {
   if (drives.empty()) return scene;
   std::vector<Drive> wanted;

@@ -23,7 +23,6 @@
 namespace poise::app {
 namespace {
 
-/// What was asked for.
 struct MotionRequest {
   Request common;
   double duration = 0.0;
@@ -36,7 +35,7 @@ struct MotionRequest {
   double accuracy = 1e-10;
 };
 
-// Numbers of a record, all columns together: beyond them a file is no use to anybody.
+// Numbers of a record, all columns together; a larger file is taken for a mistake in --rate or --duration.
 constexpr double most_numbers = 2e8;
 
 void expect_number(const std::string& option, double value, bool fits, const std::string& expected) {
@@ -70,7 +69,7 @@ MotionOrigin find_origin(const MotionRequest& request, const MotionModel& model,
   return assembled ? MotionOrigin{} : equilibrium_origin(model, read_seek(request.seek), &interrupt);
 }
 
-/// How the motion starts, in words; each displacement adds to them.
+/// How the motion starts, in words, before any displacement.
 std::string words_of(const MotionOrigin& origin) {
   if (origin.stability) return fmt::format("equilibrium ({})", to_string(*origin.stability));
   return origin.kind == MotionOrigin::Kind::unloaded ? "as assembled, which nothing loads" : "as assembled";

@@ -30,7 +30,7 @@ constexpr double tightest = 1e-20, loosest = 1.0;
 double read_tolerance(std::string_view text) {
   const std::optional<double> value = read_number(text);
   const std::string expected = "expected numbers as in 1e-2..1e-14 or 1e-3,1e-6";
-  // A point in front is what is left of three between two numbers.
+  // A point in front: there were three points between two numbers.
   if (!value || text.starts_with('.')) {
     throw InputError(fmt::format("--tolerances: \"{}\" is not a number; {}", text, expected));
   }

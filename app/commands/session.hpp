@@ -18,7 +18,7 @@ namespace poise::app {
 /// Reads the scene and puts the settings into it. Throws InputError.
 Scene load_scene(const Request& request);
 
-/// The files of a request; they are tried out here, before any work is done. Throws InputError where one cannot be
+/// The files of a request; tested for writing here, before any work is done. Throws InputError where one cannot be
 /// written, where two are the same, or where one is a file that is `read`.
 class OutputFiles {
  public:
@@ -43,7 +43,7 @@ Answer search(const StaticModel& model, const SolveOptions& options, Progress& p
 /// The picture of an answer that has readings.
 std::string picture(const StaticModel& model, const Answer& answer);
 
-/// Prints on standard output. Throws InputError where nobody takes it (the disk is full).
+/// Prints on standard output. Throws InputError where that fails (the disk is full).
 void print(const std::string& text);
 
 }  // namespace poise::app

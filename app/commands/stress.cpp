@@ -46,7 +46,7 @@ void check(const StressRequest& request) {
   }
 }
 
-/// Where the catalogue is unless it is named: here, or with Poise.
+/// The folder of the catalogue: the one named, else that of the working folder, else Poise's own.
 fs::path find_catalogue(const std::string& named) {
   if (!named.empty()) return named;
   std::error_code unknown;

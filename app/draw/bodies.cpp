@@ -91,7 +91,7 @@ void draw_body(Stage& stage, int body) {
   stage.label(stage.scene.bodies[body].name, middle, toward, gap, ink::faint, 10.5, true);
 }
 
-/// A thin line to a centre of mass that lies beside its body's shape, so that it is seen whose it is.
+/// A thin line to a centre of mass that lies beside its body's shape, so that its body is seen.
 void tie_to_body(Stage& stage, int body, Vec2 at) {
   const std::vector<Vec2> shape = stage.outline(body, stage.now);
   if (shape.empty()) return;
@@ -198,7 +198,7 @@ void draw_bodies(Stage& stage) {
 }
 
 void draw_centres_of_mass(Stage& stage) {
-  constexpr double thinnest = 4.0;  // bars on which the sign would be lost
+  constexpr double thinnest = 4.0;  // the sign does not fit on thinner bars
   if (stage.scene.gravity == Vec2{} || stage.detail == Detail::sketch || stage.bar_width < thinnest) return;
   stage.canvas.open("centres-of-mass");
   for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {

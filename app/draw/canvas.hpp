@@ -46,7 +46,7 @@ struct TextStyle {
 /// Width that a text takes at least in the usual sans-serif fonts, px; rather too much than too little.
 double text_width(std::string_view text, double size);
 
-/// The text with what means something to XML escaped and what XML forbids left out.
+/// The text with XML's special characters escaped and those that XML forbids left out.
 std::string escape_xml(std::string_view text);
 
 /// Collects SVG elements and the box that they fill.
@@ -58,7 +58,7 @@ class Canvas {
   void circle(Vec2 centre, double radius, const Paint& paint);
   /// Part of a circle from one angle to another, rad counter-clockwise as seen, begun at `from`.
   void arc(Vec2 centre, double radius, double from, double to, const Paint& paint);
-  /// One line of text, standing on `at`.
+  /// One line of text with its baseline at `at`.
   void text(Vec2 at, std::string_view text, const TextStyle& style);
 
   /// A group, named (or not) so that it can be found by whoever edits the figure. Groups must be closed.

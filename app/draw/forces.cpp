@@ -16,7 +16,7 @@ struct Arrow {
   Vec2 tail, tip;
 };
 
-/// The arrow of a force that leaves the place where it acts.
+/// The arrow of a force that starts where the force acts.
 Arrow leaving(const Stage& stage, Vec2 at, Vec2 force) {
   const double size = norm(force);
   const Vec2 u = stage.page_direction((1 / size) * force);
@@ -38,8 +38,8 @@ double covered_by(const Stage& stage, Vec2 at, const Arrow& arrow) {
          on_member * (nearest - seems_to_lie) / (1 - seems_to_lie);
 }
 
-/// The arrow of a load leaves its place, or points at it where it would run along what is drawn; beside the arrow of a
-/// joint force that lies there already.
+/// The arrow of a load starts at its point, or ends there where it would otherwise run along what is drawn; moved aside
+/// where the arrow of a joint force is there already.
 Arrow place_load(const Stage& stage, Vec2 at, Vec2 force) {
   constexpr double preference = 15.0;
   constexpr double spacing = 7.0;
@@ -138,7 +138,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   }
 }
 
-/// What a drive does to the second body of its measure.
+/// The effort of a drive on the second body of its measure.
 void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
   if (effort.value == 0.0) return;
   stage.signs.insert(Sign::drive);

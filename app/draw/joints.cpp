@@ -10,7 +10,7 @@
 namespace poise::app {
 namespace {
 
-/// The side of a place where the ground is best drawn: below, unless something leaves that way.
+/// The side of a point on which the ground is drawn: below, unless a member runs that way.
 Vec2 free_side(const std::vector<Vec2>& members, const std::vector<Vec2>& sides) {
   constexpr double clear = 0.6;  // cosine of the angle to the nearest member
   Vec2 best = sides.front();
@@ -29,7 +29,7 @@ Vec2 free_side(const std::vector<Vec2>& members, const std::vector<Vec2>& sides)
 
 const std::vector<Vec2> upright_sides = {{0, 1}, {0, -1}, {-1, 0}, {1, 0}};
 
-/// The side that what is tied to a place pulls against.
+/// The direction opposite to the members at a point.
 Vec2 far_side(const std::vector<Vec2>& members) {
   Vec2 pull{};
   for (const Vec2& member : members) pull += member;
@@ -133,7 +133,7 @@ class PlaceNames {
   std::map<std::string, int> uses_;
 };
 
-/// Away from what meets at a place.
+/// Away from the members that meet at a point.
 Vec2 outward(const std::vector<Vec2>& members) {
   Vec2 sum{};
   for (const Vec2& m : members) sum += m;

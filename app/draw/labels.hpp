@@ -13,7 +13,7 @@ struct Label {
   std::string text;
   Vec2 anchor{};
   double gap = 8.0;    ///< distance from the anchor at which the text may begin, px
-  Vec2 toward{0, -1};  ///< where it would best stand, seen from the anchor
+  Vec2 toward{0, -1};  ///< preferred direction from the anchor
   TextStyle style{};
 };
 
@@ -21,7 +21,7 @@ struct Label {
 /// lines and labels set before it. One pushed away gets a thin line to its anchor.
 class LabelSetter {
  public:
-  /// Something labels should not cover: a line `width` px thick.
+  /// What labels should not cover: a line `width` px thick.
   void avoid(Vec2 a, Vec2 b, double width);
   /// The same for a disc.
   void avoid(Vec2 centre, double radius);

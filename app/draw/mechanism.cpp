@@ -36,7 +36,7 @@ Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
   const double middle = stage.canvas.bounds().middle().x;
   stage.setter.keep_between(middle - room / 2, middle + room / 2);
   stage.canvas.open("labels");
-  // What matters most is set first and gets the best places: reactions and loads were asked for last.
+  // Labels are placed from the last to the first: those of reactions and loads get the best places.
   for (auto label = stage.labels.rbegin(); label != stage.labels.rend(); ++label)
     stage.setter.set(stage.canvas, *label);
   stage.canvas.close();

@@ -31,7 +31,7 @@ std::vector<std::size_t> shown_rows(const Table& table);
 /// "199.4 lbf in: springs in full", or the text, of a value.
 std::string text_of(const Entry& entry);
 
-/// Whether a reader at a level sees an item.
+/// Whether text at a level shows an item.
 bool is_shown(const Item& item, Verbosity reader);
 
 }  // namespace poise::app

@@ -40,7 +40,7 @@ class Writer {
  private:
   enum class Block { points, other };
 
-  // Points of one list stand together, all else apart.
+  // No empty line between the points of one list.
   void block(const std::string& words, Block kind) {
     if (!text.empty() && !(kind == Block::points && last_ == Block::points)) text += "\n";
     text += words;

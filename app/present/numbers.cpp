@@ -50,7 +50,7 @@ std::vector<std::string> aligned(const std::vector<double>& values, int digits, 
   for (double v : values) {
     const bool is_nothing = v == 0.0 || std::abs(v) < nothing;
     if (is_nothing || !std::isfinite(v)) {
-      // As if it had a decimal point, so that it stands where the others have theirs.
+      // Padded as if it had a decimal point, so that it is aligned with the others.
       const std::size_t fraction = decimals > 0 ? decimals + 1 : 0;
       texts.push_back(significant(is_nothing ? 0.0 : v, digits) + std::string(fraction, ' '));
     } else {

@@ -1,6 +1,6 @@
 #pragma once
 
-// How numbers are written for people.
+// How numbers are written in text.
 
 #include <limits>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace poise::app {
 
-/// The value, or not a number, by which columns, curves and CSV files leave a gap, where there is none.
+/// The value, or not a number, where there is none: a gap in columns, curves and CSV files.
 inline double or_gap(const std::optional<double>& value) {
   return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
@@ -25,7 +25,7 @@ std::string significant(double value, int digits);
 std::string small_number(double value);
 
 /// A column of numbers with their decimal points aligned, as many decimals as give a number of the size `scale` so many
-/// significant digits; what rounds to nothing is "0", not a number is "-".
+/// significant digits; what rounds to zero is "0", not a number is "-".
 std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale);
 /// The same with the largest of the values as scale.
 std::vector<std::string> aligned(const std::vector<double>& values, int digits);

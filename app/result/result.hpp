@@ -97,7 +97,7 @@ struct Table {
   std::vector<Column> columns{};
   std::vector<std::string> footnotes{};  ///< below it, as text
 
-  /// Text in each row. The references returned stay good as long as no column is added.
+  /// Text in each row. The references returned are valid until a column is added.
   Column& words(std::string key, std::string title, std::vector<std::string> cells);
   /// A text that is not in the data: a remark beside the row.
   Column& remarks(std::vector<std::string> cells, Tone tone = Tone::plain);
@@ -149,7 +149,7 @@ struct Item {
   std::variant<Line, Entry, Listing, Table, Branch> content;
 };
 
-/// Items in the order in which text shows them. References to tables and groups stay good as long as the group lives.
+/// Items in the order in which text shows them. References to tables and groups are valid as long as the group exists.
 class Group {
  public:
   /// JSON only.
@@ -183,7 +183,7 @@ struct Result {
   Line verdict{};                ///< one sentence: what was found, and whether that is confirmed
   std::vector<Line> warnings{};  ///< sentences that a reader must not miss
   Group content{};
-  bool compact = false;  ///< JSON in one line: larger than anyone reads through
+  bool compact = false;  ///< JSON in one line: of a scene too large for reading
 
   /// The table for CSV; null where there is none.
   const Table* csv() const;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the results of several commands have in common. Values are given in SI and stand in a result in the units of the
+// What the results of several commands have in common. Values are given in SI and are shown in the units of the
 // scene.
 
 #include <string>

@@ -39,7 +39,7 @@ OutputFile::OutputFile(fs::path path, std::string option) : path_(std::move(path
   if (direct_) return;
   passing_ = target_;
   passing_ += fmt::format(".{}.part", ::getpid());
-  // The one sure way to know that a file can be made is to make it.
+  // Creating a file is the only reliable test that it can be created.
   const int file = ::open(passing_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) fail(std::strerror(errno));
   ::close(file);

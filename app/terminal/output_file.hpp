@@ -7,7 +7,7 @@
 
 namespace poise::app {
 
-/// A file that appears whole or not at all: written beside its place under a passing name, then renamed.
+/// A file that appears whole or not at all: written under a temporary name in the same folder, then renamed.
 /// What is no regular file (/dev/stdout, a pipe) is written directly.
 class OutputFile {
  public:
@@ -19,9 +19,9 @@ class OutputFile {
   OutputFile& operator=(OutputFile&&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Writes the text under the passing name. Throws InputError where that fails (the disk is full, say).
+  /// Writes the text under the temporary name. Throws InputError where that fails (the disk is full, say).
   void prepare(std::string_view text);
-  /// Puts what was prepared in its place.
+  /// Renames the prepared file to its final name.
   void commit();
 
  private:

@@ -8,11 +8,11 @@
 namespace poise::app {
 
 Palette Palette::for_stream(std::FILE* stream) {
-  const char* refused = std::getenv("NO_COLOR");
+  const char* no_colour = std::getenv("NO_COLOR");
   const char* terminal = std::getenv("TERM");
   Palette palette;
-  palette.coloured_ = isatty(fileno(stream)) == 1 && (refused == nullptr || *refused == '\0') && terminal != nullptr &&
-                      std::string_view(terminal) != "dumb";
+  palette.coloured_ = isatty(fileno(stream)) == 1 && (no_colour == nullptr || *no_colour == '\0') &&
+                      terminal != nullptr && std::string_view(terminal) != "dumb";
   return palette;
 }
 

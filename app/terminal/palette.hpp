@@ -7,7 +7,7 @@
 
 namespace poise::app {
 
-/// Colours the output of a terminal, and leaves what goes anywhere else alone.
+/// Colours for the output on a terminal; no colours anywhere else.
 class Palette {
  public:
   /// Without colours.

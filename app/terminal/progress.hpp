@@ -7,7 +7,7 @@
 
 namespace poise::app {
 
-/// Tells a person who waits what is going on: one line on standard error, from one second on, gone when it is done.
+/// Shows what is being done: one line on standard error, after the first second, removed when it is done.
 /// Silent where standard error is no terminal.
 class Progress {
  public:
@@ -18,7 +18,7 @@ class Progress {
 
   /// From now on this is being done: "refining in 50 digits".
   void now(std::string doing);
-  /// Takes the line away, before something else is printed.
+  /// Removes the line, before something else is printed.
   void done();
 
  private:

@@ -22,7 +22,7 @@ void expect_bad_input(const Outcome& run, const std::string& part) {
   EXPECT_EQ(run.out, "");
 }
 
-TEST(CommandLine, ConfirmedRestExitsZero) {
+TEST(CommandLine, ConfirmedEquilibriumExitsZero) {
   const TempFolder folder;
   const std::string scene = folder.write("pendulum.toml", pendulum);
   for (const char* method : {"virtual-work", "energy"}) {
@@ -38,7 +38,7 @@ TEST(CommandLine, ConfirmedRestExitsZero) {
   }
 }
 
-TEST(CommandLine, UnstableRestIsFoundAndSaidToBeUnstable) {
+TEST(CommandLine, UnstableEquilibriumIsFoundAndReportedAsUnstable) {
   const TempFolder folder;
   const Outcome run = run_poise({"solve", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
   EXPECT_EQ(run.exit_code, 0);
@@ -46,7 +46,7 @@ TEST(CommandLine, UnstableRestIsFoundAndSaidToBeUnstable) {
   EXPECT_TRUE(contains(run.out, "direction    unstable: rod +1.00")) << run.out;
 }
 
-TEST(CommandLine, NothingFoundExitsOneAndSaysWhatWasReached) {
+TEST(CommandLine, NothingFoundExitsOneAndReportsWhatWasReached) {
   const TempFolder folder;
   const std::string scene = folder.write("runaway.toml", runaway);
   for (const char* method : {"virtual-work", "energy"}) {
@@ -60,14 +60,14 @@ TEST(CommandLine, NothingFoundExitsOneAndSaysWhatWasReached) {
   EXPECT_EQ(run_poise({"compare", scene}).exit_code, 1);
 }
 
-TEST(CommandLine, RefusalNamesTheLoadAndFailsSolveButNotCompare) {
+TEST(CommandLine, MethodThatDoesNotApplyNamesTheLoadAndFailsSolveButNotCompare) {
   const TempFolder folder;
   const std::string scene = folder.write("follower.toml", follower);
-  const Outcome refused = run_poise({"solve", scene, "--method", "energy"});
-  EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_TRUE(contains(refused.out, "Not applicable: this method cannot solve this scene.")) << refused.out;
-  EXPECT_TRUE(contains(refused.out, "force \"jet\" follows a body")) << refused.out;
-  EXPECT_FALSE(contains(refused.out, "Angles")) << "a refused method has reached nothing\n" << refused.out;
+  const Outcome energy = run_poise({"solve", scene, "--method", "energy"});
+  EXPECT_EQ(energy.exit_code, 1);
+  EXPECT_TRUE(contains(energy.out, "Not applicable: this method cannot solve this scene.")) << energy.out;
+  EXPECT_TRUE(contains(energy.out, "force \"jet\" follows a body")) << energy.out;
+  EXPECT_FALSE(contains(energy.out, "Angles")) << "a method that does not apply has reached no pose\n" << energy.out;
 
   EXPECT_EQ(run_poise({"solve", scene}).exit_code, 0);
 
@@ -136,7 +136,7 @@ TEST(CommandLine, HeavyJointForcesWarnOfADeadCentre) {
   EXPECT_TRUE(contains(run_poise({"solve", scene, "--verbose"}).out, "  ended        ")) << "details";
 }
 
-TEST(CommandLine, NeutralEquilibriumSaysWhatIsNeutralAndHowWellTheRestIsKnown) {
+TEST(CommandLine, NeutralEquilibriumNamesTheNeutralDirectionAndTheAccuracyAcrossIt) {
   const Outcome run = run_poise({"solve", dataset("hard/balanced_lamp")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "In equilibrium, confirmed: neutral.")) << run.out;
@@ -144,7 +144,8 @@ TEST(CommandLine, NeutralEquilibriumSaysWhatIsNeutralAndHowWellTheRestIsKnown) {
   EXPECT_TRUE(contains(run.out, "accuracy     arbitrary along the neutral direction, across it 1")) << run.out;
 }
 
-// 12 N m of friction hold a lever of 9.81 N m anywhere; the rest at -90 degrees is one of many, and that is said.
+// 12 N m of friction hold a lever of 9.81 N m anywhere; the equilibrium at -90 degrees is one of many, which the output
+// states.
 TEST(CommandLine, SolveAndCompareNameWhatStaticsLeavesOut) {
   const TempFolder folder;
   const std::string lever = folder.write("lever.toml", rusty_lever);
@@ -161,7 +162,7 @@ TEST(CommandLine, SolveAndCompareNameWhatStaticsLeavesOut) {
   }
 }
 
-TEST(CommandLine, EnergySeeksAMinimumAndSaysWhatItCounts) {
+TEST(CommandLine, EnergySeeksAMinimumAndReportsWhatItCounts) {
   const TempFolder folder;
   const std::string scene = folder.write("pendulum.toml", pendulum);
   const Outcome run = run_poise({"solve", scene, "--method", "energy", "--verbose"});
@@ -195,7 +196,7 @@ TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {
   EXPECT_TRUE(contains(run.out, "2.353554680  2.353554680")) << run.out;
 }
 
-TEST(CommandLine, CompareTellsDifferentEquilibriaApart) {
+TEST(CommandLine, CompareDistinguishesEquilibria) {
   const TempFolder folder;
   const Outcome run = run_poise({"compare", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
   EXPECT_EQ(run.exit_code, 0) << run.out;
@@ -204,7 +205,7 @@ TEST(CommandLine, CompareTellsDifferentEquilibriaApart) {
       << run.out;
 }
 
-TEST(CommandLine, CheckTellsMobilityRedundancyAndWhatTheModelDrops) {
+TEST(CommandLine, CheckReportsMobilityRedundancyAndWhatTheModelDrops) {
   const Outcome run = run_poise({"check", dataset("redundant_parallelogram")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "4 moving bodies, 6 joints")) << run.out;
@@ -250,7 +251,7 @@ TEST(CommandLine, SetChangesTheSceneInItsOwnUnits) {
   EXPECT_TRUE(contains(both.out, "-4.00000")) << both.out;
 }
 
-TEST(CommandLine, PressingStopIsNamedWithItsLimit) {
+TEST(CommandLine, ActiveStopIsNamedWithItsLimit) {
   const TempFolder folder;
   const Outcome run = run_poise({"solve", folder.write("stop.toml", against_the_stop)});
   EXPECT_EQ(run.exit_code, 0) << run.out;
@@ -364,7 +365,7 @@ TEST(CommandLine, VersionAndHelpExitZero) {
   }
 }
 
-TEST(CommandLine, ColoursOnlyOnATerminalThatWantsThem) {
+TEST(CommandLine, ColoursOnlyOnATerminalWithoutNoColor) {
   const std::vector<std::string> words = {"compare", dataset("zeeman")};
   EXPECT_FALSE(contains(run_poise(words).out, "\x1b"));
   EXPECT_TRUE(contains(run_poise_in_terminal(words).out, "\x1b["));

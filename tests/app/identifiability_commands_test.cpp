@@ -1,4 +1,4 @@
-// `poise identifiability` and `poise montecarlo` as a person runs them; bad input of all that read experiments.
+// `poise identifiability` and `poise montecarlo` through the command line; bad input of all that read experiments.
 
 #include <algorithm>
 #include <chrono>
@@ -53,7 +53,7 @@ TEST(IdentifiabilityCommand, NamesAnExactNullDirection) {
   // Inertia, stiffness and damping of a free wheel: only their ratios matter.
   const TempFolder folder;
   const json r =
-      run_json(folder, {"identifiability", experiment(folder, std::string(swing) + inertia_too + one_run)}, 0);
+      run_json(folder, {"identifiability", experiment(folder, std::string(wheel_unknowns) + inertia_too + one_run)}, 0);
   EXPECT_EQ(r["identifiability"]["rank"], 2);
   ASSERT_EQ(r["identifiability"]["not_identifiable"].size(), 1U);
   const json& direction = r["identifiability"]["not_identifiable"][0];
@@ -68,7 +68,8 @@ TEST(IdentifiabilityCommand, NamesAnExactNullDirection) {
 TEST(MonteCarloCommand, ReachesTheBoundOfAWheel) {
   const TempFolder folder;
   const json r = run_json(
-      folder, {"montecarlo", experiment(folder, std::string(swing) + one_run), "--trials", "60", "--jobs", "2"}, 0);
+      folder,
+      {"montecarlo", experiment(folder, std::string(wheel_unknowns) + one_run), "--trials", "60", "--jobs", "2"}, 0);
   EXPECT_EQ(r["trials"], 60);
   EXPECT_EQ(r["converged"], 60);
   EXPECT_EQ(r["near_truth"], 60);
@@ -80,7 +81,7 @@ TEST(MonteCarloCommand, ReachesTheBoundOfAWheel) {
 
 TEST(MonteCarloCommand, FollowsItsSeed) {
   const TempFolder folder;
-  const std::string file = experiment(folder, std::string(swing) + one_run);
+  const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
   const auto bias = [&](const char* seed, const char* jobs) {
     return run_json(folder, {"montecarlo", file, "--trials", "4", "--seed", seed, "--jobs", jobs},
                     0)["estimates"][0]["bias"]
@@ -95,7 +96,7 @@ TEST(MonteCarloCommand, InterruptKeepsTheTrialsThatEnded) {
   const TempFolder folder;
   const std::string out = folder.path("out").string();
   const std::string file = folder.path("a.json").string();
-  const int code = interrupt_poise({"montecarlo", experiment(folder, std::string(swing) + one_run), "--trials",
+  const int code = interrupt_poise({"montecarlo", experiment(folder, std::string(wheel_unknowns) + one_run), "--trials",
                                     "100000", "--jobs", "2", "--json", file},
                                    out, std::chrono::milliseconds(1500));
   EXPECT_EQ(code, 1);
@@ -109,14 +110,15 @@ TEST(MonteCarloCommand, InterruptKeepsTheTrialsThatEnded) {
 
 TEST(ExperimentCommands, BadWordsAreNamed) {
   const TempFolder folder;
-  const std::string good = experiment(folder, std::string(swing) + one_run);
+  const std::string good = experiment(folder, std::string(wheel_unknowns) + one_run);
   const std::string scene = folder.path("wheel.toml").string();
-  const std::string nothing =
-      folder.write("nothing.toml", std::string(swing).substr(0, std::string(swing).find("[[unknown]]")) + one_run);
-  std::string lost_text = std::string(swing) + one_run;
+  const std::string nothing = folder.write(
+      "nothing.toml", std::string(wheel_unknowns).substr(0, std::string(wheel_unknowns).find("[[unknown]]")) + one_run);
+  std::string lost_text = std::string(wheel_unknowns) + one_run;
   lost_text.replace(lost_text.find("S.stiffness"), 11, "S.stifness");
   const std::string lost = folder.write("lost.toml", lost_text);
-  const std::string measured = folder.write("measured.toml", std::string(swing) + "[[run]]\ndata = \"d.csv\"\n");
+  const std::string measured =
+      folder.write("measured.toml", std::string(wheel_unknowns) + "[[run]]\ndata = \"d.csv\"\n");
   folder.write("d.csv", "time,turn\n0,1\n0.1,2\n0.2,3\n0.3,2\n");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"identify"}, "EXPERIMENT is required"},

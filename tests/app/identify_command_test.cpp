@@ -1,4 +1,4 @@
-// `poise identify` as a person runs it.
+// `poise identify` through its command line.
 
 #include <algorithm>
 #include <chrono>
@@ -27,7 +27,7 @@ std::filesystem::path measured_pendulum() {
 // First the verdict, then the estimates, residuals and at last the numerics; --quiet is the verdict alone.
 TEST(IdentifyCommand, PutsTheEstimatesBeforeTheNumerics) {
   const TempFolder folder;
-  const std::string file = experiment(folder, std::string(swing) + one_run);
+  const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
   const Outcome run = run_poise({"identify", file});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::size_t at = 0;
@@ -100,7 +100,7 @@ TEST(IdentifyCommand, WithholdsAScaleThatIsNotIdentifiable) {
 
 TEST(IdentifyCommand, ShowsTheUnitsOfTheScene) {
   const TempFolder folder;
-  const json r = run_json(folder, {"identify", experiment(folder, std::string(swing) + one_run)}, 0);
+  const json r = run_json(folder, {"identify", experiment(folder, std::string(wheel_unknowns) + one_run)}, 0);
   const json& k = r["estimates"][0];
   EXPECT_EQ(k["unit"], "N m/deg");
   EXPECT_EQ(r["estimates"][1]["unit"], "N m s/deg");
@@ -115,7 +115,8 @@ TEST(IdentifyCommand, ShowsTheUnitsOfTheScene) {
 TEST(IdentifyCommand, WritesResidualsThatAddUp) {
   const TempFolder folder;
   const std::string csv = folder.path("a.csv").string();
-  ASSERT_EQ(run_poise({"identify", experiment(folder, std::string(swing) + one_run), "--csv", csv}).exit_code, 0);
+  ASSERT_EQ(run_poise({"identify", experiment(folder, std::string(wheel_unknowns) + one_run), "--csv", csv}).exit_code,
+            0);
   const CsvTable table = read_csv(csv, {"time", "turn", "turn.prediction", "turn.residual"}, {"run"});
   ASSERT_EQ(table.values[0].size(), 1200U);
   EXPECT_EQ(table.words[0].value[7], "only");
@@ -131,13 +132,13 @@ TEST(IdentifyCommand, WritesResidualsThatAddUp) {
 
 TEST(IdentifyCommand, ReadsBackWhatMotionWrote) {
   const TempFolder folder;
-  const std::string csv = folder.path("swing.csv").string();
-  const std::string file = experiment(folder, std::string(swing) + "[[run]]\ndata = \"swing.csv\"\n");
+  const std::string csv = folder.path("wheel.csv").string();
+  const std::string file = experiment(folder, std::string(wheel_unknowns) + "[[run]]\ndata = \"wheel.csv\"\n");
   const Outcome moved = run_poise({"motion", folder.path("wheel.toml").string(), "--duration", "6", "--rate", "200",
                                    "--from", "start", "--release", "wheel=20", "--noise", "0.02", "--csv", csv});
   ASSERT_EQ(moved.exit_code, 0) << moved.out << moved.err;
   const std::string text = contents(csv);
-  folder.write("swing.csv", "time,turn" + text.substr(text.find(",wheel") + 6));
+  folder.write("wheel.csv", "time,turn" + text.substr(text.find(",wheel") + 6));
   const json r = run_json(folder, {"identify", file}, 0);
   EXPECT_EQ(r["experiment"]["simulated"], false);
   const json& k = r["estimates"][0];
@@ -150,14 +151,14 @@ TEST(IdentifyCommand, ReadsBackWhatMotionWrote) {
 
 TEST(IdentifyCommand, WarnsOfAnIncompleteModel) {
   const TempFolder folder;
-  const std::string csv = folder.path("swing.csv").string();
-  const std::string file = experiment(folder, std::string(swing) + "[[run]]\ndata = \"swing.csv\"\n");
+  const std::string csv = folder.path("wheel.csv").string();
+  const std::string file = experiment(folder, std::string(wheel_unknowns) + "[[run]]\ndata = \"wheel.csv\"\n");
   std::string data = "time,turn\n";
   for (int i = 0; i < 600; ++i) {
     const double t = 0.01 * i;
     data += std::to_string(t) + "," + std::to_string(20 * std::cos(4 * t) + 3 * std::sin(7 * t)) + "\n";
   }
-  folder.write("swing.csv", data);
+  folder.write("wheel.csv", data);
   const Outcome run = run_poise({"identify", file});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(has(run.out, "Converged with a misfit: the residuals are")) << run.out;
@@ -169,7 +170,8 @@ TEST(IdentifyCommand, DrawsReadingsResidualsAndSensitivities) {
   if (!app::has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
   const TempFolder folder;
   const std::string svg = folder.path("a.svg").string();
-  ASSERT_EQ(run_poise({"identify", experiment(folder, std::string(swing) + one_run), "--svg", svg}).exit_code, 0);
+  ASSERT_EQ(run_poise({"identify", experiment(folder, std::string(wheel_unknowns) + one_run), "--svg", svg}).exit_code,
+            0);
   const std::string text = contents(svg);
   EXPECT_EQ(objection_to_xml(text), "");
   for (const char* part :
@@ -194,7 +196,7 @@ TEST(IdentifyCommand, FitsTheMeasuredDoublePendulum) {
 
 TEST(IdentifyCommand, InterruptIsReportedAndExitsOne) {
   const TempFolder folder;
-  std::string text = std::string(swing) + one_run;
+  std::string text = std::string(wheel_unknowns) + one_run;
   text.replace(text.find("rate = 200"), 10, "rate = 500000");
   const std::string out = folder.path("out").string();
   EXPECT_EQ(

@@ -8,7 +8,7 @@ namespace poise::app {
 namespace {
 
 // In a process of its own: nothing else should run with the handler in place.
-TEST(InterruptDeathTest, FirstSignalAsksAndTheSecondKills) {
+TEST(InterruptDeathTest, FirstSignalSetsTheFlagAndTheSecondEndsTheProgram) {
   ::testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(
       {

@@ -1,4 +1,4 @@
-// `poise kinematics` and `poise design` as a person runs them.
+// `poise kinematics` and `poise design` through the command line.
 
 #include <algorithm>
 #include <cmath>
@@ -79,14 +79,14 @@ TEST(KinematicsCommand, DrawsTheMechanismAndThePathOfAPoint) {
   }
 }
 
-TEST(KinematicsCommand, NamesTheDeadCentreAndSaysNoByItsExitCode) {
+TEST(KinematicsCommand, NamesTheDeadCentreAndExitsOne) {
   const Outcome outcome = run_poise({"kinematics", dataset("thesis_four_bar"), "--drive", "link4=0..360"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_TRUE(contains(outcome.out, "cannot be driven beyond link4 = 102.79")) << outcome.out;
   EXPECT_TRUE(contains(outcome.out, "link6 and link7 are in line")) << outcome.out;
 }
 
-TEST(KinematicsCommand, EndsAtAStopAndSaysSo) {
+TEST(KinematicsCommand, EndsAtAStopAndReportsIt) {
   const TempFolder folder;
   const std::string result = folder.path("k.json");
   const Outcome outcome = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=0.8..1.3", "--json", result});
@@ -103,7 +103,7 @@ TEST(KinematicsCommand, EndsAtAStopAndSaysSo) {
   EXPECT_TRUE(contains(beyond.err, "the stop \"reach\" is reached at hood = ")) << beyond.err;
 }
 
-TEST(KinematicsCommand, RefusesWhatItCannotRead) {
+TEST(KinematicsCommand, NamesWhatItCannotRead) {
   const auto complaint = [](const std::string& drive) {
     const Outcome outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", drive});
     EXPECT_EQ(outcome.exit_code, 2);
@@ -117,7 +117,7 @@ TEST(KinematicsCommand, RefusesWhatItCannotRead) {
   EXPECT_TRUE(contains(chain.err, "drive 1 more, of link1, link3, link4")) << chain.err;
 }
 
-TEST(DesignCommand, WritesASceneThatMovesAsItSays) {
+TEST(DesignCommand, WritesASceneThatMovesAsReported) {
   const TempFolder folder;
   const std::string found = folder.path("found.toml"), result = folder.path("d.json");
   const Outcome outcome =
@@ -139,7 +139,7 @@ TEST(DesignCommand, WritesASceneThatMovesAsItSays) {
   EXPECT_NEAR(high - low, 1.5, 1e-6);
 }
 
-TEST(DesignCommand, SaysNoByItsExitCodeWhereItGivesUp) {
+TEST(DesignCommand, ExitsOneWhereItFindsNothing) {
   const Outcome outcome = run_poise({"design", dataset("lift_design"), "--starts", "1"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_TRUE(contains(outcome.out, "No dimensions meet all goals yet")) << outcome.out;

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// A motor swings a bar of 2 kg and 1.2 m about its end, in degrees and millimetres.
+// A motor turns a bar of 2 kg and 1.2 m about its end, in degrees and millimetres.
 constexpr const char* motor = R"(
 title = "Motor"
 gravity = [0, -9810]
@@ -43,7 +43,7 @@ json json_of(const TempFolder& folder, std::vector<std::string> words, int exit_
   return json::parse(contents(file));
 }
 
-TEST(ModesCommand, TellsFrequencyAndDampingOfTheLift) {
+TEST(ModesCommand, ShowsFrequencyAndDampingOfTheLift) {
   const Outcome run = run_poise({"modes", dataset("lift")});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.out.find("2.703665518"), std::string::npos) << run.out;
@@ -66,7 +66,7 @@ TEST(ModesCommand, JsonHoldsRootsAndShape) {
   EXPECT_NEAR(mode["shape"]["re"][0], 1 / std::sqrt(0.96), 1e-12);
 }
 
-TEST(ModesCommand, SaysWhetherItIsStable) {
+TEST(ModesCommand, ReportsWhetherItIsStable) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor);
   EXPECT_NE(run_poise({"modes", scene, "--seek", "stable"})
@@ -76,13 +76,13 @@ TEST(ModesCommand, SaysWhetherItIsStable) {
   EXPECT_NE(upright.out.find("Unstable equilibrium: 1 mode diverges.\n"), std::string::npos) << upright.out;
 }
 
-TEST(ModesCommand, SaysWhyItKnowsNone) {
+TEST(ModesCommand, ReportsWhyModesAreUnknown) {
   const Outcome run = run_poise({"modes", dataset("thesis_chain")});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.out.find("no body that can move has inertia"), std::string::npos) << run.out;
 }
 
-TEST(ForcesCommand, SaysWhatHoldsAPose) {
+TEST(ForcesCommand, ReportsWhatHoldsAPose) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor);
   const json alone = json_of(folder, {"forces", scene}, 1);
@@ -151,7 +151,7 @@ crank = 60
 rail = 340
 )";
 
-TEST(ForcesCommand, SaysWhereTheDeadPointIs) {
+TEST(ForcesCommand, ReportsWhereTheDeadPointIs) {
   const TempFolder folder;
   const std::string scene = folder.write("crank.toml", slider_crank);
   const std::string words = "Dead point: at rail = 400 mm no finite force of the drive holds the load.\n";
@@ -185,10 +185,10 @@ TEST(ForcesCommand, SpinningBarPullsAtItsPin) {
 }
 
 // The motion that poise motion writes needs no drive, whether its rates are read or not.
-TEST(ForcesCommand, BalancesARecordedSwing) {
+TEST(ForcesCommand, BalancesARecordedMotion) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor);
-  const std::string record = folder.path("swing.csv").string();
+  const std::string record = folder.path("motion.csv").string();
   const Outcome moved =
       run_poise({"motion", scene, "--duration", "1", "--rate", "500", "--from", "start", "--csv", record});
   ASSERT_EQ(moved.exit_code, 0) << moved.err;
@@ -199,7 +199,7 @@ TEST(ForcesCommand, BalancesARecordedSwing) {
       << "let go level with 30 deg it starts with 3/4 g cos 30 across";
 }
 
-// Its bar may not sink below -45 deg, nor rise above 60.
+// Stops limit its bar to -45 .. 60 deg.
 std::string motor_with_stop(const char* more = "") {
   std::string text = motor;
   text += R"(
@@ -212,7 +212,7 @@ max = 60
   return text += more;
 }
 
-TEST(ForcesCommand, EndsTheRangeAtAStopAndSaysSo) {
+TEST(ForcesCommand, EndsTheRangeAtAStopAndReportsIt) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor_with_stop());
   const std::string csv = folder.path("f.csv"), svg = folder.path("f.svg");
@@ -238,7 +238,7 @@ TEST(ForcesCommand, EndsTheRangeAtAStopAndSaysSo) {
       << run.out;
 }
 
-TEST(ForcesCommand, RefusesASinglePoseBeyondAStop) {
+TEST(ForcesCommand, RejectsASinglePoseBeyondAStop) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor_with_stop());
   const Outcome put = run_poise({"forces", scene, "--drive", "bar=-60"});
@@ -258,11 +258,11 @@ start = 75
   EXPECT_NE(at_it.out.find("\"floor\" is in contact without force"), std::string::npos) << at_it.out;
 }
 
-// What poise motion writes knows no stops.
+// poise motion ignores stops.
 TEST(ForcesCommand, MarksThePosesOfARecordThatAreBeyondAStop) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor_with_stop());
-  const std::string record = folder.path("swing.csv").string();
+  const std::string record = folder.path("motion.csv").string();
   const Outcome moved =
       run_poise({"motion", scene, "--duration", "1", "--rate", "100", "--from", "start", "--csv", record});
   ASSERT_EQ(moved.exit_code, 0) << moved.err;
@@ -276,7 +276,7 @@ TEST(ForcesCommand, MarksThePosesOfARecordThatAreBeyondAStop) {
   EXPECT_NE(said.out.find("Stop \"floor\" is passed in "), std::string::npos) << said.out;
 }
 
-// The lift's shut cylinder is a spring: driving the cylinder means to stretch it, unless it is left out.
+// The lift's shut cylinder is a spring, which the drive stretches unless it is left out.
 TEST(ForcesCommand, WarnsWhereTheDriveWorksAgainstASpring) {
   const TempFolder folder;
   const std::string lift = dataset("lift");

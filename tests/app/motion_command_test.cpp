@@ -24,8 +24,8 @@ namespace {
 
 using nlohmann::json;
 
-/// A block of 2 kg on a rail in millimetres, with a spring of 0.2 N/mm and a damper of 0.004 N s/mm that rest at
-/// 100 mm: w0 = 10 /s, decay 1 /s.
+/// A block of 2 kg on a rail in millimetres, with a spring of 0.2 N/mm and a damper of 0.004 N s/mm, in equilibrium
+/// at 100 mm: w0 = 10 /s, decay 1 /s.
 constexpr const char* oscillator = R"(title = "Oscillator"
 [units]
 length = "mm"
@@ -93,9 +93,9 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
   for (std::size_t i = 0; i < table.values[0].size(); ++i) {
     const double t = table.values[0][i];
     EXPECT_DOUBLE_EQ(t, static_cast<double>(i) / 500);
-    const double swing = 7 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
+    const double displacement = 7 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
     const double rate = -7 * std::exp(-decay * t) * (w + decay * decay / w) * std::sin(w * t);
-    ASSERT_NEAR(table.values[1][i], 100 + swing, 1e-8) << "mm, from equilibrium at 100 mm";
+    ASSERT_NEAR(table.values[1][i], 100 + displacement, 1e-8) << "mm, from equilibrium at 100 mm";
     ASSERT_NEAR(table.values[2][i], rate, 1e-7) << "mm/s";
     ASSERT_NEAR(table.values[3][i], 0.5 * 2 * rate * rate * 1e-6 * 1e3, 1e-9) << "N mm";
     ASSERT_NEAR(table.values[4][i], table.values[1][i], 1e-12) << "the point is where the rail takes it, in mm";
@@ -104,13 +104,13 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
   EXPECT_NE(run.out.find("equilibrium (stable), rail displaced by 7 mm and released"), std::string::npos) << run.out;
 }
 
-TEST(MotionCommand, SaysThatItIsAlreadyAtEquilibrium) {
+TEST(MotionCommand, ReportsThatItIsAlreadyAtEquilibrium) {
   const TempFolder folder;
   const Outcome run = run_poise(words(folder.write("a.toml", oscillator), {"--duration", "0.1"}));
   EXPECT_NE(run.out.find("already at equilibrium, use --release to displace it"), std::string::npos) << run.out;
 }
 
-TEST(MotionCommand, StartsWhereAssembledIfToldSo) {
+TEST(MotionCommand, StartsWhereAssembledOnRequest) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();
   const Outcome run =

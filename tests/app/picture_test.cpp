@@ -119,7 +119,7 @@ TEST(Picture, XmlIsEscaped) {
   EXPECT_EQ(escape_xml("a<b & \"c\">\x01\n\xC3\xA9"), "a&lt;b &amp; &quot;c&quot;&gt; \xC3\xA9");
 }
 
-TEST(Picture, CanvasKnowsWhatItFills) {
+TEST(Picture, CanvasHasTheBoxOfItsElements) {
   Canvas canvas;
   EXPECT_TRUE(canvas.bounds().empty());
   canvas.circle({10, 20}, 5, {.stroke = "black", .width = 2});
@@ -283,7 +283,7 @@ TEST(Picture, ShowsOtherPositionsAndPaths) {
   EXPECT_DOUBLE_EQ(height(twice), 2 * height(svg));
 }
 
-TEST(Picture, ShowsWhatADriveGives) {
+TEST(Picture, ShowsTheEffortOfADrive) {
   const StaticModel model(parse_scene(
       std::string(app_tests::pendulum) + "[[drive]]\nname = 'motor'\nbodies = ['ground', 'rod']\n", "pendulum.toml"));
   MechanismPicture picture{.poses = model.poses({0.0})};

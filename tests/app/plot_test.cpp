@@ -238,7 +238,7 @@ TEST(Plot, BreaksTheLineAtAGap) {
   EXPECT_EQ(strokes(draw_plot({broken})), 2);
 }
 
-TEST(Plot, RunsNothingThatANameSays) {
+TEST(Plot, RunsNoCommandWithinAName) {
   SKIP_WITHOUT_GNUPLOT();
   const TempFolder folder;
   const std::string touch = "touch " + folder.path("made").string();
@@ -278,7 +278,7 @@ TEST(Plot, LongRecordsStaySmall) {
   EXPECT_GT(path_of(one, "rgb(  0, 114, 178)").size(), 3000U) << "thinned no more than needed";
 }
 
-TEST(Plot, WithoutGnuplotSaysWhatToInstall) {
+TEST(Plot, WithoutGnuplotReportsWhatToInstall) {
   const TempFolder folder;
   const char* found = std::getenv("PATH");
   const std::string path = found != nullptr ? found : "";
@@ -295,7 +295,7 @@ TEST(Plot, WithoutGnuplotSaysWhatToInstall) {
   EXPECT_EQ(says, "--svg: gnuplot was not found; install it (Debian: apt-get install gnuplot-nox)");
 }
 
-TEST(Plot, TellsWhatGnuplotComplainsOf) {
+TEST(Plot, ReportsTheErrorOfGnuplot) {
   SKIP_WITHOUT_GNUPLOT();
   try {
     run_gnuplot("no such command\n");

@@ -162,7 +162,7 @@ Table long_table(std::size_t rows) {
   return table;
 }
 
-TEST(Presenters, LongTablesSayHowMuchIsLeftOut) {
+TEST(Presenters, LongTablesShowHowManyRowsAreLeftOut) {
   Result result;
   result.content.table("", "", Rows::list) = long_table(1000);
   const std::string text = plain_text(result, {});

@@ -118,10 +118,10 @@ TEST(ResultFiles, WhatIsNoNumberIsNull) {
   const std::string scene = folder.write("follower.toml", follower);
   const json found = result_of(folder, {"solve", scene}, 0);
   EXPECT_TRUE(found["energy"].is_null()) << "a follower load has no energy";
-  const json refused = result_of(folder, {"solve", scene, "--method", "energy"}, 1);
-  EXPECT_EQ(refused["status"], "not applicable");
-  EXPECT_TRUE(refused["points"].is_null());
-  EXPECT_TRUE(refused["error"].is_null());
+  const json energy = result_of(folder, {"solve", scene, "--method", "energy"}, 1);
+  EXPECT_EQ(energy["status"], "not applicable");
+  EXPECT_TRUE(energy["points"].is_null());
+  EXPECT_TRUE(energy["error"].is_null());
   const json both = result_of(folder, {"compare", scene}, 0);
   EXPECT_EQ(both["methods"][1]["status"], "not applicable");
   EXPECT_TRUE(both["agreement"].is_null());
@@ -146,7 +146,7 @@ TEST(ResultFiles, SvgIsWellFormedAndNamesWhatItShows) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
-TEST(ResultFiles, SvgOfWhatIsNotConfirmedSaysSo) {
+TEST(ResultFiles, SvgMarksWhatIsNotConfirmed) {
   const TempFolder folder;
   const std::string file = folder.path("a.svg").string();
   const std::string scene = folder.write("runaway.toml", runaway);
@@ -156,7 +156,7 @@ TEST(ResultFiles, SvgOfWhatIsNotConfirmedSaysSo) {
   EXPECT_NE(svg.find("No equilibrium confirmed"), std::string::npos);
 }
 
-TEST(ResultFiles, RefusalDrawsNothing) {
+TEST(ResultFiles, MethodThatDoesNotApplyDrawsNothing) {
   const TempFolder folder;
   const std::string scene = folder.write("follower.toml", follower);
   EXPECT_EQ(run_poise({"solve", scene, "--method", "energy", "--svg", folder.path("a.svg").string()}).exit_code, 1);
@@ -203,7 +203,7 @@ TEST(ResultFiles, ReplaceWhatWasThereWholeAndLeaveNothingElse) {
   EXPECT_EQ(run_poise({"solve", scene, "--json", file}).exit_code, 0);
   EXPECT_EQ(json::parse(contents(file))["status"], "confirmed");
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.json", "a.toml"}));
-  // What fails leaves the old result alone.
+  // A run that fails leaves the old files unchanged.
   const std::string kept = contents(file);
   EXPECT_EQ(run_poise({"solve", scene, "--json", file, "--set", "load.P=x"}).exit_code, 2);
   EXPECT_EQ(contents(file), kept);

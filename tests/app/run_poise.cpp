@@ -51,7 +51,7 @@ bool is_name_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' || c == ':' || c == '.';
 }
 
-/// Reads XML from front to back; throws what is wrong.
+/// Reads XML from front to back; throws where it is not well-formed.
 class XmlReader {
  public:
   explicit XmlReader(std::string_view text) : rest_(text) {}
@@ -182,7 +182,7 @@ Outcome run_poise_in_terminal(const std::vector<std::string>& arguments, const s
   if (child == 0) become_poise(arguments, environment);
   Outcome outcome;
   std::array<char, 4096> buffer{};
-  // A terminal whose other side has closed answers with an error.
+  // read() fails on a terminal whose other side has closed.
   for (ssize_t got = 1; got > 0;) {
     got = ::read(terminal, buffer.data(), buffer.size());
     if (got > 0) outcome.out.append(buffer.data(), static_cast<std::size_t>(got));

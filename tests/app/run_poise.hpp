@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs the built command line as a person would.
+// Runs the built program.
 
 #include <filesystem>
 #include <string>

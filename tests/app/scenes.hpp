@@ -1,12 +1,12 @@
 #pragma once
 
-// Small scenes that the command line is tried on.
+// Small scenes for tests of the command line.
 
 #include <string>
 
 namespace poise::app_tests {
 
-/// A weight on a rod that hangs from a pin; rests at -pi/2 (stable) and pi/2 (unstable), 5 N in the pin.
+/// A weight on a rod that hangs from a pin; in equilibrium at -pi/2 (stable) and pi/2 (unstable), 5 N in the pin.
 inline constexpr const char* pendulum = R"(title = "Pendulum"
 gravity = [0, -10]
 [ground]
@@ -48,7 +48,7 @@ vector = [3, 0]
 "a<b" = 20
 )";
 
-/// A force that follows its rod, held by a torsion spring: no potential, rests at 1 rad.
+/// A force that follows its rod, held by a torsion spring: no potential, in equilibrium at 1 rad.
 inline constexpr const char* follower = R"(title = "Follower"
 [ground]
 points = { O = [0, 0] }
@@ -69,7 +69,7 @@ follows = "rod"
 rod = 0.5
 )";
 
-/// A block pushed along a rail that never stops it: no rest anywhere.
+/// A block pushed along a rail that never stops it: no equilibrium anywhere.
 inline constexpr const char* runaway = R"(title = "Runaway"
 [ground]
 points = { O = [0, 0] }
@@ -105,8 +105,8 @@ slide = "rail"
 max = 0.25
 )";
 
-/// A lever whose weight is worth 9.81 N m, in a hinge whose dry friction could hold 12; and what else statics leaves
-/// out.
+/// A lever with a moment of 9.81 N m by its weight, in a hinge with a dry friction of 12 N m; and what else statics
+/// leaves out.
 inline constexpr const char* rusty_lever = R"(title = "Rusty lever"
 gravity = [0, -9.81]
 [ground]

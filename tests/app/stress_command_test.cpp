@@ -1,4 +1,4 @@
-// `poise stress` as a person runs it.
+// `poise stress` through its command line.
 
 #include <string>
 #include <vector>
@@ -27,7 +27,7 @@ std::string sound_cases() {
          toy_case("away", "runaway", "expect = \"none\"\nstarts = 20\nwhy = \"nothing holds the block\"\n");
 }
 
-// The list says that the rests are where they are not.
+// A list with wrong equilibria.
 std::string unsound_cases() {
   return toy_case("bent", "pendulum", "complete = true\nstarts = 20\n" + toy_equilibrium("rod", "0.5", "stable"));
 }
@@ -76,7 +76,7 @@ TEST(StressCommand, AWrongClaimIsMarkedAndFails) {
 }
 
 TEST(StressCommand, WhatVirtualWorkMissesFailsAndWhatOthersMissDoesNot) {
-  // The stable rest is listed, the one that the start stands on is not sought.
+  // The stable equilibrium is listed; the unstable one, at the start, is not sought.
   const ToyCatalogue catalogue(toy_case("away", "runaway", "starts = 5\n"));
   EXPECT_EQ(run_stress(catalogue, {"--methods", "virtual-work"}).exit_code, 1);
   EXPECT_EQ(run_stress(catalogue, {"--methods", "energy"}).exit_code, 0);
@@ -133,7 +133,7 @@ TEST(StressCommand, WritesWhatItFound) {
   EXPECT_TRUE(has(page, "- away: nothing holds the block\n")) << page;
 }
 
-TEST(StressCommand, ShowsWhatSafeguardsAreWorth) {
+TEST(StressCommand, ShowsTheEffectOfSafeguards) {
   const ToyCatalogue catalogue(sound_cases());
   const Outcome run = run_stress(catalogue, {"--safeguards"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
@@ -144,22 +144,22 @@ TEST(StressCommand, ShowsWhatSafeguardsAreWorth) {
   EXPECT_FALSE(has(run.out, "    away")) << run.out;
 }
 
-TEST(StressCommand, SaysWhatIsWrong) {
+TEST(StressCommand, NamesTheError) {
   const ToyCatalogue catalogue(sound_cases());
-  const auto refusal = [&](const std::vector<std::string>& arguments) {
+  const auto error_of = [&](const std::vector<std::string>& arguments) {
     const Outcome run = run_stress(catalogue, arguments);
     EXPECT_EQ(run.exit_code, 2) << run.out;
     EXPECT_EQ(run.out, "");
     return run.err;
   };
-  EXPECT_EQ(refusal({"hangin"}),
+  EXPECT_EQ(error_of({"hangin"}),
             "CASE: the catalogue has none that is called \"hangin\"; did you mean \"hanging\"?; poise stress --list "
             "shows all\n");
-  EXPECT_EQ(refusal({"--starts", "0"}), "--starts: expected a number from 1 to 1000000, found 0\n");
-  EXPECT_EQ(refusal({"--seconds", "0"}), "--seconds: expected a finite number > 0, found 0\n");
-  EXPECT_EQ(refusal({"--safeguards", "--methods", "energy"}),
+  EXPECT_EQ(error_of({"--starts", "0"}), "--starts: expected a number from 1 to 1000000, found 0\n");
+  EXPECT_EQ(error_of({"--seconds", "0"}), "--seconds: expected a finite number > 0, found 0\n");
+  EXPECT_EQ(error_of({"--safeguards", "--methods", "energy"}),
             "--methods: expected none with --safeguards, which are those of virtual-work; leave one out\n");
-  EXPECT_TRUE(has(refusal({"--methods", "newton"}), "--methods: expected ")) << refusal({"--methods", "newton"});
+  EXPECT_TRUE(has(error_of({"--methods", "newton"}), "--methods: expected ")) << error_of({"--methods", "newton"});
   const Outcome nowhere = run_poise({"stress", "--catalogue", "/nowhere"});
   EXPECT_EQ(nowhere.exit_code, 2);
   EXPECT_TRUE(has(nowhere.err, "/nowhere/catalogue.toml: cannot be read")) << nowhere.err;

@@ -33,7 +33,7 @@ bodies = ["ground", "wheel"]
 coefficient = 0.010471975511965976
 )";
 
-inline constexpr const char* swing = R"(title = "Wheel"
+inline constexpr const char* wheel_unknowns = R"(title = "Wheel"
 scene = "wheel.toml"
 [[sensor]]
 name = "turn"
@@ -64,7 +64,7 @@ nlohmann::json run_json(const TempFolder& folder, std::vector<std::string> words
 
 bool has(const std::string& text, const std::string& part);
 
-/// Starts poise with its report in the file `out`, lets it work for a while, interrupts it and returns its exit code.
+/// Starts poise with its report in the file `out`, interrupts it after a while and returns its exit code.
 int interrupt_poise(const std::vector<std::string>& arguments, const std::string& out, std::chrono::milliseconds after);
 
 }  // namespace poise::app_tests

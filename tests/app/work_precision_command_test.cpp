@@ -44,7 +44,7 @@ TEST(Tolerances, RangesGoByDecadesAndListsFall) {
   EXPECT_EQ(read_tolerances("0.5"), std::vector<double>{0.5});
 }
 
-TEST(Tolerances, WhatIsNoRangeIsRefused) {
+TEST(Tolerances, InvalidRangesAreErrors) {
   for (const char* text : {"", "..", "1e-2..", "..1e-3", "1e-2..x", "1e-14..1e-2", "0", "1e-2..0", "-1e-3", "1", "nan",
                            "inf", "1e-3,", ",1e-3", "1e-2...1e-3", "1e-2..1e-3..1e-4", "1e-30"}) {
     EXPECT_THROW(read_tolerances(text), InputError) << text;
@@ -112,7 +112,7 @@ TEST(WorkPrecisionCommand, WritesJsonAndPicture) {
   EXPECT_TRUE(contains(picture, ">virtual-work<"));
 }
 
-TEST(WorkPrecisionCommand, WithoutAnyRestExitsOne) {
+TEST(WorkPrecisionCommand, WithoutAnyEquilibriumExitsOne) {
   const TempFolder folder;
   const Outcome run = run_poise({"compare", folder.write("a.toml", app_tests::runaway), "--methods",
                                  "virtual-work,energy", "--tolerances", "1e-3", "--repeat", "1"});
@@ -121,7 +121,7 @@ TEST(WorkPrecisionCommand, WithoutAnyRestExitsOne) {
   EXPECT_TRUE(contains(run.out, "0 of 1")) << run.out;
 }
 
-TEST(WorkPrecisionCommand, RefusalsAreTold) {
+TEST(WorkPrecisionCommand, MethodsThatDoNotApplyAreReported) {
   const TempFolder folder;
   const Outcome run = run_poise({"compare", folder.write("a.toml", app_tests::follower), "--methods",
                                  "virtual-work,energy", "--tolerances", "1e-9", "--repeat", "1"});
@@ -175,7 +175,7 @@ TEST(WorkPrecisionResult, AnInterruptedStudyPrintsWhatItHas) {
   EXPECT_TRUE(contains(text, "at 1e-3: out of patience")) << text;
 }
 
-TEST(CompareMethods, ManyMethodsShareTheColumnsOfTheirRests) {
+TEST(CompareMethods, ManyMethodsShareTheColumnsOfTheirEquilibria) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();
   const Outcome run = run_poise({"compare", dataset("heaton_timme"), "--methods", "all", "--json", file});
@@ -196,7 +196,8 @@ TEST(CompareMethods, OneConfirmedAnswerIsEnoughForAListButNotForTheDefault) {
   EXPECT_EQ(run_poise({"compare", up, "--methods", "energy"}).exit_code, 0);
   EXPECT_EQ(run_poise({"compare", folder.write("r.toml", app_tests::runaway), "--methods", "energy"}).exit_code, 1);
   const std::string follower = folder.write("f.toml", app_tests::follower);
-  EXPECT_EQ(run_poise({"compare", follower, "--methods", "energy"}).exit_code, 1) << "refused is not confirmed";
+  EXPECT_EQ(run_poise({"compare", follower, "--methods", "energy"}).exit_code, 1)
+      << "a method that does not apply is not confirmed";
 }
 
 TEST(SolveMethod, TakesEveryName) {

@@ -21,7 +21,7 @@ struct Tokens {
   std::vector<Number> numbers;
 };
 
-/// Durations and versions, which no two runs or releases share, as words.
+/// Durations and versions, which differ between runs and releases, as words.
 std::string without_times(const std::string& line) {
   static const std::regex short_times(R"((^|[\s(])<?[0-9.e+-]+ (ns|µs|ms|min)(?![A-Za-z/]))");
   static const std::regex seconds(R"((^|[\s(])[0-9.e+-]+ s(?![A-Za-z/²]))");

@@ -1,4 +1,4 @@
-// The comparison that the test of the documentation rests on.
+// The comparison that the test of the documentation uses.
 #include "tests/docs/output.hpp"
 
 #include <gtest/gtest.h>

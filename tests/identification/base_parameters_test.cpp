@@ -125,13 +125,13 @@ TEST(BaseParameters, DoublePendulumOnALevelTableHasFour) {
   expect_same_space(rows_of(found, names_of(scene, {"one", "two"})), expected);
 }
 
-// Each of the four pins lets a point mass move from one body to the other unseen: 12 - 4.
+// A point mass moved through one of the four pins to the other body changes no motion: 12 - 4.
 TEST(BaseParameters, FourBarHasEight) {
   const Scene scene = test::four_bar_with_everything();
   const BaseParameters found = base_parameters(scene);
   EXPECT_EQ(found.parameters, 12);
   EXPECT_EQ(found.rank, 8);
-  // A unit mass at a pin is (1, x, y, x^2 + y^2) of the one body, and less of the other: no base parameter sees it.
+  // A unit mass at a pin is (1, x, y, x^2 + y^2) of the one body, and less of the other: no base parameter changes.
   const Eigen::MatrixXd rows = rows_of(found, names_of(scene, {"crank", "coupler", "rocker"}));
   const auto at = [](int body, Vec2 p) {
     Eigen::VectorXd lump = Eigen::VectorXd::Zero(12);

@@ -16,7 +16,7 @@ Bench::Bench(const std::string& experiment, const std::string& data) {
 
 Experiment Bench::read(const ExperimentOptions& options) const { return read_experiment(file_, options); }
 
-std::string Bench::refusal(const ExperimentOptions& options) const {
+std::string Bench::error(const ExperimentOptions& options) const {
   try {
     read(options);
   } catch (const InputError& error) {

@@ -88,7 +88,7 @@ class Bench {
 
   Experiment read(const ExperimentOptions& options = {}) const;
   /// What is said about it, without the folder's name; empty when it is taken.
-  std::string refusal(const ExperimentOptions& options = {}) const;
+  std::string error(const ExperimentOptions& options = {}) const;
   const app_tests::TempFolder& folder() const { return folder_; }
 
  private:

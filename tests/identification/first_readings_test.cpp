@@ -9,7 +9,7 @@
 namespace poise {
 namespace {
 
-TEST(FirstReadings, TellTheStartButNotTheRest) {
+TEST(FirstReadings, GiveTheStartAndNoOtherNuisance) {
   const Experiment lift = test::experiment("lift_experiment");
   const FitProblem problem(lift);
   const RunModel& run = problem.run(2);

@@ -75,7 +75,7 @@ TEST(FitProblem, TrianglesHoldCostAndGradient) {
 }
 
 // One value for all runs, one for each height, or one for each run.
-TEST(FitProblem, SharesParametersAsToldTo) {
+TEST(FitProblem, SharesParametersByTheirRuns) {
   Experiment e = test::experiment("lift_experiment_heights");
   const auto names = [&] {
     std::vector<std::string> out;
@@ -91,7 +91,7 @@ TEST(FitProblem, SharesParametersAsToldTo) {
   EXPECT_EQ(names().size(), 4U);
 }
 
-TEST(FitProblem, RefusesUnknownsThatChangeTheGeometry) {
+TEST(FitProblem, RejectsUnknownsThatChangeTheGeometry) {
   Experiment e = test::experiment("lift_experiment");
   e.unknowns[0].path = "point.obd.D.x";
   e.unknowns[0].line = 17;

@@ -239,7 +239,7 @@ Experiment wide_pendulum() {
   return e;
 }
 
-// Levenberg and Marquardt over the whole record at once, as simple as can be: the parameter at which it ends.
+// Levenberg and Marquardt over the whole record at once, in its simplest form: the parameter at which it ends.
 double plain_levenberg_marquardt(const FitProblem& problem, const Record& record, double start) {
   std::vector<double> nuisances = problem.run(0).released();
   Eigen::VectorXd x(static_cast<Eigen::Index>(nuisances.size()) + 1);

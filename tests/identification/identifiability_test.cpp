@@ -163,7 +163,7 @@ TEST(Identifiability, PendulumReachesItsReference) {
   Experiment e = pendulum();
   const FitProblem problem(e);
   EXPECT_NEAR(problem.ideal_record(0).reading[0].back(), test::number(reference.at("theta_at_10")), 1e-9);
-  // The reference knows that it starts at rest: of the start only the angle is unknown beside a.
+  // The reference starts with known zero velocity: of the start only the angle is unknown beside a.
   const Eigen::MatrixXd J = jacobian(problem.run(0)).leftCols(2) / 0.01;
   const Eigen::Matrix2d normal = J.transpose() * J;
   const Eigen::Matrix2d covariance = normal.inverse();
@@ -295,7 +295,7 @@ TEST(Identifiability, TheScaleOfAnOscillatorIsNotIdentifiable) {
   EXPECT_NE(scale.remedy.find("payload"), std::string::npos) << scale.remedy;
 }
 
-// The remedy that is given works: another run with a payload that is known.
+// The remedy that is named works: another run with a payload that is known.
 TEST(Identifiability, AKnownPayloadMakesTheScaleIdentifiable) {
   Experiment e = oscillator();
   const int payload = e.scene.add_body("payload");

@@ -50,7 +50,7 @@ TEST(FitDampedSine, RecoversADampedSine) {
 }
 
 // Noise of a fifth of the amplitude gives that relative residual.
-TEST(FitDampedSine, SaysWhatItLeaves) {
+TEST(FitDampedSine, ReportsTheResidual) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> noise(0.0, 0.2 / std::sqrt(2.0));
   const auto t = times(2000, 1000);
@@ -61,20 +61,20 @@ TEST(FitDampedSine, SaysWhatItLeaves) {
   EXPECT_NEAR(found->relative_residual, 0.2, 0.02);
 }
 
-TEST(FitDampedSine, TakesNothingElseForASwing) {
+TEST(FitDampedSine, TakesNothingElseForADampedSine) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise;
   const auto t = times(2000, 1000);
-  const auto pure_swing = [&](const std::vector<double>& y) {
+  const auto is_damped_sine = [&](const std::vector<double>& y) {
     const auto found = fit_damped_sine(t, y);
     return found && found->relative_residual < pure;
   };
-  EXPECT_TRUE(pure_swing(readings(t, [](double at) { return std::sin(30 * at); })));
-  EXPECT_FALSE(pure_swing(readings(t, [](double) { return 0.3; })));
-  EXPECT_FALSE(pure_swing(readings(t, [](double at) { return 2 * at; })));
-  EXPECT_FALSE(pure_swing(readings(t, [](double at) { return std::exp(-3 * at); })));
-  EXPECT_FALSE(pure_swing(readings(t, [&](double) { return noise(random); })));
-  EXPECT_FALSE(pure_swing(readings(t, [](double at) { return std::sin(20 * at + 15 * at * at); })));
+  EXPECT_TRUE(is_damped_sine(readings(t, [](double at) { return std::sin(30 * at); })));
+  EXPECT_FALSE(is_damped_sine(readings(t, [](double) { return 0.3; })));
+  EXPECT_FALSE(is_damped_sine(readings(t, [](double at) { return 2 * at; })));
+  EXPECT_FALSE(is_damped_sine(readings(t, [](double at) { return std::exp(-3 * at); })));
+  EXPECT_FALSE(is_damped_sine(readings(t, [&](double) { return noise(random); })));
+  EXPECT_FALSE(is_damped_sine(readings(t, [](double at) { return std::sin(20 * at + 15 * at * at); })));
   EXPECT_FALSE(fit_damped_sine(t, readings(t, [](double at) { return std::sin(2 * at); })));  // 0.6 periods
 }
 
@@ -99,7 +99,7 @@ TEST(StartFromOscillations, LiftComesOutNearTheTruth) {
   }
 }
 
-// The linear equations do not ask where the experiment's own starts are.
+// The linear equations do not use the experiment's own starts.
 TEST(StartFromOscillations, DoesNotDependOnTheStarts) {
   Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);

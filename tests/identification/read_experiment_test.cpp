@@ -24,13 +24,15 @@ const std::string& header = test::bench_header;
 const std::string& sensor = test::bench_sensor;
 const std::string& run = test::bench_run;
 
-std::string refusal(const std::string& experiment, const std::string& data = "") {
-  return Bench(experiment, data).refusal();
+std::string error_of(const std::string& experiment, const std::string& data = "") {
+  return Bench(experiment, data).error();
 }
 
-std::string refused_sensor(const std::string& keys) { return refusal(header + "[[sensor]]\n" + keys + run); }
+std::string error_of_sensor(const std::string& keys) { return error_of(header + "[[sensor]]\n" + keys + run); }
 
-std::string refused_unknown(const std::string& keys) { return refusal(header + sensor + "[[unknown]]\n" + keys + run); }
+std::string error_of_unknown(const std::string& keys) {
+  return error_of(header + sensor + "[[unknown]]\n" + keys + run);
+}
 
 TEST(ReadExperiment, ReadsHeaderSceneAndKnownChanges) {
   const Bench bench("title = \"T\"\nsource = \"S\"\nset = { \"body.block.mass\" = 900, \"load.P\" = 7 }\n" + header +
@@ -42,9 +44,9 @@ TEST(ReadExperiment, ReadsHeaderSceneAndKnownChanges) {
   EXPECT_EQ(experiment.scene.title, "Crank and block");
   EXPECT_DOUBLE_EQ(experiment.scene.bodies[3].mass, 0.9);
   EXPECT_DOUBLE_EQ(experiment.scene.forces[0].vector.x, -7);
-  // The command line has the last word.
+  // The command line overrides the file.
   EXPECT_DOUBLE_EQ(bench.read({.settings = {"body.block.mass=1000"}}).scene.bodies[3].mass, 1.0);
-  EXPECT_EQ(bench.refusal({.settings = {"body.block.mas=1000"}}),
+  EXPECT_EQ(bench.error({.settings = {"body.block.mas=1000"}}),
             "--set body.block.mas: expected the path of a number of the scene; did you mean \"body.block.mass\"?");
 }
 
@@ -130,24 +132,24 @@ TEST(ReadExperiment, ReadsUnknownsInSi) {
   EXPECT_EQ(unknowns[4].min, 0.0);
 }
 
-TEST(ReadExperiment, RefusesTheFile) {
-  EXPECT_EQ(refusal("scene = 'scene.toml"),
+TEST(ReadExperiment, RejectsTheFile) {
+  EXPECT_EQ(error_of("scene = 'scene.toml"),
             "experiment.toml:1: TOML syntax: Error while parsing literal string: "
             "encountered end-of-file");
-  EXPECT_EQ(refusal(sensor + run), "experiment.toml:1: expected the key scene; add scene = \"...\"");
-  EXPECT_EQ(refusal("scene = \"s.toml\"\n" + sensor + run),
+  EXPECT_EQ(error_of(sensor + run), "experiment.toml:1: expected the key scene; add scene = \"...\"");
+  EXPECT_EQ(error_of("scene = \"s.toml\"\n" + sensor + run),
             "experiment.toml:1: scene: expected a scene file, relative to this file; there is no \"s.toml\"");
-  EXPECT_EQ(refusal("sensors = 1\n" + header),
+  EXPECT_EQ(error_of("sensors = 1\n" + header),
             "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, sensor, unknown, run; did "
             "you mean \"sensor\"?");
-  EXPECT_EQ(refusal(header + run), "experiment.toml:1: sensor: expected at least one sensor; add [[sensor]]");
-  EXPECT_EQ(refusal(header + sensor), "experiment.toml:1: run: expected at least one run; add [[run]]");
-  EXPECT_EQ(refusal("set = { \"body.block.mas\" = 1 }\n" + header + sensor + run),
+  EXPECT_EQ(error_of(header + run), "experiment.toml:1: sensor: expected at least one sensor; add [[sensor]]");
+  EXPECT_EQ(error_of(header + sensor), "experiment.toml:1: run: expected at least one run; add [[run]]");
+  EXPECT_EQ(error_of("set = { \"body.block.mas\" = 1 }\n" + header + sensor + run),
             "experiment.toml:1: set: body.block.mas: expected the path of a number of the scene; did you mean "
             "\"body.block.mass\"?");
-  EXPECT_EQ(refusal("set = { \"body.block.mass\" = -1 }\n" + header + sensor + run),
+  EXPECT_EQ(error_of("set = { \"body.block.mass\" = -1 }\n" + header + sensor + run),
             "experiment.toml:1: set: body.block.mass: expected a finite number >= 0, found -1");
-  EXPECT_EQ(refusal("set.body.block.mass = 1\n" + header + sensor + run),
+  EXPECT_EQ(error_of("set.body.block.mass = 1\n" + header + sensor + run),
             "experiment.toml:1: set.body: expected a number; put the path in quotes: \"body.NAME.mass\" = 2");
   const TempFolder folder;
   try {
@@ -159,98 +161,98 @@ TEST(ReadExperiment, RefusesTheFile) {
   }
 }
 
-TEST(ReadExperiment, RefusesSensors) {
+TEST(ReadExperiment, RejectsSensors) {
   const std::string place = "experiment.toml:2: sensor 1: ";
   const std::string kinds = "expected one of the keys angle, travel, distance, x, y, force";
-  EXPECT_EQ(refused_sensor("noise = 1\n"), place + kinds);
-  EXPECT_EQ(refused_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"), place + kinds);
-  EXPECT_EQ(refused_sensor("angle = \"crank\"\n"), place + "expected the key noise; add noise = NUMBER");
+  EXPECT_EQ(error_of_sensor("noise = 1\n"), place + kinds);
+  EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"), place + kinds);
+  EXPECT_EQ(error_of_sensor("angle = \"crank\"\n"), place + "expected the key noise; add noise = NUMBER");
   const std::string third = "experiment.toml:3: sensor 1.";
-  EXPECT_EQ(refused_sensor("angles = \"crank\"\n"),
+  EXPECT_EQ(error_of_sensor("angles = \"crank\"\n"),
             third +
                 "angles: expected one of the keys name, angle, travel, distance, x, y, force, rate, column, noise, "
                 "zero, factor; did you mean \"angle\"?");
-  EXPECT_EQ(refused_sensor("angle = \"crnk\"\n"),
+  EXPECT_EQ(error_of_sensor("angle = \"crnk\"\n"),
             third + "angle: expected the name of a body other than ground, found \"crnk\"; did you mean \"crank\"?");
-  EXPECT_EQ(refused_sensor("angle = [\"rod\", \"rod\"]\n"), third + "angle: expected two different bodies");
-  EXPECT_EQ(refused_sensor("angle = [\"rod\"]\n"),
+  EXPECT_EQ(error_of_sensor("angle = [\"rod\", \"rod\"]\n"), third + "angle: expected two different bodies");
+  EXPECT_EQ(error_of_sensor("angle = [\"rod\"]\n"),
             third + "angle: expected two names [\"...\", \"...\"], found a list of 1");
-  EXPECT_EQ(refused_sensor("travel = \"rial\"\n"),
+  EXPECT_EQ(error_of_sensor("travel = \"rial\"\n"),
             third + "travel: expected the name of a slide or pin_in_slot, found \"rial\"; did you mean \"rail\"?");
-  EXPECT_EQ(refused_sensor("distance = [\"rod.B\", \"rod.C\"]\n"),
+  EXPECT_EQ(error_of_sensor("distance = [\"rod.B\", \"rod.C\"]\n"),
             third + "distance: expected points of two different bodies, the distance of these never changes");
-  EXPECT_EQ(refused_sensor("x = \"rod.X\"\n"),
+  EXPECT_EQ(error_of_sensor("x = \"rod.X\"\n"),
             third + "x: expected a point of \"rod\", found \"rod.X\"; did you mean \"rod.B\"?");
-  EXPECT_EQ(refused_sensor("y = \"ground.O\"\n"),
+  EXPECT_EQ(error_of_sensor("y = \"ground.O\"\n"),
             third + "y: expected a point of a body that can move, found one of the ground");
-  EXPECT_EQ(refused_sensor("force = \"wrap\"\n"),
+  EXPECT_EQ(error_of_sensor("force = \"wrap\"\n"),
             third + "force: expected the name of a line spring, found \"wrap\"; known here: coil");
-  EXPECT_EQ(refused_sensor("rate = true\nforce = \"coil\"\n"),
+  EXPECT_EQ(error_of_sensor("rate = true\nforce = \"coil\"\n"),
             third + "rate: expected the rate of a position or angle; the rate of a force is not available");
-  EXPECT_EQ(refused_sensor("rate = \"yes\"\nangle = \"rod\"\n"),
+  EXPECT_EQ(error_of_sensor("rate = \"yes\"\nangle = \"rod\"\n"),
             third + "rate: expected true or false, without quotes");
-  EXPECT_EQ(refused_sensor("noise = 0\nangle = \"rod\"\n"), third + "noise: expected a finite number > 0, found 0");
-  EXPECT_EQ(refused_sensor("factor = 0\nangle = \"rod\"\nnoise = 1\n"),
+  EXPECT_EQ(error_of_sensor("noise = 0\nangle = \"rod\"\n"), third + "noise: expected a finite number > 0, found 0");
+  EXPECT_EQ(error_of_sensor("factor = 0\nangle = \"rod\"\nnoise = 1\n"),
             third + "factor: expected a number other than 0; leave it out for 1");
-  EXPECT_EQ(refused_sensor("column = \"\"\nangle = \"rod\"\nnoise = 1\n"),
+  EXPECT_EQ(error_of_sensor("column = \"\"\nangle = \"rod\"\nnoise = 1\n"),
             third + "column: expected the name of a column");
-  EXPECT_EQ(refusal(header + sensor + sensor + run),
+  EXPECT_EQ(error_of(header + sensor + sensor + run),
             "experiment.toml:7: sensor \"a\".name: expected a name of its own; \"a\" is taken in line 3");
 }
 
-TEST(ReadExperiment, RefusesUnknowns) {
+TEST(ReadExperiment, RejectsUnknowns) {
   const std::string path = "path = \"body.block.mass\"\n";
-  EXPECT_EQ(refused_unknown("name = \"m\"\n"),
+  EXPECT_EQ(error_of_unknown("name = \"m\"\n"),
             "experiment.toml:6: unknown \"m\": expected the key path; add path = \"...\"");
   const std::string seventh = "experiment.toml:7: unknown 1.";
-  EXPECT_EQ(refused_unknown("path = \"body.block.mas\"\n"),
+  EXPECT_EQ(error_of_unknown("path = \"body.block.mas\"\n"),
             seventh +
                 "path: body.block.mas: expected the path of a number of the scene; did you mean "
                 "\"body.block.mass\"?");
   for (const std::string guess : {"start.crank", "start.rail"}) {
-    EXPECT_EQ(refused_unknown("path = \"" + guess + "\"\n"),
+    EXPECT_EQ(error_of_unknown("path = \"" + guess + "\"\n"),
               seventh +
                   "path: expected a number that the motion depends on; start values of a run are estimated "
                   "unless start_known = true");
   }
   const std::string eighth = "experiment.toml:8: unknown 1.";
-  EXPECT_EQ(refused_unknown(path + "from = 1\n"),
+  EXPECT_EQ(error_of_unknown(path + "from = 1\n"),
             eighth + "from: expected one of the keys path, name, per, start, min, max, includes, prior");
-  EXPECT_EQ(refused_unknown(path + "min = 5\nmax = 5\n"),
+  EXPECT_EQ(error_of_unknown(path + "min = 5\nmax = 5\n"),
             "experiment.toml:9: unknown 1.max: expected max > min = 5; exchange them");
-  EXPECT_EQ(refused_unknown(path + "max = -5\n"), eighth + "max: expected max > min = 0; exchange them");
-  EXPECT_EQ(refused_unknown(path + "start = -5\n"),
+  EXPECT_EQ(error_of_unknown(path + "max = -5\n"), eighth + "max: expected max > min = 0; exchange them");
+  EXPECT_EQ(error_of_unknown(path + "start = -5\n"),
             eighth + "start: expected a start from 0 to inf, found -5; change one of the three");
-  EXPECT_EQ(refused_unknown(path + "max = 700\n"),
+  EXPECT_EQ(error_of_unknown(path + "max = 700\n"),
             "experiment.toml:6: unknown 1.start: expected a start from 0 to 700, found 800, the scene's value; add "
             "start = NUMBER");
-  EXPECT_EQ(refused_unknown(path + "max = 820\nincludes = 50\n"),
+  EXPECT_EQ(error_of_unknown(path + "max = 820\nincludes = 50\n"),
             "experiment.toml:6: unknown 1.start: expected a start from 0 to 820, found 850, the scene's value; add "
             "start = NUMBER");
-  EXPECT_EQ(refused_unknown(path + "prior = [1, 0]\n"),
+  EXPECT_EQ(error_of_unknown(path + "prior = [1, 0]\n"),
             eighth + "prior: expected [MEAN, STANDARD DEVIATION], the second > 0");
-  EXPECT_EQ(refused_unknown(path + "per = \"\"\n"),
+  EXPECT_EQ(error_of_unknown(path + "per = \"\"\n"),
             eighth + "per: expected \"run\" or a label of the runs; leave it out for one value");
-  EXPECT_EQ(refused_unknown(path + "[[unknown]]\n" + path),
+  EXPECT_EQ(error_of_unknown(path + "[[unknown]]\n" + path),
             "experiment.toml:9: unknown 2.path: expected another path, it is unknown in line 7");
-  EXPECT_EQ(refused_unknown(path + "name = \"m\"\n[[unknown]]\npath = \"body.rod.mass\"\nname = \"m\"\n"),
+  EXPECT_EQ(error_of_unknown(path + "name = \"m\"\n[[unknown]]\npath = \"body.rod.mass\"\nname = \"m\"\n"),
             "experiment.toml:11: unknown \"m\".name: expected a name of its own; \"m\" is taken in line 8");
 }
 
-TEST(ReadExperiment, RefusesUnknownsThatARunContradicts) {
+TEST(ReadExperiment, RejectsUnknownsThatARunContradicts) {
   const std::string unknown = header + sensor + "[[unknown]]\npath = \"body.block.mass\"\nname = \"m\"\n";
   EXPECT_EQ(
-      refusal(unknown + "per = \"hight\"\n" + run + "labels = { height = \"low\" }\n"),
+      error_of(unknown + "per = \"hight\"\n" + run + "labels = { height = \"low\" }\n"),
       "experiment.toml:6: unknown \"m\".per: expected \"run\" or a label that all runs have, run \"run 1\" has no "
       "\"hight\"; did you mean \"height\"?");
-  EXPECT_EQ(refusal(unknown + "per = \"h\"\n" + run + "labels = { h = \"low\" }\n" + run),
+  EXPECT_EQ(error_of(unknown + "per = \"h\"\n" + run + "labels = { h = \"low\" }\n" + run),
             "experiment.toml:6: unknown \"m\".per: expected \"run\" or a label that all runs have, run \"run 2\" has "
             "no \"h\"; known here: run");
-  EXPECT_EQ(refusal(unknown + run + "set = { \"body.block.mass\" = 3 }\n"),
+  EXPECT_EQ(error_of(unknown + run + "set = { \"body.block.mass\" = 3 }\n"),
             "experiment.toml:6: unknown \"m\".path: expected a number that no run sets, run \"run 1\" does in line 12; "
             "take it out of one");
-  EXPECT_EQ(refusal(header + sensor + "[[unknown]]\npath = \"spring.coil.free_length\"\n" + run +
-                    "rest = { angle = \"crank\", at = 3, by = \"spring.coil.free_length\" }\n"),
+  EXPECT_EQ(error_of(header + sensor + "[[unknown]]\npath = \"spring.coil.free_length\"\n" + run +
+                     "rest = { angle = \"crank\", at = 3, by = \"spring.coil.free_length\" }\n"),
             "experiment.toml:6: unknown \"spring.coil.free_length\".path: expected a number that no equilibrium "
             "pose sets, rest of run \"run 1\" sets it in line 11; take one of the two out");
 }

@@ -22,8 +22,8 @@ const std::string& measured = test::bench_measured;
 const char* const segments = "part,t,a\nx,0,1\nx,1,2\nx,2,3\nx,3,4\nx,4,5\ny,7,6\ny,8,7\ny,9,8\ny,10,9\ny,11,10\n";
 
 /// Run 1 begins in line 6.
-std::string refused_run(const std::string& keys, const std::string& data = "") {
-  return Bench(header + sensor + "[[run]]\n" + keys, data).refusal();
+std::string error_of_run(const std::string& keys, const std::string& data = "") {
+  return Bench(header + sensor + "[[run]]\n" + keys, data).error();
 }
 
 TEST(ReadRuns, ReadsSimulatedRunsInSi) {
@@ -123,121 +123,121 @@ TEST(ReadRuns, MakesARunOfEachSegment) {
 
 TEST(ReadRuns, TakesAnotherDataFile) {
   const Bench bench(header + sensor + measured);
-  EXPECT_EQ(bench.refusal(),
+  EXPECT_EQ(bench.error(),
             "experiment.toml:7: run 1.data: expected a data file, there is no \"data.csv\"; give it with --data FILE");
   const std::string other = bench.folder().write("other.csv", "time,a\n0,1\n1,2\n2,3\n");
   const Experiment experiment = bench.read({.data = other});
   EXPECT_EQ(experiment.runs[0].data, other);
   EXPECT_DOUBLE_EQ(experiment.records[0].reading[0][2], 3 * degree);
-  EXPECT_EQ(bench.refusal({.data = bench.folder().path("none.csv")}),
+  EXPECT_EQ(bench.error({.data = bench.folder().path("none.csv")}),
             "experiment.toml:7: run 1.data: expected a data file, there is no \"none.csv\"; give it with --data FILE");
-  EXPECT_EQ(Bench(header + sensor + run).refusal({.data = "d.csv"}),
+  EXPECT_EQ(Bench(header + sensor + run).error({.data = "d.csv"}),
             "--data d.csv: expected an experiment with measured runs; give one a data file");
-  EXPECT_EQ(Bench(header + sensor + measured + "[[run]]\ndata = \"b.csv\"\n").refusal({.data = other}),
+  EXPECT_EQ(Bench(header + sensor + measured + "[[run]]\ndata = \"b.csv\"\n").error({.data = other}),
             "experiment.toml:9: run 2.data: expected all runs to name one data file, for --data to take its place");
 }
 
-TEST(ReadRuns, RefusesRuns) {
-  EXPECT_EQ(refused_run("rate = 100\n"),
+TEST(ReadRuns, RejectsRuns) {
+  EXPECT_EQ(error_of_run("rate = 100\n"),
             "experiment.toml:6: run 1: expected the key data, or duration and rate of a simulation; add duration = "
             "NUMBER");
-  EXPECT_EQ(refused_run("duration = 1\n"),
+  EXPECT_EQ(error_of_run("duration = 1\n"),
             "experiment.toml:6: run 1: expected the key data, or duration and rate of a simulation; add rate = NUMBER");
   EXPECT_EQ(
-      refused_run("duration = 1\nrate = 1\n"),
+      error_of_run("duration = 1\nrate = 1\n"),
       "experiment.toml:7: run 1.duration: expected duration rate >= 2, for at least 3 readings; raise one of them");
-  EXPECT_EQ(refused_run("duration = 1e9\nrate = 1\n"),
+  EXPECT_EQ(error_of_run("duration = 1e9\nrate = 1\n"),
             "experiment.toml:7: run 1.duration: expected duration rate <= 1e7 readings; lower one of them");
-  EXPECT_EQ(refused_run("duration = 0\nrate = 1\n"),
+  EXPECT_EQ(error_of_run("duration = 0\nrate = 1\n"),
             "experiment.toml:7: run 1.duration: expected a finite number > 0, found 0");
   const std::string given = "duration = 2\nrate = 100\n";
   for (const std::string seed : {"-1", "0.5", "1e16"}) {
-    EXPECT_EQ(refused_run(given + "seed = " + seed + "\n"),
+    EXPECT_EQ(error_of_run(given + "seed = " + seed + "\n"),
               "experiment.toml:9: run 1.seed: expected a whole number from 0 to 2^53");
   }
-  EXPECT_EQ(refused_run(given + "split = \"s\"\n"),
+  EXPECT_EQ(error_of_run(given + "split = \"s\"\n"),
             "experiment.toml:9: run 1.split: expected one of the keys name, set, labels, rest, release, release_rate, "
             "start_known, data, duration, rate, seed");
-  EXPECT_EQ(refused_run(given + "labels = { run = \"a\" }\n"),
+  EXPECT_EQ(error_of_run(given + "labels = { run = \"a\" }\n"),
             "experiment.toml:9: run 1.labels.run: expected another label; per = \"run\" means each run by itself");
-  EXPECT_EQ(refused_run(given + "labels = { h = \"\" }\n"),
+  EXPECT_EQ(error_of_run(given + "labels = { h = \"\" }\n"),
             "experiment.toml:9: run 1.labels.h: expected a name that is not empty");
-  EXPECT_EQ(refused_run(given + "labels = { \"\" = \"a\" }\n"),
+  EXPECT_EQ(error_of_run(given + "labels = { \"\" = \"a\" }\n"),
             "experiment.toml:9: run 1.labels.: expected a name that is not empty");
   EXPECT_EQ(
-      refused_run(given + "set = { \"load.Q\" = 1 }\n"),
+      error_of_run(given + "set = { \"load.Q\" = 1 }\n"),
       "experiment.toml:9: run 1.set: load.Q: expected the path of a number of the scene; did you mean \"load.P\"?");
-  EXPECT_EQ(refused_run(given + "release = { ground = 1 }\n"),
+  EXPECT_EQ(error_of_run(given + "release = { ground = 1 }\n"),
             "experiment.toml:9: run 1.release.ground: expected the name of a body, slide or pin_in_slot; known here: "
             "crank, rod, block, rail");
-  EXPECT_EQ(refused_run(given + "release_rate.arm.left = 1\n"),
+  EXPECT_EQ(error_of_run(given + "release_rate.arm.left = 1\n"),
             "experiment.toml:9: run 1.release_rate.arm: expected a number; put a name that holds dots in quotes");
-  EXPECT_EQ(refused_run(given + "start_known = 1\n"),
+  EXPECT_EQ(error_of_run(given + "start_known = 1\n"),
             "experiment.toml:9: run 1.start_known: expected true or false, without quotes");
-  EXPECT_EQ(refused_run(given + "name = \"a\"\n[[run]]\nname = \"a\"\n"),
+  EXPECT_EQ(error_of_run(given + "name = \"a\"\n[[run]]\nname = \"a\"\n"),
             "experiment.toml:11: run \"a\".name: expected a name of its own; \"a\" is taken in line 9");
 }
 
-TEST(ReadRuns, RefusesPosesOfRest) {
-  const auto refused_equilibrium = [](const std::string& keys) {
-    return refused_run("duration = 2\nrate = 100\nrest = { " + keys + " }\n");
+TEST(ReadRuns, RejectsEquilibriumPoses) {
+  const auto error_of_equilibrium = [](const std::string& keys) {
+    return error_of_run("duration = 2\nrate = 100\nrest = { " + keys + " }\n");
   };
   const std::string place = "experiment.toml:9: run 1.rest";
   const std::string by = ", by = \"spring.coil.free_length\"";
-  EXPECT_EQ(refused_equilibrium("at = 1" + by),
+  EXPECT_EQ(error_of_equilibrium("at = 1" + by),
             place + ": expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
-  EXPECT_EQ(refused_equilibrium("angle = \"rod\", travel = \"rail\", at = 1" + by),
+  EXPECT_EQ(error_of_equilibrium("angle = \"rod\", travel = \"rail\", at = 1" + by),
             place + ": expected one of the keys angle = \"BODY\", travel = \"JOINT\"");
-  EXPECT_EQ(refused_equilibrium("angle = \"rod\"" + by), place + ": expected the key at; add at = NUMBER");
-  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1"), place + ": expected the key by; add by = \"...\"");
-  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1, fixed = true" + by),
+  EXPECT_EQ(error_of_equilibrium("angle = \"rod\"" + by), place + ": expected the key at; add at = NUMBER");
+  EXPECT_EQ(error_of_equilibrium("angle = \"rod\", at = 1"), place + ": expected the key by; add by = \"...\"");
+  EXPECT_EQ(error_of_equilibrium("angle = \"rod\", at = 1, fixed = true" + by),
             place + ".fixed: expected one of the keys angle, travel, at, by, known");
-  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1, known = 0" + by),
+  EXPECT_EQ(error_of_equilibrium("angle = \"rod\", at = 1, known = 0" + by),
             place + ".known: expected true or false, without quotes");
-  EXPECT_EQ(refused_equilibrium("angle = \"rod\", at = 1, by = \"spring.coil.stiffness\""),
+  EXPECT_EQ(error_of_equilibrium("angle = \"rod\", at = 1, by = \"spring.coil.stiffness\""),
             place +
                 ".by: expected spring.NAME.free_length or torsion_spring.NAME.free_angle, found "
                 "\"spring.coil.stiffness\"; known here: spring.coil.free_length, torsion_spring.wrap.free_angle");
 }
 
-TEST(ReadRuns, RefusesMeasuredRuns) {
+TEST(ReadRuns, RejectsMeasuredRuns) {
   const std::string data = "data = \"data.csv\"\n";
   const std::string good = "time,a\n0,1\n1,2\n2,3\n";
-  EXPECT_EQ(refused_run("data = \"\"\n"),
+  EXPECT_EQ(error_of_run("data = \"\"\n"),
             "experiment.toml:7: run 1.data: expected the path of a data file, relative to this file");
-  EXPECT_EQ(refused_run(data + "duration = 2\n", good),
+  EXPECT_EQ(error_of_run(data + "duration = 2\n", good),
             "experiment.toml:8: run 1.duration: expected one of the keys name, set, labels, rest, release, "
             "release_rate, start_known, data, time, split, segments, every");
-  EXPECT_EQ(refused_run(data + "every = 0\n", good),
+  EXPECT_EQ(error_of_run(data + "every = 0\n", good),
             "experiment.toml:8: run 1.every: expected a whole number from 1 to 2^53");
-  EXPECT_EQ(refused_run(data + "every = 2\n", good),
+  EXPECT_EQ(error_of_run(data + "every = 2\n", good),
             "data.csv:2: time: expected at least 3 rows, found 2 after thinning; take more of them");
-  EXPECT_EQ(refused_run(data + "split = \"\"\n", good),
+  EXPECT_EQ(error_of_run(data + "split = \"\"\n", good),
             "experiment.toml:8: run 1.split: expected the name of a column");
-  EXPECT_EQ(refused_run(data + "segments = [\"x\"]\n", good),
+  EXPECT_EQ(error_of_run(data + "segments = [\"x\"]\n", good),
             "experiment.toml:8: run 1.segments: expected the key split as well, the column that names the segments");
   const std::string split = data + "time = \"t\"\nsplit = \"part\"\n";
-  EXPECT_EQ(refused_run(split + "segments = []\n", segments),
+  EXPECT_EQ(error_of_run(split + "segments = []\n", segments),
             "experiment.toml:10: run 1.segments: expected a segment; leave the key out for all");
-  EXPECT_EQ(refused_run(split + "segments = [1]\n", segments),
+  EXPECT_EQ(error_of_run(split + "segments = [1]\n", segments),
             "experiment.toml:10: run 1.segments: expected a list of strings [\"...\", ...]");
-  EXPECT_EQ(refused_run(split + "segments = \"x\"\n", segments),
+  EXPECT_EQ(error_of_run(split + "segments = \"x\"\n", segments),
             "experiment.toml:10: run 1.segments: expected a list of strings [\"...\", ...]");
   EXPECT_EQ(
-      refused_run(split + "segments = [\"x\", \"z\"]\n", segments),
+      error_of_run(split + "segments = [\"x\", \"z\"]\n", segments),
       "experiment.toml:10: run 1.segments: expected a value of the column \"part\", found \"z\"; known here: x, y");
-  EXPECT_EQ(refused_run(split, "part,t,a\n"),
+  EXPECT_EQ(error_of_run(split, "part,t,a\n"),
             "experiment.toml:7: run 1.data: expected a data file with rows, \"data.csv\" has only a header");
-  EXPECT_EQ(refused_run(split + "[[run]]\nname = \"segment x\"\n" + data + "time = \"t\"\n", segments),
+  EXPECT_EQ(error_of_run(split + "[[run]]\nname = \"segment x\"\n" + data + "time = \"t\"\n", segments),
             "experiment.toml:10: run \"segment x\": expected a name of its own, it is taken in line 6; rename the run")
       << "rows of both segments ascend";
-  EXPECT_EQ(refused_run(data, "t,a\n0,1\n"),
+  EXPECT_EQ(error_of_run(data, "t,a\n0,1\n"),
             "data.csv:1: time: expected a column of this name in the header; known here: t, a");
-  EXPECT_EQ(refused_run(data, "time,phi\n0,1\n"),
+  EXPECT_EQ(error_of_run(data, "time,phi\n0,1\n"),
             "data.csv:1: a: expected a column of this name in the header; known here: time, phi");
-  EXPECT_EQ(refused_run(data, "time,a\n0,1\n1,\n2,3\n"),
+  EXPECT_EQ(error_of_run(data, "time,a\n0,1\n1,\n2,3\n"),
             "data.csv:3: a: expected a value, found a gap; fill it or leave the row out");
-  EXPECT_EQ(refused_run(data, "time,a\n0,1\n2,3\n1,2\n"),
+  EXPECT_EQ(error_of_run(data, "time,a\n0,1\n2,3\n1,2\n"),
             "data.csv:4: time: expected a time after that of the row before; sort the rows, or split the file by the "
             "column that names its segments");
 }

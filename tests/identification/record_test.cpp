@@ -17,8 +17,8 @@ using app_tests::TempFolder;
 using Numbers = std::vector<double>;
 
 /// Message of read_csv about a file of this text, without the folder; empty where it reads it.
-std::string refusal(const std::string& text, const std::vector<std::string>& columns,
-                    const std::vector<std::string>& words = {}) {
+std::string error_of(const std::string& text, const std::vector<std::string>& columns,
+                     const std::vector<std::string>& words = {}) {
   const TempFolder folder;
   const std::string file = folder.write("data.csv", text);
   try {
@@ -94,46 +94,46 @@ TEST(ReadCsv, ReadsNumbersToTheLastBit) {
   EXPECT_EQ(table.column("x"), (Numbers{0.1, 1e-300, -123456789.123456789, 4.9e-324}));
 }
 
-TEST(ReadCsv, RefusesWithTheLine) {
+TEST(ReadCsv, NamesTheLineOfAnError) {
   const std::vector<std::string> tx = {"t", "x"};
-  EXPECT_EQ(refusal("", tx), "data.csv:1: header: expected the names of the columns, found an empty file");
-  EXPECT_EQ(refusal("\n \n", tx), "data.csv:1: header: expected the names of the columns, found an empty file");
-  EXPECT_EQ(refusal("time,xx\n", {"x"}),
+  EXPECT_EQ(error_of("", tx), "data.csv:1: header: expected the names of the columns, found an empty file");
+  EXPECT_EQ(error_of("\n \n", tx), "data.csv:1: header: expected the names of the columns, found an empty file");
+  EXPECT_EQ(error_of("time,xx\n", {"x"}),
             "data.csv:1: x: expected a column of this name in the header; known here: time, xx");
-  EXPECT_EQ(refusal("t,x,x\n", tx),
+  EXPECT_EQ(error_of("t,x,x\n", tx),
             "data.csv:1: x: expected one column of this name, found several; rename the others");
-  EXPECT_EQ(refusal("t,x\n0,1\n1,\n", tx),
+  EXPECT_EQ(error_of("t,x\n0,1\n1,\n", tx),
             "data.csv:3: x: expected a value, found a gap; fill it or leave the row out");
-  EXPECT_EQ(refusal("t,x\n0,1\n1\n", tx),
+  EXPECT_EQ(error_of("t,x\n0,1\n1\n", tx),
             "data.csv:3: row: expected 2 cells as in the header, found 1; fill the gaps or leave the row out");
-  EXPECT_EQ(refusal("t,x\n0,1\n\n1,2\n", tx),
+  EXPECT_EQ(error_of("t,x\n0,1\n\n1,2\n", tx),
             "data.csv:3: row: expected 2 cells as in the header, found 1; fill the gaps or leave the row out");
-  EXPECT_EQ(refusal("t,x\n0,1,5\n", tx),
+  EXPECT_EQ(error_of("t,x\n0,1,5\n", tx),
             "data.csv:2: row: expected 2 cells as in the header, found 3; write decimal points, and quotes round cells "
             "with separators");
-  EXPECT_EQ(refusal("t,x\n0,1\n1,abc\n", tx),
+  EXPECT_EQ(error_of("t,x\n0,1\n1,abc\n", tx),
             "data.csv:3: x: expected a number, found \"abc\"; correct it or leave the row out");
-  EXPECT_EQ(refusal("t;x\n0;1,5\n", tx), "data.csv:2: x: expected a number, found \"1,5\"; write a decimal point");
-  EXPECT_EQ(refusal("t,x\n0,1.5m\n", tx),
+  EXPECT_EQ(error_of("t;x\n0;1,5\n", tx), "data.csv:2: x: expected a number, found \"1,5\"; write a decimal point");
+  EXPECT_EQ(error_of("t,x\n0,1.5m\n", tx),
             "data.csv:2: x: expected a number, found \"1.5m\"; correct it or leave the row out");
   for (const std::string word : {"nan", "NaN", "-inf", "Infinity", "1e999"}) {
-    EXPECT_EQ(refusal("t,x\n0," + word + "\n", tx),
+    EXPECT_EQ(error_of("t,x\n0," + word + "\n", tx),
               "data.csv:2: x: expected a finite number, found \"" + word + "\"; correct it or leave the row out");
   }
-  EXPECT_EQ(refusal("t,x\n0,+-1\n", tx),
+  EXPECT_EQ(error_of("t,x\n0,+-1\n", tx),
             "data.csv:2: x: expected a number, found \"+-1\"; correct it or leave the row out");
-  EXPECT_EQ(refusal("t,x\n0,1\n1,\"2\n3,4\n", tx), "data.csv:3: cell 2: expected a closing quote");
-  EXPECT_EQ(refusal("t,x\n0,\"1\"2\n", tx),
+  EXPECT_EQ(error_of("t,x\n0,1\n1,\"2\n3,4\n", tx), "data.csv:3: cell 2: expected a closing quote");
+  EXPECT_EQ(error_of("t,x\n0,\"1\"2\n", tx),
             "data.csv:2: cell 2: expected a separator after the closing quote; double the quotes inside a cell");
-  EXPECT_EQ(refusal("t,w\n0,\n", {"t"}, {"w"}),
+  EXPECT_EQ(error_of("t,w\n0,\n", {"t"}, {"w"}),
             "data.csv:2: w: expected a value, found a gap; fill it or leave the row out");
   EXPECT_EQ(
-      refusal("t,x\n0," + std::string(100, 'a') + "\n", tx),
+      error_of("t,x\n0," + std::string(100, 'a') + "\n", tx),
       "data.csv:2: x: expected a number, found \"" + std::string(40, 'a') + "...\"; correct it or leave the row out");
 }
 
 TEST(ReadCsv, CountsLinesBehindQuotedOnes) {
-  EXPECT_EQ(refusal("t,w\n0,\"a\nb\"\n?,c\n", {"t"}, {"w"}),
+  EXPECT_EQ(error_of("t,w\n0,\"a\nb\"\n?,c\n", {"t"}, {"w"}),
             "data.csv:4: t: expected a number, found \"?\"; correct it or leave the row out");
 }
 

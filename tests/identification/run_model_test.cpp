@@ -73,7 +73,7 @@ Sensor force_of_spring(const Scene& scene) {
   return sensor;
 }
 
-// A four-bar with one of everything, seen by one of every sensor it can have.
+// A four-bar with one of everything, read by one of every sensor it can have.
 Experiment everything() {
   Experiment e;
   e.scene = test::four_bar_with_everything();
@@ -114,7 +114,7 @@ TEST(RunModel, JacobianByEveryKindOfNumberAndTheStart) {
 }
 
 // A free length follows from the equilibrium pose: its derivatives by every unknown and by the pose enter, too.
-TEST(RunModel, JacobianOfARunThatRests) {
+TEST(RunModel, JacobianOfARunInEquilibrium) {
   Experiment e = test::experiment("lift_experiment");
   e.unknowns.push_back(test::unknown("body.platform.center.y"));
   e.sensors.push_back(force_of_spring(e.scene));
@@ -130,7 +130,7 @@ TEST(RunModel, JacobianOfARunThatRests) {
 }
 
 // A known equilibrium and a known start leave no nuisances; the free length still depends on the unknowns.
-TEST(RunModel, JacobianWhereRestAndStartAreKnown) {
+TEST(RunModel, JacobianWhereEquilibriumAndStartAreKnown) {
   Experiment e = test::experiment("lift_experiment");
   e.runs.resize(1);
   e.runs[0].sample_rate = 100;
@@ -167,8 +167,8 @@ TEST(RunModel, JacobianOfADoublePendulumWithDryFriction) {
   expect_jacobian(problem.run(0), 6e-4, 3e-5, 4e-6);
 }
 
-// Released in equilibrium the lift stays there, whatever is unknown.
-TEST(RunModel, RestsWhereItIsToRest) {
+// Released in equilibrium the lift stays there, for all values of the unknowns.
+TEST(RunModel, IsInEquilibriumWhereStated) {
   Experiment e = test::experiment("lift_experiment");
   for (poise::Run& run : e.runs) run.release.clear();
   const FitProblem problem(e);
@@ -183,8 +183,8 @@ TEST(RunModel, RestsWhereItIsToRest) {
   }
 }
 
-// A search may ask for a pose that the loops cannot have: that is an answer, not an exception.
-TEST(RunModel, SaysThatItCannotRestThere) {
+// A search may try a pose in which the loops cannot close: reported as a failed run, without an exception.
+TEST(RunModel, NamesAnImpossibleEquilibrium) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   const RunModel& run = problem.run(0);

@@ -35,7 +35,7 @@ std::vector<std::string> all_paths(const Scene& scene) {
 }
 
 // The same numbers as --set, whose scene is in SI here.
-TEST(SceneParameter, IsWhatItsPathSays) {
+TEST(SceneParameter, IsWhatItsPathReports) {
   const Scene scene = test::four_bar_with_everything();
   for (const std::string& path : all_paths(scene)) {
     const auto number = SceneParameter::find(scene, path);

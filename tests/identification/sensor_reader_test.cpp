@@ -46,7 +46,7 @@ std::vector<State> moving_states(const MotionModel& model) {
   return states;
 }
 
-// Derivatives do not ask whether loops are closed.
+// Derivatives hold for open loops too.
 State random_state(const MotionModel& model, std::uint64_t seed) {
   test::Random random(seed);
   State state;
@@ -176,7 +176,7 @@ std::vector<Case> cases() {
       {angle(0, crank), angle(crank, rocker), angle(0, block), angle(rocker, block), angle(block, crank), travel(2),
        travel(3), distance(turning, "ground.E", "block.c"), distance(turning, "crank.B", "block.c"),
        x(turning, "block.c"), y(turning, "block.c"), force_of_spring(turning, 0)});
-  // A carriage on a rail that stands still.
+  // A carriage on a fixed rail.
   const Scene still = test::driven_five_bar();
   const auto track =
       std::find_if(still.joints.begin(), still.joints.end(), [](const Joint& j) { return j.has_travel(); });
@@ -209,7 +209,7 @@ TEST_P(SensorReaders, ReadWhatTheBodiesDo) {
   }
 }
 
-TEST_P(SensorReaders, KnowTheirDerivatives) {
+TEST_P(SensorReaders, HaveExactDerivatives) {
   const MotionModel model(GetParam().scene);
   const double h = 1e-5;
   for (const Sensor& sensor : GetParam().sensors) {
@@ -249,7 +249,7 @@ TEST_P(SensorReaders, RatesAreTimeDerivatives) {
   }
 }
 
-// A weightless bead on a link: its place along the link bears nothing, but turns with the link.
+// A weightless bead on a link: its place along the link carries no load, but turns with the link.
 TEST(SensorReader, WhatTheModelDropsIsCarriedAlong) {
   Scene scene = test::chain(1, 4.0, 1.0);
   const int bead = scene.add_body("bead");
@@ -267,7 +267,7 @@ TEST(SensorReader, WhatTheModelDropsIsCarriedAlong) {
   EXPECT_DOUBLE_EQ(take(model, travel(1), state).value, 2.5);
 }
 
-TEST(SensorReader, BodiesThatNothingMovesStandAtTheirStart) {
+TEST(SensorReader, BodiesThatNothingMovesStayAtTheirStart) {
   Scene scene = test::chain(1, 1.0, 1.0);
   scene.gravity = {0, -9.81};
   test::add_link(scene, "pointer", 0.5);

@@ -10,11 +10,11 @@
 namespace poise {
 namespace {
 
-TEST(SetParameter, SaysWhatIsWrong) {
+TEST(SetParameter, NamesTheError) {
   Scene scene = parse_scene(test::bench_scene, "scene.toml");
   set_parameter(scene, "body.block.mass=+12");
   EXPECT_DOUBLE_EQ(scene.bodies[3].mass, 0.012);
-  const auto refused = [&](const std::string& setting) {
+  const auto error_of = [&](const std::string& setting) {
     try {
       set_parameter(scene, setting);
     } catch (const InputError& error) {
@@ -22,10 +22,10 @@ TEST(SetParameter, SaysWhatIsWrong) {
     }
     return std::string();
   };
-  EXPECT_EQ(refused("load.P"), "--set load.P: there is no \"=\"; expected PATH=NUMBER, say load.P=40");
-  EXPECT_EQ(refused("load.P=4x"), "--set load.P=4x: \"4x\" is not a number; expected PATH=NUMBER, say load.P=40");
-  EXPECT_EQ(refused("load.P="), "--set load.P=: \"\" is not a number; expected PATH=NUMBER, say load.P=40");
-  EXPECT_EQ(refused("load.P=-1"), "--set load.P: expected a finite number >= 0, found -1");
+  EXPECT_EQ(error_of("load.P"), "--set load.P: there is no \"=\"; expected PATH=NUMBER, say load.P=40");
+  EXPECT_EQ(error_of("load.P=4x"), "--set load.P=4x: \"4x\" is not a number; expected PATH=NUMBER, say load.P=40");
+  EXPECT_EQ(error_of("load.P="), "--set load.P=: \"\" is not a number; expected PATH=NUMBER, say load.P=40");
+  EXPECT_EQ(error_of("load.P=-1"), "--set load.P: expected a finite number >= 0, found -1");
 }
 
 }  // namespace

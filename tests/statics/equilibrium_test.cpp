@@ -506,11 +506,11 @@ Scene slider_crank(double size, double load, const char* length_name, double met
       "slider_crank.toml");
 }
 
-struct Rest {
+struct SliderPose {
   double crank, rod, wrist;
 };
 
-Rest equilibrium_of(const Scene& scene, Method method, double load) {
+SliderPose equilibrium_of(const Scene& scene, Method method, double load) {
   const StaticModel model(scene);
   const Equilibrium found = solve(model, by(method));
   EXPECT_TRUE(found.found()) << found.why;
@@ -521,8 +521,8 @@ Rest equilibrium_of(const Scene& scene, Method method, double load) {
 class Invariance : public testing::TestWithParam<Method> {
  protected:
   void expect_same(const Scene& scene, double load = 1.0) {
-    const Rest known = equilibrium_of(slider_crank(1.0, 1.0, "m", 1.0, "N", 1.0), GetParam(), 1.0);
-    const Rest equilibrium = equilibrium_of(scene, GetParam(), load);
+    const SliderPose known = equilibrium_of(slider_crank(1.0, 1.0, "m", 1.0, "N", 1.0), GetParam(), 1.0);
+    const SliderPose equilibrium = equilibrium_of(scene, GetParam(), load);
     const double tolerance = GetParam() == Method::energy ? 1e-9 : 1e-12;
     EXPECT_NEAR(equilibrium.crank, known.crank, tolerance);
     EXPECT_NEAR(equilibrium.rod, known.rod, tolerance);

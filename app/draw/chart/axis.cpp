@@ -30,7 +30,7 @@ struct Span {
 
 int order_of(double value) { return static_cast<int>(std::floor(std::log10(value))); }
 
-/// The least of 1, 2, 5 times a power of ten that is not much below `wanted`.
+/// The least of 1, 2, 5 times a power of ten from 0.65 `wanted` on.
 double round_step(double wanted) {
   constexpr double enough = 0.65;
   const double decade = std::pow(10.0, order_of(wanted));

@@ -17,7 +17,7 @@
 namespace poise::app {
 namespace {
 
-/// A file that nobody else sees and that goes with its last user.
+/// An unnamed temporary file, deleted when it is closed.
 class PassingFile {
  public:
   PassingFile() : file_(std::tmpfile()) {

@@ -51,14 +51,14 @@ constexpr const char* grid_colour = "#e6eaee";
 constexpr const char* zero_colour = "#b9c0c7";
 constexpr const char* band_colour = "#eef3f8";
 
-// The marks in gnuplot's output that are put right afterwards.
+// Placeholders in gnuplot's output, replaced afterwards.
 constexpr const char* font_name = "poise-chart";
 constexpr const char* fonts = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
 // Lines that coincide share this length, about px, of which each later one covers half of what the one before shows.
 constexpr double shared_dash = 24.0;
 
-/// A panel with what is worked out before it is placed.
+/// A panel with what is computed before it is placed.
 struct Chart {
   const Panel* panel = nullptr;
   Axis x{}, y{};
@@ -71,7 +71,7 @@ struct Chart {
   std::vector<int> beneath{};  // per curve, how many earlier ones it coincides with
 };
 
-/// Where a graph stands on the page, px from its upper left corner.
+/// Where a graph is on the page, px from its upper left corner.
 struct Frame {
   double left, right, top, bottom;
 };
@@ -112,7 +112,7 @@ void write_legend(Chart& chart, double widest) {
   chart.height = chart.panel->tall ? 2 * graph_height : graph_height;
 }
 
-/// Whether two lines cannot be told apart: the same points to a pixel.
+/// Whether two lines coincide: the same points to a pixel.
 bool coincide(const Curve& a, const Curve& b, const Chart& chart) {
   constexpr double pixel = 1.2;
   if (a.style != Curve::Style::line || b.style != Curve::Style::line || a.x != b.x) return false;

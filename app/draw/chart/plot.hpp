@@ -36,14 +36,14 @@ struct Band {
 struct Panel {
   std::string title{}, x_label{}, y_label{};
   bool log_x = false, log_y = false;
-  bool x_falls = false;  ///< the largest x stands at the left
+  bool x_falls = false;  ///< the largest x is at the left
   bool tall = false;     ///< twice as high as usual
   std::vector<Curve> curves{};
   std::vector<Level> levels{};
   std::vector<Band> bands{};
 };
 
-/// Throws InputError, naming the remedy, where there is no gnuplot to draw with: to be asked before any long work.
+/// Throws InputError, naming the remedy, where there is no gnuplot to draw with: to be called before any long work.
 void expect_plotter();
 
 /// Line charts by gnuplot as one SVG (UTF-8, no outside resources, below 300 kB), filled row by row with so many

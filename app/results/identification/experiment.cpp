@@ -12,7 +12,7 @@
 namespace poise::app {
 namespace {
 
-// More parameters than this have no table of correlations that anyone could read.
+// With more parameters than this, a table of correlations is too large to read; the largest are listed.
 constexpr std::size_t most_in_table = 12;
 constexpr double close = 0.9;
 

@@ -12,7 +12,7 @@ namespace poise::app {
 struct FitAnswer {
   Fit fit;
   std::vector<Record> records;
-  /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not asked or not to be had.
+  /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not computed.
   std::vector<double> rms_from_readings;
 };
 

@@ -77,7 +77,7 @@ Line verdict(const MotionModel& model, const ForcesAlong& found) {
   return good("Every body is in balance.");
 }
 
-/// Stops that are passed, and elements against which drives work though the mechanism's load does not ask for it.
+/// Stops that are passed, and elements parallel to a drive, whose forces are part of its effort.
 void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& found) {
   const auto warn = [&](std::string text) { result.warnings.push_back(doubtful(std::move(text))); };
   const std::string dead = dead_points(model, found);

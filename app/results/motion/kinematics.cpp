@@ -26,7 +26,7 @@ double largest_of(const std::vector<double>& values) {
   return largest;
 }
 
-/// `largest`, SI, of all that stands beside it decides what is rounding.
+/// What is below 1e-12 of `largest`, SI, the largest value of the table, is rounding.
 void add_values(Table& table, const std::string& title, const std::string& unit, const std::vector<double>& si,
                 Quantity quantity, const Units& units, int digits, double largest) {
   table.numbers("", title, unit, in_unit(si, quantity, units),

@@ -73,10 +73,10 @@ Line verdict(const ModesAnswer& answer) {
     return static_cast<int>(std::count_if(modes.vibrations.begin(), modes.vibrations.end(),
                                           [&](const Vibration& v) { return v.kind == kind; }));
   };
-  std::vector<std::string> leaves;
-  if (number(Kind::diverges) > 0) leaves.push_back(count(number(Kind::diverges), "mode diverges", "modes diverge"));
-  if (number(Kind::flutters) > 0) leaves.push_back(count(number(Kind::flutters), "mode flutters", "modes flutter"));
-  if (!leaves.empty()) return bad("Unstable equilibrium: " + listed(leaves) + ".");
+  std::vector<std::string> unstable;
+  if (number(Kind::diverges) > 0) unstable.push_back(count(number(Kind::diverges), "mode diverges", "modes diverge"));
+  if (number(Kind::flutters) > 0) unstable.push_back(count(number(Kind::flutters), "mode flutters", "modes flutter"));
+  if (!unstable.empty()) return bad("Unstable equilibrium: " + listed(unstable) + ".");
   const std::string all = count(static_cast<int>(modes.vibrations.size()), "mode", "modes");
   if (number(Kind::neutral) > 0) {
     return doubtful(

@@ -176,7 +176,7 @@ void add_torsion_springs(Group& group, const StaticModel& model, const Readings&
              each(springs, [&](const NamedElement& s) { return -readings.elements[s.place].force; }), force_digits);
 }
 
-/// Stops in angles and in lengths: their values have different units, which stand behind them.
+/// Stops in angles and in lengths: their values have different units, written behind each.
 void add_stops(Group& group, const StaticModel& model, const Readings& readings, const Check& check) {
   const std::vector<Stop>& stops = model.scene().stops;
   const std::vector<std::size_t> rows = places(stops.size());

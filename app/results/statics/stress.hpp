@@ -12,7 +12,7 @@ namespace poise::app {
 Result stress_list_result(const std::vector<comparison::HardCase>& cases);
 
 /// What `poise stress` shows, made by `command`: false claims, and then either the sheet of all cases (per cent of the
-/// starts that converge, case by case and method by method, and what each method comes to; of safeguards only the cases
+/// starts that converge, case by case and method by method, and a summary of each method; of safeguards only the cases
 /// where one makes a difference), or, where `details` are asked for, case by case effort and errors.
 Result stress_result(const comparison::StressOutcome& outcome, const std::string& command, bool details);
 
