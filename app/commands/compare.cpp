@@ -5,8 +5,6 @@
 #include <optional>
 #include <string>
 
-#include <fmt/format.h>
-
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
@@ -35,15 +33,12 @@ struct CompareRequest {
 };
 
 comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& words) {
-  constexpr int most_repeats = 10000;
   comparison::WorkPrecisionOptions options;
   options.methods = read_methods("--methods", words.methods.value_or("all"));
   options.tolerances = read_tolerances(*words.tolerances);
   options.repeats = words.repeat.value_or(options.repeats);
   options.seek = read_seek(words.seek);
-  if (options.repeats < 1 || options.repeats > most_repeats) {
-    throw InputError(fmt::format("--repeat: expected a number from 1 to {}, found {}", most_repeats, options.repeats));
-  }
+  expect_between("--repeat", options.repeats, 1, 10'000);
   return options;
 }
 
@@ -80,15 +75,10 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   }
 
   const Result result = compare_result(model, answers, request.settings);
-  std::string written;
-  if (answers.back().equilibrium.status != Status::interrupted) {
-    progress.now("writing the result");
-    const Answer* drawn = files.wants_svg() ? best_of(answers) : nullptr;
-    written = files.write(result, drawn != nullptr ? picture(model, *drawn) : "");
-  }
-  progress.done();
-  print(request, result, written, palette);
-  return succeeded(words, answers) ? solved : not_solved;
+  const bool interrupted = answers.back().equilibrium.status == Status::interrupted;
+  const Answer* drawn = files.wants_svg() && !interrupted ? best_of(answers) : nullptr;
+  return finish(request, result, interrupted ? nullptr : &files, drawn != nullptr ? picture(model, *drawn) : "",
+                succeeded(words, answers), progress, palette);
 }
 
 int run_work_precision(const CompareRequest& words, const Palette& palette) {
@@ -104,14 +94,10 @@ int run_work_precision(const CompareRequest& words, const Palette& palette) {
   const comparison::WorkPrecision study = comparison::work_precision(model, options);
 
   const Result result = work_precision_result(model, study, options.repeats, request.settings);
-  std::string written;
-  if (!study.interrupted) {
-    progress.now("writing the result");
-    written = files.write(result, files.wants_svg() ? draw_plot(work_precision_panels(model, study)) : "");
-  }
-  progress.done();
-  print(request, result, written, palette);
-  return comparison::any_confirmed(study) && !study.interrupted ? solved : not_solved;
+  const bool drawn = files.wants_svg() && !study.interrupted;
+  return finish(request, result, study.interrupted ? nullptr : &files,
+                drawn ? draw_plot(work_precision_panels(model, study)) : "",
+                comparison::any_confirmed(study) && !study.interrupted, progress, palette);
 }
 
 }  // namespace

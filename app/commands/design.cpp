@@ -24,7 +24,7 @@ struct DesignRequest {
 };
 
 int run_design(const DesignRequest& request, const Palette& palette) {
-  if (request.starts < 1) throw InputError(fmt::format("--starts: expected a number > 0, found {}", request.starts));
+  expect_number("--starts", request.starts, request.starts > 0, "a number > 0");
   Progress progress;
   progress.now("reading the design");
   const DesignProblem problem = read_design(request.common.scene);

@@ -1,7 +1,6 @@
 #include "app/results/motion/forces.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,8 +29,6 @@ struct ForcesRequest {
   std::optional<double> rate;
 };
 
-constexpr int most_steps = 1000000;
-
 bool has_range(const std::string& drive) { return drive.find('=') != std::string::npos; }
 
 void check(const ForcesRequest& request) {
@@ -44,12 +41,7 @@ void check(const ForcesRequest& request) {
     throw InputError("--motion: it says how everything moves; expected --drive NAME without a range, or no --motion");
   }
   if (request.rate && ranges == 0) throw InputError("--rate: nothing is driven; expected --drive NAME=FROM..TO too");
-  if (request.rate && !(*request.rate > 0.0 && std::isfinite(*request.rate))) {
-    throw InputError(fmt::format("--rate: expected a number > 0, found {}", *request.rate));
-  }
-  if (request.steps < 1 || request.steps > most_steps) {
-    throw InputError(fmt::format("--steps: expected a number from 1 to {}, found {}", most_steps, request.steps));
-  }
+  check_sweep(request.steps, request.rate);
 }
 
 /// The scene with these drives in place of its own.
@@ -105,17 +97,14 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
                                   : along_motion(model, request.motion);
   const ForcesAlong& found = answer.found;
   const Result result = forces_result(model, answer, request.common.settings);
-  progress.now("writing the result");
   const bool any = !found.poses.empty();
   std::string svg;
   if (files.wants_svg() && any) {
     svg = found.at.empty() ? forces_picture(scene, found.poses.front(), result.verdict.text, found.balanced())
                            : draw_plot(forces_panels(scene, found));
   }
-  const std::string written = files.write(result, svg);
-  progress.done();
-  print(request.common, result, written, palette);
-  return (found.complete || found.stop) && any && found.balanced() ? solved : not_solved;
+  return finish(request.common, result, &files, svg, (found.complete || found.stop) && any && found.balanced(),
+                progress, palette);
 }
 
 }  // namespace

@@ -32,10 +32,7 @@ int run_identifiability(const IdentifiabilityRequest& request, const Palette& pa
   progress.now("computing base parameters");
   const BaseParameters base = base_parameters(problem.run(0).scene());
   const Result result = identifiability_result(problem, known, base, request.base, common.settings);
-  const std::string written = files.write(result, "");
-  progress.done();
-  print(common, result, written, palette);
-  return known.ok ? solved : not_solved;
+  return finish(common, result, &files, "", known.ok, progress, palette);
 }
 
 }  // namespace

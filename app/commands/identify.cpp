@@ -41,15 +41,11 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
   }
 
-  progress.now("writing the result");
   const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
   Result result = identify_result(problem, answer, common.settings);
   if (files.wants_csv()) add_readings(result, problem, answer);
-  const std::string written =
-      files.write(result, drawn ? draw_plot(fit_panels(problem, answer), fit_columns(experiment)) : "");
-  progress.done();
-  print(common, result, written, palette);
-  return answer.fit.usable() ? solved : not_solved;
+  return finish(common, result, &files, drawn ? draw_plot(fit_panels(problem, answer), fit_columns(experiment)) : "",
+                answer.fit.usable(), progress, palette);
 }
 
 }  // namespace

@@ -1,12 +1,9 @@
 #include "app/results/motion/kinematics.hpp"
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
@@ -27,12 +24,8 @@ struct KinematicsRequest {
   std::optional<double> rate;
 };
 
-constexpr int most_steps = 1000000;
-
 int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
-  if (request.steps < 1 || request.steps > most_steps) {
-    throw InputError(fmt::format("--steps: expected a number from 1 to {}, found {}", most_steps, request.steps));
-  }
+  check_sweep(request.steps, request.rate);
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
@@ -44,27 +37,19 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   options.steps = request.steps;
   options.interrupt = &watch_for_interrupt();
   if (request.rate) {
-    if (!(*request.rate > 0.0) || !std::isfinite(*request.rate)) {
-      throw InputError(fmt::format("--rate: expected a number > 0, found {}", *request.rate));
-    }
     options.rate =
         *request.rate * unit_value(quantity_of(find_drive(scene, ranges[first_moving(ranges)].name).on), scene.units);
   }
   progress.now("driving the mechanism");
   const KinematicsResult found = sweep(scene, ranges, options);
   const Result result = kinematics_result(scene, found, ranges, options.rate, request.view, request.common.settings);
-
-  progress.now("writing the result");
   const bool reached = found.complete || found.stop;
   std::string svg;
   if (files.wants_svg() && !found.samples.empty()) {
     svg = stacked(kinematics_picture(scene, found, request.view.points, result.verdict.text, reached),
                   draw_plot(kinematics_panels(scene, found, ranges)));
   }
-  const std::string written = files.write(result, svg);
-  progress.done();
-  print(request.common, result, written, palette);
-  return reached ? solved : not_solved;
+  return finish(request.common, result, &files, svg, reached, progress, palette);
 }
 
 }  // namespace

@@ -37,12 +37,8 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
     answer.x = motion_coordinates(model, statics, answer.equilibrium.x);
     answer.modes = modes_of(model, answer.x);
   }
-  progress.now("writing the result");
   const Result result = modes_result(model, answer, request.common.settings);
-  const std::string written = files.write(result, "");
-  progress.done();
-  print(request.common, result, written, palette);
-  return answer.modes.known ? solved : not_solved;
+  return finish(request.common, result, &files, "", answer.modes.known, progress, palette);
 }
 
 }  // namespace

@@ -1,4 +1,3 @@
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -24,19 +23,11 @@ struct MonteCarloRequest {
 };
 
 void check(const MonteCarloRequest& request) {
-  constexpr int most_trials = 1'000'000;
-  constexpr int most_jobs = 1024;
-  if (request.trials < 1 || request.trials > most_trials) {
-    throw InputError(fmt::format("--trials: expected a number from 1 to {}, found {}", most_trials, request.trials));
-  }
-  if (request.jobs < 0 || request.jobs > most_jobs) {
-    throw InputError(
-        fmt::format("--jobs: expected a number from 0 (all cores) to {}, found {}", most_jobs, request.jobs));
-  }
-  if (!(request.start_error >= 0 && request.start_error < 1)) {
-    throw InputError(fmt::format("--start-error: expected a part of the truth, 0 <= start error < 1, found {}",
-                                 request.start_error));
-  }
+  expect_between("--trials", request.trials, 1, 1'000'000);
+  expect_number("--jobs", request.jobs, request.jobs >= 0 && request.jobs <= 1024,
+                "a number from 0 (all cores) to 1024");
+  expect_number("--start-error", request.start_error, request.start_error >= 0 && request.start_error < 1,
+                "a part of the truth, 0 <= start error < 1");
 }
 
 int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
@@ -59,10 +50,7 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
   options.progress = report;
   const MonteCarlo answer = monte_carlo(problem, options);
   const Result result = monte_carlo_result(problem, options, answer, common.settings);
-  const std::string written = files.write(result, "");
-  progress.done();
-  print(common, result, written, palette);
-  return !answer.interrupted && answer.converged > 0 ? solved : not_solved;
+  return finish(common, result, &files, "", !answer.interrupted && answer.converged > 0, progress, palette);
 }
 
 }  // namespace

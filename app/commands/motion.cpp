@@ -38,11 +38,6 @@ struct MotionRequest {
 // Numbers of a record, all columns together; a larger file is taken for a mistake in --rate or --duration.
 constexpr double most_numbers = 2e8;
 
-void expect_number(const std::string& option, double value, bool fits, const std::string& expected) {
-  if (fits && std::isfinite(value)) return;
-  throw InputError(fmt::format("{}: expected {}, found {}", option, expected, value));
-}
-
 void check(const MotionRequest& request) {
   expect_number("--duration", request.duration, request.duration > 0, "seconds > 0");
   expect_number("--rate", request.rate, request.rate > 0, "samples per second > 0");
@@ -118,10 +113,8 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   progress.now("looking for the equilibrium");
   const MotionOrigin origin = find_origin(request, model, interrupt);
   if (!origin.found()) {
-    progress.done();
     const Result result = no_origin_result(model, origin.why, request.common.settings);
-    print(request.common, result, "", palette);
-    return not_solved;
+    return finish(request.common, result, nullptr, "", false, progress, palette);
   }
   MotionAnswer answer;
   answer.start = words_of(origin);
@@ -149,10 +142,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
     svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
                   draw_plot(motion_panels(model.scene(), answer.record)));
   }
-  const std::string written = files.write(result, svg);
-  progress.done();
-  print(request.common, result, written, palette);
-  return answer.found.confirmed() ? solved : not_solved;
+  return finish(request.common, result, &files, svg, answer.found.confirmed(), progress, palette);
 }
 
 }  // namespace

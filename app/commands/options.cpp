@@ -89,6 +89,20 @@ Seek read_seek(const std::string& word) {
   return chosen("--seek", word, {"nearest", "stable"}) == 0 ? Seek::nearest : Seek::stable;
 }
 
+void expect_number(const std::string& option, double value, bool fits, const std::string& expected) {
+  if (fits && std::isfinite(value)) return;
+  throw InputError(fmt::format("{}: expected {}, found {}", option, expected, value));
+}
+
+void expect_between(const std::string& option, int value, int least, int most) {
+  expect_number(option, value, value >= least && value <= most, fmt::format("a number from {} to {}", least, most));
+}
+
+void check_sweep(int steps, const std::optional<double>& rate) {
+  expect_between("--steps", steps, 1, 1'000'000);
+  if (rate) expect_number("--rate", *rate, *rate > 0, "a number > 0");
+}
+
 std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words) {
   const auto found = std::find(words.begin(), words.end(), word);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());

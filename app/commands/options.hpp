@@ -3,6 +3,7 @@
 // What was asked for on the command line, and the options that several commands share.
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,13 @@ void add_output_options(Command& command, Request& request, const FileHelp& help
 void add_seek_option(Command& command, std::string& seek);
 /// nearest or stable. Throws InputError.
 Seek read_seek(const std::string& word);
+
+/// Throws InputError "OPTION: expected EXPECTED, found VALUE" unless the value is finite and `fits`.
+void expect_number(const std::string& option, double value, bool fits, const std::string& expected);
+void expect_between(const std::string& option, int value, int least, int most);
+
+/// Throws InputError unless a range can have so many --steps and be driven at a --rate.
+void check_sweep(int steps, const std::optional<double>& rate);
 
 /// The place of a word among those that an option knows. Throws InputError naming them, with the nearest.
 std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words);

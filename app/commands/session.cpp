@@ -83,6 +83,15 @@ void print(const Request& request, const Result& result, const std::string& writ
   print(plain_text(result, palette, level) + (written.empty() ? "" : "\n" + written));
 }
 
+int finish(const Request& request, const Result& result, OutputFiles* files, const std::string& svg, bool is_solved,
+           Progress& progress, const Palette& palette) {
+  progress.now("writing the result");
+  const std::string written = files != nullptr ? files->write(result, svg) : "";
+  progress.done();
+  print(request, result, written, palette);
+  return is_solved ? solved : not_solved;
+}
+
 Answer search(const StaticModel& model, const SolveOptions& options, Progress& progress) {
   progress.now("searching by " + to_string(options.method));
   Equilibrium equilibrium = solve(model, options);

@@ -34,6 +34,11 @@ class OutputFiles {
   std::optional<OutputFile> json_, svg_, csv_, markdown_;
 };
 
+/// The end of a command: writes a result and a picture to the files asked for, none where `files` is null (the work was
+/// interrupted), and prints it. Returns the exit code.
+int finish(const Request& request, const Result& result, OutputFiles* files, const std::string& svg, bool is_solved,
+           Progress& progress, const Palette& palette);
+
 /// Prints a result as text, at the level of detail asked for, and the lines on the files written.
 void print(const Request& request, const Result& result, const std::string& written, const Palette& palette);
 

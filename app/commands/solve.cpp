@@ -30,15 +30,10 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   const Answer answer = search(model, options, progress);
 
   const Result result = solve_result(model, answer, request.settings);
-  std::string written;
-  if (answer.equilibrium.status != Status::interrupted) {
-    progress.now("writing the result");
-    const bool drawn = files.wants_svg() && answer.readings;
-    written = files.write(result, drawn ? picture(model, answer) : "");
-  }
-  progress.done();
-  print(request, result, written, palette);
-  return answer.equilibrium.found() ? solved : not_solved;
+  const bool interrupted = answer.equilibrium.status == Status::interrupted;
+  const bool drawn = files.wants_svg() && answer.readings && !interrupted;
+  return finish(request, result, interrupted ? nullptr : &files, drawn ? picture(model, answer) : "",
+                answer.equilibrium.found(), progress, palette);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "app/results/statics/stress.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -32,15 +31,9 @@ struct StressRequest {
   bool list = false;
 };
 
-constexpr int most_starts = 1'000'000;
-
 void check(const StressRequest& request) {
-  if (request.starts && (*request.starts < 1 || *request.starts > most_starts)) {
-    throw InputError(fmt::format("--starts: expected a number from 1 to {}, found {}", most_starts, *request.starts));
-  }
-  if (!(request.seconds > 0 && std::isfinite(request.seconds))) {
-    throw InputError(fmt::format("--seconds: expected a finite number > 0, found {}", request.seconds));
-  }
+  if (request.starts) expect_between("--starts", *request.starts, 1, 1'000'000);
+  expect_number("--seconds", request.seconds, request.seconds > 0, "a finite number > 0");
   if (request.safeguards && request.methods) {
     throw InputError("--methods: expected none with --safeguards, which are those of virtual-work; leave one out");
   }
@@ -62,8 +55,7 @@ fs::path find_catalogue(const std::string& named) {
 std::vector<comparison::HardCase> chosen_cases(std::vector<comparison::HardCase> all,
                                                const std::vector<std::string>& names) {
   if (names.empty()) return all;
-  std::vector<std::string> valid;
-  for (const comparison::HardCase& hard : all) valid.push_back(hard.name);
+  const std::vector<std::string> valid = each(all, &comparison::HardCase::name);
   std::vector<comparison::HardCase> chosen;
   for (const std::string& name : names) {
     const auto found = std::find(valid.begin(), valid.end(), name);
@@ -121,19 +113,14 @@ int run_stress(const StressRequest& request, const Palette& palette) {
   const fs::path catalogue = find_catalogue(request.catalogue);
   const std::vector<comparison::HardCase> cases = chosen_cases(comparison::read_catalogue(catalogue), request.cases);
   if (request.list) {
-    progress.done();
-    print(request.common, stress_list_result(cases), "", palette);
-    return solved;
+    return finish(request.common, stress_list_result(cases), nullptr, "", true, progress, palette);
   }
   OutputFiles files(request.common);
   const comparison::StressOutcome outcome = run_cases(request, cases, progress);
-  progress.now("writing the result");
   const Result result = stress_result(outcome, command_of(request), !request.cases.empty());
-  const std::string written = files.write(result, "");
-  progress.done();
-  print(request.common, result, written, palette);
   const comparison::StressFailures failures = comparison::failures_of(outcome);
-  return failures.false_claims == 0 && failures.unsolved.empty() && !outcome.interrupted ? solved : not_solved;
+  return finish(request.common, result, &files, "",
+                failures.false_claims == 0 && failures.unsolved.empty() && !outcome.interrupted, progress, palette);
 }
 
 }  // namespace

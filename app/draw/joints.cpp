@@ -29,7 +29,7 @@ Vec2 free_side(const std::vector<Vec2>& members, const std::vector<Vec2>& sides)
 
 const std::vector<Vec2> upright_sides = {{0, 1}, {0, -1}, {-1, 0}, {1, 0}};
 
-/// The direction opposite to the members at a point.
+/// Of the upright directions the one farthest from the members at a point.
 Vec2 far_side(const std::vector<Vec2>& members) {
   Vec2 pull{};
   for (const Vec2& member : members) pull += member;
