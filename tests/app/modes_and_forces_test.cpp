@@ -161,7 +161,8 @@ TEST(ForcesCommand, ReportsWhereTheDeadPointIs) {
     EXPECT_TRUE(run.out.ends_with(words)) << drive << run.out;
   }
   const Outcome passed = run_poise({"forces", scene, "--drive", "rail=350..450", "--quiet"});
-  EXPECT_EQ(passed.out.find("Driven in part only: the mechanism cannot be driven beyond rail = 400 mm: dead centre "), 0U)
+  EXPECT_EQ(passed.out.find("Driven in part only: the mechanism cannot be driven beyond rail = 400 mm: dead centre "),
+            0U)
       << passed.out;
   const json r = json_of(folder, {"forces", scene, "--drive", "rail=350..150"}, 1);
   ASSERT_EQ(r["dead_points"].size(), 1U);
