@@ -18,16 +18,16 @@ int run_check(const Request& request, const Palette& palette) {
   progress.now("analysing its mobility");
   const Mobility mobility = analyse_mobility(model);
   const Result result = check_result(model, mobility, request.settings);
-  const std::string written =
-      files.write(result, files.wants_svg() ? draw_mechanism(model.scene(), {.poses = model.poses(mobility.x),
-                                                                             .heading = result.verdict.text,
-                                                                             .confirmed = mobility.assembled})
-                                            : "");
-  progress.done();
-  print(request, result, written, palette);
+  std::string svg;
+  if (files.wants_svg()) {
+    svg = draw_mechanism(
+        model.scene(),
+        {.poses = model.poses(mobility.x), .heading = result.verdict.text, .confirmed = mobility.assembled});
+  }
+  const int code = finish(request, result, &files, svg, true, progress, palette);
   // Throws the same error as solve where the scene cannot be assembled; a scene without loads can be checked.
   if (model.mechanism().coordinates() > 0) assemble(model);
-  return solved;
+  return code;
 }
 
 }  // namespace

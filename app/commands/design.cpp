@@ -1,9 +1,7 @@
 #include "app/results/motion/design.hpp"
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -18,7 +16,6 @@ namespace {
 
 struct DesignRequest {
   Request common;  // `scene` is the design file
-  std::string found;
   std::uint64_t seed = 1;
   int starts = 300;
 };
@@ -28,16 +25,7 @@ int run_design(const DesignRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the design");
   const DesignProblem problem = read_design(request.common.scene);
-  OutputFiles files(request.common);
-  std::optional<OutputFile> found;
-  if (!request.found.empty()) {
-    for (const std::string& other : {request.common.scene, request.common.json, problem.scene.file}) {
-      std::error_code unknown;
-      if (other != request.found && !std::filesystem::equivalent(other, request.found, unknown)) continue;
-      throw InputError(fmt::format("--scene: \"{}\" is in use already; expected another file", request.found));
-    }
-    found.emplace(request.found, "--scene");
-  }
+  OutputFiles files(request.common, {problem.scene.file});
   DesignOptions options;
   options.seed = request.seed;
   options.starts = request.starts;
@@ -54,14 +42,13 @@ int run_design(const DesignRequest& request, const Palette& palette) {
 
   progress.now("writing the result");
   const Result result = design_result(problem, best, check, request.seed, microseconds);
-  std::string written = files.write(result, "");
-  if (found && !best.values.empty()) {
+  std::string geometry;
+  if (!best.values.empty()) {
     best.scene.title = problem.title;
     best.scene.source = fmt::format("poise design {} --seed {}", problem.file, request.seed);
-    found->prepare(geometry_text(best.scene));
-    found->commit();
-    written += "wrote " + found->path().string() + "\n";
+    geometry = geometry_text(best.scene);
   }
+  const std::string written = files.write(result, "", geometry);
   progress.done();
   print(request.common, result, written, palette);
   return best.met && check.met ? solved : not_solved;
@@ -71,11 +58,12 @@ int run_design(const DesignRequest& request, const Palette& palette) {
 
 Command design_command() {
   const auto request = std::make_shared<DesignRequest>();
+  request->common.kind = "design";
   Command command{"design", "Find dimensions that meet the goals of a design file"};
   command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required});
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
   command.add({"--starts", &request->starts, "N", "Searches before it gives up (300)"});
-  command.add({"--scene", &request->found, "FILE", "Write the geometry found to FILE, as a scene"});
+  command.add({"--scene", &request->common.geometry, "FILE", "Write the geometry found to FILE, as a scene"});
   add_output_options(command, request->common, {});
   command.run = [request](const Palette& palette) { return run_design(*request, palette); };
   return command;

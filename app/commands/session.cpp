@@ -35,40 +35,41 @@ Scene load_scene(const Request& request) {
   return scene;
 }
 
-OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>& read) {
+OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>& read)
+    : outputs_{{{"--json", request.json, {}},
+                {"--svg", request.svg, {}},
+                {"--csv", request.csv, {}},
+                {"--markdown", request.markdown, {}},
+                {"--scene", request.geometry, {}}}} {
   if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
-  const auto expect_not_read = [&](const std::string& file, const std::string& option) {
-    expect_different(file, option, request.scene, "the " + request.kind);
-    for (const std::string& other : read) expect_different(file, option, other, "a file that is read");
-  };
-  expect_not_read(request.json, "--json");
-  expect_not_read(request.svg, "--svg");
-  expect_not_read(request.csv, "--csv");
-  expect_not_read(request.markdown, "--markdown");
-  expect_different(request.svg, "--svg", request.json, "the --json file");
-  expect_different(request.csv, "--csv", request.json, "the --json file");
-  expect_different(request.csv, "--csv", request.svg, "the --svg file");
-  expect_different(request.markdown, "--markdown", request.json, "the --json file");
-  expect_different(request.markdown, "--markdown", request.svg, "the --svg file");
-  expect_different(request.markdown, "--markdown", request.csv, "the --csv file");
-  if (!request.json.empty()) json_.emplace(request.json, "--json");
-  if (!request.svg.empty()) svg_.emplace(request.svg, "--svg");
-  if (!request.csv.empty()) csv_.emplace(request.csv, "--csv");
-  if (!request.markdown.empty()) markdown_.emplace(request.markdown, "--markdown");
+  for (const Output& output : outputs_) {
+    expect_different(output.path, output.option, request.scene, "the " + request.kind);
+    for (const std::string& other : read) expect_different(output.path, output.option, other, "a file that is read");
+  }
+  for (auto output = outputs_.begin(); output != outputs_.end(); ++output) {
+    for (auto earlier = outputs_.begin(); earlier != output; ++earlier) {
+      expect_different(output->path, output->option, earlier->path, "the " + earlier->option + " file");
+    }
+  }
+  for (Output& output : outputs_) {
+    if (!output.path.empty()) output.file.emplace(output.path, output.option);
+  }
 }
 
-std::string OutputFiles::write(const Result& result, const std::string& svg) {
+std::string OutputFiles::write(const Result& result, const std::string& svg, const std::string& geometry) {
   std::vector<OutputFile*> prepared;
-  const auto prepare = [&](std::optional<OutputFile>& file, const std::string& text) {
+  const auto prepare = [&](Form::Place form, auto&& text_of) {
+    std::optional<OutputFile>& file = outputs_[form].file;
+    const std::string text = file ? text_of() : std::string();
     if (text.empty()) return;
     file->prepare(text);
     prepared.push_back(&*file);
   };
-  const Table* const table = result.csv();
-  if (json_) prepare(json_, json_text(result));
-  if (svg_) prepare(svg_, svg);
-  if (csv_ && table != nullptr) prepare(csv_, csv_text(*table));
-  if (markdown_) prepare(markdown_, markdown_text(result));
+  prepare(Form::json, [&] { return json_text(result); });
+  prepare(Form::svg, [&] { return svg; });
+  prepare(Form::csv, [&] { return result.csv() != nullptr ? csv_text(*result.csv()) : ""; });
+  prepare(Form::markdown, [&] { return markdown_text(result); });
+  prepare(Form::geometry, [&] { return geometry; });
   std::string lines;
   for (OutputFile* file : prepared) {
     file->commit();

@@ -2,6 +2,8 @@
 
 // What the commands have in common: the scene with its settings, and the files to write.
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,14 +26,21 @@ class OutputFiles {
  public:
   explicit OutputFiles(const Request& request, const std::vector<std::string>& read = {});
 
-  bool wants_svg() const { return svg_.has_value(); }
-  bool wants_csv() const { return csv_.has_value(); }
-  /// Writes the result in the forms asked for, and a picture, or, where that fails, throws InputError. An empty picture
-  /// is not written. Returns one line for each file written.
-  std::string write(const Result& result, const std::string& svg);
+  bool wants_svg() const { return outputs_[Form::svg].file.has_value(); }
+  bool wants_csv() const { return outputs_[Form::csv].file.has_value(); }
+  /// Writes the result in the forms asked for, a picture and a geometry, or, where that fails, throws InputError. A
+  /// text that is empty is not written. Returns one line for each file written.
+  std::string write(const Result& result, const std::string& svg, const std::string& geometry = "");
 
  private:
-  std::optional<OutputFile> json_, svg_, csv_, markdown_;
+  struct Form {
+    enum Place : std::size_t { json, svg, csv, markdown, geometry, count };
+  };
+  struct Output {
+    std::string option, path;
+    std::optional<OutputFile> file;
+  };
+  std::array<Output, Form::count> outputs_;
 };
 
 /// The end of a command: writes a result and a picture to the files asked for, none where `files` is null (the work was

@@ -139,6 +139,23 @@ TEST(DesignCommand, WritesASceneThatMovesAsReported) {
   EXPECT_NEAR(high - low, 1.5, 1e-6);
 }
 
+TEST(DesignCommand, SceneMustBeAFileOfItsOwn) {
+  const TempFolder folder;
+  const std::string same = folder.path("same").string();
+  for (const char* option : {"--json", "--markdown"}) {
+    const Outcome outcome = run_poise({"design", dataset("lift_design"), "--scene", same, option, same});
+    EXPECT_EQ(outcome.exit_code, 2) << option;
+    EXPECT_TRUE(contains(outcome.err, "--scene: ")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "expected another file")) << outcome.err;
+  }
+  for (const char* read : {"lift_design", "lift"}) {
+    const Outcome outcome = run_poise({"design", dataset("lift_design"), "--scene", dataset(read)});
+    EXPECT_EQ(outcome.exit_code, 2) << read;
+    EXPECT_TRUE(contains(outcome.err, "expected another file")) << outcome.err;
+  }
+  EXPECT_TRUE(folder.names().empty());
+}
+
 TEST(DesignCommand, ExitsOneWhereItFindsNothing) {
   const Outcome outcome = run_poise({"design", dataset("lift_design"), "--starts", "1"});
   EXPECT_EQ(outcome.exit_code, 1);
