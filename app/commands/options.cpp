@@ -25,6 +25,14 @@ std::vector<std::string> method_names() {
   return names;
 }
 
+std::vector<std::string> comma_separated(const std::string& text) {
+  // A comma at the end leaves an empty word behind it, which getline would not give.
+  std::istringstream list(text + (text.empty() || text.back() == ',' ? "," : ""));
+  std::vector<std::string> words;
+  for (std::string word; std::getline(list, word, ',');) words.push_back(word);
+  return words;
+}
+
 constexpr double tightest = 1e-20, loosest = 1.0;
 
 double read_tolerance(std::string_view text) {
@@ -130,9 +138,7 @@ std::vector<Method> read_methods(const std::string& option, const std::string& n
   }
   std::vector<std::string> known = method_names();
   known.emplace_back("all");
-  // A comma at the end leaves an empty name behind it, which getline would not give.
-  std::istringstream list(names + (names.empty() || names.back() == ',' ? "," : ""));
-  for (std::string name; std::getline(list, name, ',');) {
+  for (const std::string& name : comma_separated(names)) {
     const std::size_t place = chosen(option, name, known);
     if (place + 1 == known.size()) return read_methods(option, "all");
     const Method method = all_methods()[place].method;
@@ -148,9 +154,7 @@ std::vector<double> read_tolerances(const std::string& text) {
     return decades(all.substr(0, dots), all.substr(dots + 2));
   }
   std::vector<double> out;
-  // A comma at the end leaves an empty value behind it, which getline would not give.
-  std::istringstream list(text + (text.empty() || text.back() == ',' ? "," : ""));
-  for (std::string value; std::getline(list, value, ',');) out.push_back(read_tolerance(value));
+  for (const std::string& value : comma_separated(text)) out.push_back(read_tolerance(value));
   std::sort(out.begin(), out.end(), std::greater<>());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
