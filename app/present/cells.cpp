@@ -97,7 +97,10 @@ bool is_shown(const Item& item, Verbosity reader) {
   if (item.level == Verbosity::data || item.level > reader) return false;
   if (const auto* entry = std::get_if<Entry>(&item.content)) return !entry->label.empty();
   if (const auto* list = std::get_if<Listing>(&item.content)) return !list->items.empty();
-  if (const auto* table = std::get_if<Table>(&item.content)) return table->size() > 0 && !text_columns(*table).empty();
+  if (const auto* table = std::get_if<Table>(&item.content)) {
+    return table->size() > 0 &&
+           std::any_of(table->columns.begin(), table->columns.end(), [](const Column& column) { return column.shown; });
+  }
   const auto* branch = std::get_if<Branch>(&item.content);
   if (branch == nullptr) return true;
   return std::any_of(branch->parts.begin(), branch->parts.end(), [&](const Group& part) {
