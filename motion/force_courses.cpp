@@ -56,9 +56,8 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
   return out;
 }
 
-std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const ForcesAlong& forces) {
+std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const std::vector<ForceCourse>& courses) {
   std::vector<LoadedParallel> out;
-  const std::vector<ForceCourse> courses = force_courses(model.scene(), forces);
   for (const ParallelElement& parallel : parallel_elements(model, model.scene().drives)) {
     const Element& element = model.scene().elements[parallel.element];
     const auto course = std::find_if(courses.begin(), courses.end(), [&](const ForceCourse& c) {

@@ -27,7 +27,7 @@ struct LoadedParallel {
   ForceCourse course;
 };
 
-/// Those that carry something in some pose. The model must outlive them.
-std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const ForcesAlong& forces);
+/// Those that carry something in some pose, of the courses of the model's scene. The model must outlive them.
+std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const std::vector<ForceCourse>& courses);
 
 }  // namespace poise

@@ -13,23 +13,6 @@
 namespace poise::app {
 namespace {
 
-/// Name of the body on which a measure's force acts, the opposite acting on the first; a sum has several.
-std::string second_body(const Scene& scene, const Measure& on) {
-  switch (on.kind) {
-    case Measure::Kind::angle:
-      return scene.bodies[on.body_b].name;
-    case Measure::Kind::travel:
-      return scene.bodies[scene.joints[on.joint].b.body].name;
-    case Measure::Kind::distance:
-    case Measure::Kind::x:
-    case Measure::Kind::y:
-      return scene.bodies[on.b.body].name;
-    case Measure::Kind::sum:
-      break;
-  }
-  return "(sum)";
-}
-
 /// The body that a reaction acts on, by the name of its joint or stop.
 class ReactionBodies {
  public:
@@ -45,37 +28,12 @@ class ReactionBodies {
   std::unordered_map<std::string, std::string> joints_, stops_;
 };
 
-/// The rows of a table of coordinates: which of the values are shown, under which name.
-struct CoordinateRows {
-  std::vector<std::size_t> places;
-  std::vector<std::string> names;
-};
-
-CoordinateRows all_rows(const std::vector<NamedValue>& values) {
+NamedRows all_rows(const std::vector<NamedValue>& values) {
   return {places(values.size()), each(values, &NamedValue::name)};
 }
 
-/// Bodies that welds join in one row.
-CoordinateRows rigid_rows(const Scene& scene, const std::vector<NamedValue>& angles) {
-  const std::vector<int> groups = rigid_groups(scene);
-  std::unordered_map<std::string, int> group_of;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) group_of.emplace(scene.bodies[i].name, groups[i]);
-  std::unordered_map<int, std::size_t> row_of;
-  CoordinateRows rows;
-  for (std::size_t i = 0; i < angles.size(); ++i) {
-    const auto [row, is_new] = row_of.emplace(group_of.at(angles[i].name), rows.places.size());
-    if (is_new) {
-      rows.places.push_back(i);
-      rows.names.push_back(angles[i].name);
-    } else {
-      rows.names[row->second] += ", " + angles[i].name;
-    }
-  }
-  return rows;
-}
-
 void add_values(Group& group, const StaticModel& model, const std::string& title, const std::string& noun,
-                Quantity quantity, const CoordinateRows& rows, const std::vector<std::vector<NamedValue>>& poses,
+                Quantity quantity, const NamedRows& rows, const std::vector<std::vector<NamedValue>>& poses,
                 const std::vector<std::string>& titles) {
   if (rows.places.empty()) return;
   const Units& units = model.scene().units;
@@ -165,6 +123,50 @@ Tone tone_of(Stability stability) {
   return Tone::plain;
 }
 
+std::vector<double>::const_iterator largest_by_size(const std::vector<double>& values) {
+  return std::max_element(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+}
+
+double largest_size(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double v : values) largest = std::max(largest, std::abs(v));
+  return largest;
+}
+
+std::string second_body(const Scene& scene, const Measure& on) {
+  switch (on.kind) {
+    case Measure::Kind::angle:
+      return scene.bodies[on.body_b].name;
+    case Measure::Kind::travel:
+      return scene.bodies[scene.joints[on.joint].b.body].name;
+    case Measure::Kind::distance:
+    case Measure::Kind::x:
+    case Measure::Kind::y:
+      return scene.bodies[on.b.body].name;
+    case Measure::Kind::sum:
+      break;
+  }
+  return "(sum)";
+}
+
+NamedRows rigid_rows(const Scene& scene, const std::vector<std::string>& bodies) {
+  const std::vector<int> groups = rigid_groups(scene);
+  std::unordered_map<std::string, int> group_of;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) group_of.emplace(scene.bodies[i].name, groups[i]);
+  std::unordered_map<int, std::size_t> row_of;
+  NamedRows rows;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto [row, is_new] = row_of.emplace(group_of.at(bodies[i]), rows.places.size());
+    if (is_new) {
+      rows.places.push_back(i);
+      rows.names.push_back(bodies[i]);
+    } else {
+      rows.names[row->second] += ", " + bodies[i];
+    }
+  }
+  return rows;
+}
+
 void add_coordinates(Group& group, const StaticModel& model, const std::vector<const Readings*>& poses,
                      const std::vector<std::string>& titles) {
   if (poses.empty()) return;
@@ -174,8 +176,8 @@ void add_coordinates(Group& group, const StaticModel& model, const std::vector<c
     travels.push_back(travels_of(model, *pose));
     places.push_back(places_of(model, *pose));
   }
-  add_values(group, model, "Angles", "body", Quantity::angle, rigid_rows(model.scene(), angles.front()), angles,
-             titles);
+  add_values(group, model, "Angles", "body", Quantity::angle,
+             rigid_rows(model.scene(), each(angles.front(), &NamedValue::name)), angles, titles);
   add_values(group, model, "Slides", "joint", Quantity::length, all_rows(travels.front()), travels, titles);
   add_values(group, model, "Positions of free bodies", "body", Quantity::length, all_rows(places.front()), places,
              titles);

@@ -41,6 +41,34 @@ std::string with_unit(const ScaledModel& model, double si, Quantity quantity, in
 std::string in_words(const Check& check);
 Tone tone_of(Stability stability);
 
+/// The value that is largest by size; the end of an empty row.
+std::vector<double>::const_iterator largest_by_size(const std::vector<double>& values);
+/// The largest size; 0 of an empty row.
+double largest_size(const std::vector<double>& values);
+
+/// Name of the body on which a measure's force acts, the opposite acting on the first; a sum has several.
+std::string second_body(const Scene& scene, const Measure& on);
+
+/// Rows of a table: which of the values are shown, under which name.
+struct NamedRows {
+  std::vector<std::size_t> places;
+  std::vector<std::string> names;
+};
+/// Of these bodies, by name: those that welds join in one row under all their names.
+NamedRows rigid_rows(const Scene& scene, const std::vector<std::string>& bodies);
+
+/// Rows that have the `name` of a body: of those that welds join the first, under all their names.
+template <class Row>
+std::vector<Row> merge_welded(const Scene& scene, const std::vector<Row>& rows) {
+  const NamedRows merged = rigid_rows(scene, each(rows, &Row::name));
+  std::vector<Row> out;
+  for (std::size_t k = 0; k < merged.places.size(); ++k) {
+    out.push_back(rows[merged.places[k]]);
+    out.back().name = merged.names[k];
+  }
+  return out;
+}
+
 /// Angles, slides and places of free bodies of several poses side by side, under their titles: as text only. Bodies
 /// that welds join share a row.
 void add_coordinates(Group& group, const StaticModel& model, const std::vector<const Readings*>& poses,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
 #include "identification/residuals.hpp"
 
 namespace poise::app {
@@ -71,8 +72,7 @@ std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer
     for (std::size_t c = 0; c < count; ++c) {
       const auto p = static_cast<std::size_t>(problem.parameters_of(r)[c]);
       Curve curve{.name = problem.parameters()[p].name, .x = answer.records[r].time, .y = curves[k][c]};
-      const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
-      const double largest = std::abs(*std::max_element(curve.y.begin(), curve.y.end(), size));
+      const double largest = largest_size(curve.y);
       for (double& y : curve.y) y = largest > 0 ? y / largest : 0.0;
       curve.name += fmt::format(", up to {} σ", significant(largest, 2));
       panels.back().curves.push_back(std::move(curve));

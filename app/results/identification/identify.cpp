@@ -7,6 +7,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
+#include "app/results/parts.hpp"
 #include "identification/residuals.hpp"
 
 namespace poise::app {
@@ -148,8 +149,7 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
   std::vector<RunFit> rows;
   for (const std::size_t r : worst_first(problem, fitted)) rows.push_back(fitted.runs[r]);
   const auto lagged = [](const RunFit& run) {
-    const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
-    const auto largest = std::max_element(run.autocorrelation.begin(), run.autocorrelation.end(), size);
+    const auto largest = largest_by_size(run.autocorrelation);
     return largest == run.autocorrelation.end() ? "-" : fmt::format("{:+.3f}", *largest);
   };
   Table& table = section.table("", "Residuals of the runs: root mean squares, the worst first", Rows::list);

@@ -37,12 +37,6 @@ bool moves(const ForcesAlong& found) {
   });
 }
 
-double largest_size(const std::vector<double>& values) {
-  double largest = 0.0;
-  for (const double v : values) largest = std::max(largest, std::abs(v));
-  return largest;
-}
-
 /// "at ram = 300 mm no finite force of the drive holds the load"; nothing where there is no dead point.
 std::string dead_points(const MotionModel& model, const ForcesAlong& found) {
   const std::vector<Drive>& drives = model.scene().drives;
@@ -62,8 +56,7 @@ std::string dead_points(const MotionModel& model, const ForcesAlong& found) {
   return fmt::format("{} no {} the load", listed(places), effort);
 }
 
-Line verdict(const MotionModel& model, const ForcesAlong& found) {
-  const std::string dead = dead_points(model, found);
+Line verdict(const ForcesAlong& found, const std::string& dead) {
   const bool ended = !found.complete && !found.stop;
   if (ended) return bad("Driven in part only: " + found.why + ".");
   if (!dead.empty() && !found.balanced()) return bad("Dead point: " + dead + ".");
@@ -78,18 +71,18 @@ Line verdict(const MotionModel& model, const ForcesAlong& found) {
 }
 
 /// Stops that are passed, and elements parallel to a drive, whose forces are part of its effort.
-void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& found) {
+void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& found, const std::string& dead,
+                  const std::vector<ForceCourse>& courses, const std::vector<LoadedParallel>& parallels) {
   const auto warn = [&](std::string text) { result.warnings.push_back(doubtful(std::move(text))); };
-  const std::string dead = dead_points(model, found);
   if (!dead.empty() && !found.complete && !found.stop) warn("Dead point: " + dead + ".");
   if (found.stop) warn("The range ends early: " + found.why + ".");
-  for (const ForceCourse& course : force_courses(model.scene(), found)) {
+  for (const ForceCourse& course : courses) {
     if (!course.name.starts_with("overrun.")) continue;
     const auto passed = std::count_if(course.value.begin(), course.value.end(), [](double v) { return v > 0.0; });
     warn(fmt::format("Stop \"{}\" is passed in {} of {} poses, by up to {}.", course.name.substr(8), passed,
                      course.value.size(), with_unit(model, largest_size(course.value), course.quantity)));
   }
-  for (const auto& [element, drive, course] : loaded_parallels(model, found)) {
+  for (const auto& [element, drive, course] : parallels) {
     warn(
         fmt::format("{} acts in parallel with the drive \"{}\", whose effort includes it (up to {}); --set "
                     "\"{}.{}=0\" leaves it out.",
@@ -121,34 +114,21 @@ void add_position(Group& group, const MotionModel& model, const Forces& forces) 
   const Scene& scene = model.scene();
   const Readings pose = readings_of(scene, poses_of(forces.motions));
   const std::vector<int> groups = rigid_groups(scene);
-  std::vector<std::string> names;
-  std::vector<double> values;
-  std::vector<std::size_t> row(scene.bodies.size(), 0);
+  std::vector<NamedValue> angles, slides;
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    const auto first = static_cast<std::size_t>(groups[i]);
-    if (first == 0) continue;
-    if (first != i) {
-      names[row[first]] += ", " + scene.bodies[i].name;
-      continue;
-    }
-    row[i] = names.size();
-    names.push_back(scene.bodies[i].name);
-    values.push_back(pose.poses[i].angle);
+    if (groups[i] != 0) angles.push_back({scene.bodies[i].name, pose.poses[i].angle});
   }
-  const auto add = [&](const std::string& title, const std::string& noun, Quantity quantity) {
-    Table& table = group.table("", title, Rows::list);
-    table.words("", noun, std::move(names));
-    add_column(table, model, "", "value", quantity, values, place_digits);
-    names.clear();
-    values.clear();
-  };
-  add("Angles", "body", Quantity::angle);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (!scene.joints[j].has_travel()) continue;
-    names.push_back(scene.joints[j].name);
-    values.push_back(pose.travel[j]);
+    if (scene.joints[j].has_travel()) slides.push_back({scene.joints[j].name, pose.travel[j]});
   }
-  add("Slides", "joint", Quantity::length);
+  const auto add = [&](const std::string& title, const std::string& noun, Quantity quantity,
+                       const std::vector<NamedValue>& rows) {
+    Table& table = group.table("", title, Rows::list);
+    table.words("", noun, each(rows, &NamedValue::name));
+    add_column(table, model, "", "value", quantity, each(rows, &NamedValue::value), place_digits);
+  };
+  add("Angles", "body", Quantity::angle, merge_welded(scene, angles));
+  add("Slides", "joint", Quantity::length, slides);
 }
 
 bool is_element(const ForceCourse& course) {
@@ -217,8 +197,7 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   std::vector<std::string> names, values;
   std::vector<double> where;
   for (const ForceCourse& course : shown) {
-    const auto largest = std::max_element(course.value.begin(), course.value.end(),
-                                          [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const auto largest = largest_by_size(course.value);
     const double unit = course.quantity == Quantity::moment ? model.scales().length : 1.0;
     names.push_back(course.name);
     values.push_back(with_unit(model, std::abs(*largest) <= rounding * unit ? 0.0 : *largest, course.quantity));
@@ -249,7 +228,7 @@ void add_numerics(Group& group, const MotionModel& model, const ForcesAlong& fou
 }
 
 void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer,
-              const std::vector<ForceCourse>& courses) {
+              const std::vector<ForceCourse>& courses, const std::vector<LoadedParallel>& parallels) {
   const Scene& scene = model.scene();
   const ForcesAlong& found = answer.found;
   group.data("how", answer.how);
@@ -265,7 +244,7 @@ void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer
   }
   group.data("balanced", found.balanced());
   Branch& parallel = group.array("parallel");
-  for (const LoadedParallel& one : loaded_parallels(model, found)) {
+  for (const LoadedParallel& one : parallels) {
     Group& pair = parallel.parts.emplace_back();
     pair.data("element", one.course.name);
     pair.data("drive", one.drive);
@@ -300,12 +279,14 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   const ForcesAlong& found = answer.found;
   Result out = scene_result(model.scene(), settings);
   Group& content = out.content;
-  out.verdict = verdict(model, found);
-  add_warnings(out, model, found);
+  const std::string dead = dead_points(model, found);
+  const std::vector<ForceCourse> courses = force_courses(model.scene(), found);
+  const std::vector<LoadedParallel> parallels = loaded_parallels(model, courses);
+  out.verdict = verdict(found, dead);
+  add_warnings(out, model, found, dead, courses, parallels);
   content.fact("pose", answer.how);
   if (!found.complete && !found.stop) content.fact("range", found.why);
-  const std::vector<ForceCourse> courses = force_courses(model.scene(), found);
-  add_data(content, model, answer, courses);
+  add_data(content, model, answer, courses, parallels);
   if (found.poses.empty()) return out;
   const bool moving = moves(found);
   if (found.at.empty()) {

@@ -20,12 +20,6 @@ Quantity quantity_of(const Scene& scene, const DriveRange& range) {
   return poise::quantity_of(find_drive(scene, range.name).on);
 }
 
-double largest_of(const std::vector<double>& values) {
-  double largest = 0.0;
-  for (const double v : values) largest = std::max(largest, std::abs(v));
-  return largest;
-}
-
 /// What is below 1e-12 of `largest`, SI, the largest value of the table, is rounding.
 void add_values(Table& table, const std::string& title, const std::string& unit, const std::vector<double>& si,
                 Quantity quantity, const Units& units, int digits, double largest) {
@@ -35,7 +29,7 @@ void add_values(Table& table, const std::string& title, const std::string& unit,
 
 void add_drive(Table& table, const Course& drive, const Units& units) {
   add_values(table, drive.name, unit_name(drive.quantity, units), drive.value, drive.quantity, units, value_digits,
-             largest_of(drive.value));
+             largest_size(drive.value));
 }
 
 Table& course_table(Group& group, const std::string& title, Verbosity level) {
@@ -58,37 +52,17 @@ constexpr Derivative derivatives[] = {
 
 /// Second derivatives of what turns evenly are nothing against the square of its speed, not against themselves.
 double scale_of(const std::vector<Course>& courses, std::vector<double> Course::*values, const Course& drive) {
-  double largest = values == &Course::acceleration ? std::pow(largest_of(drive.rate), 2) : 0.0;
-  for (const Course& course : courses) largest = std::max(largest, largest_of(course.*values));
+  double largest = values == &Course::acceleration ? std::pow(largest_size(drive.rate), 2) : 0.0;
+  for (const Course& course : courses) largest = std::max(largest, largest_size(course.*values));
   return largest;
-}
-
-/// Angles of bodies that welds join once, under all their names.
-std::vector<Course> without_welded(const Scene& scene, const std::vector<Course>& courses) {
-  const std::vector<int> groups = rigid_groups(scene);
-  std::vector<Course> out;
-  std::vector<int> group_of;
-  for (const Course& course : courses) {
-    if (course.quantity != Quantity::angle) continue;
-    const auto body =
-        std::find_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.name == course.name; });
-    const int group = groups[static_cast<std::size_t>(body - scene.bodies.begin())];
-    const auto known = std::find(group_of.begin(), group_of.end(), group);
-    if (known != group_of.end()) {
-      out[static_cast<std::size_t>(known - group_of.begin())].name += ", " + course.name;
-    } else {
-      out.push_back(course);
-      group_of.push_back(group);
-    }
-  }
-  return out;
 }
 
 void add_courses(Group& group, const Scene& scene, const std::vector<Course>& courses, const Course& drive,
                  Verbosity level) {
-  const std::vector<Course> lengths =
-      chosen_of(courses, [](const Course& course) { return course.quantity == Quantity::length; });
-  for (const std::vector<Course>& kind : {without_welded(scene, courses), lengths}) {
+  const auto of = [&](Quantity quantity) {
+    return chosen_of(courses, [&](const Course& course) { return course.quantity == quantity; });
+  };
+  for (const std::vector<Course>& kind : {merge_welded(scene, of(Quantity::angle)), of(Quantity::length)}) {
     if (kind.empty()) continue;
     const Quantity quantity = kind.front().quantity;
     for (const Derivative& d : derivatives) {
@@ -140,7 +114,7 @@ void add_drives(Group& group, const Scene& scene, const std::vector<Course>& dri
   for (const Course& drive : drives) add_drive(table, drive, scene.units);
   for (const Course& drive : drives) {
     add_values(table, "rate of " + drive.name, unit_name(drive.quantity, scene.units) + "/s", drive.rate,
-               drive.quantity, scene.units, rate_digits, largest_of(drive.rate));
+               drive.quantity, scene.units, rate_digits, largest_size(drive.rate));
   }
 }
 

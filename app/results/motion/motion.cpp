@@ -75,30 +75,14 @@ struct Extremes {
   double start, end, least, most, rate_start, rate_end;
 };
 
-/// Bodies that keep parallel because welds join them share a row where they are `merged`.
-std::vector<Extremes> extremes_of(const MotionModel& model, const MotionAnswer& answer, auto&& wanted, bool merged) {
+std::vector<Extremes> extremes_of(const MotionAnswer& answer, auto&& wanted) {
   const Trajectory& path = answer.found.motion.trajectory;
   const std::size_t last = (path.nodes() - 1) * static_cast<std::size_t>(path.coordinates);
   const MotionRecord& record = answer.record;
-  const std::vector<int> groups = rigid_groups(model.scene());
-  std::vector<int> rows;  // group of each row; 0 for what is no angle
   std::vector<Extremes> out;
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     const Channel& channel = record.channels[c];
     if (!wanted(channel)) continue;
-    int group = 0;
-    if (channel.quantity == Quantity::angle) {
-      const std::vector<Body>& bodies = model.scene().bodies;
-      const auto body =
-          std::find_if(bodies.begin(), bodies.end(), [&](const Body& b) { return b.name == channel.name; });
-      group = groups[static_cast<std::size_t>(body - bodies.begin())];
-    }
-    const auto known = group == 0 ? rows.end() : std::find(rows.begin(), rows.end(), group);
-    if (merged && known != rows.end()) {
-      out[static_cast<std::size_t>(known - rows.begin())].name += ", " + channel.name;
-      continue;
-    }
-    rows.push_back(group);
     const auto i = static_cast<std::size_t>(channel.coordinate);
     const double start = path.q[i] + channel.offset, end = path.q[last + i] + channel.offset;
     Extremes row{channel.name, start, end, std::min(start, end), std::max(start, end), path.v[i], path.v[last + i]};
@@ -115,8 +99,9 @@ void add_moving(Group& group, const MotionModel& model, const MotionAnswer& answ
                 const std::string& title) {
   const Units& units = model.scene().units;
   const Quantity quantity = kind == Moving::angle ? Quantity::angle : Quantity::length;
-  const std::vector<Extremes> found = extremes_of(
-      model, answer, [&](const Channel& channel) { return kind_of(model, channel) == kind; }, true);
+  std::vector<Extremes> found =
+      extremes_of(answer, [&](const Channel& channel) { return kind_of(model, channel) == kind; });
+  if (kind == Moving::angle) found = merge_welded(model.scene(), found);
   Table& table = group.table("", fmt::format("{} ({})", title, unit_name(quantity, units)), Rows::list);
   table.words("", kind == Moving::travel ? "joint" : "body", each(found, &Extremes::name));
   Format format = format_of(model, quantity, coordinate_digits);
@@ -135,8 +120,7 @@ void add_moving_data(Group& group, const MotionModel& model, const MotionAnswer&
     const Quantity quantity = kind;
     std::vector<Extremes> found;
     if (answer.found.motion.trajectory.nodes() > 0) {
-      found = extremes_of(
-          model, answer, [&](const Channel& c) { return c.quantity == quantity; }, false);
+      found = extremes_of(answer, [&](const Channel& c) { return c.quantity == quantity; });
     }
     Table& table = group.table(key, "", Rows::by_name, Verbosity::data);
     table.words("name", "", each(found, &Extremes::name));
@@ -191,8 +175,7 @@ void add_drives(Group& group, const MotionModel& model, const Motion& motion) {
   for (std::size_t d = 0; d < motion.drive_force.size(); ++d) {
     const std::vector<double>& force = motion.drive_force[d];
     const Quantity quantity = effort_of(scene.drives[d].on);
-    const auto most =
-        std::max_element(force.begin(), force.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const auto most = largest_by_size(force);
     const bool any = most != force.end() && *most != 0.0;
     names.push_back(scene.drives[d].name);
     efforts.push_back(with_unit(model, any ? *most : 0.0, quantity));

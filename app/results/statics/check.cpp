@@ -19,9 +19,7 @@ Line verdict(const Mobility& mobility) {
   if (mobility.freedoms == 0) {
     return doubtful("All loops close; no degree of freedom that carries a load.");
   }
-  return {
-      .text = fmt::format("All loops close; {}.", count(mobility.freedoms, "degree of freedom", "degrees of freedom")),
-      .tone = Tone::good};
+  return good(fmt::format("All loops close; {}.", count(mobility.freedoms, "degree of freedom", "degrees of freedom")));
 }
 
 void add_bodies(Group& group, const Scene& scene) {
@@ -45,16 +43,14 @@ void add_bodies(Group& group, const Scene& scene) {
               }));
 }
 
-std::string spaced(std::string word) {
-  std::replace(word.begin(), word.end(), '_', ' ');
-  return word;
-}
-
 void add_joints(Group& group, const Scene& scene) {
   Table& table = group.table("joints", "Joints", Rows::list);
   table.words("name", "name", each(scene.joints, &Joint::name));
-  table.words("kind", "kind",
-              each(scene.joints, [](const Joint& joint) { return spaced(std::string(joint.traits().key)); }));
+  table.words("kind", "kind", each(scene.joints, [](const Joint& joint) {
+                std::string kind(joint.traits().key);
+                std::replace(kind.begin(), kind.end(), '_', ' ');
+                return kind;
+              }));
   table.words("from", "from", each(scene.joints, [&](const Joint& joint) { return scene.name_of(joint.a); }));
   table.words("to", "to", each(scene.joints, [&](const Joint& joint) { return scene.name_of(joint.b); }));
 }
@@ -96,7 +92,7 @@ std::vector<std::string> numbers_of_items(const Scene& scene, Owner owner, std::
 void add_elements(Group& group, const Scene& scene) {
   Table& table = group.table("elements", "Springs, dampers and other force elements", Rows::list);
   table.words("name", "name", each(scene.elements, &Element::name));
-  table.words("kind", "kind", each(scene.elements, [](const Element& element) { return spaced(element.table); }));
+  table.words("kind", "kind", each(scene.elements, &Element::family));
   table.words("on", "on", each(scene.elements, [&](const Element& e) { return in_words(scene, e.on); }));
   table.words("numbers", "numbers", numbers_of_items(scene, Owner::element, scene.elements.size()));
 }

@@ -58,11 +58,10 @@ void warn_of_doubt(Result& result, const Answer& answer) {
   const Equilibrium& equilibrium = answer.equilibrium;
   if (equilibrium.check.stability == Stability::unstable && equilibrium.seek == Seek::nearest) {
     result.warnings.push_back(
-        {.text = "The mechanism would leave this equilibrium; --seek stable searches for one in which it stays.",
-         .tone = Tone::doubtful});
+        doubtful("The mechanism would leave this equilibrium; --seek stable searches for one in which it stays."));
   }
   if (equilibrium.check.neutral_directions == 0 && answer.reference && !answer.reference->refined) {
-    result.warnings.push_back({.text = "Not verified in 50 digits: " + answer.reference->why + ".", .tone = Tone::bad});
+    result.warnings.push_back(bad("Not verified in 50 digits: " + answer.reference->why + "."));
   }
 }
 
@@ -165,10 +164,7 @@ void add_springs(Group& group, const StaticModel& model, const Readings& reading
 void add_torsion_springs(Group& group, const StaticModel& model, const Readings& readings) {
   const Scene& scene = model.scene();
   const std::vector<NamedElement> springs = springs_of(scene, true);
-  const auto body = [&](const NamedElement& spring) {
-    const Measure& on = scene.elements[spring.place].on;
-    return scene.bodies[on.kind == Measure::Kind::angle ? on.body_b : 0].name;
-  };
+  const auto body = [&](const NamedElement& spring) { return second_body(scene, scene.elements[spring.place].on); };
   Table& table = group.table("torsion_springs", "Torsion springs, moment on the named body", Rows::by_name);
   table.words("name", "name", each(springs, &NamedElement::name));
   table.words("on", "on", each(springs, body));
