@@ -1,0 +1,153 @@
+#pragma once
+
+#include <arb.h>
+
+namespace poise::solvers {
+
+/// A real number known to lie in [midpoint - radius, midpoint + radius]: ball arithmetic of the Arb library, whose
+/// operations enclose all results exactly (F. Johansson, "Arb: efficient arbitrary-precision midpoint-radius interval
+/// arithmetic", IEEE Trans. Computers 66, 2017). Doubles convert without rounding. Division by, and the square root of,
+/// a ball that contains zero give a ball that is not finite.
+class Ball {
+ public:
+  /// Bits of the midpoints of results, for the current thread while it lives.
+  class Precision {
+   public:
+    explicit Precision(long bits) : before_(bits_) { bits_ = bits; }
+    ~Precision() { bits_ = before_; }
+    Precision(const Precision&) = delete;
+    Precision& operator=(const Precision&) = delete;
+
+   private:
+    long before_;
+  };
+  /// While one lives, doubles of the current thread become balls of radius half a unit in the last place (relative
+  /// 2^-53): all numbers that round to them. Integers remain exact.
+  class InputRounding {
+   public:
+    explicit InputRounding(bool on) : before_(rounded_input_) { rounded_input_ = on; }
+    ~InputRounding() { rounded_input_ = before_; }
+    InputRounding(const InputRounding&) = delete;
+    InputRounding& operator=(const InputRounding&) = delete;
+
+   private:
+    bool before_;
+  };
+
+  Ball() { arb_init(v_); }
+  // Implicit, as a double is for a double: the templates of the model mix numbers of the scene with their scalar.
+  Ball(double x) : Ball() {  // NOLINT(google-explicit-constructor)
+    arb_set_d(v_, x);
+    if (rounded_input_) add_half_unit();
+  }
+  Ball(int x) : Ball() { arb_set_si(v_, x); }  // NOLINT(google-explicit-constructor)
+  Ball(const Ball& a) : Ball() { arb_set(v_, a.v_); }
+  Ball(Ball&& a) noexcept : Ball() { arb_swap(v_, a.v_); }
+  Ball& operator=(const Ball& a) {
+    arb_set(v_, a.v_);
+    return *this;
+  }
+  Ball& operator=(Ball&& a) noexcept {
+    arb_swap(v_, a.v_);
+    return *this;
+  }
+  ~Ball() { arb_clear(v_); }
+
+  friend Ball operator+(const Ball& a, const Ball& b) { return by(arb_add, a, b); }
+  friend Ball operator-(const Ball& a, const Ball& b) { return by(arb_sub, a, b); }
+  friend Ball operator*(const Ball& a, const Ball& b) { return by(arb_mul, a, b); }
+  friend Ball operator/(const Ball& a, const Ball& b) { return by(arb_div, a, b); }
+  friend Ball operator-(const Ball& a) {
+    Ball out;
+    arb_neg(out.v_, a.v_);
+    return out;
+  }
+  Ball& operator+=(const Ball& a) {
+    arb_add(v_, v_, a.v_, bits_);
+    return *this;
+  }
+  Ball& operator-=(const Ball& a) {
+    arb_sub(v_, v_, a.v_, bits_);
+    return *this;
+  }
+  Ball& operator*=(const Ball& a) {
+    arb_mul(v_, v_, a.v_, bits_);
+    return *this;
+  }
+  /// this -= a b.
+  void subtract_product(const Ball& a, const Ball& b) { arb_submul(v_, a.v_, b.v_, bits_); }
+
+  /// Equality, order: true only where it holds for all numbers of the balls.
+  friend bool operator==(const Ball& a, const Ball& b) { return arb_eq(a.v_, b.v_) != 0; }
+  friend bool operator<(const Ball& a, const Ball& b) { return arb_lt(a.v_, b.v_) != 0; }
+  friend bool operator>(const Ball& a, const Ball& b) { return arb_gt(a.v_, b.v_) != 0; }
+  friend bool operator<=(const Ball& a, const Ball& b) { return arb_le(a.v_, b.v_) != 0; }
+  friend bool operator>=(const Ball& a, const Ball& b) { return arb_ge(a.v_, b.v_) != 0; }
+
+  friend Ball sqrt(const Ball& a) {
+    Ball out;
+    arb_sqrt(out.v_, a.v_, bits_);
+    return out;
+  }
+  friend Ball abs(const Ball& a) {
+    Ball out;
+    arb_abs(out.v_, a.v_);
+    return out;
+  }
+  friend void sin_cos(const Ball& a, Ball& sine, Ball& cosine) { arb_sin_cos(sine.v_, cosine.v_, a.v_, bits_); }
+  friend Ball sin(const Ball& a) {
+    Ball out;
+    arb_sin(out.v_, a.v_, bits_);
+    return out;
+  }
+  friend Ball cos(const Ball& a) {
+    Ball out;
+    arb_cos(out.v_, a.v_, bits_);
+    return out;
+  }
+
+  bool is_finite() const { return arb_is_finite(v_) != 0; }
+  bool contains_zero() const { return arb_contains_zero(v_) != 0; }
+  /// All of `inner` is in this ball.
+  bool contains(const Ball& inner) const { return arb_contains(v_, inner.v_) != 0; }
+  /// All of `inner` is in this ball, without its two ends.
+  bool contains_inside(const Ball& inner) const { return arb_contains_interior(v_, inner.v_) != 0; }
+  /// The smallest ball that contains both.
+  static Ball of_both(const Ball& a, const Ball& b) {
+    Ball out;
+    arb_union(out.v_, a.v_, b.v_, bits_);
+    return out;
+  }
+  /// The double nearest to the midpoint.
+  double middle() const { return arf_get_d(arb_midref(v_), ARF_RND_NEAR); }
+  /// The midpoint alone.
+  Ball midpoint() const {
+    Ball out;
+    arf_set(arb_midref(out.v_), arb_midref(v_));
+    return out;
+  }
+  /// Greatest amount of a number of the ball, rounded up.
+  double greatest() const;
+  /// Least amount of a number of the ball, rounded down; 0 if it contains zero.
+  double least() const;
+  /// The radius, rounded up.
+  double radius() const;
+  /// The ball with `more` added to its radius.
+  Ball widened(double more) const;
+
+ private:
+  template <class Operation>
+  static Ball by(Operation operation, const Ball& a, const Ball& b) {
+    Ball out;
+    operation(out.v_, a.v_, b.v_, bits_);
+    return out;
+  }
+
+  void add_half_unit();
+
+  inline static thread_local long bits_ = 128;
+  inline static thread_local bool rounded_input_ = false;
+  arb_t v_;
+};
+
+}  // namespace poise::solvers

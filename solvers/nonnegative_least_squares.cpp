@@ -1,0 +1,63 @@
+#include "solvers/nonnegative_least_squares.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "solvers/linear_algebra.hpp"
+
+namespace poise::solvers {
+namespace {
+
+constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+  const Eigen::Index n = a.cols();
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+  std::vector<Eigen::Index> positive;
+  const auto columns = [&] {
+    Eigen::MatrixXd out(a.rows(), static_cast<Eigen::Index>(positive.size()));
+    for (std::size_t k = 0; k < positive.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = a.col(positive[k]);
+    return out;
+  };
+  const double scale = n > 0 && a.rows() > 0 ? a.cwiseAbs().maxCoeff() * b.cwiseAbs().maxCoeff() : 0.0;
+  for (Eigen::Index pass = 0; pass < 3 * n; ++pass) {
+    const Eigen::VectorXd gain = a.transpose() * (b - a * x);
+    Eigen::Index enters = -1;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const bool is_positive = std::find(positive.begin(), positive.end(), j) != positive.end();
+      if (!is_positive && gain[j] > rounding * scale && (enters < 0 || gain[j] > gain[enters])) enters = j;
+    }
+    if (enters < 0) break;
+    positive.push_back(enters);
+    for (;;) {
+      const LeastSquares<double> part(columns(), known_to::solution);
+      if (part.rank() < static_cast<Eigen::Index>(positive.size())) {
+        positive.pop_back();  // dependent on the others: it would add nothing
+        return x;
+      }
+      const Eigen::VectorXd s = part.solve(b);
+      double step = 1.0;
+      for (std::size_t k = 0; k < positive.size(); ++k) {
+        const double now = x[positive[k]];
+        const double next = s[static_cast<Eigen::Index>(k)];
+        if (next <= 0.0) step = std::min(step, now > next ? now / (now - next) : 0.0);
+      }
+      for (std::size_t k = 0; k < positive.size(); ++k) {
+        double& now = x[positive[k]];
+        now += step * (s[static_cast<Eigen::Index>(k)] - now);
+      }
+      if (step >= 1.0) break;
+      std::erase_if(positive, [&](Eigen::Index j) {
+        if (x[j] > rounding * x.cwiseAbs().maxCoeff()) return false;
+        x[j] = 0.0;
+        return true;
+      });
+      if (positive.empty()) break;
+    }
+  }
+  return x;
+}
+
+}  // namespace poise::solvers
