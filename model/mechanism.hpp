@@ -108,6 +108,17 @@ class Mechanism {
   const std::vector<T>& lower() const { return lower_; }  ///< of the stops
   const std::vector<T>& upper() const { return upper_; }
 
+  /// Force elements that take part; for Purpose::dynamics all, in the order of the scene.
+  int elements() const { return static_cast<int>(elements_.size()); }
+  /// The law of one, and the value of its measure.
+  const Law& law_of(int element) const { return elements_[element].law; }
+  void replace_law(int element, const Law& law) { elements_[element].law = law; }
+  T measure_of(int element, Planar<T>* pose) const { return elements_[element].on.value(at(pose)); }
+  /// g += the gradient of its measure, n values.
+  void add_measure_gradient(int element, Planar<T>* pose, T* g) const {
+    elements_[element].on.add_gradient(at(pose), T(1), g);
+  }
+
   // Motion.
 
   /// The equalities' derivatives from those of the phasors, equalities() values: sum_t C_lt f_t of every closure.
@@ -175,6 +186,7 @@ class Mechanism {
   PhasorSum<T> path_to(const Scene& scene, PointRef point) const;
   void compile_loads(const Scene& scene);
   void compile_closures();
+  ForceElement compiled_element(const Scene& scene, const Element& element, Purpose purpose) const;
   void compile_elements(const Scene& scene, Purpose purpose);
   void compile_followers(const Scene& scene);
   void compile_stops(const Scene& scene);

@@ -103,10 +103,24 @@ void Mechanism<T>::compile_closures() {
   }
 }
 
+// In statics a spring of free length zero is smooth where its points coincide; derivatives by its numbers, which motion
+// needs, are those of the distance.
+template <class T>
+typename Mechanism<T>::ForceElement Mechanism<T>::compiled_element(const Scene& scene, const Element& element,
+                                                                   Purpose purpose) const {
+  const auto* spring = std::get_if<LinearSpring>(&element.law);
+  if (purpose == Purpose::statics && spring != nullptr && element.on.kind == Measure::Kind::distance &&
+      spring->free_length == 0.0 && spring->acts != LinearSpring::Acts::compression) {
+    return {
+        CompiledMeasure<T>::half_square(scene, layout_, phasors_, element.on), ConstantForce{spring->stiffness}, {}};
+  }
+  return {{scene, layout_, phasors_, element.on}, element.law, {}};
+}
+
 template <class T>
 void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
   for (const Element& element : scene.elements) {
-    ForceElement compiled{{scene, layout_, phasors_, element.on}, element.law, {}};
+    ForceElement compiled = compiled_element(scene, element, purpose);
     const bool acts = stores_energy(element.law) && idle(element.law).empty() && !compiled.on.support().empty();
     if (!acts && purpose == Purpose::statics) continue;
     need_scratch(compiled.on.scratch_size() +

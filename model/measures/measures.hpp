@@ -6,6 +6,7 @@
 
 #include "model/measures/angle.hpp"
 #include "model/measures/distance.hpp"
+#include "model/measures/half_square.hpp"
 #include "model/measures/position.hpp"
 #include "model/measures/sum.hpp"
 #include "model/measures/travel.hpp"
@@ -20,6 +21,13 @@ class CompiledMeasure {
   CompiledMeasure() = default;
   CompiledMeasure(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure)
       : form_(compile(scene, layout, phasors, measure)) {}
+  /// Half the square of a distance.
+  static CompiledMeasure half_square(const Scene& scene, const Layout& layout, const Phasors<T>& phasors,
+                                     const Measure& measure) {
+    CompiledMeasure out;
+    out.form_ = HalfSquareMeasure<T>(between(scene, layout, phasors, measure.a, measure.b));
+    return out;
+  }
 
   const std::vector<int>& support() const {
     return std::visit([](const auto& g) -> const std::vector<int>& { return g.support(); }, form_);
@@ -65,7 +73,8 @@ class CompiledMeasure {
   }
 
  private:
-  using Form = std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, SumMeasure<T>>;
+  using Form =
+      std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, SumMeasure<T>, HalfSquareMeasure<T>>;
 
   static Form compile(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
     switch (measure.kind) {
@@ -98,7 +107,9 @@ class CompiledMeasure {
       }
       std::visit(
           [&]<class G>(G g) {
-            if constexpr (!std::is_same_v<G, SumMeasure<T>>) sum.add(whole, std::move(g));
+            if constexpr (!std::is_same_v<G, SumMeasure<T>> && !std::is_same_v<G, HalfSquareMeasure<T>>) {
+              sum.add(whole, std::move(g));
+            }
           },
           compile(scene, layout, phasors, term.measure));
     }
