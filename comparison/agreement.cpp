@@ -8,11 +8,11 @@ namespace poise::comparison {
 namespace {
 
 bool same_equilibrium(const StaticModel& model, const Answer& a, const Answer& b) {
-  constexpr double same_reference = 1e-9;
-  constexpr double same_answer = 1e-6;
-  const bool refined = a.reference && a.reference->refined && b.reference && b.reference->refined;
-  if (refined) return largest_difference(model, a.reference->x, b.reference->x).size < same_reference;
-  return largest_difference(model, a.equilibrium.x, b.equilibrium.x).size < same_answer;
+  const Certificate& p = a.equilibrium.certificate;
+  const Certificate& q = b.equilibrium.certificate;
+  // Of neutral and degenerate equilibria the place is known less well.
+  constexpr double same_place = 1e-9;
+  return largest_difference(model, p.x, q.x).size <= std::max(same_place, p.radius + q.radius);
 }
 
 }  // namespace
@@ -35,7 +35,8 @@ Agreement compare_answers(const StaticModel& model, const std::vector<Answer>& a
   agreement.same = agreement.equilibria.size() < 2;
   for (std::size_t i = 0; i < confirmed.size(); ++i) {
     for (std::size_t j = i + 1; j < confirmed.size(); ++j) {
-      const Difference d = largest_difference(model, confirmed[i]->equilibrium.x, confirmed[j]->equilibrium.x);
+      const Difference d =
+          largest_difference(model, confirmed[i]->equilibrium.reached, confirmed[j]->equilibrium.reached);
       agreement.whole_turns = agreement.whole_turns || d.whole_turns;
       if (d.size < agreement.difference) continue;
       agreement.difference = d.size;

@@ -16,9 +16,6 @@ namespace {
 constexpr double exact = 1e-9;
 // Results farther apart are different, however ill-conditioned the equilibrium.
 constexpr double elsewhere = 1e-3;
-// The relative rounding of forces that Check::accuracy assumes.
-constexpr double force_rounding = 64 * std::numeric_limits<double>::epsilon();
-
 double bounded(double distance) { return std::clamp(distance, exact, elsewhere); }
 
 // "left -1.571, right 1.571, rail 0 (rad, m)", as much of a pose as fits on a line.
@@ -89,15 +86,9 @@ double CaseCheck::distance(const std::vector<double>& x, const std::vector<BodyP
 }
 
 CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& equilibrium) const {
-  const CheckTolerances passed;
-  const Check& check = equilibrium.check;
-  // The scaled imbalance that the check accepts, converted into distance by the smallest curvature; if that is unknown,
-  // no near result is too far.
-  if (!check.accuracy) return {exact, elsewhere};
-  const double force = std::max(passed.imbalance * check.largest_force, check.imbalance) / model_.scales().force;
-  const double given_way = *check.accuracy * std::max(1.0, force / force_rounding);
-  const double stops = model_.scene().stops.empty() ? 0.0 : passed.stop;
-  return {bounded(*check.accuracy), bounded(given_way + passed.closure + stops)};
+  // Known equilibria are of the scene's decimal numbers, proved ones of the doubles they became.
+  const double reach = bounded(equilibrium.certificate.radius + 4 * equilibrium.certificate.rounding_effect);
+  return {reach, reach};
 }
 
 Verdict CaseCheck::verdict_on(const Equilibrium& equilibrium) const {
@@ -108,7 +99,8 @@ Verdict CaseCheck::verdict_on(const Equilibrium& equilibrium) const {
   }
   Verdict verdict;
   verdict.why = equilibrium.why;
-  const bool said_to_lock = hard_.expect == Expect::locked && (equilibrium.check.singular || equilibrium.met_singular);
+  const bool said_to_lock =
+      hard_.expect == Expect::locked && (equilibrium.certificate.singular || equilibrium.met_singular);
   const bool denied = equilibrium.status == Status::not_confirmed;
   if (said_to_lock || (hard_.expect == Expect::none && !denied)) {
     verdict.kind = Verdict::Kind::converged;
@@ -129,13 +121,13 @@ Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& equilibrium) const {
     }
   } else if (hard_.expect != Expect::equilibrium) {
     verdict.kind = Verdict::Kind::false_claim;
-    verdict.why = fmt::format("confirmed as {}, but {}", to_string(equilibrium.check.stability), hard_.why);
+    verdict.why = fmt::format("confirmed as {}, but {}", to_string(equilibrium.certificate.stability), hard_.why);
   } else if (hard_.everywhere) {
-    const bool neutral = equilibrium.check.stability == Stability::neutral;
+    const bool neutral = equilibrium.certificate.stability == Stability::neutral;
     verdict.kind = neutral ? Verdict::Kind::converged : Verdict::Kind::false_claim;
     if (!neutral) {
       verdict.why = fmt::format("confirmed as {}, but every closed pose is an equilibrium",
-                                to_string(equilibrium.check.stability));
+                                to_string(equilibrium.certificate.stability));
     }
   } else {
     verdict = verdict_by_list(equilibrium);
@@ -155,15 +147,15 @@ Verdict CaseCheck::verdict_by_list(const Equilibrium& equilibrium) const {
     }
   }
   const Bounds bounds = bounds_at(equilibrium);
-  const std::string claim = "confirmed as " + to_string(equilibrium.check.stability);
+  const std::string claim = "confirmed as " + to_string(equilibrium.certificate.stability);
   if (!(apart <= bounds.confirmed)) {
     if (!hard_.complete) return verdict_by_reference(equilibrium);
-    return {Verdict::Kind::false_claim, apart, equilibrium.check.accuracy,
+    return {Verdict::Kind::false_claim, apart, equilibrium.certificate.radius,
             fmt::format("{}, but {:.2g} (rad or sizes) from the nearest known equilibrium", claim, apart)};
   }
-  if (equilibrium.check.stability != nearest->stability) {
-    const bool known = equilibrium.check.stability != Stability::unknown;
-    return {known ? Verdict::Kind::false_claim : Verdict::Kind::failed, apart, equilibrium.check.accuracy,
+  if (equilibrium.certificate.stability != nearest->stability) {
+    const bool known = equilibrium.certificate.stability != Stability::unknown;
+    return {known ? Verdict::Kind::false_claim : Verdict::Kind::failed, apart, equilibrium.certificate.radius,
             fmt::format("{}, but it is {}", claim, to_string(nearest->stability))};
   }
   return verdict_by_distance(apart, equilibrium, bounds);
@@ -174,14 +166,14 @@ Verdict CaseCheck::verdict_by_reference(const Equilibrium& equilibrium) const {
   if (reference.refined) return verdict_by_distance(reference.error, equilibrium, bounds_at(equilibrium));
   Verdict verdict;
   verdict.kind = Verdict::Kind::false_claim;
-  verdict.why = "confirmed by the check, but not by 50 digits: " + reference.why;
+  verdict.why = "confirmed, but not by 50 digits: " + reference.why;
   return verdict;
 }
 
 Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& equilibrium, const Bounds& bounds) {
-  if (apart <= bounds.converged) return {Verdict::Kind::converged, apart, equilibrium.check.accuracy, ""};
+  if (apart <= bounds.converged) return {Verdict::Kind::converged, apart, equilibrium.certificate.radius, ""};
   return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::false_claim, apart,
-          equilibrium.check.accuracy,
+          equilibrium.certificate.radius,
           fmt::format("error {:.2g} (rad or sizes), of which rounding explains {:.1g}", apart, bounds.converged)};
 }
 

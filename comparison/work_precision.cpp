@@ -44,7 +44,7 @@ class Study {
       if (!does_not_apply(method)) run_rows(method);
     }
     for (const WorkPrecisionRow& row : out_.rows) {
-      if (row.confirmed && nearest_equilibrium(row.x).index < 0) keep(row.x, check(model_, row.x), nullptr);
+      if (row.confirmed && nearest_equilibrium(row.x).index < 0) keep(certify(model_, row.x), nullptr);
     }
     for (WorkPrecisionRow& row : out_.rows) set_error(row);
     return std::move(out_);
@@ -81,22 +81,22 @@ class Study {
       out_.interrupted = found.status == Status::interrupted;
       if (found.status == Status::not_applicable && k < methods_.size())
         out_.not_applicable.push_back({found.method, found.why});
-      if (found.found()) keep(found.x, found.check, &found.method);
+      if (found.found()) keep(found.certificate, &found.method);
     }
   }
 
   /// Adds the 50-digit refinement of a confirmed answer to the known equilibria, or its method to its finders.
-  void keep(const std::vector<double>& x, const Check& check, const Method* finder) {
+  void keep(const Certificate& proved, const Method* finder) {
     tell("refining an equilibrium in 50 digits");
-    const Reference reference = refine(model_, x);
+    const Reference reference = refine(model_, proved.x);
     if (!reference.refined) return;
-    const bool neutral = check.neutral_directions > 0;
+    const bool neutral = proved.neutral_directions > 0;
     // Of a continuum one is enough: which one a method finds is arbitrary.
     auto known = std::find_if(out_.equilibria.begin(), out_.equilibria.end(), [&](const ReferenceEquilibrium& other) {
       return (neutral && other.neutral) || largest_difference(model_, other.x, reference.x).size < same_equilibrium;
     });
     if (known == out_.equilibria.end()) {
-      out_.equilibria.push_back({reference.x, reference.digits, check.stability, neutral, check.accuracy, {}});
+      out_.equilibria.push_back({reference.x, reference.digits, proved.stability, neutral, proved.rounding_effect, {}});
       known = std::prev(out_.equilibria.end());
     }
     if (finder != nullptr) known->found_by.push_back(*finder);
@@ -127,7 +127,7 @@ class Study {
       row.confirmed = found.found();
       row.iterations = found.iterations;
       row.evaluations = found.evaluations;
-      row.x = std::move(found.x);
+      row.x = std::move(found.reached);
       row.why = std::move(found.why);
     } while (wants_more(times.size(), begin));
     row.repeats = static_cast<int>(times.size());

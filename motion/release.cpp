@@ -13,7 +13,7 @@ MotionOrigin equilibrium_origin(const MotionModel& model, Seek seek, const std::
   const Equilibrium found = solve(statics, options);
   if (!found.found()) return {.kind = MotionOrigin::Kind::not_found, .why = found.why};
   return {.kind = MotionOrigin::Kind::equilibrium,
-          .stability = found.check.stability,
+          .stability = found.certificate.stability,
           .q = model.to_si(motion_coordinates(model, statics, found.x))};
 }
 

@@ -30,8 +30,8 @@ double preloads(const StaticModel& model, const Readings& now) {
 }  // namespace
 
 std::optional<double> error_of(const Answer& answer) {
-  if (!answer.reference || !answer.reference->refined) return std::nullopt;
-  return answer.reference->error;
+  if (!answer.equilibrium.found()) return std::nullopt;
+  return answer.equilibrium.certificate.moved;
 }
 
 Answer measure(const StaticModel& model, Equilibrium equilibrium) {

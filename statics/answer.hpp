@@ -16,7 +16,8 @@ struct Answer {
   std::optional<Reference> reference;  ///< of confirmed answers
 };
 
-/// The error that is shown: against the 50-digit reference, empty where there is none.
+/// Distance of the method's own result from the equilibrium that is proved, rad or mechanism sizes; empty where none
+/// is.
 std::optional<double> error_of(const Answer& answer);
 
 /// Takes the readings of a result, and, of a confirmed one, its reference.

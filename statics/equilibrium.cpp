@@ -161,19 +161,31 @@ std::optional<double> energy_at(const StaticModel& model, const std::vector<doub
   return m.energy(x.data(), pose.data()) * model.scales().energy();
 }
 
-// The check decides, independent of the solver's own report.
-void check_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
-  out.check = check(model, out.x, options.check);
+// The certificate decides, independent of the solver's own report.
+void certify_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
+  out.reached = out.x;
+  out.certificate = certify(model, out.x, options.certificate);
+  const bool confirmed = out.certificate.confirmed();
+  if (confirmed) out.x = out.certificate.x;
+  out.check = check(model, out.x, options.check, confirmed ? &out.certificate.active_stops : nullptr);
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;
-  const bool wrong_kind = options.seek == Seek::stable && out.check.stability == Stability::unstable;
-  if (out.check.is_equilibrium() && !wrong_kind) {
+  const bool wrong_kind = options.seek == Seek::stable && out.certificate.stability == Stability::unstable;
+  if (confirmed && !wrong_kind) {
     out.status = Status::confirmed;
     return;
   }
-  out.status = out.claimed && !out.check.is_equilibrium() ? Status::not_confirmed : Status::not_found;
-  out.why +=
-      wrong_kind && out.check.is_equilibrium() ? "; the result is an unstable equilibrium" : "; " + out.check.objection;
+  if (confirmed) {
+    out.status = Status::not_found;
+    out.why += "; the result is an unstable equilibrium";
+    return;
+  }
+  if (out.certificate.too_large && out.claimed && out.check.is_equilibrium()) {
+    out.status = Status::checked;
+    return;
+  }
+  out.status = out.claimed ? Status::not_confirmed : Status::not_found;
+  out.why += "; " + (out.check.objection.empty() ? out.certificate.statement : out.check.objection);
 }
 
 Equilibrium search_and_check(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
@@ -188,13 +200,14 @@ Equilibrium search_and_check(const StaticModel& model, const std::vector<double>
     search(plain, plain.from_si(model.to_si(x)), options, out);
     out.x = model.from_si(plain.to_si(out.x));
   }
-  if (out.status != Status::not_applicable) check_answer(model, options, out);
+  if (out.status != Status::not_applicable) certify_answer(model, options, out);
   return out;
 }
 
-// The solver claims success, and the check does not confirm it.
+// The solver claims success, and nothing was proved.
 bool is_denied(const Equilibrium& equilibrium) {
-  return equilibrium.claimed && !equilibrium.found() && equilibrium.status != Status::interrupted;
+  return equilibrium.claimed && !equilibrium.found() && equilibrium.status != Status::interrupted &&
+         equilibrium.status != Status::checked;
 }
 
 }  // namespace
@@ -205,6 +218,8 @@ std::string to_string(Status status) {
       return "not solved";
     case Status::confirmed:
       return "confirmed";
+    case Status::checked:
+      return "checked, not proved";
     case Status::not_confirmed:
       return "not confirmed";
     case Status::not_found:
@@ -230,8 +245,7 @@ Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const 
     next.evaluations += out.evaluations;
     next.microseconds += out.microseconds;
     next.met_singular = next.met_singular || out.met_singular;
-    if (next.found())
-      next.why += "; from a displaced start, because the check did not confirm the result from the given one";
+    if (next.found()) next.why += "; from a displaced start, because the result from the given one was not confirmed";
     out = std::move(next);
   }
   return out;

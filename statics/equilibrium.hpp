@@ -7,6 +7,7 @@
 
 #include "model/scene.hpp"
 #include "solvers/newton.hpp"
+#include "statics/certificate.hpp"
 #include "statics/check.hpp"
 #include "statics/method.hpp"
 #include "statics/static_model.hpp"
@@ -20,8 +21,9 @@ enum class Seek {
 
 enum class Status {
   not_solved,
-  confirmed,       ///< the independent check confirms the result
-  not_confirmed,   ///< the solver claims success and the independent check does not confirm it
+  confirmed,       ///< the certificate proves an equilibrium at the result
+  checked,         ///< free-body statics finds it in balance, but the mechanism is too large for a proof
+  not_confirmed,   ///< the solver claims success and nothing could be proved
   not_found,       ///< the search failed, or its result is an equilibrium of the wrong kind
   not_applicable,  ///< the method does not apply: a load without potential in the energy method, too many coordinates
   interrupted
@@ -35,6 +37,7 @@ struct SolveOptions {
   Seek seek = Seek::nearest;
   std::optional<double> tolerance{};  ///< of the method; its default (MethodTraits) if not given
   CheckTolerances check{};
+  CertificateOptions certificate{};
   solvers::Safeguards safeguards{};  ///< of virtual work
   bool scaling = true;               ///< off: the search runs in m and N, to measure the effect of scaling
   const std::atomic<bool>* interrupt = nullptr;
@@ -52,11 +55,13 @@ struct Equilibrium {
   std::string why;  ///< one sentence: the solver's report, and the objection of the check if there is one
   int iterations = 0;
   int evaluations = 0;
-  double microseconds = 0.0;  ///< of the search alone, without reading, compiling, closing loops and check
-  std::vector<double> x;      ///< scaled coordinates
+  double microseconds = 0.0;    ///< of the search alone, without reading, compiling, closing loops and check
+  std::vector<double> x;        ///< scaled coordinates: Certificate::x if it is confirmed, else `reached`
+  std::vector<double> reached;  ///< where the method itself ended, scaled coordinates
   /// V, J; of dead loads from an arbitrary zero. Empty with follower loads, which have no potential, and before any
   /// search.
   std::optional<double> energy;
+  Certificate certificate;
   Check check;
 
   bool found() const { return status == Status::confirmed; }

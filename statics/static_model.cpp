@@ -2,11 +2,20 @@
 
 #include <utility>
 
+#include "statics/balance_system.hpp"
+
 namespace poise {
 
 StaticModel::StaticModel(Scene scene) : ScaledModel(std::move(scene), Purpose::statics), problem_(mechanism()) {}
 
 StaticModel::StaticModel(Scene scene, const Scales& scales)
     : ScaledModel(std::move(scene), Purpose::statics, scales), problem_(mechanism()) {}
+
+StaticModel::~StaticModel() = default;
+
+const BallMechanism& StaticModel::balls() const {
+  std::call_once(balls_made_, [this] { balls_ = std::make_unique<const BallMechanism>(*this); });
+  return *balls_;
+}
 
 }  // namespace poise

@@ -1,24 +1,36 @@
 #pragma once
 
+#include <memory>
+#include <mutex>
+
 #include "statics/equilibrium_problem.hpp"
 #include "statics/scaled_model.hpp"
 
 namespace poise {
+
+struct BallMechanism;
 
 /// A scene compiled for statics.
 class StaticModel : public ScaledModel {
  public:
   /// Throws InputError if the scene contradicts itself.
   explicit StaticModel(Scene scene);
+  StaticModel(const StaticModel&) = delete;
+  StaticModel& operator=(const StaticModel&) = delete;
+  ~StaticModel();
   /// The same in given units.
   StaticModel(Scene scene, const Scales& scales);
 
   /// The scene measured in scales(), made anew by every call.
   Scene scaled_scene() const { return scaled(scene(), scales()); }
   const EquilibriumProblem& problem() const { return problem_; }
+  /// The scene in ball arithmetic, compiled at the first call.
+  const BallMechanism& balls() const;
 
  private:
   EquilibriumProblem problem_;
+  mutable std::once_flag balls_made_;
+  mutable std::unique_ptr<const BallMechanism> balls_;
 };
 
 }  // namespace poise

@@ -74,7 +74,7 @@ std::vector<std::string> wrap(const std::string& text, double size, double width
 std::string verdict(const Equilibrium& equilibrium) {
   const std::string method = to_string(equilibrium.method);
   if (!equilibrium.found()) return "No equilibrium confirmed (" + to_string(equilibrium.status) + ", " + method + ")";
-  return "In equilibrium, " + to_string(equilibrium.check.stability) + "; found by " + method +
+  return "In equilibrium, " + to_string(equilibrium.certificate.stability) + "; found by " + method +
          ", confirmed by free-body statics";
 }
 

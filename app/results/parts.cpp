@@ -100,13 +100,13 @@ std::string with_unit(const ScaledModel& model, double si, Quantity quantity, in
                        .format = format_of(model, quantity, digits, Format::Style::significant)});
 }
 
-std::string in_words(const Check& check) {
-  std::string text = to_string(check.stability);
+std::string in_words(const Certificate& certificate) {
+  std::string text = to_string(certificate.stability);
   const auto add = [&](int number, const std::string& what) {
     if (number > 0) text += ", " + count(number, what + " direction", what + " directions");
   };
-  add(check.unstable_directions, "unstable");
-  add(check.neutral_directions, "neutral");
+  add(certificate.unstable_directions, "unstable");
+  add(certificate.neutral_directions, "neutral");
   return text;
 }
 

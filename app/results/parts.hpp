@@ -38,7 +38,7 @@ Column& add_column(Table& table, const ScaledModel& model, const std::string& ke
 std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits = force_digits);
 
 /// "1 unstable direction", ...; nothing where there is none.
-std::string in_words(const Check& check);
+std::string in_words(const Certificate& certificate);
 Tone tone_of(Stability stability);
 
 /// The value that is largest by size; the end of an empty row.

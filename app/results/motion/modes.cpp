@@ -90,7 +90,8 @@ Line verdict(const ModesAnswer& answer) {
 
 void add_facts(Group& group, const MotionModel& model, const ModesAnswer& answer) {
   const Modes& modes = answer.modes;
-  group.fact("equilibrium", in_words(answer.equilibrium.check), tone_of(answer.equilibrium.check.stability));
+  group.fact("equilibrium", in_words(answer.equilibrium.certificate),
+             tone_of(answer.equilibrium.certificate.stability));
   std::string mobility = fmt::format("{}, of {}", count(modes.freedoms, "degree of freedom", "degrees of freedom"),
                                      count(model.layout().kept, "coordinate that moves", "coordinates that move"));
   if (modes.known && modes.massless > 0)
@@ -133,7 +134,7 @@ void add_data(Group& group, const MotionModel& model, const ModesAnswer& answer)
   const Modes& modes = answer.modes;
   group.data("status", to_string(answer.equilibrium.status));
   group.data("why", answer.equilibrium.why);
-  group.data("stability", to_string(answer.equilibrium.check.stability));
+  group.data("stability", to_string(answer.equilibrium.certificate.stability));
   group.data("degrees_of_freedom", modes.freedoms);
   group.data("massless", modes.massless);
   group.data("held", modes.held);

@@ -58,14 +58,16 @@ void add_methods(Group& group, const StaticModel& model, const std::vector<Answe
   table.numbers("", "error", "", each(answers, error_of), {Format::Style::error});
   table
       .words("", "stability",
-             each(answers, [](const Answer& a) { return a.equilibrium.found() ? in_words(a.equilibrium.check) : "-"; }))
+             each(answers,
+                  [](const Answer& a) { return a.equilibrium.found() ? in_words(a.equilibrium.certificate) : "-"; }))
       .tones = each(answers, [](const Answer& a) {
-    return a.equilibrium.found() ? tone_of(a.equilibrium.check.stability) : Tone::plain;
+    return a.equilibrium.found() ? tone_of(a.equilibrium.certificate.stability) : Tone::plain;
   });
   table.numbers("", "energy", unit_name(Quantity::energy, units), each(answers, energy),
                 format_of(model, Quantity::energy, coordinate_digits));
-  table.footnotes = {"error: largest of all coordinates (rad, or length over size) from the 50-digit reference",
-                     fmt::format("energy: {}", energy_note)};
+  table.footnotes = {
+      "error: largest of all coordinates (rad, or length over size), from the equilibrium that is proved",
+      fmt::format("energy: {}", energy_note)};
 }
 
 /// How far apart two equilibria are, in the unit of the coordinate in which they differ most.

@@ -8,20 +8,25 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "statics/principal_directions.hpp"
 
 namespace poise::app {
 namespace {
 
 Line verdict(const Equilibrium& equilibrium) {
-  const Check& check = equilibrium.check;
+  const Certificate& certificate = equilibrium.certificate;
   switch (equilibrium.status) {
-    case Status::confirmed:
-      return {.text = check.stability == Stability::unknown
-                          ? "In equilibrium, confirmed; whether it is stable is unknown."
-                          : fmt::format("In equilibrium, confirmed: {}.", to_string(check.stability)),
-              .tone = tone_of(check.stability)};
+    case Status::confirmed: {
+      const std::string proof = certificate.outcome == Outcome::degenerate ? "degenerate, proved" : "proved";
+      return {.text = certificate.stability == Stability::unknown
+                          ? fmt::format("In equilibrium, {}; whether it is stable is unknown.", proof)
+                          : fmt::format("In equilibrium, {}: {}.", proof, to_string(certificate.stability)),
+              .tone = tone_of(certificate.stability)};
+    }
+    case Status::checked:
+      return doubtful("In equilibrium, checked, not proved: free-body statics finds every body in balance.");
     case Status::not_confirmed:
-      return bad("Not confirmed: the method claims an equilibrium, the independent check does not confirm it.");
+      return bad("Not confirmed: the method claims an equilibrium, and none is proved there.");
     case Status::not_applicable:
       return bad("Not applicable: this method cannot solve this scene.");
     case Status::interrupted:
@@ -43,25 +48,26 @@ std::string moves_in_words(const CurvatureDirection& direction) {
 }
 
 /// The directions along which an equilibrium is unstable or neutral, and what of a neutral one is known.
-void add_directions(Group& group, const Check& check) {
-  for (std::size_t k = 0; k < check.principal_directions.size(); ++k) {
+void add_directions(Group& group, const StaticModel& model, const Certificate& certificate) {
+  const std::vector<CurvatureDirection> directions = principal_directions(model, certificate);
+  for (std::size_t k = 0; k < directions.size(); ++k) {
     const int index = static_cast<int>(k);
-    if (index >= check.unstable_directions + check.neutral_directions) break;
-    group.fact("direction", (index < check.unstable_directions ? "unstable: " : "neutral: ") +
-                                moves_in_words(check.principal_directions[k]));
+    if (index >= certificate.unstable_directions + certificate.neutral_directions) break;
+    group.fact("direction",
+               (index < certificate.unstable_directions ? "unstable: " : "neutral: ") + moves_in_words(directions[k]));
   }
-  if (!check.stability_note.empty()) group.fact("stability", check.stability_note);
 }
 
-/// What a reader of an unstable equilibrium, or of one without a reference, must know.
+/// What a reader of an unstable equilibrium must know.
 void warn_of_doubt(Result& result, const Answer& answer) {
   const Equilibrium& equilibrium = answer.equilibrium;
-  if (equilibrium.check.stability == Stability::unstable && equilibrium.seek == Seek::nearest) {
+  if (equilibrium.certificate.stability == Stability::unstable && equilibrium.seek == Seek::nearest) {
     result.warnings.push_back(
         doubtful("The mechanism would leave this equilibrium; --seek stable searches for one in which it stays."));
   }
-  if (equilibrium.check.neutral_directions == 0 && answer.reference && !answer.reference->refined) {
-    result.warnings.push_back(bad("Not verified in 50 digits: " + answer.reference->why + "."));
+  if (equilibrium.found() && !equilibrium.check.is_equilibrium()) {
+    result.warnings.push_back(doubtful(
+        "Free-body statics, in double precision, does not find it in balance: " + equilibrium.check.objection + "."));
   }
 }
 
@@ -86,26 +92,18 @@ std::string effort(const Equilibrium& equilibrium) {
                      count(equilibrium.evaluations, "evaluation", "evaluations"), duration(equilibrium.microseconds));
 }
 
-int digits_of(double accuracy) { return std::max(0, static_cast<int>(std::floor(-std::log10(accuracy)))); }
-
-/// "13 digits (rounding may move it by 2e-14 rad, or length over size); error 4e-16 from the 50-digit reference".
-std::string accuracy(const Answer& answer) {
-  const Check& check = answer.equilibrium.check;
-  const bool neutral = check.neutral_directions > 0 && check.accuracy_across_neutral.has_value();
-  const std::optional<double>& limit = neutral ? check.accuracy_across_neutral : check.accuracy;
-  std::string text;
-  if (limit && std::isfinite(*limit)) {
-    text = fmt::format("{}{} (rounding may move it by {})",
-                       neutral ? "arbitrary along the neutral direction, across it " : "",
-                       count(digits_of(*limit), "digit", "digits"), small_number(*limit));
+/// "exactly one equilibrium within 4e-17; the rounding of the scene's numbers may move it by 2e-16".
+std::string proof(const Equilibrium& equilibrium) {
+  const Certificate& certificate = equilibrium.certificate;
+  std::string text = certificate.statement;
+  if (!certificate.confirmed()) return text;
+  if (certificate.outcome == Outcome::neutral) {
+    text += fmt::format("; across it exactly one within {}", small_number(certificate.radius));
   }
-  const auto add = [&](const std::string& words) { text += (text.empty() ? "" : "; ") + words; };
-  if (answer.reference && answer.reference->refined) {
-    add(fmt::format("error {} from the 50-digit reference", small_number(answer.reference->error)));
-  } else if (answer.reference) {
-    add("error not measured: " + answer.reference->why);
-  }
-  return text.empty() ? text : text + " [rad, or length over size]";
+  text += fmt::format("; rounding of the scene's numbers may move it by {}", small_number(certificate.rounding_effect));
+  text += fmt::format("; the method ended {} from it", small_number(certificate.moved));
+  if (!certificate.strict) text += "; a stop or one-way spring is exactly at its limit";
+  return text + " [rad, or length over size]";
 }
 
 std::string residuals(const StaticModel& model, const Check& check) {
@@ -257,21 +255,28 @@ void add_reference(Group& group, const StaticModel& model, const Answer& answer)
 
 void add_check_data(Group& group, const StaticModel& model, const Equilibrium& equilibrium) {
   const Check& check = equilibrium.check;
+  const Certificate& certificate = equilibrium.certificate;
   const Units& units = model.scene().units;
-  group.data("stability", to_string(check.stability));
-  group.data("stability_note", check.stability_note);
-  group.data("unstable_directions", check.unstable_directions);
-  group.data("neutral_directions", check.neutral_directions);
+  group.data("stability", to_string(certificate.stability));
+  group.data("unstable_directions", certificate.unstable_directions);
+  group.data("neutral_directions", certificate.neutral_directions);
+  Group& proved = group.group("certificate", "", Verbosity::data);
+  proved.data("outcome", to_string(certificate.outcome));
+  proved.data("statement", certificate.statement);
+  proved.data("radius", certificate.confirmed() ? std::optional(certificate.radius) : std::nullopt);
+  proved.data("rounding_effect", certificate.confirmed() ? std::optional(certificate.rounding_effect) : std::nullopt);
+  proved.data("strictly_complementary", certificate.strict);
+  proved.data("locked", certificate.locked);
+  proved.data("redundant_rows", certificate.redundant);
+  proved.list("neutral_coordinates", "", certificate.neutral_coordinates, Verbosity::data);
   Branch& directions = group.array("directions");
-  for (const CurvatureDirection& direction : check.principal_directions) {
+  for (const CurvatureDirection& direction : principal_directions(model, certificate)) {
     Group& one = directions.parts.emplace_back();
     one.data("curvature", in_unit(direction.curvature, Quantity::energy, units));
     Group& moves = one.group("parts", "", Verbosity::data);
     for (const auto& [name, part] : direction.moves) moves.data(name, part);
   }
   group.data("redundancy", check.redundancy);
-  group.data("accuracy", check.accuracy);
-  group.data("accuracy_across_neutral", check.accuracy_across_neutral);
   Group& residual = group.group("residuals", "", Verbosity::data);
   residual.data("closure_error", in_unit(check.closure_error, Quantity::length, units));
   residual.data("worst_joint", check.worst_joint);
@@ -297,10 +302,9 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
   add_reference(group, model, answer);
   // Of a method that does not apply there is no pose.
   if (answer.readings) return;
-  for (const char* key :
-       {"energy", "energy_note", "stability", "stability_note", "unstable_directions", "neutral_directions",
-        "directions", "points", "angles", "slides", "positions", "springs", "torsion_springs", "stops", "reactions",
-        "redundancy", "accuracy", "accuracy_across_neutral", "residuals"}) {
+  for (const char* key : {"energy", "energy_note", "stability", "unstable_directions", "neutral_directions",
+                          "certificate", "directions", "points", "angles", "slides", "positions", "springs",
+                          "torsion_springs", "stops", "reactions", "redundancy", "residuals"}) {
     group.data(key, nullptr);
   }
 }
@@ -322,10 +326,12 @@ std::optional<double> energy_of(const StaticModel& model, const Equilibrium& equ
 
 }  // namespace
 
-Tone tone_of(Status status) { return status == Status::confirmed ? Tone::good : Tone::bad; }
+Tone tone_of(Status status) {
+  return status == Status::confirmed ? Tone::good : status == Status::checked ? Tone::doubtful : Tone::bad;
+}
 
 std::string kind_of(const Answer& answer) {
-  const Stability stability = answer.equilibrium.check.stability;
+  const Stability stability = answer.equilibrium.certificate.stability;
   return stability == Stability::unknown ? "of unknown stability" : to_string(stability);
 }
 
@@ -350,7 +356,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   }
   add_search_data(content, model, answer);
   if (answer.readings) {
-    add_directions(content, equilibrium.check);
+    add_directions(content, model, equilibrium.certificate);
     add_coordinates(content, model, {&*answer.readings},
                     {equilibrium.found() ? "equilibrium" : "reached, no equilibrium"});
     add_pose(content, model, answer);
@@ -359,8 +365,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   Group& numerics = content.group("", "Numerics");
   numerics.fact("method", effort(equilibrium));
   if (!answer.readings) return out;
-  const std::string digits = accuracy(answer);
-  if (!digits.empty()) numerics.fact("accuracy", digits);
+  numerics.fact("proof", proof(equilibrium));
   numerics.fact("residuals", residuals(model, equilibrium.check));
   const std::optional<double> energy = energy_of(model, equilibrium);
   if (energy) {

@@ -1,0 +1,218 @@
+#include "statics/balance_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace poise {
+namespace {
+
+constexpr int most_steps = 25;
+// The enclosure of a solution is made this much narrower than the unit in the last place of its double.
+constexpr double narrow = 1e-19;
+
+Mechanism<Ball> compiled(const StaticModel& model, bool rounding) {
+  const Ball::InputRounding guard(rounding);
+  return {model.scaled_scene(), model.layout(), Purpose::statics};
+}
+
+std::vector<Ball> widened(std::vector<Ball> values, const std::vector<double>& by) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = values[i].widened(by[i]);
+  return values;
+}
+
+}  // namespace
+
+BallMechanism::BallMechanism(const StaticModel& model)
+    : exact(compiled(model, false)), rounded(compiled(model, true)) {}
+
+BalanceSystem::BalanceSystem(const BallMechanism& mechanism, KeptEquations kept, bool rounding)
+    : mechanism_(mechanism.of(rounding)),
+      kept_(std::move(kept)),
+      rounding_(rounding),
+      unknown_(mechanism_.coordinates(), 0),
+      equation_(mechanism_.constraints(), -1) {
+  for (const int i : kept_.held) unknown_[i] = -1;
+  for (int& u : unknown_) u = u < 0 ? -1 : free_++;
+  for (std::size_t k = 0; k < kept_.rows.size(); ++k) equation_[kept_.rows[k]] = free_ + static_cast<int>(k);
+}
+
+BalanceSystem::Point BalanceSystem::place(const std::vector<Ball>& x) const {
+  Point at;
+  at.pose.resize(mechanism_.pose_size());
+  at.jacobian.resize(mechanism_.jacobian_row().size());
+  mechanism_.place(x.data(), at.pose.data());
+  mechanism_.jacobian(at.pose.data(), at.jacobian.data());
+  return at;
+}
+
+std::vector<Ball> BalanceSystem::forces(const std::vector<Ball>& x, const std::vector<Ball>& y) const {
+  const Ball::InputRounding guard(rounding_);
+  Point at = place(x);
+  std::vector<Ball> out(mechanism_.coordinates());
+  mechanism_.negative_force(x.data(), at.pose.data(), out.data());
+  for (std::size_t e = 0; e < at.jacobian.size(); ++e) {
+    const int row = equation_[mechanism_.jacobian_row()[e]];
+    if (row >= 0) out[mechanism_.jacobian_column()[e]] += at.jacobian[e] * y[row - free_];
+  }
+  return out;
+}
+
+std::vector<Ball> BalanceSystem::constraints(const std::vector<Ball>& x) const {
+  const Ball::InputRounding guard(rounding_);
+  std::vector<Planar<Ball>> pose(mechanism_.pose_size());
+  mechanism_.place(x.data(), pose.data());
+  std::vector<Ball> out(mechanism_.constraints());
+  mechanism_.constraint(x.data(), pose.data(), out.data());
+  return out;
+}
+
+std::vector<Ball> BalanceSystem::measures(const std::vector<Ball>& x) const {
+  const Ball::InputRounding guard(rounding_);
+  std::vector<Planar<Ball>> pose(mechanism_.pose_size());
+  mechanism_.place(x.data(), pose.data());
+  std::vector<Ball> out;
+  for (int e = 0; e < mechanism_.elements(); ++e) out.push_back(mechanism_.measure_of(e, pose.data()));
+  return out;
+}
+
+std::vector<Ball> BalanceSystem::residual(const std::vector<Ball>& x, const std::vector<Ball>& y) const {
+  const std::vector<Ball> force = forces(x, y);
+  const std::vector<Ball> c = constraints(x);
+  std::vector<Ball> out(unknowns());
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (unknown_[i] >= 0) out[unknown_[i]] = force[i];
+  }
+  for (std::size_t k = 0; k < kept_.rows.size(); ++k) {
+    const int row = kept_.rows[k];
+    Ball& value = out[free_ + static_cast<int>(k)];
+    value = c[row];
+    const int stop = row - mechanism_.equalities();
+    if (stop >= 0) value -= kept_.at_upper[k] != 0 ? mechanism_.upper()[stop] : mechanism_.lower()[stop];
+  }
+  return out;
+}
+
+std::vector<solvers::RegularSet::Entry> BalanceSystem::entries(const std::vector<Ball>& x,
+                                                               const std::vector<Ball>& y) const {
+  const Ball::InputRounding guard(rounding_);
+  Point at = place(x);
+  std::vector<Ball> multiplier(mechanism_.constraints());
+  for (std::size_t k = 0; k < kept_.rows.size(); ++k) multiplier[kept_.rows[k]] = y[k];
+  std::vector<Ball> tangent(mechanism_.tangent_row().size());
+  mechanism_.tangent(at.pose.data(), multiplier.data(), tangent.data());
+  std::vector<solvers::RegularSet::Entry> out;
+  out.reserve(tangent.size() + 2 * at.jacobian.size());
+  for (std::size_t e = 0; e < tangent.size(); ++e) {
+    const int i = unknown_[mechanism_.tangent_row()[e]];
+    const int j = unknown_[mechanism_.tangent_column()[e]];
+    if (i >= 0 && j >= 0) out.push_back({i, j, std::move(tangent[e])});
+  }
+  for (std::size_t e = 0; e < at.jacobian.size(); ++e) {
+    const int i = equation_[mechanism_.jacobian_row()[e]];
+    const int j = unknown_[mechanism_.jacobian_column()[e]];
+    if (i < 0 || j < 0) continue;
+    if (mechanism_.has_follower_loads()) out.push_back({j, i, at.jacobian[e]});
+    out.push_back({i, j, std::move(at.jacobian[e])});
+  }
+  return out;
+}
+
+// [I J^T; J 0] [r; y] = [-F; 0]:  r = -(F + J^T y) with J r = 0.
+std::optional<std::vector<Ball>> BalanceSystem::multipliers(const std::vector<Ball>& x) const {
+  Point at = place(x);
+  std::vector<Ball> force(mechanism_.coordinates());
+  mechanism_.negative_force(x.data(), at.pose.data(), force.data());
+  std::vector<solvers::BallFactors::Entry> parts;
+  for (int i = 0; i < free_; ++i) parts.push_back({i, i, Ball(1)});
+  for (std::size_t e = 0; e < at.jacobian.size(); ++e) {
+    const int i = equation_[mechanism_.jacobian_row()[e]];
+    const int j = unknown_[mechanism_.jacobian_column()[e]];
+    if (i >= 0 && j >= 0) parts.push_back({i, j, at.jacobian[e].midpoint()});
+  }
+  const solvers::BallFactors factors(unknowns(), true, parts);
+  if (!factors.regular()) return std::nullopt;
+  std::vector<Ball> b(unknowns());
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (unknown_[i] >= 0) b[unknown_[i]] = -force[i].midpoint();
+  }
+  factors.solve(b);
+  std::vector<Ball> y(kept_.rows.size());
+  for (std::size_t k = 0; k < y.size(); ++k) y[k] = b[free_ + static_cast<int>(k)].midpoint();
+  return y;
+}
+
+BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const std::vector<Ball>& y, double reach,
+                                             double farthest) const {
+  Solution out;
+  out.q = x;
+  out.y = y;
+  const std::size_t n = x.size();
+  const bool symmetric = !mechanism_.has_follower_loads();
+  std::vector<double> y_reach(y.size());
+  out.reach.assign(n, 0.0);
+  double last = 0.0;
+  for (int step = 0; step < most_steps; ++step) {
+    double largest_y = 1.0;
+    for (const Ball& v : out.y) largest_y = std::max(largest_y, std::abs(v.middle()));
+    std::fill(y_reach.begin(), y_reach.end(), reach * largest_y);
+    for (std::size_t i = 0; i < n; ++i) {
+      out.reach[i] = unknown_[i] < 0 ? 0.0 : reach * std::max(1.0, std::abs(out.q[i].middle()));
+    }
+    const auto matrix = std::make_shared<solvers::RegularSet>(
+        unknowns(), symmetric, entries(widened(out.q, out.reach), widened(out.y, y_reach)));
+    out.matrix = matrix;
+    const bool regular = matrix->regular();
+    if (!matrix->center().regular()) return out;
+    std::vector<Ball> by =
+        regular ? matrix->solve(residual(out.q, out.y)) : matrix->solve_center(residual(out.q, out.y));
+    double longest = 0.0;
+    for (int u = 0; u < free_; ++u) longest = std::max(longest, std::abs(by[u].middle()));
+    if (!regular && longest > farthest / 4) {
+      for (Ball& change : by) change *= Ball(farthest / 4 / longest);
+    }
+    double length = 0.0;
+    double width = 0.0;
+    bool inside = regular;
+    std::vector<Ball> next_q = out.q;
+    std::vector<Ball> next_y = out.y;
+    std::vector<double> left(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (unknown_[i] < 0) continue;
+      const Ball& change = by[unknown_[i]];
+      if (!change.is_finite()) return out;
+      length = std::max(length, std::abs(change.middle()));
+      inside = inside && change.greatest() < out.reach[i];
+      left[i] = out.reach[i] - change.greatest();
+      next_q[i] -= change;
+      width = std::max(width, next_q[i].radius() / std::max(1.0, std::abs(next_q[i].middle())));
+      if (std::abs((next_q[i] - x[i]).middle()) > farthest) return out;
+    }
+    for (std::size_t k = 0; k < y.size(); ++k) {
+      const Ball& change = by[free_ + static_cast<int>(k)];
+      if (!change.is_finite()) return out;
+      inside = inside && change.greatest() < y_reach[k];
+      next_y[k] -= change;
+    }
+    const bool at_rest = step > 0 && length > 0.5 * last;
+    if (inside && (width < narrow || rounding_ || at_rest)) {
+      out.q = std::move(next_q);
+      out.y = std::move(next_y);
+      out.reach = std::move(left);
+      out.proved = true;
+      out.unstable = matrix->negative() - static_cast<int>(kept_.rows.size());
+      // det [K J^T; J 0] = (-1)^rows det(J J^T) det(Z^T K Z).
+      out.stiffness_sign = matrix->determinant_sign() * (kept_.rows.size() % 2 == 0 ? 1 : -1);
+      return out;
+    }
+    if (!regular && at_rest && length < 1e-3 * reach) return out;
+    last = length;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (unknown_[i] >= 0) out.q[i] = next_q[i].midpoint();
+    }
+    for (std::size_t k = 0; k < y.size(); ++k) out.y[k] = next_y[k].midpoint();
+  }
+  return out;
+}
+
+}  // namespace poise

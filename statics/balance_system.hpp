@@ -1,0 +1,101 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "model/mechanism_impl.hpp"
+#include "solvers/ball.hpp"
+#include "solvers/regular_set.hpp"
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+using solvers::Ball;
+
+// Sine and cosine together.
+template <>
+inline Planar<Ball> unit(const Ball& angle) {
+  Planar<Ball> out;
+  sin_cos(angle, out.y, out.x);
+  return out;
+}
+
+/// A scene compiled in ball arithmetic: once with its doubles as exact numbers, and once with each as all the numbers
+/// that round to it.
+struct BallMechanism {
+  explicit BallMechanism(const StaticModel& model);
+
+  Mechanism<Ball> exact;
+  Mechanism<Ball> rounded;
+
+  const Mechanism<Ball>& of(bool rounding) const { return rounding ? rounded : exact; }
+};
+
+/// Which of the equations of equilibrium are kept: constraint rows with the values they must have (zero, or the bound
+/// of an active stop), and coordinates that are held where they are, so that their equation of balance is left out.
+struct KeptEquations {
+  std::vector<int> rows;
+  std::vector<char> at_upper;  ///< per row: of a stop, its upper bound
+  std::vector<int> held;
+};
+
+/// The equations of equilibrium for given active rows, as a square system in z = (x, y),
+///
+///   F_i(x) + sum_r y_r d c_r / d x_i = 0   for every coordinate that is not held
+///   c_r(x) - b_r = 0                       for every kept row
+///
+/// with proofs about its solutions in ball arithmetic.
+class BalanceSystem {
+ public:
+  /// `rounding`: for all scenes whose numbers round to those of the scene.
+  BalanceSystem(const BallMechanism& mechanism, KeptEquations kept, bool rounding = false);
+
+  struct Solution {
+    /// Exactly one solution has its coordinates within `reach` of q, and it is in q, y. Every matrix of first
+    /// derivatives within that reach is regular.
+    bool proved = false;
+    std::vector<Ball> q;        ///< all coordinates, held ones exact
+    std::vector<Ball> y;        ///< per kept row
+    std::vector<double> reach;  ///< per coordinate, from q
+    int unstable = 0;           ///< negative eigenvalues of the reduced Hessian; only without follower loads
+    int stiffness_sign = 1;     ///< of the determinant of the reduced stiffness
+    std::shared_ptr<const solvers::RegularSet> matrix;
+  };
+
+  /// Refines x, y by Newton's method and proves, with balls of `reach` times max(1, |x|) around it. Not proved if the
+  /// matrix is not proved regular there, or if the iteration leads farther than `farthest` from x.
+  Solution prove(const std::vector<Ball>& x, const std::vector<Ball>& y, double reach, double farthest) const;
+
+  /// Multipliers of the kept rows of least |F + J^T y|, not enclosed; none if the rows are dependent.
+  std::optional<std::vector<Ball>> multipliers(const std::vector<Ball>& x) const;
+  /// Left sides of all equations at enclosures of x and y.
+  std::vector<Ball> residual(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
+  /// F_i + (J^T y)_i of all coordinates: zero but for held ones.
+  std::vector<Ball> forces(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
+  /// All constraint rows at an enclosure of x.
+  std::vector<Ball> constraints(const std::vector<Ball>& x) const;
+  /// Measures of the force elements.
+  std::vector<Ball> measures(const std::vector<Ball>& x) const;
+
+  const KeptEquations& kept() const { return kept_; }
+  int unknowns() const { return free_ + static_cast<int>(kept_.rows.size()); }
+  const Mechanism<Ball>& mechanism() const { return mechanism_; }
+
+ private:
+  struct Point {
+    std::vector<Planar<Ball>> pose;
+    std::vector<Ball> jacobian;
+  };
+  Point place(const std::vector<Ball>& x) const;
+  std::vector<solvers::RegularSet::Entry> entries(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
+
+  const Mechanism<Ball>& mechanism_;
+  KeptEquations kept_;
+  bool rounding_;
+  int free_ = 0;
+  std::vector<int> unknown_;   // per coordinate: its unknown, or -1 if it is held
+  std::vector<int> equation_;  // per constraint row: its equation, or -1
+};
+
+}  // namespace poise

@@ -1,0 +1,895 @@
+#include "statics/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "solvers/linear_algebra.hpp"
+#include "solvers/nonnegative_least_squares.hpp"
+#include "statics/balance_system.hpp"
+#include "statics/curvature.hpp"
+
+namespace poise {
+namespace {
+
+// None of the numbers below decides what is claimed: they choose what is tried, in which order, and how far from the
+// answer. Every claim rests on a proof in ball arithmetic.
+
+constexpr double touched = 1e-6;       // distance from its bound, rad or sizes, at which a stop may be active
+constexpr double first_reach = 1e-10;  // of the box in which an equilibrium is proved to be the only one
+constexpr double last_reach = 0x1p-50;
+constexpr long usual_bits = 128;
+constexpr long many_bits = 320;
+constexpr double nearly_dependent = 1e-9;  // pivots of closure rows that may repeat others
+constexpr double nearly_neutral = 1e-5;    // curvatures, relative to the largest, that may vanish
+constexpr double narrow_bracket = 1e-17;
+constexpr int dense_limit = 400;   // coordinates up to which ranks and spectra are computed in double
+constexpr int most_undecided = 4;  // stops and one-way springs whose state is undecided: 2^4 pieces
+constexpr double largest_gap_by_rounding = 1e-6;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// An active stop and the side on which it acts.
+struct ActiveStop {
+  int stop;
+  bool upper;
+  bool both;  // min = max, or two stops from both sides: it pushes either way
+};
+
+// What is proved for one set of active stops and one state of each one-way spring.
+struct Finding {
+  enum class Kind { none, regular, neutral, degenerate };
+  Kind kind = Kind::none;
+  BalanceSystem::Solution solution;
+  KeptEquations kept;
+  int unstable = 0;  // with follower loads 1 if the reduced stiffness has a negative determinant
+  int freedoms = 0;
+  std::vector<int> neutral;  // held coordinates
+  int redundant = 0;
+  bool singular = false;
+  Stability degenerate = Stability::unknown;
+  std::string why;
+  bool excluded = false;  // proved that there is no equilibrium near
+};
+
+class Certifier {
+ public:
+  Certifier(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options)
+      : model_(model), m_(model.mechanism()), options_(options), x_(x), balls_(&model.balls()) {}
+
+  Certificate run();
+
+ private:
+  using Solution = BalanceSystem::Solution;
+
+  Certificate deny(Outcome outcome, const std::string& why) const {
+    Certificate out;
+    out.outcome = outcome;
+    out.statement = why;
+    out.x = x_;
+    return out;
+  }
+
+  // --- stops
+  std::vector<ActiveStop> find_active_stops();
+  KeptEquations equations(const std::vector<ActiveStop>& active) const;
+
+  // --- one piece
+  Finding examine(const KeptEquations& kept) const;
+  Finding examine_independent(const KeptEquations& kept) const;
+  Solution solve(const KeptEquations& kept, const std::vector<Ball>& from, double reach, double farthest,
+                 bool rounding = false) const;
+  std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
+  std::vector<int> free_coordinates(const KeptEquations& kept) const;
+  bool hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  bool repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
+  void examine_flat(Finding& finding, const KeptEquations& kept) const;
+  bool is_neutral(const KeptEquations& held, const Solution& at) const;
+  void bracket(Finding& finding, const KeptEquations& kept, int coordinate, bool rounding) const;
+
+  // --- all pieces
+  struct Pieces {
+    std::vector<int> springs;  // elements at their free length
+    std::vector<int> stops;    // indices into touched_ whose state is undecided
+  };
+  std::vector<int> undecided_springs(const Finding& finding) const;
+  Finding examine_with(const std::vector<ActiveStop>& active, const std::vector<int>& springs, unsigned act) const;
+  Certificate combine(const std::vector<ActiveStop>& active, const Finding& first);
+  Stability stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
+                               const std::vector<ActiveStop>& weak) const;
+  Certificate report(const Finding& finding, const std::vector<ActiveStop>& active) const;
+  std::string name(int coordinate) const { return model_.layout().coordinates[coordinate].name; }
+
+  std::vector<Ball> start() const { return {x_.begin(), x_.end()}; }
+
+  const StaticModel& model_;
+  const Mechanism<double>& m_;
+  const CertificateOptions& options_;
+  std::vector<double> x_;
+  const BallMechanism* balls_;
+  std::vector<int> touching_;
+};
+
+Eigen::MatrixXd reduced_basis(const DensePoint<double>& point) {
+  return solvers::null_space(point.jacobian, solvers::known_to::closed_point);
+}
+
+double bound(const Mechanism<double>& m, int stop, bool upper) { return upper ? m.upper()[stop] : m.lower()[stop]; }
+
+// --- stops ----------------------------------------------------------------------------------------------------------
+
+KeptEquations Certifier::equations(const std::vector<ActiveStop>& active) const {
+  KeptEquations out;
+  for (int r = 0; r < m_.equalities(); ++r) out.rows.push_back(r);
+  out.at_upper.assign(out.rows.size(), 0);
+  for (const ActiveStop& a : active) {
+    out.rows.push_back(m_.stop_row(a.stop));
+    out.at_upper.push_back(a.upper ? 1 : 0);
+  }
+  return out;
+}
+
+// Those that hold both ways, and of the others those with a positive force in the non-negative least-squares solution
+// of balance.
+std::vector<ActiveStop> Certifier::find_active_stops() {
+  std::vector<ActiveStop> both, candidates;
+  if (m_.stops() == 0) return both;
+  std::vector<Planar<double>> pose(m_.pose_size());
+  std::vector<double> c(m_.constraints());
+  m_.place(x_.data(), pose.data());
+  m_.constraint(x_.data(), pose.data(), c.data());
+  for (int s = 0; s < m_.stops(); ++s) {
+    const double g = c[m_.stop_row(s)];
+    const double lower = m_.lower()[s];
+    const double upper = m_.upper()[s];
+    if (lower == upper) {
+      both.push_back({s, true, true});
+      continue;
+    }
+    if (g > upper - touched) candidates.push_back({s, true, false});
+    if (g < lower + touched) candidates.push_back({s, false, false});
+  }
+  for (const ActiveStop& a : candidates) touching_.push_back(a.stop);
+  if (candidates.empty()) return both;
+  if (m_.coordinates() > dense_limit) {
+    both.insert(both.end(), candidates.begin(), candidates.end());
+    return both;
+  }
+  KeptEquations kept = equations(both);
+  const std::size_t fixed = kept.rows.size();
+  for (const ActiveStop& a : candidates) kept.rows.push_back(m_.stop_row(a.stop));
+  const DensePoint<double> point(m_, x_, kept.rows);
+  const Eigen::MatrixXd z = solvers::null_space<double>(point.jacobian.topRows(static_cast<Eigen::Index>(fixed)),
+                                                        solvers::known_to::closed_point);
+  // Columns: Z^T of the direction in which a stop prevents motion, of length one.
+  Eigen::MatrixXd prevents(z.cols(), static_cast<Eigen::Index>(candidates.size()));
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(fixed + k);
+    const Eigen::VectorXd a = z.transpose() * point.jacobian.row(row).transpose();
+    prevents.col(static_cast<Eigen::Index>(k)) = (candidates[k].upper ? 1.0 : -1.0) * a;
+  }
+  // Two that prevent opposite motions leave none: one of them then acts both ways.
+  std::vector<char> paired(candidates.size(), 0);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Eigen::VectorXd a = prevents.col(static_cast<Eigen::Index>(i));
+      const Eigen::VectorXd b = prevents.col(static_cast<Eigen::Index>(j));
+      if (paired[i] != 0 || paired[j] != 0 || a.norm() == 0.0 || b.norm() == 0.0) continue;
+      if ((a / a.norm() + b / b.norm()).cwiseAbs().maxCoeff() > 1e-12) continue;
+      paired[i] = paired[j] = 1;
+      candidates[i].both = true;
+      both.push_back(candidates[i]);
+    }
+  }
+  const Eigen::VectorXd force = solvers::nonnegative_least_squares(prevents, -(z.transpose() * point.force).eval());
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (paired[k] == 0 && force[static_cast<Eigen::Index>(k)] > 0.0) both.push_back(candidates[k]);
+  }
+  return both;
+}
+
+// --- one piece ------------------------------------------------------------------------------------------------------
+
+BalanceSystem::Solution Certifier::solve(const KeptEquations& kept, const std::vector<Ball>& from, double reach,
+                                         double farthest, bool rounding) const {
+  const std::optional<std::vector<Ball>> y = BalanceSystem(*balls_, kept).multipliers(from);
+  if (!y) return {};
+  Solution out = BalanceSystem(*balls_, kept, rounding).prove(from, *y, reach, farthest);
+  // The rounding of the scene's numbers may move it farther than the box reaches.
+  for (double wider = 100 * reach; rounding && !out.proved && wider < farthest; wider *= 100) {
+    out = BalanceSystem(*balls_, kept, rounding).prove(from, *y, wider, farthest);
+  }
+  return out;
+}
+
+// Indices into kept.rows of rows that are nearly combinations of others.
+std::vector<int> Certifier::dependent_rows(const KeptEquations& kept, double tolerance) const {
+  if (kept.rows.empty() || m_.coordinates() > dense_limit) return {};
+  const DensePoint<double> point(m_, x_, kept.rows);
+  const auto [rank, order] = solvers::pivot_order<double>(point.jacobian.transpose(), tolerance);
+  std::vector<int> out(order.begin() + rank, order.end());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+KeptEquations without(KeptEquations kept, const std::vector<int>& dropped) {
+  for (auto k = dropped.rbegin(); k != dropped.rend(); ++k) {
+    kept.rows.erase(kept.rows.begin() + *k);
+    kept.at_upper.erase(kept.at_upper.begin() + *k);
+  }
+  return kept;
+}
+
+// Coordinates that may be chosen freely while the kept rows determine the others.
+std::vector<int> Certifier::free_coordinates(const KeptEquations& kept) const {
+  const DensePoint<double> point(m_, x_, kept.rows);
+  if (kept.rows.empty()) {
+    std::vector<int> all(m_.coordinates());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+  const auto [rank, order] = solvers::pivot_order<double>(point.jacobian, nearly_dependent);
+  return {order.begin() + rank, order.end()};
+}
+
+// Whether the rows of `all` that `kept` leaves out hold at a solution to within the rounding of the scene's numbers:
+// with J_d = A J_k for dropped and kept rows, |c_d| <= r_d + |A| r_k, r being the rounding of each row.
+bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const {
+  const std::vector<Ball> none(all.rows.size());
+  std::vector<Ball> exactly;
+  std::vector<double> x;
+  for (const Ball& q : at.q) {
+    exactly.push_back(q.midpoint());
+    x.push_back(q.middle());
+  }
+  const BalanceSystem system(*balls_, all);
+  const std::vector<Ball> value = system.residual(at.q, none);
+  const std::vector<Ball> rounded = BalanceSystem(*balls_, all, true).residual(exactly, none);
+  const std::size_t first = value.size() - all.rows.size();
+  const DensePoint<double> whole(m_, x, all.rows);
+  const DensePoint<double> part(m_, x, kept.rows);
+  Eigen::VectorXd kept_rounding(static_cast<Eigen::Index>(kept.rows.size()));
+  for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
+    if (k < kept.rows.size() && kept.rows[k] == all.rows[r]) {
+      kept_rounding[static_cast<Eigen::Index>(k++)] = rounded[first + r].radius();
+    }
+  }
+  for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
+    if (k < kept.rows.size() && kept.rows[k] == all.rows[r]) {
+      ++k;
+      continue;
+    }
+    double allowed = rounded[first + r].radius();
+    if (!kept.rows.empty()) {
+      const Eigen::VectorXd share = solvers::minimum_norm_solution<double>(
+          part.jacobian.transpose(), whole.jacobian.row(static_cast<Eigen::Index>(r)).transpose());
+      allowed += share.cwiseAbs().dot(kept_rounding);
+    }
+    if (!(value[first + r].greatest() <= allowed)) return false;
+  }
+  return true;
+}
+
+// The same at other places of the mechanism: only rows that repeat others hold there too.
+bool Certifier::repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const {
+  KeptEquations held = kept;
+  held.held = free_coordinates(kept);
+  int shown = 0;
+  for (const double aside : {1e-3, -1e-2, 0.05}) {
+    std::vector<Ball> from;
+    for (const Ball& q : at.q) from.push_back(q.midpoint());
+    double sign = 1.0;
+    for (const int i : held.held) {
+      from[i] += Ball(aside * sign);
+      sign *= -0.7;
+    }
+    const Solution there = solve(held, from, first_reach, 10 * std::abs(aside));
+    if (!there.proved) continue;
+    if (!hold_to_rounding(held, there, all)) return false;
+    ++shown;
+  }
+  return shown > 0;
+}
+
+// With rows left out that repeat others to within some accuracy of x; with all of them if the others do not imply them.
+Finding Certifier::examine(const KeptEquations& kept) const {
+  std::vector<int> last;
+  bool nearly_singular = false;
+  for (const double tolerance : {1e-5, 1e-9, 1e-12}) {
+    const std::vector<int> dropped = dependent_rows(kept, tolerance);
+    if (dropped.empty()) break;
+    if (dropped == last) continue;
+    nearly_singular = true;
+    last = dropped;
+    Finding out = examine_independent(without(kept, dropped));
+    if (out.kind == Finding::Kind::none || !hold_to_rounding(out.kept, out.solution, kept)) continue;
+    if (repeat_everywhere(out.kept, out.solution, kept))
+      out.redundant = static_cast<int>(dropped.size());
+    else
+      examine_singular(out, kept, dropped);
+    return out;
+  }
+  Finding out = examine_independent(kept);
+  if (out.kind == Finding::Kind::none && nearly_singular) {
+    out.singular = true;
+    out.why = "the closures nearly lose rank here, and no joint forces were found that balance the loads";
+  }
+  return out;
+}
+
+Finding Certifier::examine_independent(const KeptEquations& kept) const {
+  Finding out;
+  out.kept = kept;
+  out.solution = solve(kept, start(), first_reach, options_.farthest);
+  if (out.solution.proved)
+    out.kind = Finding::Kind::regular;
+  else
+    examine_flat(out, kept);
+  out.freedoms = m_.coordinates() - static_cast<int>(kept.rows.size());
+  if (out.kind == Finding::Kind::regular) {
+    out.unstable = m_.has_follower_loads() ? (out.solution.stiffness_sign < 0 ? 1 : 0) : out.solution.unstable;
+  }
+  return out;
+}
+
+// A configuration where the closures lose rank, with an equilibrium of the kept rows alone: the motions are those
+// tangent to the set where a dropped row t vanishes to second order, z^T T z = 0 on the tangents z of the kept rows.
+// The energy grows along all of them if H + nu T is positive definite for some nu, and not if for one dropped row it is
+// indefinite for all nu (Finsler's lemma).
+void Certifier::examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const {
+  finding.kind = Finding::Kind::degenerate;
+  finding.degenerate = Stability::unknown;
+  finding.singular = true;
+  finding.why = "the closures lose rank here (a change point)";
+  if (m_.has_follower_loads() || m_.coordinates() > dense_limit) return;
+  std::vector<double> x;
+  for (const Ball& q : finding.solution.q) x.push_back(q.middle());
+  DensePoint<double> point(m_, x, finding.kept.rows);
+  const Eigen::MatrixXd z = reduced_basis(point);
+  Eigen::VectorXd y(static_cast<Eigen::Index>(finding.solution.y.size()));
+  for (Eigen::Index k = 0; k < y.size(); ++k) y[k] = finding.solution.y[static_cast<std::size_t>(k)].middle();
+  const Eigen::MatrixXd h = z.transpose() * point.tangent(y) * z;
+  const double scale = h.size() > 0 ? std::max(1.0, h.cwiseAbs().maxCoeff()) : 1.0;
+  const auto least = [](const Eigen::MatrixXd& a) { return solvers::symmetric_eigenvalues<double>(a)[0]; };
+  constexpr double margin = 1e-7;
+  if (h.size() == 0 || least(h) > margin * scale) {
+    finding.degenerate = Stability::stable;
+    return;
+  }
+  if (dropped.size() != 1) return;
+  // T: second derivatives of the dropped row, with the multipliers that cancel its gradient.
+  DensePoint<double> whole(m_, x, all.rows);
+  const Eigen::VectorXd gradient = whole.jacobian.row(dropped.front()).transpose();
+  const Eigen::VectorXd cancel = finding.kept.rows.empty()
+                                     ? Eigen::VectorXd()
+                                     : solvers::minimum_norm_solution<double>(point.jacobian.transpose(), -gradient);
+  Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.rows.size()));
+  multipliers[dropped.front()] = 1.0;
+  for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
+    if (static_cast<int>(r) != dropped.front())
+      multipliers[static_cast<Eigen::Index>(r)] = cancel[static_cast<Eigen::Index>(k++)];
+  }
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(multipliers.size());
+  const Eigen::MatrixXd t = z.transpose() * (whole.tangent(multipliers) - whole.tangent(none)) * z;
+  const double size = t.cwiseAbs().maxCoeff();
+  if (size == 0.0) return;
+  double from = -1e6 * scale / size;
+  double to = -from;
+  for (int k = 0; k < 200; ++k) {  // the least eigenvalue is concave in nu
+    const double a = from + (to - from) / 3;
+    const double b = to - (to - from) / 3;
+    (least(h + a * t) < least(h + b * t) ? from : to) = least(h + a * t) < least(h + b * t) ? a : b;
+  }
+  const double best = least(h + (from + to) / 2 * t);
+  const double near_best = scale + std::abs((from + to) / 2) * size;
+  if (best > margin * near_best) finding.degenerate = Stability::stable;
+  if (best < -margin * near_best) finding.degenerate = Stability::unstable;
+}
+
+// Where curvatures nearly vanish.
+void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const {
+  finding.why = "Newton's method did not converge to an equilibrium near the answer";
+  if (m_.coordinates() > dense_limit) return;
+  const DensePoint<double> point(m_, x_, kept.rows);
+  const ReducedHessian<double> reduced(m_, x_, kept.rows);
+  if (reduced.matrix.size() == 0) return;
+  const solvers::SingularValues spectrum = solvers::singular_value_decomposition(reduced.matrix);
+  const double scale = std::max(1.0, reduced.largest);
+  const auto flat = static_cast<Eigen::Index>(std::count_if(spectrum.values.begin(), spectrum.values.end(),
+                                                            [&](double v) { return v <= nearly_neutral * scale; }));
+  if (flat > 0) {
+    const Eigen::MatrixXd directions = reduced.basis * spectrum.right.rightCols(flat);
+    const auto [rank, order] = solvers::pivot_order<double>(directions.transpose(), solvers::known_to::solution);
+    KeptEquations held = kept;
+    held.held.assign(order.begin(), order.begin() + std::min(rank, flat));
+    const Solution across = solve(held, start(), first_reach, options_.farthest);
+    if (across.proved && static_cast<Eigen::Index>(held.held.size()) == flat && is_neutral(held, across)) {
+      finding.kind = Finding::Kind::neutral;
+      finding.neutral = held.held;
+      finding.kept = held;
+      finding.solution = across;
+      finding.unstable = across.unstable;
+      return;
+    }
+    finding.neutral = held.held;
+  }
+  for (const long bits : {usual_bits, many_bits}) {
+    const Ball::Precision precision(bits);
+    for (const double reach : {1e-13, last_reach}) {
+      finding.solution = solve(kept, start(), reach, options_.farthest);
+      if (finding.solution.proved) break;
+    }
+    if (finding.solution.proved) break;
+  }
+  const std::vector<int> candidates = std::exchange(finding.neutral, {});
+  if (finding.solution.proved) {
+    finding.kind = Finding::Kind::regular;
+    // If the scene's numbers do not determine the sign of the least curvature, the signs of the force on both sides may
+    // still do.
+    if (candidates.size() == 1 && !m_.has_follower_loads()) {
+      std::vector<Ball> from;
+      for (const Ball& q : finding.solution.q) from.push_back(q.midpoint());
+      if (!solve(kept, from, last_reach, options_.farthest, true).proved) {
+        Finding sides = finding;
+        bracket(sides, kept, candidates.front(), true);
+        if (sides.degenerate != Stability::unknown) finding = sides;
+      }
+    }
+    return;
+  }
+  const Ball::Precision precision(many_bits);
+  if (candidates.size() == 1 && !m_.has_follower_loads())
+    bracket(finding, kept, candidates.front(), false);
+  else if (candidates.size() > 1)
+    finding.why = "several curvatures vanish here, and the equilibrium is not isolated to within rounding";
+}
+
+// Whether the held coordinates need no force, to within the rounding of the scene's numbers, where they are and some
+// way from there.
+bool Certifier::is_neutral(const KeptEquations& held, const Solution& at) const {
+  const auto free_of_force = [&](const std::vector<Ball>& q) {
+    std::vector<Ball> from;
+    for (const Ball& v : q) from.push_back(v.midpoint());
+    const Solution near = solve(held, from, first_reach, options_.farthest, true);
+    if (!near.proved) return false;
+    const std::vector<Ball> force = BalanceSystem(*balls_, held, true).forces(near.q, near.y);
+    return std::all_of(held.held.begin(), held.held.end(), [&](int i) { return force[i].contains_zero(); });
+  };
+  if (!free_of_force(at.q)) return false;
+  int shown = 0;
+  for (const double aside : {1e-3, -1e-3, 0.02, -0.05, 0.2}) {
+    std::vector<Ball> from;
+    for (const Ball& q : at.q) from.push_back(q.midpoint());
+    double part = 1.0;
+    for (const int i : held.held) {
+      from[i] += Ball(aside * part);
+      part = part > 0.6 ? -0.8 * part : 1.0;
+    }
+    const Solution there = solve(held, from, first_reach, 20 * std::abs(aside));
+    if (!there.proved) continue;
+    if (!free_of_force(there.q)) return false;
+    ++shown;
+  }
+  return shown >= 2;
+}
+
+// Along the curve of equilibria of all but one coordinate, dV/dx_i = F_i + (J^T y)_i: its signs at both ends of an
+// interval prove a minimum or maximum of the energy between them.
+void Certifier::bracket(Finding& finding, const KeptEquations& kept, int coordinate, bool rounding) const {
+  finding.why = "an equilibrium merges with another here, or vanishes: the numbers of the scene leave open which";
+  KeptEquations held = kept;
+  held.held = {coordinate};
+  const Solution middle = solve(held, start(), first_reach, options_.farthest, rounding);
+  if (!middle.proved) return;
+  const BalanceSystem system(*balls_, held, rounding);
+  std::vector<Ball> centre;
+  for (const Ball& q : middle.q) centre.push_back(q.midpoint());
+  const auto sign_at = [&](const Ball& value) {
+    std::vector<Ball> from = centre;
+    from[coordinate] = value;
+    const Solution there = solve(held, from, first_reach, 0.1, rounding);
+    if (!there.proved) return 0;
+    const Ball force = system.forces(there.q, there.y)[coordinate];
+    return force > Ball(0) ? 1 : force < Ball(0) ? -1 : 0;
+  };
+  for (double half = 1e-15; half <= options_.farthest; half *= 10) {
+    Ball from = centre[coordinate] - Ball(half);
+    Ball to = centre[coordinate] + Ball(half);
+    const int before = sign_at(from);
+    const int after = sign_at(to);
+    if (before == 0 || after == 0) continue;
+    std::vector<Ball> range = centre;
+    range[coordinate] = range[coordinate].widened(half);
+    if (before == after) {
+      const Solution whole = solve(held, range, std::max(first_reach, 100 * half), 0.1, rounding);
+      finding.excluded =
+          finding.excluded || (whole.proved && !system.forces(whole.q, whole.y)[coordinate].contains_zero());
+      continue;
+    }
+    for (int step = 0; step < 100; ++step) {
+      const Ball middle_of = ((from + to) / Ball(2)).midpoint();
+      const int sign = sign_at(middle_of);
+      if (sign == 0) break;
+      (sign == before ? from : to) = middle_of;
+      if ((to - from).greatest() < narrow_bracket) break;
+    }
+    range = centre;
+    range[coordinate] = Ball::of_both(from, to);
+    const Solution whole = solve(held, range, std::max(first_reach, 100 * half), 0.1, rounding);
+    if (!whole.proved) return;
+    finding.excluded = false;
+    finding.kind = Finding::Kind::degenerate;
+    finding.kept = kept;
+    finding.solution = whole;
+    finding.unstable = whole.unstable + (before < 0 ? 0 : 1);
+    finding.degenerate = finding.unstable > 0 ? Stability::unstable : Stability::stable;
+    return;
+  }
+}
+
+// --- all pieces -----------------------------------------------------------------------------------------------------
+
+Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& active) const {
+  if (f.kind == Finding::Kind::none) {
+    Certificate out = deny(f.excluded ? Outcome::no_equilibrium : Outcome::not_proved, f.why);
+    out.singular = f.singular;
+    return out;
+  }
+  Certificate out;
+  for (std::size_t i = 0; i < f.solution.q.size(); ++i) {
+    const double middle = f.solution.q[i].middle();
+    out.x.push_back(middle);
+    const bool held = std::find(f.neutral.begin(), f.neutral.end(), static_cast<int>(i)) != f.neutral.end();
+    if (!held) out.radius = std::max(out.radius, (f.solution.q[i] - Ball(middle)).greatest());
+    out.moved = std::max(out.moved, std::abs(middle - x_[i]));
+  }
+  for (const ActiveStop& a : active) out.active_stops.push_back(a.stop);
+  out.redundant = f.redundant;
+  out.unstable_directions = f.unstable;
+  out.neutral_directions = static_cast<int>(f.neutral.size());
+  for (const int i : f.neutral) out.neutral_coordinates.push_back(name(i));
+  out.locked = f.freedoms <= 0;
+  // Effect of the rounding of the scene's numbers, to first order.
+  const BalanceSystem rounded(*balls_, f.kept, true);
+  std::vector<Ball> x, y;
+  for (const Ball& q : f.solution.q) x.push_back(q.midpoint());
+  for (const Ball& v : f.solution.y) y.push_back(v.midpoint());
+  std::vector<Ball> residual = rounded.residual(x, y);
+  double widest_gap = 0.0;
+  for (std::size_t k = residual.size() - f.kept.rows.size(); k < residual.size(); ++k) {
+    widest_gap = std::max(widest_gap, residual[k].radius());
+  }
+  if (f.solution.matrix && f.solution.matrix->regular()) {
+    for (Ball& r : residual) r = Ball(0).widened(r.radius());
+    residual = f.solution.matrix->solve(std::move(residual));
+    const std::size_t coordinates = residual.size() - f.kept.rows.size();
+    for (std::size_t i = 0; i < coordinates; ++i) {
+      out.rounding_effect = std::max(out.rounding_effect, residual[i].greatest());
+    }
+  }
+  if (widest_gap > largest_gap_by_rounding) {
+    Certificate no = deny(Outcome::not_proved,
+                          fmt::format("the numbers as written do not determine the mechanism: rounded to doubles they "
+                                      "leave its joints open by up to {:.1g} of its size",
+                                      widest_gap));
+    return no;
+  }
+  out.singular = f.singular;
+  switch (f.kind) {
+    case Finding::Kind::regular:
+      out.outcome = Outcome::proved;
+      out.stability = f.unstable > 0 ? Stability::unstable : Stability::stable;
+      if (m_.has_follower_loads() && f.freedoms > 1 && f.unstable == 0) out.stability = Stability::unknown;
+      out.statement =
+          fmt::format("exactly one equilibrium lies within {:.1e} (rad, or lengths over the size)", out.radius);
+      break;
+    case Finding::Kind::neutral:
+      out.outcome = Outcome::neutral;
+      out.stability = f.unstable > 0 ? Stability::unstable : Stability::neutral;
+      out.statement = fmt::format("neutral: equilibrium at any value of {}", fmt::join(out.neutral_coordinates, ", "));
+      break;
+    default:
+      out.outcome = Outcome::degenerate;
+      out.stability = f.degenerate;
+      out.statement =
+          f.singular ? f.why + (f.degenerate == Stability::stable     ? ": the energy grows along every motion"
+                                : f.degenerate == Stability::unstable ? ": the energy falls along one of the motions"
+                                                                      : ", and its stability was not decided")
+                     : fmt::format("a curvature vanishes within {:.1e}: by the forces on both sides {}", out.radius,
+                                   f.degenerate == Stability::stable ? "an energy minimum lies between them"
+                                                                     : "no energy minimum lies there");
+      if (f.degenerate == Stability::unstable) out.unstable_directions = std::max(1, out.unstable_directions);
+      break;
+  }
+  return out;
+}
+
+std::vector<int> Certifier::undecided_springs(const Finding& finding) const {
+  std::vector<int> out;
+  const BalanceSystem system(*balls_, finding.kept);
+  if (finding.kind == Finding::Kind::none) return out;
+  bool any = false;
+  for (int e = 0; e < m_.elements(); ++e) {
+    const auto* spring = std::get_if<LinearSpring>(&m_.law_of(e));
+    any = any || (spring != nullptr && spring->acts != LinearSpring::Acts::both);
+  }
+  if (!any) return out;
+  std::vector<Ball> box = finding.solution.q;
+  for (std::size_t i = 0; i < box.size(); ++i) box[i] = box[i].widened(finding.solution.reach[i]);
+  const std::vector<Ball> g = system.measures(box);
+  for (int e = 0; e < m_.elements(); ++e) {
+    const auto* spring = std::get_if<LinearSpring>(&balls_->exact.law_of(e));
+    if (spring == nullptr || spring->acts == LinearSpring::Acts::both) continue;
+    if ((g[e] - Ball(spring->free_length)).contains_zero()) out.push_back(e);
+  }
+  return out;
+}
+
+Finding Certifier::examine_with(const std::vector<ActiveStop>& active, const std::vector<int>& springs,
+                                unsigned act) const {
+  BallMechanism piece = *balls_;
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    LinearSpring spring = std::get<LinearSpring>(piece.exact.law_of(springs[k]));
+    spring.acts = LinearSpring::Acts::both;
+    const Law law = (act >> k & 1U) != 0 ? Law(spring) : Law(ConstantForce{0.0});
+    piece.exact.replace_law(springs[k], law);
+    piece.rounded.replace_law(springs[k], law);
+  }
+  Certifier part = *this;
+  part.balls_ = &piece;
+  return part.examine(equations(active));
+}
+
+Certificate Certifier::run() {
+  if (!std::all_of(x_.begin(), x_.end(), [](double v) { return std::isfinite(v); })) {
+    return deny(Outcome::not_proved, "a coordinate is not a finite number");
+  }
+  if (m_.coordinates() + m_.constraints() > options_.unknowns) {
+    Certificate out = deny(Outcome::not_proved, fmt::format("more than {} unknowns", options_.unknowns));
+    out.too_large = true;
+    return out;
+  }
+  std::vector<ActiveStop> active = find_active_stops();
+  Finding finding;
+  for (int pass = 0; pass < 3 + 2 * m_.stops(); ++pass) {
+    finding = examine(equations(active));
+    if (finding.kind == Finding::Kind::none || m_.stops() == 0) break;
+    // Stops that would have to pull are left, those that are overrun become active.
+    bool changed = false;
+    const std::size_t fixed = static_cast<std::size_t>(m_.equalities());
+    for (std::size_t k = 0; k < finding.kept.rows.size() && !changed; ++k) {
+      const int stop = finding.kept.rows[k] - m_.equalities();
+      if (stop < 0) continue;
+      const auto a = std::find_if(active.begin(), active.end(), [&](const ActiveStop& s) { return s.stop == stop; });
+      if (a->both) continue;
+      const Ball push = a->upper ? finding.solution.y[k] : -finding.solution.y[k];
+      if (push < Ball(0)) {
+        active.erase(a);
+        changed = true;
+      }
+    }
+    if (changed) continue;
+    const std::vector<Ball> g = BalanceSystem(*balls_, finding.kept).constraints(finding.solution.q);
+    for (int s = 0; s < m_.stops() && !changed; ++s) {
+      if (std::any_of(active.begin(), active.end(), [&](const ActiveStop& a) { return a.stop == s; })) continue;
+      const Ball& value = g[fixed + s];
+      for (const bool upper : {false, true}) {
+        const double limit = bound(m_, s, upper);
+        if (!std::isfinite(limit)) continue;
+        const Ball beyond = upper ? value - Ball(limit) : Ball(limit) - value;
+        if (!(beyond > Ball(0)) || changed) continue;
+        active.push_back({s, upper, false});
+        changed = true;
+      }
+    }
+    if (!changed) break;
+  }
+  return combine(active, finding);
+}
+
+// Where it is undecided whether a stop is active or a one-way spring acts, all combinations are examined.
+Certificate Certifier::combine(const std::vector<ActiveStop>& active, const Finding& first) {
+  if (first.kind == Finding::Kind::none) return report(first, active);
+  Finding finding = first;
+  std::vector<int> springs = undecided_springs(finding);
+  if (!springs.empty() && finding.kind == Finding::Kind::regular) {
+    // A smaller box may decide.
+    Finding smaller = finding;
+    std::vector<Ball> from;
+    for (const Ball& q : finding.solution.q) from.push_back(q.midpoint());
+    smaller.solution = solve(finding.kept, from, last_reach, options_.farthest);
+    if (smaller.solution.proved) {
+      finding = smaller;
+      springs = undecided_springs(finding);
+    }
+  }
+  std::vector<ActiveStop> weak;  // touched, and it is undecided whether they press
+  std::vector<ActiveStop> strong;
+  const std::vector<Ball> g = BalanceSystem(*balls_, finding.kept).constraints(finding.solution.q);
+  for (const ActiveStop& a : active) {
+    const auto row = std::find(finding.kept.rows.begin(), finding.kept.rows.end(), m_.stop_row(a.stop));
+    const bool presses = a.both || row == finding.kept.rows.end() ||
+                         !finding.solution.y[static_cast<std::size_t>(row - finding.kept.rows.begin())].contains_zero();
+    (presses ? strong : weak).push_back(a);
+  }
+  for (int s = 0; s < m_.stops(); ++s) {
+    if (std::any_of(active.begin(), active.end(), [&](const ActiveStop& a) { return a.stop == s; })) continue;
+    for (const bool upper : {false, true}) {
+      const double limit = bound(m_, s, upper);
+      if (std::isfinite(limit) && (g[m_.stop_row(s)] - Ball(limit)).contains_zero()) weak.push_back({s, upper, false});
+    }
+  }
+  // A stop whose measure no motion changes is touched for ever.
+  if (m_.coordinates() <= dense_limit) {
+    std::erase_if(weak, [&](const ActiveStop& a) {
+      std::vector<ActiveStop> with = strong;
+      with.push_back(a);
+      const KeptEquations all = equations(with);
+      const std::vector<int> dependent = dependent_rows(all, nearly_dependent);
+      const std::vector<int> before = dependent_rows(equations(strong), nearly_dependent);
+      return dependent.size() > before.size();
+    });
+  }
+  if (weak.empty() && springs.empty()) return report(finding, active);
+  if (weak.size() + springs.size() > most_undecided) {
+    return deny(Outcome::not_proved, fmt::format("{} stops and one-way springs are exactly at the limit of acting",
+                                                 weak.size() + springs.size()));
+  }
+  // All pieces: bits of `state` say which springs act and which stops are active.
+  int pieces_unstable = 0;
+  int pieces = 0;
+  bool same_orientation = true;
+  std::optional<Finding> loosest, tightest;
+  const unsigned all_states = 1U << (springs.size() + weak.size());
+  for (unsigned state = 0; state < all_states; ++state) {
+    std::vector<ActiveStop> now = strong;
+    for (std::size_t k = 0; k < weak.size(); ++k) {
+      if ((state >> (springs.size() + k) & 1U) != 0) now.push_back(weak[k]);
+    }
+    const Finding piece = examine_with(now, springs, state);
+    if (piece.kind == Finding::Kind::none || piece.kind == Finding::Kind::degenerate) {
+      return deny(Outcome::not_proved, "a stop or one-way spring is exactly at the limit of acting, and " +
+                                           (piece.why.empty() ? "one of its states was not proved" : piece.why));
+    }
+    ++pieces;
+    pieces_unstable += piece.unstable > 0 ? 1 : 0;
+    if (state == 0) loosest = piece;
+    if (state == all_states - 1) tightest = piece;
+    same_orientation =
+        same_orientation && piece.kind == Finding::Kind::regular && piece.unstable % 2 == loosest->unstable % 2;
+  }
+  Certificate out = report(*loosest, strong);
+  out.strict = false;
+  if (!out.confirmed()) return out;
+  if (m_.has_follower_loads()) {
+    if (!same_orientation)
+      return deny(Outcome::not_proved, "a stop or one-way spring is exactly at the limit of acting");
+    return out;
+  }
+  const bool neutral = loosest->kind == Finding::Kind::neutral;
+  if (pieces_unstable == 0) {
+    if (neutral) out.stability = tightest->kind == Finding::Kind::neutral ? Stability::neutral : Stability::unknown;
+    if (out.stability == Stability::unknown) out.outcome = Outcome::degenerate;
+    return out;
+  }
+  // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls. A
+  // single limit leaves one of two opposite directions to the loosest piece.
+  const bool falls = tightest->unstable > 0 || (weak.size() + springs.size() == 1 && loosest->unstable > 0);
+  out.stability = falls ? Stability::unstable : stability_on_cones(*loosest, springs, weak);
+  out.unstable_directions = out.stability == Stability::unstable ? std::max(1, tightest->unstable) : 0;
+  if (!same_orientation || out.stability == Stability::unknown) out.outcome = Outcome::degenerate;
+  if (out.outcome == Outcome::degenerate) {
+    out.statement = "a stop or one-way spring is exactly at the limit of acting";
+    out.statement += out.stability == Stability::stable     ? ": the energy grows on all sides"
+                     : out.stability == Stability::unstable ? ": the energy falls on one side"
+                                                            : ", and stability was not decided";
+  }
+  return out;
+}
+
+// Springs at their free length have no force, so for a motion v the energy changes by half of
+//   q(v) = v^T H v + sum_k stiffness_k (a_k.v)^2 over the springs that v makes act,
+// H being the reduced Hessian without them and a_k the gradient of a measure; stops leave the motions with a_s.v <= 0.
+Stability Certifier::stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
+                                        const std::vector<ActiveStop>& weak) const {
+  std::vector<double> x;
+  for (const Ball& q : loosest.solution.q) x.push_back(q.middle());
+  DensePoint<double> point(m_, x, loosest.kept.rows);
+  const Eigen::MatrixXd z = reduced_basis(point);
+  const Eigen::Index d = z.cols();
+  if (d == 0) return Stability::stable;
+  Eigen::VectorXd y(static_cast<Eigen::Index>(loosest.solution.y.size()));
+  for (Eigen::Index k = 0; k < y.size(); ++k) y[k] = loosest.solution.y[static_cast<std::size_t>(k)].middle();
+  Eigen::MatrixXd h = z.transpose() * point.tangent(y) * z;
+  std::vector<Eigen::VectorXd> acting;     // a_k times the root of the stiffness, positive where the spring acts
+  std::vector<Eigen::VectorXd> forbidden;  // a_s
+  for (const int e : springs) {
+    const LinearSpring& spring = std::get<LinearSpring>(m_.law_of(e));
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(m_.coordinates());
+    m_.add_measure_gradient(e, point.pose.data(), gradient.data());
+    const Eigen::VectorXd a = std::sqrt(spring.stiffness) * z.transpose() * gradient;
+    if (!spring.slack(m_.measure_of(e, point.pose.data()))) h -= a * a.transpose();
+    acting.push_back(spring.acts == LinearSpring::Acts::tension ? a : Eigen::VectorXd(-a));
+  }
+  for (const ActiveStop& s : weak) {
+    const DensePoint<double> stop(m_, x, {m_.stop_row(s.stop)});
+    const Eigen::VectorXd a = z.transpose() * stop.jacobian.row(0).transpose();
+    forbidden.push_back(s.upper ? a : Eigen::VectorXd(-a));
+  }
+  double steepest = h.norm();
+  for (const Eigen::VectorXd& a : acting) steepest += a.squaredNorm();
+  const auto energy = [&](const Eigen::VectorXd& v) {
+    for (const Eigen::VectorXd& a : forbidden) {
+      if (a.dot(v) > 0.0) return infinity;
+    }
+    double q = v.dot(h * v);
+    for (const Eigen::VectorXd& a : acting) q += std::pow(std::max(0.0, a.dot(v)), 2);
+    return q;
+  };
+  constexpr double margin = 1e-9;
+  double least = infinity;
+  double between = 0.0;  // greatest decrease between two directions that were looked at
+  if (d == 1) {
+    for (const double way : {-1.0, 1.0}) least = std::min(least, energy(Eigen::VectorXd::Constant(1, way)));
+  } else if (d == 2) {
+    constexpr int directions = 7200;
+    for (int k = 0; k < directions; ++k) {
+      const double angle = 2 * M_PI * k / directions;
+      least = std::min(least, energy(Eigen::Vector2d(std::cos(angle), std::sin(angle))));
+    }
+    between = 2 * steepest * M_PI / directions;
+  } else {
+    const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(h);
+    for (Eigen::Index k = 0; k < d; ++k) {
+      for (const double way : {-1.0, 1.0}) least = std::min(least, energy(way * eigen.vectors.col(k)));
+    }
+    between = infinity;  // only a direction in which the energy falls is a proof
+  }
+  if (least < -margin * steepest) return Stability::unstable;
+  return least > between + margin * steepest ? Stability::stable : Stability::unknown;
+}
+
+}  // namespace
+
+std::string to_string(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::proved:
+      return "proved";
+    case Outcome::neutral:
+      return "neutral";
+    case Outcome::degenerate:
+      return "degenerate";
+    case Outcome::no_equilibrium:
+      return "no equilibrium near";
+    case Outcome::not_proved:
+      return "not proved";
+  }
+  return "not proved";
+}
+
+std::string to_string(Stability stability) {
+  switch (stability) {
+    case Stability::unknown:
+      return "unknown";
+    case Stability::stable:
+      return "stable";
+    case Stability::unstable:
+      return "unstable";
+    case Stability::neutral:
+      return "neutral";
+  }
+  return "unknown";
+}
+
+Certificate certify(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options) {
+  const Ball::Precision precision(usual_bits);
+  return Certifier(model, x, options).run();
+}
+
+}  // namespace poise

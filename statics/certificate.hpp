@@ -1,0 +1,79 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "statics/stability.hpp"
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+/// What is known of an answer.
+enum class Outcome {
+  /// Exactly one equilibrium lies within the radius, and its number of unstable directions is proved.
+  proved,
+  /// Along some coordinates the equations of equilibrium hold everywhere to within the rounding of the scene's own
+  /// numbers; across them exactly one equilibrium lies within the radius for every value of those coordinates.
+  neutral,
+  /// Curvature vanishes within the radius (a fold or a cusp, a change point, a kink): see `stability`; if it is not
+  /// unknown it is proved by the signs of the force on both sides.
+  degenerate,
+  no_equilibrium,  ///< none lies near
+  not_proved       ///< nothing could be shown; `statement` says why
+};
+
+/// "proved", "neutral", ...
+std::string to_string(Outcome outcome);
+
+struct CertificateOptions {
+  /// Largest distance from an answer to the equilibrium that it is refined to, rad or mechanism sizes.
+  double farthest = 1e-3;
+  /// Number of unknowns (coordinates, closures, active stops) beyond which nothing is attempted.
+  int unknowns = 100000;
+};
+
+/// A proof about an answer, of the scene as written: its numbers are taken as the exact doubles that they became.
+///
+/// With x the coordinates, y the multipliers of closures and active stops, the square system
+///   F(x) + J(x)^T y = 0,  c(x) = 0,  g_s(x) = bound of active stop s
+/// is solved by Newton's method in ball arithmetic. All its matrices of first derivatives within a box around the
+/// refined point are proved regular (solvers/regular_set.hpp), so that the interval Newton operator, which maps the box
+/// into itself, proves that the box contains exactly one solution (R. E. Moore, R. B. Kearfott, M. J. Cloud,
+/// "Introduction to Interval Analysis", 2009, chapter 8). The number of negative eigenvalues of those symmetric
+/// matrices is that of the reduced Hessian plus one for each row of J. Reactions of active stops and gaps of all others
+/// are enclosed too. docs/certificate.md has the whole of it.
+struct Certificate {
+  Outcome outcome = Outcome::not_proved;
+  std::string statement;  ///< one sentence
+
+  std::vector<double> x;  ///< scaled coordinates: the middle of the enclosure, rounded to doubles
+  double radius = 0.0;    ///< rad or mechanism sizes: every coordinate of the equilibrium is this close to x
+  double moved = 0.0;     ///< largest distance of a coordinate from the answer given to x
+  /// First-order bound on the change of a coordinate when every number of the scene changes by half a unit in its last
+  /// place, rad or mechanism sizes: what the scene's own numbers leave open.
+  double rounding_effect = 0.0;
+
+  Stability stability = Stability::unknown;
+  int unstable_directions = 0;
+  int neutral_directions = 0;
+  std::vector<std::string> neutral_coordinates;  ///< coordinates whose values are arbitrary
+  std::vector<int> active_stops;                 ///< indices of Scene::stops
+  /// Every touched stop presses, and no one-way spring is exactly at its free length.
+  bool strict = true;
+  int redundant = 0;    ///< closure rows that repeat others
+  bool locked = false;  ///< closures and stops leave no motion
+  /// The closures lose rank and no finite joint forces balance the loads.
+  bool singular = false;
+  bool too_large = false;  ///< more unknowns than CertificateOptions allows: nothing was attempted
+
+  /// An equilibrium is known to exist, and what is said of it is proved.
+  bool confirmed() const {
+    return outcome == Outcome::proved || outcome == Outcome::neutral ||
+           (outcome == Outcome::degenerate && stability != Stability::unknown);
+  }
+};
+
+/// Examines the answer x (scaled coordinates) of any method.
+Certificate certify(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options = {});
+
+}  // namespace poise
