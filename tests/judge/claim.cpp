@@ -1,0 +1,79 @@
+#include "tests/judge/claim.hpp"
+
+#include <stdexcept>
+
+namespace poise::judge {
+namespace {
+
+using Of = ClaimedCoordinate::Of;
+
+// What coordinate t of the model is in the scene.
+ClaimedCoordinate meaning_of(const Layout& layout, int t) {
+  for (const Link& link : layout.links) {
+    if (t < layout.angles && link.frame == t && link.turn == 0.0) {
+      return {link.body >= 0 ? Of::angle : Of::bar, link.body >= 0 ? link.body : link.joint};
+    }
+    if (t >= layout.angles && link.parent == 0 && link.arms.size() == 2) {
+      for (const int i : {0, 1}) {
+        const bool is_place = link.arms[0].coordinate == t - i && link.arms[1].coordinate == t + 1 - i;
+        if (is_place && link.body >= 0 && link.arms[0].arm == Vec2{1, 0} && link.arms[1].arm == Vec2{0, 1}) {
+          return {i == 0 ? Of::x : Of::y, link.body};
+        }
+      }
+    }
+  }
+  for (std::size_t j = 0; j < layout.travel.size(); ++j) {
+    if (layout.travel[j] == t) return {Of::travel, static_cast<int>(j)};
+  }
+  throw std::logic_error("a coordinate means nothing in the scene");
+}
+
+Kind kind_of(Stability stability) {
+  switch (stability) {
+    case Stability::stable:
+      return Kind::stable;
+    case Stability::unstable:
+      return Kind::unstable;
+    case Stability::neutral:
+      return Kind::neutral;
+    case Stability::unknown:
+      break;
+  }
+  return Kind::unknown;
+}
+
+Claim pose_claim(const StaticModel& model, const std::vector<double>& x) {
+  Claim claim;
+  const auto poses = model.poses(x);
+  for (std::size_t b = 0; b < model.scene().bodies.size(); ++b) {
+    claim.origins.push_back(poses[b].origin);
+    claim.angles.push_back(poses[b].angle);
+  }
+  const std::vector<double> q = model.to_si(x);
+  for (int t = 0; t < model.layout().kept; ++t) {
+    claim.coordinates.push_back(meaning_of(model.layout(), t));
+    claim.coordinates.back().value = q[t];
+  }
+  return claim;
+}
+
+}  // namespace
+
+Claim claim_of(const StaticModel& model, const Equilibrium& answer) {
+  Claim claim = pose_claim(model, answer.x);
+  claim.confirmed = answer.found();
+  claim.kind = kind_of(answer.check.stability);
+  claim.radius = claim.kind == Kind::neutral ? answer.check.accuracy_across_neutral : answer.check.accuracy;
+  claim.minimum_sought = answer.seek == Seek::stable || traits(answer.method).minimises;
+  return claim;
+}
+
+Claim claim_at(const StaticModel& model, const std::vector<double>& x, Kind kind, double radius) {
+  Claim claim = pose_claim(model, x);
+  claim.confirmed = true;
+  claim.kind = kind;
+  claim.radius = radius;
+  return claim;
+}
+
+}  // namespace poise::judge
