@@ -1,0 +1,117 @@
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "tests/support/random_scenes.hpp"
+
+namespace poise::test {
+namespace {
+
+std::string pair(Vec2 v) { return fmt::format("[{}, {}]", v.x, v.y); }
+
+std::string quoted(const Scene& scene, PointRef p) { return "\"" + scene.name_of(p) + "\""; }
+
+std::string key_of(const Scene& scene, const Measure& m) {
+  switch (m.kind) {
+    case Measure::Kind::angle:
+      return fmt::format("bodies = [\"{}\", \"{}\"]", scene.bodies[m.body_a].name, scene.bodies[m.body_b].name);
+    case Measure::Kind::distance:
+      return fmt::format("points = [{}, {}]", quoted(scene, m.a), quoted(scene, m.b));
+    case Measure::Kind::travel:
+      return fmt::format("slide = \"{}\"", scene.joints[m.joint].name);
+    case Measure::Kind::x:
+      return "x = " + quoted(scene, m.b);
+    case Measure::Kind::y:
+      return "y = " + quoted(scene, m.b);
+    case Measure::Kind::sum:
+      break;
+  }
+  std::string terms;
+  for (const Measure::Term& term : m.terms) {
+    terms +=
+        fmt::format("{}{{ factor = {}, {} }}", terms.empty() ? "" : ", ", term.factor, key_of(scene, term.measure));
+  }
+  return "sum = [" + terms + "]";
+}
+
+std::string points_of(const Body& body) {
+  std::string out;
+  for (const NamedPoint& p : body.points) {
+    out += fmt::format("{}\"{}\" = {}", out.empty() ? "" : ", ", p.name, pair(p.at));
+  }
+  return "points = { " + out + " }\n";
+}
+
+std::string text_of(const Scene& scene, const Joint& joint) {
+  std::string out = fmt::format("\n[[{}]]\nname = \"{}\"\npoints = [{}, {}]\n", joint.traits().key, joint.name,
+                                quoted(scene, joint.a), quoted(scene, joint.b));
+  if (joint.has_travel()) out += fmt::format("axis = {}\n", pair(joint.axis));
+  for (const Number& number : joint.numbers()) {
+    out += fmt::format("{} = {}\n", number.key, number.get(&joint).value_or(0.0));
+  }
+  return out;
+}
+
+std::string text_of(const Scene& scene, const Element& element) {
+  std::string out =
+      fmt::format("\n[[{}]]\nname = \"{}\"\n{}\n", element.table, element.name, key_of(scene, element.on));
+  const void* law = std::visit([](const auto& l) -> const void* { return &l; }, element.law);
+  for (const Number& number : numbers_of(element.law)) {
+    const std::string_view key = element.on.is_angle() && !number.angle_key.empty() ? number.angle_key : number.key;
+    if (const std::optional<double> value = number.get(law)) out += fmt::format("{} = {}\n", key, *value);
+  }
+  if (const auto* spring = std::get_if<LinearSpring>(&element.law)) {
+    static constexpr const char* words[] = {"both", "tension", "compression"};
+    out += fmt::format("acts = \"{}\"\n", words[static_cast<int>(spring->acts)]);
+  }
+  return out;
+}
+
+std::string start_of(const Scene& scene) {
+  std::string out = "\n[start]\n";
+  std::string places;
+  for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
+    const std::string& name = scene.bodies[b].name;
+    if (scene.start.angle[b]) out += fmt::format("\"{}\" = {}\n", name, *scene.start.angle[b]);
+    if (!scene.start.position[b]) continue;
+    places += fmt::format("{}\"{}\" = {}", places.empty() ? "" : ", ", name, pair(*scene.start.position[b]));
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (scene.start.travel[j]) out += fmt::format("\"{}\" = {}\n", scene.joints[j].name, *scene.start.travel[j]);
+  }
+  return places.empty() ? out : out + "position = { " + places + " }\n";
+}
+
+}  // namespace
+
+std::string scene_text(const Scene& scene) {
+  std::string out = fmt::format("title = \"{}\"\n", scene.title);
+  if (!(scene.gravity == Vec2{})) out += fmt::format("gravity = {}\n", pair(scene.gravity));
+  out += "\n[ground]\n" + points_of(scene.bodies[0]);
+  for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
+    const Body& body = scene.bodies[b];
+    out += fmt::format("\n[body.\"{}\"]\n{}mass = {}\ncenter = {}\ninertia = {}\n", body.name, points_of(body),
+                       body.mass, pair(body.center), body.inertia);
+  }
+  for (const Joint& joint : scene.joints) out += text_of(scene, joint);
+  for (const Element& element : scene.elements) out += text_of(scene, element);
+  for (const Force& force : scene.forces) {
+    out += fmt::format("\n[[force]]\nname = \"{}\"\nat = {}\nvector = {}\n", force.name, quoted(scene, force.at),
+                       pair(force.vector));
+    if (force.follows >= 0) out += fmt::format("follows = \"{}\"\n", scene.bodies[force.follows].name);
+  }
+  for (const Torque& torque : scene.torques) {
+    out += fmt::format("\n[[torque]]\nname = \"{}\"\non = \"{}\"\nvalue = {}\n", torque.name,
+                       scene.bodies[torque.body].name, torque.value);
+  }
+  for (const Stop& stop : scene.stops) {
+    out += fmt::format("\n[[stop]]\nname = \"{}\"\n{}\n", stop.name, key_of(scene, stop.on));
+    if (std::isfinite(stop.min)) out += fmt::format("min = {}\n", stop.min);
+    if (std::isfinite(stop.max)) out += fmt::format("max = {}\n", stop.max);
+  }
+  return out + start_of(scene);
+}
+
+}  // namespace poise::test
