@@ -62,8 +62,8 @@ Claim pose_claim(const StaticModel& model, const std::vector<double>& x) {
 Claim claim_of(const StaticModel& model, const Equilibrium& answer) {
   Claim claim = pose_claim(model, answer.x);
   claim.confirmed = answer.found();
-  claim.kind = kind_of(answer.check.stability);
-  claim.radius = claim.kind == Kind::neutral ? answer.check.accuracy_across_neutral : answer.check.accuracy;
+  claim.kind = kind_of(answer.certificate.stability);
+  claim.radius = answer.certificate.radius;
   claim.minimum_sought = answer.seek == Seek::stable || traits(answer.method).minimises;
   return claim;
 }
