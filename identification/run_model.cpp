@@ -27,7 +27,7 @@ std::pair<int, double> RunModel::coordinate_of(const Scene& scene, const Layout&
     throw InputError(fmt::format("{}:{}: {}: expected a body that turns and has inertia; name another", scene.file,
                                  line, scene.bodies[static_cast<std::size_t>(body)].name));
   }
-  return {link.frame, link.turn};
+  return {link.frame, layout.turns[static_cast<std::size_t>(link.turn)].to<double>()};
 }
 
 RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers)

@@ -15,24 +15,29 @@ Inertia<T>::Inertia(const Scene& scene, const Mechanism<T>& mechanism)
       gravity_(planar_cast<T>(scene.gravity)),
       origin_(scene.bodies.size()) {
   const Layout& layout = mechanism.layout();
+  const Phasors<T>& phasors = mechanism.phasors();
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
     const int frame = layout.links[i].frame;
     if (frame >= 0 && frame < n_) moment_[frame] += static_cast<T>(body.inertia);
     Origin& origin = origin_[i];
     origin.frame = frame < n_ ? frame : -1;
-    origin.turn = unit(static_cast<T>(layout.links[i].turn));
+    origin.turn = phasors.turned(layout.links[i].turn);
     for (const Arm& arm : layout.path(0, {0, 0}, static_cast<int>(i), {0, 0})) {
       if (arm.coordinate < 0 || arm.coordinate >= n_) continue;
+      if (!origin.coordinate.empty() && origin.coordinate.back() == arm.coordinate) {
+        origin.coefficient.back() += phasors.coefficient(arm);
+        continue;
+      }
       origin.coordinate.push_back(arm.coordinate);
-      origin.coefficient.push_back(coefficient<T>(arm));
+      origin.coefficient.push_back(phasors.coefficient(arm));
     }
     if (body.mass == 0) continue;
     const std::vector<Arm> arms = layout.path(0, {0, 0}, static_cast<int>(i), body.center);
     std::vector<std::pair<int, Planar<T>>> terms;
     for (const Arm& arm : arms) {
       if (arm.coordinate >= 0) {
-        terms.emplace_back(arm.coordinate, coefficient<T>(arm));
+        terms.emplace_back(arm.coordinate, phasors.coefficient(arm));
       }
     }
     for (const auto& [t, c_t] : terms) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -20,7 +21,7 @@ struct Connection {
 // Bodies kept parallel by welds and slides, with their constant angle to the representative.
 class Frames {
  public:
-  explicit Frames(int count) : parent_(count), turn_(count, 0.0) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit Frames(int count) : parent_(count), turn_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
 
   // Representative of link i; turn(i) is then angle(i) - angle(representative).
   int find(int i) {
@@ -31,12 +32,12 @@ class Frames {
     }
     for (auto it = trail.rbegin(); it != trail.rend(); ++it) {
       const int above = parent_[*it];
-      if (above != i) turn_[*it] += turn_[above];
+      if (above != i) turn_[*it].add(turn_[above]);
       parent_[*it] = i;
     }
     return i;
   }
-  double turn(int i) const { return turn_[i]; }
+  const ExactSum& turn(int i) const { return turn_[i]; }
 
   // Sets angle(b) - angle(a) = angle. Returns false if both are parallel already.
   bool merge(int a, int b, double angle) {
@@ -44,20 +45,21 @@ class Frames {
     const int rb = find(b);
     if (ra == rb) return false;
     // The smaller index is the representative, so that the ground represents its own frame.
-    const double rb_from_ra = turn_[a] + angle - turn_[b];
-    if (ra < rb) {
-      parent_[rb] = ra;
-      turn_[rb] = rb_from_ra;
-    } else {
-      parent_[ra] = rb;
-      turn_[ra] = -rb_from_ra;
-    }
+    const bool forward = ra < rb;
+    const int child = forward ? rb : ra;
+    const double sign = forward ? 1.0 : -1.0;
+    parent_[child] = forward ? ra : rb;
+    ExactSum turn;
+    turn.add(turn_[a], sign);
+    turn.add(sign * angle);
+    turn.add(turn_[b], -sign);
+    turn_[child] = turn;
     return true;
   }
 
  private:
   std::vector<int> parent_;
-  std::vector<double> turn_;
+  std::vector<ExactSum> turn_;
 };
 
 bool is_zero(Vec2 v) { return v.x == 0.0 && v.y == 0.0; }
@@ -81,6 +83,8 @@ class Builder {
 
   Layout build() {
     make_links();
+    find_points();
+    choose_anchor();
     merge_frames();
     make_angles();
     connect();
@@ -107,12 +111,49 @@ class Builder {
     }
   }
 
+  // Of the ground only the points that something uses count, of a body all its points and its centre of mass.
+  void find_points() {
+    points_.resize(out_.links.size());
+    const auto use = [&](PointRef p) {
+      if (p.body == 0) points_[0].push_back(scene_.local(p));
+    };
+    const auto use_measure = [&](const Measure& measure, const auto& self) -> void {
+      if (measure.kind == Measure::Kind::distance) {
+        use(measure.a);
+        use(measure.b);
+      }
+      for (const Measure::Term& term : measure.terms) self(term.measure, self);
+    };
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      use(scene_.joints[j].a);
+      use(scene_.joints[j].b);
+      if (bar_link_[j] >= 0) points_[bar_link_[j]] = {{0, 0}, {scene_.joints[j].length, 0}};
+    }
+    for (const Element& e : scene_.elements) use_measure(e.on, use_measure);
+    for (const Stop& s : scene_.stops) use_measure(s.on, use_measure);
+    for (const Drive& d : scene_.drives) use_measure(d.on, use_measure);
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      for (const NamedPoint& p : body.points) points_[i].push_back(p.at);
+      if (body.mass != 0) points_[i].push_back(body.center);
+    }
+  }
+
+  // A mechanism on no ground point is measured from its first body.
+  void choose_anchor() {
+    if (!points_[0].empty()) {
+      out_.anchor = points_[0].front();
+    } else if (scene_.bodies.size() > 1) {
+      out_.anchor = scene_.start.position[1].value_or(Vec2{});
+    }
+  }
+
   void merge_frames() {
     frames_.emplace(static_cast<int>(out_.links.size()));
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const Joint& joint = scene_.joints[j];
       if (!joint.keeps_angle() || frames_->merge(joint.a.body, joint.b.body, joint.angle)) continue;
-      const double kept = frames_->turn(joint.b.body) - frames_->turn(joint.a.body);
+      const double kept = frames_->turn(joint.b.body).to<double>() - frames_->turn(joint.a.body).to<double>();
       if (std::abs(std::remainder(kept - joint.angle, 2 * M_PI)) > 1e-9) {
         throw InputError(fmt::format(
             "{}:{}: {} \"{}\": keeps the angle from {} to {} at {:.6g} rad, but other welds and slides keep it at "
@@ -126,10 +167,17 @@ class Builder {
 
   void make_angles() {
     std::vector<int> coordinate_of(out_.links.size(), -1);
+    std::map<std::vector<double>, int> known;
+    const auto index_of = [&](const ExactSum& turn) {
+      const auto [at, fresh] = known.try_emplace(turn.parts(), static_cast<int>(out_.turns.size()));
+      if (fresh) out_.turns.push_back(turn);
+      return at->second;
+    };
+    index_of({});
     for (std::size_t i = 0; i < out_.links.size(); ++i) {
       Link& link = out_.links[i];
       const int lead = frames_->find(static_cast<int>(i));
-      link.turn = frames_->turn(static_cast<int>(i));
+      link.turn = index_of(frames_->turn(static_cast<int>(i)));
       if (lead != 0 && coordinate_of[lead] < 0) {
         coordinate_of[lead] = static_cast<int>(out_.coordinates.size());
         Coordinate c;
@@ -138,10 +186,12 @@ class Builder {
       }
       link.frame = coordinate_of[lead];
       if (link.body > 0 && link.frame >= 0 && scene_.start.angle[link.body]) {
-        out_.coordinates[link.frame].start = *scene_.start.angle[link.body] - link.turn;
+        out_.coordinates[link.frame].start = *scene_.start.angle[link.body] - turn_of(link);
       }
     }
   }
+
+  double turn_of(const Link& link) const { return out_.turns[link.turn].to<double>(); }
 
   std::string name(int link) const {
     const Link& l = out_.links[link];
@@ -191,9 +241,10 @@ class Builder {
   }
 
   // Breadth first from the ground, bars last: a bar then closes a loop instead of connecting bodies in the tree. A body
-  // that is not connected to the ground gets its two world coordinates.
+  // that is not connected to the ground gets the two coordinates of its origin, from the anchor.
   void grow_tree() {
     in_tree_.assign(connections_.size(), false);
+    hops_.resize(out_.links.size());
     std::vector<bool> reached(out_.links.size(), false);
     std::deque<int> front, bars;
     const auto reach = [&](int link) {
@@ -211,8 +262,11 @@ class Builder {
       link.parent = forward ? c.link_a : c.link_b;
       link.depth = out_.links[link.parent].depth + 1;
       link.arms = local_arms(c);
+      hops_[child] = {forward ? c.a : c.b, forward ? c.b : c.a, c.joint};
+      // The parent's arm comes first: poses() then subtracts what it measures from before it adds small arms.
       if (!forward) {
         for (Arm& arm : link.arms) arm.arm = -arm.arm;
+        std::reverse(link.arms.begin(), link.arms.end());
       }
       reach(child);
     };
@@ -232,12 +286,15 @@ class Builder {
       link.parent = 0;
       link.depth = 1;
       const Vec2 guess = link.body >= 0 ? scene_.start.position[link.body].value_or(Vec2{}) : Vec2{};
+      hops_[i].from = guess;
+      if (!is_zero(out_.anchor)) link.arms.push_back({-1, out_.anchor, 0});
       for (const bool is_x : {true, false}) {
         Coordinate c;
         c.kind = Coordinate::Kind::length;
         c.name = name(static_cast<int>(i)) + (is_x ? ".x" : ".y");
-        c.start = is_x ? guess.x : guess.y;
-        link.arms.push_back({static_cast<int>(out_.coordinates.size()), is_x ? Vec2{1, 0} : Vec2{0, 1}, 0.0});
+        c.origin = is_x ? out_.anchor.x : out_.anchor.y;
+        c.start = (is_x ? guess.x : guess.y) - c.origin;
+        link.arms.push_back({static_cast<int>(out_.coordinates.size()), is_x ? Vec2{1, 0} : Vec2{0, 1}, 0});
         out_.coordinates.push_back(c);
       }
       reach(static_cast<int>(i));
@@ -411,13 +468,13 @@ class Builder {
   void guess_bars() {
     std::vector<Vec2> origin(out_.links.size());
     const auto angle = [&](const Link& link) {
-      return (link.frame < 0 ? 0.0 : out_.coordinates[link.frame].start) + link.turn;
+      return (link.frame < 0 ? 0.0 : out_.coordinates[link.frame].start) + turn_of(link);
     };
     const auto place = [&](int i) {
       const Link& link = out_.links[i];
       Vec2 p = link.parent < 0 ? Vec2{} : origin[link.parent];
       for (const Arm& arm : link.arms) {
-        Vec2 term = arm.arm * unit(arm.turn);
+        Vec2 term = arm.turn == 0 ? arm.arm : arm.arm * unit(out_.turns[arm.turn].to<double>());
         if (arm.coordinate >= 0) {
           const Coordinate& c = out_.coordinates[arm.coordinate];
           if (c.kind == Coordinate::Kind::angle)
@@ -480,23 +537,25 @@ class Builder {
   }
 
   void measure_size() {
+    hops_[0].to = out_.anchor;
     std::vector<double> reach(out_.links.size(), 0.0);
     double size = 0.0;
     for (int i : out_.tree_order) {
-      const Link& link = out_.links[i];
-      reach[i] = link.parent < 0 ? 0.0 : reach[link.parent];
-      for (const Arm& arm : link.arms) {
-        const bool is_length = arm.coordinate >= 0 && out_.coordinates[arm.coordinate].kind == Coordinate::Kind::length;
-        reach[i] += is_length ? std::abs(out_.coordinates[arm.coordinate].start) : norm(arm.arm);
-      }
-      double extent = link.body < 0 ? scene_.joints[link.joint].length : 0.0;
-      if (link.body >= 0) {
-        for (const NamedPoint& p : scene_.bodies[link.body].points) extent = std::max(extent, norm(p.at));
-      }
-      size = std::max(size, reach[i] + extent);
+      const Hop& hop = hops_[i];
+      if (i != 0) reach[i] = reach[out_.links[i].parent] + norm(hop.from - hops_[out_.links[i].parent].to);
+      const int travel = hop.joint < 0 ? -1 : out_.travel[hop.joint];
+      if (travel >= 0) reach[i] += std::abs(out_.coordinates[travel].start);
+      for (const Vec2& p : points_[i]) size = std::max(size, reach[i] + norm(p - hop.to));
     }
     if (size > 0) out_.size = size;
   }
+
+  // How the tree reaches a link: from a point of its parent to a point of its own by a joint. A body that is not
+  // connected is reached at its origin.
+  struct Hop {
+    Vec2 from{}, to{};
+    int joint = -1;
+  };
 
   const Scene& scene_;
   Purpose purpose_;
@@ -506,6 +565,8 @@ class Builder {
   std::vector<Connection> connections_;
   std::vector<std::vector<int>> around_;
   std::vector<bool> in_tree_;
+  std::vector<Hop> hops_;
+  std::vector<std::vector<Vec2>> points_;
   std::vector<unsigned> reasons_;
 };
 
@@ -540,7 +601,9 @@ void Layout::scale_lengths(double factor) {
   for (Closure& closure : closures) scale(closure.arms);
   for (Coordinate& c : coordinates) {
     if (c.kind == Coordinate::Kind::length) c.start *= factor;
+    c.origin *= factor;
   }
+  anchor = factor * anchor;
   size *= factor;
 }
 
@@ -562,14 +625,24 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
     return l.coordinate != r.coordinate ? l.coordinate < r.coordinate : l.turn < r.turn;
   });
   std::vector<Arm> merged;
-  for (const Arm& arm : arms) {
-    if (!merged.empty() && merged.back().coordinate == arm.coordinate && merged.back().turn == arm.turn) {
-      merged.back().arm += arm.arm;
-    } else {
-      merged.push_back(arm);
+  ExactSum x, y;
+  for (auto arm = arms.begin(); arm != arms.end();) {
+    const Arm& first = *arm;
+    x.clear();
+    y.clear();
+    for (; arm != arms.end() && arm->coordinate == first.coordinate && arm->turn == first.turn; ++arm) {
+      x.add(arm->arm.x);
+      y.add(arm->arm.y);
+    }
+    const std::size_t count = std::max(x.parts().size(), y.parts().size());
+    const auto part = [&](const ExactSum& sum, std::size_t k) {
+      const std::size_t missing = count - sum.parts().size();
+      return k < missing ? 0.0 : sum.parts()[k - missing];
+    };
+    for (std::size_t k = 0; k < count; ++k) {
+      merged.push_back({first.coordinate, {part(x, k), part(y, k)}, first.turn});
     }
   }
-  std::erase_if(merged, [](const Arm& arm) { return is_zero(arm.arm); });
   return merged;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "model/exact_sum.hpp"
 #include "model/scene.hpp"
 
 namespace poise {
@@ -15,7 +16,7 @@ enum class Purpose { statics, dynamics };
 struct Arm {
   int coordinate = -1;
   Vec2 arm{};
-  double turn = 0.0;  ///< rad
+  int turn = 0;  ///< index into Layout::turns
 };
 
 /// A coordinate of the mechanism: the absolute angle of a frame (all bodies that slides and welds keep parallel
@@ -28,6 +29,7 @@ struct Coordinate {
   std::string name;      ///< body of the angle, joint of the travel, or "block.x" of a body no joint ties to ground
   int frame = -1;        ///< length: coordinate of the angle of the line's frame, -1 when it is fixed
   double start = 0;      ///< guess from the scene, rad or m
+  double origin = 0;     ///< of "block.x": the anchor's coordinate, m, from which it is counted in the world
   unsigned reasons = 0;  ///< for which it is kept, one bit each; none if it is dropped
 
   /// Why it is kept or dropped: "closes a loop, carries weight".
@@ -36,10 +38,10 @@ struct Coordinate {
 
 /// A body, or a bar, in the spanning tree of joints: origin = origin of parent + sum of arms.
 struct Link {
-  int body = -1;    ///< index into Scene::bodies, -1 for a bar
-  int joint = -1;   ///< bar: index into Scene::joints
-  int frame = -1;   ///< coordinate of its angle, -1 when fixed
-  double turn = 0;  ///< angle of link = angle of frame + turn, rad
+  int body = -1;   ///< index into Scene::bodies, -1 for a bar
+  int joint = -1;  ///< bar: index into Scene::joints
+  int frame = -1;  ///< coordinate of its angle, -1 when fixed
+  int turn = 0;    ///< angle of link = angle of frame + turn; index into Layout::turns
   int parent = -1;
   int depth = 0;
   std::vector<Arm> arms;
@@ -60,19 +62,22 @@ struct Layout {
   std::vector<Coordinate> coordinates;
   int angles = 0;
   int kept = 0;
+  std::vector<ExactSum> turns;  ///< constant angles between bodies of one frame, rad; the first is zero
   std::vector<Link> links;      ///< one per body, then one per bar
   std::vector<int> tree_order;  ///< links, parents before children
   std::vector<Closure> closures;
   std::vector<int> travel;           ///< per joint: coordinate of its travel, or -1
   std::vector<int> redundant_angle;  ///< joints whose constant angle follows from other joints
   std::vector<std::string> dropped;  ///< items left out of the compiled model, and why
-  double size = 1.0;                 ///< longest distance from the ground through the tree, m
+  Vec2 anchor{};      ///< the ground point that sizes are measured from, m: the first that a joint, element, ... uses
+  double size = 1.0;  ///< longest distance from the anchor through the tree to a point of a body, m
 
   /// Changes the unit of all lengths: multiplies them by `factor`.
   void scale_lengths(double factor);
 
-  /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, merged by
-  /// coordinate and turn.
+  /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, sorted by
+  /// coordinate and turn. Arms that differ in neither are summed exactly; a sum that no double holds remains several
+  /// arms.
   std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const;
 };
 

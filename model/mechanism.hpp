@@ -136,7 +136,8 @@ class Mechanism {
   void add_force_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const;
 
   /// Poses of all bodies (indices of Scene::bodies) and then of all bars, dropped coordinates at their start value.
-  std::vector<BodyPose<T>> poses(const T* q) const;
+  /// Origins are measured from the point `from` of the world; the ground's is then -from.
+  std::vector<BodyPose<T>> poses(const T* q, const Vec2& from = {}) const;
 
  private:
   // Places in the tangent of support x support of a measure, row by row.

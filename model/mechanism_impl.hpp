@@ -47,7 +47,7 @@ void Mechanism<T>::compile_loads(const Scene& scene) {
   std::vector<Planar<T>> carried(layout_.links.size());
   const auto add = [&](const Arm& arm, const Planar<T>& force) {
     if (arm.coordinate < 0 || arm.coordinate >= coordinates()) return;
-    load_[arm.coordinate] += conj(force) * coefficient<T>(arm);
+    load_[arm.coordinate] += conj(force) * phasors_.coefficient(arm);
   };
   const auto apply = [&](int body, Vec2 at, const Planar<T>& force) {
     carried[body] += force;
@@ -135,7 +135,7 @@ void Mechanism<T>::compile_followers(const Scene& scene) {
     if (f.follows < 0 || (f.vector.x == 0 && f.vector.y == 0)) continue;
     const Link& carrier = layout_.links[f.follows];
     Follower follower{
-        path_to(scene, f.at), {}, planar_cast<T>(f.vector) * unit(static_cast<T>(carrier.turn)), carrier.frame, {}};
+        path_to(scene, f.at), {}, planar_cast<T>(f.vector) * phasors_.turned(carrier.turn), carrier.frame, {}};
     need_scratch(follower.path.size());
     followers_.push_back(std::move(follower));
     follower_names_.push_back(f.name);
@@ -160,7 +160,7 @@ void Mechanism<T>::compile_load_derivatives(const Scene& scene) {
     Planar<T> along = planar_cast<T>(size > 0 ? (1 / size) * f.vector : Vec2{});
     int frame = -1;
     if (f.follows >= 0) {
-      along = along * unit(static_cast<T>(layout_.links[f.follows].turn));
+      along = along * phasors_.turned(layout_.links[f.follows].turn);
       frame = layout_.links[f.follows].frame;
     }
     loads_.push_back({path_to(scene, f.at), along, frame});
@@ -363,15 +363,16 @@ void Mechanism<T>::tangent(Planar<T>* pose, const T* multiplier, T* values) cons
 }
 
 template <class T>
-std::vector<BodyPose<T>> Mechanism<T>::poses(const T* q) const {
+std::vector<BodyPose<T>> Mechanism<T>::poses(const T* q, const Vec2& from) const {
   const auto value = [&](int t) { return t < coordinates() ? q[t] : static_cast<T>(layout_.coordinates[t].start); };
   std::vector<BodyPose<T>> out(layout_.links.size());
+  out[0].origin = -planar_cast<T>(from);
   for (int i : layout_.tree_order) {
     const Link& link = layout_.links[i];
-    out[i].angle = static_cast<T>(link.turn) + (link.frame < 0 ? T(0) : value(link.frame));
+    out[i].angle = layout_.turns[link.turn].template to<T>() + (link.frame < 0 ? T(0) : value(link.frame));
     if (link.parent >= 0) out[i].origin = out[link.parent].origin;
     for (const Arm& arm : link.arms) {
-      Planar<T> term = coefficient<T>(arm);
+      Planar<T> term = phasors_.coefficient(arm);
       if (arm.coordinate >= 0) {
         const bool is_angle = layout_.coordinates[arm.coordinate].kind == Coordinate::Kind::angle;
         const int f = is_angle ? arm.coordinate : layout_.coordinates[arm.coordinate].frame;

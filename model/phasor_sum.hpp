@@ -7,13 +7,6 @@
 
 namespace poise {
 
-/// Coefficient  arm exp(i turn)  of an arm's phasor, in the scalar T.
-template <class T>
-Planar<T> coefficient(const Arm& arm) {
-  const Planar<T> c = planar_cast<T>(arm.arm);
-  return arm.turn == 0.0 ? c : c * unit(static_cast<T>(arm.turn));
-}
-
 /// A plane vector  p(q) = c0 + sum_e coefficient_e phi_{coordinate_e},  with the coordinates that change it.
 template <class T>
 class PhasorSum {
@@ -129,7 +122,7 @@ PhasorSum<T>::PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms)
     }
   };
   for (const Arm& arm : arms) {
-    Planar<T> c = coefficient<T>(arm);
+    Planar<T> c = phasors.coefficient(arm);
     int t = arm.coordinate;
     // A dropped coordinate keeps its start value: a length turns with its frame, an angle is a constant.
     if (t >= 0 && phasors.dropped(t) && !phasors.is_angle(t)) {

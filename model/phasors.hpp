@@ -24,6 +24,7 @@ class Phasors {
       is_angle_.push_back(c.kind == Coordinate::Kind::angle);
       any_frame_.push_back(c.frame);
     }
+    for (const ExactSum& turn : layout.turns) turned_.push_back(unit(turn.to<T>()));
   }
 
   int coordinates() const { return static_cast<int>(frame_.size()); }
@@ -72,6 +73,14 @@ class Phasors {
   bool is_angle(int t) const { return is_angle_[t]; }
   int any_frame(int t) const { return any_frame_[t]; }
 
+  /// exp(i turn) of an index into Layout::turns.
+  const Planar<T>& turned(int turn) const { return turned_[turn]; }
+  /// Coefficient  arm exp(i turn)  of an arm's phasor.
+  Planar<T> coefficient(const Arm& arm) const {
+    const Planar<T> c = planar_cast<T>(arm.arm);
+    return arm.turn == 0 ? c : c * turned_[arm.turn];
+  }
+
   /// Directional derivatives of all phasors:  D phi_t[u],  D2 phi_t[u, v],  D3 phi_t[u, v, w].
   void first(const Planar<T>* pose, const T* u, Planar<T>* out) const;
   void second(const Planar<T>* pose, const T* u, const T* v, Planar<T>* out) const;
@@ -88,6 +97,7 @@ class Phasors {
   std::vector<T> start_;
   std::vector<char> is_angle_;
   std::vector<int> any_frame_;
+  std::vector<Planar<T>> turned_;
 };
 
 template <class T>

@@ -38,7 +38,7 @@ std::vector<BodyMotion> body_motions(const MotionModel& model, const std::vector
       const Moving turn = moving(frame);
       const Moving along = is_angle ? Moving{1.0, 0.0, 0.0} : moving(arm.coordinate);
       // The arm s u with u' = i w u:  velocity  (s' + i w s) u,  acceleration  (s'' - w^2 s + i (w' s + 2 w s')) u.
-      Vec2 u = size * coefficient<double>(arm);
+      Vec2 u = size * model.mechanism().phasors().coefficient(arm);
       if (frame >= 0) u = u * unit(turn.at);
       motion.velocity += Vec2{along.rate, turn.rate * along.at} * u;
       motion.acceleration += Vec2{along.acceleration - turn.rate * turn.rate * along.at,

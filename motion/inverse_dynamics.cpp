@@ -74,7 +74,9 @@ class InverseDynamics {
   }
 
   Forces forces() {
-    out_.motions = body_motions(model_, x_, v_, a_);
+    out_.motions = motions_ = body_motions(model_, x_, v_, a_);
+    const std::vector<BodyPose<double>> poses = model_.poses_from_anchor(x_);
+    for (std::size_t i = 0; i < poses.size(); ++i) motions_[i].pose = poses[i];
     add_inertia();
     add_resistance();
     balance_bodies();
@@ -86,7 +88,7 @@ class InverseDynamics {
   void add_inertia() {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
-      const BodyMotion& motion = out_.motions[i];
+      const BodyMotion& motion = motions_[i];
       additions_.loads.push_back({static_cast<int>(i), motion.pose.world(body.center),
                                   -body.mass * motion.acceleration_of(body.center),
                                   -body.inertia * motion.angular_acceleration});
@@ -94,11 +96,11 @@ class InverseDynamics {
   }
 
   void add_resistance() {
-    const std::vector<BodyPose<double>> poses = poses_of(out_.motions);
+    const std::vector<BodyPose<double>> poses = poses_of(motions_);
     for (const Element& e : scene_.elements) {
       double& force = out_.element_force.emplace_back(0.0);
       if (!resists_motion(e.law)) continue;
-      force = force_of_motion(e.law, value_of(scene_, e.on, poses), rate_of(scene_, out_.motions, e.on)).value;
+      force = force_of_motion(e.law, value_of(scene_, e.on, poses), rate_of(scene_, motions_, e.on)).value;
       for (const UnitEffort& effort : unit_efforts(scene_, e.on, poses)) {
         additions_.loads.push_back({effort.body_a, effort.a, force * effort.force, force * effort.moment});
         additions_.loads.push_back({effort.body_b, effort.b, -force * effort.force, -force * effort.moment});
@@ -156,12 +158,12 @@ class InverseDynamics {
   }
 
   void balance_bodies() {
-    FreeBodies bodies = balance(scene_, poses_of(out_.motions), pressable_stops(), model_.scales().length, additions_);
+    FreeBodies bodies = balance(scene_, poses_of(motions_), pressable_stops(), model_.scales().length, additions_);
     const auto first_drive = bodies.reactions.end() - static_cast<std::ptrdiff_t>(additions_.drives.size());
     for (std::size_t k = 0; k < additions_.drives.size(); ++k) {
       const Drive& drive = additions_.drives[k];
       const Reaction& found = first_drive[static_cast<std::ptrdiff_t>(k)];
-      DriveEffort effort{drive.name, drive.on.is_angle(), 0.0, rate_of(scene_, out_.motions, drive.on),
+      DriveEffort effort{drive.name, drive.on.is_angle(), 0.0, rate_of(scene_, motions_, drive.on),
                          0.0,        found.determined};
       effort.value = effort.is_angle ? found.moment : -found.axial;
       effort.power = effort.value * effort.rate;
@@ -245,6 +247,7 @@ class InverseDynamics {
   const Mechanism<double>& m_;
   const std::vector<double>&x_, &v_, &a_;
   Additions additions_;
+  std::vector<BodyMotion> motions_;  // measured from the anchor
   std::vector<int> pressing_;
   Forces out_;
 };

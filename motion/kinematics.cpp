@@ -45,10 +45,11 @@ std::vector<DrivenCoordinate> driven_coordinates(const MotionModel& model) {
   std::vector<DrivenCoordinate> out;
   for (const Drive& drive : scene.drives) {
     const bool is_angle = drive.on.is_angle();
-    const Link& link = model.layout().links[drive.on.body_b];
-    const DrivenCoordinate driven =
-        is_angle ? DrivenCoordinate{link.frame, link.turn, 1.0}
-                 : DrivenCoordinate{model.layout().travel[drive.on.joint], 0.0, model.scales().length};
+    const Layout& layout = model.layout();
+    const Link& link = layout.links[drive.on.body_b];
+    const DrivenCoordinate driven = is_angle
+                                        ? DrivenCoordinate{link.frame, layout.turns[link.turn].to<double>(), 1.0}
+                                        : DrivenCoordinate{layout.travel[drive.on.joint], 0.0, model.scales().length};
     if (driven.coordinate < 0) {
       throw InputError(
           fmt::format("{}drive \"{}\": expected a body that can turn, this one keeps its angle; drive the "

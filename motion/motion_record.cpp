@@ -51,7 +51,7 @@ std::vector<Channel> channels_of(const MotionModel& model) {
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Link& link = layout.links[i];
     if (link.frame < 0 || link.frame >= layout.kept) continue;
-    channels.push_back({scene.bodies[i].name, Quantity::angle, link.frame, link.turn});
+    channels.push_back({scene.bodies[i].name, Quantity::angle, link.frame, layout.turns[link.turn].to<double>()});
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const int travel = layout.travel[j];
@@ -61,7 +61,9 @@ std::vector<Channel> channels_of(const MotionModel& model) {
   }
   for (int t = layout.angles; t < layout.kept; ++t) {
     const auto i = static_cast<std::size_t>(t);
-    if (!named[i]) channels.push_back({layout.coordinates[i].name, Quantity::length, t, 0.0});
+    if (!named[i])
+      channels.push_back(
+          {layout.coordinates[i].name, Quantity::length, t, model.scales().length * layout.coordinates[i].origin});
   }
   return channels;
 }

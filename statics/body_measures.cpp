@@ -60,9 +60,9 @@ double value_of(const Scene& scene, const Measure& measure, const std::vector<Bo
       return dot(axis_of(joint, poses), world(scene, poses, joint.b) - world(scene, poses, joint.a));
     }
     case Measure::Kind::x:
-      return world(scene, poses, measure.b).x;
+      return world(scene, poses, measure.b).x - poses[0].origin.x;
     case Measure::Kind::y:
-      return world(scene, poses, measure.b).y;
+      return world(scene, poses, measure.b).y - poses[0].origin.y;
     case Measure::Kind::sum:
       break;
   }

@@ -41,7 +41,7 @@ class EquilibriumCheck {
         x_(x),
         tolerances_(tolerances),
         active_(active),
-        poses_(model.poses(x)),
+        poses_(model.poses_from_anchor(x)),
         size_(model.scales().length) {}
 
   Check run() {

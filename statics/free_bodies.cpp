@@ -72,7 +72,7 @@ class Statics {
       Item& item = items_.emplace_back();
       item.reaction.name = joint.name;
       item.reaction.kind = joint.traits().key;
-      item.reaction.at = b;
+      item.reaction.at = b - poses_[0].origin;
       const auto act = [&](Vec2 force, double moment) {
         unknowns_.push_back({static_cast<int>(items_.size()) - 1, joint.a.body, joint.b.body, b, force, moment, {}});
       };
@@ -186,7 +186,7 @@ class Statics {
       // If its points coincide a distance is taken along x.
       if (effort.force == Vec2{} && effort.moment == 0.0) unknown.force = {1.0, 0.0};
       if (!measure.is_angle()) item.axis = unknown.force;
-      item.reaction.at = effort.b;
+      item.reaction.at = effort.b - poses_[0].origin;
       if (&effort == &efforts.front())
         unknowns_.push_back(unknown);
       else

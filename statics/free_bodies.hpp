@@ -9,7 +9,7 @@
 
 namespace poise {
 
-/// A load on a body in addition to those of the scene: force, N, at a point `at` of the world, m, and moment, N m.
+/// A load on a body in addition to those of the scene: force, N, at a point `at`, m, and moment, N m.
 struct BodyLoad {
   int body = 0;
   Vec2 at{};
@@ -41,8 +41,9 @@ struct FreeBodies {
   int redundancy = 0;
 };
 
-/// Finds the reactions and the imbalance. `touching`: stops whose reaction may act, one entry (+1 at max, -1 at min, 2
-/// at both, 0 not touching) per stop. A stop whose reaction would have the wrong sign is left out.
+/// Finds the reactions and the imbalance. Poses may be measured from any point of the world, and additions are measured
+/// from there too; points of reactions are in the world. `touching`: stops whose reaction may act, one entry (+1 at
+/// max, -1 at min, 2 at both, 0 not touching) per stop. A stop whose reaction would have the wrong sign is left out.
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
                    double size, const Additions& additions = {});
 

@@ -36,7 +36,7 @@ std::vector<std::size_t> free_bodies(const Layout& layout) {
   std::vector<std::size_t> bodies;
   for (std::size_t i = 0; i < layout.links.size(); ++i) {
     const Link& link = layout.links[i];
-    if (link.parent == 0 && !link.arms.empty() && places.contains(link.arms.front().coordinate)) bodies.push_back(i);
+    if (link.parent == 0 && !link.arms.empty() && places.contains(link.arms.back().coordinate)) bodies.push_back(i);
   }
   return bodies;
 }
@@ -47,7 +47,8 @@ std::vector<NamedValue> places_of(const StaticModel& model, const Readings& read
   for (const std::size_t i : free_bodies(layout)) {
     const Vec2 origin = readings.poses[i].origin;
     for (std::size_t k = 0; k < 2; ++k) {
-      const int coordinate = layout.links[i].arms[k].coordinate;
+      const std::vector<Arm>& arms = layout.links[i].arms;
+      const int coordinate = arms[arms.size() - 2 + k].coordinate;
       shown.push_back({layout.coordinates[static_cast<std::size_t>(coordinate)].name, k == 0 ? origin.x : origin.y,
                        coordinate < layout.kept});
     }

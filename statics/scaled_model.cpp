@@ -34,7 +34,14 @@ std::vector<double> ScaledModel::from_si(std::vector<double> q) const {
 }
 
 std::vector<BodyPose<double>> ScaledModel::poses(const std::vector<double>& x) const {
-  auto poses = mechanism_.poses(x.data());
+  return in_si(mechanism_.poses(x.data()));
+}
+
+std::vector<BodyPose<double>> ScaledModel::poses_from_anchor(const std::vector<double>& x) const {
+  return in_si(mechanism_.poses(x.data(), layout().anchor));
+}
+
+std::vector<BodyPose<double>> ScaledModel::in_si(std::vector<BodyPose<double>> poses) const {
   for (auto& pose : poses) pose.origin = scales_.length * pose.origin;
   return poses;
 }

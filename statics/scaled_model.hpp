@@ -31,8 +31,12 @@ class ScaledModel {
   std::vector<double> from_si(std::vector<double> q) const;
   /// Poses of all bodies and then of all bars, SI.
   std::vector<BodyPose<double>> poses(const std::vector<double>& x) const;
+  /// The same with origins measured from Layout::anchor, so that rounding does not depend on where the world's origin
+  /// is.
+  std::vector<BodyPose<double>> poses_from_anchor(const std::vector<double>& x) const;
 
  private:
+  std::vector<BodyPose<double>> in_si(std::vector<BodyPose<double>> poses) const;
   Mechanism<double> compiled(Purpose purpose, const std::optional<Scales>& scales);
 
   Scene scene_;
