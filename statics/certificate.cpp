@@ -29,6 +29,7 @@ constexpr long many_bits = 320;
 constexpr double nearly_dependent = 1e-9;  // pivots of closure rows that may repeat others
 constexpr double nearly_neutral = 1e-5;    // curvatures, relative to the largest, that may vanish
 constexpr double narrow_bracket = 1e-17;
+constexpr double no_room = 1e-13;  // rad or sizes, between two stops: part of the radius
 constexpr int dense_limit = 400;   // coordinates up to which ranks and spectra are computed in double
 constexpr int most_undecided = 4;  // stops and one-way springs whose state is undecided: 2^4 pieces
 constexpr double largest_gap_by_rounding = 1e-6;
@@ -38,7 +39,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 struct ActiveStop {
   int stop;
   bool upper;
-  bool both;  // min = max, or two stops from both sides: it pushes either way
+  bool both;          // min = max, or two stops from both sides: it pushes either way
+  double room = 0.0;  // between two stops, rad or sizes
 };
 
 // What is proved for one set of active stops and one state of each one-way spring.
@@ -53,6 +55,8 @@ struct Finding {
   int redundant = 0;
   bool singular = false;
   Stability degenerate = Stability::unknown;
+  // Rows that are left out hold only to rounding: how far from the solution all rows may hold best.
+  double spread = 0.0;
   std::string why;
   bool excluded = false;  // proved that there is no equilibrium near
 };
@@ -86,8 +90,10 @@ class Certifier {
                  bool rounding = false) const;
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
   std::vector<int> free_coordinates(const KeptEquations& kept) const;
-  bool hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  bool hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all,
+                        double* spread = nullptr) const;
   bool repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  double open_by_rounding(const KeptEquations& all, const std::vector<double>& x) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
   bool is_neutral(const KeptEquations& held, const Solution& at) const;
@@ -174,7 +180,11 @@ std::vector<ActiveStop> Certifier::find_active_stops() {
     const Eigen::VectorXd a = z.transpose() * point.jacobian.row(row).transpose();
     prevents.col(static_cast<Eigen::Index>(k)) = (candidates[k].upper ? 1.0 : -1.0) * a;
   }
-  // Two that prevent opposite motions leave none: one of them then acts both ways.
+  // Two that prevent opposite motions leave none, but for rounding: one of them then acts both ways.
+  const auto gap = [&](const ActiveStop& a) {
+    const double g = c[m_.stop_row(a.stop)];
+    return a.upper ? m_.upper()[a.stop] - g : g - m_.lower()[a.stop];
+  };
   std::vector<char> paired(candidates.size(), 0);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -182,8 +192,11 @@ std::vector<ActiveStop> Certifier::find_active_stops() {
       const Eigen::VectorXd b = prevents.col(static_cast<Eigen::Index>(j));
       if (paired[i] != 0 || paired[j] != 0 || a.norm() == 0.0 || b.norm() == 0.0) continue;
       if ((a / a.norm() + b / b.norm()).cwiseAbs().maxCoeff() > 1e-12) continue;
+      const double room = gap(candidates[i]) / a.norm() + gap(candidates[j]) / b.norm();
+      if (room > no_room) continue;
       paired[i] = paired[j] = 1;
       candidates[i].both = true;
+      candidates[i].room = std::abs(room);
       both.push_back(candidates[i]);
     }
   }
@@ -240,7 +253,8 @@ std::vector<int> Certifier::free_coordinates(const KeptEquations& kept) const {
 
 // Whether the rows of `all` that `kept` leaves out hold at a solution to within the rounding of the scene's numbers:
 // with J_d = A J_k for dropped and kept rows, |c_d| <= r_d + |A| r_k, r being the rounding of each row.
-bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const {
+bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all,
+                                 double* spread) const {
   const std::vector<Ball> none(all.rows.size());
   std::vector<Ball> exactly;
   std::vector<double> x;
@@ -255,6 +269,7 @@ bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, 
   const DensePoint<double> whole(m_, x, all.rows);
   const DensePoint<double> part(m_, x, kept.rows);
   Eigen::VectorXd kept_rounding(static_cast<Eigen::Index>(kept.rows.size()));
+  double open = 0.0;
   for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
     if (k < kept.rows.size() && kept.rows[k] == all.rows[r]) {
       kept_rounding[static_cast<Eigen::Index>(k++)] = rounded[first + r].radius();
@@ -272,6 +287,14 @@ bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, 
       allowed += share.cwiseAbs().dot(kept_rounding);
     }
     if (!(value[first + r].greatest() <= allowed)) return false;
+    open = std::max(open, value[first + r].greatest());
+  }
+  if (spread != nullptr && open > 0.0) {
+    // A combination of rows that closes the dropped ones leaves the kept ones open by as much.
+    std::vector<Ball> left(static_cast<std::size_t>(BalanceSystem(*balls_, kept).unknowns()));
+    for (std::size_t k = left.size() - kept.rows.size(); k < left.size(); ++k) left[k] = Ball(0).widened(open);
+    left = at.matrix->solve(std::move(left));
+    for (std::size_t k = 0; k + kept.rows.size() < left.size(); ++k) *spread = std::max(*spread, left[k].greatest());
   }
   return true;
 }
@@ -308,7 +331,7 @@ Finding Certifier::examine(const KeptEquations& kept) const {
     nearly_singular = true;
     last = dropped;
     Finding out = examine_independent(without(kept, dropped));
-    if (out.kind == Finding::Kind::none || !hold_to_rounding(out.kept, out.solution, kept)) continue;
+    if (out.kind == Finding::Kind::none || !hold_to_rounding(out.kept, out.solution, kept, &out.spread)) continue;
     if (repeat_everywhere(out.kept, out.solution, kept))
       out.redundant = static_cast<int>(dropped.size());
     else
@@ -342,6 +365,16 @@ Finding Certifier::examine_independent(const KeptEquations& kept) const {
 // tangent to the set where a dropped row t vanishes to second order, z^T T z = 0 on the tangents z of the kept rows.
 // The energy grows along all of them if H + nu T is positive definite for some nu, and not if for one dropped row it is
 // indefinite for all nu (Finsler's lemma).
+double Certifier::open_by_rounding(const KeptEquations& all, const std::vector<double>& x) const {
+  const std::vector<Ball> rounded =
+      BalanceSystem(*balls_, all, true).residual({x.begin(), x.end()}, std::vector<Ball>(all.rows.size()));
+  double widest = 0.0;
+  for (std::size_t k = rounded.size() - all.rows.size(); k < rounded.size(); ++k) {
+    widest = std::max(widest, rounded[k].greatest());
+  }
+  return widest;
+}
+
 void Certifier::examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const {
   finding.kind = Finding::Kind::degenerate;
   finding.degenerate = Stability::unknown;
@@ -379,6 +412,8 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
   const Eigen::MatrixXd t = z.transpose() * (whole.tangent(multipliers) - whole.tangent(none)) * z;
   const double size = t.cwiseAbs().maxCoeff();
   if (size == 0.0) return;
+  // Across the branches a gap of rounding is the square of a distance.
+  finding.spread = std::max(finding.spread, 4 * std::sqrt(std::max(open_by_rounding(all, x), 1e-17) / size));
   double from = -1e6 * scale / size;
   double to = -from;
   for (int k = 0; k < 200; ++k) {  // the least eigenvalue is concave in nu
@@ -549,7 +584,11 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
     if (!held) out.radius = std::max(out.radius, (f.solution.q[i] - Ball(middle)).greatest());
     out.moved = std::max(out.moved, std::abs(middle - x_[i]));
   }
-  for (const ActiveStop& a : active) out.active_stops.push_back(a.stop);
+  for (const ActiveStop& a : active) {
+    out.active_stops.push_back(a.stop);
+    out.radius += a.room;
+  }
+  out.radius += f.spread;
   out.redundant = f.redundant;
   out.unstable_directions = f.unstable;
   out.neutral_directions = static_cast<int>(f.neutral.size());

@@ -259,7 +259,7 @@ Reference refine(const StaticModel& model, const std::vector<double>& x) {
     error = std::max(error, Real(abs(q - x[i])));
     out.x.push_back(static_cast<double>(q));
     const bool is_angle = static_cast<int>(i) < model.layout().angles;
-    const Real si = is_angle ? q : Real(q * model.scales().length);
+    const Real si = is_angle ? q : Real((q + model.layout().coordinates[i].origin) * model.scales().length);
     out.decimal.push_back(si.str(40));
   }
   out.error = static_cast<double>(error);

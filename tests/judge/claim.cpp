@@ -1,5 +1,6 @@
 #include "tests/judge/claim.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace poise::judge {
@@ -10,16 +11,14 @@ using Of = ClaimedCoordinate::Of;
 // What coordinate t of the model is in the scene.
 ClaimedCoordinate meaning_of(const Layout& layout, int t) {
   for (const Link& link : layout.links) {
-    if (t < layout.angles && link.frame == t && link.turn == 0.0) {
+    if (t < layout.angles && link.frame == t && link.turn == 0) {
       return {link.body >= 0 ? Of::angle : Of::bar, link.body >= 0 ? link.body : link.joint};
     }
-    if (t >= layout.angles && link.parent == 0 && link.arms.size() == 2) {
-      for (const int i : {0, 1}) {
-        const bool is_place = link.arms[0].coordinate == t - i && link.arms[1].coordinate == t + 1 - i;
-        if (is_place && link.body >= 0 && link.arms[0].arm == Vec2{1, 0} && link.arms[1].arm == Vec2{0, 1}) {
-          return {i == 0 ? Of::x : Of::y, link.body};
-        }
-      }
+    if (t < layout.angles || link.parent != 0 || link.body < 0) continue;
+    for (const Arm& arm : link.arms) {
+      const bool along_axis = arm.arm == Vec2{1, 0} || arm.arm == Vec2{0, 1};
+      const bool is_place = std::find(layout.travel.begin(), layout.travel.end(), t) == layout.travel.end();
+      if (arm.coordinate == t && along_axis && is_place) return {arm.arm.x == 1 ? Of::x : Of::y, link.body};
     }
   }
   for (std::size_t j = 0; j < layout.travel.size(); ++j) {
@@ -53,6 +52,7 @@ Claim pose_claim(const StaticModel& model, const std::vector<double>& x) {
   for (int t = 0; t < model.layout().kept; ++t) {
     claim.coordinates.push_back(meaning_of(model.layout(), t));
     claim.coordinates.back().value = q[t];
+    claim.coordinates.back().origin = model.scales().length * model.layout().coordinates[t].origin;
   }
   return claim;
 }

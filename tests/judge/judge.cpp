@@ -501,7 +501,8 @@ class Search {
       } else if (c.of == ClaimedCoordinate::Of::travel) {
         off = c.value / mechanics_.length() - mechanics_.travel(c.item, q);
       } else {
-        off = c.value / mechanics_.length() - q[3 * (c.item - 1) + (c.of == ClaimedCoordinate::Of::x ? 0 : 1)];
+        off = (Real(c.value) + c.origin) / mechanics_.length() -
+              q[3 * (c.item - 1) + (c.of == ClaimedCoordinate::Of::x ? 0 : 1)];
       }
       most = std::max<Real>(most, abs(off));
     }

@@ -18,8 +18,9 @@ enum class Kind { unknown, stable, unstable, neutral };
 struct ClaimedCoordinate {
   enum class Of { angle, bar, travel, x, y };
   Of of = Of::angle;
-  int item = 0;  ///< body or joint
-  double value = 0.0;
+  int item = 0;         ///< body or joint
+  double value = 0.0;   ///< from `origin`
+  double origin = 0.0;  ///< of x and y, m
 };
 
 /// An answer as its program states it.
