@@ -21,6 +21,8 @@ class Ball {
    private:
     long before_;
   };
+  static long bits() { return bits_; }
+
   /// While one lives, doubles of the current thread become balls of radius half a unit in the last place (relative
   /// 2^-53): all numbers that round to them. Integers remain exact.
   class InputRounding {

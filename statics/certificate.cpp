@@ -13,6 +13,7 @@
 #include "solvers/linear_algebra.hpp"
 #include "solvers/nonnegative_least_squares.hpp"
 #include "statics/balance_system.hpp"
+#include "statics/closure_rounding.hpp"
 #include "statics/curvature.hpp"
 
 namespace poise {
@@ -34,13 +35,15 @@ constexpr int dense_limit = 400;   // coordinates up to which ranks and spectra 
 constexpr int most_undecided = 4;  // stops and one-way springs whose state is undecided: 2^4 pieces
 constexpr double largest_gap_by_rounding = 1e-6;
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double half_unit = std::numeric_limits<double>::epsilon() / 2;  // in the last place, relative
 
 // An active stop and the side on which it acts.
 struct ActiveStop {
   int stop;
   bool upper;
-  bool both;          // min = max, or two stops from both sides: it pushes either way
+  bool both = false;  // min = max, or two stops from both sides: it pushes either way
   double room = 0.0;  // between two stops, rad or sizes
+  int partner = -1;   // the other of two stops
 };
 
 // What is proved for one set of active stops and one state of each one-way spring.
@@ -64,9 +67,19 @@ struct Finding {
 class Certifier {
  public:
   Certifier(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options)
-      : model_(model), m_(model.mechanism()), options_(options), x_(x), balls_(&model.balls()) {}
+      : model_(model),
+        m_(model.mechanism()),
+        options_(options),
+        x_(x),
+        balls_(&model.balls()),
+        row_rounding_(m_.constraints(), half_unit) {
+    const std::vector<double> rounding = closure_rounding(model);
+    for (const ConstraintBlock& block : m_.blocks()) {
+      for (int r = 0; r < block.rows; ++r) row_rounding_[block.first_row + r] = rounding[block.closure];
+    }
+  }
 
-  Certificate run();
+  Certificate run() const;
 
  private:
   using Solution = BalanceSystem::Solution;
@@ -80,7 +93,9 @@ class Certifier {
   }
 
   // --- stops
-  std::vector<ActiveStop> find_active_stops();
+  std::vector<double> stop_values() const;
+  std::vector<ActiveStop> stops_in_contact() const;
+  std::vector<ActiveStop> find_active_stops() const;
   KeptEquations equations(const std::vector<ActiveStop>& active) const;
 
   // --- one piece
@@ -100,13 +115,23 @@ class Certifier {
   void bracket(Finding& finding, const KeptEquations& kept, int coordinate, bool rounding) const;
 
   // --- all pieces
-  struct Pieces {
-    std::vector<int> springs;  // elements at their free length
-    std::vector<int> stops;    // indices into touched_ whose state is undecided
+  struct Settled {
+    Finding finding;
+    std::vector<ActiveStop> active;
+    bool consistent = false;  // no active stop pulls, none is overrun
   };
+  Settled settle(std::vector<ActiveStop> active) const;
+  Settled settle() const;
   std::vector<int> undecided_springs(const Finding& finding) const;
-  Finding examine_with(const std::vector<ActiveStop>& active, const std::vector<int>& springs, unsigned act) const;
-  Certificate combine(const std::vector<ActiveStop>& active, const Finding& first);
+  BallMechanism with_springs(const std::vector<int>& springs, unsigned act) const;
+  Certifier with(const BallMechanism& balls) const;
+  Ball beyond(const std::vector<Ball>& constraints, int stop, bool upper) const;
+  std::optional<Ball> push_of(const Finding& finding, const ActiveStop& a) const;
+  std::optional<std::vector<ActiveStop>> with_active(std::vector<ActiveStop> active, ActiveStop next) const;
+  std::vector<ActiveStop> weak_stops(const Settled& settled) const;
+  Certificate conclude(const Settled& settled) const;
+  Certificate conclude_pieces(const std::vector<int>& springs) const;
+  Certificate conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const;
   Stability stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
                                const std::vector<ActiveStop>& weak) const;
   Certificate report(const Finding& finding, const std::vector<ActiveStop>& active) const;
@@ -119,7 +144,7 @@ class Certifier {
   const CertificateOptions& options_;
   std::vector<double> x_;
   const BallMechanism* balls_;
-  std::vector<int> touching_;
+  std::vector<double> row_rounding_;  // per constraint row: what the rounding of its numbers leaves open
 };
 
 Eigen::MatrixXd reduced_basis(const DensePoint<double>& point) {
@@ -141,27 +166,35 @@ KeptEquations Certifier::equations(const std::vector<ActiveStop>& active) const 
   return out;
 }
 
-// Those that hold both ways, and of the others those with a positive force in the non-negative least-squares solution
-// of balance.
-std::vector<ActiveStop> Certifier::find_active_stops() {
-  std::vector<ActiveStop> both, candidates;
-  if (m_.stops() == 0) return both;
+std::vector<double> Certifier::stop_values() const {
   std::vector<Planar<double>> pose(m_.pose_size());
   std::vector<double> c(m_.constraints());
   m_.place(x_.data(), pose.data());
   m_.constraint(x_.data(), pose.data(), c.data());
+  return {c.begin() + m_.equalities(), c.end()};
+}
+
+// Those near a bound, min = max aside.
+std::vector<ActiveStop> Certifier::stops_in_contact() const {
+  std::vector<ActiveStop> out;
+  if (m_.stops() == 0) return out;
+  const std::vector<double> g = stop_values();
   for (int s = 0; s < m_.stops(); ++s) {
-    const double g = c[m_.stop_row(s)];
-    const double lower = m_.lower()[s];
-    const double upper = m_.upper()[s];
-    if (lower == upper) {
-      both.push_back({s, true, true});
-      continue;
-    }
-    if (g > upper - touched) candidates.push_back({s, true, false});
-    if (g < lower + touched) candidates.push_back({s, false, false});
+    if (m_.lower()[s] == m_.upper()[s]) continue;
+    if (g[s] > m_.upper()[s] - touched) out.push_back({.stop = s, .upper = true});
+    if (g[s] < m_.lower()[s] + touched) out.push_back({.stop = s, .upper = false});
   }
-  for (const ActiveStop& a : candidates) touching_.push_back(a.stop);
+  return out;
+}
+
+// Those that hold both ways, and of the others those with a positive force in the non-negative least-squares solution
+// of balance.
+std::vector<ActiveStop> Certifier::find_active_stops() const {
+  std::vector<ActiveStop> both;
+  for (int s = 0; s < m_.stops(); ++s) {
+    if (m_.lower()[s] == m_.upper()[s]) both.push_back({.stop = s, .upper = true, .both = true});
+  }
+  std::vector<ActiveStop> candidates = stops_in_contact();
   if (candidates.empty()) return both;
   if (m_.coordinates() > dense_limit) {
     both.insert(both.end(), candidates.begin(), candidates.end());
@@ -181,9 +214,9 @@ std::vector<ActiveStop> Certifier::find_active_stops() {
     prevents.col(static_cast<Eigen::Index>(k)) = (candidates[k].upper ? 1.0 : -1.0) * a;
   }
   // Two that prevent opposite motions leave none, but for rounding: one of them then acts both ways.
+  const std::vector<double> g = stop_values();
   const auto gap = [&](const ActiveStop& a) {
-    const double g = c[m_.stop_row(a.stop)];
-    return a.upper ? m_.upper()[a.stop] - g : g - m_.lower()[a.stop];
+    return a.upper ? m_.upper()[a.stop] - g[a.stop] : g[a.stop] - m_.lower()[a.stop];
   };
   std::vector<char> paired(candidates.size(), 0);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -197,6 +230,7 @@ std::vector<ActiveStop> Certifier::find_active_stops() {
       paired[i] = paired[j] = 1;
       candidates[i].both = true;
       candidates[i].room = std::abs(room);
+      candidates[i].partner = candidates[j].stop;
       both.push_back(candidates[i]);
     }
   }
@@ -221,12 +255,22 @@ BalanceSystem::Solution Certifier::solve(const KeptEquations& kept, const std::v
   return out;
 }
 
-// Indices into kept.rows of rows that are nearly combinations of others.
+// Indices into kept.rows of rows that are nearly combinations of others: pivots of J^T, each row over the size of the
+// numbers of its loop, below the tolerance. (One more row of size one keeps a Jacobian that is rounding only from
+// counting as large.)
 std::vector<int> Certifier::dependent_rows(const KeptEquations& kept, double tolerance) const {
   if (kept.rows.empty() || m_.coordinates() > dense_limit) return {};
   const DensePoint<double> point(m_, x_, kept.rows);
-  const auto [rank, order] = solvers::pivot_order<double>(point.jacobian.transpose(), tolerance);
+  const Eigen::Index rows = point.jacobian.rows();
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(point.jacobian.cols() + 1, rows + 1);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const double numbers = row_rounding_[kept.rows[static_cast<std::size_t>(k)]] / half_unit;
+    a.col(k).head(point.jacobian.cols()) = point.jacobian.row(k).transpose() / std::max(numbers, half_unit);
+  }
+  a(point.jacobian.cols(), rows) = 1.0;
+  const auto [rank, order] = solvers::pivot_order<double>(a, tolerance);
   std::vector<int> out(order.begin() + rank, order.end());
+  std::erase(out, static_cast<int>(rows));
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -272,7 +316,7 @@ bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, 
   double open = 0.0;
   for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
     if (k < kept.rows.size() && kept.rows[k] == all.rows[r]) {
-      kept_rounding[static_cast<Eigen::Index>(k++)] = rounded[first + r].radius();
+      kept_rounding[static_cast<Eigen::Index>(k++)] = std::max(rounded[first + r].radius(), row_rounding_[all.rows[r]]);
     }
   }
   for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
@@ -280,7 +324,7 @@ bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, 
       ++k;
       continue;
     }
-    double allowed = rounded[first + r].radius();
+    double allowed = std::max(rounded[first + r].radius(), row_rounding_[all.rows[r]]);
     if (!kept.rows.empty()) {
       const Eigen::VectorXd share = solvers::minimum_norm_solution<double>(
           part.jacobian.transpose(), whole.jacobian.row(static_cast<Eigen::Index>(r)).transpose());
@@ -600,10 +644,7 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
   for (const Ball& q : f.solution.q) x.push_back(q.midpoint());
   for (const Ball& v : f.solution.y) y.push_back(v.midpoint());
   std::vector<Ball> residual = rounded.residual(x, y);
-  double widest_gap = 0.0;
-  for (std::size_t k = residual.size() - f.kept.rows.size(); k < residual.size(); ++k) {
-    widest_gap = std::max(widest_gap, residual[k].radius());
-  }
+  const double widest_gap = row_rounding_.empty() ? 0.0 : *std::max_element(row_rounding_.begin(), row_rounding_.end());
   if (f.solution.matrix && f.solution.matrix->regular()) {
     for (Ball& r : residual) r = Ball(0).widened(r.radius());
     residual = f.solution.matrix->solve(std::move(residual));
@@ -649,29 +690,29 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
   return out;
 }
 
+// One-way springs whose state is undecided somewhere in the box in which the solution is the only one; without a
+// solution those near their free length.
 std::vector<int> Certifier::undecided_springs(const Finding& finding) const {
-  std::vector<int> out;
-  const BalanceSystem system(*balls_, finding.kept);
-  if (finding.kind == Finding::Kind::none) return out;
-  bool any = false;
-  for (int e = 0; e < m_.elements(); ++e) {
-    const auto* spring = std::get_if<LinearSpring>(&m_.law_of(e));
-    any = any || (spring != nullptr && spring->acts != LinearSpring::Acts::both);
-  }
-  if (!any) return out;
-  std::vector<Ball> box = finding.solution.q;
-  for (std::size_t i = 0; i < box.size(); ++i) box[i] = box[i].widened(finding.solution.reach[i]);
-  const std::vector<Ball> g = system.measures(box);
+  std::vector<int> one_way;
   for (int e = 0; e < m_.elements(); ++e) {
     const auto* spring = std::get_if<LinearSpring>(&balls_->exact.law_of(e));
-    if (spring == nullptr || spring->acts == LinearSpring::Acts::both) continue;
-    if ((g[e] - Ball(spring->free_length)).contains_zero()) out.push_back(e);
+    if (spring != nullptr && spring->acts != LinearSpring::Acts::both) one_way.push_back(e);
   }
-  return out;
+  if (one_way.empty()) return {};
+  std::vector<Ball> box = start();
+  const bool found = finding.kind != Finding::Kind::none;
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    box[i] = found ? finding.solution.q[i].widened(finding.solution.reach[i]) : box[i].widened(touched);
+  }
+  const std::vector<Ball> g = BalanceSystem(*balls_, finding.kept).measures(box);
+  std::erase_if(one_way, [&](int e) {
+    return !(g[e] - Ball(std::get<LinearSpring>(balls_->exact.law_of(e)).free_length)).contains_zero();
+  });
+  return one_way;
 }
 
-Finding Certifier::examine_with(const std::vector<ActiveStop>& active, const std::vector<int>& springs,
-                                unsigned act) const {
+// The mechanism with some one-way springs replaced: by springs that act both ways, or by none.
+BallMechanism Certifier::with_springs(const std::vector<int>& springs, unsigned act) const {
   BallMechanism piece = *balls_;
   for (std::size_t k = 0; k < springs.size(); ++k) {
     LinearSpring spring = std::get<LinearSpring>(piece.exact.law_of(springs[k]));
@@ -680,12 +721,107 @@ Finding Certifier::examine_with(const std::vector<ActiveStop>& active, const std
     piece.exact.replace_law(springs[k], law);
     piece.rounded.replace_law(springs[k], law);
   }
-  Certifier part = *this;
-  part.balls_ = &piece;
-  return part.examine(equations(active));
+  return piece;
 }
 
-Certificate Certifier::run() {
+Certifier Certifier::with(const BallMechanism& balls) const {
+  Certifier out = *this;
+  out.balls_ = &balls;
+  return out;
+}
+
+// How far a stop is overrun at q.
+Ball Certifier::beyond(const std::vector<Ball>& constraints, int stop, bool upper) const {
+  const Ball& value = constraints[m_.stop_row(stop)];
+  return upper ? value - Ball(m_.upper()[stop]) : Ball(m_.lower()[stop]) - value;
+}
+
+// The force of an active stop, positive if it pushes; none if its row was left out.
+std::optional<Ball> Certifier::push_of(const Finding& finding, const ActiveStop& a) const {
+  const auto row = std::find(finding.kept.rows.begin(), finding.kept.rows.end(), m_.stop_row(a.stop));
+  if (row == finding.kept.rows.end()) return std::nullopt;
+  const Ball& y = finding.solution.y[static_cast<std::size_t>(row - finding.kept.rows.begin())];
+  return a.upper ? y : -y;
+}
+
+// With stop `next` overrun: the active stops with it, one of them left out if they would depend on each other.
+std::optional<std::vector<ActiveStop>> Certifier::with_active(std::vector<ActiveStop> active, ActiveStop next) const {
+  const auto dependent = [&](const std::vector<ActiveStop>& stops) {
+    return dependent_rows(equations(stops), nearly_dependent).size();
+  };
+  const std::size_t before = dependent(active);
+  active.push_back(next);
+  if (m_.coordinates() > dense_limit || dependent(active) == before) return active;
+  for (std::size_t k = 0; k + 1 < active.size(); ++k) {
+    if (active[k].both) continue;
+    std::vector<ActiveStop> exchanged = active;
+    exchanged.erase(exchanged.begin() + static_cast<std::ptrdiff_t>(k));
+    if (dependent(exchanged) == before) return exchanged;
+  }
+  return std::nullopt;
+}
+
+// Stops that would have to pull are left, those that are overrun become active, until neither is.
+Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
+  Settled out;
+  for (int pass = 0; pass < 3 + 2 * m_.stops(); ++pass) {
+    out.finding = examine(equations(active));
+    out.active = active;
+    if (out.finding.kind == Finding::Kind::none || m_.stops() == 0) {
+      out.consistent = out.finding.kind != Finding::Kind::none;
+      return out;
+    }
+    const auto pulls = std::find_if(active.begin(), active.end(), [&](const ActiveStop& a) {
+      const std::optional<Ball> push = push_of(out.finding, a);
+      return !a.both && push && *push < Ball(0);
+    });
+    if (pulls != active.end()) {
+      active.erase(pulls);
+      continue;
+    }
+    const std::vector<Ball> g = BalanceSystem(*balls_, out.finding.kept).constraints(out.finding.solution.q);
+    std::optional<ActiveStop> overrun;
+    for (int s = 0; s < m_.stops() && !overrun; ++s) {
+      for (const bool upper : {false, true}) {
+        const bool known = std::any_of(active.begin(), active.end(), [&](const ActiveStop& a) {
+          return (a.stop == s && (a.upper == upper || a.both)) || a.partner == s;
+        });
+        if (!known && std::isfinite(bound(m_, s, upper)) && beyond(g, s, upper) > Ball(0)) {
+          overrun = ActiveStop{.stop = s, .upper = upper};
+        }
+      }
+    }
+    out.consistent = !overrun;
+    if (!overrun) return out;
+    std::optional<std::vector<ActiveStop>> next = with_active(active, *overrun);
+    if (!next) return out;
+    active = std::move(*next);
+  }
+  out.consistent = false;
+  return out;
+}
+
+// From the stops that are in contact at the answer; if that leads nowhere, from each set of them.
+Certifier::Settled Certifier::settle() const {
+  const std::vector<ActiveStop> likely = find_active_stops();
+  Settled out = settle(likely);
+  const std::vector<ActiveStop> contact = stops_in_contact();
+  if (out.consistent || contact.empty() || contact.size() > most_undecided) return out;
+  for (unsigned set = 0; set < 1U << contact.size(); ++set) {
+    std::vector<ActiveStop> active;
+    for (const ActiveStop& a : likely) {
+      if (a.both) active.push_back(a);
+    }
+    for (std::size_t k = 0; k < contact.size(); ++k) {
+      if ((set >> k & 1U) != 0) active.push_back(contact[k]);
+    }
+    const Settled other = settle(active);
+    if (other.consistent) return other;
+  }
+  return out;
+}
+
+Certificate Certifier::run() const {
   if (!std::all_of(x_.begin(), x_.end(), [](double v) { return std::isfinite(v); })) {
     return deny(Outcome::not_proved, "a coordinate is not a finite number");
   }
@@ -694,112 +830,137 @@ Certificate Certifier::run() {
     out.too_large = true;
     return out;
   }
-  std::vector<ActiveStop> active = find_active_stops();
-  Finding finding;
-  for (int pass = 0; pass < 3 + 2 * m_.stops(); ++pass) {
-    finding = examine(equations(active));
-    if (finding.kind == Finding::Kind::none || m_.stops() == 0) break;
-    // Stops that would have to pull are left, those that are overrun become active.
-    bool changed = false;
-    const std::size_t fixed = static_cast<std::size_t>(m_.equalities());
-    for (std::size_t k = 0; k < finding.kept.rows.size() && !changed; ++k) {
-      const int stop = finding.kept.rows[k] - m_.equalities();
-      if (stop < 0) continue;
-      const auto a = std::find_if(active.begin(), active.end(), [&](const ActiveStop& s) { return s.stop == stop; });
-      if (a->both) continue;
-      const Ball push = a->upper ? finding.solution.y[k] : -finding.solution.y[k];
-      if (push < Ball(0)) {
-        active.erase(a);
-        changed = true;
-      }
+  Settled first = settle();
+  std::vector<int> springs = undecided_springs(first.finding);
+  if (!springs.empty() && first.finding.kind == Finding::Kind::regular) {
+    // A smaller box may decide.
+    Finding smaller = first.finding;
+    std::vector<Ball> from;
+    for (const Ball& q : smaller.solution.q) from.push_back(q.midpoint());
+    smaller.solution = solve(smaller.kept, from, last_reach, options_.farthest);
+    if (smaller.solution.proved && undecided_springs(smaller).empty()) {
+      first.finding = std::move(smaller);
+      springs.clear();
     }
-    if (changed) continue;
-    const std::vector<Ball> g = BalanceSystem(*balls_, finding.kept).constraints(finding.solution.q);
-    for (int s = 0; s < m_.stops() && !changed; ++s) {
-      if (std::any_of(active.begin(), active.end(), [&](const ActiveStop& a) { return a.stop == s; })) continue;
-      const Ball& value = g[fixed + s];
-      for (const bool upper : {false, true}) {
-        const double limit = bound(m_, s, upper);
-        if (!std::isfinite(limit)) continue;
-        const Ball beyond = upper ? value - Ball(limit) : Ball(limit) - value;
-        if (!(beyond > Ball(0)) || changed) continue;
-        active.push_back({s, upper, false});
-        changed = true;
-      }
-    }
-    if (!changed) break;
   }
-  return combine(active, finding);
+  if (springs.empty()) return conclude(first);
+  if (springs.size() > most_undecided) {
+    return deny(Outcome::not_proved, fmt::format("{} one-way springs are at their free length", springs.size()));
+  }
+  return conclude_pieces(springs);
+}
+
+// One-way springs at their free length: of the pieces of the mechanism, in which each of them acts or does not, those
+// count whose solution is on their own side. At such a solution all is smooth. A solution exactly at the limit is
+// examined from all sides.
+Certificate Certifier::conclude_pieces(const std::vector<int>& springs) const {
+  const Ball::Precision precision(many_bits);
+  std::optional<Certificate> nearest;
+  std::optional<Certificate> at_limit;
+  std::string why = "no state of the one-way springs agrees with its own solution";
+  for (unsigned act = 0; act < 1U << springs.size(); ++act) {
+    const BallMechanism piece = with_springs(springs, act);
+    const Certifier part = with(piece);
+    const Settled settled = part.settle();
+    if (!settled.consistent) {
+      why = settled.finding.why;
+      continue;
+    }
+    const std::vector<Ball> g = BalanceSystem(piece, settled.finding.kept).measures(settled.finding.solution.q);
+    bool agrees = true;
+    bool undecided = false;
+    for (std::size_t k = 0; k < springs.size(); ++k) {
+      const LinearSpring& spring = std::get<LinearSpring>(balls_->exact.law_of(springs[k]));
+      const Ball over = g[springs[k]] - Ball(spring.free_length);
+      const bool acts_above = spring.acts == LinearSpring::Acts::tension;
+      const bool above = acts_above == ((act >> k & 1U) != 0);
+      undecided = undecided || over.contains_zero();
+      agrees = agrees && (above ? !(over < Ball(0)) : !(over > Ball(0)));
+    }
+    if (!agrees) continue;
+    if (undecided) {
+      if (!at_limit) at_limit = conclude_at_limit(settled, springs);
+      continue;
+    }
+    Certificate found = part.conclude(settled);
+    if (found.confirmed() && (!nearest || found.moved < nearest->moved)) nearest = std::move(found);
+  }
+  if (nearest && (!at_limit || !at_limit->confirmed() || nearest->moved < at_limit->moved)) return *nearest;
+  if (at_limit) return *at_limit;
+  return deny(Outcome::not_proved, why);
+}
+
+// Stops that are touched without force, to many digits, are examined from all sides.
+Certificate Certifier::conclude(const Settled& settled) const {
+  if (settled.finding.kind == Finding::Kind::none) return report(settled.finding, settled.active);
+  if (!settled.consistent) {
+    return deny(Outcome::no_equilibrium, "a stop would have to pull where it is in contact, and is overrun without it");
+  }
+  if (weak_stops(settled).empty()) return report(settled.finding, settled.active);
+  if (Ball::bits() < many_bits) {
+    const Ball::Precision precision(many_bits);
+    return conclude(settle(settled.active));
+  }
+  return conclude_at_limit(settled, {});
+}
+
+// Stops in contact of which it is undecided whether they press, but for those that no motion leaves.
+std::vector<ActiveStop> Certifier::weak_stops(const Settled& settled) const {
+  std::vector<ActiveStop> out, strong;
+  for (const ActiveStop& a : settled.active) {
+    const std::optional<Ball> push = push_of(settled.finding, a);
+    if (!push) continue;
+    (a.both || !push->contains_zero() ? strong : out).push_back(a);
+  }
+  const std::vector<Ball> g = BalanceSystem(*balls_, settled.finding.kept).constraints(settled.finding.solution.q);
+  for (int s = 0; s < m_.stops(); ++s) {
+    const bool known = std::any_of(settled.active.begin(), settled.active.end(),
+                                   [&](const ActiveStop& a) { return a.stop == s || a.partner == s; });
+    for (const bool upper : {false, true}) {
+      if (known || !std::isfinite(bound(m_, s, upper)) || !beyond(g, s, upper).contains_zero()) continue;
+      out.push_back({.stop = s, .upper = upper});
+    }
+  }
+  if (out.empty() || m_.coordinates() > dense_limit) return out;
+  const std::size_t before = dependent_rows(equations(strong), nearly_dependent).size();
+  std::erase_if(out, [&](const ActiveStop& a) {
+    std::vector<ActiveStop> with_it = strong;
+    with_it.push_back(a);
+    return dependent_rows(equations(with_it), nearly_dependent).size() > before;
+  });
+  return out;
 }
 
 // Where it is undecided whether a stop is active or a one-way spring acts, all combinations are examined.
-Certificate Certifier::combine(const std::vector<ActiveStop>& active, const Finding& first) {
-  if (first.kind == Finding::Kind::none) return report(first, active);
-  Finding finding = first;
-  std::vector<int> springs = undecided_springs(finding);
-  if (!springs.empty() && finding.kind == Finding::Kind::regular) {
-    // A smaller box may decide.
-    Finding smaller = finding;
-    std::vector<Ball> from;
-    for (const Ball& q : finding.solution.q) from.push_back(q.midpoint());
-    smaller.solution = solve(finding.kept, from, last_reach, options_.farthest);
-    if (smaller.solution.proved) {
-      finding = smaller;
-      springs = undecided_springs(finding);
-    }
-  }
-  std::vector<ActiveStop> weak;  // touched, and it is undecided whether they press
-  std::vector<ActiveStop> strong;
-  const std::vector<Ball> g = BalanceSystem(*balls_, finding.kept).constraints(finding.solution.q);
-  for (const ActiveStop& a : active) {
-    const auto row = std::find(finding.kept.rows.begin(), finding.kept.rows.end(), m_.stop_row(a.stop));
-    const bool presses = a.both || row == finding.kept.rows.end() ||
-                         !finding.solution.y[static_cast<std::size_t>(row - finding.kept.rows.begin())].contains_zero();
-    (presses ? strong : weak).push_back(a);
-  }
-  for (int s = 0; s < m_.stops(); ++s) {
-    if (std::any_of(active.begin(), active.end(), [&](const ActiveStop& a) { return a.stop == s; })) continue;
-    for (const bool upper : {false, true}) {
-      const double limit = bound(m_, s, upper);
-      if (std::isfinite(limit) && (g[m_.stop_row(s)] - Ball(limit)).contains_zero()) weak.push_back({s, upper, false});
-    }
-  }
-  // A stop whose measure no motion changes is touched for ever.
-  if (m_.coordinates() <= dense_limit) {
-    std::erase_if(weak, [&](const ActiveStop& a) {
-      std::vector<ActiveStop> with = strong;
-      with.push_back(a);
-      const KeptEquations all = equations(with);
-      const std::vector<int> dependent = dependent_rows(all, nearly_dependent);
-      const std::vector<int> before = dependent_rows(equations(strong), nearly_dependent);
-      return dependent.size() > before.size();
-    });
-  }
-  if (weak.empty() && springs.empty()) return report(finding, active);
+Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const {
+  const std::vector<ActiveStop> weak = weak_stops(settled);
+  std::vector<ActiveStop> strong = settled.active;
+  std::erase_if(strong, [&](const ActiveStop& a) {
+    return std::any_of(weak.begin(), weak.end(), [&](const ActiveStop& w) { return w.stop == a.stop; });
+  });
   if (weak.size() + springs.size() > most_undecided) {
     return deny(Outcome::not_proved, fmt::format("{} stops and one-way springs are exactly at the limit of acting",
                                                  weak.size() + springs.size()));
   }
-  // All pieces: bits of `state` say which springs act and which stops are active.
-  int pieces_unstable = 0;
-  int pieces = 0;
+  // Bits of `state` say which springs act and which stops are active.
+  int falling = 0;
   bool same_orientation = true;
   std::optional<Finding> loosest, tightest;
-  const unsigned all_states = 1U << (springs.size() + weak.size());
-  for (unsigned state = 0; state < all_states; ++state) {
+  const unsigned states = 1U << (springs.size() + weak.size());
+  for (unsigned state = 0; state < states; ++state) {
     std::vector<ActiveStop> now = strong;
     for (std::size_t k = 0; k < weak.size(); ++k) {
       if ((state >> (springs.size() + k) & 1U) != 0) now.push_back(weak[k]);
     }
-    const Finding piece = examine_with(now, springs, state);
+    const BallMechanism mechanism = with_springs(springs, state);
+    const Finding piece = with(mechanism).examine(equations(now));
     if (piece.kind == Finding::Kind::none || piece.kind == Finding::Kind::degenerate) {
       return deny(Outcome::not_proved, "a stop or one-way spring is exactly at the limit of acting, and " +
                                            (piece.why.empty() ? "one of its states was not proved" : piece.why));
     }
-    ++pieces;
-    pieces_unstable += piece.unstable > 0 ? 1 : 0;
+    falling += piece.unstable > 0 ? 1 : 0;
     if (state == 0) loosest = piece;
-    if (state == all_states - 1) tightest = piece;
+    if (state == states - 1) tightest = piece;
     same_orientation =
         same_orientation && piece.kind == Finding::Kind::regular && piece.unstable % 2 == loosest->unstable % 2;
   }
@@ -807,21 +968,20 @@ Certificate Certifier::combine(const std::vector<ActiveStop>& active, const Find
   out.strict = false;
   if (!out.confirmed()) return out;
   if (m_.has_follower_loads()) {
-    if (!same_orientation)
-      return deny(Outcome::not_proved, "a stop or one-way spring is exactly at the limit of acting");
-    return out;
+    if (same_orientation) return out;
+    return deny(Outcome::not_proved, "a stop or one-way spring is exactly at the limit of acting");
   }
-  const bool neutral = loosest->kind == Finding::Kind::neutral;
-  if (pieces_unstable == 0) {
-    if (neutral) out.stability = tightest->kind == Finding::Kind::neutral ? Stability::neutral : Stability::unknown;
-    if (out.stability == Stability::unknown) out.outcome = Outcome::degenerate;
-    return out;
+  if (falling == 0) {
+    if (loosest->kind == Finding::Kind::neutral) {
+      out.stability = tightest->kind == Finding::Kind::neutral ? Stability::neutral : Stability::unknown;
+    }
+  } else {
+    // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls. A
+    // single limit leaves one of two opposite directions to the loosest piece.
+    const bool falls = tightest->unstable > 0 || (weak.size() + springs.size() == 1 && loosest->unstable > 0);
+    out.stability = falls ? Stability::unstable : stability_on_cones(*loosest, springs, weak);
+    out.unstable_directions = out.stability == Stability::unstable ? std::max(1, tightest->unstable) : 0;
   }
-  // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls. A
-  // single limit leaves one of two opposite directions to the loosest piece.
-  const bool falls = tightest->unstable > 0 || (weak.size() + springs.size() == 1 && loosest->unstable > 0);
-  out.stability = falls ? Stability::unstable : stability_on_cones(*loosest, springs, weak);
-  out.unstable_directions = out.stability == Stability::unstable ? std::max(1, tightest->unstable) : 0;
   if (!same_orientation || out.stability == Stability::unknown) out.outcome = Outcome::degenerate;
   if (out.outcome == Outcome::degenerate) {
     out.statement = "a stop or one-way spring is exactly at the limit of acting";
