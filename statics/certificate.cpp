@@ -95,7 +95,7 @@ class Certifier {
   // --- stops
   std::vector<double> stop_values() const;
   std::vector<ActiveStop> stops_in_contact() const;
-  std::vector<ActiveStop> find_active_stops() const;
+  std::vector<ActiveStop> find_active_stops(bool pairs) const;
   KeptEquations equations(const std::vector<ActiveStop>& active) const;
 
   // --- one piece
@@ -189,7 +189,7 @@ std::vector<ActiveStop> Certifier::stops_in_contact() const {
 
 // Those that hold both ways, and of the others those with a positive force in the non-negative least-squares solution
 // of balance.
-std::vector<ActiveStop> Certifier::find_active_stops() const {
+std::vector<ActiveStop> Certifier::find_active_stops(bool pairs) const {
   std::vector<ActiveStop> both;
   for (int s = 0; s < m_.stops(); ++s) {
     if (m_.lower()[s] == m_.upper()[s]) both.push_back({.stop = s, .upper = true, .both = true});
@@ -213,7 +213,7 @@ std::vector<ActiveStop> Certifier::find_active_stops() const {
     const Eigen::VectorXd a = z.transpose() * point.jacobian.row(row).transpose();
     prevents.col(static_cast<Eigen::Index>(k)) = (candidates[k].upper ? 1.0 : -1.0) * a;
   }
-  // Two that prevent opposite motions leave none, but for rounding: one of them then acts both ways.
+  // Pairs that prevent opposite motions and, by rounding, leave no place between them: one of them then acts both ways.
   const std::vector<double> g = stop_values();
   const auto gap = [&](const ActiveStop& a) {
     return a.upper ? m_.upper()[a.stop] - g[a.stop] : g[a.stop] - m_.lower()[a.stop];
@@ -223,7 +223,7 @@ std::vector<ActiveStop> Certifier::find_active_stops() const {
     for (std::size_t j = 0; j < i; ++j) {
       const Eigen::VectorXd a = prevents.col(static_cast<Eigen::Index>(i));
       const Eigen::VectorXd b = prevents.col(static_cast<Eigen::Index>(j));
-      if (paired[i] != 0 || paired[j] != 0 || a.norm() == 0.0 || b.norm() == 0.0) continue;
+      if (!pairs || paired[i] != 0 || paired[j] != 0 || a.norm() == 0.0 || b.norm() == 0.0) continue;
       if ((a / a.norm() + b / b.norm()).cwiseAbs().maxCoeff() > 1e-12) continue;
       const double room = gap(candidates[i]) / a.norm() + gap(candidates[j]) / b.norm();
       if (room > no_room) continue;
@@ -801,9 +801,10 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
   return out;
 }
 
-// From the stops that are in contact at the answer; if that leads nowhere, from each set of them.
+// From the stops that seem to be active at the answer; if that leads nowhere, from each set of those in contact, and
+// from pairs that contradict each other by rounding.
 Certifier::Settled Certifier::settle() const {
-  const std::vector<ActiveStop> likely = find_active_stops();
+  const std::vector<ActiveStop> likely = find_active_stops(false);
   Settled out = settle(likely);
   const std::vector<ActiveStop> contact = stops_in_contact();
   if (out.consistent || contact.empty() || contact.size() > most_undecided) return out;
@@ -818,7 +819,8 @@ Certifier::Settled Certifier::settle() const {
     const Settled other = settle(active);
     if (other.consistent) return other;
   }
-  return out;
+  const Settled paired = settle(find_active_stops(true));
+  return paired.consistent ? paired : out;
 }
 
 Certificate Certifier::run() const {
