@@ -12,11 +12,14 @@
 namespace poise::comparison {
 namespace {
 
-// Distance from a known equilibrium that every result should reach if rounding allows it.
-constexpr double exact = 1e-9;
+// Digits to which the known equilibria of a catalogue are at least given.
+constexpr double given_to = 1e-9;
 // Results farther apart are different, however ill-conditioned the equilibrium.
 constexpr double elsewhere = 1e-3;
-double bounded(double distance) { return std::clamp(distance, exact, elsewhere); }
+
+// Known equilibria are of the scene's decimal numbers, proved ones of the doubles they became.
+double allowed_by(const Certificate& certificate) { return certificate.radius + 4 * certificate.rounding_effect; }
+double reach_of(const Certificate& certificate) { return std::clamp(allowed_by(certificate), given_to, elsewhere); }
 
 // "left -1.571, right 1.571, rail 0 (rad, m)", as much of a pose as fits on a line.
 std::string pose_in_words(const StaticModel& model, const std::vector<double>& x) {
@@ -85,12 +88,6 @@ double CaseCheck::distance(const std::vector<double>& x, const std::vector<BodyP
   return largest;
 }
 
-CaseCheck::Bounds CaseCheck::bounds_at(const Equilibrium& equilibrium) const {
-  // Known equilibria are of the scene's decimal numbers, proved ones of the doubles they became.
-  const double reach = bounded(equilibrium.certificate.radius + 4 * equilibrium.certificate.rounding_effect);
-  return {reach, reach};
-}
-
 Verdict CaseCheck::verdict_on(const Equilibrium& equilibrium) const {
   if (equilibrium.found()) {
     Verdict verdict = verdict_on_confirmed(equilibrium);
@@ -146,35 +143,36 @@ Verdict CaseCheck::verdict_by_list(const Equilibrium& equilibrium) const {
       nearest = &target;
     }
   }
-  const Bounds bounds = bounds_at(equilibrium);
-  const std::string claim = "confirmed as " + to_string(equilibrium.certificate.stability);
-  if (!(apart <= bounds.confirmed)) {
+  const Certificate& certificate = equilibrium.certificate;
+  const std::string claim = "confirmed as " + to_string(certificate.stability);
+  if (!(apart <= reach_of(certificate))) {
     if (!hard_.complete) return verdict_by_reference(equilibrium);
-    return {Verdict::Kind::false_claim, apart, equilibrium.certificate.radius,
+    return {Verdict::Kind::false_claim, apart, allowed_by(certificate),
             fmt::format("{}, but {:.2g} (rad or sizes) from the nearest known equilibrium", claim, apart)};
   }
-  if (equilibrium.certificate.stability != nearest->stability) {
-    const bool known = equilibrium.certificate.stability != Stability::unknown;
-    return {known ? Verdict::Kind::false_claim : Verdict::Kind::failed, apart, equilibrium.certificate.radius,
+  if (certificate.stability != nearest->stability) {
+    const bool known = certificate.stability != Stability::unknown;
+    return {known ? Verdict::Kind::false_claim : Verdict::Kind::failed, apart, allowed_by(certificate),
             fmt::format("{}, but it is {}", claim, to_string(nearest->stability))};
   }
-  return verdict_by_distance(apart, equilibrium, bounds);
+  return verdict_by_distance(apart, equilibrium);
 }
 
 Verdict CaseCheck::verdict_by_reference(const Equilibrium& equilibrium) const {
   const Reference reference = refine(model_, equilibrium.x);
-  if (reference.refined) return verdict_by_distance(reference.error, equilibrium, bounds_at(equilibrium));
+  if (reference.refined) return verdict_by_distance(reference.error, equilibrium);
   Verdict verdict;
   verdict.kind = Verdict::Kind::false_claim;
   verdict.why = "confirmed, but not by 50 digits: " + reference.why;
   return verdict;
 }
 
-Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& equilibrium, const Bounds& bounds) {
-  if (apart <= bounds.converged) return {Verdict::Kind::converged, apart, equilibrium.certificate.radius, ""};
-  return {apart <= bounds.confirmed ? Verdict::Kind::inexact : Verdict::Kind::false_claim, apart,
-          equilibrium.certificate.radius,
-          fmt::format("error {:.2g} (rad or sizes), of which rounding explains {:.1g}", apart, bounds.converged)};
+Verdict CaseCheck::verdict_by_distance(double apart, const Equilibrium& equilibrium) {
+  const double allowed = allowed_by(equilibrium.certificate);
+  const double reach = reach_of(equilibrium.certificate);
+  if (apart <= reach) return {Verdict::Kind::converged, apart, allowed, ""};
+  return {Verdict::Kind::false_claim, apart, allowed,
+          fmt::format("error {:.2g} (rad or sizes), of which rounding explains {:.1g}", apart, reach)};
 }
 
 }  // namespace poise::comparison

@@ -12,24 +12,22 @@ namespace poise::comparison {
 struct Verdict {
   enum class Kind {
     converged,
-    inexact,          ///< near a known equilibrium, but farther from it than rounding explains
-    false_claim,      ///< confirmed by the check, but contradicted by the known equilibria
-    denied_by_check,  ///< claimed by the solver, not confirmed by the check
+    false_claim,      ///< confirmed, but contradicted by the known equilibria
+    denied_by_check,  ///< claimed by the solver, not proved
     failed            ///< nothing claimed
   };
   Kind kind = Kind::failed;
   /// Distance from the nearest known equilibrium, rad or mechanism sizes; empty if there is none.
   std::optional<double> error{};
-  std::optional<double> allowed{};  ///< conditioning limit there, Check::accuracy
+  std::optional<double> allowed{};  ///< what radius and rounding allow there
   std::string why{};                ///< reason, if it did not converge to a known equilibrium
 };
 
 /// Compares results with the known equilibria of a case.
 ///
-/// list         The nearest known equilibrium must be near enough and of the stability that the check finds. Near
-///              enough for convergence is max(1e-9, Check::accuracy); a result farther away, but within the check's
-///              bounds on imbalance, gaps and stops, is inexact. Beyond that a complete list contradicts the
-///              result.
+/// list         The nearest known equilibrium must be near enough and of the stability that is proved. Near enough is
+///              max(1e-9, radius + 4 rounding_effect) of the certificate, at most 1e-3. Beyond that a complete list
+///              contradicts the result.
 /// open list    A result near no known equilibrium is refined in 50 digits, which must find an equilibrium as near.
 /// everywhere   The result must be neutral.
 /// locked       The method must report that the joints lock, also if it goes on to an equilibrium elsewhere, which 50
@@ -51,17 +49,12 @@ class CaseCheck {
     std::vector<Value> angles, travels;
     Stability stability;
   };
-  struct Bounds {
-    double converged, confirmed;
-  };
-
   Target target_of(const KnownEquilibrium& known) const;
   double distance(const std::vector<double>& x, const std::vector<BodyPose<double>>& poses, const Target& target) const;
-  Bounds bounds_at(const Equilibrium& equilibrium) const;
   Verdict verdict_on_confirmed(const Equilibrium& equilibrium) const;
   Verdict verdict_by_list(const Equilibrium& equilibrium) const;
   Verdict verdict_by_reference(const Equilibrium& equilibrium) const;
-  static Verdict verdict_by_distance(double apart, const Equilibrium& equilibrium, const Bounds& bounds);
+  static Verdict verdict_by_distance(double apart, const Equilibrium& equilibrium);
 
   const HardCase& hard_;
   const StaticModel& model_;

@@ -21,26 +21,23 @@ struct StressOptions {
   std::function<void(const std::string& doing)> progress{};  ///< called before every cell; may be empty
 };
 
-/// One method on one case. Every start counts as converged, inexact, false claim or denied by the check, or as none of
-/// these if the method failed or found an equilibrium of the wrong kind.
+/// One method on one case. Every start counts as converged, false claim or denied by the check, or as none of these if
+/// the method failed or found an equilibrium of the wrong kind.
 struct Cell {
   Method method{};
   bool applies = true;  ///< the method applies to the case; if not, `why` gives the reason
   int starts = 0;       ///< tried
-  /// Converged: confirmed by the check, of the kind sought, and known (in open lists: or confirmed by 50 digits). If
+  /// Converged: proved, of the kind sought, and known (in open lists: or confirmed by 50 digits). If
   /// the joints lock: reported as locked. If there is no equilibrium: neither claimed nor confirmed.
   int converged = 0;
-  /// Confirmed near a known equilibrium of that stability, within the bounds of the check, but farther than rounding
-  /// explains.
-  int inexact = 0;
-  int false_claims = 0;     ///< confirmed by the check, but no equilibrium or of another stability; must be 0
-  int denied_by_check = 0;  ///< claimed by the solver and not confirmed by the check
+  int false_claims = 0;     ///< confirmed, but no equilibrium or of another stability; must be 0
+  int denied_by_check = 0;  ///< claimed by the solver and not proved
   // Empty if no start converged, or no equilibrium is known:
   std::optional<double> iterations{};    ///< median over converged starts
   std::optional<double> microseconds{};  ///< median over converged starts
   /// Largest distance of converged starts from the known equilibrium, rad or mechanism sizes.
   std::optional<double> error{};
-  /// Conditioning limit of that equilibrium, same units (Check::accuracy).
+  /// What the proved radius and the rounding of the scene's numbers allow there (CaseCheck), same units.
   std::optional<double> allowed{};
   std::string why;  ///< of the first false claim, otherwise of the first that did not converge
 };

@@ -16,7 +16,6 @@ std::vector<MethodSummary> summaries(const StressOutcome& outcome) {
       const Cell& cell = result.cells[k];
       s.false_claims += cell.false_claims;
       s.denied_by_check += cell.denied_by_check;
-      s.inexact += cell.inexact;
       if (result.hard.expect != Expect::equilibrium) continue;
       ++s.applicable;
       if (solved(cell)) ++s.solved;

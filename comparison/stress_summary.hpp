@@ -24,10 +24,10 @@ struct StressOutcome {
 /// One method, or one form of virtual work, over all cases.
 struct MethodSummary {
   std::string name;
-  int applicable = 0;                                      ///< cases with an answer to which it applies
-  int solved = 0;                                          ///< of these
-  int false_claims = 0, denied_by_check = 0, inexact = 0;  ///< starts
-  std::optional<double> iterations, microseconds;          ///< medians over cases; empty where it never converged
+  int applicable = 0;                              ///< cases with an answer to which it applies
+  int solved = 0;                                  ///< of these
+  int false_claims = 0, denied_by_check = 0;       ///< starts
+  std::optional<double> iterations, microseconds;  ///< medians over cases; empty where it never converged
 };
 
 std::vector<MethodSummary> summaries(const StressOutcome& outcome);

@@ -18,9 +18,6 @@ void Tally::add(const Equilibrium& equilibrium, const Verdict& verdict) {
     case Verdict::Kind::converged:
       add_converged(equilibrium, verdict);
       return;
-    case Verdict::Kind::inexact:
-      ++cell_.inexact;
-      break;
     case Verdict::Kind::false_claim:
       // The worst that can happen: its reason is the one kept.
       if (cell_.false_claims++ == 0) cell_.why = verdict.why;

@@ -26,8 +26,8 @@ struct ReferenceEquilibrium {
   Stability stability = Stability::unknown;
   /// One of a continuum of equilibria (only one is kept), so that the distance to this one is no error.
   bool neutral = false;
-  std::optional<double> accuracy;  ///< conditioning limit, same units as errors (Check::accuracy)
-  std::vector<Method> found_by;    ///< methods whose default runs the check confirmed here; may be empty
+  double rounding_effect = 0.0;  ///< of the scene's numbers, same units as errors (Certificate::rounding_effect)
+  std::vector<Method> found_by;  ///< methods whose default runs confirmed here; may be empty
 };
 
 /// How a run ended, independent of its own tolerance.

@@ -131,8 +131,6 @@ class Refinement {
   }
 
   const std::vector<Real>& q() const { return q_; }
-  const std::vector<int>& rows() const { return rows_; }
-  const Mechanism<Real>& mechanism() const { return mechanism_; }
   int digits() const { return settled_ == 0 ? 50 : std::min(50, static_cast<int>(-log10(settled_))); }
 
  private:
@@ -263,18 +261,6 @@ Reference refine(const StaticModel& model, const std::vector<double>& x) {
     out.decimal.push_back(si.str(40));
   }
   out.error = static_cast<double>(error);
-  return out;
-}
-
-std::vector<double> refined_curvatures(const StaticModel& model, const std::vector<double>& x) {
-  Refinement refinement(model, x);
-  std::string why;
-  if (model.mechanism().has_follower_loads() || !refinement.run(why)) return {};
-  const ReducedHessian<Real> reduced(refinement.mechanism(), refinement.q(), refinement.rows());
-  if (reduced.matrix.size() == 0) return {};
-  const Vector curvatures = solvers::symmetric_eigenvalues(reduced.matrix);
-  std::vector<double> out;
-  for (const Real& c : curvatures) out.push_back(static_cast<double>(c));
   return out;
 }
 

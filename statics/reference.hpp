@@ -21,8 +21,4 @@ struct Reference {
 /// touches fixed at their bound. The scene as read, in double, is taken as exact.
 Reference refine(const StaticModel& model, const std::vector<double>& x);
 
-/// Eigenvalues of the reduced Hessian at the refined equilibrium, computed in 50 digits, ascending. Empty if it could
-/// not be refined.
-std::vector<double> refined_curvatures(const StaticModel& model, const std::vector<double>& x);
-
 }  // namespace poise

@@ -25,13 +25,16 @@ using test::measures_of;
 using test::NamedMeasure;
 using test::Random;
 
-// A measure compiled in T, in a configuration of its own.
+enum class Of { itself, half_its_square };
+
+// A measure, or half the square of a distance, compiled in T, in a configuration of its own.
 template <class T>
 class Placed {
  public:
-  Placed(const Scene& scene, const Layout& layout, const Measure& measure)
+  Placed(const Scene& scene, const Layout& layout, const Measure& measure, Of of = Of::itself)
       : phasors_(layout, true),
-        g_(scene, layout, phasors_, measure),
+        g_(of == Of::itself ? CompiledMeasure<T>(scene, layout, phasors_, measure)
+                            : CompiledMeasure<T>::half_square(scene, layout, phasors_, measure)),
         pose_(phasors_.pose_size()),
         scratch_(g_.scratch_size() + 1) {}
 
@@ -192,8 +195,8 @@ void expect_same(const Real& found, const Real& expected, const char* what, doub
 }
 
 void expect_derivatives(const Scene& scene, const Layout& layout, const Measure& measure, const Values& q,
-                        Random& random) {
-  Placed<Real> g(scene, layout, measure);
+                        Random& random, Of of = Of::itself) {
+  Placed<Real> g(scene, layout, measure, of);
   ASSERT_EQ(static_cast<std::size_t>(g.coordinates()), q.size());
   const Values u = direction(q.size(), random);
   const Values v = direction(q.size(), random);
@@ -234,6 +237,36 @@ TEST(Measures, KnowTheirDerivativesOnARailThatTurns) {
     SCOPED_TRACE(name);
     expect_derivatives(scene, layout, measure, q, random);
   }
+}
+
+TEST(Measures, HalfTheSquareOfADistanceKnowsItsDerivatives) {
+  for_measures([](const Scene& scene, const Layout& layout, const Measure& measure, const std::vector<double>& q,
+                  Random& random) {
+    if (measure.kind != Measure::Kind::distance) return;
+    const Values p = in_50_digits(q);
+    Placed<Real> distance(scene, layout, measure);
+    Placed<Real> half_square(scene, layout, measure, Of::half_its_square);
+    const Real l = distance.value(p);
+    expect_same(half_square.value(p), l * l / 2, "value", 1e-45);
+    expect_derivatives(scene, layout, measure, p, random, Of::half_its_square);
+  });
+}
+
+// d = 0: a distance has no derivatives there, half its square has D2 = Dd.Dd.
+TEST(Measures, HalfTheSquareOfADistanceIsSmoothWherePointsCoincide) {
+  Scene scene = test::chain(2, 1.0, 1.0);
+  const Measure ends = Measure::distance_between(test::point(scene, "ground.O"), test::point(scene, "2.b"));
+  const Layout layout = lay_out(scene, Purpose::dynamics);
+  Random random(3);
+  // Folded upon itself: the free end is at the first pin. d = u(q1) + u(q2), so Dd along v is (v1 - v2) u'(q1).
+  const Values q{Real(0.5), Real(0.5) + boost::math::constants::pi<Real>()};
+  Placed<Real> g(scene, layout, ends, Of::half_its_square);
+  const Values u = direction(2, random);
+  const Values v = direction(2, random);
+  expect_same(g.value(q), Real(0), "value", 1e-45);
+  expect_same(g.first(q, u), Real(0), "gradient", 1e-45);
+  expect_same(g.second(q, u, v), (u[0] - u[1]) * (v[0] - v[1]), "second", 1e-45);
+  expect_derivatives(scene, layout, ends, q, random, Of::half_its_square);
 }
 
 TEST(Measures, AreTheSameInDouble) {

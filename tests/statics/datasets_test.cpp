@@ -53,14 +53,14 @@ std::set<std::string> pressing_stops(const Check& check) {
 
 void expect_agrees(const StaticModel& model, const Equilibrium& found, const json& known, double tolerance) {
   ASSERT_EQ(found.status, Status::confirmed) << found.why;
-  const double allowed = std::max(tolerance, found.check.accuracy.value_or(0.0));
-  ASSERT_LE(test::error_of(model, found.x, coordinates(known)), allowed) << to_string(found.check.stability);
+  const double allowed = std::max(tolerance, found.certificate.rounding_effect);
+  ASSERT_LE(test::error_of(model, found.x, coordinates(known)), allowed) << to_string(found.certificate.stability);
   for (const auto& [name, at] : known.at("points").items()) {
     const Vec2 place = test::place_of(model, found.x, name);
     EXPECT_LE(norm(place - Vec2{number(at[0]), number(at[1])}), 4 * allowed * model.scales().length) << name;
   }
-  EXPECT_EQ(found.check.stability, known.at("stable").get<bool>() ? Stability::stable : Stability::unstable);
-  EXPECT_EQ(found.check.unstable_directions, known.at("unstable_directions").get<int>());
+  EXPECT_EQ(found.certificate.stability, known.at("stable").get<bool>() ? Stability::stable : Stability::unstable);
+  EXPECT_EQ(found.certificate.unstable_directions, known.at("unstable_directions").get<int>());
   const auto stops = known.value("active_stops", std::set<std::string>{});
   EXPECT_EQ(pressing_stops(found.check), stops);
 }
@@ -108,7 +108,7 @@ TEST_P(Datasets, RestsByEnergyFromItsOwnStart) {
     expect_agrees(model, found, nearest, energy_tolerance);
   } else if (found.found()) {
     // It may find an equilibrium that is not in the list, but one reported stable is stable.
-    EXPECT_EQ(found.check.unstable_directions, found.check.stability == Stability::stable ? 0 : 1);
+    EXPECT_EQ(found.certificate.unstable_directions, found.certificate.stability == Stability::stable ? 0 : 1);
   } else {
     EXPECT_NE(found.status, Status::not_confirmed) << found.why;
   }

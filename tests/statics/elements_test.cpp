@@ -27,7 +27,7 @@ Equilibrium found_by(const StaticModel& model, Method method, const char* stabil
   const Equilibrium found = solve(model, test::by(method));
   EXPECT_EQ(found.status, Status::confirmed) << to_string(method) << ": " << found.why;
   EXPECT_TRUE(found.check.is_equilibrium()) << found.check.objection;
-  EXPECT_EQ(to_string(found.check.stability), stability) << to_string(method);
+  EXPECT_EQ(to_string(found.certificate.stability), stability) << to_string(method);
   return found;
 }
 

@@ -65,8 +65,8 @@ Answer answer_of(const Scene& scene) {
 
 void expect_same_verdict(const Answer& a, const Answer& b) {
   EXPECT_EQ(a.equilibrium.found(), b.equilibrium.found()) << a.equilibrium.why << " / " << b.equilibrium.why;
-  EXPECT_EQ(to_string(a.equilibrium.check.stability), to_string(b.equilibrium.check.stability));
-  EXPECT_EQ(a.equilibrium.check.unstable_directions, b.equilibrium.check.unstable_directions);
+  EXPECT_EQ(to_string(a.equilibrium.certificate.stability), to_string(b.equilibrium.certificate.stability));
+  EXPECT_EQ(a.equilibrium.certificate.unstable_directions, b.equilibrium.certificate.unstable_directions);
 }
 
 // All but the energy, whose zero is arbitrary, and where reactions act: `unit` is the force unit of b.

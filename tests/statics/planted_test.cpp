@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/newton.hpp"
+#include "statics/certificate.hpp"
 #include "statics/check.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/reference.hpp"
@@ -95,10 +96,19 @@ struct Tally {
   }
 };
 
-void expect_judged(const Sample& sample, const Check& check) {
+void expect_judged(const Sample& sample, const Certificate& certificate, const Check& check) {
   EXPECT_TRUE(check.is_equilibrium()) << check.objection;
-  EXPECT_EQ(check.stability, sample.stability()) << check.stability_note;
-  EXPECT_EQ(check.unstable_directions, sample.planted.falling());
+  EXPECT_EQ(to_string(certificate.outcome), "proved") << certificate.statement;
+  EXPECT_EQ(certificate.stability, sample.stability());
+  EXPECT_EQ(certificate.unstable_directions, sample.planted.falling());
+}
+
+void expect_judged(const Sample& sample, const Equilibrium& answer) {
+  expect_judged(sample, answer.certificate, answer.check);
+}
+
+void expect_judged(const Sample& sample, const std::vector<double>& x) {
+  expect_judged(sample, certify(sample.model, x), check(sample.model, x));
 }
 
 TEST(Planted, SampleIsMixed) {
@@ -130,8 +140,8 @@ TEST(Planted, SampleIsMixed) {
   EXPECT_GT(torsion, 100);
 }
 
-TEST(Planted, CheckConfirmsTheEquilibriumAndItsStability) {
-  for_samples(60, {}, [](const Sample& sample) { expect_judged(sample, check(sample.model, sample.equilibrium)); });
+TEST(Planted, TheEquilibriumAndItsStabilityAreProved) {
+  for_samples(60, {}, [](const Sample& sample) { expect_judged(sample, sample.equilibrium); });
 }
 
 TEST(Planted, CheckRefutesWhatOnlyReactionsAgainstEachOtherBalance) {
@@ -146,6 +156,8 @@ TEST(Planted, CheckRefutesWhatOnlyReactionsAgainstEachOtherBalance) {
       std::vector<double> x = closed;
       for (double& coordinate : x) coordinate += random.uniform(-gap, gap);
       EXPECT_FALSE(check(sample.model, x).is_equilibrium()) << gap;
+      const Certificate proof = certify(sample.model, x);
+      EXPECT_TRUE(!proof.confirmed() || proof.moved > 1e-7) << gap << ": " << proof.statement;
     }
   });
 }
@@ -157,7 +169,7 @@ TEST(Planted, VirtualWorkRecoversTheEquilibrium) {
     tally.add(sample.error(answer.x));
     EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
     EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
-    expect_judged(sample, answer.check);
+    expect_judged(sample, answer);
   });
 }
 
@@ -169,7 +181,7 @@ TEST(Planted, EnergyAgreesWhereTheEquilibriumIsStable) {
     tally.add(sample.error(answer.x));
     EXPECT_LE(sample.error(answer.x), energy_accuracy) << answer.why;
     EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
-    expect_judged(sample, answer.check);
+    expect_judged(sample, answer);
   });
 }
 
@@ -192,8 +204,8 @@ TEST(PlantedFollowers, VirtualWorkRecoversTheEquilibrium) {
     EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
     EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
     // Of an unsymmetric stiffness only the sign of its determinant does not depend on the scale of coordinates.
-    EXPECT_EQ(answer.check.unstable_directions % 2, sample.planted.falling() % 2);
-    if (sample.planted.freedoms == 1) expect_judged(sample, answer.check);
+    EXPECT_EQ(answer.certificate.unstable_directions % 2, sample.planted.falling() % 2);
+    if (sample.planted.freedoms == 1) expect_judged(sample, answer);
   });
 }
 
@@ -205,11 +217,11 @@ TEST(PlantedFollowers, EnergyDoesNotApplyAndNamesTheLoad) {
   });
 }
 
-TEST(PlantedStops, CheckConfirmsTheEquilibriumAndItsStability) {
+TEST(PlantedStops, TheEquilibriumAndItsStabilityAreProved) {
   int pressing = 0;
   int no_freedom_left = 0;
   for_samples(60, {.stops = true}, [&](const Sample& sample) {
-    expect_judged(sample, check(sample.model, sample.equilibrium));
+    expect_judged(sample, sample.equilibrium);
     pressing += !sample.planted.pressing.empty();
     no_freedom_left += sample.planted.curvature.empty();
   });
@@ -225,11 +237,11 @@ TEST(PlantedStops, BothMethodsDescendOntoThem) {
     const Equilibrium descended = sample.solved(Method::virtual_work, Seek::stable);
     work.add(sample.error(descended.x));
     EXPECT_LE(sample.error(descended.x), virtual_work_accuracy) << descended.why;
-    expect_judged(sample, descended.check);
+    expect_judged(sample, descended);
     const Equilibrium minimised = sample.solved(Method::energy, Seek::stable);
     energy.add(sample.error(minimised.x));
     EXPECT_LE(sample.error(minimised.x), energy_accuracy) << minimised.why;
-    expect_judged(sample, minimised.check);
+    expect_judged(sample, minimised);
   });
 }
 
@@ -239,7 +251,7 @@ TEST(PlantedStops, NearestStaysWhereItIsAtRest) {
     const Equilibrium answer = solve(sample.model, sample.equilibrium, {});
     tally.add(sample.error(answer.x));
     EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
-    expect_judged(sample, answer.check);
+    expect_judged(sample, answer);
   });
 }
 

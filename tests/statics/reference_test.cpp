@@ -177,7 +177,6 @@ TEST(Reference, RefusesWhereThereIsNoEquilibrium) {
   EXPECT_NE(none.why, "");
   EXPECT_TRUE(none.x.empty());
   EXPECT_TRUE(none.decimal.empty());
-  EXPECT_TRUE(refined_curvatures(falling, {0.3}).empty());
 }
 
 TEST(Reference, RefusesWhereTheNextEquilibriumIsFar) {
@@ -200,71 +199,6 @@ TEST(Reference, RefusesALockedPose) {
   const StaticModel model(scene);
   EXPECT_FALSE(refine(model, {0.0, 0.0}).refined);
   EXPECT_FALSE(check(model, {0.0, 0.0}).is_equilibrium());
-}
-
-// --- curvatures --------------------------------------------------------------------------------------------------
-
-TEST(RefinedCurvatures, AreThoseOfAPendulumAscending) {
-  Scene scene = test::chain(3, 1.0, 1.0);
-  scene.gravity = {0.0, -10.0};
-  const StaticModel model(scene);
-  const std::vector<double> curvature = refined_curvatures(model, {M_PI_2, -M_PI_2, M_PI_2});
-  ASSERT_EQ(curvature.size(), 3u);
-  const double unit = model.scales().energy();
-  EXPECT_NEAR(curvature[0] * unit, -25.0, 1e-13);
-  EXPECT_NEAR(curvature[1] * unit, -5.0, 1e-13);
-  EXPECT_NEAR(curvature[2] * unit, 15.0, 1e-13);
-}
-
-TEST(RefinedCurvatures, AgreeWithTheModesOfTheCheck) {
-  for (const char* name :
-       {"thesis_four_bar.toml", "six_bar.toml", "thesis_four_bar_reversed.toml", "redundant_parallelogram.toml"}) {
-    SCOPED_TRACE(name);
-    const StaticModel model(read_scene(dataset(name)));
-    const Equilibrium found = solve(model);
-    ASSERT_TRUE(found.found()) << found.why;
-    const std::vector<double> curvature = refined_curvatures(model, found.x);
-    ASSERT_EQ(curvature.size(), found.check.principal_directions.size());
-    for (std::size_t k = 0; k < curvature.size(); ++k) {
-      const double shown = found.check.principal_directions[k].curvature / model.scales().energy();
-      EXPECT_NEAR(curvature[k], shown, 1e-9 * std::abs(shown));
-    }
-  }
-}
-
-TEST(RefinedCurvatures, SeeASignThatDoubleCannot) {
-  // A stiffness 1e-12 above, or below, what balances the inverted pendulum's weight.
-  for (const double excess : {1e-12, -1e-12}) {
-    Scene scene = test::chain(1, 2.0, 1.0);
-    // Down is along -x, so that upright is 0 to the last bit.
-    scene.gravity = {-8.0, 0.0};
-    test::add_torsion_spring(scene, 0, 1, 8.0 * (1 + excess));
-    const StaticModel model(scene);
-    const Check check = poise::check(model, model.start());
-    ASSERT_TRUE(check.is_equilibrium()) << check.objection;
-    EXPECT_EQ(check.stability, excess > 0 ? Stability::stable : Stability::unstable);
-    EXPECT_NE(check.stability_note.find("50 digits"), std::string::npos) << check.stability_note;
-    ASSERT_EQ(check.principal_directions.size(), 1u);
-    EXPECT_NEAR(check.principal_directions[0].curvature, 8.0 * excess, 1e-3 * 8e-12);
-  }
-}
-
-TEST(RefinedCurvatures, AreNoneWhereStopsLeaveNoFreedom) {
-  const StaticModel model(read_scene(dataset("toggle_clamp.toml")));
-  const Equilibrium found = solve(model);
-  ASSERT_TRUE(found.found()) << found.why;
-  EXPECT_TRUE(found.check.principal_directions.empty());
-  EXPECT_TRUE(refined_curvatures(model, found.x).empty());
-}
-
-TEST(RefinedCurvatures, AreEmptyWithFollowerLoads) {
-  Scene scene = test::chain(2, 1.0, 1.0);
-  scene.gravity = {0.0, -10.0};
-  test::add_force(scene, "2.b", {-1.0, 0.0}, "P");
-  scene.forces[0].follows = 2;
-  const StaticModel model(scene);
-  EXPECT_TRUE(refined_curvatures(model, {-M_PI_2, -M_PI_2}).empty());
-  EXPECT_TRUE(refine(model, {-M_PI_2, -M_PI_2}).refined);
 }
 
 // A load that follows the last of 90 links holds it nowhere: its row of the tangent is empty. Large systems are

@@ -15,6 +15,7 @@
 #include "model/scene.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/mobility.hpp"
+#include "statics/principal_directions.hpp"
 #include "statics/reference.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
@@ -68,11 +69,11 @@ Pose shifted(const Pose& pose, double reach, unsigned seed) {
 void expect_at(const StaticModel& model, const Equilibrium& found, const Pose& known, Stability stability,
                double tolerance, const Search& search) {
   ASSERT_EQ(found.status, Status::confirmed) << found.why;
-  const double rounding = search.near_fold ? found.check.accuracy.value_or(0.0) : 0.0;
+  const double rounding = search.near_fold ? found.certificate.radius + found.certificate.rounding_effect : 0.0;
   ASSERT_LE(test::error_of(model, found.x, known), std::max(tolerance, rounding));
-  EXPECT_EQ(to_string(found.check.stability), to_string(stability));
+  EXPECT_EQ(to_string(found.certificate.stability), to_string(stability));
   if (search.falling >= 0) {
-    EXPECT_EQ(found.check.unstable_directions, search.falling);
+    EXPECT_EQ(found.certificate.unstable_directions, search.falling);
   }
 }
 
@@ -178,7 +179,7 @@ Scene zeeman(const json& reference) {
 // V'' of the only freedom, J/rad^2.
 double curvature_at(const Scene& scene, const Pose& pose) {
   const StaticModel model(test::started_at(scene, pose));
-  return solve(model).check.principal_directions.at(0).curvature;
+  return principal_directions(model, solve(model).certificate).at(0).curvature;
 }
 
 TEST_F(References, ZeemansMachine) {
@@ -247,7 +248,7 @@ TEST_F(References, ToggleNextToSnapping) {
       const StaticModel model(test::started_at(scene, toggle_pose(alpha + 0.1 * (alpha - alpha_c))));
       const Equilibrium found = solve(model);
       ASSERT_EQ(found.status, Status::confirmed) << found.why;
-      EXPECT_EQ(to_string(found.check.stability), to_string(stability_of(stable)));
+      EXPECT_EQ(to_string(found.certificate.stability), to_string(stability_of(stable)));
       const double left = test::angle_of(model, found.x, "left");
       EXPECT_NEAR(left, alpha, std::max(virtual_work_tolerance, data_rounding));
       EXPECT_EQ(left > alpha_c, stable);
@@ -256,7 +257,7 @@ TEST_F(References, ToggleNextToSnapping) {
       if (!stable) continue;
       const Equilibrium least = solve(model, test::by(Method::energy));
       ASSERT_EQ(least.status, Status::confirmed) << least.why;
-      EXPECT_EQ(to_string(least.check.stability), "stable");
+      EXPECT_EQ(to_string(least.certificate.stability), "stable");
       EXPECT_NEAR(test::angle_of(model, least.x, "left"), alpha, std::max(energy_tolerance, data_rounding));
     }
   }
@@ -298,13 +299,16 @@ TEST_F(References, InvertedPendulumOnATorsionSpring) {
     const bool nearly_flat = std::abs(std::stod(lambda) - 1.0) < 1e-3;
     std::vector<Pose> poses{{{"rod", 0.0}}};
     if (lambda == "1") {
-      // A fourth-order minimum: the equilibrium is exact at the start, with zero curvature.
+      // A minimum of fourth order, V = theta^2/2 + cos(theta) = 1 + theta^4/24 - ..., proved by the signs of the force
+      // on both sides.
       const StaticModel model(scene);
       const Equilibrium found = solve(model);
       ASSERT_EQ(found.status, Status::confirmed) << found.why;
-      EXPECT_EQ(found.x.at(0), 0.0);
-      EXPECT_EQ(to_string(found.check.stability), "neutral");
-      EXPECT_EQ(found.check.neutral_directions, 1);
+      EXPECT_LE(std::abs(found.x.at(0)), found.certificate.radius);
+      EXPECT_LE(found.certificate.radius, 1e-15);
+      EXPECT_EQ(found.certificate.outcome, Outcome::degenerate);
+      EXPECT_EQ(to_string(found.certificate.stability), "stable");
+      EXPECT_EQ(found.certificate.neutral_directions, 0);
     } else {
       expect_met(scene, poses[0], stability_of(entry.at("zero_stable")), {.reach = nearly_flat ? 2e-4 : 0.02});
     }
@@ -366,14 +370,15 @@ TEST_F(References, FoldsOfThePendulum) {
       }
     }
     const StaticModel upon(test::started_at(inverted_pendulum(fold.lambda, fold.offset), {{"rod", fold.theta}}));
-    const Check at_fold = check(upon, upon.start());
+    const Certificate at_fold = certify(upon, upon.start());
     // Rounded to a double, lambda lies on one side of the fold or the other: there are two equilibria some 1e-8 apart,
-    // or none. Double precision cannot decide, 50 digits do.
-    if (at_fold.is_equilibrium()) {
-      EXPECT_LE(std::abs(at_fold.principal_directions.at(0).curvature), 1e-6);
-      EXPECT_GE(at_fold.accuracy.value(), 1e-8);
+    // or none.
+    if (at_fold.confirmed()) {
+      EXPECT_LE(std::abs(principal_directions(upon, at_fold).at(0).curvature), 1e-6);
+      EXPECT_GE(at_fold.rounding_effect, 1e-9);
+      EXPECT_TRUE(refine(upon, at_fold.x).refined);
     } else {
-      EXPECT_NE(at_fold.objection.find("50 digits find no equilibrium"), std::string::npos) << at_fold.objection;
+      EXPECT_FALSE(refine(upon, upon.start()).refined) << at_fold.statement;
     }
   }
 }
@@ -403,7 +408,7 @@ void expect_tip_and_support(const Scene& scene, const json& reference, int links
   const StaticModel model(scene);
   const Equilibrium found = solve(model);
   ASSERT_EQ(found.status, Status::confirmed) << found.why;
-  EXPECT_EQ(to_string(found.check.stability), "stable");
+  EXPECT_EQ(to_string(found.certificate.stability), "stable");
   const Vec2 tip{number(reference.at("tip")[0]), number(reference.at("tip")[1])};
   EXPECT_LE(norm(test::place_of(model, found.x, std::to_string(links) + ".b") - tip), 1e-12 * model.scales().length);
   const Vec2 support{number(reference.at("support_reaction")[0]), number(reference.at("support_reaction")[1])};
@@ -464,7 +469,7 @@ TEST_F(References, HangingChains) {
       SCOPED_TRACE(to_string(method));
       const Equilibrium found = solve(model, test::by(method));
       ASSERT_EQ(found.status, Status::confirmed) << found.why;
-      EXPECT_EQ(to_string(found.check.stability), "stable");
+      EXPECT_EQ(to_string(found.certificate.stability), "stable");
       const double tolerance = method == Method::energy ? energy_tolerance : virtual_work_tolerance;
       const double sag = -test::place_of(model, found.x, std::to_string(links / 2) + ".b").y;
       EXPECT_NEAR(sag, number(known.at("sag")), tolerance);
@@ -503,7 +508,7 @@ TEST_F(References, BuckledCantilevers) {
       for (int i = 1; i <= links; ++i) pose[std::to_string(i)] = number(angles[i - 1]);
       poses.push_back(pose);
       const StaticModel model(test::started_at(scene, pose));
-      const int falling = solve(model).check.unstable_directions;
+      const int falling = solve(model).certificate.unstable_directions;
       ++by_index[std::to_string(falling)];
       expect_met(scene, pose, stability_of(falling == 0), {.falling = falling});
     }
@@ -522,7 +527,9 @@ TEST_F(References, CriticalLoadsOfCantilevers) {
         const StaticModel model(cantilever(links, number(critical[k]) * (1.0 + side)));
         const Check straight = check(model, model.start());
         EXPECT_TRUE(straight.is_equilibrium()) << straight.objection;
-        EXPECT_EQ(straight.unstable_directions, static_cast<int>(k) + (side > 0 ? 1 : 0)) << links << " links";
+        const Certificate proof = certify(model, model.start());
+        EXPECT_EQ(to_string(proof.outcome), "proved") << proof.statement;
+        EXPECT_EQ(proof.unstable_directions, static_cast<int>(k) + (side > 0 ? 1 : 0)) << links << " links";
       }
     }
   }
@@ -550,7 +557,7 @@ TEST_F(References, ScissorLifts) {
     const Equilibrium found = solve(model);
     ASSERT_EQ(found.status, Status::confirmed) << found.why;
     EXPECT_LE(test::error_of(model, found.x, known), flat ? 1e-15 / theta : virtual_work_tolerance);
-    EXPECT_EQ(to_string(found.check.stability), "unstable");
+    EXPECT_EQ(to_string(found.certificate.stability), "unstable");
     const Reference refined = refine(model, found.x);
     ASSERT_TRUE(refined.refined) << refined.why;
     EXPECT_LE(test::error_of(model, refined.x, known), 1e-14) << "in 50 digits";
@@ -576,7 +583,7 @@ TEST_F(References, ScissorLiftsHeldByAStop) {
     for (const Method method : {Method::virtual_work, Method::energy}) {
       const Equilibrium found = solve(model, test::by(method, Seek::stable));
       ASSERT_EQ(found.status, Status::confirmed) << found.why;
-      EXPECT_EQ(to_string(found.check.stability), "stable");
+      EXPECT_EQ(to_string(found.certificate.stability), "stable");
       EXPECT_NEAR(test::reaction_of(found.check, "buffer").force.x, -number(force), 1e-9 * number(force))
           << to_string(method);
     }
@@ -608,7 +615,7 @@ TEST_F(References, ParallelogramWithThreeCranks) {
     ASSERT_EQ(found.status, Status::confirmed) << found.why;
     EXPECT_LE(norm(test::place_of(model, found.x, "coupler.B1") - unit(theta)), 1e-12);
     EXPECT_EQ(found.check.redundancy, 1);
-    EXPECT_EQ(to_string(found.check.stability), "unstable");
+    EXPECT_EQ(to_string(found.certificate.stability), "unstable");
     for (int i = 0; i < 3; ++i) {
       const Reaction& crank = test::reaction_of(found.check, "crank" + std::to_string(i + 1));
       const double force = number(known.at("f")[i]);
@@ -709,6 +716,8 @@ TEST_F(References, TwoRhombiAndTheirLockedBranches) {
     const Check judged = check(exact, exact.start());
     EXPECT_TRUE(judged.closed);
     EXPECT_EQ(judged.is_equilibrium(), entry.at("is_KKT").get<bool>()) << judged.objection;
+    const Certificate proof = certify(exact, exact.start());
+    EXPECT_EQ(proof.confirmed(), entry.at("is_KKT").get<bool>()) << proof.statement;
     if (entry.at("is_KKT")) {
       ++regular;
       expect_met(scene, pose, stability_of(up < 0), {.falling = up < 0 ? 0 : 1});

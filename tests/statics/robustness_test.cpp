@@ -36,9 +36,9 @@ Tally run(const StaticModel& model, const SolveOptions& options, int count = sta
     std::vector<double> x(model.mechanism().coordinates());
     for (double& v : x) v = uniform(random);
     const Equilibrium found = solve(model, x, options);
-    ++out.ends[to_string(found.status) + ", " + to_string(found.check.stability)];
+    ++out.ends[to_string(found.status) + ", " + to_string(found.certificate.stability)];
     out.confirmed += found.found();
-    out.stable += found.found() && found.check.stability == Stability::stable;
+    out.stable += found.found() && found.certificate.stability == Stability::stable;
     out.not_confirmed += found.status == Status::not_confirmed;
     out.iterations += static_cast<double>(found.iterations) / count;
     if (found.found()) {
@@ -106,11 +106,11 @@ TEST(Nearest, IsTheUnstableEquilibriumNextToThePrintedPose) {
           model, found.x,
           {{"link4", 1.1809809798627751078}, {"link6", 0.31112579393843271624}, {"link7", 5.3708134990460867023}}),
       1e-12);
-  EXPECT_EQ(to_string(found.check.stability), "unstable");
-  EXPECT_EQ(found.check.unstable_directions, 1);
+  EXPECT_EQ(to_string(found.certificate.stability), "unstable");
+  EXPECT_EQ(found.certificate.unstable_directions, 1);
   const Equilibrium equilibrium = solve(model, test::by(Method::virtual_work, Seek::stable));
   ASSERT_EQ(equilibrium.status, Status::confirmed) << equilibrium.why;
-  EXPECT_EQ(to_string(equilibrium.check.stability), "stable");
+  EXPECT_EQ(to_string(equilibrium.certificate.stability), "stable");
   EXPECT_LT(equilibrium.energy.value(), found.energy.value());
 }
 

@@ -240,7 +240,7 @@ TEST(Scaled, KeepsTheEquilibriumAndDividesItsForces) {
     const StaticModel other(scaled(scene, scales));
     const Equilibrium same = solve(other);
     ASSERT_TRUE(same.found()) << same.why;
-    EXPECT_EQ(to_string(same.check.stability), to_string(found.check.stability));
+    EXPECT_EQ(to_string(same.certificate.stability), to_string(found.certificate.stability));
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
       EXPECT_NEAR(test::angle_of(other, same.x, scene.bodies[i].name),
                   test::angle_of(model, found.x, scene.bodies[i].name), 1e-13);

@@ -182,4 +182,28 @@ Scene windows(int count) {
   return builder.build();
 }
 
+Scene parallelogram(int cranks, double angle, double load) {
+  Scene scene;
+  for (int i = 0; i < cranks; ++i) {
+    const std::string number = std::to_string(i);
+    scene.add_point(0, "A" + number, {static_cast<double>(i), 0.0});
+    scene.start.angle[add_link(scene, number, 1.0)] = angle;
+    add_pin(scene, "ground.A" + number, number + ".a", "A" + number);
+  }
+  const int coupler = scene.add_body("coupler");
+  scene.start.angle[coupler] = 0.0;
+  for (int i = 0; i < cranks; ++i) {
+    const std::string number = std::to_string(i);
+    scene.add_point(coupler, "B" + number, {static_cast<double>(i), 0.0});
+    add_pin(scene, number + ".b", "coupler.B" + number, "B" + number);
+  }
+  add_force(scene, "coupler.B1", {0.0, -load}, "W");
+  Torque torque;
+  torque.name = "T";
+  torque.body = 1;
+  torque.value = load * std::cos(angle);
+  scene.torques.push_back(torque);
+  return scene;
+}
+
 }  // namespace poise::test

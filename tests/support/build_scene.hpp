@@ -44,4 +44,9 @@ Scene scissor(int stages, double arm_weight, double load, double theta);
 /// ground.O0 = (0, 0), ground.O1 = (1, 0), ... and beams "beam1" ... from post to post.
 Scene windows(int count);
 
+/// Equal parallel cranks "0", "1", ... of 1 m a metre apart on ground.A0, ground.A1, ... carry the body "coupler" at
+/// coupler.B0, ..., with `load` downwards at coupler.B1. A torque on the first crank holds it at `angle`, where it
+/// starts.
+Scene parallelogram(int cranks, double angle, double load);
+
 }  // namespace poise::test

@@ -149,13 +149,12 @@ void add_summaries(Group& group, const StressOutcome& outcome) {
   table.counts("", "false claims", each(rows, &MethodSummary::false_claims)).tones =
       each(rows, tone_of_claims<MethodSummary>);
   table.counts("", "denied", each(rows, &MethodSummary::denied_by_check));
-  table.counts("", "inexact", each(rows, &MethodSummary::inexact));
   add_costs(table, rows);
   table.footnotes = {
       fmt::format("Solved: cases with an answer in which it converges from {} % of the starts or more, of those to "
                   "which it applies.",
                   significant(100 * comparison::enough, 4)),
-      "False claims, denied (by the check), inexact (error larger than rounding explains): starts.",
+      "False claims, denied (claimed by the method, not proved): starts.",
       fmt::format("Iterations, time: medians over cases. {} try no further starts of a case after {} s.",
                   outcome.safeguards ? "Forms with something off" : "Methods other than virtual work",
                   significant(outcome.seconds, 3))};
@@ -194,7 +193,6 @@ void add_cells(Table& table, const std::vector<MethodCell>& rows) {
   table.flags("applies", of(&Cell::applies));
   table.counts("starts", "", of(&Cell::starts));
   table.counts("converged", "", of(&Cell::converged));
-  table.counts("inexact", "", of(&Cell::inexact));
   table.counts("false_claims", "", of(&Cell::false_claims));
   table.counts("denied_by_check", "", of(&Cell::denied_by_check));
   table.data("iterations", of(&Cell::iterations));
@@ -221,7 +219,6 @@ void add_details(Group& content, const StressOutcome& outcome, const CaseResult&
   Column& share = table.counts("", "converged, %", {});
   share.texts = each(cells, converged);
   share.tones = each(cells, [&](const Cell& cell) { return tone_of(hard, cell); });
-  table.counts("", "inexact", starts(&Cell::inexact));
   table.counts("", "false claims", starts(&Cell::false_claims)).tones = each(cells, tone_of_claims<Cell>);
   table.counts("", "denied", starts(&Cell::denied_by_check));
   add_costs(table, cells);

@@ -71,9 +71,7 @@ void add_equilibria(Group& content, const StaticModel& model, const WorkPrecisio
     std::string text = study.equilibria.size() > 1 ? fmt::format("{}: ", data.parts.size() + 1) : "";
     text += known.stability == Stability::unknown ? "of unknown stability" : to_string(known.stability);
     text += ", " + finders(known);
-    if (known.accuracy && std::isfinite(*known.accuracy)) {
-      text += fmt::format("; rounding can move it by {}", small_number(*known.accuracy));
-    }
+    text += fmt::format("; rounding of the scene's numbers can move it by {}", small_number(known.rounding_effect));
     if (known.neutral) text += "; one of a continuum";
     content.fact(label, std::move(text));
 
@@ -81,7 +79,7 @@ void add_equilibria(Group& content, const StaticModel& model, const WorkPrecisio
     part.data("digits", known.digits);
     part.data("stability", to_string(known.stability));
     part.data("neutral", known.neutral);
-    part.data("accuracy", known.accuracy);
+    part.data("rounding_effect", known.rounding_effect);
     part.data("found_by", names_of(known.found_by));
     add_coordinate_names(part.table("coordinates", "", Rows::list), model.layout(), known.x.size())
         .data("value", model.to_si(known.x));

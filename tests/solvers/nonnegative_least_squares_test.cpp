@@ -1,0 +1,90 @@
+// The conditions of Karush, Kuhn and Tucker:  x >= 0,  A^T (b - A x) <= 0,  zero where x is positive.
+
+#include "solvers/nonnegative_least_squares.hpp"
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+#include <gtest/gtest.h>
+
+namespace poise::solvers {
+namespace {
+
+struct Random {
+  Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index columns) {
+    return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return uniform(engine); });
+  }
+
+  std::mt19937 engine{3};
+  std::uniform_real_distribution<double> uniform{-1.0, 1.0};
+};
+
+void expect_optimal(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
+  const Eigen::VectorXd x = nonnegative_least_squares(a, b);
+  ASSERT_EQ(x.size(), a.cols());
+  const Eigen::VectorXd gain = a.transpose() * (b - a * x);
+  const double scale = 1 + a.cwiseAbs().sum() * b.cwiseAbs().sum();
+  std::vector<Eigen::Index> positive;
+  for (Eigen::Index j = 0; j < x.size(); ++j) {
+    EXPECT_GE(x[j], 0.0);
+    EXPECT_LE(gain[j], 1e-12 * scale);
+    if (x[j] > 0.0) {
+      EXPECT_GE(gain[j], -1e-12 * scale);
+      positive.push_back(j);
+    }
+  }
+  if (positive.empty()) return;
+  Eigen::MatrixXd columns(a.rows(), static_cast<Eigen::Index>(positive.size()));
+  for (std::size_t k = 0; k < positive.size(); ++k) columns.col(static_cast<Eigen::Index>(k)) = a.col(positive[k]);
+  EXPECT_EQ(columns.colPivHouseholderQr().rank(), columns.cols()) << "positive columns are independent";
+}
+
+TEST(NonnegativeLeastSquares, IsOptimalOnRandomData) {
+  Random random;
+  for (const Eigen::Index rows : {1, 2, 5, 20}) {
+    for (const Eigen::Index columns : {1, 2, 4, 8, 30}) {
+      for (int k = 0; k < 20; ++k) expect_optimal(random.matrix(rows, columns), random.matrix(rows, 1));
+    }
+  }
+}
+
+// The moments of stops: columns repeated, opposite to one another, and zero.
+TEST(NonnegativeLeastSquares, IsOptimalWhereColumnsDepend) {
+  Random random;
+  for (const Eigen::Index rows : {1, 2, 3, 6}) {
+    for (int k = 0; k < 40; ++k) {
+      const Eigen::MatrixXd some = random.matrix(rows, 3);
+      Eigen::MatrixXd a(rows, 10);
+      a << some, -some, some, Eigen::MatrixXd::Zero(rows, 1);
+      expect_optimal(a, random.matrix(rows, 1));
+      expect_optimal(a, some * random.matrix(3, 1).cwiseAbs());
+    }
+  }
+}
+
+TEST(NonnegativeLeastSquares, FindsTheForcesThatBalance) {
+  Random random;
+  for (int k = 0; k < 50; ++k) {
+    const Eigen::MatrixXd a = random.matrix(6, 4);
+    const Eigen::VectorXd known = random.matrix(4, 1).cwiseAbs();
+    EXPECT_LE((nonnegative_least_squares(a, a * known) - known).cwiseAbs().maxCoeff(), 1e-11);
+  }
+}
+
+TEST(NonnegativeLeastSquares, IsZeroWhereAllWouldHaveToPull) {
+  const Eigen::MatrixXd a = Eigen::MatrixXd::Identity(3, 3);
+  EXPECT_EQ(nonnegative_least_squares(a, Eigen::Vector3d(-1, -2, 0)), Eigen::VectorXd(Eigen::Vector3d::Zero()));
+  EXPECT_EQ(nonnegative_least_squares(a, Eigen::Vector3d(-1, 2, 0)), Eigen::VectorXd(Eigen::Vector3d(0, 2, 0)));
+}
+
+TEST(NonnegativeLeastSquares, OfNothingIsNothing) {
+  EXPECT_EQ(nonnegative_least_squares(Eigen::MatrixXd(3, 0), Eigen::Vector3d(1, 2, 3)).size(), 0);
+  EXPECT_EQ(nonnegative_least_squares(Eigen::MatrixXd(0, 2), Eigen::VectorXd(0)),
+            Eigen::VectorXd(Eigen::Vector2d::Zero()));
+}
+
+}  // namespace
+}  // namespace poise::solvers
