@@ -29,6 +29,17 @@ double preloads(const StaticModel& model, const Readings& now) {
 
 }  // namespace
 
+std::string in_few_words(const Equilibrium& equilibrium) {
+  const Certificate& certificate = equilibrium.certificate;
+  if (!equilibrium.found()) return to_string(equilibrium.status);
+  const bool is_neutral = certificate.outcome == Outcome::neutral && certificate.stability != Stability::neutral;
+  const std::string proved = certificate.outcome == Outcome::degenerate ? "degenerate, proved"
+                             : is_neutral                               ? "neutral, proved"
+                                                                        : "proved";
+  return proved + (certificate.stability == Stability::unknown ? std::string(", stability unknown")
+                                                               : ": " + to_string(certificate.stability));
+}
+
 std::optional<double> error_of(const Answer& answer) {
   if (!answer.equilibrium.found()) return std::nullopt;
   return answer.equilibrium.certificate.moved;

@@ -16,6 +16,10 @@ struct Answer {
   std::optional<Reference> reference;  ///< of confirmed answers
 };
 
+/// What is known of a result, in a few words: "proved: stable", "degenerate, proved: stable", "neutral, proved:
+/// unstable", "proved, stability unknown", "checked, not proved", or its status.
+std::string in_few_words(const Equilibrium& equilibrium);
+
 /// Distance of the method's own result from the equilibrium that is proved, rad or mechanism sizes; empty where none
 /// is.
 std::optional<double> error_of(const Answer& answer);

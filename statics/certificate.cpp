@@ -151,6 +151,14 @@ Eigen::MatrixXd reduced_basis(const DensePoint<double>& point) {
   return solvers::null_space(point.jacobian, solvers::known_to::closed_point);
 }
 
+// "a, b, c and 4 more".
+std::string first_of(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 6;
+  const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(most, names.size()));
+  const std::string more = names.size() > most ? fmt::format(" and {} more", names.size() - most) : "";
+  return fmt::format("{}{}", fmt::join(names.begin(), end, ", "), more);
+}
+
 double bound(const Mechanism<double>& m, int stop, bool upper) { return upper ? m.upper()[stop] : m.lower()[stop]; }
 
 // --- stops ----------------------------------------------------------------------------------------------------------
@@ -666,24 +674,25 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
       out.outcome = Outcome::proved;
       out.stability = f.unstable > 0 ? Stability::unstable : Stability::stable;
       if (m_.has_follower_loads() && f.freedoms > 1 && f.unstable == 0) out.stability = Stability::unknown;
-      out.statement =
-          fmt::format("exactly one equilibrium lies within {:.1e} (rad, or lengths over the size)", out.radius);
+      out.statement = fmt::format("exactly one equilibrium within {:.1e} (rad, or length over size)", out.radius);
       break;
     case Finding::Kind::neutral:
       out.outcome = Outcome::neutral;
       out.stability = f.unstable > 0 ? Stability::unstable : Stability::neutral;
-      out.statement = fmt::format("neutral: equilibrium at any value of {}", fmt::join(out.neutral_coordinates, ", "));
+      out.statement =
+          fmt::format("in equilibrium at any {}; across that exactly one within {:.1e} (rad, or length over size)",
+                      first_of(out.neutral_coordinates), out.radius);
       break;
     default:
       out.outcome = Outcome::degenerate;
       out.stability = f.degenerate;
       out.statement =
-          f.singular ? f.why + (f.degenerate == Stability::stable     ? ": the energy grows along every motion"
-                                : f.degenerate == Stability::unstable ? ": the energy falls along one of the motions"
-                                                                      : ", and its stability was not decided")
-                     : fmt::format("a curvature vanishes within {:.1e}: by the forces on both sides {}", out.radius,
-                                   f.degenerate == Stability::stable ? "an energy minimum lies between them"
-                                                                     : "no energy minimum lies there");
+          f.singular
+              ? f.why + (f.degenerate == Stability::stable     ? ": the energy grows along every motion"
+                         : f.degenerate == Stability::unstable ? ": the energy falls along one of the motions"
+                                                               : ", and its stability was not decided")
+              : fmt::format("a curvature vanishes within {:.1e} (rad, or length over size), where the energy has {}",
+                            out.radius, f.degenerate == Stability::stable ? "a minimum" : "no minimum");
       if (f.degenerate == Stability::unstable) out.unstable_directions = std::max(1, out.unstable_directions);
       break;
   }

@@ -44,14 +44,16 @@ comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& wo
 
 /// Of the default methods each has to find an equilibrium where it applies; of a list given by --methods, one of them.
 bool succeeded(const CompareRequest& words, const std::vector<Answer>& answers) {
-  const auto is = [](Status status) { return [status](const Answer& a) { return a.equilibrium.status == status; }; };
+  const auto is_solved = [](const Answer& a) {
+    return a.equilibrium.found() || a.equilibrium.status == Status::checked;
+  };
+  const auto is_interrupted = [](const Answer& a) { return a.equilibrium.status == Status::interrupted; };
   if (words.methods) {
-    return std::any_of(answers.begin(), answers.end(), is(Status::confirmed)) &&
-           std::none_of(answers.begin(), answers.end(), is(Status::interrupted));
+    return std::any_of(answers.begin(), answers.end(), is_solved) &&
+           std::none_of(answers.begin(), answers.end(), is_interrupted);
   }
-  return std::all_of(answers.begin(), answers.end(), [](const Answer& answer) {
-    return answer.equilibrium.found() || answer.equilibrium.status == Status::not_applicable;
-  });
+  return std::all_of(answers.begin(), answers.end(),
+                     [&](const Answer& a) { return is_solved(a) || a.equilibrium.status == Status::not_applicable; });
 }
 
 int run_side_by_side(const CompareRequest& words, const Palette& palette) {

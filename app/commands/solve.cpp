@@ -32,8 +32,9 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   const Result result = solve_result(model, answer, request.settings);
   const bool interrupted = answer.equilibrium.status == Status::interrupted;
   const bool drawn = files.wants_svg() && answer.readings && !interrupted;
-  return finish(request, result, interrupted ? nullptr : &files, drawn ? picture(model, answer) : "",
-                answer.equilibrium.found(), progress, palette);
+  const bool is_solved = answer.equilibrium.found() || answer.equilibrium.status == Status::checked;
+  return finish(request, result, interrupted ? nullptr : &files, drawn ? picture(model, answer) : "", is_solved,
+                progress, palette);
 }
 
 }  // namespace

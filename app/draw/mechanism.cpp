@@ -11,6 +11,7 @@
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
+#include "statics/answer.hpp"
 
 namespace poise::app {
 namespace {
@@ -73,9 +74,9 @@ std::vector<std::string> wrap(const std::string& text, double size, double width
 
 std::string verdict(const Equilibrium& equilibrium) {
   const std::string method = to_string(equilibrium.method);
-  if (!equilibrium.found()) return "No equilibrium confirmed (" + to_string(equilibrium.status) + ", " + method + ")";
-  return "In equilibrium, " + to_string(equilibrium.certificate.stability) + "; found by " + method +
-         ", confirmed by free-body statics";
+  const bool is_answer = equilibrium.found() || equilibrium.status == Status::checked;
+  if (!is_answer) return "No equilibrium proved (" + to_string(equilibrium.status) + ", " + method + ")";
+  return "In equilibrium, " + in_few_words(equilibrium) + "; found by " + method;
 }
 
 const std::string& title_of(const Scene& scene) { return scene.title.empty() ? scene.file : scene.title; }

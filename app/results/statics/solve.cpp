@@ -14,17 +14,13 @@ namespace poise::app {
 namespace {
 
 Line verdict(const Equilibrium& equilibrium) {
-  const Certificate& certificate = equilibrium.certificate;
   switch (equilibrium.status) {
-    case Status::confirmed: {
-      const std::string proof = certificate.outcome == Outcome::degenerate ? "degenerate, proved" : "proved";
-      return {.text = certificate.stability == Stability::unknown
-                          ? fmt::format("In equilibrium, {}; whether it is stable is unknown.", proof)
-                          : fmt::format("In equilibrium, {}: {}.", proof, to_string(certificate.stability)),
-              .tone = tone_of(certificate.stability)};
-    }
+    case Status::confirmed:
+      return {.text = fmt::format("In equilibrium, {}.", in_few_words(equilibrium)),
+              .tone = tone_of(equilibrium.certificate.stability)};
     case Status::checked:
-      return doubtful("In equilibrium, checked, not proved: free-body statics finds every body in balance.");
+      return doubtful(
+          fmt::format("In equilibrium, {}: free-body statics finds every body in balance.", in_few_words(equilibrium)));
     case Status::not_confirmed:
       return bad("Not confirmed: the method claims an equilibrium, and none is proved there.");
     case Status::not_applicable:
@@ -47,7 +43,22 @@ std::string moves_in_words(const CurvatureDirection& direction) {
   return text;
 }
 
-/// The directions along which an equilibrium is unstable or neutral, and what of a neutral one is known.
+/// What stability means where it is not that of an energy; empty where it is.
+std::string stability_note(const StaticModel& model, const Certificate& certificate) {
+  if (!certificate.confirmed()) return "only an equilibrium can be stable";
+  if (certificate.locked) return certificate.active_stops.empty() ? "nothing can move" : "held by its stops";
+  if (!model.mechanism().has_follower_loads()) return "";
+  switch (certificate.stability) {
+    case Stability::unstable:
+      return "a follower load has no potential: it diverges, the determinant of its stiffness being negative";
+    case Stability::unknown:
+      return "a follower load has no potential: it does not diverge, but it may flutter, which statics cannot decide";
+    default:
+      return "a follower load has no potential: checked for divergence only (the sign of the stiffness)";
+  }
+}
+
+/// The directions along which an equilibrium is unstable or neutral, and how that is to be understood.
 void add_directions(Group& group, const StaticModel& model, const Certificate& certificate) {
   const std::vector<CurvatureDirection> directions = principal_directions(model, certificate);
   for (std::size_t k = 0; k < directions.size(); ++k) {
@@ -56,6 +67,8 @@ void add_directions(Group& group, const StaticModel& model, const Certificate& c
     group.fact("direction",
                (index < certificate.unstable_directions ? "unstable: " : "neutral: ") + moves_in_words(directions[k]));
   }
+  const std::string note = stability_note(model, certificate);
+  if (certificate.confirmed() && !note.empty()) group.fact("stability", note);
 }
 
 /// What a reader of an unstable equilibrium must know.
@@ -92,18 +105,15 @@ std::string effort(const Equilibrium& equilibrium) {
                      count(equilibrium.evaluations, "evaluation", "evaluations"), duration(equilibrium.microseconds));
 }
 
-/// "exactly one equilibrium within 4e-17; the rounding of the scene's numbers may move it by 2e-16".
-std::string proof(const Equilibrium& equilibrium) {
+/// What is proved, what the scene's own numbers leave open, and what the method itself reached.
+void add_proof(Group& group, const Equilibrium& equilibrium) {
   const Certificate& certificate = equilibrium.certificate;
-  std::string text = certificate.statement;
-  if (!certificate.confirmed()) return text;
-  if (certificate.outcome == Outcome::neutral) {
-    text += fmt::format("; across it exactly one within {}", small_number(certificate.radius));
-  }
-  text += fmt::format("; rounding of the scene's numbers may move it by {}", small_number(certificate.rounding_effect));
-  text += fmt::format("; the method ended {} from it", small_number(certificate.moved));
-  if (!certificate.strict) text += "; a stop or one-way spring is exactly at its limit";
-  return text + " [rad, or length over size]";
+  group.fact("proof", certificate.statement);
+  if (!certificate.confirmed()) return;
+  if (!certificate.strict) group.fact("at a limit", "a stop or one-way spring is exactly at the limit of acting");
+  group.fact("rounding",
+             fmt::format("of the scene's numbers may move it by {}", small_number(certificate.rounding_effect)));
+  group.fact("error", "of the method " + small_number(certificate.moved));
 }
 
 std::string residuals(const StaticModel& model, const Check& check) {
@@ -258,6 +268,7 @@ void add_check_data(Group& group, const StaticModel& model, const Equilibrium& e
   const Certificate& certificate = equilibrium.certificate;
   const Units& units = model.scene().units;
   group.data("stability", to_string(certificate.stability));
+  group.data("stability_note", stability_note(model, certificate));
   group.data("unstable_directions", certificate.unstable_directions);
   group.data("neutral_directions", certificate.neutral_directions);
   Group& proved = group.group("certificate", "", Verbosity::data);
@@ -302,9 +313,9 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
   add_reference(group, model, answer);
   // Of a method that does not apply there is no pose.
   if (answer.readings) return;
-  for (const char* key : {"energy", "energy_note", "stability", "unstable_directions", "neutral_directions",
-                          "certificate", "directions", "points", "angles", "slides", "positions", "springs",
-                          "torsion_springs", "stops", "reactions", "redundancy", "residuals"}) {
+  for (const char* key : {"energy", "energy_note", "stability", "stability_note", "unstable_directions",
+                          "neutral_directions", "certificate", "directions", "points", "angles", "slides", "positions",
+                          "springs", "torsion_springs", "stops", "reactions", "redundancy", "residuals"}) {
     group.data(key, nullptr);
   }
 }
@@ -358,14 +369,16 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   if (answer.readings) {
     add_directions(content, model, equilibrium.certificate);
     add_coordinates(content, model, {&*answer.readings},
-                    {equilibrium.found() ? "equilibrium" : "reached, no equilibrium"});
+                    {equilibrium.found()                     ? "equilibrium"
+                     : equilibrium.status == Status::checked ? "reached, not proved"
+                                                             : "reached, no equilibrium"});
     add_pose(content, model, answer);
   }
   content.list("left_out", "Left out of statics", model.layout().dropped);
   Group& numerics = content.group("", "Numerics");
   numerics.fact("method", effort(equilibrium));
   if (!answer.readings) return out;
-  numerics.fact("proof", proof(equilibrium));
+  add_proof(numerics, equilibrium);
   numerics.fact("residuals", residuals(model, equilibrium.check));
   const std::optional<double> energy = energy_of(model, equilibrium);
   if (energy) {
