@@ -269,6 +269,11 @@ class NullSpace final : public Kkt {
       qr_columns_.setThreshold(std::clamp(rank_tolerance_per_gap * gap, rank_tolerance, rank_tolerance_limit));
       qr_columns_.compute(qr_matrix_);
       rank_ = rank_revealing_ ? static_cast<int>(qr_columns_.rank()) : std::min(active_rows, n_);
+      // A Jacobian that is rounding only has no rank, however its pivots compare with each other.
+      while (rank_revealing_ && rank_ > 0 &&
+             !(std::abs(qr_columns_.matrixQR()(rank_ - 1, rank_ - 1)) >= smallest_pivot)) {
+        --rank_;
+      }
     }
     for (int k = 0; k < n_; ++k) {
       order_[k] = active_rows > 0 ? static_cast<int>(qr_columns_.colsPermutation().indices()[k]) : k;

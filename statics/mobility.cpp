@@ -9,6 +9,7 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
+#include "statics/closure_rounding.hpp"
 #include "statics/equilibrium_problem.hpp"
 #include "statics/sparse_least_squares.hpp"
 
@@ -17,6 +18,8 @@ namespace {
 
 constexpr double closed_within = 1e-9;
 constexpr int dense_limit = 400;
+// Numbers are rounded when they are written, by half a unit in the last place, and when they are converted to SI.
+constexpr double roundings = 2.0;
 
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
@@ -73,7 +76,11 @@ void name_redundant(const Mechanism<double>& m, Repeats repeats, Mobility& out) 
   }
 }
 
-// Closures with a row that is a combination of others: those with a component in the left null space of J.
+// Entries of the Jacobian that the rounding of the scene's numbers may have caused count as zero: two pins of one unit
+// in the last place apart hold no more than one.
+//
+// Redundant are closures with a row that is a combination of others: those with a component in the left null space of
+// J.
 void find_redundancy(const ScaledModel& model, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
   const int rows = m.equalities();
@@ -82,10 +89,17 @@ void find_redundancy(const ScaledModel& model, Mobility& out) {
   std::vector<double> values(m.jacobian_row().size());
   m.place(out.x.data(), pose.data());
   m.jacobian(pose.data(), values.data());
+  const std::vector<double> rounding = closure_rounding(model);
+  std::vector<double> of_row(rows);
+  for (const ConstraintBlock& block : m.blocks()) {
+    for (int r = block.first_row; r < block.first_row + block.rows; ++r) of_row[r] = rounding[block.closure];
+  }
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(values.size());
   for (std::size_t e = 0; e < values.size(); ++e) {
-    if (m.jacobian_row()[e] < rows) entries.emplace_back(m.jacobian_row()[e], m.jacobian_column()[e], values[e]);
+    const int row = m.jacobian_row()[e];
+    if (row >= rows || std::abs(values[e]) <= roundings * of_row[row]) continue;
+    entries.emplace_back(row, m.jacobian_column()[e], values[e]);
   }
   Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());
   jacobian.setFromTriplets(entries.begin(), entries.end());

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
+#include "statics/closure_rounding.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
@@ -280,6 +281,47 @@ TEST(Mobility, SaysWhatIsKeptAndWhatIsDroppedAndWhy) {
   EXPECT_TRUE(any_contains(mobility.dropped, "inertia of 1 body", "nothing moves in statics"));
   EXPECT_TRUE(any_contains(mobility.dropped, "force \"Z\"", "zero"));
   EXPECT_TRUE(any_contains(mobility.dropped, "spring \"weak\"", "zero"));
+}
+
+// 0.3 and 0.1 + 0.2, one unit in the last place apart: as numbers written in decimal they are one place.
+std::string rod_on_two_pins(const std::string& second) {
+  return "gravity = [0, -10]\n[ground]\npoints = { O = [0, 0] }\n[body.rod]\npoints = { a = [0.3, 0], b = [" + second +
+         ", 0] }\nmass = 1\ncenter = [0.5, 0]\n[[pin]]\nname = \"first\"\npoints = [\"ground.O\", \"rod.a\"]\n"
+         "[[pin]]\nname = \"second\"\npoints = [\"ground.O\", \"rod.b\"]\n";
+}
+
+TEST(Mobility, OfAPinWrittenTwiceWithinRoundingIsOne) {
+  const StaticModel model(parse_scene(rod_on_two_pins("0.30000000000000004"), "rod.toml"));
+  const Mobility mobility = analyse_mobility(model);
+  EXPECT_EQ(mobility.coordinates, 1);
+  EXPECT_EQ(mobility.closures, 2);
+  EXPECT_EQ(mobility.rank, 0);
+  EXPECT_EQ(mobility.freedoms, 1);
+  EXPECT_EQ(mobility.redundant, std::vector<std::string>{"second"});
+}
+
+TEST(Mobility, OfTwoPinsASmallDistanceApartIsNone) {
+  // Two hundred units in the last place: more than rounding explains.
+  const StaticModel model(parse_scene(rod_on_two_pins("0.30000000000001"), "rod.toml"));
+  EXPECT_EQ(analyse_mobility(model).freedoms, 0);
+}
+
+TEST(ClosureRounding, IsHalfAUnitOfEveryNumberOfTheLoop) {
+  const StaticModel rod(parse_scene(rod_on_two_pins("0.30000000000000004"), "rod.toml"));
+  const double scale = rod.scales().length;
+  // Each of the two numbers is between 1/4 and 1/2.
+  EXPECT_EQ(closure_rounding(rod), std::vector<double>{2 * std::ldexp(1.0, -55) / scale});
+  // Three links of 1.5 m, the ground points 0 and 2: arms of 1.5 and 2.
+  Scene scene = test::chain(3, 1.5, 1.0);
+  scene.add_point(0, "E", {2.0, 0.0});
+  test::add_pin(scene, "3.b", "ground.E");
+  const StaticModel chain(scene);
+  EXPECT_EQ(closure_rounding(chain),
+            std::vector<double>{(3 * std::ldexp(1.0, -53) + std::ldexp(1.0, -52)) / chain.scales().length});
+  // Far from the origin every ground point is rounded more, although the gap is a difference of near points.
+  for (NamedPoint& p : scene.bodies[0].points) p.at.x += 1e14;
+  const StaticModel far(scene);
+  EXPECT_NEAR(closure_rounding(far).front() * far.scales().length, 2.0 / 128, 1e-12);
 }
 
 }  // namespace
