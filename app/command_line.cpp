@@ -20,6 +20,7 @@
 #include "app/present/numbers.hpp"
 #include "app/terminal/poise_folder.hpp"
 #include "model/nearest_name.hpp"
+#include "statics/mobility.hpp"
 
 namespace poise::app {
 namespace {
@@ -159,6 +160,9 @@ int parse_and_run(int argc, const char* const* argv) {
 int run(int argc, const char* const* argv) {
   try {
     return parse_and_run(argc, argv);
+  } catch (const AssemblyError& error) {
+    complain(error.what());
+    return not_solved;
   } catch (const InputError& error) {
     return complain(error.what());
   } catch (const std::exception& error) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/SparseCore>
@@ -64,6 +65,69 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
                           is_angle ? scene.units.angle_name : scene.units.length_name);
   }
   out.gap += held;
+}
+
+// Lengths between which the length of a sum of arms can be while its angles take any values; a travel is not bounded.
+struct Reach {
+  double shortest = 0.0, longest = 0.0;
+};
+
+Reach reach_of(const Mechanism<double>& m, const std::vector<Arm>& arms) {
+  const PhasorSum<double> sum(m.phasors(), arms);
+  double longest = norm(sum.constant());
+  double total = longest;
+  for (const auto& term : sum.terms()) {
+    if (term.coordinate >= m.layout().angles) return {0.0, std::numeric_limits<double>::infinity()};
+    longest = std::max(longest, norm(term.coefficient));
+    total += norm(term.coefficient);
+  }
+  return {std::max(0.0, 2.0 * longest - total), total};
+}
+
+// The values that a measure can have in scaled units, whatever the loops and stops permit; unbounded if not known.
+Reach range_of(const ScaledModel& model, const Measure& measure) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (measure.kind != Measure::Kind::distance) return {-infinity, infinity};
+  const Scene& scene = model.scene();
+  const double per_length = model.scales().per_length();
+  return reach_of(model.mechanism(), model.layout().path(measure.a.body, per_length * scene.local(measure.a),
+                                                         measure.b.body, per_length * scene.local(measure.b)));
+}
+
+bool is_same(const Measure& a, const Measure& b) {
+  if (a.kind != b.kind || a.kind == Measure::Kind::sum) return false;
+  switch (a.kind) {
+    case Measure::Kind::angle:
+      return a.body_a == b.body_a && a.body_b == b.body_b;
+    case Measure::Kind::travel:
+      return a.joint == b.joint;
+    case Measure::Kind::distance:
+      return a.a == b.a && a.b == b.b;
+    default:
+      return a.b == b.b;
+  }
+}
+
+// Whether no pose at all can close the loops and keep the stops, as far as single loops and measures show: the longest
+// arm of a loop must not be longer than all others together, and the ranges of stops on one measure must overlap.
+bool is_impossible(const ScaledModel& model) {
+  const Mechanism<double>& m = model.mechanism();
+  for (const Closure& closure : m.layout().closures) {
+    if (reach_of(m, closure.arms).shortest > closed_within) return true;
+  }
+  const std::vector<Stop>& stops = model.scene().stops;
+  for (std::size_t s = 0; s < stops.size(); ++s) {
+    const Reach range = range_of(model, stops[s].on);
+    double min = range.shortest - closed_within;
+    double max = range.longest + closed_within;
+    for (std::size_t other = 0; other < stops.size(); ++other) {
+      if (other != s && !is_same(stops[s].on, stops[other].on)) continue;
+      min = std::max(min, m.lower()[other]);
+      max = std::min(max, m.upper()[other]);
+    }
+    if (min - max > closed_within) return true;
+  }
+  return false;
 }
 
 // The closures that own one of the dependent rows.
@@ -135,7 +199,10 @@ Mobility analyse_mobility(const ScaledModel& model) {
   const solvers::NewtonResult& closed = newton.close(start);
   out.x = closed.x;
   out.assembled = closed.outcome == solvers::Outcome::converged && closed.constraint_error <= closed_within;
-  if (!out.assembled) find_widest_gap(model, out);
+  if (!out.assembled) {
+    find_widest_gap(model, out);
+    out.impossible = is_impossible(model);
+  }
   find_redundancy(model, out);
   for (int j : layout.redundant_angle) {
     out.redundant.push_back(model.scene().joints[j].name + " (angle)");
@@ -159,9 +226,14 @@ std::vector<double> close_loops(const ScaledModel& model) {
 
 void expect_closed(const ScaledModel& model, const Mobility& mobility) {
   if (mobility.assembled) return;
-  throw InputError(fmt::format(
-      "{}cannot be assembled from its start: {}; check the lengths, or give a [start] nearer to a closed pose",
-      where(model, mobility.gap_line), mobility.gap));
+  const std::string place = where(model, mobility.gap_line);
+  if (mobility.impossible) {
+    throw InputError(
+        fmt::format("{}cannot be assembled in any pose: {}; check the lengths and stops", place, mobility.gap));
+  }
+  throw AssemblyError(fmt::format(
+      "{}cannot be assembled from its start: {}; give a [start] nearer to a closed pose, or check the lengths", place,
+      mobility.gap));
 }
 
 std::string where(const ScaledModel& model, int line) {

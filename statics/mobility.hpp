@@ -17,23 +17,31 @@ struct Mobility {
   int rank = 0;         ///< of the closure Jacobian at the assembled start
   int freedoms = 0;     ///< coordinates - rank
   bool assembled = false;
-  std::string gap;                         ///< which loop (or stop) remains open and by how much, if not assembled
-  int gap_line = 0;                        ///< its line in the scene file
-  std::vector<double> x;                   ///< scaled coordinates, assembled or with the smallest gap found
+  bool impossible = false;  ///< not assembled, and no pose can be: lengths of a loop, or stops, contradict each other
+  std::string gap;          ///< which loop (or stop) remains open and by how much, if not assembled
+  int gap_line = 0;         ///< its line in the scene file
+  std::vector<double> x;    ///< scaled coordinates, assembled or with the smallest gap found
   std::vector<std::string> redundant;      ///< joints whose closure is a consequence of others
   std::vector<std::string> kept, dropped;  ///< of the compiled model, and why
 };
 
+/// A mechanism was not assembled from its start, and another start may do it: a failure of the search. The command line
+/// then ends with exit code 1.
+class AssemblyError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 Mobility analyse_mobility(const ScaledModel& model);
 
-/// Throws InputError if the loops are not closed.
+/// Throws AssemblyError if the loops are not closed, InputError if no pose can close them.
 void expect_closed(const ScaledModel& model, const Mobility& mobility);
 
 /// "file:line: mechanism: ", the beginning of messages about a whole mechanism; without the line if it is 0.
 std::string where(const ScaledModel& model, int line = 0);
 
-/// Closes the loops from the scene's start: closed scaled coordinates. Throws InputError if that fails, naming the loop
-/// and its gap.
+/// Closes the loops from the scene's start: closed scaled coordinates. Throws as expect_closed() if that fails, naming
+/// the loop and its gap.
 std::vector<double> close_loops(const ScaledModel& model);
 
 }  // namespace poise

@@ -387,5 +387,19 @@ TEST(CommandLine, EveryDatasetIsComparedAndDrawn) {
   EXPECT_GE(scenes, 14);
 }
 
+TEST(CommandLine, AStartThatCannotBeClosedIsAFailureOfTheSearchAndNoBadInput) {
+  const std::vector<std::string> start = {"--set", "start.rear=132", "--set", "start.front=-143",
+                                          "--set", "start.hood=-52"};
+  for (const char* const command : {"solve", "compare", "check", "modes"}) {
+    std::vector<std::string> words = {command, dataset("car_hood")};
+    words.insert(words.end(), start.begin(), start.end());
+    const Outcome run = run_poise(words);
+    EXPECT_EQ(run.exit_code, 1) << command << ": " << run.err;
+    EXPECT_NE(run.err.find("car_hood.toml:61: mechanism: cannot be assembled from its start: stop \"reach\""),
+              std::string::npos)
+        << run.err;
+  }
+}
+
 }  // namespace
 }  // namespace poise::app_tests

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
+#include "statics/mobility.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
@@ -226,6 +227,61 @@ TEST(Assemble, NamesTheStopThatCannotBeKeptAndItsLine) {
       "1.5\n",
       "stops.toml");
   expect_message(scene, {"stops.toml:1", ": mechanism:", "cannot be assembled", "stop \"", "remains overrun by 0.5"});
+}
+
+TEST(Solve, MovesARodWhosePinWasWrittenTwice) {
+  // 0.3 and 0.1 + 0.2: closures with derivatives of rounding only hold nothing.
+  Scene scene = parse_scene(
+      "gravity = [0, -10]\n[ground]\npoints = { O = [0, 0] }\n[body.rod]\n"
+      "points = { a = [0.3, 0], b = [0.30000000000000004, 0] }\nmass = 1\ncenter = [0.5, 0]\n"
+      "[[pin]]\npoints = [\"ground.O\", \"rod.a\"]\n[[pin]]\npoints = [\"ground.O\", \"rod.b\"]\n[start]\nrod = -1\n",
+      "rod.toml");
+  const StaticModel model(scene);
+  EXPECT_NEAR(solve(model).x.at(0), -M_PI_2, 1e-12);
+  SolveOptions stable;
+  stable.seek = Seek::stable;
+  scene.start.angle[1] = 1.0;
+  EXPECT_NEAR(std::sin(solve(StaticModel(scene), stable).x.at(0)), -1.0, 1e-12);
+}
+
+// Whether the failure is one of the search, or of a scene that no pose can satisfy.
+bool may_be_assembled(const Scene& scene) {
+  try {
+    assemble(StaticModel(scene));
+  } catch (const AssemblyError& error) {
+    EXPECT_TRUE(contains(error.what(), "cannot be assembled from its start")) << error.what();
+    return true;
+  } catch (const InputError& error) {
+    EXPECT_TRUE(contains(error.what(), "cannot be assembled in any pose")) << error.what();
+    return false;
+  }
+  ADD_FAILURE() << "assembled";
+  return false;
+}
+
+TEST(Assemble, TellsAStartThatFailsFromAMechanismThatCannotClose) {
+  Scene hood = read_scene(dataset("car_hood.toml"));
+  set_value(hood, "start.rear", 132);
+  set_value(hood, "start.front", -143);
+  set_value(hood, "start.hood", -52);
+  EXPECT_TRUE(may_be_assembled(hood));
+  // Links of 3 m span neither 5 m nor, with one of them 7 m long, 2 m.
+  for (const double longest : {1.0, 7.0}) {
+    Scene chain = test::chain(3, 1.0, 1.0);
+    chain.bodies[2].points[2].at.x = longest;
+    chain.add_point(0, "E", {longest > 1.0 ? 2.0 : 5.0, 0.0});
+    test::add_pin(chain, "3.b", "ground.E");
+    EXPECT_FALSE(may_be_assembled(chain)) << longest;
+  }
+  // A stop that wants the tip farther from the ground than the links reach.
+  Scene reach = test::chain(2, 1.0, 1.0);
+  reach.gravity = {0.0, -10.0};
+  Stop stop;
+  stop.name = "far";
+  stop.on = Measure::distance_between(test::point(reach, "ground.O"), test::point(reach, "2.b"));
+  stop.min = 2.5;
+  reach.stops.push_back(stop);
+  EXPECT_FALSE(may_be_assembled(reach));
 }
 
 TEST(Assemble, StartsABodyOnBarsAtThePositionOfTheScene) {
