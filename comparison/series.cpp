@@ -84,14 +84,61 @@ Scene window_ladder_scene(int windows) {
   return scene;
 }
 
+Scene balanced_arms_scene(int arms) {
+  Scene scene;
+  scene.file = "balanced arms";
+  scene.gravity = {0.0, -10.0};
+  for (int i = 0; i < arms; ++i) {
+    const std::string number = std::to_string(i + 1);
+    const PointRef pivot = scene.add_point(0, "O" + number, {1.0 * i, 0.0});
+    const PointRef hook = scene.add_point(0, "hook" + number, {1.0 * i, 0.5});
+    const Bar arm = add_bar(scene, "arm" + number, 1.0, 1.0, 0.5);
+    const PointRef eye = scene.add_point(arm.a.body, "eye", {0.25, 0.0});
+    pin(scene, pivot, arm.a);
+    scene.elements.push_back({.table = "spring",
+                              .name = "spring" + number,
+                              .on = Measure::distance_between(hook, eye),
+                              .law = LinearSpring{.stiffness = 40.0, .free_length = 0.0}});
+  }
+  const PointRef pivot = scene.add_point(0, "O", {-1.0, 0.0});
+  pin(scene, pivot, add_bar(scene, "pendulum", 1.0, 1.0, -1.0).a);
+  return scene;
+}
+
+Scene truss_beside_pendulums_scene(int pendulums) {
+  Scene scene;
+  scene.file = "truss beside pendulums";
+  scene.gravity = {0.0, -10.0};
+  const PointRef hinge = scene.add_point(0, "hinge", {-1.0, 0.0});
+  const PointRef rail = scene.add_point(0, "rail", {0.0, 0.0});
+  const PointRef load = scene.add_point(scene.add_body("block"), "P", {0.0, 0.0});
+  const int slide =
+      scene.add_joint({.kind = Joint::Kind::slide, .name = "rail", .a = rail, .b = load, .axis = {0.0, 1.0}});
+  scene.start.travel[static_cast<std::size_t>(slide)] = 0.40049620273255365;
+  scene.elements.push_back({.table = "spring",
+                            .name = "bar",
+                            .on = Measure::distance_between(hinge, load),
+                            .law = LinearSpring{.stiffness = 1000.0, .free_length = 1.25}});
+  scene.forces.push_back({.name = "P", .at = load, .vector = {0.0, -64.23847289438795}});
+  for (int i = 0; i < pendulums; ++i) {
+    const std::string number = std::to_string(i + 1);
+    const PointRef pivot = scene.add_point(0, "O" + number, {2.0 * (i + 1), 0.0});
+    pin(scene, pivot, add_bar(scene, "pendulum" + number, 1.0, 1.0, -1.5).a);
+  }
+  return scene;
+}
+
 const std::vector<std::string>& series_names() {
-  static const std::vector<std::string> names = {"hanging chain", "window ladder"};
+  static const std::vector<std::string> names = {"hanging chain", "window ladder", "balanced arms",
+                                                 "truss beside pendulums"};
   return names;
 }
 
 Scene series_scene(const std::string& name, int size) {
   if (name == series_names()[0]) return hanging_chain_scene(size);
   if (name == series_names()[1]) return window_ladder_scene(size);
+  if (name == series_names()[2]) return balanced_arms_scene(size);
+  if (name == series_names()[3]) return truss_beside_pendulums_scene(size);
   throw InputError(fmt::format("series: expected {}, found \"{}\"", fmt::join(series_names(), " or "), name));
 }
 

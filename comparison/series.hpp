@@ -26,7 +26,15 @@ Scene hanging_chain_scene(int links);
 /// alternately. Four angles, one loop and one spring per window; the upright symmetric equilibrium is stable.
 Scene window_ladder_scene(int windows);
 
-/// "hanging chain", "window ladder".
+/// `arms` arms balanced by springs of free length zero (datasets/hard/balanced_arm.toml), in equilibrium at every
+/// angle, side by side, and one body "pendulum" that hangs. All numbers are exact in binary.
+Scene balanced_arms_scene(int arms);
+
+/// The shallow truss of datasets/hard/shallow_truss.toml, its bar 1.25 m, loaded with its snap-through load P_max
+/// (1 + 1e-13) and started where its two equilibria have merged, beside `pendulums` pendulums of 1 m and 1 kg.
+Scene truss_beside_pendulums_scene(int pendulums);
+
+/// "hanging chain", "window ladder", "balanced arms", "truss beside pendulums".
 const std::vector<std::string>& series_names();
 
 /// The scene of a series. Throws InputError for a name that series_names() does not have.

@@ -183,8 +183,8 @@ TEST(Catalogue, ReportsErrorsInAScene) {
 TEST(Catalogue, ReportsErrorsInASeries) {
   const std::string head = "[[case]]\nname = \"toy\"\ntitle = \"Toy\"\nsource = \"ours\"\n";
   EXPECT_EQ(objection_to(head + "series = \"hanging chains\"\nsize = 3\n"),
-            "toy.cases.toml:6: case \"toy\".series: expected one of hanging chain, window ladder, found \"hanging "
-            "chains\"; did you mean \"hanging chain\"?");
+            "toy.cases.toml:6: case \"toy\".series: expected one of hanging chain, window ladder, balanced "
+            "arms, truss beside pendulums, found \"hanging chains\"; did you mean \"hanging chain\"?");
   EXPECT_EQ(objection_to(head + "series = \"hanging chain\"\n"),
             "toy.cases.toml:2: case \"toy\": expected the key size with a series; add size = NUMBER");
   EXPECT_EQ(objection_to(head + "series = \"hanging chain\"\nsize = 0\n"),
