@@ -22,6 +22,7 @@
 #include "model/nearest_name.hpp"
 #include "statics/mobility.hpp"
 
+#include "model/one_line.hpp"
 namespace poise::app {
 namespace {
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 namespace poise {
 
@@ -8,7 +9,9 @@ namespace poise {
 /// ends with exit code 2.
 class InputError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// Keeps the message as one_line() of at most 1000 bytes: of a longer one the middle is left out, so that the place
+  /// in front and the fix behind a very long name stay.
+  explicit InputError(const std::string& message);
 };
 
 }  // namespace poise

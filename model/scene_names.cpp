@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/nearest_name.hpp"
+#include "model/one_line.hpp"
 
 namespace poise {
 namespace {
@@ -107,7 +108,7 @@ void fail_taken(const TomlPlace& place, const std::string& name, int line) {
 
 void check_name(const std::string& name, const TomlPlace& place) {
   if (name.empty()) place.fail("expected a name that is not empty");
-  if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 127; })) {
+  if (one_line(name) != name) {
     place.fail("expected a name without control characters");
   }
 }

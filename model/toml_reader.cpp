@@ -57,11 +57,7 @@ void TomlPlace::fail(const std::string& message) const {
   if (line > 0) text += ":" + std::to_string(line);
   if (!text.empty()) text += ": ";
   if (!item.empty()) text += item + ": ";
-  text += message;
-  // Keys and strings may hold line breaks; a message may not.
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
-  throw InputError(text);
+  throw InputError(text + message);
 }
 
 std::size_t choose(const TomlText& text, const std::vector<std::string>& words) {

@@ -26,7 +26,7 @@ struct TomlPlace {
   int line = 0;           ///< 0: it is in no file
   std::string item;       ///< "body.crank.mass", `pin "hinge".points`, "spring 2"
 
-  /// Throws InputError "file:line: item: message", kept to one line; without the line where there is none.
+  /// Throws InputError "file:line: item: message"; without the line where there is none.
   [[noreturn]] void fail(const std::string& message) const;
 };
 

@@ -11,6 +11,7 @@
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
 #include "identification/set_parameter.hpp"
+#include "model/one_line.hpp"
 
 namespace poise::app {
 namespace fs = std::filesystem;
@@ -73,7 +74,7 @@ std::string OutputFiles::write(const Result& result, const std::string& svg, con
   std::string lines;
   for (OutputFile* file : prepared) {
     file->commit();
-    lines += "wrote " + file->path().string() + "\n";
+    lines += "wrote " + one_line(file->path().string()) + "\n";
   }
   return lines;
 }

@@ -115,15 +115,6 @@ std::string duration(double microseconds) {
   return significant(microseconds / 1e6, 3) + " s";
 }
 
-std::string one_line(std::string_view text) {
-  std::string out;
-  for (char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    out += byte < 0x20U || byte == 0x7FU ? ' ' : c;
-  }
-  return out;
-}
-
 std::string listed(const std::vector<std::string>& names, std::string_view last_by) {
   if (names.size() < 2) return names.empty() ? "" : names.front();
   return fmt::format("{} {} {}", fmt::join(names.begin(), names.end() - 1, ", "), last_by, names.back());

@@ -46,9 +46,6 @@ std::size_t screen_width(std::string_view text);
 /// A span of time: "0.84 µs", "12.3 ms", "4.56 s".
 std::string duration(double microseconds);
 
-/// The text without line breaks and other control characters.
-std::string one_line(std::string_view text);
-
 /// "a", "a and b", "a, b and c", with whatever word joins the last.
 std::string listed(const std::vector<std::string>& names, std::string_view last_by = "and");
 

@@ -6,6 +6,7 @@
 
 #include "app/present/cells.hpp"
 #include "app/present/numbers.hpp"
+#include "model/one_line.hpp"
 
 namespace poise::app {
 namespace {

@@ -67,7 +67,5 @@ TEST(Numbers, DurationsInTheUnitThatSuits) {
   EXPECT_EQ(duration(4.56e6), "4.56 s");
 }
 
-TEST(Numbers, ControlCharactersDoNotReachTheTerminal) { EXPECT_EQ(one_line("a\nb\x1b[31mc"), "a b [31mc"); }
-
 }  // namespace
 }  // namespace poise::app

@@ -636,7 +636,7 @@ INSTANTIATE_TEST_SUITE_P(
             "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
-                 "1: bo?dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
+                 "1: bo dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, "
                  "drive, force, torque, stop, start; did you mean \"body\"?"},

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "app/present/numbers.hpp"
+#include "model/one_line.hpp"
 
 namespace poise::app {
 namespace {

@@ -9,6 +9,7 @@
 #include "app/results/identification/experiment.hpp"
 #include "app/results/parts.hpp"
 #include "identification/residuals.hpp"
+#include "model/one_line.hpp"
 
 namespace poise::app {
 namespace {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/present/numbers.hpp"
+#include "model/one_line.hpp"
 
 namespace poise::app {
 namespace {

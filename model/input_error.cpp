@@ -1,0 +1,26 @@
+#include "model/input_error.hpp"
+
+#include <cstddef>
+
+#include "model/one_line.hpp"
+
+namespace poise {
+namespace {
+
+constexpr std::size_t longest = 1000, kept_in_front = 600, kept_behind = 390;
+
+std::string shortened(const std::string& line) {
+  if (line.size() <= longest) return line;
+  // Not within a letter of several bytes.
+  const auto boundary = [&](std::size_t at) {
+    while ((static_cast<unsigned char>(line[at]) & 0xC0U) == 0x80U) --at;
+    return at;
+  };
+  return line.substr(0, boundary(kept_in_front)) + " ... " + line.substr(boundary(line.size() - kept_behind));
+}
+
+}  // namespace
+
+InputError::InputError(const std::string& message) : std::runtime_error(shortened(one_line(message))) {}
+
+}  // namespace poise
