@@ -1,39 +1,16 @@
 #include "identification/motion_import.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <string>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "identification/record.hpp"
 #include "motion/motion_record.hpp"
 
 namespace poise {
-namespace {
-
-/// The names in the first line of a table of numbers.
-std::vector<std::string> header_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  if (!in || !std::getline(in, line)) {
-    throw InputError(fmt::format("motion: cannot read \"{}\"; expected a CSV file with a header", file.string()));
-  }
-  std::vector<std::string> names(1);
-  for (const char c : line) {
-    if (c == ',' || c == ';' || c == '\t')
-      names.emplace_back();
-    else if (c != '"' && c != '\r')
-      names.back() += c;
-  }
-  return names;
-}
-
-}  // namespace
 
 ImportedMotion import_motion(const MotionModel& model, const std::filesystem::path& file) {
-  const std::vector<std::string> header = header_of(file);
+  const std::vector<std::string> header = read_csv_header(file);
   const auto has = [&](const std::string& name) {
     return std::find(header.begin(), header.end(), name) != header.end();
   };

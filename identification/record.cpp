@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t";
 
+constexpr std::size_t largest_file = std::size_t{4} << 30U;
 std::string_view trimmed(std::string_view cell) {
   const std::size_t first = cell.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
@@ -133,6 +134,11 @@ class CsvRows {
 };
 
 void expect_no_gap(const CsvRows& rows, std::string_view cell, const std::string& column) {
+/// Moves on to the first row; fails where there is none.
+void expect_header(CsvRows& rows) {
+  if (!rows.next()) rows.place("header").fail("expected the names of the columns, found an empty file");
+}
+
   if (cell.empty()) rows.place(column).fail("expected a value, found a gap; fill it or leave the row out");
 }
 
@@ -183,11 +189,18 @@ const std::vector<double>& CsvTable::column(const std::string& name) const {
 
 CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
                   const std::vector<std::string>& words) {
-  const std::string text = read_text_file(file);
+  const std::string text = read_text_file(file, largest_file);
   CsvTable table;
   table.file = file.string();
+std::vector<std::string> read_csv_header(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file, largest_file), name = file.string();
+  CsvRows rows(name, text);
+  expect_header(rows);
+  return {rows.cells().begin(), rows.cells().end()};
+}
+
   CsvRows rows(table.file, text);
-  if (!rows.next()) rows.place("header").fail("expected the names of the columns, found an empty file");
+  expect_header(rows);
   const std::size_t width = rows.cells().size();
   std::vector<std::size_t> number_cell, word_cell;
   for (const std::string& column : columns) {

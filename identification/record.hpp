@@ -33,9 +33,13 @@ struct CsvTable {
   const std::vector<double>& column(const std::string& name) const;
 };
 
+/// The names of the columns. Throws InputError for an empty file.
+std::vector<std::string> read_csv_header(const std::filesystem::path& file);
+
 /// Reads the columns asked for, `words` as they are written and the others as numbers with a decimal point. Blanks
 /// around a cell and empty lines at the end are ignored. Throws InputError "file:line: column: ..." for a missing
-/// column (with the nearest name), a gap, a word that is not a number, NaN, infinity, or a row with too few or too many
+/// column (with the nearest name), a gap, a word that is not a number, NaN, infinity, a number
+/// beyond 1e50, or a row with too few or too many
 /// cells.
 CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
                   const std::vector<std::string>& words = {});

@@ -1,9 +1,18 @@
 #include "model/nearest_name.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 namespace poise {
+namespace {
+
+// Comparing names costs the product of their lengths; nobody misspells one of this length.
+constexpr std::size_t longest_compared = 200;
+
+}  // namespace
 
 int edit_distance(std::string_view a, std::string_view b) {
   // row[j] is the distance from the first i letters of a to the first j of b; a swap uses the row before the last.
@@ -26,6 +35,7 @@ int edit_distance(std::string_view a, std::string_view b) {
 bool is_near(std::string_view name, std::string_view candidate) {
   const std::size_t longer = std::max(name.size(), candidate.size());
   const std::size_t shorter = std::min(name.size(), candidate.size());
+  if (longer > longest_compared) return false;
   if (shorter >= 2 && 2 * shorter >= longer && (name.starts_with(candidate) || candidate.starts_with(name)))
     return true;
   const std::size_t most = longer <= 4 ? 1 : longer <= 8 ? 2 : 3;
@@ -55,11 +65,15 @@ std::string did_you_mean_or_list(std::string_view name, const std::vector<std::s
   if (!suggestion.empty()) return suggestion;
   if (candidates.empty()) return "; there is none here";
   std::vector<std::string> listed = candidates;
-  if (listed.size() > most_listed) {
-    std::stable_sort(listed.begin(), listed.end(), [name](const std::string& a, const std::string& b) {
-      return edit_distance(name, a) < edit_distance(name, b);
-    });
-    listed.resize(most_listed);
+  if (candidates.size() > most_listed) {
+    std::vector<std::pair<int, std::size_t>> order;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const bool is_long = std::max(name.size(), candidates[i].size()) > longest_compared;
+      order.emplace_back(is_long ? std::numeric_limits<int>::max() : edit_distance(name, candidates[i]), i);
+    }
+    std::partial_sort(order.begin(), order.begin() + most_listed, order.end());
+    listed.clear();
+    for (std::size_t i = 0; i < most_listed; ++i) listed.push_back(candidates[order[i].second]);
   }
   std::string text = "; known here: ";
   for (std::size_t i = 0; i < listed.size(); ++i) text += (i == 0 ? "" : ", ") + listed[i];

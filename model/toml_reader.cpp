@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "model/nearest_name.hpp"
+#include "model/toml_depth.hpp"
 
 namespace poise {
 namespace {
@@ -242,6 +243,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
 }
 
 toml::table parse_toml(std::string_view text, const std::string& file) {
+  if (const auto deep = find_too_deep(text)) TomlPlace{file, deep->line, "TOML syntax"}.fail(deep->message);
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& error) {

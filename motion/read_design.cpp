@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "model/nearest_name.hpp"
 #include "model/scene_names.hpp"
+#include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
 #include "motion/design.hpp"
 
@@ -17,16 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double degree = std::numbers::pi / 180;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || fs::is_directory(file)) {
-    throw InputError(fmt::format("{}: cannot be read; expected a design file", file.string()));
-  }
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 Interval interval(const TomlTable& table, std::string_view key, double unit) {
   const Vec2 ends = table.vector(key, unit);
@@ -73,7 +62,7 @@ TomlTable required_table(const TomlTable& root, const std::string& key) {
 }  // namespace
 
 DesignProblem read_design(const fs::path& file) {
-  const std::string text = text_of(file);
+  const std::string text = read_text_file(file);
   DesignProblem out;
   out.file = file.string();
   const toml::table document = parse_toml(text, out.file);

@@ -120,5 +120,14 @@ TEST(NearestName, ListsWhatThereIsWhenNothingIsNear) {
             "hhhhhhhh, iiiiiiii, jjjjjjjj and 14 more");
 }
 
+TEST(NearestName, OfVeryLongNamesNoneIsNear) {
+  const std::string longest(100'000, 'a');
+  EXPECT_FALSE(is_near(longest, longest + "b"));
+  EXPECT_EQ(did_you_mean(longest, {longest + "b", "a"}), "");
+  std::vector<std::string> many;
+  for (char letter = 'z'; letter >= 'a'; --letter) many.emplace_back(1, letter);
+  EXPECT_EQ(did_you_mean_or_list(longest, many), "; known here: z, y, x, w, v, u, t, s, r, q, p, o and 14 more");
+}
+
 }  // namespace
 }  // namespace poise

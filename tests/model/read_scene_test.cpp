@@ -15,6 +15,12 @@
 namespace poise {
 namespace {
 
+std::string repeated(const std::string& part, int count) {
+  std::string out;
+  for (int i = 0; i < count; ++i) out += part;
+  return out;
+}
+
 constexpr double inch = 0.0254;
 constexpr double pound_force = 4.4482216152605;
 constexpr double pound = 0.45359237;
@@ -561,6 +567,55 @@ TEST(ReadScene, ReadsTheExampleOfItsDocumentation) {
   EXPECT_EQ(scene.start.travel[3].value(), 0.3);
 }
 
+TEST(ReadScene, TakesDotsAndBracketsThatAreNotNested) {
+  const std::string dots = repeated(".", 100), brackets = repeated("[", 100);
+  const Scene scene = parse_scene("title = '" + dots + brackets + "' # " + dots + brackets + "\nsource = \"\\\"" +
+                                      dots + "\"\n[body.\"a" + dots + "\"]\npoints.P = [0.5, 1.5] # " + brackets +
+                                      "\n" + "[[force]]\nname = \"\"\"" + brackets + "\"\"\"\nat = \"a" + dots +
+                                      ".P\"\nvector = [0.25, 0.5]\n",
+                                  "s.toml");
+  EXPECT_EQ(scene.title, dots + brackets);
+  EXPECT_EQ(scene.source, "\"" + dots);
+  EXPECT_EQ(scene.forces[0].name, brackets);
+}
+
+TEST(ReadScene, NamesAFileThatIsNoText) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "poise_no_text_test.toml";
+  const auto message = [&](const std::string& text) -> std::string {
+    std::ofstream(file, std::ios::binary) << text;
+    try {
+      read_scene(file);
+      return "no error";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message(std::string("[body.a]\n# \0", 12)),
+            file.string() + ":2: expected a text, found a NUL byte; save the file as UTF-8");
+  EXPECT_EQ(message(std::string(65 << 20U, ' ')),
+            file.string() + ": expected at most 64 MiB of text, found more; check the path");
+  std::filesystem::remove(file);
+}
+
+TEST(ReadScene, AnswersAVeryLongNameAtOnce) {
+  const std::string longest(100'000, 'a');
+  std::string points;
+  for (int i = 0; i < 20; ++i) points += "P" + std::to_string(i) + " = [0, 0]\n";
+  const std::string text = "[body.a.points]\n" + points + "[[force]]\nat = \"a." + longest + "\"\nvector = [1, 0]\n";
+  try {
+    parse_scene(text, "s.toml");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    const std::string line = error.what();
+    EXPECT_LE(line.size(), 1000U);
+    EXPECT_TRUE(line.starts_with("s.toml:23: force 1.at: expected a point of \"a\", found \"a.aaa")) << line;
+    EXPECT_TRUE(
+        line.ends_with("aaa\"; known here: a.P0, a.P1, a.P2, a.P3, a.P4, a.P5, a.P6, a.P7, a.P8, a.P9, a.P10, "
+                       "a.P11 and 8 more"))
+        << line;
+  }
+}
+
 TEST(ReadScene, NamesAFileThatCannotBeRead) {
   const std::filesystem::path directory = testing::TempDir();
   const std::filesystem::path missing = directory / "poise_no_such_scene.toml";
@@ -640,6 +695,17 @@ INSTANTIATE_TEST_SUITE_P(
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, "
                  "drive, force, torque, stop, start; did you mean \"body\"?"},
+        BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
+                 "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
+        BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",
+                 "4: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
+        BadScene{"ListsInLists", "x = " + repeated("[", 40'000) + repeated("]", 40'000) + "\n",
+                 "1: TOML syntax: expected at most 16 brackets inside each other; close some"},
+        BadScene{"TablesInTables", "x = " + repeated("{ a = ", 17) + "1" + repeated(" }", 17) + "\n",
+                 "1: TOML syntax: expected at most 16 brackets inside each other; close some"},
+        BadScene{"Experiment", "title = 'a'\nscene = 'lift.toml'\n[[run]]\n",
+                 "2: scene: expected a scene, found a file that names one: an experiment or a design; give it to poise "
+                 "identify or design, or give the scene that it names"},
         BadScene{"TitleNotText", "title = 3\n", "1: title: expected a string, found a number"},
         BadScene{"SourceNotText", "source = 2024-01-01\n", "1: source: expected a string, found a date or time"},
         BadScene{"GravityNotVector", "gravity = 9.81\n", "1: gravity: expected two numbers [X, Y], found a number"},
