@@ -14,13 +14,14 @@
 #include "model/nearest_name.hpp"
 #include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
+#include "model/value_range.hpp"
 
 namespace poise {
 namespace {
 
 constexpr std::string_view blanks = " \t";
-
 constexpr std::size_t largest_file = std::size_t{4} << 30U;
+
 std::string_view trimmed(std::string_view cell) {
   const std::size_t first = cell.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
@@ -133,12 +134,12 @@ class CsvRows {
   std::deque<std::string> unquoted_;  ///< text of the quoted cells of this row; a deque never moves it
 };
 
-void expect_no_gap(const CsvRows& rows, std::string_view cell, const std::string& column) {
 /// Moves on to the first row; fails where there is none.
 void expect_header(CsvRows& rows) {
   if (!rows.next()) rows.place("header").fail("expected the names of the columns, found an empty file");
 }
 
+void expect_no_gap(const CsvRows& rows, std::string_view cell, const std::string& column) {
   if (cell.empty()) rows.place(column).fail("expected a value, found a gap; fill it or leave the row out");
 }
 
@@ -149,10 +150,14 @@ double number_in(const CsvRows& rows, std::string_view cell, const std::string& 
   if (cell.size() > 1 && cell[0] == '+' && cell[1] != '-') ++begin;
   double value = 0.0;
   const auto [stopped, error] = std::from_chars(begin, end, value);
-  if (error == std::errc() && stopped == end && std::isfinite(value)) return value;
+  const bool is_read = error == std::errc() && stopped == end;
+  if (is_read && contains(Range::finite, value)) return value;
   const bool is_number = stopped == end && error != std::errc::invalid_argument;
   const bool decimal_comma = cell.find(',') != std::string_view::npos;
-  rows.place(column).fail((is_number ? "expected a finite number, found " : "expected a number, found ") + shown(cell) +
+  rows.place(column).fail((is_read && std::isfinite(value) ? "expected a number of at most 1e50, found "
+                           : is_number                     ? "expected a finite number, found "
+                                                           : "expected a number, found ") +
+                          shown(cell) +
                           (decimal_comma ? "; write a decimal point" : "; correct it or leave the row out"));
 }
 
@@ -187,11 +192,6 @@ const std::vector<double>& CsvTable::column(const std::string& name) const {
   return values[static_cast<std::size_t>(found - columns.begin())];
 }
 
-CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
-                  const std::vector<std::string>& words) {
-  const std::string text = read_text_file(file, largest_file);
-  CsvTable table;
-  table.file = file.string();
 std::vector<std::string> read_csv_header(const std::filesystem::path& file) {
   const std::string text = read_text_file(file, largest_file), name = file.string();
   CsvRows rows(name, text);
@@ -199,6 +199,11 @@ std::vector<std::string> read_csv_header(const std::filesystem::path& file) {
   return {rows.cells().begin(), rows.cells().end()};
 }
 
+CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
+                  const std::vector<std::string>& words) {
+  const std::string text = read_text_file(file, largest_file);
+  CsvTable table;
+  table.file = file.string();
   CsvRows rows(table.file, text);
   expect_header(rows);
   const std::size_t width = rows.cells().size();

@@ -113,6 +113,12 @@ TEST(ReadCsv, NamesTheLineOfAnError) {
             "with separators");
   EXPECT_EQ(error_of("t,x\n0,1\n1,abc\n", tx),
             "data.csv:3: x: expected a number, found \"abc\"; correct it or leave the row out");
+  EXPECT_EQ(error_of("t,x\n0,\xFF\x1b[31m\n", tx),
+            "data.csv:2: x: expected a number, found \"? [31m\"; correct it or leave the row out");
+  EXPECT_EQ(error_of("t,x\n0,-1e51\n", tx),
+            "data.csv:2: x: expected a number of at most 1e50, found \"-1e51\"; correct it or leave the row out");
+  EXPECT_EQ(error_of("t,\xB0\n0,1\n", tx),
+            "data.csv:1: x: expected a column of this name in the header; known here: t, ?");
   EXPECT_EQ(error_of("t;x\n0;1,5\n", tx), "data.csv:2: x: expected a number, found \"1,5\"; write a decimal point");
   EXPECT_EQ(error_of("t,x\n0,1.5m\n", tx),
             "data.csv:2: x: expected a number, found \"1.5m\"; correct it or leave the row out");

@@ -751,7 +751,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"OverflowByUnit",
                  "[units]\nforce = 'kN'\n[body.a]\npoints.P = [0, 0]\n[[force]]\nat = 'a.P'\n"
                  "vector = [1e306, 0]\n",
-                 "7: force 1.vector: expected a finite number, found 1e+306"}),
+                 "7: force 1.vector: expected a finite number of at most 1e50 in SI units, found 1e+306"},
+        BadScene{"TooLarge", "[body.a]\npoints.P = [0, -1.01e50]\n",
+                 "2: body.a.points.P: expected a finite number of at most 1e50 in SI units, found -1.01e+50"},
+        BadScene{"TooLargeMass", "[body.a]\nmass = 1e200\n",
+                 "2: body.a.mass: expected a finite number >= 0 of at most 1e50 in SI units, found 1e+200"}),
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(
