@@ -25,6 +25,10 @@ class ExperimentReader {
   }
 
   Experiment read(const ExperimentOptions& options) {
+    if (root_.has("body") && !root_.has("scene")) {
+      root_.place_of("body").fail(
+          "expected an experiment, found a scene; give a file that names it with scene = \"...\"");
+    }
     root_.allow_keys({"title", "source", "scene", "set", "sensor", "unknown", "run"});
     if (const auto title = root_.find_text("title")) experiment_.title = title->value;
     if (const auto source = root_.find_text("source")) experiment_.source = source->value;

@@ -52,6 +52,11 @@ class SceneReader {
   explicit SceneReader(const TomlTable& root) : root_(root), names_(scene_) { scene_.file = root.place().file; }
 
   Scene read() {
+    if (root_.has("scene") && !root_.has("body")) {
+      root_.place_of("scene").fail(
+          "expected a scene, found a file that names one: an experiment or a design; give it to poise identify or "
+          "design, or give the scene that it names");
+    }
     std::vector<std::string_view> keys{"title", "source", "gravity", "units", "ground", "body"};
     for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
     for (const std::string_view key : element_tables()) keys.push_back(key);

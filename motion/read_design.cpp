@@ -67,6 +67,9 @@ DesignProblem read_design(const fs::path& file) {
   out.file = file.string();
   const toml::table document = parse_toml(text, out.file);
   const TomlTable root(document, {out.file, 1, ""});
+  if (root.has("body") && !root.has("scene")) {
+    root.place_of("body").fail("expected a design, found a scene; give a file that names it with scene = \"...\"");
+  }
   root.allow_keys({"title", "source", "scene", "drive", "goal", "actuator", "variables"});
   if (const auto title = root.find_text("title")) out.title = title->value;
   if (const auto source = root.find_text("source")) out.source = source->value;
