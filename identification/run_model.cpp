@@ -17,6 +17,16 @@ using Reduced = ReducedMotion<double>;
 
 std::string at(const Experiment& experiment, int line) { return fmt::format("{}:{}: ", experiment.file, line); }
 
+/// start_motion() to values that are written at a place of the experiment, which its errors name.
+MotionState start_at(const std::string& place, const MotionModel& model, const std::vector<StartValue>& wanted,
+                     const std::vector<double>* q = nullptr) {
+  try {
+    return start_motion(model, wanted, q);
+  } catch (const InputError& error) {
+    throw InputError(place + error.what());
+  }
+}
+
 }  // namespace
 
 std::pair<int, double> RunModel::coordinate_of(const Scene& scene, const Layout& layout, int body, int joint,
@@ -39,7 +49,9 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   scales_ = model.scales();
   const Layout& layout = model.layout();
   std::vector<StartValue> wanted;
+  std::string place;
   if (run_.equilibrium) {
+    place = at(experiment, run_.equilibrium->line) + "rest.at: ";
     set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
     if (!set_by_equilibrium_ || set_by_equilibrium_->scales_with_force()) {
       throw InputError(at(experiment, run_.equilibrium->line) +
@@ -51,7 +63,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
         coordinate_of(scene_, layout, run_.equilibrium->body, run_.equilibrium->joint, run_.equilibrium->line);
     wanted.push_back({equilibrium_coordinate_, false, run_.equilibrium->at - equilibrium_turn_});
   }
-  closed_ = start_motion(model, wanted).q;
+  closed_ = start_at(place, model, wanted).q;
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   const std::vector<double> x = model.from_si(closed_);
   reduced.start_drives(x.data());
@@ -73,7 +85,8 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
                                                     : -turn;
     release.push_back({coordinate, r.rate, base + r.value});
   }
-  const MotionState state = start_motion(model, release, &closed_);
+  if (!run_.release.empty()) place = at(experiment, run_.release.front().line) + "release: ";
+  const MotionState state = start_at(place, model, release, &closed_);
   for (const int i : independent_) released_.push_back(state.q[static_cast<std::size_t>(i)]);
   for (const int i : independent_) released_.push_back(state.v[static_cast<std::size_t>(i)]);
   if (run_.data.empty()) {
@@ -206,7 +219,8 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
   options.accuracy = accuracy;
   options.independent = independent_;
   options.sensitivities = sensitivities;
-  options.most_steps = 200'000;
+  // Steps that the readings could follow; a fit may start from a stiffness that would need a billion.
+  options.most_steps = 20'000 + 20 * static_cast<int>(times_.size());
   if (sensitivities) options.influences = built.influences;
   return simulate(*built.model, begin(built, nuisances), options);
 }

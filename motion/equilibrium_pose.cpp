@@ -7,6 +7,7 @@
 
 #include "solvers/newton.hpp"
 #include "statics/equilibrium_problem.hpp"
+#include "statics/mobility.hpp"
 
 namespace poise {
 namespace {
@@ -50,9 +51,9 @@ std::vector<double> motion_coordinates(const MotionModel& motion, const StaticMo
   const double gap = largest_gap(motion, x);
   if (gap > open_beyond) {
     throw InputError(
-        fmt::format("{}: mechanism: its loops remain open by {:.3g} of its size in motion; expected a pose "
+        fmt::format("{}its loops remain open by {:.3g} of its size in motion; expected a pose "
                     "that closes them; try another [start]",
-                    motion.scene().file, gap));
+                    where(motion), gap));
   }
   return x;
 }

@@ -237,6 +237,7 @@ void expect_closed(const ScaledModel& model, const Mobility& mobility) {
 }
 
 std::string where(const ScaledModel& model, int line) {
+  if (line == 0 && model.scene().bodies.size() > 1) line = model.scene().bodies[1].line;
   return model.scene().file + (line > 0 ? fmt::format(":{}", line) : "") + ": mechanism: ";
 }
 

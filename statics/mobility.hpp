@@ -37,7 +37,7 @@ Mobility analyse_mobility(const ScaledModel& model);
 /// Throws AssemblyError if the loops are not closed, InputError if no pose can close them.
 void expect_closed(const ScaledModel& model, const Mobility& mobility);
 
-/// "file:line: mechanism: ", the beginning of messages about a whole mechanism; without the line if it is 0.
+/// "file:line: mechanism: ", the beginning of messages about a whole mechanism; line 0: that of its first body.
 std::string where(const ScaledModel& model, int line = 0);
 
 /// Closes the loops from the scene's start: closed scaled coordinates. Throws as expect_closed() if that fails, naming
