@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,9 +21,9 @@
 #include "app/present/numbers.hpp"
 #include "app/terminal/poise_folder.hpp"
 #include "model/nearest_name.hpp"
+#include "model/one_line.hpp"
 #include "statics/mobility.hpp"
 
-#include "model/one_line.hpp"
 namespace poise::app {
 namespace {
 
@@ -51,18 +52,30 @@ std::vector<Entry> all_commands() {
   };
 }
 
-/// Adds an option to CLI11.
+/// Adds an option to CLI11, which only splits the command line into words: they are read here, by the rules and with
+/// the messages of all other input.
 struct Declaration {
   CLI::App& app;
   const Option& option;
 
   void operator()(bool* flag) const { app.add_flag(option.name, *flag, option.help); }
-  void operator()(std::vector<std::string>* list) const { add(*list).allow_extra_args(!option.name.starts_with('-')); }
-  void operator()(auto* value) const { add(*value); }
+  void operator()(std::vector<std::string>* list) const {
+    add<std::vector<std::string>>([name = option.name, list](const std::vector<std::string>& words) {
+      for (const std::string& word : words) read_word(name, word, list->emplace_back());
+    }).allow_extra_args(!option.name.starts_with('-'));
+  }
+  template <class Value>
+  void operator()(std::optional<Value>* value) const {
+    add<std::string>([name = option.name, value](const std::string& word) { read_word(name, word, value->emplace()); });
+  }
+  void operator()(auto* value) const {
+    add<std::string>([name = option.name, value](const std::string& word) { read_word(name, word, *value); });
+  }
 
  private:
-  CLI::Option& add(auto& value) const {
-    return *app.add_option(option.name, value, option.help)
+  template <class Words>
+  CLI::Option& add(const std::function<void(const Words&)>& read) const {
+    return *app.add_option_function<Words>(option.name, read, option.help)
                 ->type_name(option.value)
                 ->required(option.presence == Presence::required);
   }
@@ -148,6 +161,11 @@ int parse_and_run(int argc, const char* const* argv) {
     return app.exit(asked);
   } catch (const CLI::ExtrasError&) {
     throw InputError(unexpected(*app.get_subcommands().front(), argc, argv));
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string_view what = error.what();
+    const bool missing = what.find("missing") != std::string_view::npos;
+    throw InputError(fmt::format("poise: {}: expected {}; see poise {} --help", what.substr(0, what.find(':')),
+                                 missing ? "a word behind it, found none" : "once, found several times", argv[1]));
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("poise: {}; see poise {} --help", first_line(error.what()), argv[1]));
   }

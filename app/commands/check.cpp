@@ -1,6 +1,8 @@
 #include "app/results/statics/check.hpp"
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
@@ -18,15 +20,22 @@ int run_check(const Request& request, const Palette& palette) {
   progress.now("analysing its mobility");
   const Mobility mobility = analyse_mobility(model);
   const Result result = check_result(model, mobility, request.settings);
+  // The error of solve where the scene cannot be assembled: then the report shows why, and no file is written. A scene
+  // without loads can be checked.
+  std::optional<InputError> error;
+  try {
+    if (model.mechanism().coordinates() > 0) assemble(model);
+  } catch (const InputError& found) {
+    error = found;
+  }
   std::string svg;
   if (files.wants_svg()) {
     svg = draw_mechanism(
         model.scene(),
         {.poses = model.poses(mobility.x), .heading = result.verdict.text, .confirmed = mobility.assembled});
   }
-  const int code = finish(request, result, &files, svg, true, progress, palette);
-  // Throws the same error as solve where the scene cannot be assembled; a scene without loads can be checked.
-  if (model.mechanism().coordinates() > 0) assemble(model);
+  const int code = finish(request, result, error ? nullptr : &files, svg, true, progress, palette);
+  if (error) throw InputError(*error);
   return code;
 }
 

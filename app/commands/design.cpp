@@ -21,7 +21,7 @@ struct DesignRequest {
 };
 
 int run_design(const DesignRequest& request, const Palette& palette) {
-  expect_number("--starts", request.starts, request.starts > 0, "a number > 0");
+  expect_between("--starts", request.starts, 1, 1'000'000);
   Progress progress;
   progress.now("reading the design");
   const DesignProblem problem = read_design(request.common.scene);

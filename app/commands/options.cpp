@@ -1,11 +1,14 @@
 #include "app/commands/options.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -15,6 +18,7 @@
 #include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/quantity.hpp"
+#include "model/value_range.hpp"
 
 namespace poise::app {
 namespace {
@@ -31,6 +35,21 @@ std::vector<std::string> comma_separated(const std::string& text) {
   std::vector<std::string> words;
   for (std::string word; std::getline(list, word, ',');) words.push_back(word);
   return words;
+}
+
+template <class Whole>
+void read_whole_number(const std::string& option, const std::string& word, Whole& value) {
+  const char* const end = word.data() + word.size();
+  const auto [stopped, error] = std::from_chars(word.data(), end, value);
+  if (error == std::errc() && stopped == end) return;
+  // Written with a point or exponent; a double represents every whole number up to 2^53.
+  const double most = std::min(9007199254740992.0, static_cast<double>(std::numeric_limits<Whole>::max()));
+  const double number = read_number(word).value_or(-1.0);
+  if (!(number >= 0.0 && number <= most && number == std::floor(number))) {
+    throw InputError(fmt::format("{}: expected a whole number from 0 to {}, found \"{}\"", option,
+                                 std::numeric_limits<Whole>::max(), word));
+  }
+  value = static_cast<Whole>(number);
 }
 
 constexpr double tightest = 1e-20, loosest = 1.0;
@@ -97,9 +116,33 @@ Seek read_seek(const std::string& word) {
   return chosen("--seek", word, {"nearest", "stable"}) == 0 ? Seek::nearest : Seek::stable;
 }
 
+void read_word(const std::string& option, const std::string& word, double& value) {
+  const std::optional<double> number = read_number(word);
+  if (!number) throw InputError(fmt::format("{}: expected a number, found \"{}\"", option, word));
+  value = *number;
+}
+
+void read_word(const std::string& option, const std::string& word, int& value) {
+  read_whole_number(option, word, value);
+}
+
+void read_word(const std::string& option, const std::string& word, std::uint64_t& value) {
+  read_whole_number(option, word, value);
+}
+
+void read_word(const std::string& option, const std::string& word, std::string& value) {
+  if (word.empty()) {
+    throw InputError(option + ": expected a word that is not empty" +
+                     (option.starts_with('-') ? "; leave the option out" : ""));
+  }
+  value = word;
+}
+
 void expect_number(const std::string& option, double value, bool fits, const std::string& expected) {
-  if (fits && std::isfinite(value)) return;
-  throw InputError(fmt::format("{}: expected {}, found {}", option, expected, value));
+  if (fits && contains(Range::finite, value)) return;
+  const bool too_large = fits && std::isfinite(value);
+  throw InputError(
+      fmt::format("{}: expected {}{}, found {}", option, expected, too_large ? ", within 1e50" : "", value));
 }
 
 void expect_between(const std::string& option, int value, int least, int most) {
@@ -196,7 +239,7 @@ Experiment load_experiment(const ExperimentRequest& request) {
       read_experiment(request.common.scene, {.data = request.data, .settings = request.common.settings});
   if (experiment.unknowns.empty()) {
     throw InputError(experiment.file +
-                     ": it has no unknowns; expected at least one [[unknown]] with a path, say \"body.arm.mass\"");
+                     ":1: unknown: expected at least one [[unknown]]; add one with path = \"body.arm.mass\", say");
   }
   return experiment;
 }

@@ -3,6 +3,7 @@
 // What was asked for on the command line, and the options that several commands share.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,7 +50,14 @@ void add_seek_option(Command& command, std::string& seek);
 /// nearest or stable. Throws InputError.
 Seek read_seek(const std::string& word);
 
-/// Throws InputError "OPTION: expected EXPECTED, found VALUE" unless the value is finite and `fits`.
+/// Reads the word given to an option. Throws InputError "OPTION: expected ..., found WORD" unless it is a number, or a
+/// whole number that the type can represent ("1e3" is one), or a text that is not empty.
+void read_word(const std::string& option, const std::string& word, double& value);
+void read_word(const std::string& option, const std::string& word, int& value);
+void read_word(const std::string& option, const std::string& word, std::uint64_t& value);
+void read_word(const std::string& option, const std::string& word, std::string& value);
+
+/// Throws InputError "OPTION: expected EXPECTED, found VALUE" unless `fits` and the value is within 1e50.
 void expect_number(const std::string& option, double value, bool fits, const std::string& expected);
 void expect_between(const std::string& option, int value, int least, int most);
 

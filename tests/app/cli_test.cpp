@@ -224,8 +224,10 @@ TEST(CommandLine, CheckReportsMobilityRedundancyAndWhatTheModelDrops) {
 TEST(CommandLine, SceneThatCannotBeAssembledNamesTheLoopAndItsGap) {
   const TempFolder folder;
   const std::string scene = folder.write("open.toml", open_loop);
-  const Outcome check = run_poise({"check", scene});
+  const Outcome check =
+      run_poise({"check", scene, "--json", folder.path("a.json").string(), "--svg", folder.path("a.svg").string()});
   EXPECT_EQ(check.exit_code, 2);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"open.toml"});
   EXPECT_TRUE(contains(check.out, "remains open by 3 m")) << check.out;
   EXPECT_TRUE(contains(check.err, "remains open by 3 m")) << check.err;
   EXPECT_EQ(std::count(check.err.begin(), check.err.end(), '\n'), 1);
@@ -340,7 +342,41 @@ INSTANTIATE_TEST_SUITE_P(
         BadWords{"NoSuchFile", {"solve", "no/such/scene.toml"}, "no/such/scene.toml"},
         BadWords{"NotToml", {"compare", "BROKEN"}, "broken.toml:3"},
         BadWords{"UnknownName", {"solve", "MISSPELT"}, "misspelt.toml:18"},
-        BadWords{"NothingMoves", {"solve", "RIGID"}, "nothing can move"},
+        BadWords{"NothingMoves", {"solve", "RIGID"}, "rigid.toml:4: mechanism: nothing can move under load"},
+        BadWords{"EmptyFile", {"solve", "SCENE", "--json", ""}, "--json: expected a word that is not empty; leave"},
+        BadWords{"EmptyFileBehindEquals", {"motion", "SCENE", "--duration", "1", "--csv="}, "--csv"},
+        BadWords{"OptionTwice",
+                 {"solve", "SCENE", "--seek", "stable", "--seek", "nearest"},
+                 "poise: --seek: expected once, found several times; see poise solve --help"},
+        BadWords{"NothingBehindAnOption",
+                 {"check", "SCENE", "--svg"},
+                 "poise: --svg: expected a word behind it, found none; see poise check --help"},
+        BadWords{"EmptyScene", {"check", ""}, "SCENE: expected a word that is not empty"},
+        BadWords{"EmptySetting", {"solve", "SCENE", "--set", ""}, "--set: expected a word that is not empty"},
+        BadWords{"NegativeSeed",
+                 {"motion", "SCENE", "--duration", "1", "--seed", "-1"},
+                 "--seed: expected a whole number from 0 to 18446744073709551615, found \"-1\""},
+        BadWords{"LargeSeed",
+                 {"motion", "SCENE", "--duration", "1", "--seed", "99999999999999999999"},
+                 "--seed: expected a whole number from 0 to 18446744073709551615, found \"99999999999999999999\""},
+        BadWords{"ManySteps",
+                 {"kinematics", "SCENE", "--drive", "rod=0..1", "--steps", "1e9"},
+                 "--steps: expected a number from 1 to 1000000, found 1000000000"},
+        BadWords{"HalfAStep",
+                 {"kinematics", "SCENE", "--drive", "rod=0..1", "--steps", "2.5"},
+                 "--steps: expected a whole number from 0 to 2147483647, found \"2.5\""},
+        BadWords{"RateOfWords",
+                 {"motion", "SCENE", "--duration", "1", "--rate", "fast"},
+                 "--rate: expected a number, found \"fast\""},
+        BadWords{"LongRate",
+                 {"motion", "SCENE", "--duration", "1", "--release", "rod=1e200"},
+                 "--release rod=1e200: expected a finite number, within 1e50, found 1e+200"},
+        BadWords{"SetTooLarge",
+                 {"solve", "SCENE", "--set", "load.P=1e200"},
+                 "--set load.P: expected a finite number >= 0 of at most 1e50 in SI units, found 1e+200"},
+        BadWords{"SceneAsExperiment",
+                 {"identify", "SCENE"},
+                 "scene.toml:5: body: expected an experiment, found a scene; give a file that names it"},
         BadWords{"CheckOfNothing", {"check"}, "SCENE is required"}),
     [](const auto& one) { return std::string(one.param.name); });
 

@@ -120,11 +120,21 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
   const std::string measured =
       folder.write("measured.toml", std::string(wheel_unknowns) + "[[run]]\ndata = \"d.csv\"\n");
   folder.write("d.csv", "time,turn\n0,1\n0.1,2\n0.2,3\n0.3,2\n");
+  const std::string of_lift = "scene = \"" + dataset("lift") +
+                              "\"\n[[sensor]]\nname = \"angle\"\nangle = \"obd\"\nnoise = 1e-4\n[[unknown]]\n"
+                              "path = \"spring.oil.stiffness\"\n[[run]]\nname = \"low\"\nduration = 1\nrate = 100\n"
+                              "seed = 1\nlabels = {}\n\n";
+  const std::string impossible = folder.write("impossible.toml", of_lift + "release = { obd = 5 }\n");
+  const std::string no_rest =
+      folder.write("no_rest.toml", of_lift + "rest = { angle = \"obd\", at = 5, by = \"spring.oil.free_length\" }\n");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"identify"}, "EXPERIMENT is required"},
       {{"identify", good, "b.toml"}, "expected one experiment"},
       {{"identify", folder.path("none.toml").string()}, "none.toml"},
-      {{"identify", scene}, "wheel.toml:5: body: expected one of the keys"},
+      {{"identify", scene}, "wheel.toml:5: body: expected an experiment, found a scene; give a file that names it"},
+      {{"solve", good}, "experiment.toml:2: scene: expected a scene, found a file that names one: an experiment"},
+      {{"identify", impossible}, "impossible.toml:15: release: " + dataset("lift") + ":"},
+      {{"identify", no_rest}, "no_rest.toml:15: rest.at: " + dataset("lift") + ":"},
       {{"identify", lost}, "did you mean"},
       {{"identify", nothing}, "expected at least one [[unknown]]"},
       {{"identifiability", nothing}, "expected at least one [[unknown]]"},
@@ -136,6 +146,10 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
       {{"identify", good, "--data", folder.path("d.csv").string()}, "--data"},
       {{"montecarlo", measured}, "expected simulated runs only"},
       {{"montecarlo", good, "--trials", "0"}, "--trials: expected"},
+      {{"montecarlo", good, "--trials", "1e9"}, "--trials: expected a number from 1 to 1000000, found 1000000000"},
+      {{"montecarlo", good, "--seed", "-1"}, "--seed: expected a whole number from 0 to 18446744073709551615"},
+      {{"montecarlo", good, "--start-error", "x"}, "--start-error: expected a number, found \"x\""},
+      {{"identify", good, "--data", ""}, "--data: expected a word that is not empty; leave the option out"},
       {{"montecarlo", good, "--start-error", "1"}, "--start-error: expected"},
       {{"montecarlo", good, "--jobs", "-1"}, "--jobs: expected"}};
   const std::vector<std::string> before = folder.names();
