@@ -151,7 +151,7 @@ double number_in(const CsvRows& rows, std::string_view cell, const std::string& 
   double value = 0.0;
   const auto [stopped, error] = std::from_chars(begin, end, value);
   const bool is_read = error == std::errc() && stopped == end;
-  if (is_read && contains(Range::finite, value)) return value;
+  if (is_read && std::abs(value) <= largest_value) return value;
   const bool is_number = stopped == end && error != std::errc::invalid_argument;
   const bool decimal_comma = cell.find(',') != std::string_view::npos;
   rows.place(column).fail((is_read && std::isfinite(value) ? "expected a number of at most 1e50, found "

@@ -108,6 +108,11 @@ void fail_taken(const TomlPlace& place, const std::string& name, int line) {
 
 void check_name(const std::string& name, const TomlPlace& place) {
   if (name.empty()) place.fail("expected a name that is not empty");
+  constexpr std::size_t longest = 1000;
+  if (name.size() > longest) {
+    place.fail("expected a name of at most " + std::to_string(longest) + " bytes, found " +
+               std::to_string(name.size()));
+  }
   if (one_line(name) != name) {
     place.fail("expected a name without control characters");
   }

@@ -41,9 +41,10 @@ std::string small_number(double value) {
 }
 
 std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale) {
+  const bool has_order = scale > 0.0 && std::isfinite(scale);
   const bool plain = scale == 0.0 || (scale >= smallest_plain && scale < largest_plain);
-  const int order = scale == 0.0 ? 0 : static_cast<int>(std::floor(std::log10(scale)));
-  const int decimals = scale == 0.0 || !plain ? 0 : std::max(0, digits - 1 - order);
+  const int order = has_order ? static_cast<int>(std::floor(std::log10(scale))) : 0;
+  const int decimals = !has_order || !plain ? 0 : std::max(0, digits - 1 - order);
   const double nothing = 0.5 * std::pow(10.0, order + 1 - digits);
   std::vector<std::string> texts;
   texts.reserve(values.size());

@@ -754,6 +754,11 @@ INSTANTIATE_TEST_SUITE_P(
                  "7: force 1.vector: expected a finite number of at most 1e50 in SI units, found 1e+306"},
         BadScene{"TooLarge", "[body.a]\npoints.P = [0, -1.01e50]\n",
                  "2: body.a.points.P: expected a finite number of at most 1e50 in SI units, found -1.01e+50"},
+        BadScene{"LongName", "[body.a]\npoints." + std::string(1001, 'P') + " = [0, 0]\n",
+                 "2: body.a.points." + std::string(576, 'P') + " ... " + std::string(339, 'P') +
+                     ": expected a name of at most 1000 bytes, found 1001"},
+        BadScene{"TooSmall", "[body.a]\npoints.P = [0, -1e-320]\n",
+                 "2: body.a.points.P: expected a finite number of at least 1e-50 in SI units, or 0, found -1e-320"},
         BadScene{"TooLargeMass", "[body.a]\nmass = 1e200\n",
                  "2: body.a.mass: expected a finite number >= 0 of at most 1e50 in SI units, found 1e+200"}),
     name_of_case);
