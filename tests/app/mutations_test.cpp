@@ -1,0 +1,333 @@
+// Thousands of damaged files and command lines: each is either read, or answered in one line.
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "app/command_line.hpp"
+#include "model/one_line.hpp"
+#include "tests/app/mutate.hpp"
+#include "tests/app/run_poise.hpp"
+#include "tests/app/scenes.hpp"
+#include "tests/app/wheel_experiment.hpp"
+
+namespace poise::app_tests {
+namespace {
+namespace fs = std::filesystem;
+
+using Words = std::vector<std::string>;
+
+struct File {
+  std::string name, text;
+};
+
+/// A command that succeeds, and the files that it reads.
+struct Command {
+  Words words;
+  std::vector<File> files;
+};
+
+/// How many cases, and the first of them: a number is the whole description of a case.
+int from_environment(const char* name, int otherwise) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? otherwise : std::atoi(value);
+}
+
+File dataset_file(const std::string& name) {
+  return {fs::path(name).filename().string() + ".toml", contents(dataset(name))};
+}
+
+/// Every scene of a folder of datasets that is small enough to be computed in a moment, under every command.
+void add_scenes(const std::string& folder, std::vector<Command>& out) {
+  constexpr std::size_t largest = 6000;
+  std::vector<fs::path> paths;
+  for (const auto& entry : fs::directory_iterator(fs::path(POISE_SOURCE_DIR) / folder)) {
+    if (entry.path().extension() == ".toml") paths.push_back(entry.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  for (const fs::path& path : paths) {
+    const File scene{path.filename().string(), contents(path)};
+    const bool is_scene = scene.text.find("[ground]") != std::string::npos;
+    if (!is_scene || scene.text.size() > largest) continue;
+    for (const Words& words :
+         {Words{"check"}, Words{"solve", "--svg", "o.svg"}, Words{"compare", "--json", "o.json", "--markdown", "o.md"},
+          Words{"modes", "--json", "o.json"}, Words{"motion", "--duration", "0.02", "--csv", "o.csv"},
+          Words{"forces", "--verbose", "--svg", "o.svg"}}) {
+      out.push_back({words, {scene}});
+      out.back().words.insert(out.back().words.begin() + 1, scene.name);
+    }
+  }
+}
+
+const char* const measured_run = R"([[run]]
+name = "measured"
+data = "turn.csv"
+time = "time"
+split = "part"
+segments = ["a", "b"]
+every = 1
+labels = { day = "first" }
+)";
+
+std::string readings() {
+  std::string text = "part,time,turn,\"a \"\"note\"\"\"\n";
+  for (const char part : {'a', 'b'}) {
+    for (int i = 0; i < 12; ++i) text += fmt::format("{},{:.2f},{:.4f},x\n", part, 0.05 * i, 20 * std::cos(0.2 * i));
+  }
+  return text;
+}
+
+std::vector<Command> all_commands() {
+  std::vector<Command> out;
+  const File wheel_scene{"wheel.toml", wheel}, csv{"turn.csv", readings()};
+  const File simulated{"simulated.toml", std::string(wheel_unknowns) +
+                                             "[[run]]\nname = \"only\"\nset = { \"body.wheel.inertia\" = 3 }\n"
+                                             "release = { wheel = 20 }\nrelease_rate = { wheel = 1 }\nduration = 1\n"
+                                             "rate = 20\nseed = 3\n"};
+  const File measured{"measured.toml", std::string(wheel_unknowns) + measured_run};
+  for (int weight = 0; weight < 10; ++weight) {
+    out.push_back({{"identify", "measured.toml", "--json", "o.json", "--csv", "o.csv"}, {measured, wheel_scene, csv}});
+    out.push_back({{"identify", "measured.toml", "--data", "turn.csv"}, {csv, measured, wheel_scene}});
+    out.push_back({{"identifiability", "measured.toml", "--base"}, {measured, wheel_scene, csv}});
+    out.push_back({{"forces", "wheel.toml", "--motion", "motion.csv"},
+                   {{"motion.csv", "time,wheel,wheel.rate\n0,0,1\n0.1,5.7,1\n0.2,11,1\n0.3,17,1\n"}, wheel_scene}});
+    out.push_back({{"identify", "simulated.toml", "--start", "given"}, {simulated, wheel_scene}});
+    out.push_back(
+        {{"montecarlo", "simulated.toml", "--trials", "2", "--jobs", "1", "--seed", "1"}, {simulated, wheel_scene}});
+    out.push_back({{"design", "lift_design.toml", "--starts", "1", "--scene", "found.toml"},
+                   {dataset_file("lift_design"), dataset_file("lift")}});
+    out.push_back({{"stress", "balanced-arm", "--catalogue", ".", "--starts", "1", "--seconds", "0.01", "--methods",
+                    "virtual-work,energy"},
+                   {{"catalogue.toml", "files = [\"neutral.cases.toml\"]\n"},
+                    {"neutral.cases.toml",
+                     "kind = \"Neutral\"\n[[case]]\nname = \"balanced-arm\"\ntitle = \"arm\"\nsource = \"ours\"\n"
+                     "scene = \"balanced_arm.toml\"\nseek = \"nearest\"\neverywhere = true\n"},
+                    dataset_file("hard/balanced_arm")}});
+    out.push_back({{"kinematics", "lift.toml", "--drive", "stroke=0.5..0.52", "--steps", "2", "--point", "platform.Q",
+                    "--csv", "o.csv"},
+                   {dataset_file("lift")}});
+    out.push_back({{"motion",     "pendulum.toml",  "--duration", "0.1",     "--rate", "100",    "--release",
+                    "rod=0.1",    "--release-rate", "rod=1",      "--noise", "0.1",    "--seed", "3",
+                    "--accuracy", "1e-6",           "--csv",      "o.csv",   "--json", "o.json"},
+                   {{"pendulum.toml", pendulum}}});
+    out.push_back({{"compare", "pendulum.toml", "--tolerances", "1e-2..1e-4", "--repeat", "1", "--methods",
+                    "virtual-work,energy"},
+                   {{"pendulum.toml", pendulum}}});
+    for (const char* const setting :
+         {"load.P=2", "body.rod.mass=1", "point.rod.tip.x=2", "start.rod=-1", "gravity.y=-9"}) {
+      out.push_back({{"solve", "pendulum.toml", "--set", setting}, {{"pendulum.toml", pendulum}}});
+    }
+  }
+  const std::string odd_name = "o\xFF\x1b[31m \xC2\xB5.toml";
+  for (const Words& words :
+       {Words{"solve", odd_name, "--json", "o.json"}, Words{"check", odd_name, "--svg", "o.svg"}}) {
+    out.push_back({words, {{odd_name, pendulum}}});
+  }
+  add_scenes("datasets", out);
+  add_scenes("datasets/hard", out);
+  return out;
+}
+
+/// A command of which a file or a word has been damaged.
+struct Case {
+  std::string how;
+  Words words;
+  std::vector<File> files;
+  std::vector<std::string> folders;  ///< in place of files
+
+  Case(const std::vector<Command>& commands, unsigned number) {
+    Random random(number);
+    const Command& command = random.of(commands);
+    words = command.words;
+    files = command.files;
+    if (random.below(5) == 0) {
+      damage_words(random);
+    } else {
+      damage_files(random);
+    }
+  }
+
+  std::string command_line() const {
+    return "poise " + one_line(fmt::format("{}", fmt::join(words, " "))).substr(0, 300);
+  }
+
+ private:
+  void damage_words(Random& random) {
+    const std::size_t at = random.below(words.size());
+    switch (random.below(5)) {
+      case 0:
+        how = "word left out";
+        words.erase(words.begin() + static_cast<std::ptrdiff_t>(at));
+        break;
+      case 1:
+        how = "word twice";
+        words.insert(words.begin() + static_cast<std::ptrdiff_t>(at), words[at]);
+        break;
+      case 2: {
+        how = "empty option";
+        const Words options = {"--json", "--svg",     "--csv",  "--markdown", "--set",   "--data",    "--motion",
+                               "--from", "--methods", "--seek", "--scene",    "--drive", "--release", "--tolerances"};
+        const std::string& option = random.of(options);
+        if (random.below(2) == 0) {
+          words.push_back(option + "=");
+        } else {
+          words.insert(words.end(), {option, ""});
+        }
+        break;
+      }
+      default:
+        how = "word " + std::to_string(at);
+        words[at] = mutated_word(words[at], random);
+    }
+  }
+
+  void damage_files(Random& random) {
+    // The first file half of the time: the others are tried as first files of other commands.
+    const std::size_t at = random.below(2) == 0 ? 0 : random.below(files.size());
+    how = files[at].name + ": ";
+    if (random.below(50) == 0) {
+      how += "a folder";
+      folders.push_back(files[at].name);
+      files.erase(files.begin() + static_cast<std::ptrdiff_t>(at));
+    } else if (random.below(50) == 0) {
+      how += "missing";
+      files.erase(files.begin() + static_cast<std::ptrdiff_t>(at));
+    } else if (random.below(50) == 0) {
+      how += "another file";
+      files[at].text = random.of(files).text;
+    } else {
+      std::string damage;
+      files[at].text = mutated(files[at].text, random, damage);
+      how += damage;
+    }
+  }
+};
+
+/// Runs poise in the folder, in a process of its own that a crash or an endless loop ends alone. Exit code -1: killed.
+Outcome run_in(const TempFolder& folder, const TempFolder& output, const Words& words, unsigned seconds) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    for (const auto& [name, stream] : {std::pair("out", STDOUT_FILENO), std::pair("err", STDERR_FILENO)}) {
+      ::dup2(::open(output.path(name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), stream);
+    }
+    ::alarm(seconds);
+    fs::current_path(folder.path(""));
+    std::vector<const char*> argv = {"poise"};
+    for (const std::string& word : words) argv.push_back(word.c_str());
+    const int code = app::run(static_cast<int>(argv.size()), argv.data());
+    std::fflush(nullptr);
+    ::_exit(code);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), contents(output.path("out")),
+          contents(output.path("err"))};
+}
+
+/// Lines without control characters, in valid UTF-8.
+bool is_plain(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text == one_line(text);
+}
+
+/// Whether a text shows a number that is none: "nan", "-inf" as words of their own.
+bool shows_no_number(std::string text) {
+  text.resize(std::min(text.size(), text.find("\nwrote ")));  // names of files
+  const auto is_letter = [&](std::size_t i) {
+    return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) != 0 || text[i] == '_');
+  };
+  for (const std::string word : {"nan", "inf"}) {
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+      if (!is_letter(at - 1) && !is_letter(at + 3)) return true;
+    }
+  }
+  return false;
+}
+
+std::string objection_to_bad_input(const Case& damaged, const Outcome& run, const Words& before, const Words& after) {
+  // check shows in its report why a scene cannot be assembled.
+  if (!run.out.empty() && damaged.words.front() != "check") return "prints a report beside the error";
+  if (run.err.empty() || run.err.back() != '\n') return "no line";
+  const std::string line = run.err.substr(0, run.err.size() - 1);
+  if (line != one_line(line)) return "more than a line of plain text";
+  if (line.size() > 1000) return "too long";
+  if (before != after) return "files were written";
+  const auto names = [&](const std::string& place) { return line.find(one_line(place)) != std::string::npos; };
+  const bool file =
+      std::any_of(damaged.files.begin(), damaged.files.end(), [&](const File& f) { return names(f.name); });
+  const bool folder = std::any_of(damaged.folders.begin(), damaged.folders.end(), names);
+  const bool word = names("--") || line.starts_with("poise: ");
+  const bool missing = names("cannot be read") || names("there is no");
+  const bool known_case = line.starts_with("CASE: ");
+  if (!file && !folder && !word && !missing && !known_case) return "no place";
+  if (!names("expected") && !names("; ") && !names("TOML syntax")) return "nothing is expected";
+  return "";
+}
+
+/// What is wrong with how poise has answered; empty where nothing is.
+std::string objection(const Case& damaged, const Outcome& run, const TempFolder& folder, const Words& before) {
+  const Words after = folder.names();
+  if (run.exit_code == -SIGALRM) return "does not end";
+  if (run.exit_code < 0) return fmt::format("ends by signal {}", -run.exit_code);
+  if (run.exit_code > 2) return fmt::format("exit code {}", run.exit_code);
+  if (run.exit_code == 2) return objection_to_bad_input(damaged, run, before, after);
+  if (!run.err.empty()) return "a result and an error";
+  if (run.out.empty() || !is_plain(run.out)) return "no plain text";
+  if (shows_no_number(run.out)) return "a report with nan or inf";
+  for (const std::string& name : after) {
+    if (std::find(before.begin(), before.end(), name) != before.end()) continue;
+    const std::string text = contents(folder.path(name));
+    if (name.ends_with(".json") && !nlohmann::json::accept(text)) return "no JSON";
+    if (name.ends_with(".svg") && !objection_to_xml(text).empty()) return "SVG: " + objection_to_xml(text);
+    if (shows_no_number(text)) return name + " with nan or inf";
+  }
+  return "";
+}
+
+// POISE_MUTATIONS=6000 tries that many, POISE_FIRST_MUTATION=N begins with another case, POISE_SHOW_MUTATIONS=1 prints
+// what is answered; docs/architecture.md.
+TEST(Mutations, AreReadOrAnsweredInOneLine) {
+  const int count = from_environment("POISE_MUTATIONS", 200), first = from_environment("POISE_FIRST_MUTATION", 0);
+  const bool shown = from_environment("POISE_SHOW_MUTATIONS", 0) != 0;
+  const auto seconds = static_cast<unsigned>(from_environment("POISE_MUTATION_SECONDS", 120));
+  const std::vector<Command> commands = all_commands();
+  std::array<int, 3> answers{};
+  for (int number = first; number < first + count; ++number) {
+    const Case damaged(commands, static_cast<unsigned>(number));
+    const TempFolder folder, output;
+    for (const File& file : damaged.files) folder.write(file.name, file.text);
+    for (const std::string& name : damaged.folders) fs::create_directory(folder.path(name));
+    const Words before = folder.names();
+    const Outcome run = run_in(folder, output, damaged.words, seconds);
+    if (run.exit_code >= 0 && run.exit_code <= 2) ++answers[static_cast<std::size_t>(run.exit_code)];
+    if (shown)
+      fmt::print("{} {}\n  {} {}", number, damaged.command_line(), run.exit_code,
+                 run.err + run.out.substr(0, run.out.find('\n') + 1));
+    const std::string wrong = objection(damaged, run, folder, before);
+    EXPECT_EQ(wrong, "") << "POISE_FIRST_MUTATION=" << number << ", " << one_line(damaged.how) << "\n"
+                         << damaged.command_line() << "\n"
+                         << run.exit_code << ": " << run.err.substr(0, 3000) << run.out.substr(0, 1500);
+  }
+  fmt::print("exit codes 0, 1, 2: {}\n", fmt::join(answers, ", "));
+  // Neither is everything damaged beyond reading, nor is the damage overlooked.
+  if (count < 100) return;
+  EXPECT_GT(answers[0], count / 10);
+  EXPECT_GT(answers[1], 0);
+  EXPECT_GT(answers[2], count / 4);
+}
+
+}  // namespace
+}  // namespace poise::app_tests
