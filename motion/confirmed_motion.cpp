@@ -12,6 +12,7 @@ ConfirmedMotion simulate_and_confirm(const MotionModel& model, const MotionState
   options.progress = std::move(checking);
   const Motion stricter = simulate(model, start, options);
   if (stricter.completed()) out.error = difference(out.motion, stricter);
+  out.why_unknown = stricter.why;
   return out;
 }
 

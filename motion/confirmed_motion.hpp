@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "motion/simulate.hpp"
 
@@ -11,6 +12,7 @@ struct ConfirmedMotion {
   Motion motion;
   /// Estimate of its error: difference() to a motion ten times as accurate. None where one of the two did not complete.
   std::optional<double> error;
+  std::string why_unknown{};  ///< where the motion completed without an estimate: why the other did not
 
   /// The largest error, and the largest energy error, at which the motion still shows where the mechanism goes.
   static constexpr double useful = 1e-2;

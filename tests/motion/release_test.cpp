@@ -89,6 +89,11 @@ TEST(ConfirmedMotion, EstimatesItsErrorByAStricterRun) {
   for (std::size_t k = 0; k < read.time.size(); ++k) {
     EXPECT_NEAR(read.value[0][k] - value(*origin.q, rail), 0.02 * std::cos(omega * read.time[k]), 1e-9);
   }
+  options.most_steps = found.motion.steps + found.motion.rejected + 1;
+  const ConfirmedMotion unchecked = simulate_and_confirm(model, start, options);
+  EXPECT_TRUE(unchecked.motion.completed());
+  EXPECT_FALSE(unchecked.error);
+  EXPECT_NE(unchecked.why_unknown.find(" steps reached only t = "), std::string::npos) << unchecked.why_unknown;
   options.most_steps = 3;
   EXPECT_FALSE(simulate_and_confirm(model, start, options).error) << "it did not complete";
 }

@@ -25,7 +25,7 @@ Line verdict(const MotionAnswer& answer) {
                            significant(answer.duration, 6), motion.why));
   }
   const std::string moved = fmt::format("Simulated {} s", significant(answer.duration, 6));
-  if (!error) return bad(moved + "; interrupted before its error was known.");
+  if (!error) return bad(moved + "; its error is not known: " + answer.found.why_unknown + ".");
   if (motion.energy_error >= ConfirmedMotion::useful) {
     return bad(moved + ", not confirmed: the energy balance does not close.");
   }
