@@ -304,6 +304,23 @@ TEST(Picture, PoseWithoutExtentIsDrawn) {
   EXPECT_EQ(svg.find("starting position"), std::string::npos);
 }
 
+TEST(Picture, FarFromTheOriginItIsDrawnAsNearIt) {
+  const auto arrows_at = [](double x) {
+    Scene scene = parse_scene(app_tests::pendulum, "pendulum.toml");
+    scene.bodies[0].points[0].at.x = x;
+    const StaticModel model(scene);
+    const Equilibrium equilibrium = solve(model);
+    EXPECT_TRUE(equilibrium.found()) << equilibrium.why;
+    const std::string svg = draw_svg(model, equilibrium, {});
+    EXPECT_EQ(svg.find("nan"), std::string::npos) << x;
+    return shapes(group(svg, "reactions"), line);
+  };
+  const auto near = arrows_at(0.0), far = arrows_at(1e9);
+  ASSERT_EQ(near.size(), far.size());
+  for (std::size_t i = 0; i < near.size(); ++i) EXPECT_LT(norm(near[i][0] - far[i][0]), 0.1);
+  arrows_at(1e18);
+}
+
 TEST(Picture, ShadowShowsWhereItStarted) {
   const StaticModel model(parse_scene(app_tests::pendulum, "pendulum.toml"));
   const Equilibrium equilibrium = solve(model);
