@@ -89,10 +89,10 @@ void Stage::choose_scale(double width) {
   if (!lengths.empty()) {
     constexpr double room_for_names = 45.0;
     constexpr std::size_t few = 8;
-    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-    std::nth_element(lengths.begin(), middle, lengths.end());
-    bar_width = std::clamp(0.12 * *middle, 2.5, 9.0);
-    if (detail == Detail::full && lengths.size() > few && *middle < room_for_names) detail = Detail::reduced;
+    const auto median = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+    std::nth_element(lengths.begin(), median, lengths.end());
+    bar_width = std::clamp(0.12 * *median, 2.5, 9.0);
+    if (detail == Detail::full && lengths.size() > few && *median < room_for_names) detail = Detail::reduced;
   }
   pin_radius = std::clamp(0.55 * bar_width, 1.6, 4.5);
 }
