@@ -6,6 +6,8 @@
 #include <queue>
 #include <utility>
 
+#include "solvers/deadline.hpp"
+
 namespace poise::solvers {
 namespace {
 
@@ -190,6 +192,8 @@ bool BallFactors::eliminate_all() {
       queue.emplace(now, k);
       continue;
     }
+    // Reading the clock takes as long as few operations on balls.
+    if (now > 0 && Deadline::passed()) return false;
     if (!eliminate(k)) {
       waiting.push_back(k);
       continue;

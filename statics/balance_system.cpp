@@ -150,7 +150,8 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
   std::vector<double> y_reach(y.size());
   out.reach.assign(n, 0.0);
   double last = 0.0;
-  const double narrow = std::exp2(-static_cast<double>(Ball::bits()) / 2);  // width of an enclosure that is sharp enough
+  const double narrow =
+      std::exp2(-static_cast<double>(Ball::bits()) / 2);  // width of an enclosure that is sharp enough
   for (int step = 0; step < most_steps; ++step) {
     double largest_y = 1.0;
     for (const Ball& v : out.y) largest_y = std::max(largest_y, std::abs(v.middle()));

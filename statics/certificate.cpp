@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "solvers/deadline.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/nonnegative_least_squares.hpp"
 #include "statics/balance_system.hpp"
@@ -836,11 +837,6 @@ Certificate Certifier::run() const {
   if (!std::all_of(x_.begin(), x_.end(), [](double v) { return std::isfinite(v); })) {
     return deny(Outcome::not_proved, "a coordinate is not a finite number");
   }
-  if (m_.coordinates() + m_.constraints() > options_.unknowns) {
-    Certificate out = deny(Outcome::not_proved, fmt::format("more than {} unknowns", options_.unknowns));
-    out.too_large = true;
-    return out;
-  }
   Settled first = settle();
   std::vector<int> springs = undecided_springs(first.finding);
   if (!springs.empty() && first.finding.kind == Finding::Kind::regular) {
@@ -1099,7 +1095,14 @@ std::string to_string(Stability stability) {
 
 Certificate certify(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options) {
   const Ball::Precision precision(usual_bits);
-  return Certifier(model, x, options).run();
+  const solvers::Deadline deadline(options.seconds);
+  Certificate out = Certifier(model, x, options).run();
+  out.out_of_time = !out.confirmed() && solvers::Deadline::passed();
+  if (out.out_of_time) {
+    out.outcome = Outcome::not_proved;
+    out.statement = fmt::format("no proof within {:g} s", options.seconds);
+  }
+  return out;
 }
 
 }  // namespace poise

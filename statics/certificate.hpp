@@ -28,8 +28,7 @@ std::string to_string(Outcome outcome);
 struct CertificateOptions {
   /// Largest distance from an answer to the equilibrium that it is refined to, rad or mechanism sizes.
   double farthest = 1e-3;
-  /// Number of unknowns (coordinates, closures, active stops) beyond which nothing is attempted.
-  int unknowns = 100000;
+  double seconds = 10.0;  ///< time allowed, for large mechanisms
 };
 
 /// A proof about an answer, of the scene as written: its numbers are taken as the exact doubles that they became.
@@ -64,7 +63,7 @@ struct Certificate {
   bool locked = false;  ///< closures and stops leave no motion
   /// The closures lose rank and no finite joint forces balance the loads.
   bool singular = false;
-  bool too_large = false;  ///< more unknowns than CertificateOptions allows: nothing was attempted
+  bool out_of_time = false;  ///< CertificateOptions::seconds were not enough
 
   /// An equilibrium is known to exist, and what is said of it is proved.
   bool confirmed() const {
