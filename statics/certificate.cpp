@@ -152,6 +152,10 @@ Eigen::MatrixXd reduced_basis(const DensePoint<double>& point) {
   return solvers::null_space(point.jacobian, solvers::known_to::closed_point);
 }
 
+std::string in_words(double radius) {
+  return (radius == 0.0 ? "0" : fmt::format("{:.1e}", radius)) + " (rad, or length over size)";
+}
+
 // "a, b, c and 4 more".
 std::string first_of(const std::vector<std::string>& names) {
   constexpr std::size_t most = 6;
@@ -675,25 +679,23 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
       out.outcome = Outcome::proved;
       out.stability = f.unstable > 0 ? Stability::unstable : Stability::stable;
       if (m_.has_follower_loads() && f.freedoms > 1 && f.unstable == 0) out.stability = Stability::unknown;
-      out.statement = fmt::format("exactly one equilibrium within {:.1e} (rad, or length over size)", out.radius);
+      out.statement = "exactly one equilibrium within " + in_words(out.radius);
       break;
     case Finding::Kind::neutral:
       out.outcome = Outcome::neutral;
       out.stability = f.unstable > 0 ? Stability::unstable : Stability::neutral;
-      out.statement =
-          fmt::format("in equilibrium at any {}; across that exactly one within {:.1e} (rad, or length over size)",
-                      first_of(out.neutral_coordinates), out.radius);
+      out.statement = fmt::format("equilibrium at any value of {}; across these exactly one within {}",
+                                  first_of(out.neutral_coordinates), in_words(out.radius));
       break;
     default:
       out.outcome = Outcome::degenerate;
       out.stability = f.degenerate;
       out.statement =
-          f.singular
-              ? f.why + (f.degenerate == Stability::stable     ? ": the energy grows along every motion"
-                         : f.degenerate == Stability::unstable ? ": the energy falls along one of the motions"
-                                                               : ", and its stability was not decided")
-              : fmt::format("a curvature vanishes within {:.1e} (rad, or length over size), where the energy has {}",
-                            out.radius, f.degenerate == Stability::stable ? "a minimum" : "no minimum");
+          f.singular ? f.why + (f.degenerate == Stability::stable     ? ": the energy grows along every motion"
+                                : f.degenerate == Stability::unstable ? ": the energy falls along one of the motions"
+                                                                      : ", and its stability was not decided")
+                     : fmt::format("a curvature vanishes within {}, where the energy has {}", in_words(out.radius),
+                                   f.degenerate == Stability::stable ? "a minimum" : "no minimum");
       if (f.degenerate == Stability::unstable) out.unstable_directions = std::max(1, out.unstable_directions);
       break;
   }
