@@ -41,6 +41,8 @@ struct Contact {
 struct Piece {
   std::vector<bool> slack;  ///< per element
   std::vector<Contact> contacts;
+
+  friend bool operator==(const Piece&, const Piece&) = default;
 };
 
 /// Forces and constraints of a piece in one pose.

@@ -40,31 +40,37 @@ struct Rows {
     while (rank < most && abs(Real(qr.matrixR()(rank, rank))) > tolerance * first && first > 0) ++rank;
     least_pivot = rank > 0 ? to_double(abs(Real(qr.matrixR()(rank - 1, rank - 1))) / first) : 1.0;
     dropped_pivot = rank < most && first > 0 ? to_double(abs(Real(qr.matrixR()(rank, rank))) / first) : 0.0;
-    Q = qr.householderQ() * Matrix::Identity(jacobian.cols(), jacobian.cols());
     for (Index i = 0; i < jacobian.rows(); ++i) order.push_back(qr.colsPermutation().indices()[i]);
   }
 
-  Matrix kernel() const { return Q.rightCols(Q.cols() - rank); }
-  Matrix range() const { return Q.leftCols(rank); }
+  // Columns of Q from `first` on.
+  Matrix columns(Index first, Index count) const {
+    Matrix out = Matrix::Zero(qr.rows(), count);
+    for (Index i = 0; i < count; ++i) out(first + i, i) = 1;
+    return qr.householderQ() * out;
+  }
+  Matrix kernel() const { return columns(rank, qr.rows() - rank); }
   Matrix R() const { return qr.matrixR().topLeftCorner(rank, rank); }
   // Shortest p with J p = c on the independent rows.
   Vector shortest(const Vector& c) const {
-    if (rank == 0) return Vector::Zero(Q.rows());
+    Vector out = Vector::Zero(qr.rows());
+    if (rank == 0) return out;
     Vector picked(rank);
     for (Index i = 0; i < rank; ++i) picked[i] = c[order[i]];
-    return range() * Vector(R().transpose().triangularView<Eigen::Lower>().solve(picked));
+    out.head(rank) = R().transpose().triangularView<Eigen::Lower>().solve(picked);
+    return qr.householderQ() * out;
   }
   // Multipliers with  J^T y = -f  as nearly as possible, zero on dependent rows.
   Vector multipliers(const Vector& f) const {
     Vector out = Vector::Zero(static_cast<Index>(order.size()));
     if (rank == 0) return out;
-    const Vector y = R().triangularView<Eigen::Upper>().solve(Vector(-(range().transpose() * f)));
+    const Vector along = qr.householderQ().adjoint() * f;
+    const Vector y = R().triangularView<Eigen::Upper>().solve(Vector(-along.head(rank)));
     for (Index i = 0; i < rank; ++i) out[order[i]] = y[i];
     return out;
   }
 
   Eigen::ColPivHouseholderQR<Matrix> qr;
-  Matrix Q;
   Index rank = 0;
   double least_pivot = 1.0, dropped_pivot = 0.0;  // relative
   std::vector<Index> order;
@@ -123,20 +129,24 @@ struct Closed {
 Closed close(const ExactMechanics& mechanics, Vector q, const Piece& piece, const Guide* guide, bool places_first) {
   Closed out;
   const Vector start = q;
+  Real last = 1;
   for (int k = 0; k < 60; ++k) {
     System s = system_at(mechanics, q, piece, guide);
-    const bool weigh = places_first && k < 3;
+    const bool weigh = places_first && k == 0;
     if (weigh) {
       for (Index i = 2; i < q.size(); i += 3) s.jacobian.col(i) *= Real(1e-6);
     }
-    const Rows rows(s.jacobian, k < 4 ? 1e-11 : dependent_below);
+    // Rows that repeat others do so where they hold.
+    const Rows rows(s.jacobian, last > 1e-14 ? 1e-11 : dependent_below);
     Vector p = -rows.shortest(s.gap);
     if (weigh) {
       for (Index i = 2; i < q.size(); i += 3) p[i] *= Real(1e-6);
     }
     q += p;
     if (largest(q - start) > farthest) return out;
-    if (k < 4 || largest(p) > 1e-40) continue;
+    const bool done = !weigh && largest(p) <= 1e-40 && last <= 1e-14;
+    last = largest(p);
+    if (!done) continue;
     out.closed = true;
     out.kept.assign(rows.order.begin(), rows.order.begin() + rows.rank);
     out.dropped.assign(rows.order.begin() + rows.rank, rows.order.end());
@@ -161,12 +171,12 @@ Vector entries_of(const Vector& a, const std::vector<Index>& rows) {
   return out;
 }
 
-// Minimum norm, so that neutral freedoms stay where they are.
-Vector solve(const Matrix& a, const Vector& b, double tolerance) {
-  if (b.size() == 0) return b;
-  if (largest(a) == 0) return Vector::Zero(a.cols());
+// Minimum norm, so that neutral freedoms stay where they are: what is below `zero` counts as none.
+Vector solve(const Matrix& a, const Vector& b, const Real& zero) {
+  const Real most = largest(a);
+  if (b.size() == 0 || most <= zero) return Vector::Zero(a.cols());
   Eigen::CompleteOrthogonalDecomposition<Matrix> factors;
-  factors.setThreshold(Real(tolerance));
+  factors.setThreshold(Real(zero / most));
   factors.compute(a);
   return factors.solve(b);
 }
@@ -194,10 +204,10 @@ void measure(const ExactMechanics& mechanics, const Piece& piece, const Guide* g
   out.smooth = s.forces.smooth;
 }
 
-// Newton's method on  F + J^T y = 0,  gap = 0  from a pose where the gaps are closed. Curvatures below `zero` times the
-// largest are taken for zero.
+// Newton's method on  F + J^T y = 0,  gap = 0  from a pose where the gaps are closed. Curvatures below `zero` are taken
+// for none.
 Solution newton(const ExactMechanics& mechanics, const Closed& from, const Piece& piece, const Guide* guide,
-                double zero = 1e-24) {
+                const Real& zero) {
   Solution out;
   out.at = from;
   Vector multipliers;
@@ -293,7 +303,7 @@ class Search {
   // The piece in which the answer seems to be. True if it has an equilibrium.
   bool try_present() {
     if (!start_.closed) return false;
-    if (is_singular()) return try_singular();
+    if (is_singular() && (try_singular() || !start_.dropped.empty())) return !found_.empty();
     Piece piece = base_;
     for (const Contact& c : candidates_) {
       if (abs(gap(c, start_.q)) < 1e-9) piece.contacts.push_back(c);
@@ -307,7 +317,7 @@ class Search {
       trouble_ = "the joints do not close near the answer";
       return;
     }
-    if (is_singular()) return;
+    if (is_singular() && !start_.dropped.empty()) return;
     const std::size_t count = candidates_.size() + kinks_.size();
     if (count > most_candidates) {
       trouble_ = "too many stops and one-way springs near their limits";
@@ -377,6 +387,13 @@ class Search {
       if (acts(element) == LinearSpring::Acts::both || std::get<LinearSpring>(element.law).stiffness == 0.0) continue;
       if (abs(pull(e, start_.q)) < candidate_gap) kinks_.push_back(e);
     }
+    if (start_.dropped.empty()) return;
+    const Real rounding = 1e-14;
+    const bool open =
+        std::any_of(candidates_.begin(), candidates_.end(),
+                    [&](const Contact& c) { return abs(gap(c, start_.q)) < rounding; }) ||
+        std::any_of(kinks_.begin(), kinks_.end(), [&](std::size_t e) { return abs(pull(e, start_.q)) < rounding; });
+    if (open) trouble_ = "redundant joints, which agree to rounding, leave open which stops and springs act";
   }
 
   // The k-th combination of contacts and of slack springs; empty for both sides of one stop.
@@ -395,16 +412,28 @@ class Search {
     return piece;
   }
 
+  Closed closed(const Piece& piece) const {
+    return piece.contacts == base_.contacts ? start_ : close(mechanics_, start_.q, piece, nullptr, false);
+  }
+
   bool try_piece(const Piece& piece, bool exactly) {
-    const Closed from = close(mechanics_, start_.q, piece, nullptr, false);
-    if (!from.closed || from.dropped.size() != start_.dropped.size()) return false;
-    Solution solution = newton(mechanics_, from, piece, nullptr);
-    if (!solution.converged || solution.residual > exact * scale_) {
-      // Balanced to rounding of the scene's numbers only?
-      solution = newton(mechanics_, from, piece, nullptr, flat_within);
-      if (!solution.converged || solution.residual > flat_within * scale_ || !is_flat(solution, piece)) return false;
+    const auto known = std::find_if(solved_.begin(), solved_.end(), [&](const auto& s) { return s.first == piece; });
+    if (known == solved_.end()) {
+      solved_.emplace_back(piece, solution_of(piece));
+      return solved_.back().second.converged && take(solved_.back().second, piece, exactly);
     }
-    return take(solution, piece, exactly);
+    return known->second.converged && take(known->second, piece, exactly);
+  }
+
+  Solution solution_of(const Piece& piece) const {
+    const Closed from = closed(piece);
+    if (!from.closed || from.dropped.size() != start_.dropped.size()) return {};
+    const Solution solution = newton(mechanics_, from, piece, nullptr, exact * scale_);
+    if (solution.converged && solution.residual <= exact * scale_) return solution;
+    // Balanced to rounding of the scene's numbers only?
+    Solution rounded = newton(mechanics_, from, piece, nullptr, flat_within * scale_);
+    rounded.converged = rounded.converged && rounded.residual <= flat_within * scale_ && is_flat(rounded, piece);
+    return rounded;
   }
 
   // Whether the force stays within rounding along all freedoms whose curvature is.
@@ -420,14 +449,15 @@ class Search {
 
   bool is_flat_along(const Solution& solution, const Piece& piece, const Vector& w) const {
     for (const double t : {-flat_over, flat_over}) {
-      const std::optional<Real> force = force_along(solution.at, piece, {w, solution.at.q, Real(t)}, flat_within);
+      const std::optional<Real> force =
+          force_along(solution.at, piece, {w, solution.at.q, Real(t)}, flat_within * scale_);
       if (!force || abs(*force) > flat_within * scale_) return false;
     }
     return true;
   }
 
   // dV/dt where a guide holds the mechanism; empty if it cannot be held there.
-  std::optional<Real> force_along(const Closed& near, const Piece& piece, const Guide& guide, double zero = 1e-24,
+  std::optional<Real> force_along(const Closed& near, const Piece& piece, const Guide& guide, const Real& zero,
                                   Closed* reached = nullptr) const {
     const Closed from = close(mechanics_, near.q, piece, &guide, false);
     if (!from.closed) return std::nullopt;
@@ -618,6 +648,10 @@ class Search {
       truth.kind = Kind::stable;  // the cone is a point
       return;
     }
+    if (!held.at.dropped.empty() && smallest <= flat_within * stiffest) {
+      truth.decided = false;
+      truth.note = "redundant joints, which agree to rounding, leave the sign of a curvature open";
+    }
     if (abs(least.value) > zero) {
       truth.kind = least.value > 0 ? Kind::stable : Kind::unstable;
       if (smallest <= flat_within * stiffest && truth.strict) truth.also_neutral = is_flat(held, strict);
@@ -680,7 +714,7 @@ class Search {
     truth.kind = Kind::stable;
     truth.note = "curvature zero, judged by the force beside it";
     for (const double t : {-way, way}) {
-      const std::optional<Real> force = force_along(held.at, strict, {w, held.at.q, Real(t)});
+      const std::optional<Real> force = force_along(held.at, strict, {w, held.at.q, Real(t)}, exact * scale_);
       if (!force) {
         truth.decided = false;
         truth.note = "degenerate";
@@ -694,7 +728,7 @@ class Search {
 
   // The force along the softest freedom as a function of the way t along it, all else balanced: its zeros.
   void search_along_soft_freedom(const Piece& piece) {
-    const Closed from = close(mechanics_, start_.q, piece, nullptr, false);
+    const Closed from = closed(piece);
     if (!from.closed || from.dropped.size() != start_.dropped.size()) return;
     Solution here;
     here.at = from;
@@ -716,7 +750,7 @@ class Search {
     }
     const Vector w = here.kernel * eigen.eigenvectors().col(softest);
     const Vector q0 = from.q;
-    const auto force = [&](const Real& t) { return force_along(from, piece, {w, q0, t}); };
+    const auto force = [&](const Real& t) { return force_along(from, piece, {w, q0, t}, exact * scale_); };
 
     struct Sample {
       Real t, force;
@@ -758,9 +792,9 @@ class Search {
       const std::optional<Real> t = zero_between(samples[i].t, samples[i + 1].t, force);
       if (!t) continue;
       Closed reached;
-      if (!force_along(from, piece, {w, q0, *t}, 1e-24, &reached)) continue;
+      if (!force_along(from, piece, {w, q0, *t}, exact * scale_, &reached)) continue;
       const Closed begin = close(mechanics_, reached.q, piece, nullptr, false);
-      const Solution solution = newton(mechanics_, begin, piece, nullptr);
+      const Solution solution = newton(mechanics_, begin, piece, nullptr, exact * scale_);
       if (solution.converged && solution.residual <= exact * scale_) take(solution, piece, true);
     }
   }
@@ -851,7 +885,7 @@ class Search {
       D.bottomRightCorner(1, m) = 2 * u.transpose();
       Vector r(m + n + 1);
       r << s.gap, s.jacobian.transpose() * u, Vector::Constant(1, u.dot(u) - 1);
-      const Vector p = solve(D, -r, 1e-12);
+      const Vector p = solve(D, -r, 1e-12 * largest(D));
       q += p.head(n);
       u += p.tail(m);
       if (largest(q - start_.q) > farthest) break;
@@ -871,8 +905,9 @@ class Search {
     truth.allowance = 1e-15;
     truth.note = "change point";
     if (largest(N.transpose() * s.forces.force) > flat_within * scale_) {
-      trouble_ = truth.distance < Judge::near ? "" : "near a pose where joints lose rank";
-      return false;  // no finite joint forces
+      // No finite joint forces.
+      if (truth.distance > least_radius) trouble_ = "near a pose where joints lose rank";
+      return false;
     }
     Matrix H = Matrix::Zero(n, n);
     for (Index i = 0; i < m; ++i) s.forces.rows[i].add_hessian(u[i], H);
@@ -920,6 +955,7 @@ class Search {
   std::vector<Contact> candidates_;
   std::vector<std::size_t> kinks_;
   std::optional<bool> singular_;
+  std::vector<std::pair<Piece, Solution>> solved_;
   std::vector<Truth> found_;
   std::string trouble_;
 };

@@ -1,0 +1,32 @@
+// Answers for random scenes against the judge: a small part of what poise_campaign runs.
+
+#include <cstdint>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/judge/campaign.hpp"
+#include "tests/support/random_scenes.hpp"
+
+namespace poise::judge {
+namespace {
+
+constexpr std::uint64_t scenes = 8;  // of each family
+
+class RandomClaims : public testing::TestWithParam<std::string> {};
+
+TEST_P(RandomClaims, AreTrue) {
+  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
+    for (const JudgedAnswer& answer : judge_answers(GetParam(), seed)) {
+      EXPECT_FALSE(is_false(answer.verdict) || answer.verdict == Verdict::lost)
+          << GetParam() << " " << seed << ", " << answer.method << ": " << to_string(answer.verdict) << ": "
+          << answer.why;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, RandomClaims, testing::ValuesIn(test::scene_families()),
+                         [](const auto& family) { return family.param; });
+
+}  // namespace
+}  // namespace poise::judge
