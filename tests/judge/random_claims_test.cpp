@@ -11,7 +11,7 @@
 namespace poise::judge {
 namespace {
 
-constexpr std::uint64_t scenes = 8;  // of each family
+constexpr std::uint64_t scenes = 5;  // of each family
 
 class RandomClaims : public testing::TestWithParam<std::string> {};
 
