@@ -6,15 +6,16 @@
 namespace poise {
 namespace {
 
-double half_unit(double x) {
+// In the last place.
+double unit_of(double x) {
   if (x == 0.0 || !std::isfinite(x)) return 0.0;
-  return 0.5 * (std::nextafter(std::abs(x), std::numeric_limits<double>::infinity()) - std::abs(x));
+  return std::nextafter(std::abs(x), std::numeric_limits<double>::infinity()) - std::abs(x);
 }
 
 double rounding_of(const Layout& layout, const Vec2& arm, int turn) {
   double angle = 0.0;
-  for (const double part : layout.turns[turn].parts()) angle += half_unit(part);
-  return half_unit(arm.x) + half_unit(arm.y) + norm(arm) * angle;
+  for (const double part : layout.turns[turn].parts()) angle += unit_of(part);
+  return unit_of(arm.x) + unit_of(arm.y) + norm(arm) * angle;
 }
 
 }  // namespace
@@ -30,7 +31,7 @@ std::vector<double> closure_rounding(const ScaledModel& model) {
     int b = joint.b.body;
     double sum = rounding_of(layout, per_length * scene.local(joint.a), layout.links[a].turn) +
                  rounding_of(layout, per_length * scene.local(joint.b), layout.links[b].turn);
-    if (joint.keeps_length()) sum += half_unit(per_length * joint.length);
+    if (joint.keeps_length()) sum += unit_of(per_length * joint.length);
     if (joint.has_travel()) sum += rounding_of(layout, joint.axis, layout.links[a].turn);
     while (a != b) {
       int& lower = layout.links[a].depth > layout.links[b].depth ? a : b;

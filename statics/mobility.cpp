@@ -19,8 +19,6 @@ namespace {
 
 constexpr double closed_within = 1e-9;
 constexpr int dense_limit = 400;
-// Numbers are rounded when they are written, by half a unit in the last place, and when they are converted to SI.
-constexpr double roundings = 2.0;
 
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
@@ -162,7 +160,7 @@ void find_redundancy(const ScaledModel& model, Mobility& out) {
   entries.reserve(values.size());
   for (std::size_t e = 0; e < values.size(); ++e) {
     const int row = m.jacobian_row()[e];
-    if (row >= rows || std::abs(values[e]) <= roundings * of_row[row]) continue;
+    if (row >= rows || std::abs(values[e]) <= of_row[row]) continue;
     entries.emplace_back(row, m.jacobian_column()[e], values[e]);
   }
   Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());

@@ -30,7 +30,7 @@ TEST(CommandLine, ConfirmedEquilibriumExitsZero) {
       const Outcome run = run_poise({"solve", scene, "--method", method, "--seek", seek});
       EXPECT_EQ(run.exit_code, 0) << run.out;
       EXPECT_EQ(run.err, "");
-      EXPECT_TRUE(contains(run.out, "In equilibrium, confirmed: stable.")) << run.out;
+      EXPECT_TRUE(contains(run.out, "In equilibrium, proved: stable.")) << run.out;
       EXPECT_TRUE(contains(run.out, "-1.570796327")) << run.out;
       EXPECT_TRUE(contains(run.out, "6.00000")) << "weight and load in the pin\n" << run.out;
       EXPECT_FALSE(contains(run.out, "wrote"));
@@ -42,7 +42,7 @@ TEST(CommandLine, UnstableEquilibriumIsFoundAndReportedAsUnstable) {
   const TempFolder folder;
   const Outcome run = run_poise({"solve", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_TRUE(contains(run.out, "In equilibrium, confirmed: unstable.")) << run.out;
+  EXPECT_TRUE(contains(run.out, "In equilibrium, proved: unstable.")) << run.out;
   EXPECT_TRUE(contains(run.out, "direction    unstable: rod +1.00")) << run.out;
 }
 
@@ -136,12 +136,13 @@ TEST(CommandLine, HeavyJointForcesWarnOfADeadCentre) {
   EXPECT_TRUE(contains(run_poise({"solve", scene, "--verbose"}).out, "  ended        ")) << "details";
 }
 
-TEST(CommandLine, NeutralEquilibriumNamesTheNeutralDirectionAndTheAccuracyAcrossIt) {
+TEST(CommandLine, NeutralEquilibriumNamesWhatIsArbitraryAndWhatIsProvedAcrossIt) {
   const Outcome run = run_poise({"solve", dataset("hard/balanced_lamp")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_TRUE(contains(run.out, "In equilibrium, confirmed: neutral.")) << run.out;
+  EXPECT_TRUE(contains(run.out, "In equilibrium, proved: neutral.")) << run.out;
   EXPECT_TRUE(contains(run.out, "direction    neutral: ")) << run.out;
-  EXPECT_TRUE(contains(run.out, "accuracy     arbitrary along the neutral direction, across it 1")) << run.out;
+  EXPECT_TRUE(contains(run.out, "proof        equilibrium at any value of upper, ")) << run.out;
+  EXPECT_TRUE(contains(run.out, "; across these exactly one within ")) << run.out;
 }
 
 // 12 N m of friction hold a lever of 9.81 N m anywhere; the equilibrium at -90 degrees is one of many, which the output

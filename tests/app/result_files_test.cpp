@@ -140,7 +140,7 @@ TEST(ResultFiles, SvgIsWellFormedAndNamesWhatItShows) {
   const std::string svg = contents(file);
   EXPECT_EQ(objection_to_xml(svg), "");
   for (const char* part : {"Rod &amp; &quot;pin&quot; &lt;test&gt;", "Source: ours", "&lt;P&gt; = 3 kN",
-                           "&quot;hinge&quot;", "In equilibrium, stable", "starting position", "mm</text>"}) {
+                           "&quot;hinge&quot;", "In equilibrium, proved: stable", "starting position", "mm</text>"}) {
     EXPECT_NE(svg.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(svg.find("nan"), std::string::npos);
@@ -153,7 +153,7 @@ TEST(ResultFiles, SvgMarksWhatIsNotConfirmed) {
   EXPECT_EQ(run_poise({"solve", scene, "--svg", file}).exit_code, 1);
   const std::string svg = contents(file);
   EXPECT_EQ(objection_to_xml(svg), "");
-  EXPECT_NE(svg.find("No equilibrium confirmed"), std::string::npos);
+  EXPECT_NE(svg.find("No equilibrium proved"), std::string::npos);
 }
 
 TEST(ResultFiles, MethodThatDoesNotApplyDrawsNothing) {

@@ -28,8 +28,8 @@ TEST(Agreement, GroupsAnswersByEquilibrium) {
   EXPECT_LT(one.difference, 1e-6);
 
   Answer elsewhere = first;
-  elsewhere.equilibrium.x.front() += 0.1;
-  elsewhere.reference.reset();
+  elsewhere.equilibrium.reached.front() += 0.1;
+  elsewhere.equilibrium.certificate.x.front() += 0.1;
   const Agreement two = compare_answers(model, {first, elsewhere});
   EXPECT_FALSE(two.same);
   EXPECT_EQ(two.equilibria, (std::vector<std::vector<std::size_t>>{{0}, {1}}));

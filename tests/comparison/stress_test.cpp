@@ -56,9 +56,9 @@ TEST(Stress, APendulumConvergesToItsKnownEquilibria) {
   EXPECT_LT(nearest.error.value(), 1e-12);
   EXPECT_GT(nearest.iterations.value(), 0);
   EXPECT_GT(nearest.microseconds.value(), 0);
-  // Torque (5 + 1) N * 2 m against the scaled curvature of order one: some units in the last place.
-  EXPECT_GT(nearest.allowed.value(), 1e-15);
-  EXPECT_LT(nearest.allowed.value(), 1e-13);
+  // It hangs straight whatever it weighs: what is left is the rounding of pi / 2.
+  EXPECT_GT(nearest.allowed.value(), 6e-17);
+  EXPECT_LT(nearest.allowed.value(), 1e-15);
   expect_all_converge(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_equilibria()));
   expect_all_converge(cell_of("pendulum", complete + "seek = \"stable\"\n" + both_equilibria(), Method::energy));
 }

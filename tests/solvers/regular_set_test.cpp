@@ -7,18 +7,17 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "solvers/linear_algebra.hpp"
 #include "tests/solvers/exact_balls.hpp"
 
 namespace poise::solvers {
 namespace {
 
 using Entries = std::vector<RegularSet::Entry>;
-using Matrix50 = Eigen::Matrix<Real50, Eigen::Dynamic, Eigen::Dynamic>;
-using Vector50 = Eigen::Matrix<Real50, Eigen::Dynamic, 1>;
+using Matrix50 = DenseMatrix<Real50>;
+using Vector50 = DenseVector<Real50>;
 
 struct Random {
   double operator()() { return uniform(engine); }
@@ -70,14 +69,13 @@ TEST_P(Sets, EncloseTheSolutionsOfTheirMembers) {
         // At corners of the set.
         for (Real50& value : member.reshaped()) value += random() > 0 ? Real50(width) : Real50(-width);
         for (Real50& value : side) value += random() > 0 ? Real50(width) : Real50(-width);
-        const Vector50 exact = member.fullPivLu().solve(side);
-        for (int i = 0; i < size; ++i) EXPECT_TRUE(x[i].contains(enclosing(exact[i]))) << size << ", " << width;
+        const Vector50 exact = minimum_norm_solution<Real50>(member, side);
+        for (int i = 0; i < size; ++i) EXPECT_TRUE(encloses(x[i], exact[i])) << size << ", " << width;
         const Eigen::MatrixXd rounded = member.cast<double>();
-        EXPECT_EQ(set.determinant_sign(), rounded.determinant() > 0 ? 1 : -1);
+        EXPECT_EQ(set.determinant_sign(), FullyPivotedLu(rounded).determinant() > 0 ? 1 : -1);
         if (symmetric()) {
           const Eigen::MatrixXd even = (rounded + rounded.transpose()) / 2;
-          const Eigen::VectorXd values =
-              Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(even, Eigen::EigenvaluesOnly).eigenvalues();
+          const Eigen::VectorXd values = symmetric_eigenvalues<double>(even);
           EXPECT_EQ(set.negative(), (values.array() < 0.0).count());
         }
       }
