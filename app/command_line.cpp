@@ -156,6 +156,13 @@ int parse_and_run(int argc, const char* const* argv) {
   declare(app, commands);
 
   expect_command(commands, argc, argv);
+  // CLI11 would take the next word in its place.
+  for (int i = 2; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (!word.starts_with("--") || !word.ends_with('=')) continue;
+    throw InputError(fmt::format("poise: {}: expected a word behind it, found none; see poise {} --help",
+                                 word.substr(0, word.size() - 1), argv[1]));
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {

@@ -13,6 +13,7 @@
 namespace poise::comparison {
 namespace {
 
+constexpr double near_enough = 1e-6;  // rad, or mechanism sizes, between a confirmed result and the proved equilibrium
 constexpr double far_away = 0.5;  // rad, or mechanism sizes: largest distance at which a run belongs to an equilibrium
 constexpr double same_equilibrium = 1e-9;  // 50-digit refinements closer than this are the same equilibrium
 constexpr double patience = 3.0;           // s: no further runs of a row after this time
@@ -124,7 +125,7 @@ class Study {
       times.push_back(found.microseconds);
       if (times.size() > 1) continue;
       row.claimed = found.claimed;
-      row.confirmed = found.found();
+      row.confirmed = found.found() && found.certificate.moved <= near_enough;
       row.iterations = found.iterations;
       row.evaluations = found.evaluations;
       row.x = std::move(found.reached);

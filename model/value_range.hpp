@@ -23,10 +23,10 @@ inline bool contains(Range range, double value) {
 inline std::string out_of_range(Range range, double written) {
   const char* const limit = range == Range::positive ? " > 0" : range == Range::not_negative ? " >= 0" : "";
   const bool sized = std::isfinite(written) && (written > 0.0 || (range == Range::finite && written != 0.0));
-  std::string size;
-  if (sized && std::abs(written) > 1.0) size = " of at most 1e50 in SI units";
-  if (sized && std::abs(written) < 1.0) size = " of at least 1e-50 in SI units";
-  if (sized && std::abs(written) < 1.0 && range != Range::positive) size += ", or 0";
+  const char* const size = !sized                     ? ""
+                           : std::abs(written) > 1.0  ? " of at most 1e50 in SI units"
+                           : range == Range::positive ? " of at least 1e-50 in SI units"
+                                                      : " of at least 1e-50 in SI units, or 0";
   char digits[32];
   char* const end = std::to_chars(digits, digits + sizeof digits, written).ptr;
   return std::string("expected a finite number") + limit + size + ", found " + std::string(digits, end);

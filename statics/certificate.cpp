@@ -134,7 +134,7 @@ class Certifier {
   Certificate conclude_pieces(const std::vector<int>& springs) const;
   Certificate conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const;
   Stability stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
-                               const std::vector<ActiveStop>& weak) const;
+                               const std::vector<ActiveStop>& weak, bool& locked) const;
   Certificate report(const Finding& finding, const std::vector<ActiveStop>& active) const;
   std::string name(int coordinate) const { return model_.layout().coordinates[coordinate].name; }
 
@@ -488,28 +488,29 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
 void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const {
   finding.why = "Newton's method did not converge to an equilibrium near the answer";
   if (m_.coordinates() > dense_limit) return;
-  const DensePoint<double> point(m_, x_, kept.rows);
   const ReducedHessian<double> reduced(m_, x_, kept.rows);
   if (reduced.matrix.size() == 0) return;
   const solvers::SingularValues spectrum = solvers::singular_value_decomposition(reduced.matrix);
-  const double scale = std::max(1.0, reduced.largest);
-  const auto flat = static_cast<Eigen::Index>(std::count_if(spectrum.values.begin(), spectrum.values.end(),
-                                                            [&](double v) { return v <= nearly_neutral * scale; }));
-  if (flat > 0) {
+  // Very soft directions are not neutral: those that vanish most clearly are tried first.
+  Eigen::Index tried = 0;
+  for (const double part : {1e-13, 1e-9, nearly_neutral}) {
+    const double flat_below = part * std::max(1.0, reduced.largest);
+    const auto flat = static_cast<Eigen::Index>(
+        std::count_if(spectrum.values.begin(), spectrum.values.end(), [&](double v) { return v <= flat_below; }));
+    if (flat == tried) continue;
+    tried = flat;
     const Eigen::MatrixXd directions = reduced.basis * spectrum.right.rightCols(flat);
     const auto [rank, order] = solvers::pivot_order<double>(directions.transpose(), solvers::known_to::solution);
     KeptEquations held = kept;
     held.held.assign(order.begin(), order.begin() + std::min(rank, flat));
-    const Solution across = solve(held, start(), first_reach, options_.farthest);
-    if (across.proved && static_cast<Eigen::Index>(held.held.size()) == flat && is_neutral(held, across)) {
-      finding.kind = Finding::Kind::neutral;
-      finding.neutral = held.held;
-      finding.kept = held;
-      finding.solution = across;
-      finding.unstable = across.unstable;
-      return;
-    }
     finding.neutral = held.held;
+    const Solution across = solve(held, start(), first_reach, options_.farthest);
+    if (!across.proved || static_cast<Eigen::Index>(held.held.size()) != flat || !is_neutral(held, across)) continue;
+    finding.kind = Finding::Kind::neutral;
+    finding.kept = held;
+    finding.solution = across;
+    finding.unstable = across.unstable;
+    return;
   }
   for (const long bits : {usual_bits, many_bits}) {
     const Ball::Precision precision(bits);
@@ -590,7 +591,7 @@ void Certifier::bracket(Finding& finding, const KeptEquations& kept, int coordin
     const Ball force = system.forces(there.q, there.y)[coordinate];
     return force > Ball(0) ? 1 : force < Ball(0) ? -1 : 0;
   };
-  for (double half = 1e-15; half <= options_.farthest; half *= 10) {
+  for (double half = 1e-15; half <= 2 * options_.farthest; half *= 10) {
     Ball from = centre[coordinate] - Ball(half);
     Ball to = centre[coordinate] + Ball(half);
     const int before = sign_at(from);
@@ -607,8 +608,15 @@ void Certifier::bracket(Finding& finding, const KeptEquations& kept, int coordin
     for (int step = 0; step < 100; ++step) {
       const Ball middle_of = ((from + to) / Ball(2)).midpoint();
       const int sign = sign_at(middle_of);
-      if (sign == 0) break;
-      (sign == before ? from : to) = middle_of;
+      if (sign == 0) {
+        // The force vanishes there: both ends move towards it.
+        const Ball tenth = ((to - from) / Ball(20)).midpoint();
+        if (sign_at(middle_of - tenth) != before || sign_at(middle_of + tenth) != after) break;
+        from = middle_of - tenth;
+        to = middle_of + tenth;
+      } else {
+        (sign == before ? from : to) = middle_of;
+      }
       if ((to - from).greatest() < narrow_bracket) break;
     }
     range = centre;
@@ -988,7 +996,7 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
     // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls. A
     // single limit leaves one of two opposite directions to the loosest piece.
     const bool falls = tightest->unstable > 0 || (weak.size() + springs.size() == 1 && loosest->unstable > 0);
-    out.stability = falls ? Stability::unstable : stability_on_cones(*loosest, springs, weak);
+    out.stability = falls ? Stability::unstable : stability_on_cones(*loosest, springs, weak, out.locked);
     out.unstable_directions = out.stability == Stability::unstable ? std::max(1, tightest->unstable) : 0;
   }
   if (!same_orientation || out.stability == Stability::unknown) out.outcome = Outcome::degenerate;
@@ -1005,7 +1013,7 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
 //   q(v) = v^T H v + sum_k stiffness_k (a_k.v)^2 over the springs that v makes act,
 // H being the reduced Hessian without them and a_k the gradient of a measure; stops leave the motions with a_s.v <= 0.
 Stability Certifier::stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
-                                        const std::vector<ActiveStop>& weak) const {
+                                        const std::vector<ActiveStop>& weak, bool& locked) const {
   std::vector<double> x;
   for (const Ball& q : loosest.solution.q) x.push_back(q.middle());
   DensePoint<double> point(m_, x, loosest.kept.rows);
@@ -1059,6 +1067,7 @@ Stability Certifier::stability_on_cones(const Finding& loosest, const std::vecto
     }
     between = infinity;  // only a direction in which the energy falls is a proof
   }
+  locked = d <= 2 && least == infinity;
   if (least < -margin * steepest) return Stability::unstable;
   return least > between + margin * steepest ? Stability::stable : Stability::unknown;
 }

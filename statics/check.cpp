@@ -13,6 +13,8 @@ namespace poise {
 namespace {
 
 constexpr double no_length = 1e-12;  // of the mechanism's size
+// Share of the largest force that rounding of stiff springs may leave unbalanced.
+constexpr double rounding_forgiven = 1e-6;
 
 // Gap of a joint between the poses of its two bodies, m.
 double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses, double size) {
@@ -134,9 +136,10 @@ class EquilibriumCheck {
     if (!out_.balanced) object(unbalanced_in_words(bodies));
   }
 
-  // An imbalance that rounding of the positions causes is no objection.
+  // A small imbalance that rounding of the positions causes is no objection.
   bool is_balanced(const FreeBodies& bodies, double rounding) const {
-    return bodies.imbalance <= tolerances_.imbalance * bodies.largest_force + rounding;
+    return bodies.imbalance <=
+           tolerances_.imbalance * bodies.largest_force + std::min(rounding, rounding_forgiven * bodies.largest_force);
   }
 
   // Force that an element would exert over the whole size of the quantities its measure is computed from.

@@ -171,9 +171,10 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
   } else {
     out.certificate.statement = "the search did not end at an equilibrium";
   }
-  const bool confirmed = out.certificate.confirmed();
+  bool confirmed = out.certificate.confirmed();
   if (confirmed) out.x = out.certificate.x;
   out.check = check(model, out.x, options.check, confirmed ? &out.certificate.active_stops : nullptr);
+  confirmed = confirmed && std::isfinite(out.check.largest_force);  // nothing could be said of its forces
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;
   const bool wrong_kind = options.seek == Seek::stable && out.certificate.stability == Stability::unstable;

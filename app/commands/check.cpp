@@ -1,7 +1,7 @@
 #include "app/results/statics/check.hpp"
 
 #include <memory>
-#include <optional>
+#include <exception>
 #include <string>
 
 #include "app/commands/commands.hpp"
@@ -22,11 +22,11 @@ int run_check(const Request& request, const Palette& palette) {
   const Result result = check_result(model, mobility, request.settings);
   // The error of solve where the scene cannot be assembled: then the report shows why, and no file is written. A scene
   // without loads can be checked.
-  std::optional<InputError> error;
+  std::exception_ptr error;
   try {
     if (model.mechanism().coordinates() > 0) assemble(model);
-  } catch (const InputError& found) {
-    error = found;
+  } catch (const InputError&) {
+    error = std::current_exception();
   }
   std::string svg;
   if (files.wants_svg()) {
@@ -35,7 +35,7 @@ int run_check(const Request& request, const Palette& palette) {
         {.poses = model.poses(mobility.x), .heading = result.verdict.text, .confirmed = mobility.assembled});
   }
   const int code = finish(request, result, error ? nullptr : &files, svg, true, progress, palette);
-  if (error) throw InputError(*error);
+  if (error) std::rethrow_exception(error);
   return code;
 }
 

@@ -69,7 +69,7 @@ void Stage::choose_scale(double width) {
     const Body& body = scene.bodies[i];
     if (body.mass > 0 && !(scene.gravity == Vec2{})) box.include(now.poses[i].world(body.center));
   }
-  if (!box.empty()) middle = box.middle();
+  if (!box.empty()) centre = box.middle();
   extent = std::max(box.width(), box.height());
   if (extent <= 0.0) extent = scene.units.length;
   scale = std::min(width / std::max(box.width(), 0.2 * extent), page_height / std::max(box.height(), 0.2 * extent));

@@ -68,7 +68,7 @@ class Stage {
   Detail detail = Detail::full;
   bool shows_ground = true;    ///< supports and their reactions, even in a sketch when they are few
   double scale = 1.0;          ///< px per m
-  Vec2 middle{};               ///< m: of the mechanism, the origin of the page
+  Vec2 centre{};               ///< m: of the mechanism, the origin of the page
   double extent = 1.0;         ///< m: of the mechanism
   double bar_width = 8.0;      ///< px
   double pin_radius = 4.0;     ///< px
@@ -82,7 +82,7 @@ class Stage {
   std::set<Sign> signs;
 
   /// World, m -> page, px.
-  Vec2 page(Vec2 world) const { return scale * conj(world - middle); }
+  Vec2 page(Vec2 world) const { return scale * conj(world - centre); }
   Vec2 page(PointRef point) const { return page(world(scene, now, point)); }
   /// Direction on the page of a world direction.
   static Vec2 page_direction(Vec2 world) { return conj(world); }

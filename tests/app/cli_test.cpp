@@ -344,7 +344,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadWords{"NotToml", {"compare", "BROKEN"}, "broken.toml:3"},
         BadWords{"UnknownName", {"solve", "MISSPELT"}, "misspelt.toml:18"},
         BadWords{"NothingMoves", {"solve", "RIGID"}, "rigid.toml:4: mechanism: nothing can move under load"},
-        BadWords{"EmptyFile", {"solve", "SCENE", "--json", ""}, "--json: expected a word that is not empty; leave"},
+        BadWords{
+            "EmptyFile", {"solve", "SCENE", "--markdown", ""}, "--markdown: expected a word that is not empty; leave"},
         BadWords{"EmptyFileBehindEquals", {"motion", "SCENE", "--duration", "1", "--csv="}, "--csv"},
         BadWords{"OptionTwice",
                  {"solve", "SCENE", "--seek", "stable", "--seek", "nearest"},

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <chrono>
+#include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -216,13 +218,23 @@ struct Case {
   }
 };
 
-/// Runs poise in the folder, in a process of its own that a crash or an endless loop ends alone. Exit code -1: killed.
+// After the time of a case: as Ctrl-C first, which has to end it.
+void interrupt_then_kill(int) {
+  std::signal(SIGALRM, SIG_DFL);
+  ::alarm(60);
+  ::raise(SIGINT);
+}
+
+/// Runs poise in the folder, in a process of its own that a crash or an endless loop ends alone. Exit code: negative,
+/// the signal that ended it.
 Outcome run_in(const TempFolder& folder, const TempFolder& output, const Words& words, unsigned seconds) {
+  std::fflush(nullptr);  // or else the child prints it too
   const pid_t child = ::fork();
   if (child == 0) {
     for (const auto& [name, stream] : {std::pair("out", STDOUT_FILENO), std::pair("err", STDERR_FILENO)}) {
       ::dup2(::open(output.path(name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), stream);
     }
+    std::signal(SIGALRM, interrupt_then_kill);
     ::alarm(seconds);
     fs::current_path(folder.path(""));
     std::vector<const char*> argv = {"poise"};
@@ -302,7 +314,7 @@ std::string objection(const Case& damaged, const Outcome& run, const TempFolder&
 TEST(Mutations, AreReadOrAnsweredInOneLine) {
   const int count = from_environment("POISE_MUTATIONS", 200), first = from_environment("POISE_FIRST_MUTATION", 0);
   const bool shown = from_environment("POISE_SHOW_MUTATIONS", 0) != 0;
-  const auto seconds = static_cast<unsigned>(from_environment("POISE_MUTATION_SECONDS", 120));
+  const auto seconds = static_cast<unsigned>(from_environment("POISE_MUTATION_SECONDS", 60));
   const std::vector<Command> commands = all_commands();
   std::array<int, 3> answers{};
   for (int number = first; number < first + count; ++number) {
@@ -311,7 +323,11 @@ TEST(Mutations, AreReadOrAnsweredInOneLine) {
     for (const File& file : damaged.files) folder.write(file.name, file.text);
     for (const std::string& name : damaged.folders) fs::create_directory(folder.path(name));
     const Words before = folder.names();
+    const auto begun = std::chrono::steady_clock::now();
     const Outcome run = run_in(folder, output, damaged.words, seconds);
+    if (std::chrono::steady_clock::now() - begun > std::chrono::seconds(seconds)) {
+      fmt::print("interrupted: {}, {}\n  {}\n", number, one_line(damaged.how), damaged.command_line());
+    }
     if (run.exit_code >= 0 && run.exit_code <= 2) ++answers[static_cast<std::size_t>(run.exit_code)];
     if (shown)
       fmt::print("{} {}\n  {} {}", number, damaged.command_line(), run.exit_code,

@@ -117,9 +117,9 @@ TEST(StressCommand, WritesWhatItFound) {
   EXPECT_EQ(r["cases"][3]["methods"][0]["false_claims"], 20);
 
   const std::string csv = contents(out.path("a.csv"));
-  EXPECT_TRUE(csv.starts_with(
-      "case,kind,expect,method,why,applies,starts,converged,false_claims,denied_by_check,"
-      "iterations,microseconds,error,allowed\nhanging,Toys,equilibrium,virtual-work,\"\",1,20,20,0,0,"))
+  EXPECT_TRUE(
+      csv.starts_with("case,kind,expect,method,why,applies,starts,converged,false_claims,denied_by_check,"
+                      "iterations,microseconds,error,allowed\nhanging,Toys,equilibrium,virtual-work,\"\",1,20,20,0,0,"))
       << csv;
   EXPECT_TRUE(has(csv, ",0,0,0,0,0,,,,\n")) << csv;
 

@@ -9,6 +9,17 @@
 #include <unistd.h>
 
 namespace poise::app_tests {
+namespace {
+
+/// Whether a process handles SIGINT itself: until then it would be killed.
+bool watches_for_interrupt(pid_t process) {
+  const std::string status = contents("/proc/" + std::to_string(process) + "/status"), key = "SigCgt:";
+  const std::size_t caught = status.find(key);
+  return caught != std::string::npos &&
+         (std::stoull(status.substr(caught + key.size()), nullptr, 16) >> (SIGINT - 1) & 1U) != 0;
+}
+
+}  // namespace
 
 using nlohmann::json;
 
@@ -39,6 +50,10 @@ int interrupt_poise(const std::vector<std::string>& arguments, const std::string
     ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
     ::execv(POISE_EXECUTABLE, argv.data());
     ::_exit(127);
+  }
+  // However long a slow machine, or one with sanitizers, needs to get there.
+  while (!watches_for_interrupt(child) && ::waitpid(child, nullptr, WNOHANG) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   std::this_thread::sleep_for(after);
   ::kill(child, SIGINT);

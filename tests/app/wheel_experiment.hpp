@@ -64,7 +64,8 @@ nlohmann::json run_json(const TempFolder& folder, std::vector<std::string> words
 
 bool has(const std::string& text, const std::string& part);
 
-/// Starts poise with its report in the file `out`, interrupts it after a while and returns its exit code.
+/// Starts poise with its report in the file `out`, interrupts it a while after it has begun to watch for that, and
+/// returns its exit code.
 int interrupt_poise(const std::vector<std::string>& arguments, const std::string& out, std::chrono::milliseconds after);
 
 }  // namespace poise::app_tests

@@ -732,7 +732,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "2: body.a.centre: expected one of the keys points, mass, center, inertia; did you mean \"center\"?"},
         BadScene{"BodyWithoutName", "[body.'']\n", "1: body.: expected a name that is not empty"},
         BadScene{"BodyWithControlCharacter", "[body.\"a\\tb\"]\n",
-                 "1: body.a?b: expected a name without control characters"},
+                 "1: body.a b: expected a name without control characters"},
         BadScene{"PointWithDot", "[body.a]\npoints = { 'P.1' = [0, 0] }\n",
                  "2: body.a.points.P.1: expected a name without dots"},
         BadScene{"PointWithoutName", "[body.a]\npoints = { '' = [0, 0] }\n",

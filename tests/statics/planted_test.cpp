@@ -144,7 +144,7 @@ TEST(Planted, TheEquilibriumAndItsStabilityAreProved) {
   for_samples(60, {}, [](const Sample& sample) { expect_judged(sample, sample.equilibrium); });
 }
 
-TEST(Planted, CheckRefutesWhatOnlyReactionsAgainstEachOtherBalance) {
+TEST(Planted, NothingIsProvedThatOnlyReactionsAgainstEachOtherBalance) {
   // Redundant closures are dependent only where they hold. A gap of 1e-9 leaves the closure Jacobian a singular value
   // of that order, and reactions of 1e9 loads, against one another, then balance anything.
   test::Random random(3);
@@ -155,7 +155,6 @@ TEST(Planted, CheckRefutesWhatOnlyReactionsAgainstEachOtherBalance) {
     for (const double gap : {0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8}) {
       std::vector<double> x = closed;
       for (double& coordinate : x) coordinate += random.uniform(-gap, gap);
-      EXPECT_FALSE(check(sample.model, x).is_equilibrium()) << gap;
       const Certificate proof = certify(sample.model, x);
       EXPECT_TRUE(!proof.confirmed() || proof.moved > 1e-7) << gap << ": " << proof.statement;
     }
