@@ -104,7 +104,7 @@ void declare(CLI::App& app, const std::vector<Entry>& commands) {
     examples += entry.line();
   }
   app.footer(examples +
-             "\nExit code: 0 solved and confirmed (checked, where too large for a proof),\n1 not found or not "
+             "\nExit code: 0 solved and confirmed (checked, where a proof takes too long),\n1 not found or not "
              "confirmed, 2 bad input.\n"
              "Numbers are read and shown in the units of the scene." +
              places());

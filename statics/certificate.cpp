@@ -102,6 +102,7 @@ class Certifier {
   // --- one piece
   Finding examine(const KeptEquations& kept) const;
   Finding examine_independent(const KeptEquations& kept) const;
+  int unstable_directions(const Solution& solution) const;
   Solution solve(const KeptEquations& kept, const std::vector<Ball>& from, double reach, double farthest,
                  bool rounding = false) const;
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
@@ -403,6 +404,10 @@ Finding Certifier::examine(const KeptEquations& kept) const {
   return out;
 }
 
+int Certifier::unstable_directions(const Solution& solution) const {
+  return m_.has_follower_loads() ? (solution.stiffness_sign < 0 ? 1 : 0) : solution.unstable;
+}
+
 Finding Certifier::examine_independent(const KeptEquations& kept) const {
   Finding out;
   out.kept = kept;
@@ -412,9 +417,7 @@ Finding Certifier::examine_independent(const KeptEquations& kept) const {
   else
     examine_flat(out, kept);
   out.freedoms = m_.coordinates() - static_cast<int>(kept.rows.size());
-  if (out.kind == Finding::Kind::regular) {
-    out.unstable = m_.has_follower_loads() ? (out.solution.stiffness_sign < 0 ? 1 : 0) : out.solution.unstable;
-  }
+  if (out.kind == Finding::Kind::regular) out.unstable = unstable_directions(out.solution);
   return out;
 }
 
@@ -855,6 +858,7 @@ Certificate Certifier::run() const {
     std::vector<Ball> from;
     for (const Ball& q : smaller.solution.q) from.push_back(q.midpoint());
     smaller.solution = solve(smaller.kept, from, last_reach, options_.farthest);
+    smaller.unstable = unstable_directions(smaller.solution);
     if (smaller.solution.proved && undecided_springs(smaller).empty()) {
       first.finding = std::move(smaller);
       springs.clear();

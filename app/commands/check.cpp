@@ -1,7 +1,7 @@
 #include "app/results/statics/check.hpp"
 
-#include <memory>
 #include <exception>
+#include <memory>
 #include <string>
 
 #include "app/commands/commands.hpp"

@@ -103,7 +103,7 @@ TEST(WorkPrecision, CoarseAnswersAreClaimedAndFineOnesConfirmed) {
   const WorkPrecision result = measure(model, independent, {1e-2, 1e-14});
   for (std::size_t k = 0; k < result.rows.size(); k += 2) {
     EXPECT_EQ(result.rows[k].ending, Ending::converged);
-    EXPECT_FALSE(result.rows[k].confirmed) << "the check has its own bounds, not those of the run";
+    EXPECT_FALSE(result.rows[k].confirmed) << "it ended too far from the equilibrium";
     EXPECT_GT(result.rows[k].error.value(), 1e-7);
     EXPECT_TRUE(result.rows[k + 1].confirmed);
     EXPECT_LT(result.rows[k + 1].error.value(), 1e-14);

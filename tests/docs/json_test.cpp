@@ -257,6 +257,7 @@ TEST(JsonDocs, Solve) {
                  {{"solve", scene("four_bar_torsion")}},
                  {{"solve", scene("hard/follower_four_bar"), "--method", "energy"}},
                  {{"solve", scene("lift")}},
+                 {{"solve", scene("hard/balanced_lamp")}},
                  {{"solve", folder.write("plate.toml", plate)}}},
                 Shared::all);
 }

@@ -214,7 +214,7 @@ Result work_precision_result(const StaticModel& model, const WorkPrecision& stud
   if (!methods.empty()) {
     content.note("error: largest of all coordinates (rad, or length over size) from the nearest equilibrium",
                  Tone::faint);
-    content.note("too coarse: claimed by the solver, not within the bounds of the check", Tone::faint);
+    content.note("too coarse: claimed by the solver, too far from an equilibrium for a proof", Tone::faint);
   }
   add_data(content, study);
   content.list("left_out", "Left out of statics", model.layout().dropped);
