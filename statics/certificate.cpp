@@ -695,8 +695,10 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
     case Finding::Kind::neutral:
       out.outcome = Outcome::neutral;
       out.stability = f.unstable > 0 ? Stability::unstable : Stability::neutral;
-      out.statement = fmt::format("equilibrium at any value of {}; across these exactly one within {}",
-                                  first_of(out.neutral_coordinates), in_words(out.radius));
+      out.statement = "equilibrium at any value of " + first_of(out.neutral_coordinates);
+      if (out.neutral_coordinates.size() < out.x.size()) {
+        out.statement += "; across these exactly one within " + in_words(out.radius);
+      }
       break;
     default:
       out.outcome = Outcome::degenerate;
