@@ -159,8 +159,9 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
     for (std::size_t i = 0; i < n; ++i) {
       out.reach[i] = unknown_[i] < 0 ? 0.0 : reach * std::max(1.0, std::abs(out.q[i].middle()));
     }
-    const auto matrix = std::make_shared<solvers::RegularSet>(
-        unknowns(), symmetric, entries(widened(out.q, out.reach), widened(out.y, y_reach)));
+    std::vector<Ball> box = widened(out.q, out.reach);
+    const auto matrix =
+        std::make_shared<solvers::RegularSet>(unknowns(), symmetric, entries(box, widened(out.y, y_reach)));
     out.matrix = matrix;
     const bool regular = matrix->regular();
     if (!matrix->center().regular()) return out;
@@ -199,6 +200,7 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
       out.q = std::move(next_q);
       out.y = std::move(next_y);
       out.reach = std::move(left);
+      out.box = std::move(box);
       out.proved = true;
       out.unstable = matrix->negative() - static_cast<int>(kept_.rows.size());
       // det [K J^T; J 0] = (-1)^rows det(J J^T) det(Z^T K Z).

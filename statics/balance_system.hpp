@@ -58,6 +58,7 @@ class BalanceSystem {
     std::vector<Ball> q;        ///< all coordinates, held ones exact
     std::vector<Ball> y;        ///< per kept row
     std::vector<double> reach;  ///< per coordinate, from q
+    std::vector<Ball> box;      ///< where the matrices were enclosed; it contains all within `reach` of q
     int unstable = 0;           ///< negative eigenvalues of the reduced Hessian; only without follower loads
     int stiffness_sign = 1;     ///< of the determinant of the reduced stiffness
     std::shared_ptr<const solvers::RegularSet> matrix;

@@ -727,7 +727,7 @@ std::vector<int> Certifier::undecided_springs(const Finding& finding) const {
   std::vector<Ball> box = start();
   const bool found = finding.kind != Finding::Kind::none;
   for (std::size_t i = 0; i < box.size(); ++i) {
-    box[i] = found ? finding.solution.q[i].widened(finding.solution.reach[i]) : box[i].widened(touched);
+    box[i] = found ? finding.solution.box[i] : box[i].widened(touched);
   }
   const std::vector<Ball> g = BalanceSystem(*balls_, finding.kept).measures(box);
   std::erase_if(one_way, [&](int e) {

@@ -745,6 +745,21 @@ TEST(OneWaySprings, AreExaminedOnBothSidesOfTheirLimit) {
 }
 
 // A standing arm held back by a rope that is just taut: to one side the rope holds it, to the other it falls.
+// A standing arm, V = 8 cos(q), with a spring that acts below -e only, V += 5 (q + e)^2: q = 0 falls, and beside it the
+// arm stands on the spring at q = -10 e / (10 - 8) = -5 e.
+TEST(OneWaySprings, JustBesideTheirLimitCountOnTheirOwnSide) {
+  const StaticModel model = model_of(
+      "gravity = [-8, 0]\n[ground]\npoints = { O = [0, 0] }\n[body.arm]\npoints = { O = [0, 0], P = [1, 0] }\n"
+      "mass = 1\ncenter = [1, 0]\n[[pin]]\npoints = [\"ground.O\", \"arm.O\"]\n[[torsion_spring]]\nbodies = "
+      "[\"ground\", \"arm\"]\nfree_angle = -1e-13\nstiffness = 10\nacts = \"compression\"\n");
+  const Certificate standing = certify(model, {0.0});
+  expect_proved(standing, Stability::unstable, 1);
+  EXPECT_EQ(standing.x[0], 0.0);
+  const Certificate leaning = certify(model, {-5e-13});
+  expect_proved(leaning, Stability::stable, 0);
+  EXPECT_NEAR(leaning.x[0], -5e-13, 1e-25);
+}
+
 TEST(OneWaySprings, ThatHoldOneSideOnlyLeaveTheOtherUnstable) {
   for (const char* acts : {"tension", "compression"}) {
     const StaticModel model = model_of(
