@@ -13,22 +13,22 @@ class Ball {
   /// Bits of the midpoints of results, for the current thread while it lives.
   class Precision {
    public:
-    explicit Precision(long bits) : before_(bits_) { bits_ = bits; }
-    ~Precision() { bits_ = before_; }
+    explicit Precision(long bits) : before_(working_bits) { working_bits = bits; }
+    ~Precision() { working_bits = before_; }
     Precision(const Precision&) = delete;
     Precision& operator=(const Precision&) = delete;
 
    private:
     long before_;
   };
-  static long bits() { return bits_; }
+  static long bits() { return working_bits; }
 
   /// While one lives, doubles of the current thread become balls of radius half a unit in the last place (relative
   /// 2^-53): all numbers that round to them. Integers remain exact.
   class InputRounding {
    public:
-    explicit InputRounding(bool on) : before_(rounded_input_) { rounded_input_ = on; }
-    ~InputRounding() { rounded_input_ = before_; }
+    explicit InputRounding(bool on) : before_(input_is_rounded) { input_is_rounded = on; }
+    ~InputRounding() { input_is_rounded = before_; }
     InputRounding(const InputRounding&) = delete;
     InputRounding& operator=(const InputRounding&) = delete;
 
@@ -40,7 +40,7 @@ class Ball {
   // Implicit, as a double is for a double: the templates of the model mix numbers of the scene with their scalar.
   Ball(double x) : Ball() {  // NOLINT(google-explicit-constructor)
     arb_set_d(v_, x);
-    if (rounded_input_) add_half_unit();
+    if (input_is_rounded) add_half_unit();
   }
   Ball(int x) : Ball() { arb_set_si(v_, x); }  // NOLINT(google-explicit-constructor)
   Ball(const Ball& a) : Ball() { arb_set(v_, a.v_); }
@@ -65,19 +65,19 @@ class Ball {
     return out;
   }
   Ball& operator+=(const Ball& a) {
-    arb_add(v_, v_, a.v_, bits_);
+    arb_add(v_, v_, a.v_, working_bits);
     return *this;
   }
   Ball& operator-=(const Ball& a) {
-    arb_sub(v_, v_, a.v_, bits_);
+    arb_sub(v_, v_, a.v_, working_bits);
     return *this;
   }
   Ball& operator*=(const Ball& a) {
-    arb_mul(v_, v_, a.v_, bits_);
+    arb_mul(v_, v_, a.v_, working_bits);
     return *this;
   }
   /// this -= a b.
-  void subtract_product(const Ball& a, const Ball& b) { arb_submul(v_, a.v_, b.v_, bits_); }
+  void subtract_product(const Ball& a, const Ball& b) { arb_submul(v_, a.v_, b.v_, working_bits); }
 
   /// Equality, order: true only where it holds for all numbers of the balls.
   friend bool operator==(const Ball& a, const Ball& b) { return arb_eq(a.v_, b.v_) != 0; }
@@ -88,7 +88,7 @@ class Ball {
 
   friend Ball sqrt(const Ball& a) {
     Ball out;
-    arb_sqrt(out.v_, a.v_, bits_);
+    arb_sqrt(out.v_, a.v_, working_bits);
     return out;
   }
   friend Ball abs(const Ball& a) {
@@ -96,15 +96,15 @@ class Ball {
     arb_abs(out.v_, a.v_);
     return out;
   }
-  friend void sin_cos(const Ball& a, Ball& sine, Ball& cosine) { arb_sin_cos(sine.v_, cosine.v_, a.v_, bits_); }
+  friend void sin_cos(const Ball& a, Ball& sine, Ball& cosine) { arb_sin_cos(sine.v_, cosine.v_, a.v_, working_bits); }
   friend Ball sin(const Ball& a) {
     Ball out;
-    arb_sin(out.v_, a.v_, bits_);
+    arb_sin(out.v_, a.v_, working_bits);
     return out;
   }
   friend Ball cos(const Ball& a) {
     Ball out;
-    arb_cos(out.v_, a.v_, bits_);
+    arb_cos(out.v_, a.v_, working_bits);
     return out;
   }
 
@@ -117,7 +117,7 @@ class Ball {
   /// The smallest ball that contains both.
   static Ball of_both(const Ball& a, const Ball& b) {
     Ball out;
-    arb_union(out.v_, a.v_, b.v_, bits_);
+    arb_union(out.v_, a.v_, b.v_, working_bits);
     return out;
   }
   /// The double nearest to the midpoint.
@@ -141,14 +141,14 @@ class Ball {
   template <class Operation>
   static Ball by(Operation operation, const Ball& a, const Ball& b) {
     Ball out;
-    operation(out.v_, a.v_, b.v_, bits_);
+    operation(out.v_, a.v_, b.v_, working_bits);
     return out;
   }
 
   void add_half_unit();
 
-  inline static thread_local long bits_ = 128;
-  inline static thread_local bool rounded_input_ = false;
+  inline static thread_local long working_bits = 128;
+  inline static thread_local bool input_is_rounded = false;
   arb_t v_;
 };
 

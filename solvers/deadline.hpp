@@ -9,20 +9,20 @@ namespace poise::solvers {
 class Deadline {
  public:
   explicit Deadline(double seconds)
-      : before_(end_),
+      : before_(current_end),
         end_of_this_(std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                                             std::chrono::duration<double>(seconds))) {
-    end_ = &end_of_this_;
+    current_end = &end_of_this_;
   }
-  ~Deadline() { end_ = before_; }
+  ~Deadline() { current_end = before_; }
   Deadline(const Deadline&) = delete;
   Deadline& operator=(const Deadline&) = delete;
 
-  static bool passed() { return end_ != nullptr && std::chrono::steady_clock::now() > *end_; }
+  static bool passed() { return current_end != nullptr && std::chrono::steady_clock::now() > *current_end; }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
-  inline static thread_local const Time* end_ = nullptr;
+  inline static thread_local const Time* current_end = nullptr;
 
   const Time* before_;
   Time end_of_this_;

@@ -841,7 +841,7 @@ Certifier::Settled Certifier::settle() const {
     for (std::size_t k = 0; k < contact.size(); ++k) {
       if ((set >> k & 1U) != 0) active.push_back(contact[k]);
     }
-    const Settled other = settle(active);
+    Settled other = settle(active);
     if (other.consistent) return other;
   }
   const Settled paired = settle(find_active_stops(true));
