@@ -10,6 +10,7 @@
 #include "benchmarks/yardstick_inputs.hpp"
 #include "comparison/series.hpp"
 #include "solvers/newton.hpp"
+#include "statics/certificate.hpp"
 #include "statics/check.hpp"
 #include "statics/reference.hpp"
 
@@ -83,6 +84,12 @@ void check_equilibrium(benchmark::State& state, Make make) {
   for (auto _ : state) benchmark::DoNotOptimize(check(model, x));
 }
 
+void certify_equilibrium(benchmark::State& state, Make make) {
+  const StaticModel model(make());
+  const std::vector<double> x = equilibrium(model);
+  for (auto _ : state) benchmark::DoNotOptimize(certify(model, x));
+}
+
 void fifty_digits(benchmark::State& state, Make make) {
   const StaticModel model(make());
   const std::vector<double> x = equilibrium(model);
@@ -104,6 +111,10 @@ BENCHMARK_CAPTURE(analyse, four_bar, thesis_four_bar)->Name("analyse/four_bar");
 BENCHMARK_CAPTURE(analyse, chain, chain_1000)->Name("analyse/chain_1000")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(check_equilibrium, four_bar, thesis_four_bar)->Name("check/four_bar")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(check_equilibrium, chain, chain_100)->Name("check/chain_100")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(certify_equilibrium, four_bar, thesis_four_bar)
+    ->Name("certify/four_bar")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(certify_equilibrium, chain, chain_100)->Name("certify/chain_100")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(fifty_digits, four_bar, thesis_four_bar)
     ->Name("fifty_digits/four_bar")
     ->Unit(benchmark::kMicrosecond);

@@ -59,10 +59,11 @@ struct Ours {
   int coordinates = 0;
   int iterations = 0;
   bool right = false;
-  double search = 0.0;      // s: Newton constructed before
-  double model = 0.0;       // s: compiling the scene
-  double everything = 0.0;  // s: compiling, closing loops, analysis, search, check
-  double by_hand = 0.0;     // s: the chain; for a ladder as many four-bars as it has windows
+  double search = 0.0;       // s: Newton constructed before
+  double model = 0.0;        // s: compiling the scene
+  double everything = 0.0;   // s: compiling, closing loops, analysis, search, check
+  double certificate = 0.0;  // s: of the result, the scene compiled in ball arithmetic before
+  double by_hand = 0.0;      // s: the chain; for a ladder as many four-bars as it has windows
   double scene_peak = 0.0;
   double model_peak = 0.0;
   double search_peak = 0.0;
@@ -103,7 +104,7 @@ bool is_right(Series series, const StaticModel& model, const std::vector<double>
     const auto off = [](double a, double b) { return std::abs(std::remainder(a + b + M_PI, 2 * M_PI)); };
     worst = std::max({worst, off(x[i], x[i + 1]), off(x[i + 2], x[i + 3])});
   }
-  return worst <= error && check(model, x).stability == Stability::stable;
+  return worst <= error && certify(model, x).stability == Stability::stable;
 }
 
 Ours measure_ours(const Subject& subject, int size) {
@@ -139,6 +140,7 @@ Ours measure_ours(const Subject& subject, int size) {
     });
   }
   const std::vector<double> seconds = race(works);
+  out.certificate = seconds_of([&] { certify(model, equilibrium.reached); }, 1);
   out.search = seconds[0];
   out.model = seconds[1];
   out.everything = seconds[2];
@@ -269,6 +271,11 @@ void print_limits(const Subject& subject, const Shown& shown) {
                 per_coordinate(to->search_peak, least.search_peak, more), memory_limit, "B");
     print_limit("  with check and reactions", per_coordinate(to->whole_peak, least.whole_peak, more), memory_limit,
                 "B");
+  }
+  for (const auto& [size, limit] : {std::pair{100, 10.0}, std::pair{10000, 2000.0}}) {
+    if (const Ours* ours = at(shown, size); ours != nullptr) {
+      print_limit(fmt::format("certificate of {} {}s", size, subject.element), 1e3 * ours->certificate, limit, "ms");
+    }
   }
   if (subject.series == Series::chain && to != nullptr)
     print_limit(fmt::format("search of {} links over the Newton by hand", judged_to), to->search / to->by_hand,
