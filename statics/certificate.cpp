@@ -248,7 +248,19 @@ std::vector<ActiveStop> Certifier::find_active_stops(bool pairs) const {
       both.push_back(candidates[i]);
     }
   }
-  const Eigen::VectorXd force = solvers::nonnegative_least_squares(prevents, -(z.transpose() * point.force).eval());
+  // The others share what load the pairs leave.
+  Eigen::MatrixXd held(static_cast<Eigen::Index>(std::count(paired.begin(), paired.end(), 1)), z.cols());
+  for (Eigen::Index k = 0, row = 0; k < prevents.cols(); ++k) {
+    if (paired[static_cast<std::size_t>(k)] != 0) held.row(row++) = prevents.col(k).transpose();
+  }
+  const Eigen::MatrixXd free = held.rows() > 0 ? solvers::null_space<double>(held, solvers::known_to::solution)
+                                               : Eigen::MatrixXd::Identity(z.cols(), z.cols());
+  Eigen::MatrixXd left = free.transpose() * prevents;
+  for (Eigen::Index k = 0; k < left.cols(); ++k) {
+    if (left.col(k).norm() <= solvers::known_to::solution * prevents.col(k).norm()) left.col(k).setZero();
+  }
+  const Eigen::VectorXd force =
+      solvers::nonnegative_least_squares(left, -(free.transpose() * z.transpose() * point.force).eval());
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (paired[k] == 0 && force[static_cast<Eigen::Index>(k)] > 0.0) both.push_back(candidates[k]);
   }
