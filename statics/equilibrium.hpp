@@ -22,7 +22,7 @@ enum class Seek {
 enum class Status {
   not_solved,
   confirmed,       ///< the certificate proves an equilibrium at the result
-  checked,         ///< free-body statics finds it in balance, but the mechanism is too large for a proof
+  checked,         ///< free-body statics finds it in balance, but a proof would take too long
   not_confirmed,   ///< the solver claims success and nothing could be proved
   not_found,       ///< the search failed, or its result is an equilibrium of the wrong kind
   not_applicable,  ///< the method does not apply: a load without potential in the energy method, too many coordinates
