@@ -25,20 +25,10 @@
 namespace poise {
 namespace {
 
+using test::coordinates_at;
 using test::dataset;
+using test::model_of;
 using Pose = std::map<std::string, double>;
-
-StaticModel model_of(const std::string& text) { return StaticModel(parse_scene(text, "test.toml")); }
-
-// Scaled coordinates from values in SI by the names of the coordinates; all others zero.
-std::vector<double> at(const StaticModel& model, const Pose& values) {
-  std::vector<double> q(model.mechanism().coordinates(), 0.0);
-  for (int i = 0; i < model.layout().kept; ++i) {
-    const auto value = values.find(model.layout().coordinates[i].name);
-    if (value != values.end()) q[i] = value->second;
-  }
-  return model.from_si(q);
-}
 
 // A scaled coordinate in SI, without rounding.
 Real50 in_si(const StaticModel& model, const std::vector<double>& x, int i) {
@@ -46,7 +36,9 @@ Real50 in_si(const StaticModel& model, const std::vector<double>& x, int i) {
   return i < model.layout().angles ? Real50(x[i]) : (Real50(x[i]) + coordinate.origin) * model.scales().length;
 }
 
-Certificate certified(const StaticModel& model, const Pose& values) { return certify(model, at(model, values)); }
+Certificate certified(const StaticModel& model, const Pose& values) {
+  return certify(model, coordinates_at(model, values));
+}
 
 void expect_proved(const Certificate& proof, Stability stability, int unstable) {
   EXPECT_EQ(to_string(proof.outcome), "proved") << proof.statement;
@@ -371,7 +363,7 @@ TEST_P(Folds, AreProvedOnTheirNearSideAndNeverConfirmedBeyond) {
       EXPECT_FALSE(proof.confirmed()) << proof.statement;
     }
     for (const Method method : {Method::virtual_work, Method::energy}) {
-      const Equilibrium found = solve(far_side, at(far_side, {{"rail", at_fold}}), {.method = method});
+      const Equilibrium found = solve(far_side, coordinates_at(far_side, {{"rail", at_fold}}), {.method = method});
       // On the other side of the point of the truss there is one more.
       EXPECT_TRUE(!found.found() || test::travel_of(far_side, found.x, "rail") < 0.0) << found.certificate.statement;
     }
@@ -502,7 +494,7 @@ TEST(Neutral, ABalancedArmAtEveryAngle) {
       EXPECT_EQ(proof.neutral_directions, 1);
       EXPECT_EQ(proof.unstable_directions, 0);
       EXPECT_EQ(proof.neutral_coordinates, std::vector<std::string>{"arm"});
-      EXPECT_EQ(proof.x, at(*model, {{"arm", angle}})) << "it stays where it is";
+      EXPECT_EQ(proof.x, coordinates_at(*model, {{"arm", angle}})) << "it stays where it is";
     }
   }
 }
@@ -703,7 +695,8 @@ TEST(StopsOf, AStandingArmHeldFromBothSidesIsLocked) {
     EXPECT_TRUE(proof.confirmed()) << proof.statement;
     EXPECT_EQ(to_string(proof.stability), "stable");
     EXPECT_TRUE(proof.locked);
-    const Equilibrium found = solve(model, at(model, {{"arm", 0.0}}), test::by(Method::virtual_work, Seek::stable));
+    const Equilibrium found =
+        solve(model, coordinates_at(model, {{"arm", 0.0}}), test::by(Method::virtual_work, Seek::stable));
     EXPECT_TRUE(found.found()) << found.why;
   }
 }

@@ -23,21 +23,11 @@
 namespace poise {
 namespace {
 
+using test::coordinates_at;
+using test::model_of;
 using test::reaction_of;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-StaticModel model_of(const std::string& text) { return StaticModel(parse_scene(text, "test.toml")); }
-
-// Scaled coordinates from values in SI by the names of the coordinates; all others zero.
-std::vector<double> at(const StaticModel& model, const std::map<std::string, double>& values) {
-  std::vector<double> q(model.mechanism().coordinates(), 0.0);
-  for (int i = 0; i < model.layout().kept; ++i) {
-    const auto value = values.find(model.layout().coordinates[i].name);
-    if (value != values.end()) q[i] = value->second;
-  }
-  return model.from_si(q);
-}
 
 void expect_vector(Vec2 found, Vec2 expected, double tolerance) {
   EXPECT_NEAR(found.x, expected.x, tolerance);
@@ -118,8 +108,8 @@ TEST(Check, NamesTheBodyOutOfBalance) {
     points = ["ground.R", "right.O"]
   )");
   const double down = -M_PI_2;
-  EXPECT_TRUE(check(model, at(model, {{"left", down}, {"right", down}})).is_equilibrium());
-  const Check moved = check(model, at(model, {{"left", down}, {"right", down + 1e-3}}));
+  EXPECT_TRUE(check(model, coordinates_at(model, {{"left", down}, {"right", down}})).is_equilibrium());
+  const Check moved = check(model, coordinates_at(model, {{"left", down}, {"right", down + 1e-3}}));
   EXPECT_EQ(moved.worst_body, "right");
   EXPECT_TRUE(moved.closed);
   EXPECT_FALSE(moved.balanced);
@@ -149,7 +139,7 @@ TEST(Check, NamesTheStopThatIsOverrun) {
     bodies = ["ground", "arm"]
     min = -1
   )");
-  const Check check = poise::check(model, at(model, {{"arm", -M_PI_2}}));
+  const Check check = poise::check(model, coordinates_at(model, {{"arm", -M_PI_2}}));
   EXPECT_FALSE(check.stops_kept);
   EXPECT_FALSE(check.is_equilibrium());
   EXPECT_EQ(check.worst_stop, "low");
@@ -193,7 +183,7 @@ TEST(Check, ObjectsToForcesThatOverflow) {
     for (Element& element : scene.elements) std::get<LinearSpring>(element.law).stiffness *= 1e308;
     const StaticModel model(scene);
     for (const double angle : {0.0, 0.3, 0.92729521800161223, -M_PI_2, M_PI}) {
-      const Check check = poise::check(model, at(model, {{"arm", angle}}));
+      const Check check = poise::check(model, coordinates_at(model, {{"arm", angle}}));
       EXPECT_FALSE(check.is_equilibrium());
       EXPECT_TRUE(contains(check.objection, "overflow")) << check.objection;
     }
@@ -234,7 +224,7 @@ TEST(Reactions, LeverHangingOnASpring) {
     stiffness = 100
     free_length = 2.85
   )");
-  const Check check = poise::check(model, at(model, {{"lever", 0.0}}));
+  const Check check = poise::check(model, coordinates_at(model, {{"lever", 0.0}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   const Reaction& hinge = reaction_of(check, "hinge");
   EXPECT_EQ(hinge.kind, "pin");
@@ -260,9 +250,10 @@ TEST(Reactions, ChangeSignWithTheOrderOfTheBodies) {
     points = )";
   const StaticModel forth = model_of(arm + "[\"ground.O\", \"arm.O\"]\n");
   const StaticModel back = model_of(arm + "[\"arm.O\", \"ground.O\"]\n");
-  expect_vector(reaction_of(check(forth, at(forth, {{"arm", -M_PI_2}})), "hinge").force, {0.0, 20.0}, 1e-12);
-  expect_vector(reaction_of(check(back, at(back, {{"arm", -M_PI_2}})), "hinge").force, {0.0, -20.0}, 1e-12);
-  expect_vector(reaction_of(check(back, at(back, {{"arm", -M_PI_2}})), "hinge").at, {1.0, 2.0}, 1e-15);
+  expect_vector(reaction_of(check(forth, coordinates_at(forth, {{"arm", -M_PI_2}})), "hinge").force, {0.0, 20.0},
+                1e-12);
+  expect_vector(reaction_of(check(back, coordinates_at(back, {{"arm", -M_PI_2}})), "hinge").force, {0.0, -20.0}, 1e-12);
+  expect_vector(reaction_of(check(back, coordinates_at(back, {{"arm", -M_PI_2}})), "hinge").at, {1.0, 2.0}, 1e-15);
 }
 
 TEST(Reactions, TwoBarTrussOnASlide) {
@@ -297,7 +288,7 @@ TEST(Reactions, TwoBarTrussOnASlide) {
       vector = [)" + std::to_string(-20 * sign) +
                                        ", 0]\n");
     const double rise = std::atan2(3.0, 4.0);
-    const Check check = poise::check(model, at(model, {{"near", rise}, {"far", -rise}, {"rail", 8.0}}));
+    const Check check = poise::check(model, coordinates_at(model, {{"near", rise}, {"far", -rise}, {"rail", 8.0}}));
     ASSERT_TRUE(check.is_equilibrium()) << check.objection;
     for (const char* bar : {"near", "far"}) {
       const Reaction& reaction = reaction_of(check, bar);
@@ -339,7 +330,7 @@ TEST(Reactions, MomentsOfAWeldAndASlide) {
     at = "arm.tip"
     vector = [0, -10]
   )");
-  const Check check = poise::check(model, at(model, {{"rail", 0.0}}));
+  const Check check = poise::check(model, coordinates_at(model, {{"rail", 0.0}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   const Reaction& weld = reaction_of(check, "joint");
   EXPECT_EQ(weld.kind, "weld");
@@ -374,7 +365,7 @@ TEST(Reactions, SlotPressesAcrossItsAxisOnly) {
                             "test.toml");
   set_value(scene, "load.H", push);
   const StaticModel model(scene);
-  const Check check = poise::check(model, at(model, {{"slot", 3.0}}));
+  const Check check = poise::check(model, coordinates_at(model, {{"slot", 3.0}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   const double normal = weight / std::cos(M_PI / 6);
   expect_vector(reaction_of(check, "slot").force, {-0.5 * normal, std::cos(M_PI / 6) * normal}, 1e-12);
@@ -413,7 +404,7 @@ TEST(Redundancy, OnlyTheDoublyGuidedCarriageIsUndetermined) {
     stiffness = 5
     free_length = 3
   )");
-  const Check check = poise::check(model, at(model, {{"left", 0.0}, {"right", 2.0}, {"bob", -M_PI_2}}));
+  const Check check = poise::check(model, coordinates_at(model, {{"left", 0.0}, {"right", 2.0}, {"bob", -M_PI_2}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   EXPECT_EQ(check.redundancy, 2);
   EXPECT_FALSE(reaction_of(check, "left").determined);
@@ -550,13 +541,13 @@ StaticModel arm_on_stop(const std::string& stop, double mass = 3.0) {
 TEST(Stops, PressWithTheMomentThatHoldsTheArm) {
   const StaticModel below =
       arm_on_stop("[[stop]]\nname = \"rest\"\nbodies = [\"ground\", \"arm\"]\nmin = 0\nmax = 2\n");
-  const Check check = poise::check(below, at(below, {{"arm", 0.0}}));
+  const Check check = poise::check(below, coordinates_at(below, {{"arm", 0.0}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   EXPECT_EQ(reaction_of(check, "rest").kind, "stop");
   EXPECT_NEAR(reaction_of(check, "rest").moment, 30.0, 1e-12);
   // With the bodies exchanged the stop is a maximum and acts on the ground.
   const StaticModel above = arm_on_stop("[[stop]]\nname = \"rest\"\nbodies = [\"arm\", \"ground\"]\nmax = 0\n");
-  const Check exchanged = poise::check(above, at(above, {{"arm", 0.0}}));
+  const Check exchanged = poise::check(above, coordinates_at(above, {{"arm", 0.0}}));
   ASSERT_TRUE(exchanged.is_equilibrium()) << exchanged.objection;
   EXPECT_NEAR(reaction_of(exchanged, "rest").moment, -30.0, 1e-12);
 }
@@ -565,7 +556,7 @@ TEST(Stops, ThatWouldHaveToPullAreNotAccepted) {
   for (const char* stop : {"[[stop]]\nname = \"rest\"\nbodies = [\"ground\", \"arm\"]\nmax = 0\n",
                            "[[stop]]\nname = \"rest\"\nbodies = [\"arm\", \"ground\"]\nmin = 0\n"}) {
     const StaticModel model = arm_on_stop(stop);
-    const Check check = poise::check(model, at(model, {{"arm", 0.0}}));
+    const Check check = poise::check(model, coordinates_at(model, {{"arm", 0.0}}));
     EXPECT_FALSE(check.is_equilibrium());
     EXPECT_TRUE(check.stops_kept);
     EXPECT_FALSE(check.balanced);
@@ -578,7 +569,7 @@ TEST(Stops, WithoutPlayHoldBothWays) {
   for (const char* bodies : {"[\"ground\", \"arm\"]", "[\"arm\", \"ground\"]"}) {
     const StaticModel model =
         arm_on_stop(std::string("[[stop]]\nname = \"lock\"\nmin = 0\nmax = 0\nbodies = ") + bodies + "\n");
-    const Check check = poise::check(model, at(model, {{"arm", 0.0}}));
+    const Check check = poise::check(model, coordinates_at(model, {{"arm", 0.0}}));
     ASSERT_TRUE(check.is_equilibrium()) << check.objection;
     EXPECT_NEAR(std::abs(reaction_of(check, "lock").moment), 30.0, 1e-12);
   }
@@ -588,7 +579,7 @@ TEST(Stops, TouchedWithoutPressureHoldNothing) {
   // Hanging straight down just at a stop: the stop carries nothing, so the degree of freedom remains.
   const StaticModel model =
       arm_on_stop(fmt::format("[[stop]]\nname = \"rest\"\nbodies = [\"ground\", \"arm\"]\nmin = {}\n", -M_PI_2));
-  const Check check = poise::check(model, at(model, {{"arm", -M_PI_2}}));
+  const Check check = poise::check(model, coordinates_at(model, {{"arm", -M_PI_2}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   for (const Reaction& reaction : check.reactions) {
     if (reaction.kind == "stop") {
@@ -608,27 +599,27 @@ std::string block_on_rail(double mass, const std::string& stop) {
 
 TEST(Stops, OfATravelPushAlongIt) {
   const StaticModel model = model_of(block_on_rail(2.0, "slide = \"rail\"\nmin = -2\nmax = 4\n"));
-  const Check check = poise::check(model, at(model, {{"rail", -2.0}}));
+  const Check check = poise::check(model, coordinates_at(model, {{"rail", -2.0}}));
   ASSERT_TRUE(check.is_equilibrium()) << check.objection;
   expect_vector(reaction_of(check, "stop").force, {0.0, 20.0}, 1e-12);
   expect_vector(reaction_of(check, "stop").at, {0.0, -2.0}, 1e-15);
-  EXPECT_FALSE(poise::check(model, at(model, {{"rail", 4.0}})).is_equilibrium());
+  EXPECT_FALSE(poise::check(model, coordinates_at(model, {{"rail", 4.0}})).is_equilibrium());
 }
 
 TEST(Stops, OfADistanceAreRopesAndProps) {
   // A rope of 7 m from above holds the block at -2: tension. A prop of 3 m from below: pressure.
   const StaticModel rope = model_of(block_on_rail(2.0, "points = [\"ground.top\", \"block.P\"]\nmax = 7\n"));
-  const Check hung = poise::check(rope, at(rope, {{"rail", -2.0}}));
+  const Check hung = poise::check(rope, coordinates_at(rope, {{"rail", -2.0}}));
   ASSERT_TRUE(hung.is_equilibrium()) << hung.objection;
   EXPECT_NEAR(reaction_of(hung, "stop").axial, 20.0, 1e-12);
   expect_vector(reaction_of(hung, "stop").force, {0.0, 20.0}, 1e-12);
   const StaticModel prop = model_of(block_on_rail(2.0, "points = [\"ground.R\", \"block.P\"]\nmin = 3\n"));
-  const Check propped = poise::check(prop, at(prop, {{"rail", 3.0}}));
+  const Check propped = poise::check(prop, coordinates_at(prop, {{"rail", 3.0}}));
   ASSERT_TRUE(propped.is_equilibrium()) << propped.objection;
   EXPECT_NEAR(reaction_of(propped, "stop").axial, -20.0, 1e-12);
   expect_vector(reaction_of(propped, "stop").force, {0.0, 20.0}, 1e-12);
   // Below the rail's origin the same prop would have to pull the block up.
-  EXPECT_FALSE(poise::check(prop, at(prop, {{"rail", -3.0}})).is_equilibrium());
+  EXPECT_FALSE(poise::check(prop, coordinates_at(prop, {{"rail", -3.0}})).is_equilibrium());
 }
 
 }  // namespace

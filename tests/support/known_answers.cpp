@@ -69,6 +69,17 @@ Scene started_at(Scene scene, const std::map<std::string, double>& guesses) {
   return scene;
 }
 
+StaticModel model_of(const std::string& text) { return StaticModel(parse_scene(text, "test.toml")); }
+
+std::vector<double> coordinates_at(const StaticModel& model, const std::map<std::string, double>& values) {
+  std::vector<double> q(model.mechanism().coordinates(), 0.0);
+  for (int i = 0; i < model.layout().kept; ++i) {
+    const auto value = values.find(model.layout().coordinates[i].name);
+    if (value != values.end()) q[i] = value->second;
+  }
+  return model.from_si(q);
+}
+
 std::vector<double> perturbed(std::vector<double> x, double reach, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-reach, reach);

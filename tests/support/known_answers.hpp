@@ -27,6 +27,12 @@ double number(const nlohmann::json& value);
 /// A scene's [start] replaced: angles of bodies (rad) and travels of joints (m) by name. Others are left as they are.
 Scene started_at(Scene scene, const std::map<std::string, double>& guesses);
 
+/// A scene given as text.
+StaticModel model_of(const std::string& text);
+
+/// Scaled coordinates from values in SI (rad, m) by the names of the coordinates; all others zero.
+std::vector<double> coordinates_at(const StaticModel& model, const std::map<std::string, double>& values);
+
 /// Scaled coordinates shifted by up to `reach` each (rad, mechanism sizes), evenly distributed, the same for the same
 /// seed.
 std::vector<double> perturbed(std::vector<double> x, double reach, unsigned seed);
