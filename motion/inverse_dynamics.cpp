@@ -133,7 +133,7 @@ class InverseDynamics {
     std::vector<int> closure_rows(m_.equalities()), stop_rows;
     std::iota(closure_rows.begin(), closure_rows.end(), 0);
     for (const int s : stops) stop_rows.push_back(m_.stop_row(s));
-    const MatrixXd basis = ReducedHessian<double>(m_, x_, closure_rows).basis;
+    const MatrixXd basis = ReducedHessian(m_, x_, closure_rows).basis;
     const MatrixXd stop_rates = (DensePoint<double>(m_, x_, stop_rows).jacobian * basis).transpose();
     MatrixXd drive_rates(basis.cols(), static_cast<Index>(additions_.drives.size()));
     const std::vector<double> none(x_.size(), 0.0);
@@ -184,7 +184,7 @@ class InverseDynamics {
     std::vector<int> rows(m_.equalities());
     std::iota(rows.begin(), rows.end(), 0);
     for (int s : pressing_) rows.push_back(m_.stop_row(s));
-    const ReducedHessian<double> free(m_, x_, rows);
+    const ReducedHessian free(m_, x_, rows);
     std::vector<Planar<double>> pose(m_.pose_size());
     m_.place(x_.data(), pose.data());
 

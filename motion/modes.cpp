@@ -143,7 +143,7 @@ class Linear {
   Linear(const MotionModel& model, const std::vector<double>& x) : model_(model) {
     const Mechanism<double>& m = model.mechanism();
     const std::vector<int> rows = holding_rows(m, x);
-    const ReducedHessian<double> reduced(m, x, rows);
+    const ReducedHessian reduced(m, x, rows);
     largest_ = reduced.largest;
     basis_ = reduced.basis;
     stiffness_ = reduced.matrix;

@@ -31,22 +31,14 @@ struct DensePoint {
 };
 
 /// Reduced Hessian  Z^T (tangent) Z  with Z an orthonormal basis of the null space of the kept rows of the Jacobian.
-template <class T>
 struct ReducedHessian {
-  using Matrix = typename DensePoint<T>::Matrix;
+  ReducedHessian(const Mechanism<double>& mechanism, const std::vector<double>& q, const std::vector<int>& rows);
 
-  ReducedHessian(const Mechanism<T>& mechanism, const std::vector<T>& q, const std::vector<int>& rows);
-
-  Matrix basis;         ///< n x degrees of freedom
-  Matrix coupling;      ///< Z^T (tangent), degrees of freedom x n
-  Matrix jacobian;      ///< of the kept rows
-  std::vector<T> kept;  ///< values of the kept rows; stops as the measure itself, not relative to their bound
-  typename DensePoint<T>::Vector force;  ///< Z^T F, the unbalanced force
-  Matrix matrix;                         ///< square, not symmetric with follower loads
-  T largest;                             ///< largest entry of the tangent, the scale of `matrix`
+  Eigen::MatrixXd basis;   ///< n x degrees of freedom
+  Eigen::MatrixXd matrix;  ///< square, not symmetric with follower loads
+  double largest;          ///< largest entry of the tangent, the scale of `matrix`
 };
 
 extern template struct DensePoint<double>;
-extern template struct ReducedHessian<double>;
 
 }  // namespace poise

@@ -46,18 +46,4 @@ typename DensePoint<T>::Matrix DensePoint<T>::tangent(const Vector& y) {
   return out;
 }
 
-template <class T>
-ReducedHessian<T>::ReducedHessian(const Mechanism<T>& mechanism, const std::vector<T>& q,
-                                  const std::vector<int>& rows) {
-  DensePoint<T> point(mechanism, q, rows);
-  const Matrix full = point.tangent(point.multipliers());
-  basis = solvers::null_space(point.jacobian, solvers::known_to::solution);
-  coupling = basis.transpose() * full;
-  matrix = coupling * basis;
-  force = basis.transpose() * point.force;
-  jacobian = point.jacobian;
-  for (int r : rows) kept.push_back(point.constraint[r]);
-  largest = full.size() > 0 ? T(full.cwiseAbs().maxCoeff()) : T(0);
-}
-
 }  // namespace poise

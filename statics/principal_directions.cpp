@@ -35,7 +35,7 @@ std::vector<CurvatureDirection> principal_directions(const StaticModel& model, c
   std::vector<int> rows(m.equalities());
   std::iota(rows.begin(), rows.end(), 0);
   for (const int stop : certificate.active_stops) rows.push_back(m.stop_row(stop));
-  const ReducedHessian<double> reduced(m, certificate.x, rows);
+  const ReducedHessian reduced(m, certificate.x, rows);
   if (reduced.matrix.size() == 0) return {};
   const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(reduced.matrix);
   const Eigen::MatrixXd directions = reduced.basis * eigen.vectors;

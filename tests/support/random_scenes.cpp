@@ -168,7 +168,7 @@ Scene curvature(Random& random) {
     const StaticModel model(scene);
     std::vector<int> rows(static_cast<std::size_t>(model.mechanism().equalities()));
     for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = static_cast<int>(r);
-    const ReducedHessian<double> reduced(model.mechanism(), model.start(), rows);
+    const ReducedHessian reduced(model.mechanism(), model.start(), rows);
     for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
       const int frame = model.layout().links[b].frame;
       if (frame < 0 || frame >= model.layout().kept) continue;
