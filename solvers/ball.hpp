@@ -112,8 +112,6 @@ class Ball {
   bool contains_zero() const { return arb_contains_zero(v_) != 0; }
   /// All of `inner` is in this ball.
   bool contains(const Ball& inner) const { return arb_contains(v_, inner.v_) != 0; }
-  /// All of `inner` is in this ball, without its two ends.
-  bool contains_inside(const Ball& inner) const { return arb_contains_interior(v_, inner.v_) != 0; }
   /// The smallest ball that contains both.
   static Ball of_both(const Ball& a, const Ball& b) {
     Ball out;

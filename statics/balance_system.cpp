@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "statics/closure_rounding.hpp"
+
 namespace poise {
 namespace {
 
@@ -22,7 +24,7 @@ std::vector<Ball> widened(std::vector<Ball> values, const std::vector<double>& b
 }  // namespace
 
 BallMechanism::BallMechanism(const StaticModel& model)
-    : exact(compiled(model, false)), rounded(compiled(model, true)) {}
+    : exact(compiled(model, false)), rounded(compiled(model, true)), row_rounding(poise::row_rounding(model)) {}
 
 BalanceSystem::BalanceSystem(const BallMechanism& mechanism, KeptEquations kept, bool rounding)
     : mechanism_(mechanism.of(rounding)),
@@ -147,8 +149,7 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
   out.y = y;
   const std::size_t n = x.size();
   const bool symmetric = !mechanism_.has_follower_loads();
-  std::vector<double> y_reach(y.size());
-  out.reach.assign(n, 0.0);
+  std::vector<double> x_reach(n), y_reach(y.size());
   double last = 0.0;
   const double narrow =
       std::exp2(-static_cast<double>(Ball::bits()) / 2);  // width of an enclosure that is sharp enough
@@ -157,9 +158,9 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
     for (const Ball& v : out.y) largest_y = std::max(largest_y, std::abs(v.middle()));
     std::fill(y_reach.begin(), y_reach.end(), reach * largest_y);
     for (std::size_t i = 0; i < n; ++i) {
-      out.reach[i] = unknown_[i] < 0 ? 0.0 : reach * std::max(1.0, std::abs(out.q[i].middle()));
+      x_reach[i] = unknown_[i] < 0 ? 0.0 : reach * std::max(1.0, std::abs(out.q[i].middle()));
     }
-    std::vector<Ball> box = widened(out.q, out.reach);
+    std::vector<Ball> box = widened(out.q, x_reach);
     const auto matrix =
         std::make_shared<solvers::RegularSet>(unknowns(), symmetric, entries(box, widened(out.y, y_reach)));
     out.matrix = matrix;
@@ -177,14 +178,12 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
     bool inside = regular;
     std::vector<Ball> next_q = out.q;
     std::vector<Ball> next_y = out.y;
-    std::vector<double> left(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) {
       if (unknown_[i] < 0) continue;
       const Ball& change = by[unknown_[i]];
       if (!change.is_finite()) return out;
       length = std::max(length, std::abs(change.middle()));
-      inside = inside && change.greatest() < out.reach[i];
-      left[i] = out.reach[i] - change.greatest();
+      inside = inside && change.greatest() < x_reach[i];
       next_q[i] -= change;
       width = std::max(width, next_q[i].radius() / std::max(1.0, std::abs(next_q[i].middle())));
       if (std::abs((next_q[i] - x[i]).middle()) > farthest) return out;
@@ -199,7 +198,6 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
     if (inside && (width < narrow || rounding_ || at_rest)) {
       out.q = std::move(next_q);
       out.y = std::move(next_y);
-      out.reach = std::move(left);
       out.box = std::move(box);
       out.proved = true;
       out.unstable = matrix->negative() - static_cast<int>(kept_.rows.size());

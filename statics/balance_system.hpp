@@ -28,6 +28,7 @@ struct BallMechanism {
 
   Mechanism<Ball> exact;
   Mechanism<Ball> rounded;
+  std::vector<double> row_rounding;  ///< of all constraint rows (statics/closure_rounding.hpp)
 
   const Mechanism<Ball>& of(bool rounding) const { return rounding ? rounded : exact; }
 };
@@ -52,15 +53,14 @@ class BalanceSystem {
   BalanceSystem(const BallMechanism& mechanism, KeptEquations kept, bool rounding = false);
 
   struct Solution {
-    /// Exactly one solution has its coordinates within `reach` of q, and it is in q, y. Every matrix of first
-    /// derivatives within that reach is regular.
+    /// Exactly one solution has its coordinates in `box`, and it is in q, y. Every matrix of first derivatives in the
+    /// box is regular.
     bool proved = false;
-    std::vector<Ball> q;        ///< all coordinates, held ones exact
-    std::vector<Ball> y;        ///< per kept row
-    std::vector<double> reach;  ///< per coordinate, from q
-    std::vector<Ball> box;      ///< where the matrices were enclosed; it contains all within `reach` of q
-    int unstable = 0;           ///< negative eigenvalues of the reduced Hessian; only without follower loads
-    int stiffness_sign = 1;     ///< of the determinant of the reduced stiffness
+    std::vector<Ball> q;     ///< all coordinates, held ones exact
+    std::vector<Ball> y;     ///< per kept row
+    std::vector<Ball> box;   ///< coordinates within `reach` of the point that q was refined to
+    int unstable = 0;        ///< negative eigenvalues of the reduced Hessian; only without follower loads
+    int stiffness_sign = 1;  ///< of the determinant of the reduced stiffness
     std::shared_ptr<const solvers::RegularSet> matrix;
   };
 
@@ -79,9 +79,7 @@ class BalanceSystem {
   /// Measures of the force elements.
   std::vector<Ball> measures(const std::vector<Ball>& x) const;
 
-  const KeptEquations& kept() const { return kept_; }
   int unknowns() const { return free_ + static_cast<int>(kept_.rows.size()); }
-  const Mechanism<Ball>& mechanism() const { return mechanism_; }
 
  private:
   struct Point {

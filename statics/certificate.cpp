@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -20,8 +19,9 @@
 namespace poise {
 namespace {
 
-// None of the numbers below decides what is claimed: they choose what is tried, in which order, and how far from the
-// answer. Every claim rests on a proof in ball arithmetic.
+// These numbers choose what is tried, in which order, and how far from the answer. What is proved is proved in ball
+// arithmetic. Change points and stability exactly at the limit of stops and springs are decided in double, with
+// margins.
 
 constexpr double touched = 1e-6;       // distance from its bound, rad or sizes, at which a stop may be active
 constexpr double first_reach = 1e-10;  // of the box in which an equilibrium is proved to be the only one
@@ -36,7 +36,6 @@ constexpr int dense_limit = 400;   // coordinates up to which ranks and spectra 
 constexpr int most_undecided = 4;  // stops and one-way springs whose state is undecided: 2^4 pieces
 constexpr double largest_gap_by_rounding = 1e-6;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double half_unit = std::numeric_limits<double>::epsilon() / 2;  // in the last place, relative
 
 // An active stop and the side on which it acts.
 struct ActiveStop {
@@ -68,17 +67,7 @@ struct Finding {
 class Certifier {
  public:
   Certifier(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options)
-      : model_(model),
-        m_(model.mechanism()),
-        options_(options),
-        x_(x),
-        balls_(&model.balls()),
-        row_rounding_(m_.constraints(), half_unit) {
-    const std::vector<double> rounding = closure_rounding(model);
-    for (const ConstraintBlock& block : m_.blocks()) {
-      for (int r = 0; r < block.rows; ++r) row_rounding_[block.first_row + r] = rounding[block.closure];
-    }
-  }
+      : model_(model), m_(model.mechanism()), options_(options), x_(x), balls_(&model.balls()) {}
 
   Certificate run() const;
 
@@ -146,12 +135,36 @@ class Certifier {
   const CertificateOptions& options_;
   std::vector<double> x_;
   const BallMechanism* balls_;
-  std::vector<double> row_rounding_;  // per constraint row: what the rounding of its numbers leaves open
 };
 
-Eigen::MatrixXd reduced_basis(const DensePoint<double>& point) {
-  return solvers::null_space(point.jacobian, solvers::known_to::closed_point);
+std::vector<Ball> midpoints(const std::vector<Ball>& balls) {
+  std::vector<Ball> out;
+  for (const Ball& b : balls) out.push_back(b.midpoint());
+  return out;
 }
+
+std::vector<double> middles(const std::vector<Ball>& balls) {
+  std::vector<double> out;
+  for (const Ball& b : balls) out.push_back(b.middle());
+  return out;
+}
+
+// In double, at a solution: the tangents Z of the kept rows, and the Hessian of the Lagrangian on them.
+struct TangentSpace {
+  TangentSpace(const Mechanism<double>& mechanism, const Finding& finding)
+      : x(middles(finding.solution.q)),
+        point(mechanism, x, finding.kept.rows),
+        basis(solvers::null_space(point.jacobian, solvers::known_to::closed_point)) {
+    const std::vector<double> y = middles(finding.solution.y);
+    const auto rows = static_cast<Eigen::Index>(y.size());
+    hessian = basis.transpose() * point.tangent(Eigen::VectorXd::Map(y.data(), rows)) * basis;
+  }
+
+  std::vector<double> x;
+  DensePoint<double> point;
+  Eigen::MatrixXd basis;
+  Eigen::MatrixXd hessian;
+};
 
 std::string in_words(double radius) {
   return (radius == 0.0 ? "0" : fmt::format("{:.1e}", radius)) + " (rad, or length over size)";
@@ -273,10 +286,11 @@ BalanceSystem::Solution Certifier::solve(const KeptEquations& kept, const std::v
                                          double farthest, bool rounding) const {
   const std::optional<std::vector<Ball>> y = BalanceSystem(*balls_, kept).multipliers(from);
   if (!y) return {};
-  Solution out = BalanceSystem(*balls_, kept, rounding).prove(from, *y, reach, farthest);
+  const BalanceSystem system(*balls_, kept, rounding);
+  Solution out = system.prove(from, *y, reach, farthest);
   // The rounding of the scene's numbers may move it farther than the box reaches.
   for (double wider = 100 * reach; rounding && !out.proved && wider < farthest; wider *= 100) {
-    out = BalanceSystem(*balls_, kept, rounding).prove(from, *y, wider, farthest);
+    out = system.prove(from, *y, wider, farthest);
   }
   return out;
 }
@@ -290,7 +304,7 @@ std::vector<int> Certifier::dependent_rows(const KeptEquations& kept, double tol
   const Eigen::Index rows = point.jacobian.rows();
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(point.jacobian.cols() + 1, rows + 1);
   for (Eigen::Index k = 0; k < rows; ++k) {
-    const double numbers = row_rounding_[kept.rows[static_cast<std::size_t>(k)]] / half_unit;
+    const double numbers = balls_->row_rounding[kept.rows[static_cast<std::size_t>(k)]] / half_unit;
     a.col(k).head(point.jacobian.cols()) = point.jacobian.row(k).transpose() / std::max(numbers, half_unit);
   }
   a(point.jacobian.cols(), rows) = 1.0;
@@ -311,12 +325,12 @@ KeptEquations without(KeptEquations kept, const std::vector<int>& dropped) {
 
 // Coordinates that may be chosen freely while the kept rows determine the others.
 std::vector<int> Certifier::free_coordinates(const KeptEquations& kept) const {
-  const DensePoint<double> point(m_, x_, kept.rows);
   if (kept.rows.empty()) {
     std::vector<int> all(m_.coordinates());
     std::iota(all.begin(), all.end(), 0);
     return all;
   }
+  const DensePoint<double> point(m_, x_, kept.rows);
   const auto [rank, order] = solvers::pivot_order<double>(point.jacobian, nearly_dependent);
   return {order.begin() + rank, order.end()};
 }
@@ -326,31 +340,26 @@ std::vector<int> Certifier::free_coordinates(const KeptEquations& kept) const {
 bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all,
                                  double* spread) const {
   const std::vector<Ball> none(all.rows.size());
-  std::vector<Ball> exactly;
-  std::vector<double> x;
-  for (const Ball& q : at.q) {
-    exactly.push_back(q.midpoint());
-    x.push_back(q.middle());
-  }
-  const BalanceSystem system(*balls_, all);
-  const std::vector<Ball> value = system.residual(at.q, none);
-  const std::vector<Ball> rounded = BalanceSystem(*balls_, all, true).residual(exactly, none);
+  const std::vector<double> x = middles(at.q);
+  const std::vector<Ball> value = BalanceSystem(*balls_, all).residual(at.q, none);
+  const std::vector<Ball> rounded = BalanceSystem(*balls_, all, true).residual(midpoints(at.q), none);
   const std::size_t first = value.size() - all.rows.size();
   const DensePoint<double> whole(m_, x, all.rows);
   const DensePoint<double> part(m_, x, kept.rows);
+  const auto rounding_of = [&](std::size_t r) {
+    return std::max(rounded[first + r].radius(), balls_->row_rounding[all.rows[r]]);
+  };
   Eigen::VectorXd kept_rounding(static_cast<Eigen::Index>(kept.rows.size()));
-  double open = 0.0;
+  std::vector<std::size_t> dropped;
   for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
-    if (k < kept.rows.size() && kept.rows[k] == all.rows[r]) {
-      kept_rounding[static_cast<Eigen::Index>(k++)] = std::max(rounded[first + r].radius(), row_rounding_[all.rows[r]]);
-    }
+    if (k < kept.rows.size() && kept.rows[k] == all.rows[r])
+      kept_rounding[static_cast<Eigen::Index>(k++)] = rounding_of(r);
+    else
+      dropped.push_back(r);
   }
-  for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
-    if (k < kept.rows.size() && kept.rows[k] == all.rows[r]) {
-      ++k;
-      continue;
-    }
-    double allowed = std::max(rounded[first + r].radius(), row_rounding_[all.rows[r]]);
+  double open = 0.0;
+  for (const std::size_t r : dropped) {
+    double allowed = rounding_of(r);
     if (!kept.rows.empty()) {
       const Eigen::VectorXd share = solvers::minimum_norm_solution<double>(
           part.jacobian.transpose(), whole.jacobian.row(static_cast<Eigen::Index>(r)).transpose());
@@ -375,8 +384,7 @@ bool Certifier::repeat_everywhere(const KeptEquations& kept, const Solution& at,
   held.held = free_coordinates(kept);
   int shown = 0;
   for (const double aside : {1e-3, -1e-2, 0.05}) {
-    std::vector<Ball> from;
-    for (const Ball& q : at.q) from.push_back(q.midpoint());
+    std::vector<Ball> from = midpoints(at.q);
     double sign = 1.0;
     for (const int i : held.held) {
       from[i] += Ball(aside * sign);
@@ -433,10 +441,7 @@ Finding Certifier::examine_independent(const KeptEquations& kept) const {
   return out;
 }
 
-// A configuration where the closures lose rank, with an equilibrium of the kept rows alone: the motions are those
-// tangent to the set where a dropped row t vanishes to second order, z^T T z = 0 on the tangents z of the kept rows.
-// The energy grows along all of them if H + nu T is positive definite for some nu, and not if for one dropped row it is
-// indefinite for all nu (Finsler's lemma).
+// How far the rows are open at x in some scene whose numbers round to those of the scene.
 double Certifier::open_by_rounding(const KeptEquations& all, const std::vector<double>& x) const {
   const std::vector<Ball> rounded =
       BalanceSystem(*balls_, all, true).residual({x.begin(), x.end()}, std::vector<Ball>(all.rows.size()));
@@ -447,19 +452,19 @@ double Certifier::open_by_rounding(const KeptEquations& all, const std::vector<d
   return widest;
 }
 
+// A configuration where the closures lose rank, with an equilibrium of the kept rows alone: the motions are those
+// tangent to the set where a dropped row t vanishes to second order, z^T T z = 0 on the tangents z of the kept rows.
+// The energy grows along all of them if H + nu T is positive definite for some nu, and not if for one dropped row it is
+// indefinite for all nu (Finsler's lemma).
 void Certifier::examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const {
   finding.kind = Finding::Kind::degenerate;
   finding.degenerate = Stability::unknown;
   finding.singular = true;
   finding.why = "the closures lose rank here (a change point)";
   if (m_.has_follower_loads() || m_.coordinates() > dense_limit) return;
-  std::vector<double> x;
-  for (const Ball& q : finding.solution.q) x.push_back(q.middle());
-  DensePoint<double> point(m_, x, finding.kept.rows);
-  const Eigen::MatrixXd z = reduced_basis(point);
-  Eigen::VectorXd y(static_cast<Eigen::Index>(finding.solution.y.size()));
-  for (Eigen::Index k = 0; k < y.size(); ++k) y[k] = finding.solution.y[static_cast<std::size_t>(k)].middle();
-  const Eigen::MatrixXd h = z.transpose() * point.tangent(y) * z;
+  const TangentSpace tangents(m_, finding);
+  const Eigen::MatrixXd& z = tangents.basis;
+  const Eigen::MatrixXd& h = tangents.hessian;
   const double scale = h.size() > 0 ? std::max(1.0, h.cwiseAbs().maxCoeff()) : 1.0;
   const auto least = [](const Eigen::MatrixXd& a) { return solvers::symmetric_eigenvalues<double>(a)[0]; };
   constexpr double margin = 1e-7;
@@ -469,11 +474,11 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
   }
   if (dropped.size() != 1) return;
   // T: second derivatives of the dropped row, with the multipliers that cancel its gradient.
-  DensePoint<double> whole(m_, x, all.rows);
+  DensePoint<double> whole(m_, tangents.x, all.rows);
   const Eigen::VectorXd gradient = whole.jacobian.row(dropped.front()).transpose();
-  const Eigen::VectorXd cancel = finding.kept.rows.empty()
-                                     ? Eigen::VectorXd()
-                                     : solvers::minimum_norm_solution<double>(point.jacobian.transpose(), -gradient);
+  const Eigen::VectorXd cancel = finding.kept.rows.empty() ? Eigen::VectorXd()
+                                                           : solvers::minimum_norm_solution<double>(
+                                                                 tangents.point.jacobian.transpose(), -gradient);
   Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.rows.size()));
   multipliers[dropped.front()] = 1.0;
   for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
@@ -485,7 +490,7 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
   const double size = t.cwiseAbs().maxCoeff();
   if (size == 0.0) return;
   // Across the branches a gap of rounding is the square of a distance.
-  finding.spread = std::max(finding.spread, 4 * std::sqrt(std::max(open_by_rounding(all, x), 1e-17) / size));
+  finding.spread = std::max(finding.spread, 4 * std::sqrt(std::max(open_by_rounding(all, tangents.x), 1e-17) / size));
   double from = -1e6 * scale / size;
   double to = -from;
   for (int k = 0; k < 200; ++k) {  // the least eigenvalue is concave in nu
@@ -503,7 +508,7 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
 void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const {
   finding.why = "Newton's method did not converge to an equilibrium near the answer";
   if (m_.coordinates() > dense_limit) return;
-  const ReducedHessian<double> reduced(m_, x_, kept.rows);
+  const ReducedHessian reduced(m_, x_, kept.rows);
   if (reduced.matrix.size() == 0) return;
   const solvers::SingularValues spectrum = solvers::singular_value_decomposition(reduced.matrix);
   // Very soft directions are not neutral: those that vanish most clearly are tried first.
@@ -541,9 +546,7 @@ void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const 
     // If the scene's numbers do not determine the sign of the least curvature, the signs of the force on both sides may
     // still do.
     if (candidates.size() == 1 && !m_.has_follower_loads()) {
-      std::vector<Ball> from;
-      for (const Ball& q : finding.solution.q) from.push_back(q.midpoint());
-      if (!solve(kept, from, last_reach, options_.farthest, true).proved) {
+      if (!solve(kept, midpoints(finding.solution.q), last_reach, options_.farthest, true).proved) {
         Finding sides = finding;
         bracket(sides, kept, candidates.front(), true);
         if (sides.degenerate != Stability::unknown) finding = sides;
@@ -562,9 +565,7 @@ void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const 
 // way from there.
 bool Certifier::is_neutral(const KeptEquations& held, const Solution& at) const {
   const auto free_of_force = [&](const std::vector<Ball>& q) {
-    std::vector<Ball> from;
-    for (const Ball& v : q) from.push_back(v.midpoint());
-    const Solution near = solve(held, from, first_reach, options_.farthest, true);
+    const Solution near = solve(held, midpoints(q), first_reach, options_.farthest, true);
     if (!near.proved) return false;
     const std::vector<Ball> force = BalanceSystem(*balls_, held, true).forces(near.q, near.y);
     return std::all_of(held.held.begin(), held.held.end(), [&](int i) { return force[i].contains_zero(); });
@@ -572,8 +573,7 @@ bool Certifier::is_neutral(const KeptEquations& held, const Solution& at) const 
   if (!free_of_force(at.q)) return false;
   int shown = 0;
   for (const double aside : {1e-3, -1e-3, 0.02, -0.05, 0.2}) {
-    std::vector<Ball> from;
-    for (const Ball& q : at.q) from.push_back(q.midpoint());
+    std::vector<Ball> from = midpoints(at.q);
     double part = 1.0;
     for (const int i : held.held) {
       from[i] += Ball(aside * part);
@@ -596,8 +596,7 @@ void Certifier::bracket(Finding& finding, const KeptEquations& kept, int coordin
   const Solution middle = solve(held, start(), first_reach, options_.farthest, rounding);
   if (!middle.proved) return;
   const BalanceSystem system(*balls_, held, rounding);
-  std::vector<Ball> centre;
-  for (const Ball& q : middle.q) centre.push_back(q.midpoint());
+  const std::vector<Ball> centre = midpoints(middle.q);
   const auto sign_at = [&](const Ball& value) {
     std::vector<Ball> from = centre;
     from[coordinate] = value;
@@ -656,6 +655,14 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
     out.singular = f.singular;
     return out;
   }
+  const std::vector<double>& open = balls_->row_rounding;
+  const double widest_gap = open.empty() ? 0.0 : *std::max_element(open.begin(), open.end());
+  if (widest_gap > largest_gap_by_rounding) {
+    return deny(Outcome::not_proved,
+                fmt::format("the numbers as written do not determine the mechanism: rounded to doubles they leave its "
+                            "joints open by up to {:.1g} of its size",
+                            widest_gap));
+  }
   Certificate out;
   for (std::size_t i = 0; i < f.solution.q.size(); ++i) {
     const double middle = f.solution.q[i].middle();
@@ -675,26 +682,15 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
   for (const int i : f.neutral) out.neutral_coordinates.push_back(name(i));
   out.locked = f.freedoms <= 0;
   // Effect of the rounding of the scene's numbers, to first order.
-  const BalanceSystem rounded(*balls_, f.kept, true);
-  std::vector<Ball> x, y;
-  for (const Ball& q : f.solution.q) x.push_back(q.midpoint());
-  for (const Ball& v : f.solution.y) y.push_back(v.midpoint());
-  std::vector<Ball> residual = rounded.residual(x, y);
-  const double widest_gap = row_rounding_.empty() ? 0.0 : *std::max_element(row_rounding_.begin(), row_rounding_.end());
   if (f.solution.matrix && f.solution.matrix->regular()) {
+    const BalanceSystem rounded(*balls_, f.kept, true);
+    std::vector<Ball> residual = rounded.residual(midpoints(f.solution.q), midpoints(f.solution.y));
     for (Ball& r : residual) r = Ball(0).widened(r.radius());
     residual = f.solution.matrix->solve(std::move(residual));
     const std::size_t coordinates = residual.size() - f.kept.rows.size();
     for (std::size_t i = 0; i < coordinates; ++i) {
       out.rounding_effect = std::max(out.rounding_effect, residual[i].greatest());
     }
-  }
-  if (widest_gap > largest_gap_by_rounding) {
-    Certificate no = deny(Outcome::not_proved,
-                          fmt::format("the numbers as written do not determine the mechanism: rounded to doubles they "
-                                      "leave its joints open by up to {:.1g} of its size",
-                                      widest_gap));
-    return no;
   }
   out.singular = f.singular;
   switch (f.kind) {
@@ -869,9 +865,7 @@ Certificate Certifier::run() const {
   if (!springs.empty() && first.finding.kind == Finding::Kind::regular) {
     // A smaller box may decide.
     Finding smaller = first.finding;
-    std::vector<Ball> from;
-    for (const Ball& q : smaller.solution.q) from.push_back(q.midpoint());
-    smaller.solution = solve(smaller.kept, from, last_reach, options_.farthest);
+    smaller.solution = solve(smaller.kept, midpoints(smaller.solution.q), last_reach, options_.farthest);
     smaller.unstable = unstable_directions(smaller.solution);
     if (smaller.solution.proved && undecided_springs(smaller).empty()) {
       first.finding = std::move(smaller);
@@ -1032,27 +1026,24 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
 // H being the reduced Hessian without them and a_k the gradient of a measure; stops leave the motions with a_s.v <= 0.
 Stability Certifier::stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
                                         const std::vector<ActiveStop>& weak, bool& locked) const {
-  std::vector<double> x;
-  for (const Ball& q : loosest.solution.q) x.push_back(q.middle());
-  DensePoint<double> point(m_, x, loosest.kept.rows);
-  const Eigen::MatrixXd z = reduced_basis(point);
+  TangentSpace tangents(m_, loosest);
+  const Eigen::MatrixXd& z = tangents.basis;
+  Eigen::MatrixXd& h = tangents.hessian;
+  std::vector<Planar<double>>& pose = tangents.point.pose;
   const Eigen::Index d = z.cols();
   if (d == 0) return Stability::stable;
-  Eigen::VectorXd y(static_cast<Eigen::Index>(loosest.solution.y.size()));
-  for (Eigen::Index k = 0; k < y.size(); ++k) y[k] = loosest.solution.y[static_cast<std::size_t>(k)].middle();
-  Eigen::MatrixXd h = z.transpose() * point.tangent(y) * z;
   std::vector<Eigen::VectorXd> acting;     // a_k times the root of the stiffness, positive where the spring acts
   std::vector<Eigen::VectorXd> forbidden;  // a_s
   for (const int e : springs) {
     const LinearSpring& spring = std::get<LinearSpring>(m_.law_of(e));
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(m_.coordinates());
-    m_.add_measure_gradient(e, point.pose.data(), gradient.data());
+    m_.add_measure_gradient(e, pose.data(), gradient.data());
     const Eigen::VectorXd a = std::sqrt(spring.stiffness) * z.transpose() * gradient;
-    if (!spring.slack(m_.measure_of(e, point.pose.data()))) h -= a * a.transpose();
+    if (!spring.slack(m_.measure_of(e, pose.data()))) h -= a * a.transpose();
     acting.push_back(spring.acts == LinearSpring::Acts::tension ? a : Eigen::VectorXd(-a));
   }
   for (const ActiveStop& s : weak) {
-    const DensePoint<double> stop(m_, x, {m_.stop_row(s.stop)});
+    const DensePoint<double> stop(m_, tangents.x, {m_.stop_row(s.stop)});
     const Eigen::VectorXd a = z.transpose() * stop.jacobian.row(0).transpose();
     forbidden.push_back(s.upper ? a : Eigen::VectorXd(-a));
   }

@@ -43,4 +43,13 @@ std::vector<double> closure_rounding(const ScaledModel& model) {
   return out;
 }
 
+std::vector<double> row_rounding(const ScaledModel& model) {
+  const std::vector<double> of_closure = closure_rounding(model);
+  std::vector<double> out(model.mechanism().constraints(), half_unit);
+  for (const ConstraintBlock& block : model.mechanism().blocks()) {
+    for (int r = 0; r < block.rows; ++r) out[block.first_row + r] = of_closure[block.closure];
+  }
+  return out;
+}
+
 }  // namespace poise

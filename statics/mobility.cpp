@@ -151,16 +151,12 @@ void find_redundancy(const ScaledModel& model, Mobility& out) {
   std::vector<double> values(m.jacobian_row().size());
   m.place(out.x.data(), pose.data());
   m.jacobian(pose.data(), values.data());
-  const std::vector<double> rounding = closure_rounding(model);
-  std::vector<double> of_row(rows);
-  for (const ConstraintBlock& block : m.blocks()) {
-    for (int r = block.first_row; r < block.first_row + block.rows; ++r) of_row[r] = rounding[block.closure];
-  }
+  const std::vector<double> rounding = row_rounding(model);
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(values.size());
   for (std::size_t e = 0; e < values.size(); ++e) {
     const int row = m.jacobian_row()[e];
-    if (row >= rows || std::abs(values[e]) <= of_row[row]) continue;
+    if (row >= rows || std::abs(values[e]) <= rounding[row]) continue;
     entries.emplace_back(row, m.jacobian_column()[e], values[e]);
   }
   Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());
