@@ -1,6 +1,7 @@
 #include "solvers/ipopt.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include <IpIpoptApplication.hpp>
@@ -13,6 +14,9 @@ namespace {
 
 using Ipopt::Index;
 using Ipopt::Number;
+
+constexpr double small_step = 1e-6;        // rad or sizes
+constexpr int most_without_progress = 10;  // iterations with such steps that do not halve the error
 
 std::string in_words(Ipopt::ApplicationReturnStatus status) {
   switch (status) {
@@ -152,12 +156,22 @@ class Adapter final : public Ipopt::TNLP {
     return true;
   }
 
-  bool intermediate_callback(Ipopt::AlgorithmMode, Index iteration, Number, Number, Number, Number, Number, Number,
-                             Number, Number, Index, const Ipopt::IpoptData*,
+  bool intermediate_callback(Ipopt::AlgorithmMode mode, Index iteration, Number, Number infeasible, Number unbalanced,
+                             Number, Number step, Number, Number, Number, Index, const Ipopt::IpoptData*,
                              Ipopt::IpoptCalculatedQuantities*) override {
     result_.iterations = iteration;
-    return options_.interrupt == nullptr || !options_.interrupt->load();
+    // Where stiff springs cancel, rounding keeps the error above the tolerance, and Ipopt would go on for ever.
+    const double error = infeasible + unbalanced;
+    if (error < 0.5 * least_error_ || mode != Ipopt::RegularMode || step > small_step) {
+      least_error_ = std::min(error, least_error_);
+      without_progress_ = 0;
+    } else {
+      settled_ = ++without_progress_ >= most_without_progress;
+    }
+    return !settled_ && (options_.interrupt == nullptr || !options_.interrupt->load());
   }
+  /// It was stopped because its steps were small and the error no longer fell.
+  bool settled() const { return settled_; }
 
   void finalize_solution(Ipopt::SolverReturn, Index n, const Number* x, const Number*, const Number*, Index m,
                          const Number*, const Number* lambda, Number, const Ipopt::IpoptData*,
@@ -185,6 +199,9 @@ class Adapter final : public Ipopt::TNLP {
   Evaluation at_;
   std::vector<double> multipliers_, objective_part_;
   std::vector<int> entry_, row_, column_;
+  double least_error_ = std::numeric_limits<double>::infinity();
+  int without_progress_ = 0;
+  bool settled_ = false;
 };
 
 }  // namespace
@@ -220,9 +237,9 @@ SearchResult solve_with_ipopt(const Problem& problem, const std::vector<double>&
   }
   Ipopt::SmartPtr<Adapter> adapter = new Adapter(problem, start, options, rows, result);
   const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(adapter);
-  result.claims_success = status == Ipopt::Solve_Succeeded;
-  result.interrupted = status == Ipopt::User_Requested_Stop;
-  result.status = in_words(status);
+  result.claims_success = status == Ipopt::Solve_Succeeded || adapter->settled();
+  result.interrupted = status == Ipopt::User_Requested_Stop && !adapter->settled();
+  result.status = adapter->settled() ? "Ipopt: as near as rounding allows" : in_words(status);
   return result;
 }
 
