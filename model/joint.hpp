@@ -44,7 +44,7 @@ struct Joint {
   Kind kind = Kind::pin;
   std::string name{};  ///< as given, or "ground.O-crank.O"
   PointRef a, b;
-  Vec2 axis{1.0, 0.0};  ///< unit vector
+  Vec2 axis{1.0, 0.0};  ///< of any length: only its direction matters
   double angle = 0.0;   ///< rad
   double length = 0.0;  ///< m
   int line = 0;
@@ -53,6 +53,8 @@ struct Joint {
   bool has_travel() const { return traits().has_travel; }
   bool keeps_angle() const { return traits().keeps_angle; }
   bool keeps_length() const { return traits().keeps_length; }
+  /// The axis as a unit vector.
+  Vec2 direction() const { return poise::direction<double>(axis); }
 
   /// The numbers of this kind of joint.
   std::span<const Number> numbers() const;

@@ -474,7 +474,8 @@ class Builder {
       const Link& link = out_.links[i];
       Vec2 p = link.parent < 0 ? Vec2{} : origin[link.parent];
       for (const Arm& arm : link.arms) {
-        Vec2 term = arm.turn == 0 ? arm.arm : arm.arm * unit(out_.turns[arm.turn].to<double>());
+        Vec2 term = out_.is_length(arm.coordinate) ? direction<double>(arm.arm) : arm.arm;
+        if (arm.turn != 0) term = term * unit(out_.turns[arm.turn].to<double>());
         if (arm.coordinate >= 0) {
           const Coordinate& c = out_.coordinates[arm.coordinate];
           if (c.kind == Coordinate::Kind::angle)
@@ -591,10 +592,11 @@ std::string Coordinate::why() const {
 }
 
 void Layout::scale_lengths(double factor) {
-  const auto is_length = [&](int i) { return i >= 0 && coordinates[i].kind == Coordinate::Kind::length; };
   const auto scale = [&](std::vector<Arm>& arms) {
     for (Arm& arm : arms) {
-      if (!is_length(arm.coordinate)) arm.arm = factor * arm.arm;  // otherwise a direction
+      if (is_length(arm.coordinate)) continue;  // a direction
+      arm.arm = factor * arm.arm;
+      arm.rounding = factor * arm.rounding;
     }
   };
   for (Link& link : links) scale(link.arms);
@@ -606,6 +608,29 @@ void Layout::scale_lengths(double factor) {
   anchor = factor * anchor;
   size *= factor;
 }
+
+namespace {
+
+// The exact sum of numbers, and the sum of their roundings. Pairs of equal numbers of opposite sign are the same
+// number.
+struct RoundedSum {
+  explicit RoundedSum(std::vector<double>& terms) {
+    std::sort(terms.begin(), terms.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      if (k + 1 < terms.size() && terms[k] == -terms[k + 1]) {
+        ++k;
+        continue;
+      }
+      sum.add(terms[k]);
+      rounding += half_unit * std::abs(terms[k]);
+    }
+  }
+
+  ExactSum sum;
+  double rounding = 0.0;
+};
+
+}  // namespace
 
 std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
   std::vector<Arm> arms;
@@ -625,23 +650,25 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
     return l.coordinate != r.coordinate ? l.coordinate < r.coordinate : l.turn < r.turn;
   });
   std::vector<Arm> merged;
-  ExactSum x, y;
+  std::vector<double> xs, ys;
   for (auto arm = arms.begin(); arm != arms.end();) {
     const Arm& first = *arm;
-    x.clear();
-    y.clear();
+    xs.clear();
+    ys.clear();
     for (; arm != arms.end() && arm->coordinate == first.coordinate && arm->turn == first.turn; ++arm) {
-      x.add(arm->arm.x);
-      y.add(arm->arm.y);
+      xs.push_back(arm->arm.x);
+      ys.push_back(arm->arm.y);
     }
-    const std::size_t count = std::max(x.parts().size(), y.parts().size());
+    const RoundedSum x(xs), y(ys);
+    const std::size_t count = std::max(x.sum.parts().size(), y.sum.parts().size());
     const auto part = [&](const ExactSum& sum, std::size_t k) {
       const std::size_t missing = count - sum.parts().size();
       return k < missing ? 0.0 : sum.parts()[k - missing];
     };
     for (std::size_t k = 0; k < count; ++k) {
-      merged.push_back({first.coordinate, {part(x, k), part(y, k)}, first.turn});
+      merged.push_back({first.coordinate, {part(x.sum, k), part(y.sum, k)}, first.turn, {}});
     }
+    if (count > 0) merged.back().rounding = {x.rounding, y.rounding};
   }
   return merged;
 }

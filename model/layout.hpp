@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,16 @@ namespace poise {
 /// dynamics needs all of them.
 enum class Purpose { statics, dynamics };
 
+/// The relative rounding of a number: half a unit in the last place.
+inline constexpr double half_unit = 0x1p-53;
+
 /// One term of a position: arm exp(i turn) phi, with phi the phasor of `coordinate`, or 1 when coordinate is -1.
 struct Arm {
   int coordinate = -1;
-  Vec2 arm{};
+  Vec2 arm{};    ///< of a length coordinate: arm / |arm| is meant
   int turn = 0;  ///< index into Layout::turns
+  /// By which the components may differ because the numbers of the scene that they are sums of are rounded.
+  Vec2 rounding{half_unit * std::abs(arm.x), half_unit* std::abs(arm.y)};
 };
 
 /// A coordinate of the mechanism: the absolute angle of a frame (all bodies that slides and welds keep parallel
@@ -72,12 +78,15 @@ struct Layout {
   Vec2 anchor{};      ///< the ground point that sizes are measured from, m: the first that a joint, element, ... uses
   double size = 1.0;  ///< longest distance from the anchor through the tree to a point of a body, m
 
+  /// Of a coordinate; false of -1.
+  bool is_length(int i) const { return i >= 0 && coordinates[i].kind == Coordinate::Kind::length; }
+
   /// Changes the unit of all lengths: multiplies them by `factor`.
   void scale_lengths(double factor);
 
   /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, sorted by
   /// coordinate and turn. Arms that differ in neither are summed exactly; a sum that no double holds remains several
-  /// arms.
+  /// arms, of which the last has the rounding of all. Equal numbers of opposite sign cancel with their rounding.
   std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const;
 };
 

@@ -7,6 +7,13 @@
 
 namespace poise {
 
+/// A number in the scalar T. Scalars that enclose all numbers that round to those of a scene specialise it: `rounding`
+/// is by how much this one may differ.
+template <class T>
+T rounded_number(double value, double /*rounding*/) {
+  return static_cast<T>(value);
+}
+
 /// The phasors of a mechanism's coordinates q, n = coordinates() of them, angles first:
 ///   phi_k = exp(i q_k)                 for an angle,
 ///   phi_t = q_t exp(i q_f(t)) or q_t   for a length along a line fixed in frame f(t) or in the ground.
@@ -75,9 +82,12 @@ class Phasors {
 
   /// exp(i turn) of an index into Layout::turns.
   const Planar<T>& turned(int turn) const { return turned_[turn]; }
-  /// Coefficient  arm exp(i turn)  of an arm's phasor.
+  /// Coefficient  arm exp(i turn)  of an arm's phasor; along a length it is a unit vector.
   Planar<T> coefficient(const Arm& arm) const {
-    const Planar<T> c = planar_cast<T>(arm.arm);
+    const bool along = arm.coordinate >= 0 && !is_angle(arm.coordinate);
+    const Planar<T> c =
+        along ? direction<T>(arm.arm)
+              : Planar<T>{rounded_number<T>(arm.arm.x, arm.rounding.x), rounded_number<T>(arm.arm.y, arm.rounding.y)};
     return arm.turn == 0 ? c : c * turned_[arm.turn];
   }
 

@@ -79,4 +79,13 @@ Planar<T> unit(const T& angle) {
 
 using Vec2 = Planar<double>;
 
+/// a / |a|, computed in T; a is finite and not zero. No square over- or underflows.
+template <class T>
+Planar<T> direction(const Vec2& a) {
+  const int exponent = std::ilogb(std::abs(a.x) > std::abs(a.y) ? a.x : a.y);
+  const Planar<T> scaled = planar_cast<T>(Vec2{std::scalbn(a.x, -exponent), std::scalbn(a.y, -exponent)});
+  const T length = norm(scaled);
+  return {scaled.x / length, scaled.y / length};
+}
+
 }  // namespace poise

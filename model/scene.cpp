@@ -7,15 +7,10 @@
 namespace poise {
 namespace {
 
-/// a / |a|, divided by the larger component first so that no square over- or underflows.
-Vec2 normalised(const Vec2& a, const std::string& joint) {
-  const double larger = std::max(std::abs(a.x), std::abs(a.y));
-  if (!std::isfinite(a.x) || !std::isfinite(a.y) || larger == 0.0) {
-    throw InputError("joint \"" + joint +
-                     "\": axis: expected a finite vector that is not zero; give for example [1, 0]");
-  }
-  const Vec2 scaled{a.x / larger, a.y / larger};
-  return {scaled.x / norm(scaled), scaled.y / norm(scaled)};
+void check_axis(const Joint& joint) {
+  if (std::isfinite(joint.axis.x) && std::isfinite(joint.axis.y) && joint.axis != Vec2{}) return;
+  throw InputError("joint \"" + joint.name +
+                   "\": axis: expected a finite vector that is not zero; give for example [1, 0]");
 }
 
 }  // namespace
@@ -43,7 +38,7 @@ PointRef Scene::add_point(int body, std::string name, Vec2 at) {
 
 int Scene::add_joint(Joint joint) {
   if (joint.name.empty()) joint.name = name_of(joint.a) + "-" + name_of(joint.b);
-  if (joint.has_travel()) joint.axis = normalised(joint.axis, joint.name);
+  if (joint.has_travel()) check_axis(joint);
   joints.push_back(std::move(joint));
   start.travel.emplace_back();
   return static_cast<int>(joints.size()) - 1;

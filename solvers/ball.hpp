@@ -42,6 +42,12 @@ class Ball {
     arb_set_d(v_, x);
     if (input_is_rounded) add_half_unit();
   }
+  /// While InputRounding lives the ball of that radius, otherwise x.
+  static Ball rounded(double x, double radius) {
+    Ball out;
+    arb_set_d(out.v_, x);
+    return input_is_rounded ? out.widened(radius) : out;
+  }
   Ball(int x) : Ball() { arb_set_si(v_, x); }  // NOLINT(google-explicit-constructor)
   Ball(const Ball& a) : Ball() { arb_set(v_, a.v_); }
   Ball(Ball&& a) noexcept : Ball() { arb_swap(v_, a.v_); }

@@ -24,10 +24,14 @@ std::vector<Ball> widened(std::vector<Ball> values, const std::vector<double>& b
 }  // namespace
 
 BallMechanism::BallMechanism(const StaticModel& model)
-    : exact(compiled(model, false)), rounded(compiled(model, true)), row_rounding(poise::row_rounding(model)) {}
+    : exact(compiled(model, false)),
+      rounded(compiled(model, true)),
+      plain(model.mechanism()),
+      row_rounding(poise::row_rounding(model)) {}
 
 BalanceSystem::BalanceSystem(const BallMechanism& mechanism, KeptEquations kept, bool rounding)
     : mechanism_(mechanism.of(rounding)),
+
       kept_(std::move(kept)),
       rounding_(rounding),
       unknown_(mechanism_.coordinates(), 0),
@@ -194,7 +198,7 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
       inside = inside && change.greatest() < y_reach[k];
       next_y[k] -= change;
     }
-    const bool at_rest = step > 0 && length > 0.5 * last;
+    const bool at_rest = step > 0 && length >= 0.5 * last;
     if (inside && (width < narrow || rounding_ || at_rest)) {
       out.q = std::move(next_q);
       out.y = std::move(next_y);

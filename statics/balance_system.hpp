@@ -21,13 +21,19 @@ inline Planar<Ball> unit(const Ball& angle) {
   return out;
 }
 
+template <>
+inline Ball rounded_number(double value, double rounding) {
+  return Ball::rounded(value, rounding);
+}
+
 /// A scene compiled in ball arithmetic: once with its doubles as exact numbers, and once with each as all the numbers
-/// that round to it.
+/// that round to it; and in double.
 struct BallMechanism {
   explicit BallMechanism(const StaticModel& model);
 
   Mechanism<Ball> exact;
   Mechanism<Ball> rounded;
+  Mechanism<double> plain;
   std::vector<double> row_rounding;  ///< of all constraint rows (statics/closure_rounding.hpp)
 
   const Mechanism<Ball>& of(bool rounding) const { return rounding ? rounded : exact; }

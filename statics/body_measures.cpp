@@ -8,7 +8,7 @@ Vec2 world(const Scene& scene, const std::vector<BodyPose<double>>& poses, Point
 }
 
 Vec2 axis_of(const Joint& joint, const std::vector<BodyPose<double>>& poses) {
-  return joint.axis * unit(poses[joint.a.body].angle);
+  return joint.direction() * unit(poses[joint.a.body].angle);
 }
 
 void add_efforts(const Scene& scene, const Measure& measure, const std::vector<BodyPose<double>>& poses, double factor,

@@ -23,7 +23,7 @@ double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<do
   const Vec2 d = b.world(scene.local(joint.b)) - a.world(scene.local(joint.a));
   double wide = norm(d);
   if (joint.keeps_length()) wide = std::abs(wide - joint.length);
-  if (joint.has_travel()) wide = std::abs(cross(joint.axis * unit(a.angle), d));
+  if (joint.has_travel()) wide = std::abs(cross(joint.direction() * unit(a.angle), d));
   if (joint.keeps_angle()) {
     wide = std::max(wide, size * std::abs(std::remainder(b.angle - a.angle - joint.angle, 2 * M_PI)));
   }

@@ -14,10 +14,8 @@ namespace poise {
 /// depends on less is not.
 std::vector<double> closure_rounding(const ScaledModel& model);
 
-/// The relative rounding of one number: half a unit in the last place.
-inline constexpr double half_unit = 0x1p-53;
-
-/// The same per constraint row of the mechanism: for rows of closures their closure's, for stops half_unit.
+/// The same per constraint row of the mechanism: for rows of closures their closure's, for stops a unit in the
+/// last place.
 std::vector<double> row_rounding(const ScaledModel& model);
 
 }  // namespace poise

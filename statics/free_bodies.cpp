@@ -68,7 +68,7 @@ class Statics {
     for (const Joint& joint : scene_.joints) {
       const Vec2 a = world(joint.a);
       const Vec2 b = world(joint.b);
-      const Vec2 axis = joint.axis * unit(poses_[joint.a.body].angle);
+      const Vec2 axis = joint.direction() * unit(poses_[joint.a.body].angle);
       Item& item = items_.emplace_back();
       item.reaction.name = joint.name;
       item.reaction.kind = joint.traits().key;

@@ -111,7 +111,7 @@ double expected(const MotionModel& model, const Sensor& sensor, const State& sta
       // Along the axis, which turns with the body of the joint's first point.
       const Joint& joint = scene.joints[static_cast<std::size_t>(on.joint)];
       const BodyMotion& rail = bodies[static_cast<std::size_t>(joint.a.body)];
-      const Vec2 axis = joint.axis * unit(rail.pose.angle);
+      const Vec2 axis = joint.direction() * unit(rail.pose.angle);
       const Vec2 d = place(joint.b) - place(joint.a);
       if (!sensor.rate) return dot(axis, d);
       return dot(axis, velocity(joint.b) - velocity(joint.a)) + rail.rate * dot(quarter_turn(axis), d);

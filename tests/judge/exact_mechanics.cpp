@@ -1,6 +1,7 @@
 #include "tests/judge/exact_mechanics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -54,11 +55,23 @@ bool acts(const Element& element) {
   return false;
 }
 
+// Unit vector along the axis of a joint.
+Place axis(const Joint& joint, const Real& angle) {
+  const Place along = planar_cast<Real>(joint.axis);
+  return (1 / norm(along)) * along * unit(angle);
+}
+
 Real largest(const Vector& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : Real(0); }
 
 }  // namespace
 
-ExactMechanics::ExactMechanics(const Scene& scene, double length) : scene_(scene), length_(length) {}
+ExactMechanics::ExactMechanics(const Scene& scene, double length) : scene_(scene), length_(length) {
+  double largest = 0.0;
+  for (const Body& body : scene.bodies) {
+    for (const NamedPoint& p : body.points) largest = std::max({largest, std::abs(p.at.x), std::abs(p.at.y)});
+  }
+  rounding_ = std::ldexp(largest / length, -49);
+}
 
 bool ExactMechanics::has_followers() const {
   return std::any_of(scene_.forces.begin(), scene_.forces.end(),
@@ -83,8 +96,7 @@ Planar<Real> ExactMechanics::place(PointRef p, const Vector& q) const {
 
 Real ExactMechanics::travel(int joint, const Vector& q) const {
   const Joint& j = scene_.joints[joint];
-  const Place axis = planar_cast<Real>(j.axis) * unit(angle(j.a.body, q));
-  return dot(axis, place(j.b, q) - place(j.a, q)) / dot(axis, axis);
+  return dot(axis(j, angle(j.a.body, q)), place(j.b, q) - place(j.a, q));
 }
 
 // g = w . d,  d = b - a,  with dd/d(angle_a) = -i r_a,  dd/d(angle_b) = i r_b,  and  dw/d(angle_a) = i w  if w turns.
@@ -147,8 +159,7 @@ Smooth ExactMechanics::measure(const Measure& m, const Vector& q) const {
       return distance(end(m.a, q), end(m.b, q));
     case Measure::Kind::travel: {
       const Joint& joint = scene_.joints[m.joint];
-      const Place axis = planar_cast<Real>(joint.axis) * unit(angle(joint.a.body, q));
-      return component(end(joint.a, q), end(joint.b, q), axis, true);
+      return component(end(joint.a, q), end(joint.b, q), axis(joint, angle(joint.a.body, q)), true);
     }
     case Measure::Kind::x:
       return component(end(0, {}, q), end(m.b, q), {Real(1), Real(0)}, false);
@@ -237,8 +248,7 @@ void ExactMechanics::add_joint(const Joint& joint, const Vector& q, std::vector<
     rows.push_back(distance(a, b));
     rows.back().value -= joint.length / length_;
   } else if (joint.has_travel()) {
-    const Place axis = planar_cast<Real>(joint.axis) * unit(angle(joint.a.body, q));
-    rows.push_back(component(a, b, quarter_turn(axis), true));
+    rows.push_back(component(a, b, quarter_turn(axis(joint, angle(joint.a.body, q))), true));
   } else {
     rows.push_back(component(a, b, {Real(1), Real(0)}, false));
     rows.push_back(component(a, b, {Real(0), Real(1)}, false));
@@ -283,15 +293,15 @@ Forces ExactMechanics::at(const Vector& q, const Piece& piece) const {
 
 Matrix ExactMechanics::observed(const Vector& q) const {
   std::vector<Vector> rows;
-  const auto see = [&](const End& at) {
-    rows.push_back(component(end(0, {}, q), at, {Real(1), Real(0)}, false).grad);
-    rows.push_back(component(end(0, {}, q), at, {Real(0), Real(1)}, false).grad);
+  const auto see = [&](const End& from, const End& to) {
+    rows.push_back(component(from, to, {Real(1), Real(0)}, false).grad);
+    rows.push_back(component(from, to, {Real(0), Real(1)}, false).grad);
   };
+  const End origin = end(0, {}, q);
   const auto see_angle = [&](int body) { rows.push_back(angle_between(0, body, q).grad); };
   const auto see_measure = [&](const auto& self, const Measure& m) -> void {
     if (m.kind == Measure::Kind::distance) {
-      see(end(m.a, q));
-      see(end(m.b, q));
+      see(end(m.a, q), end(m.b, q));
     } else if (m.kind == Measure::Kind::sum) {
       for (const Measure::Term& term : m.terms) self(self, term.measure);
     } else {
@@ -300,11 +310,11 @@ Matrix ExactMechanics::observed(const Vector& q) const {
   };
   for (std::size_t b = 1; b < scene_.bodies.size(); ++b) {
     const Body& body = scene_.bodies[b];
-    if (body.mass != 0.0 && !(scene_.gravity == Vec2{})) see(end(static_cast<int>(b), body.center, q));
+    if (body.mass != 0.0 && !(scene_.gravity == Vec2{})) see(origin, end(static_cast<int>(b), body.center, q));
   }
   for (const Force& load : scene_.forces) {
     if (load.vector == Vec2{}) continue;
-    see(end(load.at, q));
+    see(origin, end(load.at, q));
     if (load.follows > 0) see_angle(load.follows);
   }
   for (const Torque& torque : scene_.torques) {

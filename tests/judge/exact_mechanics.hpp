@@ -66,6 +66,9 @@ class ExactMechanics {
   const Real& length() const { return length_; }
   Eigen::Index coordinates() const { return 3 * (static_cast<Eigen::Index>(scene_.bodies.size()) - 1); }
   bool has_followers() const;
+  /// By which redundant joints may disagree because the places of points are rounded: eight units in the last place of
+  /// the largest.
+  double rounding() const { return rounding_; }
 
   Forces at(const Vector& q, const Piece& piece) const;
 
@@ -81,7 +84,7 @@ class ExactMechanics {
 
   /// World place of a point.
   Planar<Real> place(PointRef p, const Vector& q) const;
-  /// s of  b = a + s axis  of a slide or pin in a slot.
+  /// s of  b = a + s axis,  |axis| = 1,  of a slide or pin in a slot.
   Real travel(int joint, const Vector& q) const;
   Real angle(int body, const Vector& q) const { return body == 0 ? Real(0) : q[3 * (body - 1) + 2]; }
 
@@ -106,6 +109,7 @@ class ExactMechanics {
 
   const Scene& scene_;
   Real length_;
+  double rounding_ = 0.0;
 };
 
 }  // namespace poise::judge

@@ -224,13 +224,13 @@ TEST(ReadScene, ReadsJointsOfAllKindsInTheOrderOfTheFile) {
   EXPECT_EQ(slide.line, 27);
   EXPECT_EQ(scene.name_of(slide.a), "ground.S");
   EXPECT_EQ(scene.name_of(slide.b), "block.C");
-  EXPECT_NEAR(slide.axis.x, 0.6, 1e-15);
-  EXPECT_NEAR(slide.axis.y, 0.8, 1e-15);
+  EXPECT_NEAR(slide.direction().x, 0.6, 1e-15);
+  EXPECT_NEAR(slide.direction().y, 0.8, 1e-15);
   EXPECT_DOUBLE_EQ(slide.angle, 90 * degree);
   EXPECT_EQ(scene.joints[1].kind, Joint::Kind::pin);
   EXPECT_EQ(scene.joints[1].name, "ground.O-crank.O");
   EXPECT_EQ(scene.joints[2].kind, Joint::Kind::pin_in_slot);
-  EXPECT_EQ(scene.joints[2].axis, (Vec2{0.0, -1.0}));
+  EXPECT_EQ(scene.joints[2].direction(), (Vec2{0.0, -1.0}));
   EXPECT_EQ(scene.joints[3].kind, Joint::Kind::weld);
   EXPECT_EQ(scene.name_of(scene.joints[3].b), "arm.left.E");
   EXPECT_DOUBLE_EQ(scene.joints[3].angle, -45 * degree);

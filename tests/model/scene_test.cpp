@@ -38,7 +38,7 @@ TEST(Scene, GrowsWithItsStart) {
 
 class SlideOnAxis : public testing::Test {
  protected:
-  Vec2 axis_kept(Vec2 axis) {
+  Vec2 direction_of(Vec2 axis) {
     Scene scene;
     Joint slide;
     slide.kind = Joint::Kind::slide;
@@ -46,14 +46,14 @@ class SlideOnAxis : public testing::Test {
     slide.b = scene.add_point(scene.add_body("block"), "C", {});
     slide.axis = axis;
     scene.add_joint(slide);
-    return scene.joints[0].axis;
+    return scene.joints[0].direction();
   }
 };
 
-TEST_F(SlideOnAxis, IsNormalisedWithoutOverflow) {
-  EXPECT_EQ(axis_kept({0.0, -2.0}), (Vec2{0.0, -1.0}));
+TEST_F(SlideOnAxis, IsAUnitVectorWithoutOverflow) {
+  EXPECT_EQ(direction_of({0.0, -2.0}), (Vec2{0.0, -1.0}));
   for (const double size : {1e-320, 1e-200, 1.0, 1e200}) {
-    const Vec2 axis = axis_kept({3.0 * size, 4.0 * size});
+    const Vec2 axis = direction_of({3.0 * size, 4.0 * size});
     // A denormal keeps only part of its digits, so its direction is known less well.
     const double tolerance = size < 1e-300 ? 1e-3 : 1e-15;
     EXPECT_NEAR(axis.x, 0.6, tolerance) << size;
@@ -63,10 +63,10 @@ TEST_F(SlideOnAxis, IsNormalisedWithoutOverflow) {
 }
 
 TEST_F(SlideOnAxis, MustHaveADirection) {
-  EXPECT_THROW(axis_kept({0.0, 0.0}), InputError);
-  EXPECT_THROW(axis_kept({1.0, std::numeric_limits<double>::infinity()}), InputError);
-  EXPECT_THROW(axis_kept({std::numeric_limits<double>::quiet_NaN(), 1.0}), InputError);
-  EXPECT_THROW(axis_kept({1.0, std::numeric_limits<double>::quiet_NaN()}), InputError);
+  EXPECT_THROW(direction_of({0.0, 0.0}), InputError);
+  EXPECT_THROW(direction_of({1.0, std::numeric_limits<double>::infinity()}), InputError);
+  EXPECT_THROW(direction_of({std::numeric_limits<double>::quiet_NaN(), 1.0}), InputError);
+  EXPECT_THROW(direction_of({1.0, std::numeric_limits<double>::quiet_NaN()}), InputError);
 }
 
 TEST(Scene, RejectsInvalidIndices) {

@@ -306,22 +306,21 @@ TEST(Mobility, OfTwoPinsASmallDistanceApartIsNone) {
   EXPECT_EQ(analyse_mobility(model).freedoms, 0);
 }
 
-TEST(ClosureRounding, IsAUnitOfEveryNumberOfTheLoop) {
+TEST(ClosureRounding, IsTwiceTheRoundingOfEveryNumberOfTheLoop) {
   const StaticModel rod(parse_scene(rod_on_two_pins("0.30000000000000004"), "rod.toml"));
   const double scale = rod.scales().length;
-  // Each of the two numbers is between 1/4 and 1/2.
-  EXPECT_EQ(closure_rounding(rod), std::vector<double>{2 * std::ldexp(1.0, -54) / scale});
-  // Three links of 1.5 m, the ground points 0 and 2: arms of 1.5 and 2.
+  const double unit = std::ldexp(1.0, -52);
+  EXPECT_DOUBLE_EQ(closure_rounding(rod).front(), 2 * 0.3 * unit / scale);
+  // Three links of 1.5 m, the ground points 0 and 2.
   Scene scene = test::chain(3, 1.5, 1.0);
   scene.add_point(0, "E", {2.0, 0.0});
   test::add_pin(scene, "3.b", "ground.E");
   const StaticModel chain(scene);
-  EXPECT_EQ(closure_rounding(chain),
-            std::vector<double>{(3 * std::ldexp(1.0, -52) + std::ldexp(1.0, -51)) / chain.scales().length});
+  EXPECT_DOUBLE_EQ(closure_rounding(chain).front(), (3 * 1.5 + 2.0) * unit / chain.scales().length);
   // Far from the origin every ground point is rounded more, although the gap is a difference of near points.
   for (NamedPoint& p : scene.bodies[0].points) p.at.x += 1e14;
   const StaticModel far(scene);
-  EXPECT_NEAR(closure_rounding(far).front() * far.scales().length, 2.0 / 64, 1e-12);
+  EXPECT_NEAR(closure_rounding(far).front() * far.scales().length, 2e14 * unit, 1e-12);
 }
 
 }  // namespace

@@ -341,7 +341,7 @@ class Geometry {
     if (slides.empty()) return;
     const Joint& first = slides[random_.index(slides.size())];
     const Vec2 place = somewhere();
-    const Vec2 line = first.axis * unit(angle(first.a.body));
+    const Vec2 line = first.direction() * unit(angle(first.a.body));
     join(Joint::Kind::slide, first.a.body, place, first.b.body, place + random_.uniform(-0.8, 0.8) * line, line);
   }
 

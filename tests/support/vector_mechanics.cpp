@@ -33,7 +33,7 @@ double potential_energy(const Scene& scene, const Poses& poses) {
 Vec2 gap(const Scene& scene, int joint, double travel, const Poses& poses) {
   const Joint& j = scene.joints[joint];
   const Vec2 apart = world(scene, j.b, poses) - world(scene, j.a, poses);
-  if (j.has_travel()) return apart - travel * (j.axis * unit(poses[j.a.body].angle));
+  if (j.has_travel()) return apart - travel * (j.direction() * unit(poses[j.a.body].angle));
   if (j.kind != Joint::Kind::bar) return apart;
   const auto bars_before = std::count_if(scene.joints.begin(), scene.joints.begin() + joint,
                                          [](const Joint& other) { return other.kind == Joint::Kind::bar; });
@@ -49,7 +49,7 @@ double measured(const Scene& scene, const Measure& measure, const Poses& poses) 
       return norm(world(scene, measure.b, poses) - world(scene, measure.a, poses));
     case Measure::Kind::travel: {
       const Joint& joint = scene.joints[measure.joint];
-      return dot(joint.axis * unit(poses[joint.a.body].angle),
+      return dot(joint.direction() * unit(poses[joint.a.body].angle),
                  world(scene, joint.b, poses) - world(scene, joint.a, poses));
     }
     case Measure::Kind::x:
