@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "statics/balance_system.hpp"
 #include "statics/closure_rounding.hpp"
 #include "statics/curvature.hpp"
+#include "statics/singular_configuration.hpp"
 
 namespace poise {
 namespace {
@@ -24,6 +26,7 @@ namespace {
 // margins.
 
 constexpr double touched = 1e-6;       // distance from its bound, rad or sizes, at which a stop may be active
+constexpr double same_place = 1e-15;   // rad or sizes
 constexpr double first_reach = 1e-10;  // of the box in which an equilibrium is proved to be the only one
 constexpr double last_reach = 0x1p-50;
 constexpr long usual_bits = 128;
@@ -31,7 +34,6 @@ constexpr long many_bits = 320;
 constexpr double nearly_dependent = 1e-9;  // pivots of closure rows that may repeat others
 constexpr double nearly_neutral = 1e-5;    // curvatures, relative to the largest, that may vanish
 constexpr double narrow_bracket = 1e-17;
-constexpr double no_room = 1e-13;  // rad or sizes, between two stops: part of the radius
 constexpr int dense_limit = 400;   // coordinates up to which ranks and spectra are computed in double
 constexpr int most_undecided = 4;  // stops and one-way springs whose state is undecided: 2^4 pieces
 constexpr double largest_gap_by_rounding = 1e-6;
@@ -41,9 +43,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 struct ActiveStop {
   int stop;
   bool upper;
-  bool both = false;  // min = max, or two stops from both sides: it pushes either way
-  double room = 0.0;  // between two stops, rad or sizes
-  int partner = -1;   // the other of two stops
+  bool both = false;  // it pushes either way: min = max, or by rounding no motion is possible between it and others
 };
 
 // What is proved for one set of active stops and one state of each one-way spring.
@@ -58,7 +58,6 @@ struct Finding {
   int redundant = 0;
   bool singular = false;
   Stability degenerate = Stability::unknown;
-  // Rows that are left out hold only to rounding: how far from the solution all rows may hold best.
   double spread = 0.0;
   std::string why;
   bool excluded = false;  // proved that there is no equilibrium near
@@ -67,7 +66,7 @@ struct Finding {
 class Certifier {
  public:
   Certifier(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options)
-      : model_(model), m_(model.mechanism()), options_(options), x_(x), balls_(&model.balls()) {}
+      : model_(model), options_(options), x_(x), balls_(&model.balls()) {}
 
   Certificate run() const;
 
@@ -85,7 +84,7 @@ class Certifier {
   // --- stops
   std::vector<double> stop_values() const;
   std::vector<ActiveStop> stops_in_contact() const;
-  std::vector<ActiveStop> find_active_stops(bool pairs) const;
+  std::vector<ActiveStop> find_active_stops() const;
   KeptEquations equations(const std::vector<ActiveStop>& active) const;
 
   // --- one piece
@@ -94,10 +93,17 @@ class Certifier {
   int unstable_directions(const Solution& solution) const;
   Solution solve(const KeptEquations& kept, const std::vector<Ball>& from, double reach, double farthest,
                  bool rounding = false) const;
+  Solution solve_closely(const KeptEquations& kept, const std::vector<Ball>& from) const;
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
   std::vector<int> free_coordinates(const KeptEquations& kept) const;
-  bool hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all,
-                        double* spread = nullptr) const;
+  // Of a kept row by one that was dropped: indices into the kept rows and into all.
+  using Exchange = std::pair<std::size_t, std::size_t>;
+  struct Repeated {
+    bool to_rounding = false;         // the dropped rows hold to within the rounding of the scene's numbers
+    std::vector<Exchange> exchanges;  // by dropped closures that do not hold exactly
+  };
+  Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  void allow_for_rounding(Finding& finding, const std::vector<Exchange>& exchanges, const KeptEquations& all) const;
   bool repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
   double open_by_rounding(const KeptEquations& all, const std::vector<double>& x) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
@@ -113,12 +119,18 @@ class Certifier {
   };
   Settled settle(std::vector<ActiveStop> active) const;
   Settled settle() const;
+  double moved(const Settled& settled) const;
   std::vector<int> undecided_springs(const Finding& finding) const;
   BallMechanism with_springs(const std::vector<int>& springs, unsigned act) const;
   Certifier with(const BallMechanism& balls) const;
   Ball beyond(const std::vector<Ball>& constraints, int stop, bool upper) const;
+  std::size_t row_of(const Finding& finding, const ActiveStop& a) const;
   std::optional<Ball> push_of(const Finding& finding, const ActiveStop& a) const;
-  std::optional<std::vector<ActiveStop>> with_active(std::vector<ActiveStop> active, ActiveStop next) const;
+  struct Sharing {
+    std::vector<std::size_t> opposite;          // indices of active stops
+    std::optional<std::size_t> first_relieved;  // of those on the same side, if the dependent stop pushes more and more
+  };
+  Sharing sharing(const Finding& finding, const std::vector<ActiveStop>& active, const ActiveStop& dependent) const;
   std::vector<ActiveStop> weak_stops(const Settled& settled) const;
   Certificate conclude(const Settled& settled) const;
   Certificate conclude_pieces(const std::vector<int>& springs) const;
@@ -130,8 +142,10 @@ class Certifier {
 
   std::vector<Ball> start() const { return {x_.begin(), x_.end()}; }
 
+  // In double, with the laws of the present state of the one-way springs.
+  const Mechanism<double>& m() const { return balls_->plain; }
+
   const StaticModel& model_;
-  const Mechanism<double>& m_;
   const CertificateOptions& options_;
   std::vector<double> x_;
   const BallMechanism* balls_;
@@ -184,100 +198,68 @@ double bound(const Mechanism<double>& m, int stop, bool upper) { return upper ? 
 
 KeptEquations Certifier::equations(const std::vector<ActiveStop>& active) const {
   KeptEquations out;
-  for (int r = 0; r < m_.equalities(); ++r) out.rows.push_back(r);
+  for (int r = 0; r < m().equalities(); ++r) out.rows.push_back(r);
   out.at_upper.assign(out.rows.size(), 0);
   for (const ActiveStop& a : active) {
-    out.rows.push_back(m_.stop_row(a.stop));
+    out.rows.push_back(m().stop_row(a.stop));
     out.at_upper.push_back(a.upper ? 1 : 0);
   }
   return out;
 }
 
 std::vector<double> Certifier::stop_values() const {
-  std::vector<Planar<double>> pose(m_.pose_size());
-  std::vector<double> c(m_.constraints());
-  m_.place(x_.data(), pose.data());
-  m_.constraint(x_.data(), pose.data(), c.data());
-  return {c.begin() + m_.equalities(), c.end()};
+  std::vector<Planar<double>> pose(m().pose_size());
+  std::vector<double> c(m().constraints());
+  m().place(x_.data(), pose.data());
+  m().constraint(x_.data(), pose.data(), c.data());
+  return {c.begin() + m().equalities(), c.end()};
 }
 
 // Those near a bound, min = max aside.
 std::vector<ActiveStop> Certifier::stops_in_contact() const {
   std::vector<ActiveStop> out;
-  if (m_.stops() == 0) return out;
+  if (m().stops() == 0) return out;
   const std::vector<double> g = stop_values();
-  for (int s = 0; s < m_.stops(); ++s) {
-    if (m_.lower()[s] == m_.upper()[s]) continue;
-    if (g[s] > m_.upper()[s] - touched) out.push_back({.stop = s, .upper = true});
-    if (g[s] < m_.lower()[s] + touched) out.push_back({.stop = s, .upper = false});
+  for (int s = 0; s < m().stops(); ++s) {
+    if (m().lower()[s] == m().upper()[s]) continue;
+    if (g[s] > m().upper()[s] - touched) out.push_back({.stop = s, .upper = true});
+    if (g[s] < m().lower()[s] + touched) out.push_back({.stop = s, .upper = false});
   }
   return out;
 }
 
-// Those that hold both ways, and of the others those with a positive force in the non-negative least-squares solution
+// Those with min = max, and of the others those with a positive force in the non-negative least-squares solution
 // of balance.
-std::vector<ActiveStop> Certifier::find_active_stops(bool pairs) const {
-  std::vector<ActiveStop> both;
-  for (int s = 0; s < m_.stops(); ++s) {
-    if (m_.lower()[s] == m_.upper()[s]) both.push_back({.stop = s, .upper = true, .both = true});
+std::vector<ActiveStop> Certifier::find_active_stops() const {
+  std::vector<ActiveStop> active;
+  for (int s = 0; s < m().stops(); ++s) {
+    if (m().lower()[s] == m().upper()[s]) active.push_back({.stop = s, .upper = true, .both = true});
   }
-  std::vector<ActiveStop> candidates = stops_in_contact();
-  if (candidates.empty()) return both;
-  if (m_.coordinates() > dense_limit) {
-    both.insert(both.end(), candidates.begin(), candidates.end());
-    return both;
+  const std::vector<ActiveStop> candidates = stops_in_contact();
+  if (candidates.empty()) return active;
+  if (m().coordinates() > dense_limit) {
+    active.insert(active.end(), candidates.begin(), candidates.end());
+    return active;
   }
-  KeptEquations kept = equations(both);
+  KeptEquations kept = equations(active);
   const std::size_t fixed = kept.rows.size();
-  for (const ActiveStop& a : candidates) kept.rows.push_back(m_.stop_row(a.stop));
-  const DensePoint<double> point(m_, x_, kept.rows);
+  for (const ActiveStop& a : candidates) kept.rows.push_back(m().stop_row(a.stop));
+  const DensePoint<double> point(m(), x_, kept.rows);
   const Eigen::MatrixXd z = solvers::null_space<double>(point.jacobian.topRows(static_cast<Eigen::Index>(fixed)),
                                                         solvers::known_to::closed_point);
-  // Columns: Z^T of the direction in which a stop prevents motion, of length one.
+  // Columns: Z^T of the direction in which a stop prevents motion.
   Eigen::MatrixXd prevents(z.cols(), static_cast<Eigen::Index>(candidates.size()));
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(fixed + k);
-    const Eigen::VectorXd a = z.transpose() * point.jacobian.row(row).transpose();
+    const auto row = point.jacobian.row(static_cast<Eigen::Index>(fixed + k));
+    Eigen::VectorXd a = z.transpose() * row.transpose();
+    if (a.norm() <= solvers::known_to::solution * row.norm()) a.setZero();
     prevents.col(static_cast<Eigen::Index>(k)) = (candidates[k].upper ? 1.0 : -1.0) * a;
   }
-  // Pairs that prevent opposite motions and, by rounding, leave no place between them: one of them then acts both ways.
-  const std::vector<double> g = stop_values();
-  const auto gap = [&](const ActiveStop& a) {
-    return a.upper ? m_.upper()[a.stop] - g[a.stop] : g[a.stop] - m_.lower()[a.stop];
-  };
-  std::vector<char> paired(candidates.size(), 0);
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const Eigen::VectorXd a = prevents.col(static_cast<Eigen::Index>(i));
-      const Eigen::VectorXd b = prevents.col(static_cast<Eigen::Index>(j));
-      if (!pairs || paired[i] != 0 || paired[j] != 0 || a.norm() == 0.0 || b.norm() == 0.0) continue;
-      if ((a / a.norm() + b / b.norm()).cwiseAbs().maxCoeff() > 1e-12) continue;
-      const double room = gap(candidates[i]) / a.norm() + gap(candidates[j]) / b.norm();
-      if (room > no_room) continue;
-      paired[i] = paired[j] = 1;
-      candidates[i].both = true;
-      candidates[i].room = std::abs(room);
-      candidates[i].partner = candidates[j].stop;
-      both.push_back(candidates[i]);
-    }
-  }
-  // The others share what load the pairs leave.
-  Eigen::MatrixXd held(static_cast<Eigen::Index>(std::count(paired.begin(), paired.end(), 1)), z.cols());
-  for (Eigen::Index k = 0, row = 0; k < prevents.cols(); ++k) {
-    if (paired[static_cast<std::size_t>(k)] != 0) held.row(row++) = prevents.col(k).transpose();
-  }
-  const Eigen::MatrixXd free = held.rows() > 0 ? solvers::null_space<double>(held, solvers::known_to::solution)
-                                               : Eigen::MatrixXd::Identity(z.cols(), z.cols());
-  Eigen::MatrixXd left = free.transpose() * prevents;
-  for (Eigen::Index k = 0; k < left.cols(); ++k) {
-    if (left.col(k).norm() <= solvers::known_to::solution * prevents.col(k).norm()) left.col(k).setZero();
-  }
-  const Eigen::VectorXd force =
-      solvers::nonnegative_least_squares(left, -(free.transpose() * z.transpose() * point.force).eval());
+  const Eigen::VectorXd force = solvers::nonnegative_least_squares(prevents, -(z.transpose() * point.force).eval());
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (paired[k] == 0 && force[static_cast<Eigen::Index>(k)] > 0.0) both.push_back(candidates[k]);
+    if (force[static_cast<Eigen::Index>(k)] > 0.0) active.push_back(candidates[k]);
   }
-  return both;
+  return active;
 }
 
 // --- one piece ------------------------------------------------------------------------------------------------------
@@ -295,23 +277,57 @@ BalanceSystem::Solution Certifier::solve(const KeptEquations& kept, const std::v
   return out;
 }
 
-// Indices into kept.rows of rows that are nearly combinations of others: pivots of J^T, each row over the size of the
-// numbers of its loop, below the tolerance. (One more row of size one keeps a Jacobian that is rounding only from
-// counting as large.)
-std::vector<int> Certifier::dependent_rows(const KeptEquations& kept, double tolerance) const {
-  if (kept.rows.empty() || m_.coordinates() > dense_limit) return {};
-  const DensePoint<double> point(m_, x_, kept.rows);
-  const Eigen::Index rows = point.jacobian.rows();
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(point.jacobian.cols() + 1, rows + 1);
-  for (Eigen::Index k = 0; k < rows; ++k) {
-    const double numbers = balls_->row_rounding[kept.rows[static_cast<std::size_t>(k)]] / half_unit;
-    a.col(k).head(point.jacobian.cols()) = point.jacobian.row(k).transpose() / std::max(numbers, half_unit);
+// In smaller and smaller boxes, and to more and more digits.
+BalanceSystem::Solution Certifier::solve_closely(const KeptEquations& kept, const std::vector<Ball>& from) const {
+  Solution out;
+  for (const long bits : {usual_bits, many_bits}) {
+    const Ball::Precision precision(bits);
+    for (const double reach : {first_reach, 1e-13, last_reach}) {
+      out = solve(kept, from, reach, options_.farthest);
+      if (out.proved) return out;
+    }
   }
-  a(point.jacobian.cols(), rows) = 1.0;
+  return out;
+}
+
+// Columns that are combinations of others to within the tolerance. (One more column of size one, with a row of its own,
+// keeps a matrix that is rounding only from counting as large.)
+std::vector<int> dependent_columns(const Eigen::MatrixXd& columns, double tolerance) {
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(columns.rows() + 1, columns.cols() + 1);
+  a.topLeftCorner(columns.rows(), columns.cols()) = columns;
+  a(columns.rows(), columns.cols()) = 1.0;
   const auto [rank, order] = solvers::pivot_order<double>(a, tolerance);
   std::vector<int> out(order.begin() + rank, order.end());
-  std::erase(out, static_cast<int>(rows));
+  std::erase(out, static_cast<int>(columns.cols()));
   std::sort(out.begin(), out.end());
+  return out;
+}
+
+// Indices into kept.rows of closures that are nearly combinations of other closures, and of stops that nothing moves
+// that the closures and other stops leave free. Each row counts over the size of the numbers of its loop.
+std::vector<int> Certifier::dependent_rows(const KeptEquations& kept, double tolerance) const {
+  if (kept.rows.empty() || m().coordinates() > dense_limit) return {};
+  const DensePoint<double> point(m(), x_, kept.rows);
+  Eigen::MatrixXd columns = point.jacobian.transpose();
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const double numbers = balls_->row_rounding[kept.rows[static_cast<std::size_t>(k)]] / half_unit;
+    columns.col(k) /= std::max(numbers, half_unit);
+  }
+  const Eigen::Index closures =
+      std::count_if(kept.rows.begin(), kept.rows.end(), [&](int row) { return row < m().equalities(); });
+  std::vector<int> out = dependent_columns(columns.leftCols(closures), tolerance);
+  if (closures == columns.cols()) return out;
+  Eigen::MatrixXd independent(closures - static_cast<Eigen::Index>(out.size()), columns.rows());
+  for (Eigen::Index k = 0, row = 0; k < closures; ++k) {
+    if (!std::binary_search(out.begin(), out.end(), static_cast<int>(k))) {
+      independent.row(row++) = columns.col(k).transpose();
+    }
+  }
+  const Eigen::MatrixXd free = independent.rows() > 0
+                                   ? solvers::null_space<double>(independent, solvers::known_to::rounding)
+                                   : Eigen::MatrixXd::Identity(columns.rows(), columns.rows());
+  const Eigen::MatrixXd stops = free.transpose() * columns.rightCols(columns.cols() - closures);
+  for (const int k : dependent_columns(stops, tolerance)) out.push_back(static_cast<int>(closures) + k);
   return out;
 }
 
@@ -326,26 +342,31 @@ KeptEquations without(KeptEquations kept, const std::vector<int>& dropped) {
 // Coordinates that may be chosen freely while the kept rows determine the others.
 std::vector<int> Certifier::free_coordinates(const KeptEquations& kept) const {
   if (kept.rows.empty()) {
-    std::vector<int> all(m_.coordinates());
+    std::vector<int> all(m().coordinates());
     std::iota(all.begin(), all.end(), 0);
     return all;
   }
-  const DensePoint<double> point(m_, x_, kept.rows);
+  const DensePoint<double> point(m(), x_, kept.rows);
   const auto [rank, order] = solvers::pivot_order<double>(point.jacobian, nearly_dependent);
   return {order.begin() + rank, order.end()};
 }
 
+// A with  J_r = A J  for a row J_r that is a combination of those of J.
+Eigen::VectorXd shares_in(const Eigen::MatrixXd& jacobian, const Eigen::RowVectorXd& row) {
+  return solvers::minimum_norm_solution<double>(jacobian.transpose(), row.transpose());
+}
+
 // Whether the rows of `all` that `kept` leaves out hold at a solution to within the rounding of the scene's numbers:
 // with J_d = A J_k for dropped and kept rows, |c_d| <= r_d + |A| r_k, r being the rounding of each row.
-bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, const KeptEquations& all,
-                                 double* spread) const {
+Certifier::Repeated Certifier::repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const {
+  Repeated out;
   const std::vector<Ball> none(all.rows.size());
   const std::vector<double> x = middles(at.q);
   const std::vector<Ball> value = BalanceSystem(*balls_, all).residual(at.q, none);
   const std::vector<Ball> rounded = BalanceSystem(*balls_, all, true).residual(midpoints(at.q), none);
   const std::size_t first = value.size() - all.rows.size();
-  const DensePoint<double> whole(m_, x, all.rows);
-  const DensePoint<double> part(m_, x, kept.rows);
+  const DensePoint<double> whole(m(), x, all.rows);
+  const DensePoint<double> part(m(), x, kept.rows);
   const auto rounding_of = [&](std::size_t r) {
     return std::max(rounded[first + r].radius(), balls_->row_rounding[all.rows[r]]);
   };
@@ -357,25 +378,24 @@ bool Certifier::hold_to_rounding(const KeptEquations& kept, const Solution& at, 
     else
       dropped.push_back(r);
   }
-  double open = 0.0;
   for (const std::size_t r : dropped) {
     double allowed = rounding_of(r);
+    Eigen::VectorXd share;
     if (!kept.rows.empty()) {
-      const Eigen::VectorXd share = solvers::minimum_norm_solution<double>(
-          part.jacobian.transpose(), whole.jacobian.row(static_cast<Eigen::Index>(r)).transpose());
-      allowed += share.cwiseAbs().dot(kept_rounding);
+      share = shares_in(part.jacobian, whole.jacobian.row(static_cast<Eigen::Index>(r))).cwiseAbs();
+      allowed += share.dot(kept_rounding);
     }
-    if (!(value[first + r].greatest() <= allowed)) return false;
-    open = std::max(open, value[first + r].greatest());
+    const Ball& open = value[first + r];
+    if (!(open.greatest() <= allowed)) return {};
+    if (all.rows[r] >= m().equalities() || share.size() == 0 || open.contains_zero()) continue;
+    // Instead of those that it depends on most.
+    for (Eigen::Index k = 0; k < share.size(); ++k) {
+      const bool is_closure = kept.rows[static_cast<std::size_t>(k)] < m().equalities();
+      if (is_closure && share[k] > 0.1 * share.maxCoeff()) out.exchanges.emplace_back(k, r);
+    }
   }
-  if (spread != nullptr && open > 0.0) {
-    // A combination of rows that closes the dropped ones leaves the kept ones open by as much.
-    std::vector<Ball> left(static_cast<std::size_t>(BalanceSystem(*balls_, kept).unknowns()));
-    for (std::size_t k = left.size() - kept.rows.size(); k < left.size(); ++k) left[k] = Ball(0).widened(open);
-    left = at.matrix->solve(std::move(left));
-    for (std::size_t k = 0; k + kept.rows.size() < left.size(); ++k) *spread = std::max(*spread, left[k].greatest());
-  }
-  return true;
+  out.to_rounding = true;
+  return out;
 }
 
 // The same at other places of the mechanism: only rows that repeat others hold there too.
@@ -392,16 +412,41 @@ bool Certifier::repeat_everywhere(const KeptEquations& kept, const Solution& at,
     }
     const Solution there = solve(held, from, first_reach, 10 * std::abs(aside));
     if (!there.proved) continue;
-    if (!hold_to_rounding(held, there, all)) return false;
+    if (!repeated(held, there, all).to_rounding) return false;
     ++shown;
   }
   return shown > 0;
+}
+
+// Redundant rows that hold to rounding only: no pose closes all of them as they are written. What is said must be true
+// whichever of them are left out.
+void Certifier::allow_for_rounding(Finding& finding, const std::vector<Exchange>& exchanges,
+                                   const KeptEquations& all) const {
+  Solution& solution = finding.solution;
+  for (const auto& [left_out, instead] : exchanges) {
+    KeptEquations kept = finding.kept;
+    kept.rows[left_out] = all.rows[instead];
+    kept.at_upper[left_out] = all.at_upper[instead];
+    const Solution other = solve_closely(kept, midpoints(finding.solution.q));
+    if (!other.proved || finding.kind == Finding::Kind::degenerate || unstable_directions(other) != finding.unstable) {
+      finding.kind = Finding::Kind::none;
+      finding.why =
+          "joints repeat others only to within the rounding of the scene's numbers, and that rounding leaves open what "
+          "equilibrium there is";
+      return;
+    }
+    for (std::size_t i = 0; i < solution.q.size(); ++i) {
+      solution.q[i] = Ball::of_both(solution.q[i], other.q[i]);
+      solution.box[i] = Ball::of_both(solution.box[i], other.box[i]);
+    }
+  }
 }
 
 // With rows left out that repeat others to within some accuracy of x; with all of them if the others do not imply them.
 Finding Certifier::examine(const KeptEquations& kept) const {
   std::vector<int> last;
   bool nearly_singular = false;
+  std::optional<Finding> undecided;
   for (const double tolerance : {1e-5, 1e-9, 1e-12}) {
     const std::vector<int> dropped = dependent_rows(kept, tolerance);
     if (dropped.empty()) break;
@@ -409,15 +454,35 @@ Finding Certifier::examine(const KeptEquations& kept) const {
     nearly_singular = true;
     last = dropped;
     Finding out = examine_independent(without(kept, dropped));
-    if (out.kind == Finding::Kind::none || !hold_to_rounding(out.kept, out.solution, kept, &out.spread)) continue;
-    if (repeat_everywhere(out.kept, out.solution, kept))
-      out.redundant = static_cast<int>(dropped.size());
-    else
+    if (out.kind == Finding::Kind::none) continue;
+    const Repeated rows = repeated(out.kept, out.solution, kept);
+    if (!rows.to_rounding) continue;
+    if (!repeat_everywhere(out.kept, out.solution, kept)) {
       examine_singular(out, kept, dropped);
+      if (out.degenerate != Stability::unknown) return out;
+      // Beside the singular point itself more rows determine what they can.
+      if (!undecided) undecided = std::move(out);
+      continue;
+    }
+    out.redundant = static_cast<int>(dropped.size());
+    allow_for_rounding(out, rows.exchanges, kept);
     return out;
   }
   Finding out = examine_independent(kept);
+  if (out.kind == Finding::Kind::none && undecided) return *undecided;
   if (out.kind == Finding::Kind::none && nearly_singular) {
+    if (const std::optional<std::vector<double>> point = nearest_singular_point(m(), x_, kept.rows)) {
+      const double distance =
+          (Eigen::VectorXd::Map(point->data(), m().coordinates()) - Eigen::VectorXd::Map(x_.data(), m().coordinates()))
+              .cwiseAbs()
+              .maxCoeff();
+      if (distance > first_reach && distance <= options_.farthest) {
+        Certifier there = *this;
+        there.x_ = *point;
+        Finding found = there.examine(kept);
+        if (found.kind != Finding::Kind::none) return found;
+      }
+    }
     out.singular = true;
     out.why = "the closures nearly lose rank here, and no joint forces were found that balance the loads";
   }
@@ -425,7 +490,7 @@ Finding Certifier::examine(const KeptEquations& kept) const {
 }
 
 int Certifier::unstable_directions(const Solution& solution) const {
-  return m_.has_follower_loads() ? (solution.stiffness_sign < 0 ? 1 : 0) : solution.unstable;
+  return m().has_follower_loads() ? (solution.stiffness_sign < 0 ? 1 : 0) : solution.unstable;
 }
 
 Finding Certifier::examine_independent(const KeptEquations& kept) const {
@@ -436,7 +501,7 @@ Finding Certifier::examine_independent(const KeptEquations& kept) const {
     out.kind = Finding::Kind::regular;
   else
     examine_flat(out, kept);
-  out.freedoms = m_.coordinates() - static_cast<int>(kept.rows.size());
+  out.freedoms = m().coordinates() - static_cast<int>(kept.rows.size());
   if (out.kind == Finding::Kind::regular) out.unstable = unstable_directions(out.solution);
   return out;
 }
@@ -461,8 +526,8 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
   finding.degenerate = Stability::unknown;
   finding.singular = true;
   finding.why = "the closures lose rank here (a change point)";
-  if (m_.has_follower_loads() || m_.coordinates() > dense_limit) return;
-  const TangentSpace tangents(m_, finding);
+  if (m().has_follower_loads() || m().coordinates() > dense_limit) return;
+  const TangentSpace tangents(m(), finding);
   const Eigen::MatrixXd& z = tangents.basis;
   const Eigen::MatrixXd& h = tangents.hessian;
   const double scale = h.size() > 0 ? std::max(1.0, h.cwiseAbs().maxCoeff()) : 1.0;
@@ -474,7 +539,7 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
   }
   if (dropped.size() != 1) return;
   // T: second derivatives of the dropped row, with the multipliers that cancel its gradient.
-  DensePoint<double> whole(m_, tangents.x, all.rows);
+  DensePoint<double> whole(m(), tangents.x, all.rows);
   const Eigen::VectorXd gradient = whole.jacobian.row(dropped.front()).transpose();
   const Eigen::VectorXd cancel = finding.kept.rows.empty() ? Eigen::VectorXd()
                                                            : solvers::minimum_norm_solution<double>(
@@ -507,8 +572,8 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
 // Where curvatures nearly vanish.
 void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const {
   finding.why = "Newton's method did not converge to an equilibrium near the answer";
-  if (m_.coordinates() > dense_limit) return;
-  const ReducedHessian reduced(m_, x_, kept.rows);
+  if (m().coordinates() > dense_limit) return;
+  const ReducedHessian reduced(m(), x_, kept.rows);
   if (reduced.matrix.size() == 0) return;
   const solvers::SingularValues spectrum = solvers::singular_value_decomposition(reduced.matrix);
   // Very soft directions are not neutral: those that vanish most clearly are tried first.
@@ -532,20 +597,13 @@ void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const 
     finding.unstable = across.unstable;
     return;
   }
-  for (const long bits : {usual_bits, many_bits}) {
-    const Ball::Precision precision(bits);
-    for (const double reach : {1e-13, last_reach}) {
-      finding.solution = solve(kept, start(), reach, options_.farthest);
-      if (finding.solution.proved) break;
-    }
-    if (finding.solution.proved) break;
-  }
+  finding.solution = solve_closely(kept, start());
   const std::vector<int> candidates = std::exchange(finding.neutral, {});
   if (finding.solution.proved) {
     finding.kind = Finding::Kind::regular;
     // If the scene's numbers do not determine the sign of the least curvature, the signs of the force on both sides may
     // still do.
-    if (candidates.size() == 1 && !m_.has_follower_loads()) {
+    if (candidates.size() == 1 && !m().has_follower_loads()) {
       if (!solve(kept, midpoints(finding.solution.q), last_reach, options_.farthest, true).proved) {
         Finding sides = finding;
         bracket(sides, kept, candidates.front(), true);
@@ -555,7 +613,7 @@ void Certifier::examine_flat(Finding& finding, const KeptEquations& kept) const 
     return;
   }
   const Ball::Precision precision(many_bits);
-  if (candidates.size() == 1 && !m_.has_follower_loads())
+  if (candidates.size() == 1 && !m().has_follower_loads())
     bracket(finding, kept, candidates.front(), false);
   else if (candidates.size() > 1)
     finding.why = "several curvatures vanish here, and the equilibrium is not isolated to within rounding";
@@ -671,10 +729,7 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
     if (!held) out.radius = std::max(out.radius, (f.solution.q[i] - Ball(middle)).greatest());
     out.moved = std::max(out.moved, std::abs(middle - x_[i]));
   }
-  for (const ActiveStop& a : active) {
-    out.active_stops.push_back(a.stop);
-    out.radius += a.room;
-  }
+  for (const ActiveStop& a : active) out.active_stops.push_back(a.stop);
   out.radius += f.spread;
   out.redundant = f.redundant;
   out.unstable_directions = f.unstable;
@@ -697,7 +752,7 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
     case Finding::Kind::regular:
       out.outcome = Outcome::proved;
       out.stability = f.unstable > 0 ? Stability::unstable : Stability::stable;
-      if (m_.has_follower_loads() && f.freedoms > 1 && f.unstable == 0) out.stability = Stability::unknown;
+      if (m().has_follower_loads() && f.freedoms > 1 && f.unstable == 0) out.stability = Stability::unknown;
       out.statement = "exactly one equilibrium within " + in_words(out.radius);
       break;
     case Finding::Kind::neutral:
@@ -727,7 +782,7 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
 // solution those near their free length.
 std::vector<int> Certifier::undecided_springs(const Finding& finding) const {
   std::vector<int> one_way;
-  for (int e = 0; e < m_.elements(); ++e) {
+  for (int e = 0; e < m().elements(); ++e) {
     const auto* spring = std::get_if<LinearSpring>(&balls_->exact.law_of(e));
     if (spring != nullptr && spring->acts != LinearSpring::Acts::both) one_way.push_back(e);
   }
@@ -753,6 +808,7 @@ BallMechanism Certifier::with_springs(const std::vector<int>& springs, unsigned 
     const Law law = (act >> k & 1U) != 0 ? Law(spring) : Law(ConstantForce{0.0});
     piece.exact.replace_law(springs[k], law);
     piece.rounded.replace_law(springs[k], law);
+    piece.plain.replace_law(springs[k], law);
   }
   return piece;
 }
@@ -765,95 +821,141 @@ Certifier Certifier::with(const BallMechanism& balls) const {
 
 // How far a stop is overrun at q.
 Ball Certifier::beyond(const std::vector<Ball>& constraints, int stop, bool upper) const {
-  const Ball& value = constraints[m_.stop_row(stop)];
-  return upper ? value - Ball(m_.upper()[stop]) : Ball(m_.lower()[stop]) - value;
+  const Ball& value = constraints[m().stop_row(stop)];
+  return upper ? value - Ball(m().upper()[stop]) : Ball(m().lower()[stop]) - value;
 }
 
 // The force of an active stop, positive if it pushes; none if its row was left out.
 std::optional<Ball> Certifier::push_of(const Finding& finding, const ActiveStop& a) const {
-  const auto row = std::find(finding.kept.rows.begin(), finding.kept.rows.end(), m_.stop_row(a.stop));
-  if (row == finding.kept.rows.end()) return std::nullopt;
-  const Ball& y = finding.solution.y[static_cast<std::size_t>(row - finding.kept.rows.begin())];
-  return a.upper ? y : -y;
+  const std::size_t row = row_of(finding, a);
+  if (row == finding.kept.rows.size()) return std::nullopt;
+  return a.upper ? finding.solution.y[row] : -finding.solution.y[row];
 }
 
-// With stop `next` overrun: the active stops with it, one of them left out if they would depend on each other.
-std::optional<std::vector<ActiveStop>> Certifier::with_active(std::vector<ActiveStop> active, ActiveStop next) const {
-  const auto dependent = [&](const std::vector<ActiveStop>& stops) {
-    return dependent_rows(equations(stops), nearly_dependent).size();
-  };
-  const std::size_t before = dependent(active);
-  active.push_back(next);
-  if (m_.coordinates() > dense_limit || dependent(active) == before) return active;
-  for (std::size_t k = 0; k + 1 < active.size(); ++k) {
-    if (active[k].both) continue;
-    std::vector<ActiveStop> exchanged = active;
-    exchanged.erase(exchanged.begin() + static_cast<std::ptrdiff_t>(k));
-    if (dependent(exchanged) == before) return exchanged;
+// Of an active stop among the kept rows.
+std::size_t Certifier::row_of(const Finding& finding, const ActiveStop& a) const {
+  const auto row = std::find(finding.kept.rows.begin(), finding.kept.rows.end(), m().stop_row(a.stop));
+  return static_cast<std::size_t>(row - finding.kept.rows.begin());
+}
+
+// Of an active stop whose row is a combination of kept ones: the active stops that take part, on its own side and on
+// the other one.
+Certifier::Sharing Certifier::sharing(const Finding& finding, const std::vector<ActiveStop>& active,
+                                      const ActiveStop& dependent) const {
+  Sharing out;
+  if (m().coordinates() > dense_limit || finding.kept.rows.empty()) return out;
+  const std::vector<double> x = middles(finding.solution.q);
+  const DensePoint<double> kept(m(), x, finding.kept.rows);
+  const DensePoint<double> stop(m(), x, {m().stop_row(dependent.stop)});
+  const Eigen::VectorXd share = shares_in(kept.jacobian, stop.jacobian.row(0));
+  const double negligible = solvers::known_to::closed_point * share.cwiseAbs().maxCoeff();
+  double least = infinity;
+  for (std::size_t a = 0; a < active.size(); ++a) {
+    const std::size_t row = row_of(finding, active[a]);
+    if (row == finding.kept.rows.size()) continue;
+    const double part = share[static_cast<Eigen::Index>(row)] * (active[a].upper == dependent.upper ? 1.0 : -1.0);
+    if (std::abs(part) <= negligible) continue;
+    if (active[a].both || dependent.both || part < 0) {
+      out.opposite.push_back(a);
+      continue;
+    }
+    const double relieved = push_of(finding, active[a])->middle() / part;
+    if (relieved < least) out.first_relieved = a;
+    least = std::min(least, relieved);
   }
-  return std::nullopt;
+  return out;
 }
 
 // Stops that would have to pull are left, those that are overrun become active, until neither is.
 Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
   Settled out;
-  for (int pass = 0; pass < 3 + 2 * m_.stops(); ++pass) {
+  for (int pass = 0; pass < 3 + 2 * m().stops(); ++pass) {
     out.finding = examine(equations(active));
     out.active = active;
-    if (out.finding.kind == Finding::Kind::none || m_.stops() == 0) {
+    out.consistent = false;
+    if (out.finding.kind == Finding::Kind::none || m().stops() == 0) {
       out.consistent = out.finding.kind != Finding::Kind::none;
       return out;
     }
-    const auto pulls = std::find_if(active.begin(), active.end(), [&](const ActiveStop& a) {
+    const std::vector<Ball> g = BalanceSystem(*balls_, out.finding.kept).constraints(out.finding.solution.q);
+    // Active stops that depend on others or on closures hold to rounding. One that is overrun takes the place of one on
+    // its side; where there is none no motion is possible between it and the others, and all of them push either way.
+    std::optional<std::size_t> relieved;
+    std::vector<Exchange> exchanges;
+    for (std::size_t k = 0; k < active.size() && !relieved; ++k) {
+      const ActiveStop& a = active[k];
+      const Ball over = beyond(g, a.stop, a.upper);
+      if (push_of(out.finding, a) || !(a.both ? !over.contains_zero() : over > Ball(0))) continue;
+      const Sharing shared = sharing(out.finding, active, a);
+      relieved = shared.first_relieved;
+      out.active[k].both = true;
+      for (const std::size_t other : shared.opposite) {
+        out.active[other].both = true;
+        exchanges.emplace_back(row_of(out.finding, active[other]), m().equalities() + k);
+      }
+    }
+    if (relieved) {
+      active.erase(active.begin() + static_cast<std::ptrdiff_t>(*relieved));
+      continue;
+    }
+    allow_for_rounding(out.finding, exchanges, equations(active));
+    if (out.finding.kind == Finding::Kind::none) return out;
+    const auto pulls = std::find_if(out.active.begin(), out.active.end(), [&](const ActiveStop& a) {
       const std::optional<Ball> push = push_of(out.finding, a);
       return !a.both && push && *push < Ball(0);
     });
-    if (pulls != active.end()) {
-      active.erase(pulls);
+    if (pulls != out.active.end()) {
+      active.erase(active.begin() + (pulls - out.active.begin()));
       continue;
     }
-    const std::vector<Ball> g = BalanceSystem(*balls_, out.finding.kept).constraints(out.finding.solution.q);
     std::optional<ActiveStop> overrun;
-    for (int s = 0; s < m_.stops() && !overrun; ++s) {
+    for (int s = 0; s < m().stops() && !overrun; ++s) {
       for (const bool upper : {false, true}) {
         const bool known = std::any_of(active.begin(), active.end(), [&](const ActiveStop& a) {
-          return (a.stop == s && (a.upper == upper || a.both)) || a.partner == s;
+          return a.stop == s && (a.upper == upper || a.both);
         });
-        if (!known && std::isfinite(bound(m_, s, upper)) && beyond(g, s, upper) > Ball(0)) {
+        if (!known && std::isfinite(bound(m(), s, upper)) && beyond(g, s, upper) > Ball(0)) {
           overrun = ActiveStop{.stop = s, .upper = upper};
         }
       }
     }
     out.consistent = !overrun;
     if (!overrun) return out;
-    std::optional<std::vector<ActiveStop>> next = with_active(active, *overrun);
-    if (!next) return out;
-    active = std::move(*next);
+    active.push_back(*overrun);
   }
   out.consistent = false;
   return out;
 }
 
-// From the stops that seem to be active at the answer; if that leads nowhere, from each set of those in contact, and
-// from pairs that contradict each other by rounding.
+// From the stops that seem to be active at the answer; where more are in contact, or that leads nowhere, from each set
+// of those in contact: the nearest equilibrium counts, of two in the same place the stable one.
 Certifier::Settled Certifier::settle() const {
-  const std::vector<ActiveStop> likely = find_active_stops(false);
+  const std::vector<ActiveStop> likely = find_active_stops();
   Settled out = settle(likely);
   const std::vector<ActiveStop> contact = stops_in_contact();
-  if (out.consistent || contact.empty() || contact.size() > most_undecided) return out;
+  if (contact.empty() || contact.size() > most_undecided) return out;
+  std::vector<ActiveStop> always;
+  const auto rank = [&](const Settled& s) { return moved(s) + (s.finding.unstable > 0 ? same_place : 0.0); };
+  std::copy_if(likely.begin(), likely.end(), std::back_inserter(always), [](const ActiveStop& a) { return a.both; });
+  if (out.consistent && out.active.size() == always.size() + contact.size()) return out;
   for (unsigned set = 0; set < 1U << contact.size(); ++set) {
-    std::vector<ActiveStop> active;
-    for (const ActiveStop& a : likely) {
-      if (a.both) active.push_back(a);
-    }
+    std::vector<ActiveStop> active = always;
     for (std::size_t k = 0; k < contact.size(); ++k) {
       if ((set >> k & 1U) != 0) active.push_back(contact[k]);
     }
     Settled other = settle(active);
-    if (other.consistent) return other;
+    if (other.consistent && (!out.consistent || rank(other) < rank(out))) out = std::move(other);
   }
-  const Settled paired = settle(find_active_stops(true));
-  return paired.consistent ? paired : out;
+  return out;
+}
+
+// Largest distance of a coordinate of an equilibrium from the answer.
+double Certifier::moved(const Settled& settled) const {
+  double most = 0.0;
+  for (std::size_t i = 0; i < x_.size(); ++i) {
+    most = std::max(most, std::abs((settled.finding.solution.q[i] - Ball(x_[i])).middle()));
+  }
+  return most;
 }
 
 Certificate Certifier::run() const {
@@ -897,18 +999,26 @@ Certificate Certifier::conclude_pieces(const std::vector<int>& springs) const {
     }
     const std::vector<Ball> g = BalanceSystem(piece, settled.finding.kept).measures(settled.finding.solution.q);
     bool agrees = true;
-    bool undecided = false;
+    std::vector<int> decided, undecided;
+    unsigned acting = 0;  // bits of the decided ones
     for (std::size_t k = 0; k < springs.size(); ++k) {
       const LinearSpring& spring = std::get<LinearSpring>(balls_->exact.law_of(springs[k]));
       const Ball over = g[springs[k]] - Ball(spring.free_length);
       const bool acts_above = spring.acts == LinearSpring::Acts::tension;
-      const bool above = acts_above == ((act >> k & 1U) != 0);
-      undecided = undecided || over.contains_zero();
+      const bool acts = (act >> k & 1U) != 0;
+      const bool above = acts_above == acts;
+      if (over.contains_zero()) {
+        undecided.push_back(springs[k]);
+      } else {
+        acting |= (acts ? 1U : 0U) << decided.size();
+        decided.push_back(springs[k]);
+      }
       agrees = agrees && (above ? !(over < Ball(0)) : !(over > Ball(0)));
     }
     if (!agrees) continue;
-    if (undecided) {
-      if (!at_limit) at_limit = conclude_at_limit(settled, springs);
+    if (!undecided.empty()) {
+      const BallMechanism known = with_springs(decided, acting);
+      if (!at_limit) at_limit = with(known).conclude_at_limit(settled, undecided);
       continue;
     }
     Certificate found = part.conclude(settled);
@@ -942,15 +1052,15 @@ std::vector<ActiveStop> Certifier::weak_stops(const Settled& settled) const {
     (a.both || !push->contains_zero() ? strong : out).push_back(a);
   }
   const std::vector<Ball> g = BalanceSystem(*balls_, settled.finding.kept).constraints(settled.finding.solution.q);
-  for (int s = 0; s < m_.stops(); ++s) {
-    const bool known = std::any_of(settled.active.begin(), settled.active.end(),
-                                   [&](const ActiveStop& a) { return a.stop == s || a.partner == s; });
+  for (int s = 0; s < m().stops(); ++s) {
+    const bool known =
+        std::any_of(settled.active.begin(), settled.active.end(), [&](const ActiveStop& a) { return a.stop == s; });
     for (const bool upper : {false, true}) {
-      if (known || !std::isfinite(bound(m_, s, upper)) || !beyond(g, s, upper).contains_zero()) continue;
+      if (known || !std::isfinite(bound(m(), s, upper)) || !beyond(g, s, upper).contains_zero()) continue;
       out.push_back({.stop = s, .upper = upper});
     }
   }
-  if (out.empty() || m_.coordinates() > dense_limit) return out;
+  if (out.empty() || m().coordinates() > dense_limit) return out;
   const std::size_t before = dependent_rows(equations(strong), nearly_dependent).size();
   std::erase_if(out, [&](const ActiveStop& a) {
     std::vector<ActiveStop> with_it = strong;
@@ -996,7 +1106,7 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
   Certificate out = report(*loosest, strong);
   out.strict = false;
   if (!out.confirmed()) return out;
-  if (m_.has_follower_loads()) {
+  if (m().has_follower_loads()) {
     if (same_orientation) return out;
     return deny(Outcome::not_proved, "a stop or one-way spring is exactly at the limit of acting");
   }
@@ -1026,24 +1136,24 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
 // H being the reduced Hessian without them and a_k the gradient of a measure; stops leave the motions with a_s.v <= 0.
 Stability Certifier::stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
                                         const std::vector<ActiveStop>& weak, bool& locked) const {
-  TangentSpace tangents(m_, loosest);
+  const BallMechanism slack = with_springs(springs, 0);
+  TangentSpace tangents(slack.plain, loosest);
   const Eigen::MatrixXd& z = tangents.basis;
-  Eigen::MatrixXd& h = tangents.hessian;
+  const Eigen::MatrixXd& h = tangents.hessian;
   std::vector<Planar<double>>& pose = tangents.point.pose;
   const Eigen::Index d = z.cols();
   if (d == 0) return Stability::stable;
   std::vector<Eigen::VectorXd> acting;     // a_k times the root of the stiffness, positive where the spring acts
   std::vector<Eigen::VectorXd> forbidden;  // a_s
   for (const int e : springs) {
-    const LinearSpring& spring = std::get<LinearSpring>(m_.law_of(e));
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(m_.coordinates());
-    m_.add_measure_gradient(e, pose.data(), gradient.data());
+    const LinearSpring& spring = std::get<LinearSpring>(m().law_of(e));
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(m().coordinates());
+    m().add_measure_gradient(e, pose.data(), gradient.data());
     const Eigen::VectorXd a = std::sqrt(spring.stiffness) * z.transpose() * gradient;
-    if (!spring.slack(m_.measure_of(e, pose.data()))) h -= a * a.transpose();
     acting.push_back(spring.acts == LinearSpring::Acts::tension ? a : Eigen::VectorXd(-a));
   }
   for (const ActiveStop& s : weak) {
-    const DensePoint<double> stop(m_, tangents.x, {m_.stop_row(s.stop)});
+    const DensePoint<double> stop(m(), tangents.x, {m().stop_row(s.stop)});
     const Eigen::VectorXd a = z.transpose() * stop.jacobian.row(0).transpose();
     forbidden.push_back(s.upper ? a : Eigen::VectorXd(-a));
   }

@@ -44,7 +44,46 @@ bool balances(const DensePoint<double>& point) {
   return left.cwiseAbs().maxCoeff() <= unbalanced_beyond * (1.0 + point.force.cwiseAbs().maxCoeff());
 }
 
+constexpr int most_steps = 30;
+constexpr double converged_within = 1e-12;
+constexpr double loses_rank_within = 1e-10;  // |J^T u|; where nothing loses rank a rest remains
+
 }  // namespace
+
+std::optional<std::vector<double>> nearest_singular_point(const Mechanism<double>& mechanism,
+                                                          const std::vector<double>& x, const std::vector<int>& rows) {
+  const auto m = static_cast<Eigen::Index>(rows.size());
+  const Eigen::Index n = mechanism.coordinates();
+  if (m == 0 || n > most_coordinates) return std::nullopt;
+  std::vector<double> q = x;
+  // Stops keep the value that they have at x.
+  std::vector<double> kept(rows.size(), 0.0);
+  const DensePoint<double> first(mechanism, q, rows);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    if (rows[k] >= mechanism.equalities()) kept[k] = first.constraint[rows[k]];
+  }
+  Eigen::VectorXd u = solvers::symmetric_eigen(first.jacobian * first.jacobian.transpose()).vectors.col(0);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(m);
+  for (int step = 0; step < most_steps; ++step) {
+    DensePoint<double> point(mechanism, q, rows);
+    Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(m + n + 1, n + m);
+    derivative.topLeftCorner(m, n) = point.jacobian;
+    derivative.block(m, 0, n, n) = point.tangent(u) - point.tangent(none);
+    derivative.block(m, n, n, m) = point.jacobian.transpose();
+    derivative.bottomRightCorner(1, m) = 2 * u.transpose();
+    Eigen::VectorXd value(m + n + 1);
+    for (Eigen::Index k = 0; k < m; ++k) value[k] = point.constraint[rows[k]] - kept[k];
+    value.segment(m, n) = point.jacobian.transpose() * u;
+    value[m + n] = u.squaredNorm() - 1.0;
+    const Eigen::VectorXd change = solvers::minimum_norm_solution<double>(derivative, -value, solvers::known_to::path);
+    if (!change.allFinite()) return std::nullopt;
+    for (Eigen::Index i = 0; i < n; ++i) q[i] += change[i];
+    u += change.tail(m);
+    if (change.cwiseAbs().maxCoeff() > converged_within) continue;
+    return value.cwiseAbs().maxCoeff() < loses_rank_within ? std::optional(q) : std::nullopt;
+  }
+  return std::nullopt;
+}
 
 std::optional<SingularConfiguration> find_singular_configuration(const StaticModel& model,
                                                                  const std::vector<double>& x) {

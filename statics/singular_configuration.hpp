@@ -19,4 +19,10 @@ struct SingularConfiguration {
 std::optional<SingularConfiguration> find_singular_configuration(const StaticModel& model,
                                                                  const std::vector<double>& x);
 
+/// The point nearest to x where the given constraint rows (equalities, and stops whose measure stays as it is) lose
+/// rank, by the method of Gauss and Newton on  c(q) = 0,  J(q)^T u = 0,  u . u = 1  from the smallest singular value at
+/// x. Empty if that does not converge.
+std::optional<std::vector<double>> nearest_singular_point(const Mechanism<double>& mechanism,
+                                                          const std::vector<double>& x, const std::vector<int>& rows);
+
 }  // namespace poise
