@@ -41,7 +41,8 @@ Kind kind_of(Stability stability) {
   return Kind::unknown;
 }
 
-Claim pose_claim(const StaticModel& model, const std::vector<double>& x) {
+// Coordinates that are arbitrary, by name, are not compared.
+Claim pose_claim(const StaticModel& model, const std::vector<double>& x, const std::vector<std::string>& arbitrary) {
   Claim claim;
   const auto poses = model.poses(x);
   for (std::size_t b = 0; b < model.scene().bodies.size(); ++b) {
@@ -50,6 +51,7 @@ Claim pose_claim(const StaticModel& model, const std::vector<double>& x) {
   }
   const std::vector<double> q = model.to_si(x);
   for (int t = 0; t < model.layout().kept; ++t) {
+    if (std::find(arbitrary.begin(), arbitrary.end(), model.layout().coordinates[t].name) != arbitrary.end()) continue;
     claim.coordinates.push_back(meaning_of(model.layout(), t));
     claim.coordinates.back().value = q[t];
     claim.coordinates.back().origin = model.scales().length * model.layout().coordinates[t].origin;
@@ -60,16 +62,17 @@ Claim pose_claim(const StaticModel& model, const std::vector<double>& x) {
 }  // namespace
 
 Claim claim_of(const StaticModel& model, const Equilibrium& answer) {
-  Claim claim = pose_claim(model, answer.x);
+  Claim claim = pose_claim(model, answer.x, answer.certificate.neutral_coordinates);
   claim.confirmed = answer.found();
   claim.kind = kind_of(answer.certificate.stability);
+  claim.neutral = answer.certificate.outcome == Outcome::neutral;
   claim.radius = answer.certificate.radius;
   claim.minimum_sought = answer.seek == Seek::stable || traits(answer.method).minimises;
   return claim;
 }
 
 Claim claim_at(const StaticModel& model, const std::vector<double>& x, Kind kind, double radius) {
-  Claim claim = pose_claim(model, x);
+  Claim claim = pose_claim(model, x, {});
   claim.confirmed = true;
   claim.kind = kind;
   claim.radius = radius;

@@ -120,6 +120,7 @@ struct Closed {
   std::vector<Index> kept;     // rows
   std::vector<Index> dropped;  // rows that repeat them
   double open = 0.0;           // by which the dropped ones do not hold
+  double open_contacts = 0.0;  // those of them that are contacts
   double least_pivot = 1.0;
   double dropped_pivot = 0.0;
 };
@@ -137,7 +138,7 @@ Closed close(const ExactMechanics& mechanics, Vector q, const Piece& piece, cons
       for (Index i = 2; i < q.size(); i += 3) s.jacobian.col(i) *= Real(1e-6);
     }
     // Rows that repeat others do so where they hold.
-    const Rows rows(s.jacobian, last > 1e-14 ? 1e-11 : dependent_below);
+    const Rows rows(s.jacobian, std::max(last > 1e-14 ? 1e-11 : dependent_below, mechanics.rounding()));
     Vector p = -rows.shortest(s.gap);
     if (weigh) {
       for (Index i = 2; i < q.size(); i += 3) p[i] *= Real(1e-6);
@@ -238,8 +239,14 @@ Solution newton(const ExactMechanics& mechanics, const Closed& from, const Piece
   }
   if (out.converged) {
     const System s = system_at(mechanics, q, piece, guide);
-    out.at.open = 0.0;
-    for (const Index i : from.dropped) out.at.open = std::max(out.at.open, std::abs(to_double(s.gap[i])));
+    out.at.open = out.at.open_contacts = 0.0;
+    const auto contacts = static_cast<Index>(piece.contacts.size());
+    for (const Index i : from.dropped) {
+      const double open = std::abs(to_double(s.gap[i]));
+      out.at.open = std::max(out.at.open, open);
+      const Index rows = s.gap.size() - (guide != nullptr ? 1 : 0);
+      if (i < rows && i >= rows - contacts) out.at.open_contacts = std::max(out.at.open_contacts, open);
+    }
     measure(mechanics, piece, guide, out);
   }
   return out;
@@ -290,6 +297,7 @@ class Search {
       q[i + 1] = Real(claim.origins[b].y) / mechanics.length();
       q[i + 2] = claim.angles[b];
     }
+    claimed_ = q;
     base_ = by_signs(q, {});
     start_ = close(mechanics, q, base_, nullptr, true);
     if (!start_.closed) return;
@@ -329,6 +337,25 @@ class Search {
       }
       if (!found_.empty()) break;
     }
+  }
+
+  // Beside a pose where joints lose rank Newton's method is tried from displaced starts.
+  void try_displaced() {
+    if (!start_.closed || !kinks_.empty() || !candidates_.empty()) return;
+    if (start_.least_pivot > 1e-5 && largest(start_.q - claimed_) < 1e-6) return;
+    const System s = system_at(mechanics_, claimed_, base_, nullptr);
+    const Matrix N = Rows(s.jacobian, 1e-5).kernel();
+    for (Index k = 0; k < N.cols(); ++k) {
+      for (double way = 1e-9; way < 1e-5; way *= 10) {
+        for (const int sign : {-1, 1}) {
+          const Closed from = close(mechanics_, claimed_ + sign * way * N.col(k), base_, nullptr, false);
+          if (!from.closed || from.dropped.size() != start_.dropped.size()) continue;
+          const Solution solution = newton(mechanics_, from, base_, nullptr, exact * scale_);
+          if (solution.converged && solution.residual <= exact * scale_ && take(solution, base_, true)) return;
+        }
+      }
+    }
+    if (found_.empty()) trouble_ = "near a pose where joints lose rank";
   }
 
   void try_soft() {
@@ -428,17 +455,26 @@ class Search {
   Solution solution_of(const Piece& piece) const {
     const Closed from = closed(piece);
     if (!from.closed || from.dropped.size() != start_.dropped.size()) return {};
-    const Solution solution = newton(mechanics_, from, piece, nullptr, exact * scale_);
-    if (solution.converged && solution.residual <= exact * scale_) return solution;
+    const auto exactly = [&] {
+      Solution solution = newton(mechanics_, from, piece, nullptr, exact * scale_);
+      solution.converged = solution.converged && solution.residual <= exact * scale_;
+      return solution;
+    };
     // Balanced to rounding of the scene's numbers only?
-    Solution rounded = newton(mechanics_, from, piece, nullptr, flat_within * scale_);
-    rounded.converged = rounded.converged && rounded.residual <= flat_within * scale_ && is_flat(rounded, piece);
-    return rounded;
+    const auto to_rounding = [&] {
+      Solution rounded = newton(mechanics_, from, piece, nullptr, flat_within * scale_);
+      rounded.converged = rounded.converged && rounded.residual <= flat_within * scale_ && is_flat(rounded, piece);
+      return rounded;
+    };
+    Solution solution = claim_.neutral ? to_rounding() : exactly();
+    if (!solution.converged) solution = claim_.neutral ? exactly() : to_rounding();
+    return solution;
   }
 
   // Whether the force stays within rounding along all freedoms whose curvature is.
   bool is_flat(const Solution& solution, const Piece& piece) const {
     const Matrix sum = solution.reduced + solution.reduced.transpose();
+    if (sum.cols() == 0) return true;
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(sum / Real(2));
     for (Index k = 0; k < sum.cols(); ++k) {
       if (abs(eigen.eigenvalues()[k]) > flat_within * std::max(scale_, largest(sum))) continue;
@@ -503,12 +539,13 @@ class Search {
       trouble_ = "a spring or stop acts on points that coincide";
       return false;
     }
-    const Real tolerance = exactly ? exact : Real(1e-14);
-    if (solution.at.open > 1e-12 || !holds(solution, piece, tolerance)) return false;
+    const Real tolerance = exactly ? exact : Real(std::max(1e-14, mechanics_.rounding()));
+    if (solution.at.open > std::max(1e-12, mechanics_.rounding()) || !holds(solution, piece, tolerance)) return false;
     Truth truth;
     truth.distance = distance(solution.at.q);
     truth.allowance = allowance(solution);
     find_kind(solution, piece, tolerance, truth);
+    truth.exact = exactly && solution.at.open_contacts <= least_radius;
     if (!exactly) truth.note += "; stops hold to rounding only";
     found_.push_back(truth);
     std::stable_sort(found_.begin(), found_.end(),
@@ -594,7 +631,9 @@ class Search {
       held.at = close(mechanics_, q, strict, nullptr, false);
       measure(mechanics_, strict, nullptr, held);
     }
+    const Index motions = held.kernel.cols();
     held = without_idle(held);
+    truth.also_neutral = held.kernel.cols() < motions;
     const Matrix& N = held.kernel;
     const Real stiffest = std::max(scale_, largest(held.reduced));
     const Real zero = exact * stiffest;
@@ -654,7 +693,7 @@ class Search {
     }
     if (abs(least.value) > zero) {
       truth.kind = least.value > 0 ? Kind::stable : Kind::unstable;
-      if (smallest <= flat_within * stiffest && truth.strict) truth.also_neutral = is_flat(held, strict);
+      if (smallest <= flat_within * stiffest && truth.strict && is_flat(held, strict)) truth.also_neutral = true;
       return;
     }
     judge_degenerate(held, strict, least.v, eigen.eigenvalues(), zero, truth);
@@ -663,10 +702,12 @@ class Search {
   // Without the freedoms on which nothing depends that carries a load: a link that hangs on one pin.
   Solution without_idle(Solution solution) const {
     if (solution.kernel.cols() == 0) return solution;
-    const Matrix seen = mechanics_.observed(solution.at.q) * solution.kernel;
-    Matrix idle = kernel_of(seen, 1e-20);
-    if (seen.rows() > 0 && largest(seen) < exact) idle = Matrix::Identity(seen.cols(), seen.cols());
-    if (idle.cols() == 0 || largest(solution.reduced * idle) > exact * scale_) return solution;
+    const Matrix observed = mechanics_.observed(solution.at.q) * solution.kernel;
+    Matrix seen(observed.rows() + solution.reduced.rows(), solution.kernel.cols());
+    seen << observed, solution.reduced / std::max(scale_, largest(solution.reduced));
+    const Matrix idle = largest(seen) < exact ? Matrix(Matrix::Identity(seen.cols(), seen.cols()))  //
+                                              : kernel_of(seen, 1e-20);
+    if (idle.cols() == 0) return solution;
     const Matrix rest = kernel_of(idle.transpose(), 1e-20);
     solution.reduced = Matrix(rest.transpose() * solution.reduced * rest);
     solution.kernel = Matrix(solution.kernel * rest);
@@ -843,7 +884,7 @@ class Search {
 
   bool loses_rank() const {
     const System s = system_at(mechanics_, start_.q, base_, nullptr);
-    const Matrix N = Rows(s.jacobian, dependent_below).kernel();
+    const Matrix N = Rows(s.jacobian, std::max(dependent_below, mechanics_.rounding())).kernel();
     for (int k = 0; k < 3; ++k) {
       Vector z(N.cols());
       for (Index i = 0; i < z.size(); ++i) z[i] = std::sin(1.0 + 2.7 * static_cast<double>(i) + 1.3 * k);
@@ -949,9 +990,10 @@ class Search {
   const ExactMechanics& mechanics_;
   const Scene& scene_;
   const Claim& claim_;
-  Piece base_;    // by the signs at the answer, without contacts
-  Closed start_;  // the answer with its joints closed
-  Real scale_;    // force scale
+  Piece base_;      // by the signs at the answer, without contacts
+  Vector claimed_;  // the answer
+  Closed start_;    // with its joints closed
+  Real scale_;      // force scale
   std::vector<Contact> candidates_;
   std::vector<std::size_t> kinks_;
   std::optional<bool> singular_;
@@ -1002,8 +1044,11 @@ Judgement judge_confirmed(const Claim& claim, const std::vector<Truth>& truths, 
 
 Judgement judge_unconfirmed(const Claim& claim, const std::vector<Truth>& truths) {
   for (const Truth& truth : truths) {
-    if (truth.distance > Judge::near || !truth.decided || !(truth.condition < condition_limit)) continue;
+    if (truth.distance > Judge::near || !truth.decided || !truth.exact || truth.also_neutral) continue;
+    if (!(truth.condition < condition_limit)) continue;
     if (claim.minimum_sought && truth.kind == Kind::unstable) continue;
+    // Redundant joints, which agree to rounding, leave the sign of a curvature open that changes over such a way.
+    if (truth.allowance * truth.condition > 1.0) continue;
     return {Verdict::lost, truth,
             fmt::format("a {} equilibrium of condition {:.1g} is {:.2g} away", to_string(truth.kind), truth.condition,
                         truth.distance)};
@@ -1032,6 +1077,7 @@ std::vector<Truth> Judge::equilibria(const Claim& claim, std::string& trouble) c
   Search search(mechanics_, claim);
   search.try_present();
   search.try_all();
+  search.try_displaced();
   search.try_soft();
   trouble = search.trouble();
   return search.found();
@@ -1045,10 +1091,13 @@ Judgement Judge::judge(const Claim& claim) const {
   };
   search.try_present();
   Judgement out = verdict();
-  if (claim.confirmed ? out.verdict == Verdict::right : out.verdict == Verdict::lost) return out;
+  if (claim.confirmed ? out.verdict == Verdict::right : out.verdict == Verdict::lost && out.truth->allowance == 0.0) {
+    return out;
+  }
   search.try_all();
   out = verdict();
-  if (!claim.confirmed || out.verdict == Verdict::right) return out;
+  if (out.verdict == Verdict::right) return out;
+  search.try_displaced();
   search.try_soft();
   return verdict();
 }

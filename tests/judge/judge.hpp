@@ -27,6 +27,7 @@ struct ClaimedCoordinate {
 struct Claim {
   bool confirmed = false;
   Kind kind = Kind::unknown;
+  bool neutral = false;            ///< along some freedom, whatever its kind is across
   std::optional<double> radius{};  ///< within which the equilibrium is said to be, rad or `size`
   bool minimum_sought = false;     ///< an unstable equilibrium is then rightly not confirmed
   /// Poses of all bodies, m and rad: where the judge starts.
@@ -58,6 +59,7 @@ struct Truth {
   double allowance = 0.0;     ///< by which redundant joints, which agree only to rounding, leave its place open
   double condition = std::numeric_limits<double>::infinity();
   bool strict = true;  ///< every stop in contact has a force, no one-way spring is at its free length
+  bool exact = true;   ///< stops and one-way springs are as they must be exactly, not only to rounding
   int negative = 0;    ///< negative curvatures; of loads that follow a body 1 for a negative determinant
   std::string note;
 };
