@@ -30,9 +30,11 @@ struct CompareRequest {
   std::string seek = "nearest";
   std::optional<std::string> methods, tolerances;
   std::optional<int> repeat;
+  std::optional<double> proof_seconds;
 };
 
 comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& words) {
+  if (words.proof_seconds) throw InputError("--proof-seconds: does not count with --tolerances; leave one of them out");
   comparison::WorkPrecisionOptions options;
   options.methods = read_methods("--methods", words.methods.value_or("all"));
   options.tolerances = read_tolerances(*words.tolerances);
@@ -62,6 +64,7 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   if (!request.csv.empty()) throw InputError("--csv: is written only with --tolerances; leave it out or give both");
   SolveOptions options;
   options.seek = read_seek(words.seek);
+  options.certificate = read_proof(words.proof_seconds);
   const std::vector<Method> methods = read_methods("--methods", words.methods.value_or("virtual-work,energy"));
 
   Progress progress;
@@ -113,6 +116,7 @@ Command compare_command() {
                "virtual-work,energy (the default), any other list of names, or\nall (the default with "
                "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
                    method_help()});
+  add_proof_option(command, request->proof_seconds);
   command.add({"--tolerances", &request->tolerances, "RANGE",
                "Speed against error: runs at these tolerances, by decades\n(1e-2..1e-14) or as a list (1e-3,1e-6); "
                "--svg then draws the\nerror against the time; exit code 0 where some run is confirmed"});

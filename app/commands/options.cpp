@@ -112,6 +112,20 @@ void add_seek_option(Command& command, std::string& seek) {
                "minima only"});
 }
 
+void add_proof_option(Command& command, std::optional<double>& seconds) {
+  command.add({"--proof-seconds", &seconds, "S",
+               fmt::format("Time allowed for the proof of an answer ({:g}); after it the answer is\n\"checked, not "
+                           "proved\"",
+                           CertificateOptions{}.seconds)});
+}
+
+CertificateOptions read_proof(const std::optional<double>& seconds) {
+  CertificateOptions out;
+  out.seconds = seconds.value_or(out.seconds);
+  expect_number("--proof-seconds", out.seconds, out.seconds >= 0, "a number >= 0");
+  return out;
+}
+
 Seek read_seek(const std::string& word) {
   return chosen("--seek", word, {"nearest", "stable"}) == 0 ? Seek::nearest : Seek::stable;
 }

@@ -47,6 +47,10 @@ void add_output_options(Command& command, Request& request, const FileHelp& help
 
 /// --seek; its word goes to `seek`, which must outlive the command.
 void add_seek_option(Command& command, std::string& seek);
+/// --proof-seconds; its number goes to `seconds`, which must outlive the command.
+void add_proof_option(Command& command, std::optional<double>& seconds);
+/// The options of certificates with that time. Throws InputError unless it is a number >= 0.
+CertificateOptions read_proof(const std::optional<double>& seconds);
 /// nearest or stable. Throws InputError.
 Seek read_seek(const std::string& word);
 

@@ -1,6 +1,7 @@
 #include "app/results/statics/solve.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "app/commands/commands.hpp"
@@ -14,6 +15,7 @@ namespace {
 struct SolveRequest {
   Request common;
   std::string method = "virtual-work", seek = "nearest";
+  std::optional<double> proof_seconds;
 };
 
 int run_solve(const SolveRequest& words, const Palette& palette) {
@@ -21,6 +23,7 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   SolveOptions options;
   options.method = read_method("--method", words.method);
   options.seek = read_seek(words.seek);
+  options.certificate = read_proof(words.proof_seconds);
 
   Progress progress;
   progress.now("reading the scene");
@@ -45,6 +48,7 @@ Command solve_command() {
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
   command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()});
+  add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism in equilibrium, with loads and joint forces, into\nFILE"});
   command.run = [request](const Palette& palette) { return run_solve(*request, palette); };

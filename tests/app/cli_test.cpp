@@ -38,6 +38,16 @@ TEST(CommandLine, ConfirmedEquilibriumExitsZero) {
   }
 }
 
+TEST(CommandLine, AnAnswerWithoutTimeForItsProofIsCheckedOnly) {
+  const std::string scene = dataset("thesis_four_bar");
+  for (const char* command : {"solve", "compare"}) {
+    const Outcome run = run_poise({command, scene, "--proof-seconds", "0"});
+    EXPECT_EQ(run.exit_code, 0) << run.out;
+    EXPECT_TRUE(contains(run.out, "checked, not proved")) << run.out;
+    EXPECT_FALSE(contains(run.out, "stable")) << run.out;
+  }
+}
+
 TEST(CommandLine, UnstableEquilibriumIsFoundAndReportedAsUnstable) {
   const TempFolder folder;
   const Outcome run = run_poise({"solve", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
@@ -320,6 +330,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadWords{"MisspeltOption", {"solve", "SCENE", "--metod", "energy"}, "did you mean \"--method\"?"},
         BadWords{"UnknownMethod", {"solve", "SCENE", "--method", "enegry"}, "did you mean \"energy\"?"},
         BadWords{"UnknownSeek", {"compare", "SCENE", "--seek", "stabel"}, "did you mean \"stable\"?"},
+        BadWords{"ProofInNegativeTime", {"solve", "SCENE", "--proof-seconds=-1"}, "expected a number >= 0, found -1"},
+        BadWords{"ProofInNoTime", {"compare", "SCENE", "--proof-seconds", "nan"}, "--proof-seconds: expected a number"},
+        BadWords{"ProofOfRuns",
+                 {"compare", "SCENE", "--tolerances", "1e-3", "--proof-seconds", "1"},
+                 "does not count with --tolerances"},
         BadWords{"MethodOfCompare", {"compare", "SCENE", "--method", "energy"}, "compare has no option \"--method\""},
         BadWords{"UnknownMethods", {"compare", "SCENE", "--methods", "energy,cobila"}, "did you mean \"cobyla\"?"},
         BadWords{"NoMethods", {"compare", "SCENE", "--methods", "energy,"}, "--methods: expected virtual-work"},
