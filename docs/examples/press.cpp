@@ -25,7 +25,8 @@ int main() try {
   const poise::Scene scene = builder.build();
 
   const poise::NamedEquilibrium found = solve(scene, {.seek = poise::Seek::stable}).in_scene_units();
-  std::printf("%s, %s\n", to_string(found.result().status).c_str(), to_string(found.result().certificate.stability).c_str());
+  std::printf("%s, %s\n", to_string(found.result().status).c_str(),
+              to_string(found.result().certificate.stability).c_str());
   std::printf("crank at %.3f deg, ram at %.3f mm\n", found.angle("crank"), found.point("ram.C").x);
   const poise::Vec2 pin = found.reaction("B").force;
   std::printf("spring torque %.1f N mm, pin B carries [%.3f, %.3f] N\n", found.force("return"), pin.x, pin.y);
