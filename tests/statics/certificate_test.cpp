@@ -583,6 +583,63 @@ TEST(Singular, APinWrittenTwiceCountsOnce) {
   }
 }
 
+// A block on a rail along (1, 2) rests where its spring of k = 3 N/m is stretched by 7 sqrt(1/5) / 3 m: the direction
+// is exact, although no double is sqrt(1/5).
+TEST(Proved, AnAxisIsAnExactDirection) {
+  const StaticModel model = model_of(R"(
+    [ground]
+    points = { G = [0, 0] }
+    [body.block]
+    points = { C = [0, 0] }
+    [[slide]]
+    name = "rail"
+    points = ["ground.G", "block.C"]
+    axis = [1, 2]
+    [[spring]]
+    slide = "rail"
+    stiffness = 3
+    free_length = 0
+    [[force]]
+    at = "block.C"
+    vector = [7, 0]
+  )");
+  const Certificate proof = certified(model, {{"rail", 1.0435}});
+  expect_proved(proof, Stability::stable, 0);
+  const Real50 exact = 7 / sqrt(Real50(5)) / 3;
+  EXPECT_LE(abs(in_si(model, proof.x, 0) - exact), Real50(proof.radius * model.scales().length));
+  EXPECT_LE(proof.radius, 2e-16);
+}
+
+// The same from beside the point where its branches cross.
+TEST(Singular, AChangePointIsFoundFromBeside) {
+  const StaticModel model = model_of(R"(
+    [ground]
+    points = { A = [0, 0], B = [3, 0] }
+    [body.crank]
+    points = { a = [0, 0], b = [2, 0] }
+    [body.rocker]
+    points = { a = [0, 0], b = [1, 0] }
+    [body.coupler]
+    points = { a = [0, 0], b = [2, 0] }
+    [[pin]]
+    points = ["ground.A", "crank.a"]
+    [[pin]]
+    points = ["ground.B", "rocker.a"]
+    [[pin]]
+    points = ["crank.b", "coupler.a"]
+    [[pin]]
+    points = ["coupler.b", "rocker.b"]
+    [[torsion_spring]]
+    bodies = ["ground", "crank"]
+    stiffness = 0.3
+  )");
+  const Certificate proof = certified(model, {{"crank", 2e-17}, {"rocker", 1e-7}, {"coupler", 5e-8}});
+  EXPECT_TRUE(proof.confirmed()) << proof.statement;
+  EXPECT_EQ(to_string(proof.outcome), "degenerate");
+  EXPECT_EQ(to_string(proof.stability), "stable");
+  EXPECT_LE(proof.moved, 2e-7);
+}
+
 // A parallelogram of unit cranks on unit ground, flat, with torsion springs on both cranks that hold it there: the
 // motions are crank = rocker = t (parallel) and crank = -rocker = t (crossed), V = k t^2 / 2 (1 + 1) on both.
 TEST(Singular, AFlatParallelogramThatSpringsHoldIsStable) {
@@ -727,6 +784,66 @@ TEST(StopsOf, ABeamOnAPivotWithTwoTautStringsCannotMove) {
   EXPECT_EQ(to_string(proof.stability), "stable");
 }
 
+// Both stops keep the standing arm from falling to the same side, one of them a rounding unit too far: at neither is
+// there an equilibrium as the scene is written, and nothing is locked.
+TEST(StopsOf, AStandingArmTouchedTwiceOnOneSideIsNotLocked) {
+  const StaticModel model = model_of(R"(
+    gravity = [-10, 0]
+    [ground]
+    points = { O = [0, 0] }
+    [body.arm]
+    points = { O = [0, 0], R = [0.0625, -0.2] }
+    center = [1, 0]
+    mass = 1
+    [[pin]]
+    points = ["ground.O", "arm.O"]
+    [[stop]]
+    name = "angle"
+    bodies = ["ground", "arm"]
+    min = 0
+    [[stop]]
+    name = "height"
+    y = "arm.R"
+    min = -0.19999999999999998
+  )");
+  const Certificate proof = certified(model, {{"arm", 0.0}});
+  EXPECT_FALSE(proof.confirmed() && proof.stability == Stability::stable) << proof.statement;
+  EXPECT_FALSE(proof.locked);
+}
+
+// An arm between a stop on its angle and one on the height of a point, which exclude each other by a rounding unit: the
+// radius reaches from where the one holds to where the other does.
+TEST(StopsOf, TheRadiusReachesFromOneStopToTheOther) {
+  const double height = -0.19999999999999998;
+  const StaticModel model = model_of(fmt::format(R"(
+    gravity = [-10, 0]
+    [ground]
+    points = {{ O = [0, 0] }}
+    [body.arm]
+    points = {{ O = [0, 0], R = [0.0625, -0.2] }}
+    center = [1, 0]
+    mass = 1
+    [[pin]]
+    points = ["ground.O", "arm.O"]
+    [[stop]]
+    name = "angle"
+    bodies = ["ground", "arm"]
+    max = 0
+    [[stop]]
+    name = "height"
+    y = "arm.R"
+    min = {:.17}
+  )",
+                                                 height));
+  const Certificate proof = certified(model, {{"arm", 0.0}});
+  EXPECT_TRUE(proof.confirmed()) << proof.statement;
+  EXPECT_TRUE(proof.locked);
+  // The height of R is 0.0625 sin(q) - 0.2 cos(q).
+  const double other = (height + 0.2) / 0.0625;
+  ASSERT_GT(other, 0.0);
+  for (const double q : {0.0, other}) EXPECT_LE(std::abs(proof.x[0] - q), proof.radius);
+}
+
 // --- one-way springs -------------------------------------------------------------------------------------------------
 
 // The band of hard/kink.toml is just taut: 100 N/m before, 200 N/m behind the equilibrium.
@@ -737,7 +854,6 @@ TEST(OneWaySprings, AreExaminedOnBothSidesOfTheirLimit) {
   EXPECT_FALSE(proof.strict);
 }
 
-// A standing arm held back by a rope that is just taut: to one side the rope holds it, to the other it falls.
 // A standing arm, V = 8 cos(q), with a spring that acts below -e only, V += 5 (q + e)^2: q = 0 falls, and beside it the
 // arm stands on the spring at q = -10 e / (10 - 8) = -5 e.
 TEST(OneWaySprings, JustBesideTheirLimitCountOnTheirOwnSide) {
@@ -753,6 +869,25 @@ TEST(OneWaySprings, JustBesideTheirLimitCountOnTheirOwnSide) {
   EXPECT_NEAR(leaning.x[0], -5e-13, 1e-25);
 }
 
+// A standing arm, V = 10 cos(q), with a spring exactly at its limit, that holds where q > 0, and one that is 1e-12 rad
+// from its own, which would hold where q < -1e-12: only the first counts at q = 0, and the arm falls the other way.
+TEST(OneWaySprings, ThatAreNearlyAtTheirLimitKeepTheirState) {
+  const auto spring = [](const char* angle, const char* acts) {
+    return fmt::format(
+        "[[torsion_spring]]\nbodies = [\"ground\", \"arm\"]\nfree_angle = {}\nstiffness = 100\nacts = \"{}\"\n", angle,
+        acts);
+  };
+  const StaticModel model = model_of(
+      "gravity = [-10, 0]\n[ground]\npoints = { O = [0, 0] }\n[body.arm]\npoints = { O = [0, 0] }\nmass = 1\n"
+      "center = [1, 0]\n[[pin]]\npoints = [\"ground.O\", \"arm.O\"]\n" +
+      spring("0", "tension") + spring("-1e-12", "compression"));
+  const Certificate proof = certify(model, {0.0});
+  EXPECT_TRUE(proof.confirmed()) << proof.statement;
+  EXPECT_EQ(to_string(proof.stability), "unstable");
+  EXPECT_FALSE(proof.strict);
+}
+
+// A standing arm held back by a rope that is just taut: to one side the rope holds it, to the other it falls.
 TEST(OneWaySprings, ThatHoldOneSideOnlyLeaveTheOtherUnstable) {
   for (const char* acts : {"tension", "compression"}) {
     const StaticModel model = model_of(
