@@ -105,7 +105,6 @@ class Certifier {
   Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
   void allow_for_rounding(Finding& finding, const std::vector<Exchange>& exchanges, const KeptEquations& all) const;
   bool repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
-  double open_by_rounding(const KeptEquations& all, const std::vector<double>& x) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
   bool is_neutral(const KeptEquations& held, const Solution& at) const;
@@ -391,7 +390,7 @@ Certifier::Repeated Certifier::repeated(const KeptEquations& kept, const Solutio
     // Instead of those that it depends on most.
     for (Eigen::Index k = 0; k < share.size(); ++k) {
       const bool is_closure = kept.rows[static_cast<std::size_t>(k)] < m().equalities();
-      if (is_closure && share[k] > 0.1 * share.maxCoeff()) out.exchanges.emplace_back(k, r);
+      if (is_closure && share[k] > 0.1 * std::min(1.0, share.maxCoeff())) out.exchanges.emplace_back(k, r);
     }
   }
   out.to_rounding = true;
@@ -506,15 +505,21 @@ Finding Certifier::examine_independent(const KeptEquations& kept) const {
   return out;
 }
 
-// How far the rows are open at x in some scene whose numbers round to those of the scene.
-double Certifier::open_by_rounding(const KeptEquations& all, const std::vector<double>& x) const {
-  const std::vector<Ball> rounded =
-      BalanceSystem(*balls_, all, true).residual({x.begin(), x.end()}, std::vector<Ball>(all.rows.size()));
-  double widest = 0.0;
-  for (std::size_t k = rounded.size() - all.rows.size(); k < rounded.size(); ++k) {
-    widest = std::max(widest, rounded[k].greatest());
+// How far from a change point equilibria may lie whose row is open by so much there: across the branches a gap is the
+// square of a distance, v^T T v = 2 open, and equilibria lie where  H v = lambda T v.
+double beside_change_point(const Eigen::MatrixXd& h, const Eigen::MatrixXd& t, double open) {
+  const double size = t.cwiseAbs().maxCoeff();
+  double away = 4 * std::sqrt(open / size);
+  const double shift = 0.7 * std::max(1.0, h.cwiseAbs().maxCoeff()) / size;
+  const solvers::FullyPivotedLu shifted(h + shift * t);
+  const solvers::Eigenpairs pairs = solvers::eigenpairs(shifted.solve(t));
+  for (Eigen::Index k = 0; k < pairs.vectors.cols(); ++k) {
+    const Eigen::VectorXd v = pairs.vectors.col(k).real();
+    const double along = std::abs(v.dot(t * v)) / v.squaredNorm();
+    // Along a branch energies of that order are not compared.
+    if (along > 1e-6 * size) away = std::max(away, 1.5 * std::sqrt(2 * open / along));
   }
-  return widest;
+  return away;
 }
 
 // A configuration where the closures lose rank, with an equilibrium of the kept rows alone: the motions are those
@@ -530,32 +535,43 @@ void Certifier::examine_singular(Finding& finding, const KeptEquations& all, con
   const TangentSpace tangents(m(), finding);
   const Eigen::MatrixXd& z = tangents.basis;
   const Eigen::MatrixXd& h = tangents.hessian;
-  const double scale = h.size() > 0 ? std::max(1.0, h.cwiseAbs().maxCoeff()) : 1.0;
-  const auto least = [](const Eigen::MatrixXd& a) { return solvers::symmetric_eigenvalues<double>(a)[0]; };
-  constexpr double margin = 1e-7;
-  if (h.size() == 0 || least(h) > margin * scale) {
+  if (h.size() == 0) {
     finding.degenerate = Stability::stable;
     return;
   }
-  if (dropped.size() != 1) return;
-  // T: second derivatives of the dropped row, with the multipliers that cancel its gradient.
+  const double scale = std::max(1.0, h.cwiseAbs().maxCoeff());
+  const auto least = [](const Eigen::MatrixXd& a) { return solvers::symmetric_eigenvalues<double>(a)[0]; };
+  // T of each dropped row: its second derivatives, with the multipliers that cancel its gradient.
   DensePoint<double> whole(m(), tangents.x, all.rows);
-  const Eigen::VectorXd gradient = whole.jacobian.row(dropped.front()).transpose();
-  const Eigen::VectorXd cancel = finding.kept.rows.empty() ? Eigen::VectorXd()
-                                                           : solvers::minimum_norm_solution<double>(
-                                                                 tangents.point.jacobian.transpose(), -gradient);
-  Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.rows.size()));
-  multipliers[dropped.front()] = 1.0;
-  for (std::size_t k = 0, r = 0; r < all.rows.size(); ++r) {
-    if (static_cast<int>(r) != dropped.front())
-      multipliers[static_cast<Eigen::Index>(r)] = cancel[static_cast<Eigen::Index>(k++)];
+  const Eigen::MatrixXd without_rows = whole.tangent(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.rows.size())));
+  const std::vector<Ball> value =
+      BalanceSystem(*balls_, all).residual(finding.solution.q, std::vector<Ball>(all.rows.size()));
+  Eigen::MatrixXd t;
+  double spread = 0.0;
+  for (const int row : dropped) {
+    const Eigen::RowVectorXd gradient = whole.jacobian.row(row);
+    const Eigen::VectorXd share =
+        finding.kept.rows.empty() ? Eigen::VectorXd() : shares_in(tangents.point.jacobian, gradient);
+    Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.rows.size()));
+    multipliers[row] = 1.0;
+    for (std::size_t k = 0, r = 0; k < finding.kept.rows.size(); ++k, ++r) {
+      while (all.rows[r] != finding.kept.rows[k]) ++r;
+      multipliers[static_cast<Eigen::Index>(r)] = -share[static_cast<Eigen::Index>(k)];
+    }
+    t = z.transpose() * (whole.tangent(multipliers) - without_rows) * z;
+    const double size = t.size() > 0 ? t.cwiseAbs().maxCoeff() : 0.0;
+    if (size == 0.0) return;
+    const double open = value[value.size() - all.rows.size() + static_cast<std::size_t>(row)].greatest();
+    const double away = beside_change_point(h, t, open) + same_place;
+    spread = std::max(spread, away);
+    // The change point itself may be beside this one.
+    if ((gradient * z).cwiseAbs().maxCoeff() > size * away) return;
   }
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(multipliers.size());
-  const Eigen::MatrixXd t = z.transpose() * (whole.tangent(multipliers) - whole.tangent(none)) * z;
+  finding.spread = spread;
+  constexpr double margin = 1e-7;
+  if (least(h) > margin * scale) finding.degenerate = Stability::stable;
+  if (finding.degenerate == Stability::stable || dropped.size() != 1) return;
   const double size = t.cwiseAbs().maxCoeff();
-  if (size == 0.0) return;
-  // Across the branches a gap of rounding is the square of a distance.
-  finding.spread = std::max(finding.spread, 4 * std::sqrt(std::max(open_by_rounding(all, tangents.x), 1e-17) / size));
   double from = -1e6 * scale / size;
   double to = -from;
   for (int k = 0; k < 200; ++k) {  // the least eigenvalue is concave in nu
@@ -928,14 +944,17 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
 }
 
 // From the stops that seem to be active at the answer; where more are in contact, or that leads nowhere, from each set
-// of those in contact: the nearest equilibrium counts, of two in the same place the stable one.
+// of those in contact: the nearest equilibrium counts, of two in the same place one that is
+// stable and presses on its stops.
 Certifier::Settled Certifier::settle() const {
   const std::vector<ActiveStop> likely = find_active_stops();
   Settled out = settle(likely);
   const std::vector<ActiveStop> contact = stops_in_contact();
   if (contact.empty() || contact.size() > most_undecided) return out;
   std::vector<ActiveStop> always;
-  const auto rank = [&](const Settled& s) { return moved(s) + (s.finding.unstable > 0 ? same_place : 0.0); };
+  const auto rank = [&](const Settled& s) {
+    return moved(s) + (s.finding.unstable > 0 || !weak_stops(s).empty() ? same_place : 0.0);
+  };
   std::copy_if(likely.begin(), likely.end(), std::back_inserter(always), [](const ActiveStop& a) { return a.both; });
   if (out.consistent && out.active.size() == always.size() + contact.size()) return out;
   for (unsigned set = 0; set < 1U << contact.size(); ++set) {
