@@ -93,6 +93,7 @@ std::vector<Ball> BalanceSystem::residual(const std::vector<Ball>& x, const std:
     value = c[row];
     const int stop = row - mechanism_.equalities();
     if (stop >= 0) value -= kept_.at_upper[k] != 0 ? mechanism_.upper()[stop] : mechanism_.lower()[stop];
+    if (!kept_.shift.empty()) value -= Ball(kept_.shift[k]);
   }
   return out;
 }

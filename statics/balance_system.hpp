@@ -45,6 +45,7 @@ struct KeptEquations {
   std::vector<int> rows;
   std::vector<char> at_upper;  ///< per row: of a stop, its upper bound
   std::vector<int> held;
+  std::vector<double> shift{};  ///< per row: what it must be beside its value; empty: nothing
 };
 
 /// The equations of equilibrium for given active rows, as a square system in z = (x, y),

@@ -96,14 +96,12 @@ class Certifier {
   Solution solve_closely(const KeptEquations& kept, const std::vector<Ball>& from) const;
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
   std::vector<int> free_coordinates(const KeptEquations& kept) const;
-  // Of a kept row by one that was dropped: indices into the kept rows and into all.
-  using Exchange = std::pair<std::size_t, std::size_t>;
   struct Repeated {
-    bool to_rounding = false;         // the dropped rows hold to within the rounding of the scene's numbers
-    std::vector<Exchange> exchanges;  // by dropped closures that do not hold exactly
+    bool to_rounding = false;           // the dropped rows hold to within the rounding of the scene's numbers
+    std::vector<KeptEquations> others;  // kept rows shifted so that dropped closures hold which do not do so exactly
   };
   Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
-  void allow_for_rounding(Finding& finding, const std::vector<Exchange>& exchanges, const KeptEquations& all) const;
+  void allow_for_rounding(Finding& finding, const std::vector<KeptEquations>& others) const;
   bool repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
@@ -387,10 +385,15 @@ Certifier::Repeated Certifier::repeated(const KeptEquations& kept, const Solutio
     const Ball& open = value[first + r];
     if (!(open.greatest() <= allowed)) return {};
     if (all.rows[r] >= m().equalities() || share.size() == 0 || open.contains_zero()) continue;
-    // Instead of those that it depends on most.
-    for (Eigen::Index k = 0; k < share.size(); ++k) {
-      const bool is_closure = kept.rows[static_cast<std::size_t>(k)] < m().equalities();
-      if (is_closure && share[k] > 0.1 * std::min(1.0, share.maxCoeff())) out.exchanges.emplace_back(k, r);
+    // Those that it depends on most are open instead, and some way farther: which joints are open is not known.
+    for (std::size_t k = 0; k < kept.rows.size(); ++k) {
+      const double own = share[static_cast<Eigen::Index>(k)];
+      if (kept.rows[k] >= m().equalities() || own <= 0.1 * std::min(1.0, share.maxCoeff())) continue;
+      for (const double way : {-4.0, 4.0}) {
+        KeptEquations& other = out.others.emplace_back(kept);
+        other.shift.assign(kept.rows.size(), 0.0);
+        other.shift[k] = way * open.greatest() / own;
+      }
     }
   }
   out.to_rounding = true;
@@ -419,13 +422,9 @@ bool Certifier::repeat_everywhere(const KeptEquations& kept, const Solution& at,
 
 // Redundant rows that hold to rounding only: no pose closes all of them as they are written. What is said must be true
 // whichever of them are left out.
-void Certifier::allow_for_rounding(Finding& finding, const std::vector<Exchange>& exchanges,
-                                   const KeptEquations& all) const {
+void Certifier::allow_for_rounding(Finding& finding, const std::vector<KeptEquations>& others) const {
   Solution& solution = finding.solution;
-  for (const auto& [left_out, instead] : exchanges) {
-    KeptEquations kept = finding.kept;
-    kept.rows[left_out] = all.rows[instead];
-    kept.at_upper[left_out] = all.at_upper[instead];
+  for (const KeptEquations& kept : others) {
     const Solution other = solve_closely(kept, midpoints(finding.solution.q));
     if (!other.proved || finding.kind == Finding::Kind::degenerate || unstable_directions(other) != finding.unstable) {
       finding.kind = Finding::Kind::none;
@@ -464,7 +463,7 @@ Finding Certifier::examine(const KeptEquations& kept) const {
       continue;
     }
     out.redundant = static_cast<int>(dropped.size());
-    allow_for_rounding(out, rows.exchanges, kept);
+    allow_for_rounding(out, rows.others);
     return out;
   }
   Finding out = examine_independent(kept);
@@ -897,7 +896,7 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
     // Active stops that depend on others or on closures hold to rounding. One that is overrun takes the place of one on
     // its side; where there is none no motion is possible between it and the others, and all of them push either way.
     std::optional<std::size_t> relieved;
-    std::vector<Exchange> exchanges;
+    std::vector<KeptEquations> others;
     for (std::size_t k = 0; k < active.size() && !relieved; ++k) {
       const ActiveStop& a = active[k];
       const Ball over = beyond(g, a.stop, a.upper);
@@ -907,14 +906,17 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
       out.active[k].both = true;
       for (const std::size_t other : shared.opposite) {
         out.active[other].both = true;
-        exchanges.emplace_back(row_of(out.finding, active[other]), m().equalities() + k);
+        const std::size_t row = row_of(out.finding, active[other]);
+        KeptEquations& exchanged = others.emplace_back(out.finding.kept);
+        exchanged.rows[row] = m().stop_row(a.stop);
+        exchanged.at_upper[row] = a.upper ? 1 : 0;
       }
     }
     if (relieved) {
       active.erase(active.begin() + static_cast<std::ptrdiff_t>(*relieved));
       continue;
     }
-    allow_for_rounding(out.finding, exchanges, equations(active));
+    allow_for_rounding(out.finding, others);
     if (out.finding.kind == Finding::Kind::none) return out;
     const auto pulls = std::find_if(out.active.begin(), out.active.end(), [&](const ActiveStop& a) {
       const std::optional<Ball> push = push_of(out.finding, a);
