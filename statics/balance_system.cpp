@@ -31,7 +31,6 @@ BallMechanism::BallMechanism(const StaticModel& model)
 
 BalanceSystem::BalanceSystem(const BallMechanism& mechanism, KeptEquations kept, bool rounding)
     : mechanism_(mechanism.of(rounding)),
-
       kept_(std::move(kept)),
       rounding_(rounding),
       unknown_(mechanism_.coordinates(), 0),

@@ -784,38 +784,11 @@ TEST(StopsOf, ABeamOnAPivotWithTwoTautStringsCannotMove) {
   EXPECT_EQ(to_string(proof.stability), "stable");
 }
 
-// Both stops keep the standing arm from falling to the same side, one of them a rounding unit too far: at neither is
-// there an equilibrium as the scene is written, and nothing is locked.
-TEST(StopsOf, AStandingArmTouchedTwiceOnOneSideIsNotLocked) {
-  const StaticModel model = model_of(R"(
-    gravity = [-10, 0]
-    [ground]
-    points = { O = [0, 0] }
-    [body.arm]
-    points = { O = [0, 0], R = [0.0625, -0.2] }
-    center = [1, 0]
-    mass = 1
-    [[pin]]
-    points = ["ground.O", "arm.O"]
-    [[stop]]
-    name = "angle"
-    bodies = ["ground", "arm"]
-    min = 0
-    [[stop]]
-    name = "height"
-    y = "arm.R"
-    min = -0.19999999999999998
-  )");
-  const Certificate proof = certified(model, {{"arm", 0.0}});
-  EXPECT_FALSE(proof.confirmed() && proof.stability == Stability::stable) << proof.statement;
-  EXPECT_FALSE(proof.locked);
-}
-
-// An arm between a stop on its angle and one on the height of a point, which exclude each other by a rounding unit: the
-// radius reaches from where the one holds to where the other does.
-TEST(StopsOf, TheRadiusReachesFromOneStopToTheOther) {
-  const double height = -0.19999999999999998;
-  const StaticModel model = model_of(fmt::format(R"(
+// A standing arm with a stop on its angle and one on the height of a point, 0.0625 sin(q) - 0.2 cos(q), which is a
+// rounding unit above its place at q = 0.
+constexpr double raised = -0.19999999999999998;
+StaticModel arm_with_raised_point(const std::string& angle_limit) {
+  return model_of(fmt::format(R"(
     gravity = [-10, 0]
     [ground]
     points = {{ O = [0, 0] }}
@@ -828,18 +801,30 @@ TEST(StopsOf, TheRadiusReachesFromOneStopToTheOther) {
     [[stop]]
     name = "angle"
     bodies = ["ground", "arm"]
-    max = 0
+    {}
     [[stop]]
     name = "height"
     y = "arm.R"
     min = {:.17}
   )",
-                                                 height));
-  const Certificate proof = certified(model, {{"arm", 0.0}});
+                              angle_limit, raised));
+}
+
+// Both stops keep it from falling to the same side: at neither is there an equilibrium as the scene is written, and
+// nothing is locked.
+TEST(StopsOf, AStandingArmTouchedTwiceOnOneSideIsNotLocked) {
+  const Certificate proof = certified(arm_with_raised_point("min = 0"), {{"arm", 0.0}});
+  EXPECT_FALSE(proof.confirmed() && proof.stability == Stability::stable) << proof.statement;
+  EXPECT_FALSE(proof.locked);
+}
+
+// Between the two, which exclude each other by a rounding unit: the radius reaches from where the one holds to where
+// the other does.
+TEST(StopsOf, TheRadiusReachesFromOneStopToTheOther) {
+  const Certificate proof = certified(arm_with_raised_point("max = 0"), {{"arm", 0.0}});
   EXPECT_TRUE(proof.confirmed()) << proof.statement;
   EXPECT_TRUE(proof.locked);
-  // The height of R is 0.0625 sin(q) - 0.2 cos(q).
-  const double other = (height + 0.2) / 0.0625;
+  const double other = (raised + 0.2) / 0.0625;
   ASSERT_GT(other, 0.0);
   for (const double q : {0.0, other}) EXPECT_LE(std::abs(proof.x[0] - q), proof.radius);
 }
