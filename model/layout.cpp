@@ -62,6 +62,17 @@ class Frames {
   std::vector<ExactSum> turn_;
 };
 
+// What is left of an angle without whole turns.
+double within_a_turn(ExactSum angle) {
+  const double turns = std::round(angle.to<double>() / (2 * M_PI));
+  for (const double part : {2 * M_PI, 2.4492935982947064e-16}) {  // together 2 pi
+    const double product = turns * part;
+    angle.add(-product);
+    angle.add(-std::fma(turns, part, -product));
+  }
+  return angle.to<double>();
+}
+
 bool is_zero(Vec2 v) { return v.x == 0.0 && v.y == 0.0; }
 
 enum Reason : unsigned {
@@ -148,13 +159,20 @@ class Builder {
     }
   }
 
+  // Angles that others imply are left out. By how much they differ from those is by how much the angles of all bodies
+  // of their frame may be others, depending on which are left out.
   void merge_frames() {
     frames_.emplace(static_cast<int>(out_.links.size()));
+    std::vector<double> open(scene_.joints.size(), 0.0);
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const Joint& joint = scene_.joints[j];
       if (!joint.keeps_angle() || frames_->merge(joint.a.body, joint.b.body, joint.angle)) continue;
-      const double kept = frames_->turn(joint.b.body).to<double>() - frames_->turn(joint.a.body).to<double>();
-      if (std::abs(std::remainder(kept - joint.angle, 2 * M_PI)) > 1e-9) {
+      ExactSum difference = frames_->turn(joint.b.body);
+      difference.add(frames_->turn(joint.a.body), -1.0);
+      const double kept = difference.to<double>();
+      difference.add(-joint.angle);
+      open[j] = std::abs(within_a_turn(difference));
+      if (open[j] > 1e-9) {
         throw InputError(fmt::format(
             "{}:{}: {} \"{}\": keeps the angle from {} to {} at {:.6g} rad, but other welds and slides keep it at "
             "{:.6g} rad; expected angles that agree, or a pin where the body may turn",
@@ -163,21 +181,23 @@ class Builder {
       }
       out_.redundant_angle.push_back(static_cast<int>(j));
     }
+    frame_open_.assign(out_.links.size(), 0.0);
+    for (const int j : out_.redundant_angle) frame_open_[frames_->find(scene_.joints[j].a.body)] += open[j];
   }
 
   void make_angles() {
     std::vector<int> coordinate_of(out_.links.size(), -1);
-    std::map<std::vector<double>, int> known;
-    const auto index_of = [&](const ExactSum& turn) {
-      const auto [at, fresh] = known.try_emplace(turn.parts(), static_cast<int>(out_.turns.size()));
-      if (fresh) out_.turns.push_back(turn);
+    std::map<std::pair<std::vector<double>, double>, int> known;
+    const auto index_of = [&](const ExactSum& turn, double open) {
+      const auto [at, fresh] = known.try_emplace({turn.parts(), open}, static_cast<int>(out_.turns.size()));
+      if (fresh) out_.turns.push_back({turn, open});
       return at->second;
     };
-    index_of({});
+    index_of({}, 0.0);
     for (std::size_t i = 0; i < out_.links.size(); ++i) {
       Link& link = out_.links[i];
       const int lead = frames_->find(static_cast<int>(i));
-      link.turn = index_of(frames_->turn(static_cast<int>(i)));
+      link.turn = index_of(frames_->turn(static_cast<int>(i)), i == 0 ? 0.0 : frame_open_[lead]);
       if (lead != 0 && coordinate_of[lead] < 0) {
         coordinate_of[lead] = static_cast<int>(out_.coordinates.size());
         Coordinate c;
@@ -562,6 +582,7 @@ class Builder {
   Purpose purpose_;
   Layout out_;
   std::optional<Frames> frames_;
+  std::vector<double> frame_open_;  // per representative: by how much the angles of its frame may be others, rad
   std::vector<int> bar_link_;
   std::vector<Connection> connections_;
   std::vector<std::vector<int>> around_;

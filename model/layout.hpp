@@ -16,6 +16,24 @@ enum class Purpose { statics, dynamics };
 /// The relative rounding of a number: half a unit in the last place.
 inline constexpr double half_unit = 0x1p-53;
 
+/// A number that is known to within `by` only, in scalars that can say so.
+template <class T>
+T uncertain_number(T value, double /*by*/) {
+  return value;
+}
+
+/// A constant angle between bodies of one frame, rad.
+struct Turn {
+  ExactSum angle;
+  /// By which it may be another because welds and slides set it in several ways that agree to rounding only.
+  double open = 0.0;
+
+  template <class T>
+  T to() const {
+    return uncertain_number(angle.to<T>(), open);
+  }
+};
+
 /// One term of a position: arm exp(i turn) phi, with phi the phasor of `coordinate`, or 1 when coordinate is -1.
 struct Arm {
   int coordinate = -1;
@@ -68,7 +86,7 @@ struct Layout {
   std::vector<Coordinate> coordinates;
   int angles = 0;
   int kept = 0;
-  std::vector<ExactSum> turns;  ///< constant angles between bodies of one frame, rad; the first is zero
+  std::vector<Turn> turns;      ///< the first is zero
   std::vector<Link> links;      ///< one per body, then one per bar
   std::vector<int> tree_order;  ///< links, parents before children
   std::vector<Closure> closures;

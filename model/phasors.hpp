@@ -31,7 +31,7 @@ class Phasors {
       is_angle_.push_back(c.kind == Coordinate::Kind::angle);
       any_frame_.push_back(c.frame);
     }
-    for (const ExactSum& turn : layout.turns) turned_.push_back(unit(turn.to<T>()));
+    for (const Turn& turn : layout.turns) turned_.push_back(unit(turn.to<T>()));
   }
 
   int coordinates() const { return static_cast<int>(frame_.size()); }

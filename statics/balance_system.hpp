@@ -26,6 +26,11 @@ inline Ball rounded_number(double value, double rounding) {
   return Ball::rounded(value, rounding);
 }
 
+template <>
+inline Ball uncertain_number(Ball value, double by) {
+  return value.widened(by);
+}
+
 /// A scene compiled in ball arithmetic: once with its doubles as exact numbers, and once with each as all the numbers
 /// that round to it; and in double.
 struct BallMechanism {

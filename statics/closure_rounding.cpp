@@ -13,7 +13,10 @@ std::vector<double> closure_rounding(const ScaledModel& model) {
     for (const Arm& arm : closure.arms) {
       const Vec2 along = layout.is_length(arm.coordinate) ? direction<double>(arm.arm) : arm.arm;
       sum += arm.rounding.x + arm.rounding.y;
-      for (const double part : layout.turns[arm.turn].parts()) sum += half_unit * std::abs(part) * norm(along);
+      const Turn& turn = layout.turns[arm.turn];
+      double open = turn.open;
+      for (const double part : turn.angle.parts()) open += half_unit * std::abs(part);
+      sum += open * norm(along);
     }
     out.push_back(2 * sum);
   }

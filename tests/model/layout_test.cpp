@@ -56,11 +56,38 @@ TEST(Layout, AddsAnglesOfWeldedBodiesWithoutRounding) {
   }
   const Layout layout = lay_out(scene, Purpose::statics);
   EXPECT_EQ(layout.turns[static_cast<std::size_t>(link_of(layout, scene, "w1.a").turn)].to<double>(), 0.1);
-  const ExactSum& last = layout.turns[static_cast<std::size_t>(link_of(layout, scene, "w3.a").turn)];
+  const Turn& last = layout.turns[static_cast<std::size_t>(link_of(layout, scene, "w3.a").turn)];
   EXPECT_EQ(last.to<double>(), std::ldexp(1.0, -55));
   const Mechanism<Real50> exact(scene);
   const Real50 none[] = {0};
   EXPECT_EQ(exact.poses(none)[3].angle, Real50(std::ldexp(1.0, -55)));
+}
+
+// 0.1 + 0.2 and 0.3 differ by 2^-54 (5.6e-17), half a turn either way by what is left of 2 pi beside twice its double.
+TEST(Layout, KnowsByHowMuchRedundantAnglesDiffer) {
+  const auto open_of = [](double first, double second, double both) {
+    Scene scene;
+    scene.add_point(0, "O", {0.0, 0.0});
+    test::add_link(scene, "carriage", 1.0);
+    test::add_link(scene, "platform", 1.0);
+    const auto slide = [&](const std::string& a, const std::string& b, double angle) {
+      test::add_slide(scene, a, b, {1.0, 0.0});
+      scene.joints.back().angle = angle;
+    };
+    slide("ground.O", "carriage.a", first);
+    slide("carriage.b", "platform.a", second);
+    slide("ground.O", "platform.b", both);
+    const Layout layout = lay_out(scene, Purpose::statics);
+    EXPECT_EQ(layout.redundant_angle, std::vector<int>{2});
+    EXPECT_EQ(layout.turns[0].open, 0.0);  // of the ground
+    const double open = layout.turns[static_cast<std::size_t>(layout.links[1].turn)].open;
+    EXPECT_EQ(layout.turns[static_cast<std::size_t>(layout.links[2].turn)].open, open);
+    return open;
+  };
+  EXPECT_EQ(open_of(0.1, 0.2, 0.3), std::ldexp(1.0, -55));
+  EXPECT_EQ(open_of(0.1, 0.2, 0.1 + 0.2), std::ldexp(1.0, -55));
+  EXPECT_EQ(open_of(0.5, 0.25, 0.75), 0.0);
+  EXPECT_NEAR(open_of(M_PI / 2, M_PI / 2, -M_PI), 2.4492935982947064e-16, 1e-30);
 }
 
 TEST(Layout, SharesEqualTurns) {
