@@ -328,6 +328,8 @@ class Builder {
       const Connection& c = connections_[i];
       Closure closure;
       closure.joint = c.joint;
+      closure.link_a = c.link_a;
+      closure.link_b = c.link_b;
       closure.name = scene_.joints[c.joint].name;
       closure.arms = out_.path(c.link_a, c.a, c.link_b, c.b);
       // path() gives p_b - p_a, which equals the travel along the axis.
@@ -618,6 +620,7 @@ void Layout::scale_lengths(double factor) {
       if (is_length(arm.coordinate)) continue;  // a direction
       arm.arm = factor * arm.arm;
       arm.rounding = factor * arm.rounding;
+      arm.open = factor * arm.open;
     }
   };
   for (Link& link : links) scale(link.arms);
@@ -632,31 +635,77 @@ void Layout::scale_lengths(double factor) {
 
 namespace {
 
-// The exact sum of numbers, and the sum of their roundings. Pairs of equal numbers of opposite sign are the same
-// number.
+// A component of an arm.
+struct Component {
+  double value;
+  double open;
+};
+
+// The exact sum of numbers, and the sums of their roundings and of what they leave open. Pairs of equal numbers of
+// opposite sign are the same number.
 struct RoundedSum {
-  explicit RoundedSum(std::vector<double>& terms) {
-    std::sort(terms.begin(), terms.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  explicit RoundedSum(std::vector<Component>& terms) {
+    std::sort(terms.begin(), terms.end(),
+              [](const Component& a, const Component& b) { return std::abs(a.value) < std::abs(b.value); });
     for (std::size_t k = 0; k < terms.size(); ++k) {
-      if (k + 1 < terms.size() && terms[k] == -terms[k + 1]) {
+      if (k + 1 < terms.size() && terms[k].value == -terms[k + 1].value) {
         ++k;
         continue;
       }
-      sum.add(terms[k]);
-      rounding += half_unit * std::abs(terms[k]);
+      sum.add(terms[k].value);
+      rounding += half_unit * std::abs(terms[k].value);
+      open += terms[k].open;
     }
   }
 
   ExactSum sum;
   double rounding = 0.0;
+  double open = 0.0;
 };
 
 }  // namespace
 
+void Layout::loosen(const std::vector<int>& repeating, double units) {
+  const auto loosen_arms = [&](std::vector<Arm>& arms) {
+    for (Arm& arm : arms) {
+      arm.open = units * (is_length(arm.coordinate) ? Vec2{half_unit, half_unit} : arm.rounding);
+      Turn& turn = turns[arm.turn];
+      double rounding = 0.0;
+      for (const double part : turn.angle.parts()) rounding += half_unit * std::abs(part);
+      turn.open = std::max(turn.open, units * rounding);
+    }
+  };
+  std::vector<char> loose(links.size(), 0);
+  const auto climb = [&](const Closure& closure, const auto& visit) {
+    int a = closure.link_a;
+    int b = closure.link_b;
+    while (a != b) {
+      int& deeper = links[a].depth > links[b].depth ? a : b;
+      visit(deeper);
+      deeper = links[deeper].parent;
+    }
+  };
+  for (const int c : repeating) {
+    climb(closures[c], [&](int link) { loose[link] = 1; });
+    loosen_arms(closures[c].arms);
+  }
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (loose[i] != 0) loosen_arms(links[i].arms);
+  }
+  for (Closure& closure : closures) {
+    bool touched = false;
+    climb(closure, [&](int link) { touched = touched || loose[link] != 0; });
+    if (touched) loosen_arms(closure.arms);
+  }
+}
+
 std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
   std::vector<Arm> arms;
   const auto climb = [&](int& i, double sign) {
-    for (const Arm& arm : links[i].arms) arms.push_back({arm.coordinate, sign * arm.arm, arm.turn});
+    for (Arm arm : links[i].arms) {
+      arm.arm = sign * arm.arm;
+      arms.push_back(arm);
+    }
     i = links[i].parent;
   };
   if (!is_zero(a)) arms.push_back({links[link_a].frame, -a, links[link_a].turn});
@@ -671,14 +720,14 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
     return l.coordinate != r.coordinate ? l.coordinate < r.coordinate : l.turn < r.turn;
   });
   std::vector<Arm> merged;
-  std::vector<double> xs, ys;
+  std::vector<Component> xs, ys;
   for (auto arm = arms.begin(); arm != arms.end();) {
     const Arm& first = *arm;
     xs.clear();
     ys.clear();
     for (; arm != arms.end() && arm->coordinate == first.coordinate && arm->turn == first.turn; ++arm) {
-      xs.push_back(arm->arm.x);
-      ys.push_back(arm->arm.y);
+      xs.push_back({arm->arm.x, arm->open.x});
+      ys.push_back({arm->arm.y, arm->open.y});
     }
     const RoundedSum x(xs), y(ys);
     const std::size_t count = std::max(x.sum.parts().size(), y.sum.parts().size());
@@ -689,7 +738,10 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
     for (std::size_t k = 0; k < count; ++k) {
       merged.push_back({first.coordinate, {part(x.sum, k), part(y.sum, k)}, first.turn, {}});
     }
-    if (count > 0) merged.back().rounding = {x.rounding, y.rounding};
+    if (count > 0) {
+      merged.back().rounding = {x.rounding, y.rounding};
+      merged.back().open = {x.open, y.open};
+    }
   }
   return merged;
 }

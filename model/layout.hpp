@@ -25,7 +25,7 @@ T uncertain_number(T value, double /*by*/) {
 /// A constant angle between bodies of one frame, rad.
 struct Turn {
   ExactSum angle;
-  /// By which it may be another because welds and slides set it in several ways that agree to rounding only.
+  /// By which it may be another because joints set it in several ways that agree to rounding only.
   double open = 0.0;
 
   template <class T>
@@ -41,6 +41,8 @@ struct Arm {
   int turn = 0;  ///< index into Layout::turns
   /// By which the components may differ because the numbers of the scene that they are sums of are rounded.
   Vec2 rounding{half_unit * std::abs(arm.x), half_unit* std::abs(arm.y)};
+  /// By which the components may be others because joints repeat others to rounding only (Layout::loosen).
+  Vec2 open{};
 };
 
 /// A coordinate of the mechanism: the absolute angle of a frame (all bodies that slides and welds keep parallel
@@ -74,6 +76,7 @@ struct Link {
 /// A joint left out of the spanning tree: it closes a loop, sum of arms = 0.
 struct Closure {
   int joint = -1;
+  int link_a = -1, link_b = -1;
   std::string name;
   std::vector<Arm> arms;
 };
@@ -101,6 +104,10 @@ struct Layout {
 
   /// Changes the unit of all lengths: multiplies them by `factor`.
   void scale_lengths(double factor);
+
+  /// Where closures repeat others to rounding only, their loops can be closed in several ways. Lets the numbers of the
+  /// loops of these closures be all within `units` times their rounding, for scalars that can say so.
+  void loosen(const std::vector<int>& repeating, double units);
 
   /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, sorted by
   /// coordinate and turn. Arms that differ in neither are summed exactly; a sum that no double holds remains several

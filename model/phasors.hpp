@@ -85,9 +85,10 @@ class Phasors {
   /// Coefficient  arm exp(i turn)  of an arm's phasor; along a length it is a unit vector.
   Planar<T> coefficient(const Arm& arm) const {
     const bool along = arm.coordinate >= 0 && !is_angle(arm.coordinate);
-    const Planar<T> c =
+    Planar<T> c =
         along ? direction<T>(arm.arm)
               : Planar<T>{rounded_number<T>(arm.arm.x, arm.rounding.x), rounded_number<T>(arm.arm.y, arm.rounding.y)};
+    c = {uncertain_number(std::move(c.x), arm.open.x), uncertain_number(std::move(c.y), arm.open.y)};
     return arm.turn == 0 ? c : c * turned_[arm.turn];
   }
 

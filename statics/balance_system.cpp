@@ -11,9 +11,9 @@ namespace {
 
 constexpr int most_steps = 25;
 
-Mechanism<Ball> compiled(const StaticModel& model, bool rounding) {
+Mechanism<Ball> compiled(const StaticModel& model, const Layout& layout, bool rounding) {
   const Ball::InputRounding guard(rounding);
-  return {model.scaled_scene(), model.layout(), Purpose::statics};
+  return {model.scaled_scene(), layout, Purpose::statics};
 }
 
 std::vector<Ball> widened(std::vector<Ball> values, const std::vector<double>& by) {
@@ -23,9 +23,9 @@ std::vector<Ball> widened(std::vector<Ball> values, const std::vector<double>& b
 
 }  // namespace
 
-BallMechanism::BallMechanism(const StaticModel& model)
-    : exact(compiled(model, false)),
-      rounded(compiled(model, true)),
+BallMechanism::BallMechanism(const StaticModel& model, const Layout& layout)
+    : exact(compiled(model, layout, false)),
+      rounded(compiled(model, layout, true)),
       plain(model.mechanism()),
       row_rounding(poise::row_rounding(model)) {}
 
@@ -92,7 +92,6 @@ std::vector<Ball> BalanceSystem::residual(const std::vector<Ball>& x, const std:
     value = c[row];
     const int stop = row - mechanism_.equalities();
     if (stop >= 0) value -= kept_.at_upper[k] != 0 ? mechanism_.upper()[stop] : mechanism_.lower()[stop];
-    if (!kept_.shift.empty()) value -= Ball(kept_.shift[k]);
   }
   return out;
 }

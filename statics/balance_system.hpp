@@ -34,7 +34,9 @@ inline Ball uncertain_number(Ball value, double by) {
 /// A scene compiled in ball arithmetic: once with its doubles as exact numbers, and once with each as all the numbers
 /// that round to it; and in double.
 struct BallMechanism {
-  explicit BallMechanism(const StaticModel& model);
+  explicit BallMechanism(const StaticModel& model) : BallMechanism(model, model.layout()) {}
+  /// With a layout that was loosened.
+  BallMechanism(const StaticModel& model, const Layout& layout);
 
   Mechanism<Ball> exact;
   Mechanism<Ball> rounded;
@@ -50,7 +52,6 @@ struct KeptEquations {
   std::vector<int> rows;
   std::vector<char> at_upper;  ///< per row: of a stop, its upper bound
   std::vector<int> held;
-  std::vector<double> shift{};  ///< per row: what it must be beside its value; empty: nothing
 };
 
 /// The equations of equilibrium for given active rows, as a square system in z = (x, y),

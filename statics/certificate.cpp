@@ -1,6 +1,7 @@
 #include "statics/certificate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -31,8 +32,9 @@ constexpr double first_reach = 1e-10;  // of the box in which an equilibrium is 
 constexpr double last_reach = 0x1p-50;
 constexpr long usual_bits = 128;
 constexpr long many_bits = 320;
-constexpr double nearly_dependent = 1e-9;  // pivots of closure rows that may repeat others
-constexpr double nearly_neutral = 1e-5;    // curvatures, relative to the largest, that may vanish
+constexpr std::array dependence = {1e-5, 1e-9, 1e-12};  // pivots below which rows may repeat others
+constexpr double nearly_dependent = 1e-9;               // pivots of closure rows that may repeat others
+constexpr double nearly_neutral = 1e-5;                 // curvatures, relative to the largest, that may vanish
 constexpr double narrow_bracket = 1e-17;
 constexpr int dense_limit = 400;   // coordinates up to which ranks and spectra are computed in double
 constexpr int most_undecided = 4;  // stops and one-way springs whose state is undecided: 2^4 pieces
@@ -96,13 +98,15 @@ class Certifier {
   Solution solve_closely(const KeptEquations& kept, const std::vector<Ball>& from) const;
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
   std::vector<int> free_coordinates(const KeptEquations& kept) const;
+  // Whether rows that were left out hold to within the rounding of the scene's numbers.
   struct Repeated {
-    bool to_rounding = false;           // the dropped rows hold to within the rounding of the scene's numbers
-    std::vector<KeptEquations> others;  // kept rows shifted so that dropped closures hold which do not do so exactly
+    bool to_rounding = false;
+    std::vector<int> loops;  // closures of which some hold to rounding only, and those that they depend on
   };
   Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  Repeated repeated_elsewhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  std::optional<BallMechanism> loosened() const;
   void allow_for_rounding(Finding& finding, const std::vector<KeptEquations>& others) const;
-  bool repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
   bool is_neutral(const KeptEquations& held, const Solution& at) const;
@@ -129,12 +133,20 @@ class Certifier {
   };
   Sharing sharing(const Finding& finding, const std::vector<ActiveStop>& active, const ActiveStop& dependent) const;
   std::vector<ActiveStop> weak_stops(const Settled& settled) const;
+  Certificate conclude_all() const;
   Certificate conclude(const Settled& settled) const;
   Certificate conclude_pieces(const std::vector<int>& springs) const;
   Certificate conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const;
   Stability stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
                                const std::vector<ActiveStop>& weak, bool& locked) const;
   Certificate report(const Finding& finding, const std::vector<ActiveStop>& active) const;
+  // The closure of a constraint row.
+  int loop_of(int row) const {
+    const std::vector<ConstraintBlock>& blocks = m().blocks();
+    const auto after = std::upper_bound(blocks.begin(), blocks.end(), row,
+                                        [](int r, const ConstraintBlock& block) { return r < block.first_row; });
+    return std::prev(after)->closure;
+  }
   std::string name(int coordinate) const { return model_.layout().coordinates[coordinate].name; }
 
   std::vector<Ball> start() const { return {x_.begin(), x_.end()}; }
@@ -146,6 +158,7 @@ class Certifier {
   const CertificateOptions& options_;
   std::vector<double> x_;
   const BallMechanism* balls_;
+  bool loose_ = false;  // some numbers of the mechanism are uncertain
 };
 
 std::vector<Ball> midpoints(const std::vector<Ball>& balls) {
@@ -267,8 +280,8 @@ BalanceSystem::Solution Certifier::solve(const KeptEquations& kept, const std::v
   if (!y) return {};
   const BalanceSystem system(*balls_, kept, rounding);
   Solution out = system.prove(from, *y, reach, farthest);
-  // The rounding of the scene's numbers may move it farther than the box reaches.
-  for (double wider = 100 * reach; rounding && !out.proved && wider < farthest; wider *= 100) {
+  // Uncertain numbers may move it farther than the box reaches.
+  for (double wider = 100 * reach; (rounding || loose_) && !out.proved && wider < farthest; wider *= 100) {
     out = system.prove(from, *y, wider, farthest);
   }
   return out;
@@ -353,8 +366,8 @@ Eigen::VectorXd shares_in(const Eigen::MatrixXd& jacobian, const Eigen::RowVecto
   return solvers::minimum_norm_solution<double>(jacobian.transpose(), row.transpose());
 }
 
-// Whether the rows of `all` that `kept` leaves out hold at a solution to within the rounding of the scene's numbers:
-// with J_d = A J_k for dropped and kept rows, |c_d| <= r_d + |A| r_k, r being the rounding of each row.
+// Whether the rows of `all` that `kept` leaves out hold at a solution: with J_d = A J_k for dropped and kept rows,
+// |c_d| <= r_d + |A| r_k, r being the rounding of each row.
 Certifier::Repeated Certifier::repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const {
   Repeated out;
   const std::vector<Ball> none(all.rows.size());
@@ -383,17 +396,12 @@ Certifier::Repeated Certifier::repeated(const KeptEquations& kept, const Solutio
       allowed += share.dot(kept_rounding);
     }
     const Ball& open = value[first + r];
-    if (!(open.greatest() <= allowed)) return {};
-    if (all.rows[r] >= m().equalities() || share.size() == 0 || open.contains_zero()) continue;
-    // Those that it depends on most are open instead, and some way farther: which joints are open is not known.
+    if (!(std::abs(open.middle()) <= allowed)) return {};
+    if (all.rows[r] >= m().equalities() || open.contains_zero()) continue;
+    out.loops.push_back(loop_of(all.rows[r]));
     for (std::size_t k = 0; k < kept.rows.size(); ++k) {
-      const double own = share[static_cast<Eigen::Index>(k)];
-      if (kept.rows[k] >= m().equalities() || own <= 0.1 * std::min(1.0, share.maxCoeff())) continue;
-      for (const double way : {-4.0, 4.0}) {
-        KeptEquations& other = out.others.emplace_back(kept);
-        other.shift.assign(kept.rows.size(), 0.0);
-        other.shift[k] = way * open.greatest() / own;
-      }
+      const bool takes_part = share[static_cast<Eigen::Index>(k)] > solvers::known_to::closed_point;
+      if (takes_part && kept.rows[k] < m().equalities()) out.loops.push_back(loop_of(kept.rows[k]));
     }
   }
   out.to_rounding = true;
@@ -401,7 +409,9 @@ Certifier::Repeated Certifier::repeated(const KeptEquations& kept, const Solutio
 }
 
 // The same at other places of the mechanism: only rows that repeat others hold there too.
-bool Certifier::repeat_everywhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const {
+Certifier::Repeated Certifier::repeated_elsewhere(const KeptEquations& kept, const Solution& at,
+                                                  const KeptEquations& all) const {
+  Repeated out;
   KeptEquations held = kept;
   held.held = free_coordinates(kept);
   int shown = 0;
@@ -414,14 +424,41 @@ bool Certifier::repeat_everywhere(const KeptEquations& kept, const Solution& at,
     }
     const Solution there = solve(held, from, first_reach, 10 * std::abs(aside));
     if (!there.proved) continue;
-    if (!repeated(held, there, all).to_rounding) return false;
+    const Repeated rows = repeated(held, there, all);
+    if (!rows.to_rounding) return {};
+    out.loops.insert(out.loops.end(), rows.loops.begin(), rows.loops.end());
     ++shown;
   }
-  return shown > 0;
+  out.to_rounding = shown > 0;
+  return out;
 }
 
-// Redundant rows that hold to rounding only: no pose closes all of them as they are written. What is said must be true
-// whichever of them are left out.
+// Closures that repeat others to rounding only: no pose closes all of them as they are written. What is said must be
+// true whichever joints are left open, so that the numbers of their loops count as uncertain.
+std::optional<BallMechanism> Certifier::loosened() const {
+  constexpr double units = 4.0;  // of rounding; the gap of a joint is the sum of the roundings of several numbers
+  const KeptEquations all = equations({});
+  for (const double tolerance : dependence) {
+    const std::vector<int> dropped = dependent_rows(all, tolerance);
+    if (dropped.empty()) break;
+    const KeptEquations kept = without(all, dropped);
+    KeptEquations held = kept;
+    held.held = free_coordinates(kept);
+    const Solution at = solve(held, start(), first_reach, options_.farthest);
+    if (!at.proved) continue;
+    const Repeated here = repeated(kept, at, all);
+    const Repeated elsewhere = repeated_elsewhere(kept, at, all);
+    if (!here.to_rounding || !elsewhere.to_rounding) continue;
+    if (here.loops.empty() && elsewhere.loops.empty()) return std::nullopt;
+    Layout layout = model_.layout();
+    layout.loosen(here.loops, units);
+    layout.loosen(elsewhere.loops, units);
+    return BallMechanism(model_, layout);
+  }
+  return std::nullopt;
+}
+
+// Rows of stops that repeat others to rounding only: what is said must be true whichever of them are left out.
 void Certifier::allow_for_rounding(Finding& finding, const std::vector<KeptEquations>& others) const {
   Solution& solution = finding.solution;
   for (const KeptEquations& kept : others) {
@@ -429,7 +466,7 @@ void Certifier::allow_for_rounding(Finding& finding, const std::vector<KeptEquat
     if (!other.proved || finding.kind == Finding::Kind::degenerate || unstable_directions(other) != finding.unstable) {
       finding.kind = Finding::Kind::none;
       finding.why =
-          "joints repeat others only to within the rounding of the scene's numbers, and that rounding leaves open what "
+          "stops repeat others only to within the rounding of the scene's numbers, and that rounding leaves open what "
           "equilibrium there is";
       return;
     }
@@ -445,7 +482,7 @@ Finding Certifier::examine(const KeptEquations& kept) const {
   std::vector<int> last;
   bool nearly_singular = false;
   std::optional<Finding> undecided;
-  for (const double tolerance : {1e-5, 1e-9, 1e-12}) {
+  for (const double tolerance : dependence) {
     const std::vector<int> dropped = dependent_rows(kept, tolerance);
     if (dropped.empty()) break;
     if (dropped == last) continue;
@@ -453,9 +490,8 @@ Finding Certifier::examine(const KeptEquations& kept) const {
     last = dropped;
     Finding out = examine_independent(without(kept, dropped));
     if (out.kind == Finding::Kind::none) continue;
-    const Repeated rows = repeated(out.kept, out.solution, kept);
-    if (!rows.to_rounding) continue;
-    if (!repeat_everywhere(out.kept, out.solution, kept)) {
+    if (!repeated(out.kept, out.solution, kept).to_rounding) continue;
+    if (!repeated_elsewhere(out.kept, out.solution, kept).to_rounding) {
       examine_singular(out, kept, dropped);
       if (out.degenerate != Stability::unknown) return out;
       // Beside the singular point itself more rows determine what they can.
@@ -463,7 +499,6 @@ Finding Certifier::examine(const KeptEquations& kept) const {
       continue;
     }
     out.redundant = static_cast<int>(dropped.size());
-    allow_for_rounding(out, rows.others);
     return out;
   }
   Finding out = examine_independent(kept);
@@ -983,6 +1018,15 @@ Certificate Certifier::run() const {
   if (!std::all_of(x_.begin(), x_.end(), [](double v) { return std::isfinite(v); })) {
     return deny(Outcome::not_proved, "a coordinate is not a finite number");
   }
+  if (const std::optional<BallMechanism> loose = loosened()) {
+    Certifier uncertain = with(*loose);
+    uncertain.loose_ = true;
+    return uncertain.conclude_all();
+  }
+  return conclude_all();
+}
+
+Certificate Certifier::conclude_all() const {
   Settled first = settle();
   std::vector<int> springs = undecided_springs(first.finding);
   if (!springs.empty() && first.finding.kind == Finding::Kind::regular) {
