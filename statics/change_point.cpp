@@ -1,0 +1,69 @@
+#include "statics/change_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/linear_algebra.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double same_place = 1e-15;  // rad or sizes
+constexpr double margin = 1e-7;
+
+// How far from a change point equilibria may lie whose row is open by so much there: across the branches a gap is the
+// square of a distance, v^T T v = 2 open, and equilibria lie where  H v = lambda T v.
+double beside_change_point(const Eigen::MatrixXd& h, const Eigen::MatrixXd& t, double open) {
+  const double size = t.cwiseAbs().maxCoeff();
+  double away = 4 * std::sqrt(open / size);
+  const double shift = 0.7 * std::max(1.0, h.cwiseAbs().maxCoeff()) / size;
+  const solvers::FullyPivotedLu shifted(h + shift * t);
+  const solvers::Eigenpairs pairs = solvers::eigenpairs(shifted.solve(t));
+  for (Eigen::Index k = 0; k < pairs.vectors.cols(); ++k) {
+    const Eigen::VectorXd v = pairs.vectors.col(k).real();
+    const double along = std::abs(v.dot(t * v)) / v.squaredNorm();
+    // Along a branch energies of that order are not compared.
+    if (along > 1e-6 * size) away = std::max(away, 1.5 * std::sqrt(2 * open / along));
+  }
+  return away;
+}
+
+double least(const Eigen::MatrixXd& a) { return solvers::symmetric_eigenvalues<double>(a)[0]; }
+
+}  // namespace
+
+ChangePoint examine_change_point(const Eigen::MatrixXd& h, const std::vector<LostRow>& lost) {
+  ChangePoint out;
+  if (h.size() == 0) {
+    out.stability = Stability::stable;
+    return out;
+  }
+  double spread = 0.0;
+  for (const LostRow& row : lost) {
+    const double size = row.second.cwiseAbs().maxCoeff();
+    if (size == 0.0) return out;
+    const double away = beside_change_point(h, row.second, row.open) + same_place;
+    spread = std::max(spread, away);
+    if (row.gradient.cwiseAbs().maxCoeff() > size * away) return out;
+  }
+  out.spread = spread;
+  const double scale = std::max(1.0, h.cwiseAbs().maxCoeff());
+  if (least(h) > margin * scale) out.stability = Stability::stable;
+  if (out.stability == Stability::stable || lost.size() != 1) return out;
+  const Eigen::MatrixXd& t = lost.front().second;
+  const double size = t.cwiseAbs().maxCoeff();
+  double from = -1e6 * scale / size;
+  double to = -from;
+  for (int k = 0; k < 200; ++k) {  // the least eigenvalue is concave in nu
+    const double a = from + (to - from) / 3;
+    const double b = to - (to - from) / 3;
+    (least(h + a * t) < least(h + b * t) ? from : to) = least(h + a * t) < least(h + b * t) ? a : b;
+  }
+  const double best = least(h + (from + to) / 2 * t);
+  const double near_best = scale + std::abs((from + to) / 2) * size;
+  if (best > margin * near_best) out.stability = Stability::stable;
+  if (best < -margin * near_best) out.stability = Stability::unstable;
+  return out;
+}
+
+}  // namespace poise
