@@ -61,6 +61,17 @@ std::vector<Ball> BalanceSystem::forces(const std::vector<Ball>& x, const std::v
   return out;
 }
 
+std::vector<Ball> BalanceSystem::rates(const std::vector<Ball>& x, const std::vector<Ball>& u) const {
+  const Ball::InputRounding guard(rounding_);
+  const Point at = place(x);
+  std::vector<Ball> out(kept_.rows.size());
+  for (std::size_t e = 0; e < at.jacobian.size(); ++e) {
+    const int row = equation_[mechanism_.jacobian_row()[e]];
+    if (row >= 0) out[row - free_] += at.jacobian[e] * u[mechanism_.jacobian_column()[e]];
+  }
+  return out;
+}
+
 std::vector<Ball> BalanceSystem::constraints(const std::vector<Ball>& x) const {
   const Ball::InputRounding guard(rounding_);
   std::vector<Planar<Ball>> pose(mechanism_.pose_size());

@@ -87,6 +87,8 @@ class BalanceSystem {
   std::vector<Ball> residual(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
   /// F_i + (J^T y)_i of all coordinates: zero but for held ones.
   std::vector<Ball> forces(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
+  /// J u of the kept rows.
+  std::vector<Ball> rates(const std::vector<Ball>& x, const std::vector<Ball>& u) const;
   /// All constraint rows at an enclosure of x.
   std::vector<Ball> constraints(const std::vector<Ball>& x) const;
   /// Measures of the force elements.

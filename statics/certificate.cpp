@@ -203,6 +203,7 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
   if (f.kind == Finding::Kind::none) {
     Certificate out = deny(f.excluded ? Outcome::no_equilibrium : Outcome::not_proved, f.why);
     out.singular = f.singular;
+    out.least_joint_force = f.least_joint_force * model_.scales().force;
     return out;
   }
   const std::vector<double>& open = balls().row_rounding;

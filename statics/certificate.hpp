@@ -63,6 +63,9 @@ struct Certificate {
   bool locked = false;  ///< closures and stops leave no motion
   /// The closures lose rank and no finite joint forces balance the loads.
   bool singular = false;
+  /// Proved where `singular`: every equilibrium within 1e-10 of the singular configuration needs a joint force of at
+  /// least so much, N.
+  double least_joint_force = 0.0;
   bool out_of_time = false;  ///< CertificateOptions::seconds were not enough
 
   /// An equilibrium is known to exist, and what is said of it is proved.

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "solvers/linear_algebra.hpp"
 #include "statics/change_point.hpp"
 #include "statics/singular_configuration.hpp"
@@ -21,6 +23,7 @@ namespace {
 constexpr std::array dependence = {1e-5, 1e-9, 1e-12};  // pivots below which rows may repeat others
 constexpr double nearly_neutral = 1e-5;                 // curvatures, relative to the largest, that may vanish
 constexpr double narrow_bracket = 1e-17;
+constexpr double no_finite_force = 1e6;  // times the loads
 
 // Columns that are combinations of others to within the tolerance. (One more column of size one, with a row of its own,
 // keeps a matrix that is rounding only from counting as large.)
@@ -175,7 +178,7 @@ SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const Sol
       allowed += share.dot(kept_rounding);
     }
     const Ball& open = value[first + r];
-    if (!(std::abs(open.middle()) <= allowed)) return {};
+    if (!(open.least() <= allowed)) return {};
     if (all.rows[r] >= m().equalities() || open.contains_zero()) continue;
     out.loops.push_back(loop_of(all.rows[r]));
     for (std::size_t k = 0; k < kept.rows.size(); ++k) {
@@ -267,12 +270,19 @@ Finding SmoothPiece::examine(const KeptEquations& kept) const {
               .cwiseAbs()
               .maxCoeff();
       if (distance > first_reach && distance <= farthest_) {
-        Finding found = SmoothPiece(balls_, *point, farthest_, uncertain_).examine(kept);
+        const SmoothPiece there(balls_, *point, farthest_, uncertain_);
+        Finding found = there.examine(kept);
         if (found.kind != Finding::Kind::none) return found;
+        out.least_joint_force = there.least_joint_force(kept);
       }
     }
     out.singular = true;
+    out.least_joint_force = std::max(out.least_joint_force, least_joint_force(kept));
     out.why = "the closures nearly lose rank here, and no joint forces were found that balance the loads";
+    if (out.least_joint_force > no_finite_force) {
+      out.why = fmt::format("the closures lose rank here: only joint forces above {:.1g} times the loads could balance",
+                            out.least_joint_force);
+    }
   }
   return out;
 }
@@ -292,6 +302,26 @@ Finding SmoothPiece::examine_independent(const KeptEquations& kept) const {
   out.freedoms = m().coordinates() - static_cast<int>(kept.rows.size());
   if (out.kind == Finding::Kind::regular) out.unstable = unstable_directions(out.solution);
   return out;
+}
+
+// F + J^T y = 0 gives F.u = -y.(J u) for every u, so that max |y| >= |F.u| / sum_r |(J u)_r|: with u the part of F that
+// the rows do not balance, a bound for all poses within first_reach of x.
+double SmoothPiece::least_joint_force(const KeptEquations& kept) const {
+  if (m().coordinates() > dense_limit || kept.rows.empty()) return 0.0;
+  const DensePoint<double> point(m(), x_, kept.rows);
+  const Eigen::MatrixXd z = solvers::null_space<double>(point.jacobian, solvers::known_to::path);
+  const Eigen::VectorXd unbalanced = z * (z.transpose() * point.force);
+  const std::vector<Ball> u(unbalanced.begin(), unbalanced.end());
+  std::vector<Ball> box;
+  for (const double x : x_) box.push_back(Ball(x).widened(first_reach));
+  const BalanceSystem system(balls_, kept);
+  const std::vector<Ball> force = system.forces(box, std::vector<Ball>(kept.rows.size()));
+  Ball work(0);
+  for (std::size_t i = 0; i < u.size(); ++i) work += force[i] * u[i];
+  Ball rate(0);
+  for (const Ball& r : system.rates(box, u)) rate += abs(r);
+  const double greatest = rate.greatest();
+  return greatest > 0.0 ? work.least() / greatest : 0.0;
 }
 
 // At a configuration where the closures lose rank, with an equilibrium of the kept rows alone.

@@ -22,6 +22,9 @@ struct Finding {
   std::vector<int> neutral;  ///< held coordinates
   int redundant = 0;         ///< rows left out that repeat others
   bool singular = false;     ///< the rows lose rank
+  /// Of kind none: a lower bound of the largest joint force with which bodies can balance near the singular
+  /// configuration, in the mechanism's unit of force.
+  double least_joint_force = 0.0;
   Stability degenerate = Stability::unknown;
   double spread = 0.0;    ///< by which the solution may be farther away than its enclosure
   std::string why;        ///< nothing is proved, or the kind is degenerate
@@ -97,6 +100,7 @@ class SmoothPiece {
   Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
   Repeated repeated_elsewhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
   int loop_of(int row) const;
+  double least_joint_force(const KeptEquations& kept) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
   bool is_neutral(const KeptEquations& held, const Solution& at) const;

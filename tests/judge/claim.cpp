@@ -11,7 +11,7 @@ using Of = ClaimedCoordinate::Of;
 // What coordinate t of the model is in the scene.
 ClaimedCoordinate meaning_of(const Layout& layout, int t) {
   for (const Link& link : layout.links) {
-    if (t < layout.angles && link.frame == t && link.turn == 0) {
+    if (t < layout.angles && link.frame == t && layout.turns[link.turn].to<double>() == 0.0) {
       return {link.body >= 0 ? Of::angle : Of::bar, link.body >= 0 ? link.body : link.joint};
     }
     if (t < layout.angles || link.parent != 0 || link.body < 0) continue;

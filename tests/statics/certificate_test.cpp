@@ -582,6 +582,10 @@ TEST(Singular, BarsPulledStraightAndLoadedAcross) {
   const Certificate proof = certify(model, model.start());
   EXPECT_FALSE(proof.confirmed()) << proof.statement;
   EXPECT_TRUE(proof.singular) << proof.statement;
+  // Bars that turn by 1e-10 rad at most balance it with W / 2e-10 and more.
+  const double load = std::abs(model.scene().forces.front().vector.y);
+  EXPECT_GE(proof.least_joint_force, 1e8 * load);
+  EXPECT_LE(proof.least_joint_force, 0.5e10 * load);
 }
 
 // A middle pin written twice, one unit in the last place apart (0.3 and 0.1 + 0.2): to within the rounding of the
