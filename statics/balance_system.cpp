@@ -209,7 +209,9 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
       next_y[k] -= change;
     }
     const bool at_rest = step > 0 && length >= 0.5 * last;
-    if (inside && (width < narrow || rounding_ || at_rest)) {
+    // Where numbers are uncertain no step makes the enclosure narrower than they leave it.
+    const bool sharp = width < narrow || (step > 0 && length < 1e-3 * width);
+    if (inside && (sharp || rounding_ || at_rest)) {
       out.q = std::move(next_q);
       out.y = std::move(next_y);
       out.box = std::move(box);
