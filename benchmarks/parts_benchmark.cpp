@@ -90,6 +90,17 @@ void certify_equilibrium(benchmark::State& state, Make make) {
   for (auto _ : state) benchmark::DoNotOptimize(certify(model, x));
 }
 
+void enclose_forces(benchmark::State& state, Make make) {
+  const StaticModel model(make());
+  const Certificate certificate = certify(model, equilibrium(model));
+  const Check found = check(model, certificate.x, {}, &certificate.active_stops);
+  for (auto _ : state) {
+    Check enclosed = found;
+    enclose_reactions(model, certificate, enclosed);
+    benchmark::DoNotOptimize(enclosed);
+  }
+}
+
 void fifty_digits(benchmark::State& state, Make make) {
   const StaticModel model(make());
   const std::vector<double> x = equilibrium(model);
@@ -115,6 +126,8 @@ BENCHMARK_CAPTURE(certify_equilibrium, four_bar, thesis_four_bar)
     ->Name("certify/four_bar")
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(certify_equilibrium, chain, chain_100)->Name("certify/chain_100")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(enclose_forces, four_bar, thesis_four_bar)->Name("enclose/four_bar")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(enclose_forces, chain, chain_100)->Name("enclose/chain_100")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(fifty_digits, four_bar, thesis_four_bar)
     ->Name("fifty_digits/four_bar")
     ->Unit(benchmark::kMicrosecond);

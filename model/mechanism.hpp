@@ -18,8 +18,10 @@ struct BodyPose {
   Planar<T> origin{};
   T angle{};
 
+  /// Of the frame's x axis.
+  Planar<T> direction() const { return unit(angle); }
   /// World coordinates of a point given in the body's frame, m.
-  Planar<T> world(const Vec2& local) const { return origin + planar_cast<T>(local) * unit(angle); }
+  Planar<T> world(const Vec2& local) const { return origin + planar_cast<T>(local) * direction(); }
 };
 
 /// Rows of the constraint vector that belong together, for example those of one loop.

@@ -365,6 +365,8 @@ void Mechanism<T>::tangent(Planar<T>* pose, const T* multiplier, T* values) cons
 template <class T>
 std::vector<BodyPose<T>> Mechanism<T>::poses(const T* q, const Vec2& from) const {
   const auto value = [&](int t) { return t < coordinates() ? q[t] : static_cast<T>(layout_.coordinates[t].start); };
+  std::vector<Planar<T>> turned;  // each angle's, which several arms share
+  for (int k = 0; k < layout_.angles; ++k) turned.push_back(unit(q[k]));
   std::vector<BodyPose<T>> out(layout_.links.size());
   out[0].origin = -planar_cast<T>(from);
   for (int i : layout_.tree_order) {
@@ -376,7 +378,7 @@ std::vector<BodyPose<T>> Mechanism<T>::poses(const T* q, const Vec2& from) const
       if (arm.coordinate >= 0) {
         const bool is_angle = layout_.coordinates[arm.coordinate].kind == Coordinate::Kind::angle;
         const int f = is_angle ? arm.coordinate : layout_.coordinates[arm.coordinate].frame;
-        if (f >= 0) term = term * unit(value(f));
+        if (f >= 0) term = term * (f < layout_.angles ? turned[f] : unit(value(f)));
         if (!is_angle) term = value(arm.coordinate) * term;
       }
       out[i].origin += term;

@@ -97,6 +97,12 @@ class Ball {
     arb_sqrt(out.v_, a.v_, working_bits);
     return out;
   }
+  /// sqrt(x^2 + y^2), also where that may be zero.
+  friend Ball hypot(const Ball& x, const Ball& y) {
+    Ball out;
+    arb_hypot(out.v_, x.v_, y.v_, working_bits);
+    return out;
+  }
   friend Ball abs(const Ball& a) {
     Ball out;
     arb_abs(out.v_, a.v_);

@@ -52,6 +52,11 @@ Answer measure(const StaticModel& model, Equilibrium equilibrium) {
       answer.equilibrium.status != Status::not_applicable && answer.equilibrium.status != Status::not_solved;
   const bool finite = std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
   if (searched && finite && !x.empty()) answer.readings = read_off(model, x);
+  const std::vector<ElementForce>& forces = answer.equilibrium.check.element_forces;
+  for (std::size_t e = 0; answer.readings && e < forces.size(); ++e) {
+    answer.readings->elements[e].force = forces[e].value;
+    answer.readings->elements[e].radius = forces[e].radius;
+  }
   if (answer.equilibrium.found()) answer.reference = refine(model, x);
   return answer;
 }

@@ -1,7 +1,8 @@
 #pragma once
 
 // Measures by vector mechanics, from the poses of the bodies: for the independent checks, which use none of the phasor
-// sums that the mechanism is compiled to.
+// sums that the mechanism is compiled to. Templates on the type of the poses, BodyPose or PlacedBody of any scalar;
+// their definitions are in statics/body_measures_impl.hpp, and BodyPose<double> is compiled in body_measures.cpp.
 
 #include <vector>
 
@@ -10,22 +11,44 @@
 
 namespace poise {
 
+/// The pose of a body with the direction of its x axis, computed once, for scalars whose sines are dear.
+template <class T>
+struct PlacedBody {
+  explicit PlacedBody(const BodyPose<T>& pose) : origin(pose.origin), angle(pose.angle), along(pose.direction()) {}
+
+  Planar<T> origin;
+  T angle;
+  Planar<T> along;
+
+  const Planar<T>& direction() const { return along; }
+  Planar<T> world(const Vec2& local) const { return origin + planar_cast<T>(local) * along; }
+};
+
+/// The scalar of a pose.
+template <class Pose>
+using ScalarOf = decltype(Pose::angle);
+
 /// Value of a measure, rad or m, with the scene's bodies at `poses`, SI, measured from any point of the world; the
 /// ground's origin says from which.
-double value_of(const Scene& scene, const Measure& measure, const std::vector<BodyPose<double>>& poses);
+template <class Pose>
+ScalarOf<Pose> value_of(const Scene& scene, const Measure& measure, const std::vector<Pose>& poses);
 
 /// Loads that correspond to a unit effort (1 N, or 1 N m on an angle) on a measure: `force`, N per unit, and `moment`,
 /// N m per unit, on body b at the point b, measured as the poses, their opposites on body a at the point a. Their power
-/// is the rate of the measure. A distance of zero has no direction, and no force.
-struct UnitEffort {
+/// is the rate of the measure. A distance of zero has no direction, and no force; of one that may be zero, in balls, it
+/// is any vector up to 1 N in each component.
+template <class T>
+struct UnitEffortOf {
   int body_a = 0, body_b = 0;
-  Vec2 a{}, b{};
-  Vec2 force{};
-  double moment = 0.0;
+  Planar<T> a{}, b{};
+  Planar<T> force{};
+  T moment{};
 };
+using UnitEffort = UnitEffortOf<double>;
 
 /// One unit effort, or for a sum one per term.
-std::vector<UnitEffort> unit_efforts(const Scene& scene, const Measure& measure,
-                                     const std::vector<BodyPose<double>>& poses);
+template <class Pose>
+std::vector<UnitEffortOf<ScalarOf<Pose>>> unit_efforts(const Scene& scene, const Measure& measure,
+                                                       const std::vector<Pose>& poses);
 
 }  // namespace poise

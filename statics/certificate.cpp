@@ -219,7 +219,10 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
     const double middle = f.solution.q[i].middle();
     out.x.push_back(middle);
     const bool held = std::find(f.neutral.begin(), f.neutral.end(), static_cast<int>(i)) != f.neutral.end();
-    if (!held) out.radius = std::max(out.radius, (f.solution.q[i] - Ball(middle)).greatest());
+    const Ball rest = f.solution.q[i] - Ball(middle);
+    if (!held) out.radius = std::max(out.radius, rest.greatest());
+    if (f.redundant == 0 && f.spread == 0.0) out.rest.push_back(rest.middle());
+    if (!out.rest.empty()) out.rest_radius = std::max(out.rest_radius, (rest - Ball(rest.middle())).greatest());
     out.moved = std::max(out.moved, std::abs(middle - x()[i]));
   }
   for (const ActiveStop& a : active) out.active_stops.push_back(a.stop);

@@ -47,7 +47,11 @@ struct Certificate {
 
   std::vector<double> x;  ///< scaled coordinates: the middle of the enclosure, rounded to doubles
   double radius = 0.0;    ///< rad or mechanism sizes: every coordinate of the equilibrium is this close to x
-  double moved = 0.0;     ///< largest distance of a coordinate from the answer given to x
+  /// The enclosure to more digits: every coordinate is within `rest_radius` of x + rest, added exactly. Empty where
+  /// nothing is proved, or where there is no such place because some closures hold to within rounding only.
+  std::vector<double> rest;
+  double rest_radius = 0.0;
+  double moved = 0.0;  ///< largest distance of a coordinate from the answer given to x
   /// First-order bound on the change of a coordinate when every number of the scene changes by half a unit in its last
   /// place, rad or mechanism sizes: what the scene's own numbers leave open.
   double rounding_effect = 0.0;

@@ -117,6 +117,9 @@ class EquilibriumCheck {
     out_.largest_force = bodies.largest_force;
     out_.reactions = std::move(bodies.reactions);
     out_.redundancy = bodies.redundancy;
+    for (const Element& e : scene_.elements) {
+      out_.element_forces.push_back({.value = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value});
+    }
     if (const Element* cone = pushing_at_zero_length()) {
       object(fmt::format(
           "{} \"{}\" is compressed to length zero, where its force has no direction: no equilibrium is possible there",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,17 @@ struct Reaction {
   double moment = 0.0;
   double axial = 0.0;      ///< bars, distance and travel stops: N, tension positive
   bool determined = true;  ///< false: statically indeterminate, the set of minimum norm (moments over size)
+  /// Proved distances of `force` (its length) and `axial`, N, and of `moment`, N m, from the exact ones; infinite where
+  /// nothing is proved (statics/enclosed_reactions.hpp).
+  double radius = std::numeric_limits<double>::infinity();
+  double moment_radius = std::numeric_limits<double>::infinity();
+};
+
+/// Static force T of an element, N or N m, positive where it tends to reduce its measure, and its proved distance from
+/// the exact one.
+struct ElementForce {
+  double value = 0.0;
+  double radius = std::numeric_limits<double>::infinity();
 };
 
 /// Bounds within which free-body statics calls a pose an equilibrium.
@@ -39,6 +51,7 @@ struct Check {
   bool balanced = false;
   bool stops_kept = false;
   std::vector<Reaction> reactions;
+  std::vector<ElementForce> element_forces;  ///< per element of the scene
   int redundancy = 0;  ///< number of independent states of self-stress (degree of static indeterminacy)
 
   /// Closed, balanced and within its stops.

@@ -17,6 +17,7 @@
 #include "solvers/newton.hpp"
 #include "solvers/nlopt_program.hpp"
 #include "statics/curvature.hpp"
+#include "statics/enclosed_reactions.hpp"
 #include "statics/mobility.hpp"
 #include "statics/singular_configuration.hpp"
 
@@ -175,6 +176,7 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
   if (confirmed) out.x = out.certificate.x;
   out.check = check(model, out.x, options.check, confirmed ? &out.certificate.active_stops : nullptr);
   confirmed = confirmed && std::isfinite(out.check.largest_force);  // nothing could be said of its forces
+  if (confirmed) enclose_reactions(model, out.certificate, out.check);
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;
   const bool wrong_kind = options.seek == Seek::stable && out.certificate.stability == Stability::unstable;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "statics/static_model.hpp"
@@ -11,6 +12,7 @@ namespace poise {
 struct ElementReading {
   double value = 0.0;
   double force = 0.0;
+  double radius = std::numeric_limits<double>::infinity();  ///< proved distance of `force` from the exact one
   bool slack = false;
 };
 

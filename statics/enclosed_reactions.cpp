@@ -1,0 +1,318 @@
+#include "statics/enclosed_reactions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <set>
+#include <utility>
+
+#include <Eigen/SparseCore>
+
+#include "solvers/ball_factors.hpp"
+#include "statics/balance_system.hpp"
+#include "statics/free_body_equations.hpp"
+#include "statics/minimum_norm.hpp"
+
+namespace poise {
+
+template <>
+Ball body_measures::length_of(const Planar<Ball>& d) {
+  return hypot(d.x, d.y);
+}
+
+template <>
+Planar<Ball> body_measures::in_any_direction() {
+  return {Ball(0).widened(1.0), Ball(0).widened(1.0)};
+}
+
+namespace {
+
+using Body = PlacedBody<Ball>;
+using Equations = FreeBodyEquations<Body>;
+using Effort = UnitEffortOf<Ball>;
+
+// More than the rounding of a sum of non-negative doubles, or of a few operations on them.
+constexpr double upward = 1.0 + 1e-6;
+constexpr int most_refinements = 4;
+constexpr double least_singular_value = 1e-12;
+
+// A double and the greatest distance to a number of the ball.
+struct Rounded {
+  explicit Rounded(const Ball& ball) : value(ball.middle()), radius((ball - Ball(value)).greatest()) {}
+  bool is_finite() const { return std::isfinite(value) && std::isfinite(radius); }
+
+  double value;
+  double radius;
+};
+
+class Enclosure {
+ public:
+  Enclosure(const StaticModel& model, const Certificate& certificate)
+      : model_(model),
+        scene_(model.scene()),
+        certificate_(certificate),
+        bodies_(placed()),
+        equations_(scene_, bodies_, model.scales().length),
+        load_(static_cast<std::size_t>(equations_.rows())) {
+    const auto push = [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
+      if (body == 0) return;
+      const std::size_t row = 3 * (static_cast<std::size_t>(body) - 1);
+      load_[row] += force.x;
+      load_[row + 1] += force.y;
+      load_[row + 2] += equations_.turning(body, at, force, moment);
+    };
+    equations_.push_loads(push);
+    elements_ = equations_.push_elements(push);
+  }
+
+  void report_elements(Check& check) const {
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      const Rounded force(elements_[e]);
+      if (force.is_finite()) check.element_forces[e] = {force.value, force.radius};
+    }
+  }
+
+  void report_reactions(Check& check) {
+    equations_.add_joints();
+    std::vector<int> active = certificate_.active_stops;
+    std::sort(active.begin(), active.end());
+    for (const int stop : active) equations_.add_stop(stop, 2);
+    if (equations_.items().size() != check.reactions.size() || !hold_neutral_coordinates()) return;
+    leave_out_repeated_moments(check);
+    make_matrix();
+    const std::optional<std::vector<Ball>> f = solve();
+    if (f) report(*f, check);
+  }
+
+ private:
+  std::vector<Body> placed() const {
+    std::vector<Ball> q;
+    for (std::size_t i = 0; i < certificate_.x.size(); ++i) {
+      q.push_back(certificate_.rest.empty()
+                      ? Ball(certificate_.x[i]).widened(certificate_.radius)
+                      : (Ball(certificate_.x[i]) + Ball(certificate_.rest[i])).widened(certificate_.rest_radius));
+    }
+    std::vector<BodyPose<Ball>> poses = model_.balls().exact.poses(q.data(), model_.layout().anchor);
+    std::vector<Body> out;
+    out.reserve(scene_.bodies.size());
+    const Ball unit_length(model_.scales().length);
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      poses[i].origin = unit_length * poses[i].origin;
+      out.emplace_back(poses[i]);
+    }
+    return out;
+  }
+
+  // The effort on a coordinate; none for the angle of a bar.
+  std::optional<Effort> effort_on(int coordinate) const {
+    const Layout& layout = model_.layout();
+    for (std::size_t j = 0; j < layout.travel.size(); ++j) {
+      if (layout.travel[j] != coordinate) continue;
+      return unit_efforts(scene_, Measure::travel_of(static_cast<int>(j)), bodies_).front();
+    }
+    for (const Link& link : layout.links) {
+      if (link.body <= 0) continue;
+      const Planar<Ball>& origin = bodies_[static_cast<std::size_t>(link.body)].origin;
+      if (link.frame == coordinate) return Effort{0, link.body, origin, origin, {}, Ball(1)};
+      for (const Arm& arm : link.arms) {  // of a body that no joint ties to the ground
+        if (arm.coordinate != coordinate || !layout.is_length(coordinate)) continue;
+        return Effort{0, link.body, origin, origin, model_.balls().exact.phasors().coefficient(arm), Ball(0)};
+      }
+    }
+    return std::nullopt;
+  }
+
+  bool hold_neutral_coordinates() {
+    for (int i = 0; i < model_.layout().kept; ++i) {
+      const std::vector<std::string>& held = certificate_.neutral_coordinates;
+      if (std::find(held.begin(), held.end(), model_.layout().coordinates[static_cast<std::size_t>(i)].name) ==
+          held.end()) {
+        continue;
+      }
+      const std::optional<Effort> effort = effort_on(i);
+      if (!effort) return false;
+      equations_.add_effort(*effort);
+    }
+    return true;
+  }
+
+  int frame_of(int joint) const {
+    const std::size_t body = static_cast<std::size_t>(scene_.joints[static_cast<std::size_t>(joint)].a.body);
+    return model_.layout().links[body].frame;
+  }
+
+  // Of each joint whose angle follows from those of others, the moment is a load as large as `check` has it.
+  void leave_out_repeated_moments(const Check& check) {
+    column_.assign(equations_.unknowns().size(), 0);
+    const Ball size(model_.scales().length);
+    for (const int joint : model_.layout().redundant_angle) {
+      frames_of_repeated_.insert(frame_of(joint));
+      std::size_t last = 0;
+      for (std::size_t u = 0; u < column_.size(); ++u) {
+        if (equations_.unknowns()[u].item == joint) last = u;
+      }
+      column_[last] = -1;
+      const Ball moment = Ball(check.reactions[static_cast<std::size_t>(joint)].moment) / size;
+      equations_.for_each_entry(equations_.unknowns()[last], [&](int row, const Ball& value) {
+        load_[static_cast<std::size_t>(row)] += value * moment;
+      });
+    }
+    for (int& c : column_) c = c < 0 ? -1 : columns_++;
+  }
+
+  void make_matrix() {
+    std::vector<Eigen::Triplet<double>> middles;
+    for (std::size_t u = 0; u < column_.size(); ++u) {
+      if (column_[u] < 0) continue;
+      equations_.for_each_entry(equations_.unknowns()[u], [&](int row, const Ball& value) {
+        middles.emplace_back(row, column_[u], value.middle());
+        entries_.push_back({row, equations_.rows() + column_[u], value});
+      });
+    }
+    middle_.resize(equations_.rows(), columns_);
+    middle_.setFromTriplets(middles.begin(), middles.end());
+  }
+
+  // load + A f
+  std::vector<Ball> residual(const std::vector<Ball>& f) const {
+    std::vector<Ball> out = load_;
+    for (const auto& e : entries_) {
+      out[static_cast<std::size_t>(e.row)] += e.value * f[static_cast<std::size_t>(e.column - equations_.rows())];
+    }
+    return out;
+  }
+
+  std::optional<std::vector<Ball>> solve() const {
+    MinimumNorm nearly(middle_);
+    std::vector<Ball> f(static_cast<std::size_t>(columns_));
+    std::vector<Ball> left = load_;
+    for (int k = 0; k < most_refinements; ++k) {
+      Eigen::VectorXd b(equations_.rows());
+      double of_middles = 0.0;
+      double of_radii = 0.0;
+      for (Eigen::Index i = 0; i < b.size(); ++i) {
+        b[i] = left[static_cast<std::size_t>(i)].middle();
+        of_middles = std::max(of_middles, std::abs(b[i]));
+        of_radii = std::max(of_radii, left[static_cast<std::size_t>(i)].radius());
+      }
+      if (!std::isfinite(of_middles) || !std::isfinite(of_radii)) return std::nullopt;
+      if (of_middles <= of_radii) break;
+      const Eigen::VectorXd step = nearly.solve(b);
+      for (Eigen::Index u = 0; u < step.size(); ++u) f[static_cast<std::size_t>(u)] -= Ball(step[u]);
+      left = residual(f);
+    }
+    double squares = 0.0;
+    for (const Ball& r : left) squares += r.greatest() * r.greatest();
+    const double singular_value = proved_singular_value(nearly);
+    if (!(singular_value > 0.0)) return std::nullopt;
+    const double away = upward * std::sqrt(squares * upward) / singular_value;
+    if (!std::isfinite(away)) return std::nullopt;
+    for (Ball& value : f) value = value.widened(away);
+    return f;
+  }
+
+  // Less than the least singular value of every matrix of the enclosure of A, or 0. Where it may lie is estimated: for
+  // random b of mean size one |A^+ b| is about the Frobenius norm of A^+.
+  double proved_singular_value(MinimumNorm& nearly) const {
+    if (columns_ == 0) return 1.0;
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    double largest = 0.0;
+    for (int probe = 0; probe < 2; ++probe) {
+      const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(equations_.rows(), [&] { return normal(random); });
+      largest = std::max(largest, nearly.solve(b).norm());
+    }
+    double radii = 0.0;
+    for (const auto& e : entries_) radii += e.value.radius();
+    for (double s = 0.25 / largest; s > least_singular_value; s /= 100) {
+      if (is_below_singular_values(s)) return s - upward * radii;
+    }
+    return 0.0;
+  }
+
+  bool is_below_singular_values(double s) const {
+    std::vector<solvers::BallFactors::Entry> all;
+    all.reserve(entries_.size() + load_.size() + static_cast<std::size_t>(columns_));
+    for (const auto& e : entries_) all.push_back({e.row, e.column, e.value.midpoint()});
+    const int rows = equations_.rows();
+    for (int i = 0; i < rows + columns_; ++i) all.push_back({i, i, i < rows ? Ball(1) : Ball(s) * Ball(s)});
+    const solvers::BallFactors factors(rows + columns_, true, all);
+    return factors.regular() && factors.negative() == columns_;
+  }
+
+  void report(const std::vector<Ball>& f, Check& check) const {
+    struct Sum {
+      Planar<Ball> force{};
+      Ball moment, pressure;
+      bool complete = true;
+    };
+    std::vector<Sum> sums(check.reactions.size());
+    for (std::size_t u = 0; u < column_.size(); ++u) {
+      const Equations::Unknown& unknown = equations_.unknowns()[u];
+      if (unknown.item < 0) continue;
+      Sum& sum = sums[static_cast<std::size_t>(unknown.item)];
+      if (column_[u] < 0) {
+        sum.complete = false;
+        continue;
+      }
+      const Ball& value = f[static_cast<std::size_t>(column_[u])];
+      sum.force += value * unknown.force;
+      sum.moment += value * unknown.moment;
+      sum.pressure -= value;
+    }
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      Reaction& reaction = check.reactions[k];
+      if (!reaction.determined || !sums[k].complete) continue;
+      const Rounded x(sums[k].force.x), y(sums[k].force.y), moment(sums[k].moment), axial(sums[k].pressure);
+      const double radius = upward * std::hypot(x.radius, y.radius);
+      if (!x.is_finite() || !y.is_finite() || !moment.is_finite() || !std::isfinite(radius)) continue;
+      reaction.force = {x.value, y.value};
+      reaction.radius = radius;
+      if (equations_.items()[k].axial) {
+        reaction.axial = axial.value;
+        reaction.radius = std::max(radius, axial.radius);
+      }
+      if (shares_moments(static_cast<int>(k))) continue;
+      reaction.moment = moment.value;
+      reaction.moment_radius = moment.radius;
+    }
+  }
+
+  // Of the items joints come first.
+  bool shares_moments(int item) const {
+    if (item >= static_cast<int>(scene_.joints.size())) return false;
+    return scene_.joints[static_cast<std::size_t>(item)].keeps_angle() && frames_of_repeated_.contains(frame_of(item));
+  }
+
+  const StaticModel& model_;
+  const Scene& scene_;
+  const Certificate& certificate_;
+  std::vector<Body> bodies_;
+  Equations equations_;
+  std::vector<Ball> load_;
+  std::vector<Ball> elements_;
+  std::vector<int> column_;  // per unknown, or -1
+  int columns_ = 0;
+  std::set<int> frames_of_repeated_;
+  std::vector<solvers::BallFactors::Entry> entries_;  // of A, where they are in [I A; A^T s^2 I]
+  Eigen::SparseMatrix<double> middle_;
+};
+
+int unknown_reactions(const Scene& scene) {
+  int sum = 0;
+  for (const Joint& joint : scene.joints) sum += joint.traits().constraints();
+  return sum;
+}
+
+}  // namespace
+
+void enclose_reactions(const StaticModel& model, const Certificate& certificate, Check& check) {
+  if (!certificate.confirmed()) return;
+  Enclosure enclosure(model, certificate);
+  enclosure.report_elements(check);
+  if (certificate.rest.empty() || unknown_reactions(model.scene()) > enclosed_unknowns) return;
+  enclosure.report_reactions(check);
+}
+
+}  // namespace poise

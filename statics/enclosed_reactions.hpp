@@ -1,0 +1,37 @@
+#pragma once
+
+#include "statics/certificate.hpp"
+#include "statics/check.hpp"
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+/// Encloses the forces at the equilibrium that a certificate proves, in ball arithmetic, and puts the middles of the
+/// enclosures and their radii in place of the reactions and element forces of `check`, which must be that of
+/// Certificate::x with its active stops.
+///
+/// With the enclosure of the coordinates the poses of the bodies are enclosed, and so are the forces of the elements,
+/// T(g), and the equations A f = -load of all bodies cut free (statics/free_body_equations.hpp), which the exact
+/// reactions satisfy exactly. For any f, with e its distance from them,
+///
+///   A e = -(A f + load),   so   |e| <= |A f + load| / (s - |R|)
+///
+/// where s is less than the least singular value of the middle of A and R are the radii of its entries:
+/// [I A; A^T s^2 I] has as many negative eigenvalues as A has columns just if s is (Sylvester's law on its Schur
+/// complement s^2 I - A^T A), which the signs of its pivots prove (solvers/ball_factors.hpp). f is refined by residuals
+/// in balls until they are rounding only.
+///
+/// Joints that keep an angle, one more than needed, make columns of moments that are exactly dependent: those moments
+/// are taken as `check` has them, and since A without them is proved to be of full rank, they change no other reaction
+/// but the moments of joints of the same frame. Held coordinates of a neutral equilibrium may need a force, which
+/// rounding of the scene's numbers explains: it is one more unknown.
+///
+/// Without enclosure remain: reactions that statics does not determine; all of them where Certificate::rest is empty,
+/// because closures that hold to rounding only leave the bodies' balance to rounding, where A is not proved to be of
+/// full rank, or beyond `enclosed_unknowns` of them. Element forces are enclosed wherever an equilibrium is proved.
+void enclose_reactions(const StaticModel& model, const Certificate& certificate, Check& check);
+
+/// Joint force components beyond which reactions are not enclosed, because that takes longer than the certificate.
+inline constexpr int enclosed_unknowns = 30000;
+
+}  // namespace poise

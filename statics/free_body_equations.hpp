@@ -1,0 +1,206 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "statics/body_measures_impl.hpp"
+
+namespace poise {
+
+/// The equations of equilibrium of a scene's bodies, each cut free, in the scalar of their poses:
+///
+///   A f = -load,
+///
+/// rows 3 (i - 1) ... of body i: force x and y, N, and moment about its origin over `size`, N; one column per unknown
+/// effort of a joint, stop or drive. Poses may be measured from any point of the world.
+template <class Pose>
+class FreeBodyEquations {
+ public:
+  using T = ScalarOf<Pose>;
+
+  /// A unit of an unknown effort: force, N, and moment, N m, on body b at a point, the opposite on body a.
+  struct Unknown {
+    int item;  ///< index into items(), or -1
+    int body_a, body_b;
+    Planar<T> at;
+    Planar<T> force;
+    T moment;
+    std::vector<Unknown> with{};  ///< further terms of the same unknown, of a sum
+  };
+
+  /// The joint, stop or drive that a set of unknowns belongs to.
+  struct Item {
+    const std::string* name;
+    std::string_view kind;  ///< of a joint, or "stop", "drive"
+    Planar<T> at{};
+    bool axial = false;  ///< its unknown is a pressure: of bars, and of stops and drives on lengths
+    int stop = -1;       ///< index of Scene::stops
+    /// Of a stop: +1 where it acts at its max, only to reduce its measure, -1 at its min, only to increase it, 2 either
+    /// way.
+    int side = 0;
+  };
+
+  /// Keeps references to the scene and the poses.
+  FreeBodyEquations(const Scene& scene, const std::vector<Pose>& poses, double size)
+      : scene_(scene), poses_(poses), size_(size) {}
+
+  int rows() const { return 3 * (static_cast<int>(scene_.bodies.size()) - 1); }
+  const std::vector<Item>& items() const { return items_; }
+  const std::vector<Unknown>& unknowns() const { return unknowns_; }
+
+  /// Weights, forces and torques: calls push(body, at, force, moment).
+  template <class Push>
+  void push_loads(Push push) const {
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      const Body& body = scene_.bodies[i];
+      if (body.mass == 0) continue;
+      push(static_cast<int>(i), poses_[i].world(body.center), T(body.mass) * planar_cast<T>(scene_.gravity), T(0));
+    }
+    for (const Force& f : scene_.forces) {
+      Planar<T> force = planar_cast<T>(f.vector);
+      if (f.follows >= 0) force = force * poses_[f.follows].direction();
+      push(f.at.body, world(f.at), force, T(0));
+    }
+    for (const Torque& t : scene_.torques) push(t.body, poses_[t.body].origin, {}, T(t.value));
+  }
+
+  /// The same for the force elements. Returns the static force of each, 0 where it has no direction.
+  template <class Push>
+  std::vector<T> push_elements(Push push) const {
+    std::vector<T> out;
+    out.reserve(scene_.elements.size());
+    for (const Element& e : scene_.elements) {
+      const T force = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value;
+      out.push_back(T(0));
+      if (force == T(0)) continue;
+      for (const UnitEffortOf<T>& effort : unit_efforts(scene_, e.on, poses_)) {
+        if (effort.force == Planar<T>{} && effort.moment == T(0)) continue;
+        out.back() = force;
+        push(effort.body_a, effort.a, force * effort.force, force * effort.moment);
+        push(effort.body_b, effort.b, -(force * effort.force), -(force * effort.moment));
+      }
+    }
+    return out;
+  }
+
+  /// Force and moment over `size` on body `body`, in the terms of its three equations.
+  T turning(int body, const Planar<T>& at, const Planar<T>& force, const T& moment) const {
+    return (cross(at - poses_[body].origin, force) + moment) / T(size_);
+  }
+
+  void add_joints() {
+    items_.reserve(scene_.joints.size());
+    unknowns_.reserve(2 * scene_.joints.size());
+    for (const Joint& joint : scene_.joints) {
+      const Planar<T> b = world(joint.b);
+      Item& item = add_item(joint.name, joint.traits().key);
+      item.at = from_world(b);
+      const auto act = [&](const Planar<T>& force, const T& moment) {
+        unknowns_.push_back({last_item(), joint.a.body, joint.b.body, b, force, moment});
+      };
+      if (joint.keeps_length()) {
+        const Planar<T> along = b - world(joint.a);
+        const T r = norm(along);
+        item.axial = true;
+        act(r > 0 ? T(1) / r * along : Planar<T>{T(1), T(0)}, T(0));
+      } else if (joint.has_travel()) {
+        act(quarter_turn(body_measures::axis_of(joint, poses_)), T(0));
+      } else {
+        add_pin(joint.a, joint.b);
+      }
+      if (joint.keeps_angle()) act({}, T(size_));
+    }
+  }
+
+  /// A stop that acts on the side of an Item. A distance that is at most zero is a pin: it holds its points together by
+  /// a force in any direction.
+  void add_stop(int index, int side) {
+    const Stop& stop = scene_.stops[index];
+    const bool is_pin = stop.on.kind == Measure::Kind::distance && stop.max <= 0.0;
+    Item& item = add_item(stop.name, "stop");
+    item.stop = index;
+    item.side = is_pin ? 2 : side;
+    if (is_pin)
+      add_pin(stop.on.a, stop.on.b);
+    else
+      add_measure(stop.on);
+  }
+
+  void add_drive(const Drive& drive) {
+    add_item(drive.name, "drive");
+    add_measure(drive.on);
+  }
+
+  /// An effort that is no reaction: the scene has no joint or stop for it.
+  void add_effort(const UnitEffortOf<T>& effort) {
+    unknowns_.push_back(unknown_of(effort));
+    unknowns_.back().item = -1;
+  }
+
+  /// Calls visit(row, value) for the entries of A in the column of an unknown, several for a row in case.
+  template <class Visit>
+  void for_each_entry(const Unknown& unknown, Visit visit) const {
+    add_entries(unknown, visit);
+    for (const Unknown& term : unknown.with) add_entries(term, visit);
+  }
+
+ private:
+  int last_item() const { return static_cast<int>(items_.size()) - 1; }
+  Item& add_item(const std::string& name, std::string_view kind) { return items_.emplace_back(Item{&name, kind}); }
+  Planar<T> world(PointRef p) const { return body_measures::world(scene_, poses_, p); }
+  Planar<T> from_world(const Planar<T>& at) const { return at - poses_[0].origin; }
+
+  Unknown unknown_of(const UnitEffortOf<T>& effort) const {
+    return {last_item(), effort.body_a, effort.body_b, effort.b, effort.force, T(size_) * effort.moment};
+  }
+
+  void add_pin(PointRef a, PointRef b) {
+    const Planar<T> at = world(b);
+    items_.back().at = from_world(at);
+    for (const Planar<T>& force : {Planar<T>{T(1), T(0)}, Planar<T>{T(0), T(1)}}) {
+      unknowns_.push_back({last_item(), a.body, b.body, at, force, T(0)});
+    }
+  }
+
+  // The unknown effort on a measure, positive if it tends to increase it. The terms of a sum act together, each with
+  // its factor. Distances of zero have no direction in which anything could act; if there is nothing else, there is no
+  // unknown.
+  void add_measure(const Measure& measure) {
+    Item& item = items_.back();
+    item.axial = !measure.is_angle();
+    bool is_first = true;
+    for (const UnitEffortOf<T>& effort : unit_efforts(scene_, measure, poses_)) {
+      item.at = from_world(effort.b);
+      if (effort.force == Planar<T>{} && effort.moment == T(0)) continue;
+      if (is_first)
+        unknowns_.push_back(unknown_of(effort));
+      else
+        unknowns_.back().with.push_back(unknown_of(effort));
+      is_first = false;
+    }
+  }
+
+  template <class Visit>
+  void add_entries(const Unknown& k, Visit visit) const {
+    for (const bool opposite : {true, false}) {
+      const int body = opposite ? k.body_a : k.body_b;
+      if (body == 0) continue;
+      const int row = 3 * (body - 1);
+      const auto entry = [&](int at, const T& value) {
+        if (value != T(0)) visit(at, opposite ? T(-value) : value);
+      };
+      entry(row, k.force.x);
+      entry(row + 1, k.force.y);
+      entry(row + 2, turning(body, k.at, k.force, k.moment));
+    }
+  }
+
+  const Scene& scene_;
+  const std::vector<Pose>& poses_;
+  double size_;
+  std::vector<Item> items_;
+  std::vector<Unknown> unknowns_;
+};
+
+}  // namespace poise

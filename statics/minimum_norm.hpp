@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/SparseCore>
+
+#include "statics/sparse_least_squares.hpp"
+
+namespace poise {
+
+/// x = A^+ b in double: of all x with least |A x - b| the one of minimum norm. By a dense decomposition up to 250
+/// columns, beyond by SparseLeastSquares.
+class MinimumNorm {
+ public:
+  /// Keeps a reference to A.
+  explicit MinimumNorm(const Eigen::SparseMatrix<double>& a);
+  ~MinimumNorm();
+
+  Eigen::VectorXd solve(const Eigen::VectorXd& b);
+  NullSpace null_space();
+
+ private:
+  struct Dense;
+
+  const Eigen::SparseMatrix<double>& a_;
+  std::unique_ptr<const Dense> dense_;
+  std::unique_ptr<SparseLeastSquares> sparse_;
+};
+
+}  // namespace poise
