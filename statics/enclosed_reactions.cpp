@@ -35,7 +35,9 @@ using Effort = UnitEffortOf<Ball>;
 // More than the rounding of a sum of non-negative doubles, or of a few operations on them.
 constexpr double upward = 1.0 + 1e-6;
 constexpr int most_refinements = 4;
-constexpr double least_singular_value = 1e-12;
+constexpr int dense_limit = 40;       // unknowns; residuals in balls make up for what sparse factors lose
+constexpr std::size_t long_row = 32;  // entries
+constexpr int once_only = 2000;       // unknowns beyond which a proof that fails is not tried with more digits
 
 // A double and the greatest distance to a number of the ball.
 struct Rounded {
@@ -44,6 +46,11 @@ struct Rounded {
 
   double value;
   double radius;
+};
+
+struct Entry {
+  int column;
+  Ball value;
 };
 
 class Enclosure {
@@ -162,12 +169,13 @@ class Enclosure {
   }
 
   void make_matrix() {
+    rows_.resize(load_.size());
     std::vector<Eigen::Triplet<double>> middles;
     for (std::size_t u = 0; u < column_.size(); ++u) {
       if (column_[u] < 0) continue;
       equations_.for_each_entry(equations_.unknowns()[u], [&](int row, const Ball& value) {
         middles.emplace_back(row, column_[u], value.middle());
-        entries_.push_back({row, equations_.rows() + column_[u], value});
+        rows_[static_cast<std::size_t>(row)].push_back({column_[u], value});
       });
     }
     middle_.resize(equations_.rows(), columns_);
@@ -177,14 +185,14 @@ class Enclosure {
   // load + A f
   std::vector<Ball> residual(const std::vector<Ball>& f) const {
     std::vector<Ball> out = load_;
-    for (const auto& e : entries_) {
-      out[static_cast<std::size_t>(e.row)] += e.value * f[static_cast<std::size_t>(e.column - equations_.rows())];
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      for (const Entry& e : rows_[i]) out[i] += e.value * f[static_cast<std::size_t>(e.column)];
     }
     return out;
   }
 
   std::optional<std::vector<Ball>> solve() const {
-    MinimumNorm nearly(middle_);
+    MinimumNorm nearly(middle_, dense_limit);
     std::vector<Ball> f(static_cast<std::size_t>(columns_));
     std::vector<Ball> left = load_;
     for (int k = 0; k < most_refinements; ++k) {
@@ -216,28 +224,48 @@ class Enclosure {
   // random b of mean size one |A^+ b| is about the Frobenius norm of A^+.
   double proved_singular_value(MinimumNorm& nearly) const {
     if (columns_ == 0) return 1.0;
-    std::mt19937 random(1);
-    std::normal_distribution<double> normal;
+    std::minstd_rand random(1);
+    std::uniform_real_distribution<double> uniform(-2.0, 2.0);
     double largest = 0.0;
     for (int probe = 0; probe < 2; ++probe) {
-      const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(equations_.rows(), [&] { return normal(random); });
+      const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(equations_.rows(), [&] { return uniform(random); });
       largest = std::max(largest, nearly.solve(b).norm());
     }
     double radii = 0.0;
-    for (const auto& e : entries_) radii += e.value.radius();
-    for (double s = 0.25 / largest; s > least_singular_value; s /= 100) {
-      if (is_below_singular_values(s)) return s - upward * radii;
+    for (const auto& row : rows_) {
+      for (const Entry& e : row) radii += e.value.radius();
     }
-    return 0.0;
+    double s = 0.25 / largest;
+    if (is_below_singular_values(s)) return s - upward * radii;
+    if (columns_ > once_only) return 0.0;
+    // The estimate was too high, or the balls grew along the elimination until they told nothing.
+    const Ball::Precision more(2 * Ball::bits());
+    s /= 4;
+    return is_below_singular_values(s) ? s - upward * radii : 0.0;
   }
 
+  // Of [I A; A^T s^2 I] short rows of A are eliminated beforehand, s^2 I - A^T A, so that no pivots of two rows arise
+  // and balls grow less; products of long ones would fill the matrix.
   bool is_below_singular_values(double s) const {
     std::vector<solvers::BallFactors::Entry> all;
-    all.reserve(entries_.size() + load_.size() + static_cast<std::size_t>(columns_));
-    for (const auto& e : entries_) all.push_back({e.row, e.column, e.value.midpoint()});
-    const int rows = equations_.rows();
-    for (int i = 0; i < rows + columns_; ++i) all.push_back({i, i, i < rows ? Ball(1) : Ball(s) * Ball(s)});
-    const solvers::BallFactors factors(rows + columns_, true, all);
+    all.reserve(6 * rows_.size());
+    for (int i = 0; i < columns_; ++i) all.push_back({i, i, Ball(s) * Ball(s)});
+    int size = columns_;
+    for (const auto& row : rows_) {
+      if (row.size() > long_row) {
+        all.push_back({size, size, Ball(1)});
+        for (const Entry& e : row) all.push_back({size, e.column, e.value.midpoint()});
+        ++size;
+        continue;
+      }
+      for (const Entry& e : row) {
+        for (const Entry& other : row) {
+          if (other.column <= e.column)
+            all.push_back({e.column, other.column, -(e.value.midpoint() * other.value.midpoint())});
+        }
+      }
+    }
+    const solvers::BallFactors factors(size, true, all);
     return factors.regular() && factors.negative() == columns_;
   }
 
@@ -295,7 +323,7 @@ class Enclosure {
   std::vector<int> column_;  // per unknown, or -1
   int columns_ = 0;
   std::set<int> frames_of_repeated_;
-  std::vector<solvers::BallFactors::Entry> entries_;  // of A, where they are in [I A; A^T s^2 I]
+  std::vector<std::vector<Entry>> rows_;  // of A
   Eigen::SparseMatrix<double> middle_;
 };
 

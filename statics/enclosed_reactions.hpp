@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "statics/certificate.hpp"
 #include "statics/check.hpp"
 #include "statics/static_model.hpp"
@@ -30,6 +32,12 @@ namespace poise {
 /// because closures that hold to rounding only leave the bodies' balance to rounding, where A is not proved to be of
 /// full rank, or beyond `enclosed_unknowns` of them. Element forces are enclosed wherever an equilibrium is proved.
 void enclose_reactions(const StaticModel& model, const Certificate& certificate, Check& check);
+
+/// A radius around a value that is converted to a unit of that SI value: with what rounding of the conversion adds.
+inline double radius_in_unit(double radius, double value, double unit) {
+  if (unit == 1.0) return radius;
+  return (radius * (1.0 + 0x1p-50) + std::abs(value) * 0x1p-51) / unit;
+}
 
 /// Joint force components beyond which reactions are not enclosed, because that takes longer than the certificate.
 inline constexpr int enclosed_unknowns = 30000;

@@ -5,7 +5,6 @@
 namespace poise {
 namespace {
 
-constexpr int dense_limit = 250;
 constexpr double takes_part = 1e-8;  // component of an orthonormal basis
 
 }  // namespace
@@ -15,7 +14,7 @@ struct MinimumNorm::Dense {
   solvers::LeastSquares<double> factors;
 };
 
-MinimumNorm::MinimumNorm(const Eigen::SparseMatrix<double>& a) : a_(a) {
+MinimumNorm::MinimumNorm(const Eigen::SparseMatrix<double>& a, int dense_limit) : a_(a) {
   if (a.cols() == 0) return;
   if (a.cols() <= dense_limit)
     dense_ = std::make_unique<const Dense>(Eigen::MatrixXd(a));

@@ -8,12 +8,12 @@
 
 namespace poise {
 
-/// x = A^+ b in double: of all x with least |A x - b| the one of minimum norm. By a dense decomposition up to 250
-/// columns, beyond by SparseLeastSquares.
+/// x = A^+ b in double: of all x with least |A x - b| the one of minimum norm. By a dense decomposition up to
+/// `dense_limit` columns, beyond by SparseLeastSquares.
 class MinimumNorm {
  public:
   /// Keeps a reference to A.
-  explicit MinimumNorm(const Eigen::SparseMatrix<double>& a);
+  explicit MinimumNorm(const Eigen::SparseMatrix<double>& a, int dense_limit = 250);
   ~MinimumNorm();
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b);

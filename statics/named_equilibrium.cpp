@@ -1,8 +1,12 @@
 #include "statics/named_equilibrium.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "statics/enclosed_reactions.hpp"
 
 namespace poise {
 
@@ -12,7 +16,9 @@ NamedEquilibrium::NamedEquilibrium(const StaticModel& model, Equilibrium equilib
 
 double NamedEquilibrium::force(const std::string& element) const {
   const Element& found = find_element(element);
-  return shown(reading_of(found).force, found.on.effort_dimension());
+  const std::vector<ElementForce>& forces = result().check.element_forces;
+  const auto place = static_cast<std::size_t>(&found - scene().elements.data());
+  return shown(place < forces.size() ? forces[place].value : reading_of(found).force, found.on.effort_dimension());
 }
 
 Reaction NamedEquilibrium::reaction(const std::string& joint) const {
@@ -49,6 +55,9 @@ std::optional<Reaction> NamedEquilibrium::find_reaction(const std::string& name,
     converted.force = shown(reaction.force, dimension::force);
     converted.moment = shown(reaction.moment, dimension::torque);
     converted.axial = shown(reaction.axial, dimension::force);
+    converted.radius = radius_in_unit(reaction.radius, std::max(norm(reaction.force), std::abs(reaction.axial)),
+                                      dimension::force.unit(units()));
+    converted.moment_radius = radius_in_unit(reaction.moment_radius, reaction.moment, dimension::torque.unit(units()));
     return converted;
   }
   return std::nullopt;

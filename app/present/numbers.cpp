@@ -40,6 +40,15 @@ std::string small_number(double value) {
   return fmt::format("{:.1e}", value);
 }
 
+int known_digits(int digits, double scale, double radius) {
+  if (!(scale > 0.0) || !(radius > 0.0) || !std::isfinite(scale)) return digits;
+  if (!(radius < scale)) return 1;
+  // Rounding to the last digit adds half of its unit.
+  const int order = static_cast<int>(std::floor(std::log10(scale)));
+  const int last = static_cast<int>(std::ceil(std::log10(2 * radius)));
+  return std::clamp(order - last + 1, 1, digits);
+}
+
 std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale) {
   const bool has_order = scale > 0.0 && std::isfinite(scale);
   const bool plain = scale == 0.0 || (scale >= smallest_plain && scale < largest_plain);

@@ -24,6 +24,10 @@ std::string significant(double value, int digits);
 /// An error or a residual: "0", "<1e-16", or two digits "2.2e-16". Not a number is "-".
 std::string small_number(double value);
 
+/// As many digits, at most `digits` and at least one, as leave the last of a number of the size `scale` right to one if
+/// the number is known to within `radius`.
+int known_digits(int digits, double scale, double radius);
+
 /// A column of numbers with their decimal points aligned, as many decimals as give a number of the size `scale` so many
 /// significant digits; what rounds to zero is "0", not a number is "-".
 std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale);

@@ -192,14 +192,16 @@ Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t numb
   return table;
 }
 
-void add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
-                   Verbosity level) {
+Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
+                     Verbosity level) {
   const Units& units = model.scene().units;
   const ReactionBodies bodies(model.scene());
   const auto is_axial = [](const Reaction& r) { return r.kind == "bar" || r.axial != 0.0; };
   const auto any = [&](auto&& is) { return std::any_of(reactions.begin(), reactions.end(), is); };
   const std::vector<double> sizes = each(reactions, [](const Reaction& r) { return norm(r.force); });
   const double largest = sizes.empty() ? 0.0 : *std::max_element(sizes.begin(), sizes.end());
+  const int digits = known_digits(force_digits, largest, widest(each(reactions, &Reaction::radius)));
+  const std::vector<double> moments = each(reactions, &Reaction::moment);
   const std::string heading =
       any([](const Reaction& r) { return r.kind == "stop"; }) ? "Forces of joints and active stops" : "Joint forces";
   Table& table = group.table("reactions", heading + " on the named body, along world axes", Rows::list, level);
@@ -210,18 +212,19 @@ void add_reactions(Group& group, const ScaledModel& model, const std::vector<Rea
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.x); }));
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.y); }));
   const auto add_force = [&](const std::string& key, const std::string& title, const std::vector<double>& values) {
-    add_column(table, model, key, title, Quantity::force, values, force_digits).format.scale =
+    add_column(table, model, key, title, Quantity::force, values, digits).format.scale =
         in_unit(largest, Quantity::force, units);
   };
   add_force("force[]", "Fx", each(reactions, [](const Reaction& r) { return r.force.x; }));
   add_force("force[]", "Fy", each(reactions, [](const Reaction& r) { return r.force.y; }));
   add_force("", "|F|", sizes);
   const double rounding = format_of(model, Quantity::moment, force_digits).zero_below;
-  add_column(table, model, "moment", "moment", Quantity::moment, each(reactions, &Reaction::moment), force_digits)
+  add_column(table, model, "moment", "moment", Quantity::moment, moments,
+             known_digits(force_digits, largest_size(moments), widest(each(reactions, &Reaction::moment_radius))))
       .shown = any([&](const Reaction& r) { return std::abs(in_unit(r.moment, Quantity::moment, units)) > rounding; });
   table.data("axial", in_unit(each(reactions, &Reaction::axial), Quantity::force, units));
   add_column(table, model, "", "tension", Quantity::force,
-             each(reactions, [&](const Reaction& r) { return is_axial(r) ? r.axial : NAN; }), force_digits)
+             each(reactions, [&](const Reaction& r) { return is_axial(r) ? r.axial : NAN; }), digits)
       .shown = any(is_axial);
   table.flags("determined", each(reactions, &Reaction::determined));
   table.remarks(each(reactions, [](const Reaction& r) { return r.determined ? "" : "undetermined"; }), Tone::doubtful);
@@ -229,6 +232,15 @@ void add_reactions(Group& group, const ScaledModel& model, const std::vector<Rea
     table.footnotes.push_back(count(redundancy, "state of self-stress", "states of self-stress") +
                               ": statics does not determine the marked forces; shown are those of minimum norm");
   }
+  return table;
+}
+
+double widest(const std::vector<double>& radii) {
+  double out = 0.0;
+  for (const double radius : radii) {
+    if (std::isfinite(radius)) out = std::max(out, radius);
+  }
+  return out;
 }
 
 void warn_of_friction(Result& result, const Scene& scene) {

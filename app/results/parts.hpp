@@ -78,9 +78,13 @@ void add_coordinates(Group& group, const StaticModel& model, const std::vector<c
 Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t number);
 
 /// What every joint, bar and active stop carries: reactions [{name, kind, on, at[], force[], moment, axial,
-/// determined}]; reactions that statics leaves undetermined are marked.
-void add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
-                   Verbosity level = Verbosity::normal);
+/// determined}]; reactions that statics leaves undetermined are marked. No more digits are written than the radii of
+/// the reactions prove. Returns the table.
+Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
+                     Verbosity level = Verbosity::normal);
+
+/// The largest proved distance; those of values of which nothing is proved, infinite, do not count.
+double widest(const std::vector<double>& radii);
 
 /// A warning that dry friction, which statics leaves out, may hold the mechanism elsewhere, where there is any.
 void warn_of_friction(Result& result, const Scene& scene);

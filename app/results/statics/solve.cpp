@@ -8,6 +8,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "statics/enclosed_reactions.hpp"
 #include "statics/principal_directions.hpp"
 
 namespace poise::app {
@@ -116,6 +117,44 @@ void add_proof(Group& group, const Equilibrium& equilibrium) {
   group.fact("error", "of the method " + small_number(certificate.moved));
 }
 
+/// Radii around values in the units of the scene.
+std::vector<double> radii_in_unit(const std::vector<double>& radii, const std::vector<double>& values,
+                                  Quantity quantity, const Units& units) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    out.push_back(radius_in_unit(radii[i], values[i], unit_value(quantity, units)));
+  }
+  return out;
+}
+
+/// How close to the exact ones the forces shown are proved to be.
+std::string proof_of_forces(const StaticModel& model, const Check& check) {
+  std::vector<double> forces = each(check.reactions, &Reaction::radius);
+  std::vector<double> moments = each(check.reactions, &Reaction::moment_radius);
+  for (std::size_t e = 0; e < check.element_forces.size(); ++e) {
+    (model.scene().elements[e].on.is_angle() ? moments : forces).push_back(check.element_forces[e].radius);
+  }
+  const auto is_proved = [](double radius) { return std::isfinite(radius); };
+  if (std::none_of(forces.begin(), forces.end(), is_proved) &&
+      std::none_of(moments.begin(), moments.end(), is_proved)) {
+    return "in double precision, not proved";
+  }
+  const Units& units = model.scene().units;
+  std::string text = fmt::format("proved to {} {}", small_number(in_unit(widest(forces), Quantity::force, units)),
+                                 unit_name(Quantity::force, units));
+  if (widest(moments) > 0.0) {
+    text += fmt::format(", moments to {} {}", small_number(in_unit(widest(moments), Quantity::moment, units)),
+                        unit_name(Quantity::moment, units));
+  }
+  const auto left = std::count_if(check.reactions.begin(), check.reactions.end(),
+                                  [&](const Reaction& r) { return !is_proved(r.radius) && r.determined; });
+  const int undetermined = static_cast<int>(
+      std::count_if(check.reactions.begin(), check.reactions.end(), [](const Reaction& r) { return !r.determined; }));
+  if (left > 0) text += fmt::format("; those of {} not", count(static_cast<int>(left), "joint", "joints"));
+  if (undetermined > 0) text += fmt::format("; {} not determined", undetermined);
+  return text;
+}
+
 std::string residuals(const StaticModel& model, const Check& check) {
   const Units& units = model.scene().units;
   std::string text = fmt::format("closure {} {}, imbalance {} {} (largest force {})",
@@ -156,8 +195,11 @@ void add_springs(Group& group, const StaticModel& model, const Readings& reading
   table.words("name", "name", each(springs, &NamedElement::name));
   add_column(table, model, "length", "length", Quantity::length,
              each(springs, [&](const NamedElement& s) { return read(s).value; }), force_digits);
-  add_column(table, model, "force", "force", Quantity::force,
-             each(springs, [&](const NamedElement& s) { return read(s).force; }), force_digits);
+  const std::vector<double> forces = each(springs, [&](const NamedElement& s) { return read(s).force; });
+  const std::vector<double> radii = each(springs, [&](const NamedElement& s) { return read(s).radius; });
+  add_column(table, model, "force", "force", Quantity::force, forces,
+             known_digits(force_digits, largest_size(forces), widest(radii)));
+  table.data("radius", radii_in_unit(radii, forces, Quantity::force, model.scene().units));
   table.flags("slack", each(springs, [&](const NamedElement& s) { return read(s).slack; }));
   table.remarks(each(springs,
                      [&](const NamedElement& s) {
@@ -176,8 +218,13 @@ void add_torsion_springs(Group& group, const StaticModel& model, const Readings&
   Table& table = group.table("torsion_springs", "Torsion springs, moment on the named body", Rows::by_name);
   table.words("name", "name", each(springs, &NamedElement::name));
   table.words("on", "on", each(springs, body));
-  add_column(table, model, "moment", "moment", Quantity::moment,
-             each(springs, [&](const NamedElement& s) { return -readings.elements[s.place].force; }), force_digits);
+  const std::vector<double> moments =
+      each(springs, [&](const NamedElement& s) { return -readings.elements[s.place].force; });
+  const std::vector<double> radii =
+      each(springs, [&](const NamedElement& s) { return readings.elements[s.place].radius; });
+  add_column(table, model, "moment", "moment", Quantity::moment, moments,
+             known_digits(force_digits, largest_size(moments), widest(radii)));
+  table.data("radius", radii_in_unit(radii, moments, Quantity::moment, scene.units));
 }
 
 /// Stops in angles and in lengths: their values have different units, written behind each.
@@ -326,7 +373,14 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
 void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_springs(group, model, *answer.readings);
   add_torsion_springs(group, model, *answer.readings);
-  add_reactions(group, model, answer.equilibrium.check.reactions, answer.equilibrium.check.redundancy);
+  const std::vector<Reaction>& reactions = answer.equilibrium.check.reactions;
+  Table& table = add_reactions(group, model, reactions, answer.equilibrium.check.redundancy);
+  const Units& units = model.scene().units;
+  const auto largest = [](const Reaction& r) { return std::max(norm(r.force), std::abs(r.axial)); };
+  table.data("radius",
+             radii_in_unit(each(reactions, &Reaction::radius), each(reactions, largest), Quantity::force, units));
+  table.data("moment_radius", radii_in_unit(each(reactions, &Reaction::moment_radius),
+                                            each(reactions, &Reaction::moment), Quantity::moment, units));
   add_stops(group, model, *answer.readings, answer.equilibrium.check);
   add_pose_data(group, model, *answer.readings);
   add_check_data(group, model, answer.equilibrium);
@@ -382,6 +436,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   numerics.fact("method", effort(equilibrium));
   if (!answer.readings) return out;
   add_proof(numerics, equilibrium);
+  if (equilibrium.found()) numerics.fact("forces", proof_of_forces(model, equilibrium.check));
   numerics.fact("residuals", residuals(model, equilibrium.check));
   const std::optional<double> energy = energy_of(model, equilibrium);
   if (energy) {
