@@ -67,7 +67,7 @@ struct Check {
 ///            solution of all bodies' 3 equations, so what they cannot balance remains as imbalance
 ///
 /// `active`: the stops that act, both ways (indices of Scene::stops), for example those of a certificate; without it
-/// those that x touches, of which one is left out if it would have to pull.
+/// those that x touches; if one of them would have to pull, those that push in the non-negative least-squares solution.
 Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances = {},
             const std::vector<int>* active = nullptr);
 

@@ -22,7 +22,8 @@ struct ExactForces {
 };
 
 /// By Newton's method on the equations of ExactMechanics, with the reactions as their multipliers, from an answer.
-/// Empty if that does not converge: for equilibria that are not isolated, and joints that are redundant.
+/// Empty if that does not converge, for equilibria that are not isolated, where joints are redundant, or if a one-way
+/// spring is not in the state there that it has in the answer.
 std::optional<ExactForces> exact_forces(const StaticModel& model, const Equilibrium& answer);
 
 }  // namespace poise::judge

@@ -622,5 +622,61 @@ TEST(Stops, OfADistanceAreRopesAndProps) {
   EXPECT_FALSE(poise::check(prop, coordinates_at(prop, {{"rail", -3.0}})).is_equilibrium());
 }
 
+// A block that no joint holds, with its origin P at (0, 0) and a load of 1 N down.
+StaticModel loose_block(const std::string& stops, const std::string& load = "[0, -1]") {
+  return model_of(
+      "[ground]\npoints = { O = [0, 0], A = [-0.98480775301220802, -0.17364817766693033], "
+      "B = [0.5, -0.8660254037844386], C = [-0.34202014332566871, 0.93969262078590843] }\n"
+      "[body.block]\npoints = { P = [0, 0] }\n[[force]]\nat = \"block.P\"\nvector = " +
+      load + "\n" + stops);
+}
+
+Check check_at_origin(const StaticModel& model) {
+  std::vector<double> x = model.start();
+  for (std::size_t t = 0; t < x.size(); ++t) x[t] = -model.layout().coordinates[t].origin;
+  return check(model, x);
+}
+
+// Ropes at -170, -60 and 110 degrees. Of minimum norm the second and then the first would push; but the second and the
+// third hold the load together:  t_B cos 60 = t_C cos 70,  t_C sin 70 = 1 + t_B sin 60.
+TEST(Stops, ThatPullAreFoundTogether) {
+  std::string ropes;
+  for (const char* from : {"A", "B", "C"}) {
+    ropes += fmt::format("[[stop]]\nname = \"{0}\"\npoints = [\"ground.{0}\", \"block.P\"]\nmax = 1\n", from);
+  }
+  const StaticModel model = loose_block(ropes);
+  const Check check = check_at_origin(model);
+  ASSERT_TRUE(check.is_equilibrium()) << check.objection;
+  const double degree = M_PI / 180;
+  const double b = 1 / (std::cos(60 * degree) * std::tan(70 * degree) - std::sin(60 * degree));
+  ASSERT_EQ(check.reactions.size(), 2U);
+  EXPECT_NEAR(reaction_of(check, "B").axial, b, 1e-12);
+  EXPECT_NEAR(reaction_of(check, "C").axial, b * std::cos(60 * degree) / std::cos(70 * degree), 1e-12);
+}
+
+TEST(Stops, OfNoDistanceHoldLikePins) {
+  const std::string stop = "[[stop]]\nname = \"knot\"\npoints = [\"ground.O\", \"block.P\"]\n";
+  for (const std::string load : {"[0, -1]", "[3, 0.5]", "[-2, 4]"}) {
+    const StaticModel model = loose_block(stop + "max = 0\n", load);
+    const Check check = check_at_origin(model);
+    ASSERT_TRUE(check.is_equilibrium()) << check.objection;
+    expect_vector(reaction_of(check, "knot").force, -1.0 * model.scene().forces[0].vector, 1e-12);
+    EXPECT_EQ(reaction_of(check, "knot").axial, 0.0);
+    EXPECT_TRUE(reaction_of(check, "knot").determined);
+    EXPECT_EQ(check.redundancy, 0);
+  }
+}
+
+// Two points cannot come nearer than to coincide: there such a stop has no side on which it could push.
+TEST(Stops, OfALeastDistanceOfZeroHoldNothing) {
+  const StaticModel model =
+      loose_block("[[stop]]\nname = \"idle\"\npoints = [\"ground.O\", \"block.P\"]\nmin = 0\nmax = 5\n", "[1, 0]");
+  const Check check = check_at_origin(model);
+  EXPECT_TRUE(check.stops_kept);
+  EXPECT_FALSE(check.balanced);
+  expect_vector(reaction_of(check, "idle").force, {0.0, 0.0}, 0.0);
+  EXPECT_EQ(check.redundancy, 0);
+}
+
 }  // namespace
 }  // namespace poise

@@ -22,29 +22,30 @@ using judge::Real;
 using test::model_of;
 using test::reaction_of;
 
-// Compares all that is enclosed with 50 digits; how many reactions were.
+// Compares all that is enclosed with 50 digits, or rather less; how many reactions were.
 int expect_enclosed(const StaticModel& model, const Equilibrium& found, const judge::ExactForces& exact) {
   const Scene& scene = model.scene();
   const Check& check = found.check;
+  const Real rounding("1e-60");
   int enclosed = 0;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Reaction& shown = check.reactions[j];
     const Planar<Real> off = planar_cast<Real>(shown.force) - exact.joints[j].force;
-    EXPECT_LE(norm(off), Real(shown.radius)) << shown.name;
-    EXPECT_LE(abs(Real(shown.moment) - exact.joints[j].moment), Real(shown.moment_radius)) << shown.name;
+    EXPECT_LE(norm(off), Real(shown.radius) + rounding) << shown.name;
+    EXPECT_LE(abs(Real(shown.moment) - exact.joints[j].moment), Real(shown.moment_radius) + rounding) << shown.name;
     enclosed += std::isfinite(shown.radius) ? 1 : 0;
   }
   for (std::size_t s = 0; s < exact.stops.size(); ++s) {
     const Reaction& shown = check.reactions[scene.joints.size() + s];
     if (shown.axial != 0.0) {
-      EXPECT_LE(abs(Real(shown.axial) + exact.stops[s]), Real(shown.radius)) << shown.name;
+      EXPECT_LE(abs(Real(shown.axial) + exact.stops[s]), Real(shown.radius) + rounding) << shown.name;
     } else if (shown.moment != 0.0) {
-      EXPECT_LE(abs(Real(shown.moment) - exact.stops[s]), Real(shown.moment_radius)) << shown.name;
+      EXPECT_LE(abs(Real(shown.moment) - exact.stops[s]), Real(shown.moment_radius) + rounding) << shown.name;
     }
   }
   for (std::size_t e = 0; e < exact.elements.size(); ++e) {
     const ElementForce& shown = check.element_forces[e];
-    EXPECT_LE(abs(Real(shown.value) - exact.elements[e]), Real(shown.radius)) << scene.elements[e].name;
+    EXPECT_LE(abs(Real(shown.value) - exact.elements[e]), Real(shown.radius) + rounding) << scene.elements[e].name;
   }
   return enclosed;
 }
@@ -138,11 +139,12 @@ TEST_P(OfRandomScenes, AreThoseOfFiftyDigits) {
     const auto exact = judge::exact_forces(model, found);
     if (exact) compared += expect_enclosed(model, found, *exact);
   }
-  EXPECT_GT(compared, 10);
+  EXPECT_GT(compared, 25);
 }
 
 INSTANTIATE_TEST_SUITE_P(EnclosedReactions, OfRandomScenes,
-                         testing::Values("planted", "followers", "stops", "touching", "scales", "soft", "curvature"),
+                         testing::Values("planted", "followers", "stops", "touching", "scales", "soft", "curvature",
+                                         "kinks"),
                          [](const auto& family) { return family.param; });
 
 // A load of 1 N on a bar that is held by a spring of k N/m: in double its length, and so its force, is known to k
