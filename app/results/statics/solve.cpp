@@ -134,25 +134,25 @@ std::string proof_of_forces(const StaticModel& model, const Check& check) {
   for (std::size_t e = 0; e < check.element_forces.size(); ++e) {
     (model.scene().elements[e].on.is_angle() ? moments : forces).push_back(check.element_forces[e].radius);
   }
-  const auto is_proved = [](double radius) { return std::isfinite(radius); };
-  if (std::none_of(forces.begin(), forces.end(), is_proved) &&
-      std::none_of(moments.begin(), moments.end(), is_proved)) {
-    return "in double precision, not proved";
-  }
-  const Units& units = model.scene().units;
-  std::string text = fmt::format("proved to {} {}", small_number(in_unit(widest(forces), Quantity::force, units)),
-                                 unit_name(Quantity::force, units));
-  if (widest(moments) > 0.0) {
-    text += fmt::format(", moments to {} {}", small_number(in_unit(widest(moments), Quantity::moment, units)),
-                        unit_name(Quantity::moment, units));
-  }
-  const auto left = std::count_if(check.reactions.begin(), check.reactions.end(),
-                                  [&](const Reaction& r) { return !is_proved(r.radius) && r.determined; });
-  const int undetermined = static_cast<int>(
-      std::count_if(check.reactions.begin(), check.reactions.end(), [](const Reaction& r) { return !r.determined; }));
-  if (left > 0) text += fmt::format("; those of {} not", count(static_cast<int>(left), "joint", "joints"));
-  if (undetermined > 0) text += fmt::format("; {} not determined", undetermined);
-  return text;
+  std::vector<std::string> parts;
+  const auto add = [&](const std::string& what, const std::vector<double>& radii, Quantity quantity) {
+    if (std::none_of(radii.begin(), radii.end(), [](double radius) { return std::isfinite(radius); })) return;
+    const Units& units = model.scene().units;
+    parts.push_back(fmt::format("{} proved to {} {}", what, small_number(in_unit(widest(radii), quantity, units)),
+                                unit_name(quantity, units)));
+  };
+  add("forces", forces, Quantity::force);
+  if (widest(moments) > 0.0) add("moments", moments, Quantity::moment);
+  const auto add_count = [&](bool determined, const std::string& what) {
+    const auto number = std::count_if(check.reactions.begin(), check.reactions.end(), [&](const Reaction& r) {
+      return !std::isfinite(r.radius) && r.determined == determined;
+    });
+    if (number > 0)
+      parts.push_back(fmt::format("those of {} {}", count(static_cast<int>(number), "joint", "joints"), what));
+  };
+  add_count(true, "in double precision");
+  add_count(false, "not determined");
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 std::string residuals(const StaticModel& model, const Check& check) {
@@ -436,7 +436,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   numerics.fact("method", effort(equilibrium));
   if (!answer.readings) return out;
   add_proof(numerics, equilibrium);
-  if (equilibrium.found()) numerics.fact("forces", proof_of_forces(model, equilibrium.check));
+  if (equilibrium.found()) numerics.fact("reactions", proof_of_forces(model, equilibrium.check));
   numerics.fact("residuals", residuals(model, equilibrium.check));
   const std::optional<double> energy = energy_of(model, equilibrium);
   if (energy) {
