@@ -12,6 +12,7 @@
 #include "solvers/newton.hpp"
 #include "statics/certificate.hpp"
 #include "statics/check.hpp"
+#include "statics/enclosed_reactions.hpp"
 #include "statics/reference.hpp"
 
 namespace poise::benchmarks {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <random>
 #include <set>
@@ -32,8 +33,9 @@ using Body = PlacedBody<Ball>;
 using Equations = FreeBodyEquations<Body>;
 using Effort = UnitEffortOf<Ball>;
 
-// More than the rounding of a sum of non-negative doubles, or of a few operations on them.
-constexpr double upward = 1.0 + 1e-6;
+// At least the exact result of a sum of non-negative doubles, or of a few operations on them, that was rounded to v.
+double above(double v) { return v == 0.0 ? 0.0 : v * (1.0 + 1e-6) + std::numeric_limits<double>::min(); }
+
 constexpr int most_refinements = 4;
 constexpr int dense_limit = 40;       // unknowns; residuals in balls make up for what sparse factors lose
 constexpr std::size_t long_row = 32;  // entries
@@ -210,11 +212,13 @@ class Enclosure {
       for (Eigen::Index u = 0; u < step.size(); ++u) f[static_cast<std::size_t>(u)] -= Ball(step[u]);
       left = residual(f);
     }
-    double squares = 0.0;
-    for (const Ball& r : left) squares += r.greatest() * r.greatest();
+    double largest = 0.0;
+    for (const Ball& r : left) largest = std::max(largest, r.greatest());
     const double singular_value = proved_singular_value(nearly);
     if (!(singular_value > 0.0)) return std::nullopt;
-    const double away = upward * std::sqrt(squares * upward) / singular_value;
+    const double length = largest * std::sqrt(static_cast<double>(left.size()));
+    const double away =
+        largest == 0.0 ? 0.0 : above(std::max(length / singular_value, std::numeric_limits<double>::min()));
     if (!std::isfinite(away)) return std::nullopt;
     for (Ball& value : f) value = value.widened(away);
     return f;
@@ -236,12 +240,12 @@ class Enclosure {
       for (const Entry& e : row) radii += e.value.radius();
     }
     double s = 0.25 / largest;
-    if (is_below_singular_values(s)) return s - upward * radii;
+    if (is_below_singular_values(s)) return s - above(radii);
     if (columns_ > once_only) return 0.0;
     // The estimate was too high, or the balls grew along the elimination until they told nothing.
     const Ball::Precision more(2 * Ball::bits());
     s /= 4;
-    return is_below_singular_values(s) ? s - upward * radii : 0.0;
+    return is_below_singular_values(s) ? s - above(radii) : 0.0;
   }
 
   // Of [I A; A^T s^2 I] short rows of A are eliminated beforehand, s^2 I - A^T A, so that no pivots of two rows arise
@@ -293,7 +297,7 @@ class Enclosure {
       Reaction& reaction = check.reactions[k];
       if (!reaction.determined || !sums[k].complete) continue;
       const Rounded x(sums[k].force.x), y(sums[k].force.y), moment(sums[k].moment), axial(sums[k].pressure);
-      const double radius = upward * std::hypot(x.radius, y.radius);
+      const double radius = above(std::hypot(x.radius, y.radius));
       if (!x.is_finite() || !y.is_finite() || !moment.is_finite() || !std::isfinite(radius)) continue;
       reaction.force = {x.value, y.value};
       reaction.radius = radius;
@@ -337,9 +341,11 @@ int unknown_reactions(const Scene& scene) {
 
 void enclose_reactions(const StaticModel& model, const Certificate& certificate, Check& check) {
   if (!certificate.confirmed()) return;
+  const bool reactions = !certificate.rest.empty() && unknown_reactions(model.scene()) <= enclosed_unknowns;
+  if (!reactions && model.scene().elements.empty()) return;
   Enclosure enclosure(model, certificate);
   enclosure.report_elements(check);
-  if (certificate.rest.empty() || unknown_reactions(model.scene()) > enclosed_unknowns) return;
+  if (!reactions) return;
   enclosure.report_reactions(check);
 }
 
