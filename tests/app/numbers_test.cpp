@@ -67,5 +67,16 @@ TEST(Numbers, DurationsInTheUnitThatSuits) {
   EXPECT_EQ(duration(4.56e6), "4.56 s");
 }
 
+TEST(Numbers, KnownDigitsEndWhereTheRadiusBegins) {
+  EXPECT_EQ(known_digits(6, 123.4, 0.0), 6);
+  EXPECT_EQ(known_digits(6, 123.4, 1e-9), 6);
+  // 123.4 +- 0.04 is right to 0.1, but no longer where the radius and rounding to 0.1 make more than 0.1 together.
+  EXPECT_EQ(known_digits(6, 123.4, 0.04), 4);
+  EXPECT_EQ(known_digits(6, 123.4, 0.06), 3);
+  EXPECT_EQ(known_digits(6, 123.4, 4.0), 2);
+  EXPECT_EQ(known_digits(6, 123.4, 1e6), 1);
+  EXPECT_EQ(known_digits(6, 0.0, 1e-3), 6);
+}
+
 }  // namespace
 }  // namespace poise::app
