@@ -258,6 +258,7 @@ TEST(JsonDocs, Solve) {
                  {{"solve", scene("hard/follower_four_bar"), "--method", "energy"}},
                  {{"solve", scene("lift")}},
                  {{"solve", scene("hard/balanced_lamp")}},
+                 {{"solve", scene("hard/taut")}},
                  {{"solve", folder.write("plate.toml", plate)}}},
                 Shared::all);
 }

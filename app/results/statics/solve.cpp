@@ -326,9 +326,9 @@ void add_check_data(Group& group, const StaticModel& model, const Equilibrium& e
   proved.data("strictly_complementary", certificate.strict);
   proved.data("locked", certificate.locked);
   proved.data("redundant_rows", certificate.redundant);
-  if (certificate.singular) {
-    proved.data("least_joint_force", in_unit(certificate.least_joint_force, Quantity::force, units));
-  }
+  proved.data("least_joint_force", certificate.singular
+                                       ? std::optional(in_unit(certificate.least_joint_force, Quantity::force, units))
+                                       : std::nullopt);
   proved.list("neutral_coordinates", "", certificate.neutral_coordinates, Verbosity::data);
   Branch& directions = group.array("directions");
   for (const CurvatureDirection& direction : principal_directions(model, certificate)) {
