@@ -665,17 +665,7 @@ struct RoundedSum {
 
 }  // namespace
 
-void Layout::loosen(const std::vector<int>& repeating, double units) {
-  const auto loosen_arms = [&](std::vector<Arm>& arms) {
-    for (Arm& arm : arms) {
-      arm.open = units * (is_length(arm.coordinate) ? Vec2{half_unit, half_unit} : arm.rounding);
-      Turn& turn = turns[arm.turn];
-      double rounding = 0.0;
-      for (const double part : turn.angle.parts()) rounding += half_unit * std::abs(part);
-      turn.open = std::max(turn.open, units * rounding);
-    }
-  };
-  std::vector<char> loose(links.size(), 0);
+void Layout::loosen(const std::vector<double>& by) {
   const auto climb = [&](const Closure& closure, const auto& visit) {
     int a = closure.link_a;
     int b = closure.link_b;
@@ -685,17 +675,19 @@ void Layout::loosen(const std::vector<int>& repeating, double units) {
       deeper = links[deeper].parent;
     }
   };
-  for (const int c : repeating) {
-    climb(closures[c], [&](int link) { loose[link] = 1; });
-    loosen_arms(closures[c].arms);
+  const auto loosen_arms = [](std::vector<Arm>& arms, double amount) {
+    if (amount == 0.0) return;
+    for (Arm& arm : arms) arm.open = {amount, amount};
+  };
+  std::vector<double> of_link(links.size(), 0.0);
+  for (std::size_t c = 0; c < closures.size(); ++c) {
+    climb(closures[c], [&](int link) { of_link[link] = std::max(of_link[link], by[c]); });
   }
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (loose[i] != 0) loosen_arms(links[i].arms);
-  }
-  for (Closure& closure : closures) {
-    bool touched = false;
-    climb(closure, [&](int link) { touched = touched || loose[link] != 0; });
-    if (touched) loosen_arms(closure.arms);
+  for (std::size_t i = 0; i < links.size(); ++i) loosen_arms(links[i].arms, of_link[i]);
+  for (std::size_t c = 0; c < closures.size(); ++c) {
+    double amount = by[c];
+    climb(closures[c], [&](int link) { amount = std::max(amount, of_link[link]); });
+    loosen_arms(closures[c].arms, amount);
   }
 }
 

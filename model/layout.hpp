@@ -25,7 +25,7 @@ T uncertain_number(T value, double /*by*/) {
 /// A constant angle between bodies of one frame, rad.
 struct Turn {
   ExactSum angle;
-  /// By which it may be another because joints set it in several ways that agree to rounding only.
+  /// By which it may be another because welds and slides set it in several ways that agree to rounding only.
   double open = 0.0;
 
   template <class T>
@@ -105,9 +105,10 @@ struct Layout {
   /// Changes the unit of all lengths: multiplies them by `factor`.
   void scale_lengths(double factor);
 
-  /// Where closures repeat others to rounding only, their loops can be closed in several ways. Lets the numbers of the
-  /// loops of these closures be all within `units` times their rounding, for scalars that can say so.
-  void loosen(const std::vector<int>& repeating, double units);
+  /// Where closures repeat others to rounding only, their loops can be closed in several ways. Lets the components of
+  /// all arms of a closure's loop differ by up to by[closure] (a length, of a slide's direction a number; 0: by
+  /// nothing), for scalars that can say so.
+  void loosen(const std::vector<double>& by);
 
   /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, sorted by
   /// coordinate and turn. Arms that differ in neither are summed exactly; a sum that no double holds remains several

@@ -23,7 +23,6 @@ constexpr double touched = 1e-6;      // distance from its bound, rad or sizes, 
 constexpr double same_place = 1e-15;  // rad or sizes
 constexpr int most_undecided = 4;     // stops and one-way springs whose state is undecided: 2^4 pieces
 constexpr double largest_gap_by_rounding = 1e-6;
-constexpr double uncertainty = 4.0;  // of numbers of inexact loops, in roundings; a gap is the sum of several
 constexpr int dense_limit = SmoothPiece::dense_limit;
 
 // An active stop and the side on which it acts.
@@ -463,10 +462,10 @@ Certificate Certifier::run() const {
   }
   // Where joints repeat others to rounding only no pose closes all of them as they are written. What is said must be
   // true whichever are left open, so that the numbers of their loops count as uncertain.
-  const std::vector<int> loops = piece_.inexact_loops();
-  if (!loops.empty()) {
+  const std::vector<double> open = piece_.open_loops();
+  if (!open.empty()) {
     Layout layout = model_.layout();
-    layout.loosen(loops, uncertainty);
+    layout.loosen(open);
     const BallMechanism uncertain(model_, layout);
     return Certifier(model_, options_, SmoothPiece(uncertain, x(), options_.farthest, true)).conclude_all();
   }

@@ -44,8 +44,8 @@ struct FreeBodies {
 /// Finds the reactions and the imbalance. Poses may be measured from any point of the world, and additions are measured
 /// from there too; points of reactions are in the world. `touching`: stops whose reaction may act, one entry (+1 at
 /// max, -1 at min, 2 at both, 0 not touching) per stop. If the reaction of one has the wrong sign, those act that push
-/// in the solution of non-negative least squares; a stop at both sides may push either way, and so may a distance that is
-/// at most zero, which is a pin. Other stops on a distance of zero have no direction and carry nothing.
+/// in the solution of non-negative least squares; a stop at both sides may push either way, and so may a distance that
+/// is at most zero, which is a pin. Other stops on a distance of zero have no direction and carry nothing.
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
                    double size, const Additions& additions = {});
 

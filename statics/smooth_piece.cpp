@@ -179,7 +179,9 @@ SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const Sol
     }
     const Ball& open = value[first + r];
     if (!(open.least() <= allowed)) return {};
-    if (all.rows[r] >= m().equalities() || open.contains_zero()) continue;
+    const bool holds = all.rows[r] >= m().equalities() || open.contains_zero();
+    out.gaps.push_back(holds ? 0.0 : open.middle());
+    if (holds) continue;
     out.loops.push_back(loop_of(all.rows[r]));
     for (std::size_t k = 0; k < kept.rows.size(); ++k) {
       const bool takes_part = share[static_cast<Eigen::Index>(k)] > solvers::known_to::closed_point;
@@ -191,9 +193,10 @@ SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const Sol
 }
 
 // The same at other places of the mechanism: only rows that repeat others hold there too.
-SmoothPiece::Repeated SmoothPiece::repeated_elsewhere(const KeptEquations& kept, const Solution& at,
-                                                      const KeptEquations& all) const {
+SmoothPiece::Repeated SmoothPiece::repeated_elsewhere(const Repeated& here, const KeptEquations& kept,
+                                                      const Solution& at, const KeptEquations& all) const {
   Repeated out;
+  out.gaps.assign(here.gaps.size(), 0.0);
   KeptEquations held = kept;
   held.held = free_coordinates(kept);
   int shown = 0;
@@ -209,14 +212,18 @@ SmoothPiece::Repeated SmoothPiece::repeated_elsewhere(const KeptEquations& kept,
     const Repeated rows = repeated(held, there, all);
     if (!rows.to_rounding) return {};
     out.loops.insert(out.loops.end(), rows.loops.begin(), rows.loops.end());
+    // A gap that grows with the motion is one of direction.
+    for (std::size_t k = 0; k < rows.gaps.size(); ++k) {
+      const double growth = (rows.gaps[k] - here.gaps[k]) / aside;
+      out.gaps[k] = std::max({out.gaps[k], std::abs(rows.gaps[k]), std::abs(growth)});
+    }
     ++shown;
   }
   out.to_rounding = shown > 0;
   return out;
 }
 
-// Closures of which some repeat others to rounding only, and those that they depend on.
-std::vector<int> SmoothPiece::inexact_loops() const {
+std::vector<double> SmoothPiece::open_loops() const {
   KeptEquations all;
   for (int r = 0; r < m().equalities(); ++r) all.rows.push_back(r);
   all.at_upper.assign(all.rows.size(), 0);
@@ -229,10 +236,18 @@ std::vector<int> SmoothPiece::inexact_loops() const {
     const Solution at = solve(held, start_, first_reach, farthest_);
     if (!at.proved) continue;
     Repeated here = repeated(kept, at, all);
-    const Repeated elsewhere = repeated_elsewhere(kept, at, all);
-    if (!here.to_rounding || !elsewhere.to_rounding) continue;
-    here.loops.insert(here.loops.end(), elsewhere.loops.begin(), elsewhere.loops.end());
-    return here.loops;
+    if (!here.to_rounding) continue;
+    const Repeated elsewhere = repeated_elsewhere(here, kept, at, all);
+    if (!elsewhere.to_rounding) continue;
+    double widest = 0.0;
+    for (std::size_t k = 0; k < here.gaps.size(); ++k) {
+      widest = std::max({widest, std::abs(here.gaps[k]), elsewhere.gaps[k]});
+    }
+    if (widest == 0.0) return {};
+    std::vector<double> out(m().closures(), 0.0);
+    for (const int c : here.loops) out[c] = widest;
+    for (const int c : elsewhere.loops) out[c] = widest;
+    return out;
   }
   return {};
 }
@@ -250,8 +265,9 @@ Finding SmoothPiece::examine(const KeptEquations& kept) const {
     last = dropped;
     Finding out = examine_independent(without(kept, dropped));
     if (out.kind == Finding::Kind::none) continue;
-    if (!repeated(out.kept, out.solution, kept).to_rounding) continue;
-    if (!repeated_elsewhere(out.kept, out.solution, kept).to_rounding) {
+    const Repeated here = repeated(out.kept, out.solution, kept);
+    if (!here.to_rounding) continue;
+    if (!repeated_elsewhere(here, out.kept, out.solution, kept).to_rounding) {
       examine_singular(out, kept, dropped);
       if (out.degenerate != Stability::unknown) return out;
       // Beside the singular point itself more rows determine what they can.

@@ -84,8 +84,10 @@ class SmoothPiece {
   /// Indices into kept.rows of closures that are nearly combinations of other closures, and of stops that nothing moves
   /// that the closures and other stops leave free. Each row counts over the size of the numbers of its loop.
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
-  /// Closures of which some repeat others to rounding only, and those that they depend on.
-  std::vector<int> inexact_loops() const;
+  /// Where closures repeat others to rounding only: for each closure that takes part the greatest gap that is left, in
+  /// the mechanism's unit of length, or its growth with the motion; 0 for others. Empty where there are
+  /// none.
+  std::vector<double> open_loops() const;
 
  private:
   Solution solve(const KeptEquations& kept, const std::vector<Ball>& from, double reach, double farthest,
@@ -95,10 +97,12 @@ class SmoothPiece {
   // Whether rows that were left out hold to within the rounding of the scene's numbers.
   struct Repeated {
     bool to_rounding = false;
-    std::vector<int> loops;  // closures of which some hold to rounding only, and those that they depend on
+    std::vector<double> gaps;  // of the dropped rows of closures that hold to rounding only, 0 of others
+    std::vector<int> loops;    // closures of which some hold to rounding only, and those that they depend on
   };
   Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
-  Repeated repeated_elsewhere(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  Repeated repeated_elsewhere(const Repeated& here, const KeptEquations& kept, const Solution& at,
+                              const KeptEquations& all) const;
   int loop_of(int row) const;
   double least_joint_force(const KeptEquations& kept) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
