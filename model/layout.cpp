@@ -642,11 +642,12 @@ struct Component {
 };
 
 // The exact sum of numbers, and the sums of their roundings and of what they leave open. Pairs of equal numbers of
-// opposite sign are the same number.
+// opposite sign are the same number, with the same rounding; gaps of joints they do not share.
 struct RoundedSum {
   explicit RoundedSum(std::vector<Component>& terms) {
     std::sort(terms.begin(), terms.end(),
               [](const Component& a, const Component& b) { return std::abs(a.value) < std::abs(b.value); });
+    for (const Component& term : terms) open += term.open;
     for (std::size_t k = 0; k < terms.size(); ++k) {
       if (k + 1 < terms.size() && terms[k].value == -terms[k + 1].value) {
         ++k;
@@ -654,7 +655,6 @@ struct RoundedSum {
       }
       sum.add(terms[k].value);
       rounding += half_unit * std::abs(terms[k].value);
-      open += terms[k].open;
     }
   }
 
@@ -683,10 +683,15 @@ void Layout::loosen(const std::vector<double>& by) {
   for (std::size_t c = 0; c < closures.size(); ++c) {
     climb(closures[c], [&](int link) { of_link[link] = std::max(of_link[link], by[c]); });
   }
-  for (std::size_t i = 0; i < links.size(); ++i) loosen_arms(links[i].arms, of_link[i]);
+  // A link whose joint is at the origins of both bodies has no arm.
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (of_link[i] > 0.0) links[i].arms.push_back({});
+    loosen_arms(links[i].arms, of_link[i]);
+  }
   for (std::size_t c = 0; c < closures.size(); ++c) {
     double amount = by[c];
     climb(closures[c], [&](int link) { amount = std::max(amount, of_link[link]); });
+    if (amount > 0.0) closures[c].arms.push_back({});
     loosen_arms(closures[c].arms, amount);
   }
 }
@@ -722,7 +727,8 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
       ys.push_back({arm->arm.y, arm->open.y});
     }
     const RoundedSum x(xs), y(ys);
-    const std::size_t count = std::max(x.sum.parts().size(), y.sum.parts().size());
+    const bool is_open = x.open > 0.0 || y.open > 0.0;
+    const std::size_t count = std::max({x.sum.parts().size(), y.sum.parts().size(), std::size_t{is_open ? 1U : 0U}});
     const auto part = [&](const ExactSum& sum, std::size_t k) {
       const std::size_t missing = count - sum.parts().size();
       return k < missing ? 0.0 : sum.parts()[k - missing];

@@ -90,6 +90,34 @@ TEST(Layout, KnowsByHowMuchRedundantAnglesDiffer) {
   EXPECT_NEAR(open_of(M_PI / 2, M_PI / 2, -M_PI), 2.4492935982947064e-16, 1e-30);
 }
 
+// A pendulum on the end of a crank that a bar ties to the ground. If the loop is open by so much, so may be the pin of
+// the crank, which is at the origins of both bodies; what follows in the chain is known as before.
+TEST(Layout, LoosensTheArmsOfALoop) {
+  constexpr double open = 1e-9;
+  Scene scene;
+  scene.add_point(0, "O", {0.0, 0.0});
+  scene.add_point(0, "A", {2.0, 0.0});
+  test::add_link(scene, "crank", 1.0);
+  test::add_link(scene, "pendulum", 0.5);
+  test::add_pin(scene, "ground.O", "crank.a");
+  test::add_pin(scene, "crank.b", "pendulum.a");
+  test::add_bar(scene, "crank.b", "ground.A", 1.5);
+  Layout layout = lay_out(scene, Purpose::statics);
+  ASSERT_EQ(layout.closures.size(), 1u);
+  const int crank = test::point(scene, "crank.a").body;
+  const int pendulum = test::point(scene, "pendulum.a").body;
+  EXPECT_TRUE(layout.path(0, {0.0, 0.0}, crank, {0.0, 0.0}).empty());
+  layout.loosen({0.0});
+  EXPECT_TRUE(layout.path(0, {0.0, 0.0}, crank, {0.0, 0.0}).empty());
+  layout.loosen({open});
+  for (const Arm& arm : layout.closures[0].arms) EXPECT_EQ(arm.open, (Vec2{open, open}));
+  const std::vector<Arm> to_pin = layout.path(0, {0.0, 0.0}, crank, {0.0, 0.0});
+  ASSERT_EQ(to_pin.size(), 1u);
+  EXPECT_EQ(to_pin[0].arm, Vec2{});
+  EXPECT_EQ(to_pin[0].open, (Vec2{open, open}));
+  EXPECT_TRUE(layout.path(crank, {1.0, 0.0}, pendulum, {0.0, 0.0}).empty());
+}
+
 TEST(Layout, SharesEqualTurns) {
   const Scene scene = test::chain(5, 1.0, 1.0);
   EXPECT_EQ(lay_out(scene, Purpose::statics).turns.size(), 1u);
