@@ -467,7 +467,9 @@ Certificate Certifier::run() const {
     Layout layout = model_.layout();
     layout.loosen(open);
     const BallMechanism uncertain(model_, layout);
-    return Certifier(model_, options_, SmoothPiece(uncertain, x(), options_.farthest, true)).conclude_all();
+    Certificate out = Certifier(model_, options_, SmoothPiece(uncertain, x(), options_.farthest, true)).conclude_all();
+    out.gap = *std::max_element(open.begin(), open.end());
+    return out;
   }
   return conclude_all();
 }

@@ -51,6 +51,8 @@ struct Certificate {
   /// nothing is proved, or where there is no such place because some closures hold to within rounding only.
   std::vector<double> rest;
   double rest_radius = 0.0;
+  /// Mechanism sizes: the widest gap of joints that repeat others to rounding only, of which any may be open.
+  double gap = 0.0;
   double moved = 0.0;  ///< largest distance of a coordinate from the answer given to x
   /// First-order bound on the change of a coordinate when every number of the scene changes by half a unit in its last
   /// place, rad or mechanism sizes: what the scene's own numbers leave open.

@@ -106,8 +106,12 @@ class Enclosure {
     std::vector<Body> out;
     out.reserve(scene_.bodies.size());
     const Ball unit_length(model_.scales().length);
+    // Every arm on the way to a body may be open in both components.
+    std::size_t arms = 0;
+    for (const Link& link : model_.layout().links) arms += 1 + link.arms.size();
+    const double open = above(2.0 * static_cast<double>(arms) * certificate_.gap);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      poses[i].origin = unit_length * poses[i].origin;
+      poses[i].origin = {unit_length * poses[i].origin.x.widened(open), unit_length * poses[i].origin.y.widened(open)};
       out.emplace_back(poses[i]);
     }
     return out;
