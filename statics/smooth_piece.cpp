@@ -135,6 +135,15 @@ std::vector<int> SmoothPiece::dependent_rows(const KeptEquations& kept, double t
   return out;
 }
 
+KeptEquations SmoothPiece::without_stops(const KeptEquations& kept) const {
+  KeptEquations out;
+  for (const int row : kept.rows) {
+    if (row < m().equalities()) out.rows.push_back(row);
+  }
+  out.at_upper.assign(out.rows.size(), 0);
+  return out;
+}
+
 // Coordinates that may be chosen freely while the kept rows determine the others.
 std::vector<int> SmoothPiece::free_coordinates(const KeptEquations& kept) const {
   if (kept.rows.empty()) {
@@ -192,9 +201,16 @@ SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const Sol
   return out;
 }
 
-// The same at other places of the mechanism: only rows that repeat others hold there too.
+// The same at other places of the mechanism: only rows that repeat others hold there too. Closures must do so without
+// stops, which may leave no motion in which they could fail.
 SmoothPiece::Repeated SmoothPiece::repeated_elsewhere(const Repeated& here, const KeptEquations& kept,
                                                       const Solution& at, const KeptEquations& all) const {
+  const KeptEquations closures = without_stops(kept);
+  const KeptEquations all_closures = without_stops(all);
+  if (closures.rows.size() < kept.rows.size() && closures.rows.size() < all_closures.rows.size()) {
+    const Repeated alone = repeated(closures, at, all_closures);
+    if (!alone.to_rounding || !repeated_elsewhere(alone, closures, at, all_closures).to_rounding) return {};
+  }
   Repeated out;
   out.gaps.assign(here.gaps.size(), 0.0);
   KeptEquations held = kept;

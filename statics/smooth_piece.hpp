@@ -93,6 +93,7 @@ class SmoothPiece {
   Solution solve(const KeptEquations& kept, const std::vector<Ball>& from, double reach, double farthest,
                  bool rounding = false) const;
   Finding examine_independent(const KeptEquations& kept) const;
+  KeptEquations without_stops(const KeptEquations& kept) const;
   std::vector<int> free_coordinates(const KeptEquations& kept) const;
   // Whether rows that were left out hold to within the rounding of the scene's numbers.
   struct Repeated {
