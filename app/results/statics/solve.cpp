@@ -129,20 +129,31 @@ std::vector<double> radii_in_unit(const std::vector<double>& radii, const std::v
 
 /// How close to the exact ones the forces shown are proved to be.
 std::string proof_of_forces(const StaticModel& model, const Check& check) {
-  std::vector<double> forces = each(check.reactions, &Reaction::radius);
-  std::vector<double> moments = each(check.reactions, &Reaction::moment_radius);
+  const Units& units = model.scene().units;
+  // In the units shown, with the rounding of the conversion, as in JSON.
+  double forces = 0.0;
+  double moments = 0.0;
+  bool any = false;
+  const auto widen = [&](double& widest_of, double radius, double value, Quantity quantity) {
+    if (!std::isfinite(radius)) return;
+    any = true;
+    widest_of = std::max(widest_of, radius_in_unit(radius, value, unit_value(quantity, units)));
+  };
+  for (const Reaction& r : check.reactions) {
+    widen(forces, r.radius, std::max(norm(r.force), std::abs(r.axial)), Quantity::force);
+    widen(moments, r.moment_radius, r.moment, Quantity::moment);
+  }
   for (std::size_t e = 0; e < check.element_forces.size(); ++e) {
-    (model.scene().elements[e].on.is_angle() ? moments : forces).push_back(check.element_forces[e].radius);
+    const bool is_moment = model.scene().elements[e].on.is_angle();
+    const ElementForce& force = check.element_forces[e];
+    widen(is_moment ? moments : forces, force.radius, force.value, is_moment ? Quantity::moment : Quantity::force);
   }
   std::vector<std::string> parts;
-  const auto add = [&](const std::string& what, const std::vector<double>& radii, Quantity quantity) {
-    if (std::none_of(radii.begin(), radii.end(), [](double radius) { return std::isfinite(radius); })) return;
-    const Units& units = model.scene().units;
-    parts.push_back(fmt::format("{} proved to {} {}", what, small_number(in_unit(widest(radii), quantity, units)),
-                                unit_name(quantity, units)));
+  const auto add = [&](const std::string& what, double radius, Quantity quantity) {
+    parts.push_back(fmt::format("{} proved to {} {}", what, small_number(radius), unit_name(quantity, units)));
   };
-  add("forces", forces, Quantity::force);
-  if (widest(moments) > 0.0) add("moments", moments, Quantity::moment);
+  if (any) add("forces", forces, Quantity::force);
+  if (moments > 0.0) add("moments", moments, Quantity::moment);
   const auto add_count = [&](bool determined, const std::string& what) {
     const auto number = std::count_if(check.reactions.begin(), check.reactions.end(), [&](const Reaction& r) {
       return !std::isfinite(r.radius) && r.determined == determined;
