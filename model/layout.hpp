@@ -18,7 +18,7 @@ inline constexpr double half_unit = 0x1p-53;
 
 /// A number that is known to within `by` only, in scalars that can say so.
 template <class T>
-T uncertain_number(T value, double /*by*/) {
+T uncertain_number(const T& value, double /*by*/) {
   return value;
 }
 

@@ -88,7 +88,7 @@ class Phasors {
     Planar<T> c =
         along ? direction<T>(arm.arm)
               : Planar<T>{rounded_number<T>(arm.arm.x, arm.rounding.x), rounded_number<T>(arm.arm.y, arm.rounding.y)};
-    c = {uncertain_number(std::move(c.x), arm.open.x), uncertain_number(std::move(c.y), arm.open.y)};
+    c = {uncertain_number(c.x, arm.open.x), uncertain_number(c.y, arm.open.y)};
     return arm.turn == 0 ? c : c * turned_[arm.turn];
   }
 

@@ -27,7 +27,7 @@ inline Ball rounded_number(double value, double rounding) {
 }
 
 template <>
-inline Ball uncertain_number(Ball value, double by) {
+inline Ball uncertain_number(const Ball& value, double by) {
   return value.widened(by);
 }
 
