@@ -74,7 +74,12 @@ class Certifier {
     std::optional<std::size_t> first_relieved;  // of those on the same side, if the dependent stop pushes more and more
   };
   Sharing sharing(const Finding& finding, const std::vector<ActiveStop>& active, const ActiveStop& dependent) const;
-  std::vector<ActiveStop> weak_stops(const Settled& settled) const;
+  // Stops at their limit of which it is undecided whether they push.
+  struct Touched {
+    std::vector<ActiveStop> weak;
+    std::vector<ActiveStop> sharing;  // those that no motion leaves which the others allow
+  };
+  Touched touched_stops(const Settled& settled) const;
   Certificate conclude_all() const;
   Certificate conclude(const Settled& settled) const;
   Certificate conclude_pieces(const std::vector<int>& springs) const;
@@ -432,7 +437,7 @@ Certifier::Settled Certifier::settle() const {
   if (contact.empty() || contact.size() > most_undecided) return out;
   std::vector<ActiveStop> always;
   const auto rank = [&](const Settled& s) {
-    return moved(s) + (s.finding.unstable > 0 || !weak_stops(s).empty() ? same_place : 0.0);
+    return moved(s) + (s.finding.unstable > 0 || !touched_stops(s).weak.empty() ? same_place : 0.0);
   };
   std::copy_if(likely.begin(), likely.end(), std::back_inserter(always), [](const ActiveStop& a) { return a.both; });
   if (out.consistent && out.active.size() == always.size() + contact.size()) return out;
@@ -548,7 +553,12 @@ Certificate Certifier::conclude(const Settled& settled) const {
   if (!settled.consistent) {
     return deny(Outcome::no_equilibrium, "a stop would have to pull where it is in contact, and is overrun without it");
   }
-  if (weak_stops(settled).empty()) return report(settled.finding, settled.active);
+  const Touched stops = touched_stops(settled);
+  if (stops.weak.empty()) {
+    Certificate out = report(settled.finding, settled.active);
+    for (const ActiveStop& s : stops.sharing) out.sharing_stops.push_back(s.stop);
+    return out;
+  }
   if (Ball::bits() < SmoothPiece::many_bits) {
     const Ball::Precision precision(SmoothPiece::many_bits);
     return conclude(settle(settled.active));
@@ -556,13 +566,13 @@ Certificate Certifier::conclude(const Settled& settled) const {
   return conclude_at_limit(settled, {});
 }
 
-// Stops in contact of which it is undecided whether they press, but for those that no motion leaves.
-std::vector<ActiveStop> Certifier::weak_stops(const Settled& settled) const {
-  std::vector<ActiveStop> out, strong;
+Certifier::Touched Certifier::touched_stops(const Settled& settled) const {
+  Touched out;
+  std::vector<ActiveStop> strong;
   for (const ActiveStop& a : settled.active) {
     const std::optional<Ball> push = push_of(settled.finding, a);
     if (!push) continue;
-    (a.both || !push->contains_zero() ? strong : out).push_back(a);
+    (a.both || !push->contains_zero() ? strong : out.weak).push_back(a);
   }
   const std::vector<Ball> g = BalanceSystem(balls(), settled.finding.kept).constraints(settled.finding.solution.q);
   for (int s = 0; s < m().stops(); ++s) {
@@ -570,22 +580,24 @@ std::vector<ActiveStop> Certifier::weak_stops(const Settled& settled) const {
         std::any_of(settled.active.begin(), settled.active.end(), [&](const ActiveStop& a) { return a.stop == s; });
     for (const bool upper : {false, true}) {
       if (known || !std::isfinite(bound(m(), s, upper)) || !beyond(g, s, upper).contains_zero()) continue;
-      out.push_back({.stop = s, .upper = upper});
+      out.weak.push_back({.stop = s, .upper = upper});
     }
   }
-  if (out.empty() || m().coordinates() > dense_limit) return out;
+  if (out.weak.empty() || m().coordinates() > dense_limit) return out;
   const std::size_t before = piece_.dependent_rows(equations(strong), SmoothPiece::nearly_dependent).size();
-  std::erase_if(out, [&](const ActiveStop& a) {
+  const auto shares = std::stable_partition(out.weak.begin(), out.weak.end(), [&](const ActiveStop& a) {
     std::vector<ActiveStop> with_it = strong;
     with_it.push_back(a);
-    return piece_.dependent_rows(equations(with_it), SmoothPiece::nearly_dependent).size() > before;
+    return piece_.dependent_rows(equations(with_it), SmoothPiece::nearly_dependent).size() == before;
   });
+  out.sharing.assign(shares, out.weak.end());
+  out.weak.erase(shares, out.weak.end());
   return out;
 }
 
 // Where it is undecided whether a stop is active or a one-way spring acts, all combinations are examined.
 Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const {
-  const std::vector<ActiveStop> weak = weak_stops(settled);
+  const std::vector<ActiveStop> weak = touched_stops(settled).weak;
   std::vector<ActiveStop> strong = settled.active;
   std::erase_if(strong, [&](const ActiveStop& a) {
     return std::any_of(weak.begin(), weak.end(), [&](const ActiveStop& w) { return w.stop == a.stop; });

@@ -63,6 +63,8 @@ struct Certificate {
   int neutral_directions = 0;
   std::vector<std::string> neutral_coordinates;  ///< coordinates whose values are arbitrary
   std::vector<int> active_stops;                 ///< indices of Scene::stops
+  /// Stops at their limit whose measure active ones already hold: how these share the load is not determined.
+  std::vector<int> sharing_stops;
   /// Every touched stop presses, and no one-way spring is exactly at its free length.
   bool strict = true;
   int redundant = 0;    ///< closure rows that repeat others

@@ -37,12 +37,13 @@ bool is_finite(const std::vector<double>& x) {
 class EquilibriumCheck {
  public:
   EquilibriumCheck(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances,
-                   const std::vector<int>* active)
+                   const std::vector<int>* active, const std::vector<int>& sharing)
       : model_(model),
         scene_(model.scene()),
         x_(x),
         tolerances_(tolerances),
         active_(active),
+        sharing_(sharing),
         poses_(model.poses_from_anchor(x)),
         size_(model.scales().length) {}
 
@@ -96,8 +97,13 @@ class EquilibriumCheck {
       const bool at_min = g <= stop.min + near;
       touching_.push_back(at_max && at_min ? 2 : at_max ? 1 : at_min ? -1 : 0);
       if (active_ != nullptr) {
-        const bool is_active = std::find(active_->begin(), active_->end(), static_cast<int>(s)) != active_->end();
-        touching_.back() = is_active ? 2 : 0;
+        const auto is_in = [&](const std::vector<int>& stops) {
+          return std::find(stops.begin(), stops.end(), static_cast<int>(s)) != stops.end();
+        };
+        if (!is_in(*active_) && !is_in(sharing_))
+          touching_.back() = 0;
+        else if (sharing_.empty() || touching_.back() == 0)
+          touching_.back() = 2;
       }
       if (beyond <= out_.stop_violation) continue;
       out_.stop_violation = beyond;
@@ -117,6 +123,16 @@ class EquilibriumCheck {
     out_.largest_force = bodies.largest_force;
     out_.reactions = std::move(bodies.reactions);
     out_.redundancy = bodies.redundancy;
+    for (const int s : sharing_) {
+      const std::string& name = scene_.stops[static_cast<std::size_t>(s)].name;
+      const bool shown = std::any_of(out_.reactions.begin(), out_.reactions.end(),
+                                     [&](const Reaction& r) { return r.kind == "stop" && r.name == name; });
+      if (shown) continue;
+      Reaction& none = out_.reactions.emplace_back();
+      none.name = name;
+      none.kind = "stop";
+      none.determined = false;
+    }
     for (const Element& e : scene_.elements) {
       out_.element_forces.push_back({.value = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value});
     }
@@ -181,6 +197,7 @@ class EquilibriumCheck {
   const std::vector<double>& x_;
   const CheckTolerances& tolerances_;
   const std::vector<int>* active_;
+  const std::vector<int>& sharing_;
   std::vector<BodyPose<double>> poses_;
   double size_;
   std::vector<int> touching_;
@@ -190,8 +207,8 @@ class EquilibriumCheck {
 }  // namespace
 
 Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances,
-            const std::vector<int>* active) {
-  return EquilibriumCheck(model, x, tolerances, active).run();
+            const std::vector<int>* active, const std::vector<int>& sharing) {
+  return EquilibriumCheck(model, x, tolerances, active, sharing).run();
 }
 
 }  // namespace poise

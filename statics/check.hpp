@@ -68,7 +68,9 @@ struct Check {
 ///
 /// `active`: the stops that act, both ways (indices of Scene::stops), for example those of a certificate; without it
 /// those that x touches; if one of them would have to pull, those that push in the non-negative least-squares solution.
+///
+/// `sharing`: stops at their limit that may take a part of the load of active ones; all of them then push only.
 Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances = {},
-            const std::vector<int>* active = nullptr);
+            const std::vector<int>* active = nullptr, const std::vector<int>& sharing = {});
 
 }  // namespace poise

@@ -87,7 +87,10 @@ class Enclosure {
     std::vector<int> active = certificate_.active_stops;
     std::sort(active.begin(), active.end());
     for (const int stop : active) equations_.add_stop(stop, 2);
-    if (equations_.items().size() != check.reactions.size() || !hold_neutral_coordinates()) return;
+    // Where stops share a load the reactions of other stops are among those of `check`: those of joints are compared.
+    reported_ = certificate_.sharing_stops.empty() ? equations_.items().size() : scene_.joints.size();
+    const bool same_stops = equations_.items().size() == check.reactions.size();
+    if ((certificate_.sharing_stops.empty() && !same_stops) || !hold_neutral_coordinates()) return;
     leave_out_repeated_moments(check);
     make_matrix();
     const std::optional<std::vector<Ball>> f = solve();
@@ -283,7 +286,7 @@ class Enclosure {
       Ball moment, pressure;
       bool complete = true;
     };
-    std::vector<Sum> sums(check.reactions.size());
+    std::vector<Sum> sums(equations_.items().size());
     for (std::size_t u = 0; u < column_.size(); ++u) {
       const Equations::Unknown& unknown = equations_.unknowns()[u];
       if (unknown.item < 0) continue;
@@ -297,7 +300,7 @@ class Enclosure {
       sum.moment += value * unknown.moment;
       sum.pressure -= value;
     }
-    for (std::size_t k = 0; k < sums.size(); ++k) {
+    for (std::size_t k = 0; k < reported_; ++k) {
       Reaction& reaction = check.reactions[k];
       if (!reaction.determined || !sums[k].complete) continue;
       const Rounded x(sums[k].force.x), y(sums[k].force.y), moment(sums[k].moment), axial(sums[k].pressure);
@@ -330,6 +333,7 @@ class Enclosure {
   std::vector<Ball> elements_;
   std::vector<int> column_;  // per unknown, or -1
   int columns_ = 0;
+  std::size_t reported_ = 0;  // items
   std::set<int> frames_of_repeated_;
   std::vector<std::vector<Entry>> rows_;  // of A
   Eigen::SparseMatrix<double> middle_;

@@ -174,7 +174,8 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
   }
   bool confirmed = out.certificate.confirmed();
   if (confirmed) out.x = out.certificate.x;
-  out.check = check(model, out.x, options.check, confirmed ? &out.certificate.active_stops : nullptr);
+  out.check = check(model, out.x, options.check, confirmed ? &out.certificate.active_stops : nullptr,
+                    confirmed ? out.certificate.sharing_stops : std::vector<int>{});
   confirmed = confirmed && std::isfinite(out.check.largest_force);  // nothing could be said of its forces
   if (confirmed) enclose_reactions(model, out.certificate, out.check);
   out.energy = energy_at(model, out.x);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "solvers/linear_algebra.hpp"
 #include "solvers/nonnegative_least_squares.hpp"
@@ -31,14 +34,17 @@ class Statics {
     out_.element_force = equations.push_elements(push_on);
   }
 
-  // With the reactions of stops that act on these sides.
+  // With the reactions of stops that act on these sides. What other sides leave undetermined remains so.
   FreeBodies solve(const std::vector<int>& sides) {
     Equations equations = with_stops(sides);
     const Eigen::SparseMatrix<double> a = matrix(equations, [](const Equations::Unknown&) { return true; });
     MinimumNorm reactions(a);
     const Eigen::VectorXd f = reactions.solve(-load_);
-    const NullSpace self_stress = reactions.null_space();
-    report(equations, a, f, self_stress);
+    report(equations, a, f, reactions.null_space());
+    for (Reaction& reaction : out_.reactions) {
+      if (!reaction.determined) undetermined_.insert({reaction.kind, reaction.name});
+      reaction.determined = !undetermined_.contains({reaction.kind, reaction.name});
+    }
     return out_;
   }
 
@@ -125,7 +131,7 @@ class Statics {
     out_.imbalance = left.size() > 0 ? left.cwiseAbs().maxCoeff(&worst) : 0.0;
     out_.worst_body = static_cast<int>(worst) / 3 + 1;
     out_.is_moment = worst % 3 == 2;
-    out_.redundancy = self_stress.dimension;
+    out_.redundancy = std::max(out_.redundancy, self_stress.dimension);
     out_.largest_force = std::max(out_.largest_load, f.size() > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
     out_.reactions.clear();
     out_.reactions.reserve(equations.items().size());
@@ -161,6 +167,7 @@ class Statics {
   const Additions& additions_;
   Eigen::VectorXd load_;
   FreeBodies out_;
+  std::set<std::pair<std::string, std::string>> undetermined_;  // kinds and names
   bool pulls_ = false;
 };
 

@@ -857,6 +857,44 @@ TEST(StopsOf, AStandingArmTouchedTwiceOnOneSideIsNotLocked) {
   EXPECT_FALSE(proof.locked);
 }
 
+// A block pushed with 30 N against two walls at the same place: either may carry all of it.
+TEST(StopsOf, WallsAtTheSamePlaceShareTheLoad) {
+  const StaticModel model = model_of(R"(
+    [ground]
+    points = { G = [0, 0] }
+    [body.block]
+    points = { C = [0, 0] }
+    [[slide]]
+    name = "rail"
+    points = ["ground.G", "block.C"]
+    axis = [1, 0]
+    [[stop]]
+    name = "one"
+    slide = "rail"
+    max = 0.5
+    [[stop]]
+    name = "two"
+    slide = "rail"
+    max = 0.5
+    [[force]]
+    at = "block.C"
+    vector = [30, 0]
+  )");
+  const Equilibrium found = solve(model);
+  ASSERT_TRUE(found.found()) << found.why;
+  expect_proved(found.certificate, Stability::stable, 0);
+  EXPECT_EQ(found.certificate.active_stops.size() + found.certificate.sharing_stops.size(), 2u);
+  EXPECT_EQ(found.check.redundancy, 1);
+  double sum = 0.0;
+  for (const Reaction& reaction : found.check.reactions) {
+    if (reaction.kind != "stop") continue;
+    EXPECT_FALSE(reaction.determined) << reaction.name;
+    EXPECT_FALSE(std::isfinite(reaction.radius)) << reaction.name;
+    sum -= reaction.force.x;
+  }
+  EXPECT_NEAR(sum, 30.0, 1e-12);
+}
+
 // Between the two, which exclude each other by a rounding unit: the radius reaches from where the one holds to where
 // the other does.
 TEST(StopsOf, TheRadiusReachesFromOneStopToTheOther) {
