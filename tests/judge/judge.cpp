@@ -549,6 +549,8 @@ class Search {
     find_kind(solution, piece, tolerance, truth);
     truth.exact = exactly && solution.at.open_contacts <= least_radius;
     if (!exactly) truth.note += "; stops hold to rounding only";
+    // A push that is rounding too, of another stop, may be one in exact numbers.
+    if (!exactly && !truth.strict) truth.decided = false;
     found_.push_back(truth);
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Truth& a, const Truth& b) { return a.distance < b.distance; });
