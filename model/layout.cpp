@@ -663,25 +663,29 @@ struct RoundedSum {
   double open = 0.0;
 };
 
+// Calls visit(link, sign) for the links from a and from b up to the nearest that both hang on, that one aside: -1 on
+// the side of a, 1 on that of b.
+template <class Visit>
+void for_links_between(const std::vector<Link>& links, int a, int b, Visit visit) {
+  while (a != b) {
+    const bool from_a = links[a].depth > links[b].depth;
+    int& link = from_a ? a : b;
+    visit(link, from_a ? -1.0 : 1.0);
+    link = links[link].parent;
+  }
+}
+
 }  // namespace
 
 void Layout::loosen(const std::vector<double>& by) {
-  const auto climb = [&](const Closure& closure, const auto& visit) {
-    int a = closure.link_a;
-    int b = closure.link_b;
-    while (a != b) {
-      int& deeper = links[a].depth > links[b].depth ? a : b;
-      visit(deeper);
-      deeper = links[deeper].parent;
-    }
-  };
   const auto loosen_arms = [](std::vector<Arm>& arms, double amount) {
     if (amount == 0.0) return;
     for (Arm& arm : arms) arm.open = {amount, amount};
   };
   std::vector<double> of_link(links.size(), 0.0);
   for (std::size_t c = 0; c < closures.size(); ++c) {
-    climb(closures[c], [&](int link) { of_link[link] = std::max(of_link[link], by[c]); });
+    for_links_between(links, closures[c].link_a, closures[c].link_b,
+                      [&](int link, double) { of_link[link] = std::max(of_link[link], by[c]); });
   }
   // A link whose joint is at the origins of both bodies has no arm.
   for (std::size_t i = 0; i < links.size(); ++i) {
@@ -690,7 +694,8 @@ void Layout::loosen(const std::vector<double>& by) {
   }
   for (std::size_t c = 0; c < closures.size(); ++c) {
     double amount = by[c];
-    climb(closures[c], [&](int link) { amount = std::max(amount, of_link[link]); });
+    for_links_between(links, closures[c].link_a, closures[c].link_b,
+                      [&](int link, double) { amount = std::max(amount, of_link[link]); });
     if (amount > 0.0) closures[c].arms.push_back({});
     loosen_arms(closures[c].arms, amount);
   }
@@ -698,21 +703,14 @@ void Layout::loosen(const std::vector<double>& by) {
 
 std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
   std::vector<Arm> arms;
-  const auto climb = [&](int& i, double sign) {
-    for (Arm arm : links[i].arms) {
+  if (!is_zero(a)) arms.push_back({links[link_a].frame, -a, links[link_a].turn});
+  if (!is_zero(b)) arms.push_back({links[link_b].frame, b, links[link_b].turn});
+  for_links_between(links, link_a, link_b, [&](int link, double sign) {
+    for (Arm arm : links[link].arms) {
       arm.arm = sign * arm.arm;
       arms.push_back(arm);
     }
-    i = links[i].parent;
-  };
-  if (!is_zero(a)) arms.push_back({links[link_a].frame, -a, links[link_a].turn});
-  if (!is_zero(b)) arms.push_back({links[link_b].frame, b, links[link_b].turn});
-  while (link_a != link_b) {
-    if (links[link_a].depth > links[link_b].depth)
-      climb(link_a, -1.0);
-    else
-      climb(link_b, 1.0);
-  }
+  });
   std::stable_sort(arms.begin(), arms.end(), [](const Arm& l, const Arm& r) {
     return l.coordinate != r.coordinate ? l.coordinate < r.coordinate : l.turn < r.turn;
   });
