@@ -116,9 +116,7 @@ double bound(const Mechanism<double>& m, int stop, bool upper) { return upper ? 
 // --- stops ----------------------------------------------------------------------------------------------------------
 
 KeptEquations Certifier::equations(const std::vector<ActiveStop>& active) const {
-  KeptEquations out;
-  for (int r = 0; r < m().equalities(); ++r) out.rows.push_back(r);
-  out.at_upper.assign(out.rows.size(), 0);
+  KeptEquations out = piece_.closures();
   for (const ActiveStop& a : active) {
     out.rows.push_back(m().stop_row(a.stop));
     out.at_upper.push_back(a.upper ? 1 : 0);

@@ -94,7 +94,6 @@ BalanceSystem::Solution SmoothPiece::solve(const KeptEquations& kept, const std:
   return out;
 }
 
-// In smaller and smaller boxes, and to more and more digits.
 BalanceSystem::Solution SmoothPiece::solve_closely(const KeptEquations& kept, const std::vector<Ball>& from) const {
   Solution out;
   for (const long bits : {usual_bits, many_bits}) {
@@ -107,8 +106,6 @@ BalanceSystem::Solution SmoothPiece::solve_closely(const KeptEquations& kept, co
   return out;
 }
 
-// Indices into kept.rows of closures that are nearly combinations of other closures, and of stops that nothing moves
-// that the closures and other stops leave free. Each row counts over the size of the numbers of its loop.
 std::vector<int> SmoothPiece::dependent_rows(const KeptEquations& kept, double tolerance) const {
   if (kept.rows.empty() || m().coordinates() > dense_limit) return {};
   const DensePoint<double> point(m(), x_, kept.rows);
@@ -201,18 +198,18 @@ SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const Sol
   return out;
 }
 
-// The same at other places of the mechanism: only rows that repeat others hold there too. Closures must do so without
-// stops, which may leave no motion in which they could fail.
-SmoothPiece::Repeated SmoothPiece::repeated_elsewhere(const Repeated& here, const KeptEquations& kept,
-                                                      const Solution& at, const KeptEquations& all) const {
+// The same there and at other places of the mechanism, with the largest of the gaps and of their growths: only rows
+// that repeat others hold at all of them. Closures must do so without stops, which may leave no motion in which they
+// could fail.
+SmoothPiece::Repeated SmoothPiece::repeated_everywhere(const Repeated& here, const KeptEquations& kept,
+                                                       const Solution& at, const KeptEquations& all) const {
   const KeptEquations closures = without_stops(kept);
   const KeptEquations all_closures = without_stops(all);
   if (closures.rows.size() < kept.rows.size() && closures.rows.size() < all_closures.rows.size()) {
     const Repeated alone = repeated(closures, at, all_closures);
-    if (!alone.to_rounding || !repeated_elsewhere(alone, closures, at, all_closures).to_rounding) return {};
+    if (!alone.to_rounding || !repeated_everywhere(alone, closures, at, all_closures).to_rounding) return {};
   }
-  Repeated out;
-  out.gaps.assign(here.gaps.size(), 0.0);
+  Repeated out = here;
   KeptEquations held = kept;
   held.held = free_coordinates(kept);
   int shown = 0;
@@ -231,7 +228,7 @@ SmoothPiece::Repeated SmoothPiece::repeated_elsewhere(const Repeated& here, cons
     // A gap that grows with the motion is one of direction.
     for (std::size_t k = 0; k < rows.gaps.size(); ++k) {
       const double growth = (rows.gaps[k] - here.gaps[k]) / aside;
-      out.gaps[k] = std::max({out.gaps[k], std::abs(rows.gaps[k]), std::abs(growth)});
+      out.gaps[k] = std::max({std::abs(out.gaps[k]), std::abs(rows.gaps[k]), std::abs(growth)});
     }
     ++shown;
   }
@@ -239,10 +236,16 @@ SmoothPiece::Repeated SmoothPiece::repeated_elsewhere(const Repeated& here, cons
   return out;
 }
 
+KeptEquations SmoothPiece::closures() const {
+  KeptEquations out;
+  out.rows.resize(static_cast<std::size_t>(m().equalities()));
+  std::iota(out.rows.begin(), out.rows.end(), 0);
+  out.at_upper.assign(out.rows.size(), 0);
+  return out;
+}
+
 std::vector<double> SmoothPiece::open_loops() const {
-  KeptEquations all;
-  for (int r = 0; r < m().equalities(); ++r) all.rows.push_back(r);
-  all.at_upper.assign(all.rows.size(), 0);
+  const KeptEquations all = closures();
   for (const double tolerance : dependence) {
     const std::vector<int> dropped = dependent_rows(all, tolerance);
     if (dropped.empty()) break;
@@ -251,24 +254,19 @@ std::vector<double> SmoothPiece::open_loops() const {
     held.held = free_coordinates(kept);
     const Solution at = solve(held, start_, first_reach, farthest_);
     if (!at.proved) continue;
-    Repeated here = repeated(kept, at, all);
+    const Repeated here = repeated(kept, at, all);
     if (!here.to_rounding) continue;
-    const Repeated elsewhere = repeated_elsewhere(here, kept, at, all);
-    if (!elsewhere.to_rounding) continue;
-    double widest = 0.0;
-    for (std::size_t k = 0; k < here.gaps.size(); ++k) {
-      widest = std::max({widest, std::abs(here.gaps[k]), elsewhere.gaps[k]});
-    }
+    const Repeated everywhere = repeated_everywhere(here, kept, at, all);
+    if (!everywhere.to_rounding) continue;
+    const double widest = *std::max_element(everywhere.gaps.begin(), everywhere.gaps.end());
     if (widest == 0.0) return {};
     std::vector<double> out(m().closures(), 0.0);
-    for (const int c : here.loops) out[c] = widest;
-    for (const int c : elsewhere.loops) out[c] = widest;
+    for (const int c : everywhere.loops) out[c] = widest;
     return out;
   }
   return {};
 }
 
-// With rows left out that repeat others to within some accuracy of x; with all of them if the others do not imply them.
 Finding SmoothPiece::examine(const KeptEquations& kept) const {
   std::vector<int> last;
   bool nearly_singular = false;
@@ -283,7 +281,7 @@ Finding SmoothPiece::examine(const KeptEquations& kept) const {
     if (out.kind == Finding::Kind::none) continue;
     const Repeated here = repeated(out.kept, out.solution, kept);
     if (!here.to_rounding) continue;
-    if (!repeated_elsewhere(here, out.kept, out.solution, kept).to_rounding) {
+    if (!repeated_everywhere(here, out.kept, out.solution, kept).to_rounding) {
       examine_singular(out, kept, dropped);
       if (out.degenerate != Stability::unknown) return out;
       // Beside the singular point itself more rows determine what they can.

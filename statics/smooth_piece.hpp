@@ -70,6 +70,9 @@ class SmoothPiece {
   const std::vector<double>& x() const { return x_; }
   bool is_uncertain() const { return uncertain_; }
 
+  /// All closures, without stops.
+  KeptEquations closures() const;
+
   /// The equilibrium near x: with rows left out that repeat others to within some accuracy of x; with all of them if
   /// the others do not imply them.
   Finding examine(const KeptEquations& kept) const;
@@ -85,8 +88,7 @@ class SmoothPiece {
   /// that the closures and other stops leave free. Each row counts over the size of the numbers of its loop.
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
   /// Where closures repeat others to rounding only: for each closure that takes part the greatest gap that is left, in
-  /// the mechanism's unit of length, or its growth with the motion; 0 for others. Empty where there are
-  /// none.
+  /// the mechanism's unit of length, or its growth with the motion; 0 for others. Empty where there are none.
   std::vector<double> open_loops() const;
 
  private:
@@ -102,8 +104,8 @@ class SmoothPiece {
     std::vector<int> loops;    // closures of which some hold to rounding only, and those that they depend on
   };
   Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
-  Repeated repeated_elsewhere(const Repeated& here, const KeptEquations& kept, const Solution& at,
-                              const KeptEquations& all) const;
+  Repeated repeated_everywhere(const Repeated& here, const KeptEquations& kept, const Solution& at,
+                               const KeptEquations& all) const;
   int loop_of(int row) const;
   double least_joint_force(const KeptEquations& kept) const;
   void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
