@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "statics/certificate.hpp"
@@ -37,6 +38,11 @@ void enclose_reactions(const StaticModel& model, const Certificate& certificate,
 inline double radius_in_unit(double radius, double value, double unit) {
   if (unit == 1.0) return radius;
   return (radius * (1.0 + 0x1p-50) + std::abs(value) * 0x1p-51) / unit;
+}
+
+/// The same of a reaction's force and axial force.
+inline double force_radius_in_unit(const Reaction& reaction, double unit) {
+  return radius_in_unit(reaction.radius, std::max(norm(reaction.force), std::abs(reaction.axial)), unit);
 }
 
 /// Joint force components beyond which reactions are not enclosed, because that takes longer than the certificate.

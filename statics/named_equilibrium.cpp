@@ -1,7 +1,5 @@
 #include "statics/named_equilibrium.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -55,8 +53,7 @@ std::optional<Reaction> NamedEquilibrium::find_reaction(const std::string& name,
     converted.force = shown(reaction.force, dimension::force);
     converted.moment = shown(reaction.moment, dimension::torque);
     converted.axial = shown(reaction.axial, dimension::force);
-    converted.radius = radius_in_unit(reaction.radius, std::max(norm(reaction.force), std::abs(reaction.axial)),
-                                      dimension::force.unit(units()));
+    converted.radius = force_radius_in_unit(reaction, dimension::force.unit(units()));
     converted.moment_radius = radius_in_unit(reaction.moment_radius, reaction.moment, dimension::torque.unit(units()));
     return converted;
   }

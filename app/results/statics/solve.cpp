@@ -117,7 +117,7 @@ void add_proof(Group& group, const Equilibrium& equilibrium) {
   group.fact("error", "of the method " + small_number(certificate.moved));
 }
 
-/// Radii around values in the units of the scene.
+/// Radii around values, and those of reactions' forces, in the units of the scene.
 std::vector<double> radii_in_unit(const std::vector<double>& radii, const std::vector<double>& values,
                                   Quantity quantity, const Units& units) {
   std::vector<double> out;
@@ -127,33 +127,36 @@ std::vector<double> radii_in_unit(const std::vector<double>& radii, const std::v
   return out;
 }
 
+std::vector<double> force_radii_in_unit(const std::vector<Reaction>& reactions, const Units& units) {
+  const double unit = unit_value(Quantity::force, units);
+  return each(reactions, [&](const Reaction& r) { return force_radius_in_unit(r, unit); });
+}
+
+std::vector<double> moment_radii_in_unit(const std::vector<Reaction>& reactions, const Units& units) {
+  return radii_in_unit(each(reactions, &Reaction::moment_radius), each(reactions, &Reaction::moment), Quantity::moment,
+                       units);
+}
+
 /// How close to the exact ones the forces shown are proved to be.
 std::string proof_of_forces(const StaticModel& model, const Check& check) {
   const Units& units = model.scene().units;
-  // In the units shown, with the rounding of the conversion, as in JSON.
-  double forces = 0.0;
-  double moments = 0.0;
-  bool any = false;
-  const auto widen = [&](double& widest_of, double radius, double value, Quantity quantity) {
-    if (!std::isfinite(radius)) return;
-    any = true;
-    widest_of = std::max(widest_of, radius_in_unit(radius, value, unit_value(quantity, units)));
-  };
-  for (const Reaction& r : check.reactions) {
-    widen(forces, r.radius, std::max(norm(r.force), std::abs(r.axial)), Quantity::force);
-    widen(moments, r.moment_radius, r.moment, Quantity::moment);
-  }
+  std::vector<double> forces = force_radii_in_unit(check.reactions, units);
+  std::vector<double> moments = moment_radii_in_unit(check.reactions, units);
   for (std::size_t e = 0; e < check.element_forces.size(); ++e) {
     const bool is_moment = model.scene().elements[e].on.is_angle();
     const ElementForce& force = check.element_forces[e];
-    widen(is_moment ? moments : forces, force.radius, force.value, is_moment ? Quantity::moment : Quantity::force);
+    const double unit = unit_value(is_moment ? Quantity::moment : Quantity::force, units);
+    (is_moment ? moments : forces).push_back(radius_in_unit(force.radius, force.value, unit));
   }
+  const auto is_proved = [](double radius) { return std::isfinite(radius); };
+  const bool any =
+      std::any_of(forces.begin(), forces.end(), is_proved) || std::any_of(moments.begin(), moments.end(), is_proved);
   std::vector<std::string> parts;
   const auto add = [&](const std::string& what, double radius, Quantity quantity) {
     parts.push_back(fmt::format("{} proved to {} {}", what, small_number(radius), unit_name(quantity, units)));
   };
-  if (any) add("forces", forces, Quantity::force);
-  if (moments > 0.0) add("moments", moments, Quantity::moment);
+  if (any) add("forces", widest(forces), Quantity::force);
+  if (widest(moments) > 0.0) add("moments", widest(moments), Quantity::moment);
   const auto add_count = [&](bool determined, const std::string& what) {
     const auto number = std::count_if(check.reactions.begin(), check.reactions.end(), [&](const Reaction& r) {
       return !std::isfinite(r.radius) && r.determined == determined;
@@ -387,11 +390,8 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   const std::vector<Reaction>& reactions = answer.equilibrium.check.reactions;
   Table& table = add_reactions(group, model, reactions, answer.equilibrium.check.redundancy);
   const Units& units = model.scene().units;
-  const auto largest = [](const Reaction& r) { return std::max(norm(r.force), std::abs(r.axial)); };
-  table.data("radius",
-             radii_in_unit(each(reactions, &Reaction::radius), each(reactions, largest), Quantity::force, units));
-  table.data("moment_radius", radii_in_unit(each(reactions, &Reaction::moment_radius),
-                                            each(reactions, &Reaction::moment), Quantity::moment, units));
+  table.data("radius", force_radii_in_unit(reactions, units));
+  table.data("moment_radius", moment_radii_in_unit(reactions, units));
   add_stops(group, model, *answer.readings, answer.equilibrium.check);
   add_pose_data(group, model, *answer.readings);
   add_check_data(group, model, answer.equilibrium);
