@@ -622,10 +622,9 @@ TEST(Singular, APinWrittenTwiceCountsOnce) {
   }
 }
 
-// A block on a rail along (1, 2) rests where its spring of k = 3 N/m is stretched by 7 sqrt(1/5) / 3 m: the direction
-// is exact, although no double is sqrt(1/5).
-TEST(Proved, AnAxisIsAnExactDirection) {
-  const StaticModel model = model_of(R"(
+// A block on a rail from the world's origin along an axis, and what else acts.
+StaticModel block_on_rail(const std::string& axis, const std::string& more) {
+  return model_of(R"(
     [ground]
     points = { G = [0, 0] }
     [body.block]
@@ -633,7 +632,14 @@ TEST(Proved, AnAxisIsAnExactDirection) {
     [[slide]]
     name = "rail"
     points = ["ground.G", "block.C"]
-    axis = [1, 2]
+    axis = )" + axis +
+                  "\n" + more);
+}
+
+// A block on a rail along (1, 2) rests where its spring of k = 3 N/m is stretched by 7 sqrt(1/5) / 3 m: the direction
+// is exact, although no double is sqrt(1/5).
+TEST(Proved, AnAxisIsAnExactDirection) {
+  const StaticModel model = block_on_rail("[1, 2]", R"(
     [[spring]]
     slide = "rail"
     stiffness = 3
@@ -859,15 +865,7 @@ TEST(StopsOf, AStandingArmTouchedTwiceOnOneSideIsNotLocked) {
 
 // A block pushed with 30 N against two walls at the same place: either may carry all of it.
 TEST(StopsOf, WallsAtTheSamePlaceShareTheLoad) {
-  const StaticModel model = model_of(R"(
-    [ground]
-    points = { G = [0, 0] }
-    [body.block]
-    points = { C = [0, 0] }
-    [[slide]]
-    name = "rail"
-    points = ["ground.G", "block.C"]
-    axis = [1, 0]
+  const StaticModel model = block_on_rail("[1, 0]", R"(
     [[stop]]
     name = "one"
     slide = "rail"
