@@ -92,7 +92,23 @@ class Builder {
  public:
   Builder(const Scene& scene, Purpose purpose) : scene_(scene), purpose_(purpose) {}
 
-  Layout build() {
+  Layout build(const Scene* also) {
+    connect_links();
+    find_what_matters();
+    if (also != nullptr) {
+      Builder other(*also, purpose_);
+      other.connect_links();
+      other.find_what_matters();
+      for (std::size_t i = 0; i < reasons_.size(); ++i) reasons_[i] |= other.reasons_[i];
+    }
+    guess_bars();
+    number_coordinates();
+    measure_size();
+    return std::move(out_);
+  }
+
+ private:
+  void connect_links() {
     make_links();
     find_points();
     choose_anchor();
@@ -101,14 +117,8 @@ class Builder {
     connect();
     grow_tree();
     close_loops();
-    find_what_matters();
-    guess_bars();
-    number_coordinates();
-    measure_size();
-    return std::move(out_);
   }
 
- private:
   void make_links() {
     out_.links.resize(scene_.bodies.size());
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) out_.links[i].body = static_cast<int>(i);
@@ -742,6 +752,6 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
   return merged;
 }
 
-Layout lay_out(const Scene& scene, Purpose purpose) { return Builder(scene, purpose).build(); }
+Layout lay_out(const Scene& scene, Purpose purpose, const Scene* also) { return Builder(scene, purpose).build(also); }
 
 }  // namespace poise

@@ -116,7 +116,8 @@ struct Layout {
   std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const;
 };
 
-/// Finds the structure. Throws InputError if welds and slides require contradictory angles.
-Layout lay_out(const Scene& scene, Purpose purpose);
+/// Finds the structure. Throws InputError if welds and slides require contradictory angles. `also`: the same scene with
+/// other numbers, of which one may be zero here; the coordinates that matter there are kept too.
+Layout lay_out(const Scene& scene, Purpose purpose, const Scene* also = nullptr);
 
 }  // namespace poise

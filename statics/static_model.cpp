@@ -8,8 +8,8 @@ namespace poise {
 
 StaticModel::StaticModel(Scene scene) : ScaledModel(std::move(scene), Purpose::statics), problem_(mechanism()) {}
 
-StaticModel::StaticModel(Scene scene, const Scales& scales)
-    : ScaledModel(std::move(scene), Purpose::statics, scales), problem_(mechanism()) {}
+StaticModel::StaticModel(Scene scene, const Scales& scales, const Scene* also)
+    : ScaledModel(std::move(scene), Purpose::statics, scales, also), problem_(mechanism()) {}
 
 StaticModel::~StaticModel() = default;
 
