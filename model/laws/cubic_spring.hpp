@@ -18,14 +18,14 @@ struct CubicSpring {
   template <class S>
   S energy(const S& g) const {
     const S uu = (g - S(free_length)) * (g - S(free_length));
-    return (S(stiffness) / 2 + S(cubic) * uu / 4) * uu;
+    return (S(stiffness) / S(2) + S(cubic) * uu / S(4)) * uu;
   }
 
   template <class S>
   LawForce<S> at_rest(const S& g) const {
     const S u = g - S(free_length);
     const S uu = u * u;
-    return {(S(stiffness) + S(cubic) * uu) * u, S(stiffness) + 3 * S(cubic) * uu, S(0)};
+    return {(S(stiffness) + S(cubic) * uu) * u, S(stiffness) + S(3) * S(cubic) * uu, S(0)};
   }
 
   template <class S>

@@ -25,7 +25,7 @@ struct LinearSpring {
   S energy(const S& g) const {
     if (slack(g)) return S(0);
     const S stretch = g - S(free_length);
-    return S(stiffness) * stretch * stretch / 2;
+    return S(stiffness) * stretch * stretch / S(2);
   }
 
   template <class S>

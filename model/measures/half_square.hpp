@@ -24,7 +24,7 @@ class HalfSquareMeasure {
 
   T value(const Configuration<T>& at) const {
     const Planar<T> d = d_.at(at.pose);
-    return dot(d, d) / 2;
+    return dot(d, d) / T(2);
   }
 
   template <class Use>
