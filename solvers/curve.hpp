@@ -1,0 +1,123 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "solvers/parametric_problem.hpp"
+
+namespace poise::solvers {
+
+/// A constraint row that holds as an equation: an equality, or an inequality at one of its bounds.
+struct ActiveRow {
+  int row = 0;
+  bool upper = false;
+};
+
+/// A point z = (x, y, p) of a curve, with its derivative by arclength s in (x, p):  |x'|^2 + p'^2 = 1.
+struct CurvePoint {
+  Eigen::VectorXd z, tangent;
+  /// Sign of the determinant of the equations bordered by the tangent: it changes at simple branch points only.
+  int orientation = 0;
+};
+
+/// The curve of stationary points for given active rows,
+///
+///   R(z) = ( F(x, p) + J(x, p)^T y,  c_r(x, p) - b_r(p) ) = 0,   z = (x, y, p), y one for each active row,
+///
+/// n + m equations in N = n + m + 1 unknowns. Every linear system is the Jacobian of R bordered by one row, which is
+/// regular at folds too. Dense up to `dense_limit` unknowns, beyond by sparse LU of SuiteSparse's kind (Eigen) with a
+/// border of one entry (W. C. Rheinboldt, "Numerical analysis of continuation methods for nonlinear structural
+/// problems", Computers & Structures 13, 1981).
+class Curve {
+ public:
+  static constexpr int dense_limit = 50;      ///< unknowns up to which the equations are factored as dense
+  static constexpr int spectrum_limit = 400;  ///< unknowns up to which null spaces are computed
+
+  /// `problem` must outlive this. The rows should be independent.
+  Curve(ParametricProblem& problem, std::vector<ActiveRow> active);
+  ~Curve();
+  Curve(const Curve&) = delete;
+  Curve& operator=(const Curve&) = delete;
+
+  int unknowns() const { return size_; }
+  int variables() const { return n_; }
+  const std::vector<ActiveRow>& active() const { return active_; }
+
+  /// Product of (x, p) parts; y does not count.
+  double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+  double norm(const Eigen::VectorXd& a) const;
+
+  struct Correction {
+    bool converged = false;
+    double first = 0.0;  ///< norm of the first step
+    int steps = 0;
+  };
+  /// Newton's method on R(z) = 0 in the plane through z normal to `row`. A last step of at most 3e-9 counts as
+  /// converged: the error is then about its square.
+  Correction correct(Eigen::VectorXd& z, const Eigen::VectorXd& row);
+  /// The same on the sphere of that radius round `centre`, from a point on it.
+  Correction correct_on_sphere(Eigen::VectorXd& z, const Eigen::VectorXd& centre, double radius);
+
+  /// Sets tangent and orientation of a point that correct() has just found, by its last factors; the tangent's product
+  /// with `like`, the row it was corrected with, is positive. False if the equations are singular there.
+  bool differentiate(CurvePoint& point, const Eigen::VectorXd& like);
+  /// Sets both by factors at the point itself.
+  bool differentiate_at(CurvePoint& point, const Eigen::VectorXd& like);
+
+  /// Second derivative of z by arclength at a point with its tangent; exact third derivatives of energy and
+  /// constraints.
+  Eigen::VectorXd bend(const CurvePoint& point);
+
+  /// Negative eigenvalues of K on the null space of the active rows, real ones of an unsymmetric K; -1 if unknown.
+  int negative_directions(const Eigen::VectorXd& z);
+
+  /// Values of the constraint rows at z less their lower and upper bounds, and the derivatives along the tangent.
+  struct Room {
+    double lower, upper, lower_rate, upper_rate;
+  };
+  /// Of the inequalities, in their order.
+  void rooms(const CurvePoint& point, std::vector<Room>& out);
+
+  /// w with  w^T dR/d(x, y) = 0,  w^T dR/dp = 1  at a fold: an error e of R moves its parameter by -w^T e.
+  Eigen::VectorXd left_vector(const CurvePoint& fold);
+
+  /// Basis of the null space of dR/dz at z, orthonormal columns, by singular values below `tolerance` times the
+  /// largest; at least `least` columns. Dense.
+  Eigen::MatrixXd null_vectors(const Eigen::VectorXd& z, double tolerance, int least);
+
+  /// Moves z to the branch point near it, where dR/dz loses rank by one, by Newton's method on
+  ///   R(z) + b psi = 0,   g_1(z) = g_2(z) = 0,
+  /// g the vector that is zero exactly where rank is lost (W. Govaerts, "Numerical methods for bifurcations of
+  /// dynamical equilibria", 2000, chapter 4). Returns the norm of the last step, infinity if it diverges. Dense.
+  double find_branch_point(Eigen::VectorXd& z);
+
+  int evaluations() const { return evaluations_; }
+
+ private:
+  struct Factors;
+  void evaluate(const Eigen::VectorXd& z, bool with_tangent);
+  void residual(const Eigen::VectorXd& z);
+  // dR/dz, the last row left out.
+  void fill(Eigen::MatrixXd& matrix) const;
+  template <class Put>
+  void entries(Put put) const;
+  bool factor(const Eigen::VectorXd& row);
+  void solve(Eigen::VectorXd& b) const;
+  Correction iterate(Eigen::VectorXd& z, const Eigen::VectorXd* row, const Eigen::VectorXd* centre, double radius);
+  bool set_tangent(CurvePoint& point, const Eigen::VectorXd& like);
+  Eigen::MatrixXd second(const Eigen::VectorXd& z, const Eigen::VectorXd& u);
+
+  ParametricProblem& problem_;
+  std::vector<ActiveRow> active_;
+  std::vector<int> place_;  // per constraint row: its index among the active ones, or -1
+  int n_, m_, size_;
+  bool dense_;
+  int evaluations_ = 0;
+  std::vector<double> values_, by_p_, tangent_, y_;
+  Eigen::VectorXd residual_, step_, row_;
+  std::unique_ptr<Factors> factors_;
+};
+
+}  // namespace poise::solvers
