@@ -1,0 +1,813 @@
+#include "statics/path_tracer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "solvers/linear_algebra.hpp"
+#include "statics/balance_system.hpp"
+#include "statics/curvature.hpp"
+#include "statics/readings.hpp"
+
+namespace poise {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Distances along the curve: rad, mechanism sizes, parts of the parameter's range.
+constexpr double first_step = 0.01;
+constexpr double longest_step = 0.1;
+constexpr double shortest_step = 1e-9;
+constexpr double shortest_split = 1e-5;     // steps are halved down to it to tell events apart
+constexpr double largest_correction = 0.1;  // of a predicted point, in steps
+constexpr double usual_correction = 0.02;
+constexpr double largest_turn = 0.3;  // between the tangents at the ends of a step, rad
+constexpr double usual_turn = 0.1;
+constexpr double largest_deviation = 0.05;  // of points within a step from the interpolated ones, in steps
+constexpr double standstill = 1e-9;         // rate of the parameter below which it does not vary
+constexpr double overrun = 1e-12;           // of a stop or a free length, that is no event yet
+constexpr double run_away = 100.0;          // of a coordinate
+constexpr double same_point = 1e-6;
+constexpr double departure = 1e-3;  // radius of the sphere on which curves leave a branch point
+constexpr int most_switches = 8;    // of pieces at one point
+
+double hermite(double a, double b, double slope_a, double slope_b, double h, double s) {
+  const double t = s / h;
+  const double t2 = t * t, t3 = t2 * t;
+  return a * (2 * t3 - 3 * t2 + 1) + h * slope_a * (t3 - 2 * t2 + t) + b * (3 * t2 - 2 * t3) + h * slope_b * (t3 - t2);
+}
+
+// Whether the cubic through positive values with a falling and a rising slope dips below zero between them.
+bool dips(double a, double b, double slope_a, double slope_b, double h) {
+  if (slope_a >= 0.0 || slope_b <= 0.0) return false;
+  constexpr int samples = 8;
+  for (int k = 1; k < samples; ++k) {
+    if (hermite(a, b, slope_a, slope_b, h, h * k / samples) < 0.0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+// Two spots of a piece, h apart.
+struct PathTracer::Segment {
+  PathSpot a, b;
+  double h;
+};
+
+// An event between the ends of a segment.
+struct PathTracer::Crossing {
+  enum class Kind { fold, branch, multiple, watched, range, start } kind;
+  double s = 0.0;
+  int watched = -1;
+  PathSpot spot{};
+};
+
+PathTracer::PathTracer(const VariedScene& varied, const PathOptions& options, Path& out)
+    : varied_(varied), options_(options), out_(out), one_way_(VariedMechanism::one_way_springs(varied.scene())) {
+  for (const double value : options.at) wanted_.push_back((value - varied.from()) / (varied.to() - varied.from()));
+}
+
+PathTracer::~PathTracer() = default;
+
+int PathTracer::evaluations() const {
+  int sum = 0;
+  for (const auto& [piece, curve] : curves_) sum += curve->evaluations();
+  return sum;
+}
+
+// --- pieces ---------------------------------------------------------------------------------------------------------
+
+solvers::Curve& PathTracer::curve(const PathPiece& piece) {
+  std::unique_ptr<solvers::Curve>& made = curves_[piece];
+  if (made) return *made;
+  std::unique_ptr<VariedMechanism>& mechanism = mechanisms_[piece.acts];
+  if (!mechanism) mechanism = std::make_unique<VariedMechanism>(varied_, piece.acts);
+  std::vector<solvers::ActiveRow> active;
+  for (const int row : equalities_) active.push_back({.row = row});
+  for (std::size_t s = 0; s < piece.side.size(); ++s) {
+    if (piece.side[s] == 0) continue;
+    active.push_back({.row = mechanism->equalities() + static_cast<int>(s), .upper = piece.side[s] > 0});
+  }
+  made = std::make_unique<solvers::Curve>(*mechanism, std::move(active));
+  return *made;
+}
+
+std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p, const std::vector<int>& active_stops,
+                                         double direction) {
+  const auto model = varied_.model_at(varied_.from() + p * (varied_.to() - varied_.from()));
+  const Mechanism<double>& m = model->mechanism();
+  symmetric_ = !m.has_follower_loads();
+  if (equalities_.empty() && m.equalities() > 0) {
+    std::vector<int> rows(m.equalities());
+    for (int r = 0; r < m.equalities(); ++r) rows[r] = r;
+    equalities_ = rows;
+    if (m.equalities() <= solvers::Curve::spectrum_limit) {
+      const DensePoint<double> point(m, x, rows);
+      const auto [rank, order] =
+          solvers::pivot_order<double>(point.jacobian.transpose(), solvers::known_to::closed_point);
+      equalities_.assign(order.begin(), order.begin() + rank);
+      std::sort(equalities_.begin(), equalities_.end());
+    }
+  }
+  std::vector<int> rows = equalities_;
+  PathSpot out;
+  out.piece.side.assign(m.stops(), 0);
+  std::vector<Planar<double>> pose(m.pose_size());
+  std::vector<double> c(m.constraints());
+  m.place(x.data(), pose.data());
+  m.constraint(x.data(), pose.data(), c.data());
+  for (int s = 0; s < m.stops(); ++s) {
+    const double value = c[m.stop_row(s)];
+    const bool both = m.lower()[s] == m.upper()[s];
+    if (!both && std::find(active_stops.begin(), active_stops.end(), s) == active_stops.end()) continue;
+    out.piece.side[s] = both || std::abs(m.upper()[s] - value) < std::abs(value - m.lower()[s]) ? 1 : -1;
+    rows.push_back(m.stop_row(s));
+  }
+  const Readings readings = read_off(*model, x);
+  for (const int e : one_way_) out.piece.acts.push_back(readings.elements[e].slack ? 0 : 1);
+  solvers::Curve& system = curve(out.piece);
+  VectorXd& z = out.point.z;
+  z.resize(system.unknowns());
+  z.head(m.coordinates()) = VectorXd::Map(x.data(), m.coordinates());
+  if (m.coordinates() <= solvers::Curve::spectrum_limit) {
+    const DensePoint<double> point(m, x, rows);
+    z.segment(m.coordinates(), static_cast<Index>(rows.size())) = point.multipliers();
+  } else {
+    z.segment(m.coordinates(), static_cast<Index>(rows.size())).setZero();
+  }
+  z[z.size() - 1] = p;
+  const VectorXd along = direction * VectorXd::Unit(z.size(), z.size() - 1);
+  // At a fold the parameter cannot be held: the point is there already.
+  if (!system.correct(z, along).converged || !system.differentiate_at(out.point, along)) return std::nullopt;
+  out.negative = system.negative_directions(z);
+  return out;
+}
+
+PathPoint PathTracer::report(const PathSpot& spot) const {
+  PathPoint out;
+  const Index n = static_cast<Index>(curves_.at(spot.piece)->variables());
+  const double p = spot.p();
+  out.parameter = p == 1.0 ? varied_.to() : varied_.from() + p * (varied_.to() - varied_.from());
+  out.x.assign(spot.point.z.data(), spot.point.z.data() + n);
+  out.unstable_directions = std::max(0, spot.negative);
+  out.stability = spot.negative > 0 ? Stability::unstable : spot.negative == 0 ? Stability::stable : Stability::unknown;
+  const std::size_t stops = spot.piece.side.size() - (varied_.is_driven() ? 1 : 0);
+  for (std::size_t s = 0; s < stops; ++s) {
+    if (spot.piece.side[s] != 0) out.active_stops.push_back(static_cast<int>(s));
+  }
+  for (std::size_t k = 0; k < one_way_.size(); ++k) {
+    if (!spot.piece.acts[k]) out.slack_springs.push_back(one_way_[k]);
+  }
+  if (varied_.is_driven()) {
+    // The last multiplier; a torque scales as work.
+    const bool is_angle = varied_.scene().stops.back().on.is_angle();
+    const double scale = is_angle ? varied_.scales().energy() : varied_.scales().force;
+    out.effort = -spot.point.z[spot.point.z.size() - 2] * scale;
+  }
+  return out;
+}
+
+// What must stay positive on a piece: gaps of free stops (two each), pushes of active ones, and how far one-way springs
+// are from their free length; infinite where nothing is watched.
+void PathTracer::watch(const PathSpot& spot, std::vector<double>& values, std::vector<double>& rates) {
+  const std::size_t stops = spot.piece.side.size();
+  values.assign(2 * stops + one_way_.size(), std::numeric_limits<double>::infinity());
+  rates.assign(values.size(), 0.0);
+  if (values.empty()) return;
+  solvers::Curve& system = curve(spot.piece);
+  std::vector<solvers::Curve::Room> rooms;
+  system.rooms(spot.point, rooms);
+  Index y = system.variables() + static_cast<Index>(equalities_.size());
+  for (std::size_t s = 0; s < stops; ++s) {
+    const signed char side = spot.piece.side[s];
+    if (side != 0) {
+      const bool both = rooms[s].lower + rooms[s].upper == 0.0 || (varied_.is_driven() && s + 1 == stops);
+      if (!both) {
+        values[2 * s + (side > 0 ? 1 : 0)] = side * spot.point.z[y];
+        rates[2 * s + (side > 0 ? 1 : 0)] = side * spot.point.tangent[y];
+      }
+      ++y;
+      continue;
+    }
+    values[2 * s] = rooms[s].lower;
+    rates[2 * s] = rooms[s].lower_rate;
+    values[2 * s + 1] = rooms[s].upper;
+    rates[2 * s + 1] = rooms[s].upper_rate;
+  }
+  for (std::size_t k = 0; k < one_way_.size(); ++k) {
+    const auto& spring = std::get<LinearSpring>(varied_.scene().elements[one_way_[k]].law);
+    const double sign = (spring.acts == LinearSpring::Acts::tension) == (spot.piece.acts[k] != 0) ? 1.0 : -1.0;
+    values[2 * stops + k] = sign * rooms[stops + k].lower;
+    rates[2 * stops + k] = sign * rooms[stops + k].lower_rate;
+  }
+}
+
+// The same point on the piece beyond the one that `watched` bounds, with the tangent that leads into it.
+std::optional<PathSpot> PathTracer::switched(const PathSpot& spot, int watched) {
+  const int stops = static_cast<int>(spot.piece.side.size());
+  PathSpot out;
+  out.piece = spot.piece;
+  if (watched < 2 * stops) {
+    signed char& side = out.piece.side[watched / 2];
+    side = side != 0 ? 0 : watched % 2 == 0 ? -1 : 1;
+  } else {
+    out.piece.acts[watched - 2 * stops] ^= 1;
+  }
+  solvers::Curve& from = curve(spot.piece);
+  solvers::Curve& to = curve(out.piece);
+  const auto mapped = [&](const VectorXd& z) {
+    VectorXd w = VectorXd::Zero(to.unknowns());
+    const Index n = from.variables();
+    w.head(n) = z.head(n);
+    w[w.size() - 1] = z[z.size() - 1];
+    for (std::size_t k = 0; k < to.active().size(); ++k) {
+      for (std::size_t l = 0; l < from.active().size(); ++l) {
+        if (from.active()[l].row == to.active()[k].row) {
+          w[n + static_cast<Index>(k)] = z[n + static_cast<Index>(l)];
+        }
+      }
+    }
+    return w;
+  };
+  out.point.z = mapped(spot.point.z);
+  VectorXd like = mapped(spot.point.tangent);
+  if (to.unknowns() <= solvers::Curve::spectrum_limit) {
+    const MatrixXd null = to.null_vectors(out.point.z, 1e-9, 1);
+    if (null.cols() != 1 || !(to.norm(null.col(0)) > 1e-12)) return std::nullopt;
+    like = null.col(0) / to.norm(null.col(0));
+  }
+  if (!to.differentiate_at(out.point, like)) return std::nullopt;
+  std::vector<double> values, rates;
+  // The row that was watched is watched from the other side now.
+  watch(out, values, rates);
+  if (rates[watched] < 0.0) out.point.tangent = -out.point.tangent, out.point.orientation = -out.point.orientation;
+  out.negative = to.negative_directions(out.point.z);
+  return out;
+}
+
+// --- along a segment ------------------------------------------------------------------------------------------------
+
+std::optional<PathSpot> PathTracer::at(const Segment& segment, double s) {
+  solvers::Curve& system = curve(segment.a.piece);
+  const double h = segment.h, t = s / h;
+  const double t2 = t * t, t3 = t2 * t;
+  PathSpot out = segment.a;
+  const VectorXd interpolated = (2 * t3 - 3 * t2 + 1) * segment.a.point.z +
+                                h * (t3 - 2 * t2 + t) * segment.a.point.tangent +
+                                (3 * t2 - 2 * t3) * segment.b.point.z + h * (t3 - t2) * segment.b.point.tangent;
+  VectorXd row = (1 - t) * segment.a.point.tangent + t * segment.b.point.tangent;
+  const Index n = system.variables();
+  row.segment(n, row.size() - n - 1).setZero();
+  out.point.z = interpolated;
+  if (!system.correct(out.point.z, row).converged || !system.differentiate(out.point, row)) return std::nullopt;
+  if (system.norm(out.point.z - interpolated) > largest_deviation * h) return std::nullopt;
+  out.negative = t < 0.5 ? segment.a.negative : segment.b.negative;
+  return out;
+}
+
+// Root of f on a segment, of opposite signs at its ends: secant steps kept within the bracket (Illinois).
+namespace {
+struct Root {
+  double s;
+  PathSpot spot;
+};
+template <class At, class F>
+std::optional<Root> root(At at, F f, double h, double fa, double fb) {
+  double a = 0.0, b = h;
+  std::optional<Root> best;
+  int side = 0;
+  for (int k = 0; k < 80; ++k) {
+    double s = (a * fb - b * fa) / (fb - fa);
+    if (!(s > a && s < b)) s = 0.5 * (a + b);
+    std::optional<PathSpot> spot = at(s);
+    if (!spot) return std::nullopt;
+    const double value = f(*spot);
+    best = Root{s, std::move(*spot)};
+    if (value == 0.0 || b - a < 1e-15 * h || s == a || s == b) break;
+    if (std::abs(value) < 1e-16) break;
+    if ((value > 0.0) == (fa > 0.0)) {
+      if (s - a < 1e-16) break;
+      a = s;
+      fa = value;
+      if (side == 1) fb *= 0.5;
+      side = 1;
+    } else {
+      if (b - s < 1e-16) break;
+      b = s;
+      fb = value;
+      if (side == -1) fa *= 0.5;
+      side = -1;
+    }
+  }
+  return best;
+}
+}  // namespace
+
+std::optional<PathSpot> PathTracer::find_fold(const Segment& segment, double& s) {
+  solvers::Curve& system = curve(segment.a.piece);
+  double low = 0.0, high = segment.h;
+  const double sign = segment.a.rate() > 0.0 ? 1.0 : -1.0;
+  s = segment.h * segment.a.rate() / (segment.a.rate() - segment.b.rate());
+  std::optional<PathSpot> best;
+  for (int k = 0; k < 40; ++k) {
+    std::optional<PathSpot> spot = at(segment, s);
+    if (!spot) return std::nullopt;
+    const double rate = spot->rate();
+    const VectorXd bend = system.bend(spot->point);
+    best = std::move(spot);
+    (sign * rate > 0.0 ? low : high) = s;
+    double next = s - rate / bend[bend.size() - 1];
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (rate == 0.0 || std::abs(next - s) < 1e-14 || high - low < 1e-14) break;
+    s = next;
+  }
+  return best;
+}
+
+std::optional<PathSpot> PathTracer::find_branch(const Segment& segment, double& s) {
+  solvers::Curve& system = curve(segment.a.piece);
+  double low = 0.0, high = segment.h;
+  const bool dense = system.unknowns() <= solvers::Curve::spectrum_limit;
+  std::optional<PathSpot> best;
+  const double width = (dense ? 1e-4 : 1e-12) * segment.h;
+  while (high - low > width) {
+    s = 0.5 * (low + high);
+    if (s == low || s == high) break;
+    std::optional<PathSpot> spot = at(segment, s);
+    if (!spot) spot = at(segment, s = low + 0.4987 * (high - low));
+    if (!spot) return std::nullopt;
+    (spot->point.orientation == segment.a.point.orientation ? low : high) = s;
+    best = std::move(spot);
+  }
+  if (!best || !dense) return best;
+  PathSpot found = *best;
+  const double last = system.find_branch_point(found.point.z);
+  if (!(last < 1e-7) || system.norm(found.point.z - best->point.z) > 100 * width + 1e-6) return std::nullopt;
+  return found;
+}
+
+// Where several eigenvalues change their sign together.
+std::optional<PathSpot> PathTracer::find_multiple(const Segment& segment, double& s) {
+  solvers::Curve& system = curve(segment.a.piece);
+  double low = 0.0, high = segment.h;
+  std::optional<PathSpot> best;
+  for (int k = 0; k < 50; ++k) {
+    s = 0.5 * (low + high);
+    if (s == low || s == high) break;
+    std::optional<PathSpot> spot = at(segment, s);
+    if (!spot) return best;
+    (system.negative_directions(spot->point.z) == segment.a.negative ? low : high) = s;
+    best = std::move(spot);
+  }
+  return best;
+}
+
+void PathTracer::add_point(const PathSpot& spot) {
+  out_.branches[branch_].points.push_back(report(spot));
+  if (options_.progress && out_.branches[branch_].points.size() % 64 == 0) {
+    options_.progress(out_.branches[branch_].points.back().parameter,
+                      static_cast<int>(out_.branches[branch_].points.size()));
+  }
+}
+
+// Points between two places of a segment, ends left out, and those at wanted parameters, with the end.
+void PathTracer::fill(const Segment& segment, double from, double to, const PathSpot& begin, const PathSpot& end) {
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {
+    const double w = wanted_[k];
+    const double fa = begin.p() - w, fb = end.p() - w;
+    if (fb == 0.0) {
+      out_.wanted[k].push_back(report(end));
+      continue;
+    }
+    if (fa == 0.0 || (fa > 0.0) == (fb > 0.0)) continue;
+    auto found = root([&](double s) { return at(segment, from + s); }, [&](const PathSpot& q) { return q.p() - w; },
+                      to - from, fa, fb);
+    if (!found) continue;
+    solvers::Curve& system = curve(segment.a.piece);
+    PathSpot spot = found->spot;
+    VectorXd& z = spot.point.z;
+    z[z.size() - 1] = w;
+    const VectorXd row = VectorXd::Unit(z.size(), z.size() - 1);
+    const bool held = system.correct(z, row).converged && system.norm(z - found->spot.point.z) < same_point;
+    spot.negative = begin.negative;
+    PathPoint point = report(held ? spot : found->spot);
+    if (held) point.parameter = options_.at[k];
+    out_.wanted[k].push_back(std::move(point));
+  }
+  const int parts = static_cast<int>(std::ceil((to - from) / options_.spacing));
+  for (int k = 1; k < parts; ++k) {
+    if (std::optional<PathSpot> spot = at(segment, from + (to - from) * k / parts)) {
+      spot->negative = begin.negative;
+      add_point(*spot);
+    }
+  }
+}
+
+// --- events ---------------------------------------------------------------------------------------------------------
+
+int PathTracer::add_event(PathEvent event, const PathSpot& spot) {
+  event.at = report(spot);
+  const int index = static_cast<int>(out_.events.size());
+  out_.events.push_back(std::move(event));
+  out_.branches[branch_].events.push_back(index);
+  return index;
+}
+
+// First-order distance of a fold's parameter from the exact one, as parts of the parameter's value.
+double PathTracer::error_of(const PathSpot& fold, double& rounding) {
+  solvers::Curve& system = curve(fold.piece);
+  const VectorXd w = system.left_vector(fold.point);
+  const PathPoint point = report(fold);
+  const auto model = varied_.model_at(point.parameter);
+  KeptEquations kept;
+  for (const solvers::ActiveRow& active : system.active()) {
+    kept.rows.push_back(active.row);
+    kept.at_upper.push_back(active.upper ? 1 : 0);
+  }
+  std::vector<Ball> x(point.x.begin(), point.x.end()), y;
+  const Index n = system.variables();
+  for (std::size_t k = 0; k < kept.rows.size(); ++k) y.emplace_back(fold.point.z[n + static_cast<Index>(k)]);
+  const auto effect = [&](bool rounded, bool with_middle) {
+    const std::vector<Ball> residual = BalanceSystem(model->balls(), kept, rounded).residual(x, y);
+    Ball sum(0.0);
+    double spread = 0.0;
+    for (std::size_t i = 0; i < residual.size(); ++i) {
+      sum += Ball(w[static_cast<Index>(i)]) * residual[i];
+      spread += std::abs(w[static_cast<Index>(i)]) * residual[i].radius();
+    }
+    return with_middle ? sum.greatest() : spread;
+  };
+  const double range = std::abs(varied_.to() - varied_.from());
+  const double value = std::max(std::abs(point.parameter), 1e-300);
+  rounding = effect(true, false) * range / value;
+  return effect(false, true) * range / value;
+}
+
+// All curves through a branch point: points of them on a small sphere round it, from starts in all directions of the
+// null space there.
+void PathTracer::depart(const PathSpot& spot, int event, const VectorXd& along) {
+  solvers::Curve& system = curve(spot.piece);
+  if (system.unknowns() > solvers::Curve::spectrum_limit) return;
+  const VectorXd& centre = spot.point.z;
+  const MatrixXd null = system.null_vectors(centre, 1e-6, 2);
+  const Index k = null.cols();
+  std::vector<VectorXd> directions;
+  const int starts = k == 2 ? 24 : 40 * static_cast<int>(k * k);
+  std::vector<VectorXd> found;
+  std::minstd_rand random(20261122);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < starts; ++i) {
+    VectorXd share(k);
+    if (k == 2) {
+      share << std::cos(2 * M_PI * (i + 0.25) / starts), std::sin(2 * M_PI * (i + 0.25) / starts);
+    } else {
+      for (Index j = 0; j < k; ++j) share[j] = normal(random);
+    }
+    VectorXd d = null * share;
+    const double length = system.norm(d);
+    if (!(length > 1e-6 * d.norm())) continue;
+    VectorXd z = centre + departure / length * d;
+    if (!system.correct_on_sphere(z, centre, departure).converged) continue;
+    if (system.norm(z - centre) > 1.01 * departure || system.norm(z - centre) < 0.99 * departure) continue;
+    const bool known = std::any_of(found.begin(), found.end(),
+                                   [&](const VectorXd& other) { return system.norm(z - other) < 1e-3 * departure; });
+    if (!known) found.push_back(z);
+  }
+  // The curve itself passes here: its two directions are followed already.
+  for (VectorXd& z : found) {
+    PathSpot start = spot;
+    start.point.z = z;
+    VectorXd outward = (z - centre) / departure;
+    if (!system.differentiate_at(start.point, outward)) continue;
+    start.negative = system.negative_directions(z);
+    const double cosine = system.dot(outward, along) / system.norm(along);
+    const bool own = std::abs(cosine) > 0.98;
+    departures_.push_back({.event = event, .start = std::move(start), .used = own});
+  }
+}
+
+// --- the trace ------------------------------------------------------------------------------------------------------
+
+std::optional<PathSpot> PathTracer::step(const PathSpot& here, double h, const VectorXd* bend, double& badness) {
+  solvers::Curve& system = curve(here.piece);
+  PathSpot next = here;
+  next.point.z = here.point.z + h * here.point.tangent;
+  if (bend != nullptr) next.point.z += 0.5 * h * h * *bend;
+  VectorXd row = here.point.tangent;
+  const Index n = system.variables();
+  row.segment(n, row.size() - n - 1).setZero();
+  const auto correction = system.correct(next.point.z, row);
+  if (!correction.converged || correction.first > largest_correction * h) return std::nullopt;
+  if (!system.differentiate(next.point, row)) return std::nullopt;
+  const double cosine = std::clamp(system.dot(here.point.tangent, next.point.tangent), -1.0, 1.0);
+  const double turn = std::acos(cosine);
+  if (turn > largest_turn) return std::nullopt;
+  badness = std::max(std::sqrt(correction.first / h / usual_correction), turn / usual_turn);
+  next.negative = system.negative_directions(next.point.z);
+  return next;
+}
+
+std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, Until until) {
+  branch_ = static_cast<int>(out_.branches.size());
+  out_.branches.emplace_back();
+  out_.branches[branch_].from = from_event;
+  const auto end = [&](PathBranch::End how, std::string why = {}) {
+    out_.branches[branch_].end = how;
+    out_.branches[branch_].why = std::move(why);
+  };
+  std::vector<Loss> losses;
+  if (from_event >= 0) out_.branches[branch_].points.push_back(out_.events[from_event].at);
+  add_point(start);
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {
+    if (start.p() == wanted_[k]) out_.wanted[k].push_back(report(start));
+  }
+  PathSpot here = start;
+  double h = first_step;
+  VectorXd bend;
+  bool has_bend = false;
+  int switches = 0, steps = 0;
+  std::vector<double> values, rates, next_values, next_rates;
+  watch(here, values, rates);
+  const auto parameter_text = [&] {
+    return fmt::format("at {} = {:.6g}", varied_.name(), report(here).parameter / varied_.unit());
+  };
+  while (true) {
+    if (interrupted()) {
+      end(PathBranch::End::interrupted);
+      return losses;
+    }
+    if (static_cast<int>(out_.branches[branch_].points.size()) >= options_.most_points) {
+      end(PathBranch::End::limit, fmt::format("{} points were not enough", options_.most_points));
+      return losses;
+    }
+    // A step that keeps to the curve and whose events can be told apart.
+    Segment segment;
+    std::vector<Crossing> crossings;
+    double badness = 1.0;
+    while (true) {
+      if (h < shortest_step) {
+        end(PathBranch::End::stuck, "no step along the curve succeeds " + parameter_text());
+        return losses;
+      }
+      std::optional<PathSpot> next = step(here, h, has_bend ? &bend : nullptr, badness);
+      ++out_.steps;
+      if (!next) {
+        h *= 0.5;
+        continue;
+      }
+      segment = {here, std::move(*next), h};
+      crossings.clear();
+      watch(segment.b, next_values, next_rates);
+      if (find_crossings(segment, values, rates, next_values, next_rates, steps > 2 ? &start : nullptr, crossings))
+        break;
+      h *= 0.5;
+    }
+    ++steps;
+    const solvers::Curve& system = curve(here.piece);
+    if (segment.b.point.z.head(system.variables()).cwiseAbs().maxCoeff() > run_away) {
+      end(PathBranch::End::stuck, "the mechanism runs away " + parameter_text());
+      return losses;
+    }
+    std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) { return a.s < b.s; });
+    double from = 0.0;
+    PathSpot begin = here;
+    bool switched_piece = false;
+    double direction = here.rate() >= 0.0 ? 1.0 : -1.0;
+    for (Crossing& crossing : crossings) {
+      fill(segment, from, crossing.s, begin, crossing.spot);
+      from = crossing.s;
+      PathSpot& spot = crossing.spot;
+      if (crossing.kind == Crossing::Kind::range || crossing.kind == Crossing::Kind::start) {
+        add_point(spot);
+        end(crossing.kind == Crossing::Kind::range ? PathBranch::End::range : PathBranch::End::closed);
+        return losses;
+      }
+      PathSpot after = segment.b;
+      PathEvent event;
+      if (crossing.kind == Crossing::Kind::watched) {
+        const int stops = static_cast<int>(spot.piece.side.size());
+        const bool is_stop = crossing.watched < 2 * stops;
+        event.kind = is_stop ? PathEvent::Kind::stop : PathEvent::Kind::slack;
+        event.item = is_stop ? crossing.watched / 2 : one_way_[crossing.watched - 2 * stops];
+        event.on = is_stop ? spot.piece.side[event.item] == 0 : spot.piece.acts[crossing.watched - 2 * stops] == 0;
+        std::optional<PathSpot> beyond = ++switches > most_switches ? std::nullopt : switched(spot, crossing.watched);
+        spot.negative = begin.negative;
+        add_point(spot);
+        const int index = add_event(event, spot);
+        if (!beyond) {
+          end(PathBranch::End::singular, is_stop && event.on
+                                             ? fmt::format("the stop \"{}\" leaves no motion {}",
+                                                           varied_.scene().stops[event.item].name, parameter_text())
+                                             : "several stops or springs change together " + parameter_text());
+          return losses;
+        }
+        const bool turns = beyond->rate() * spot.rate() < 0.0 && std::abs(beyond->rate()) > standstill;
+        int fold = -1;
+        if (turns) {
+          PathEvent kink;
+          kink.kind = PathEvent::Kind::fold;
+          kink.error = 1e-15;
+          fold = add_event(kink, spot);
+        }
+        const bool lost = spot.negative == 0 && (beyond->negative > 0 || turns);
+        if (lost) losses.push_back({fold >= 0 ? fold : index, spot, direction});
+        if (lost && until == Until::unstable) {
+          end(PathBranch::End::snapped);
+          return losses;
+        }
+        // What is reached here by the curve is lost by a mechanism that comes from the other side.
+        if (beyond->negative == 0 && (spot.negative > 0 || turns)) {
+          losses.push_back({fold >= 0 ? fold : index, *beyond, beyond->rate() >= 0.0 ? -1.0 : 1.0});
+        }
+        here = std::move(*beyond);
+        switched_piece = true;
+        break;
+      }
+      switch (crossing.kind) {
+        case Crossing::Kind::fold:
+          event.kind = PathEvent::Kind::fold;
+          event.error = error_of(spot, event.rounding_effect);
+          break;
+        default:
+          event.kind = PathEvent::Kind::branch;
+          event.error = 1e-15;
+          break;
+      }
+      // Degenerate: what is said of it is said of the side it was reached on.
+      spot.negative = begin.negative;
+      const VectorXd place = spot.point.z;
+      int index = -1;
+      if (event.kind == PathEvent::Kind::branch) {
+        for (const auto& [known, z] : branch_points_) {
+          if (z.size() == place.size() && curve(spot.piece).norm(z - place) < same_point) index = known;
+        }
+      }
+      const bool is_new = index < 0;
+      if (is_new) {
+        index = add_event(event, spot);
+      } else {
+        out_.branches[branch_].events.push_back(index);
+      }
+      add_point(spot);
+      if (event.kind == PathEvent::Kind::branch) {
+        VectorXd along = segment.b.point.z - segment.a.point.z;
+        if (is_new) {
+          branch_points_.emplace_back(index, place);
+          if (options_.branches) depart(spot, index, along);
+        } else {
+          mark_used(index, spot, along);
+        }
+      }
+      const bool lost = begin.negative == 0 && after.negative > 0;
+      if (lost) losses.push_back({index, spot, direction});
+      if (lost && until == Until::unstable) {
+        end(PathBranch::End::snapped);
+        return losses;
+      }
+      if (crossing.kind == Crossing::Kind::fold) direction = -direction;
+      if (begin.negative > 0 && after.negative == 0) losses.push_back({index, spot, -direction});
+      spot.negative = after.negative;
+      begin = spot;
+    }
+    if (!switched_piece) {
+      fill(segment, from, segment.h, begin, segment.b);
+      bend = (segment.b.point.tangent - segment.a.point.tangent) / segment.h;
+      has_bend = true;
+      here = std::move(segment.b);
+      switches = 0;
+      add_point(here);
+      h = std::min(longest_step, h * std::clamp(1.0 / badness, 0.5, 2.0));
+      std::swap(values, next_values);
+      std::swap(rates, next_rates);
+    } else {
+      has_bend = false;
+      h = std::min(h, first_step);
+      watch(here, values, rates);
+    }
+  }
+}
+
+// A branch point that was found before is passed: its curves in this direction need not be followed again.
+void PathTracer::mark_used(int event, const PathSpot& spot, const VectorXd& along) {
+  solvers::Curve& system = curve(spot.piece);
+  for (Departure& d : departures_) {
+    if (d.event != event || d.start.point.z.size() != along.size()) continue;
+    const VectorXd outward = d.start.point.z - spot.point.z;
+    const double cosine = system.dot(outward, along) / (system.norm(outward) * system.norm(along));
+    if (std::abs(cosine) > 0.98) d.used = true;
+  }
+}
+
+// The events of a segment; false if it should be halved to tell them apart.
+bool PathTracer::find_crossings(const Segment& segment, const std::vector<double>& values,
+                                const std::vector<double>& rates, const std::vector<double>& next_values,
+                                const std::vector<double>& next_rates, const PathSpot* start,
+                                std::vector<Crossing>& out) {
+  const PathSpot &a = segment.a, &b = segment.b;
+  const double h = segment.h;
+  const bool can_split = h > shortest_split;
+  // Stops and springs.
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isinf(values[k]) || std::isinf(next_values[k])) continue;
+    if (next_values[k] >= -overrun) {
+      if (can_split && values[k] > overrun && dips(values[k], next_values[k], rates[k], next_rates[k], h)) return false;
+      continue;
+    }
+    if (values[k] <= overrun && rates[k] > 0.0 && can_split) return false;
+    Crossing crossing{Crossing::Kind::watched, 0.0, static_cast<int>(k), a};
+    if (values[k] > 0.0) {
+      std::vector<double> v, r;
+      auto found = root([&](double s) { return at(segment, s); },
+                        [&](const PathSpot& spot) {
+                          watch(spot, v, r);
+                          return v[k];
+                        },
+                        h, values[k], next_values[k]);
+      if (!found) return false;
+      crossing.s = found->s;
+      crossing.spot = std::move(found->spot);
+    }
+    out.push_back(std::move(crossing));
+  }
+  double until = h;
+  for (const Crossing& c : out) until = std::min(until, c.s);
+  // Folds.
+  int folds = 0, branches = 0;
+  const double ra = a.rate(), rb = b.rate();
+  if (std::abs(ra) > standstill || std::abs(rb) > standstill) {
+    if ((ra > 0.0) != (rb > 0.0)) {
+      Crossing crossing{Crossing::Kind::fold};
+      std::optional<PathSpot> spot = find_fold(segment, crossing.s);
+      if (!spot) return false;
+      crossing.spot = std::move(*spot);
+      out.push_back(std::move(crossing));
+      ++folds;
+    } else if (can_split) {
+      // The parameter's rate, a parabola through both ends and with the right mean: does it vanish twice?
+      const double mean = (b.p() - a.p()) / h;
+      const double middle = 1.5 * mean - 0.25 * (ra + rb);
+      if ((middle > 0.0) != (ra > 0.0)) return false;
+    }
+  }
+  if (a.point.orientation != b.point.orientation) {
+    Crossing crossing{Crossing::Kind::branch};
+    std::optional<PathSpot> spot = find_branch(segment, crossing.s);
+    if (!spot) return false;
+    crossing.spot = std::move(*spot);
+    out.push_back(std::move(crossing));
+    ++branches;
+  }
+  const int change = b.negative - a.negative;
+  if (a.negative >= 0 && b.negative >= 0 && change != 0 && std::abs(change) != folds + branches &&
+      (change + folds + branches) % 2 == 0 && curve(a.piece).unknowns() <= solvers::Curve::spectrum_limit &&
+      symmetric_) {
+    if (can_split) return false;
+    Crossing crossing{Crossing::Kind::multiple};
+    std::optional<PathSpot> spot = find_multiple(segment, crossing.s);
+    if (!spot) return false;
+    crossing.spot = std::move(*spot);
+    out.push_back(std::move(crossing));
+  }
+  // The ends of the range.
+  for (const double limit : {0.0, 1.0}) {
+    const double beyond = limit == 0.0 ? -b.p() : b.p() - 1.0;
+    if (beyond < 0.0 || (beyond == 0.0 && (limit == 0.0) == (rb > 0.0))) continue;
+    auto found = root([&](double s) { return at(segment, s); },
+                      [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; }, h,
+                      limit == 0.0 ? -a.p() : a.p() - 1.0, std::max(beyond, 1e-300));
+    if (!found) return false;
+    Crossing crossing{Crossing::Kind::range, found->s, -1, std::move(found->spot)};
+    VectorXd z = crossing.spot.point.z;
+    z[z.size() - 1] = limit;
+    solvers::Curve& system = curve(a.piece);
+    const bool held = system.correct(z, VectorXd::Unit(z.size(), z.size() - 1)).converged;
+    if (held && system.norm(z - crossing.spot.point.z) < same_point) crossing.spot.point.z = z;
+    crossing.spot.point.z[z.size() - 1] = limit;
+    out.push_back(std::move(crossing));
+  }
+  // Back at the start of the branch.
+  if (start != nullptr && start->piece == a.piece) {
+    solvers::Curve& system = curve(a.piece);
+    const VectorXd& t = start->point.tangent;
+    const double fa = system.dot(a.point.z - start->point.z, t), fb = system.dot(b.point.z - start->point.z, t);
+    if (fa < 0.0 && fb >= 0.0 && system.norm(b.point.z - start->point.z) < 1.5 * h) {
+      auto found = root([&](double s) { return at(segment, s); },
+                        [&](const PathSpot& spot) { return system.dot(spot.point.z - start->point.z, t); }, h, fa,
+                        std::max(fb, 1e-300));
+      if (found && system.norm(found->spot.point.z - start->point.z) < same_point) {
+        out.push_back({Crossing::Kind::start, found->s, -1, std::move(found->spot)});
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace poise

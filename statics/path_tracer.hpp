@@ -1,0 +1,107 @@
+#pragma once
+
+// Private to statics/path.cpp.
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "solvers/curve.hpp"
+#include "statics/path.hpp"
+#include "statics/varied_mechanism.hpp"
+
+namespace poise {
+
+/// Which stops act, and which one-way springs.
+struct PathPiece {
+  std::vector<signed char> side;  ///< per stop of VariedScene::scene_at(): -1 at min, 1 at max, 0 free
+  std::vector<char> acts;         ///< per VariedMechanism::one_way_springs()
+
+  friend auto operator<=>(const PathPiece&, const PathPiece&) = default;
+};
+
+/// A point of the curve of equilibria on one of its smooth pieces.
+struct PathSpot {
+  PathPiece piece;
+  solvers::CurvePoint point;  ///< the parameter runs from 0 to 1
+  int negative = 0;           ///< directions, -1 where unknown
+
+  double p() const { return point.z[point.z.size() - 1]; }
+  double rate() const { return point.tangent[point.tangent.size() - 1]; }  ///< of p by arclength
+};
+
+/// Follows curves of equilibria through their folds and from piece to piece.
+class PathTracer {
+ public:
+  PathTracer(const VariedScene& varied, const PathOptions& options, Path& out);
+  ~PathTracer();
+
+  /// The spot at scaled coordinates x, nearly an equilibrium at the parameter p, with those stops active; its tangent
+  /// points to where p grows (`direction` 1) or falls (-1). Empty where no equilibrium is near.
+  std::optional<PathSpot> spot(const std::vector<double>& x, double p, const std::vector<int>& active_stops,
+                               double direction);
+
+  /// What ends a branch besides PathBranch::End.
+  enum class Until {
+    ends,     ///< the ends of the range
+    unstable  ///< the first point beyond which the equilibrium is no longer stable
+  };
+  /// Appends a branch that begins at `start` and follows its tangent. Returns where it lost its stability, if it did:
+  /// the events' indices, in their order.
+  struct Loss {
+    int event = -1;
+    PathSpot at;
+    double direction = 1.0;  ///< in which the parameter went before: 1 or -1
+  };
+  std::vector<Loss> trace(PathSpot start, int from_event, Until until);
+
+  /// A curve that leaves a branch point, not followed yet.
+  struct Departure {
+    int event = -1;
+    PathSpot start;
+    bool used = false;
+  };
+  std::deque<Departure>& departures() { return departures_; }
+
+  PathPoint report(const PathSpot& spot) const;
+  solvers::Curve& curve(const PathPiece& piece);
+  int evaluations() const;
+  bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
+
+ private:
+  struct Segment;
+  struct Crossing;
+  std::optional<PathSpot> at(const Segment& segment, double s);
+  std::optional<PathSpot> step(const PathSpot& here, double h, const Eigen::VectorXd* bend, double& badness);
+  void watch(const PathSpot& spot, std::vector<double>& values, std::vector<double>& rates);
+  std::optional<PathSpot> find_fold(const Segment& segment, double& s);
+  std::optional<PathSpot> find_branch(const Segment& segment, double& s);
+  std::optional<PathSpot> find_multiple(const Segment& segment, double& s);
+  bool find_crossings(const Segment& segment, const std::vector<double>& values, const std::vector<double>& rates,
+                      const std::vector<double>& next_values, const std::vector<double>& next_rates,
+                      const PathSpot* start, std::vector<Crossing>& out);
+  std::optional<PathSpot> switched(const PathSpot& spot, int watched);
+  void fill(const Segment& segment, double from, double to, const PathSpot& begin, const PathSpot& end);
+  int add_event(PathEvent event, const PathSpot& spot);
+  void depart(const PathSpot& spot, int event, const Eigen::VectorXd& along);
+  void mark_used(int event, const PathSpot& spot, const Eigen::VectorXd& along);
+  double error_of(const PathSpot& fold, double& rounding);
+  void add_point(const PathSpot& spot);
+
+  const VariedScene& varied_;
+  const PathOptions& options_;
+  Path& out_;
+  std::vector<int> one_way_;
+  std::map<std::vector<char>, std::unique_ptr<VariedMechanism>> mechanisms_;
+  std::map<PathPiece, std::unique_ptr<solvers::Curve>> curves_;
+  std::vector<int> equalities_;  // independent ones
+  std::vector<double> wanted_;   // parameters of PathOptions::at
+  std::deque<Departure> departures_;
+  std::vector<std::pair<int, Eigen::VectorXd>> branch_points_;  // event, (x, p)
+  int branch_ = -1;
+  bool symmetric_ = true;
+};
+
+}  // namespace poise

@@ -1,0 +1,144 @@
+#include "statics/varied_scene.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "model/input_error.hpp"
+#include "model/nearest_name.hpp"
+
+namespace poise {
+namespace {
+
+/// Dead and follower loads, weights, stiffnesses, free lengths of linear springs and limits of stops enter forces,
+/// tangent and constraints affinely.
+bool enters_affinely(const Scene& scene, const ParameterPlace& place) {
+  switch (place.owner) {
+    case Owner::scene:
+    case Owner::force:
+    case Owner::torque:
+    case Owner::body:
+    case Owner::stop:
+      return true;
+    case Owner::element:
+      return !std::holds_alternative<CubicSpring>(scene.elements[place.item].law) || place.number < 2;
+    default:
+      return false;
+  }
+}
+
+/// The measure "angle.BODY", "travel.JOINT" or "drive.NAME"; none for other names.
+std::optional<Measure> driven_measure(const Scene& scene, const std::string& name) {
+  const auto named = [&](std::string_view kind) -> std::optional<std::string> {
+    if (!name.starts_with(kind)) return std::nullopt;
+    return name.substr(kind.size());
+  };
+  std::vector<std::string> known;
+  const auto expected = [&](const std::string& what, const std::string& item) {
+    throw InputError(fmt::format("{}: expected {}{}", name, what, did_you_mean_or_list(item, known)));
+  };
+  if (const auto body = named("angle.")) {
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      if (scene.bodies[i].name == *body) return Measure::angle_between(0, static_cast<int>(i));
+      known.push_back(scene.bodies[i].name);
+    }
+    expected("the name of a body", *body);
+  }
+  if (const auto joint = named("travel.")) {
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      if (!scene.joints[j].has_travel()) continue;
+      if (scene.joints[j].name == *joint) return Measure::travel_of(static_cast<int>(j));
+      known.push_back(scene.joints[j].name);
+    }
+    expected("the name of a slide or a pin in a slot", *joint);
+  }
+  if (const auto drive = named("drive."); drive && !find_parameter(scene, name)) {
+    for (const Drive& d : scene.drives) {
+      if (d.name == *drive) return d.on;
+      known.push_back(d.name);
+    }
+    expected("the name of a drive", *drive);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+VariedScene::VariedScene(Scene scene, const std::string& name, double from, double to)
+    : scene_(std::move(scene)), name_(name) {
+  const auto fail = [&](const std::string& what) { throw InputError(fmt::format("{}: {}", name_, what)); };
+  Range range = Range::finite;
+  if (const auto measure = driven_measure(scene_, name_)) {
+    driven_ = affine_ = true;
+    dimension_ = measure->dimension();
+    range = measure->range();
+    scene_.stops.push_back({.name = name_, .on = *measure});
+  } else if (name_ == "loads") {
+    affine_ = true;
+    const auto add = [&](Owner owner, std::size_t count) {
+      for (std::size_t i = 0; i < count; ++i) places_.push_back({owner, static_cast<int>(i)});
+    };
+    add(Owner::force, scene_.forces.size());
+    add(Owner::torque, scene_.torques.size());
+    if (places_.empty()) fail("the scene has no loads; expected a force or a torque, or name another number");
+  } else {
+    const ParameterRow row = parameter(scene_, name_);
+    if (row.place.owner == Owner::start || row.place.owner == Owner::drive) {
+      fail(
+          "equilibrium does not depend on it; expected a load, a stiffness, a dimension or a driven measure, say "
+          "angle.BODY");
+    }
+    places_.push_back(row.place);
+    affine_ = enters_affinely(scene_, row.place);
+    dimension_ = row.dimension;
+    // A force may be reversed.
+    range = row.place.owner == Owner::force ? Range::finite : row.range;
+    if (row.place.owner == Owner::force && norm(scene_.forces[row.place.item].vector) == 0.0) {
+      fail("expected a force with a direction, its vector is [0, 0]; give another vector");
+    }
+  }
+  for (const ParameterPlace& place : places_) whole_.push_back(value_at(scene_, place).value_or(0.0));
+  unit_ = dimension_.unit(scene_.units);
+  from_ = from * unit_;
+  to_ = to * unit_;
+  for (const double end : {from, to}) {
+    if (!contains(range, end * unit_)) fail(out_of_range(range, end));
+  }
+  if (from == to) fail(fmt::format("the range {}..{} has no length; expected two different values", from, to));
+  // Units of the scene as it is at some value at which nothing is zero.
+  const Scene somewhere = scene_at(generic());
+  scales_ = ScaledModel(somewhere, Purpose::statics).scales();
+}
+
+std::string VariedScene::unit_name() const { return dimension_.unit_name(scene_.units); }
+
+Dimension VariedScene::effort_dimension() const { return scene_.stops.back().on.effort_dimension(); }
+
+Scene VariedScene::scene_at(double value) const {
+  Scene scene = scene_;
+  if (driven_) {
+    scene.stops.back().min = scene.stops.back().max = value;
+    return scene;
+  }
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    const ParameterPlace& place = places_[k];
+    const bool is_factor = name_ == "loads";
+    if (place.owner == Owner::force) {
+      // Reversed where the value is negative.
+      Vec2& F = scene.forces[place.item].vector;
+      const double size = is_factor ? 1.0 : norm(F);
+      F = {F.x / size * value, F.y / size * value};
+    } else {
+      set_value_at(scene, place, is_factor ? value * whole_[k] : value);
+    }
+  }
+  return scene;
+}
+
+std::unique_ptr<StaticModel> VariedScene::model_at(double value) const {
+  const Scene also = scene_at(generic());
+  return std::make_unique<StaticModel>(scene_at(value), scales_, &also);
+}
+
+}  // namespace poise

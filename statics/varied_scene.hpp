@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/dimension.hpp"
+#include "model/parameters.hpp"
+#include "model/scene.hpp"
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+/// A scene of which one number varies over a range:
+///   a path as for set_value()    "load.P", "spring.k.stiffness", "point.crank.B.x"
+///   "loads"                      a factor of all loads (forces and torques)
+///   "angle.BODY", "travel.JOINT", "drive.NAME"   a driven measure: it is held at the value, by the force sought
+class VariedScene {
+ public:
+  /// `from` and `to` in the scene's own units. Throws InputError for a name that does not exist (with the nearest), a
+  /// range of length zero, or values that the number cannot have.
+  VariedScene(Scene scene, const std::string& name, double from, double to);
+
+  /// The scene as given.
+  const Scene& scene() const { return scene_; }
+  const std::string& name() const { return name_; }
+  double from() const { return from_; }  ///< SI
+  double to() const { return to_; }      ///< SI
+  /// SI value of one unit of the number in the scene's own units, and the name of that unit.
+  double unit() const { return unit_; }
+  std::string unit_name() const;
+  /// The number is a driven measure, held by Scene::stops.back() of scene_at(), with min = max.
+  bool is_driven() const { return driven_; }
+  /// Dimension of the force that holds a driven measure: a torque, N m, or a force, N.
+  Dimension effort_dimension() const;
+  /// The number enters forces, tangent and constraints affinely, so that two values determine all others.
+  bool is_affine() const { return affine_; }
+  /// A value within the range at which nothing vanishes that does not vanish elsewhere.
+  double generic() const { return from_ + 0.6180339887498949 * (to_ - from_); }
+  const Scales& scales() const { return scales_; }
+
+  /// The scene at a value, SI.
+  Scene scene_at(double value) const;
+  /// Compiled for statics; coordinates and scales are the same for all values.
+  std::unique_ptr<StaticModel> model_at(double value) const;
+
+ private:
+  Scene scene_;
+  std::string name_;
+  Dimension dimension_{};
+  double from_ = 0.0, to_ = 0.0, unit_ = 1.0;
+  bool driven_ = false, affine_ = false;
+  std::vector<ParameterPlace> places_;
+  std::vector<double> whole_;  // values of the places that the factor 1 stands for
+  Scales scales_{};
+};
+
+}  // namespace poise
