@@ -9,6 +9,7 @@
 
 #include "statics/equilibrium.hpp"
 #include "statics/path_tracer.hpp"
+#include "statics/settle.hpp"
 
 namespace poise {
 namespace {
@@ -38,92 +39,137 @@ class PathFinder {
  private:
   std::optional<PathSpot> find_start() {
     const auto model = varied_.model_at(varied_.from());
-    SolveOptions solving;
-    solving.interrupt = options_.interrupt;
-    solving.certificate = options_.certificate;
-    const Equilibrium first = solve(*model, solving);
     const auto fail = [&](const std::string& why) {
-      out_.status = first.status == Status::interrupted ? Path::Status::interrupted : Path::Status::no_start;
+      out_.status = tracer_.interrupted() ? Path::Status::interrupted : Path::Status::no_start;
       out_.why = fmt::format("no equilibrium to begin with at {} = {:.6g}: {}", varied_.name(),
                              varied_.from() / varied_.unit(), why);
       return std::nullopt;
     };
-    if (!first.found()) return fail(first.why);
-    if (first.certificate.outcome == Outcome::neutral) {
-      return fail(first.certificate.statement + "; begin at another value");
+    std::vector<double> x = assemble(*model);
+    if (options_.from == PathOptions::From::settle) {
+      const Settling rest = settle(*model, x, {.interrupt = options_.interrupt});
+      if (rest.end != Settling::End::settled && rest.end != Settling::End::start_unstable) return fail(rest.why);
+      x = rest.x;
+    } else {
+      SolveOptions solving;
+      solving.interrupt = options_.interrupt;
+      solving.certificate = options_.certificate;
+      const Equilibrium first = solve(*model, x, solving);
+      if (!first.found()) return fail(first.why);
+      x = first.x;
     }
-    auto spot = tracer_.spot(first.x, 0.0, first.certificate.active_stops, 1.0);
+    const Certificate certificate = certify(*model, x, options_.certificate);
+    if (!certificate.confirmed()) return fail(certificate.statement);
+    if (certificate.outcome == Outcome::neutral) return fail(certificate.statement + "; begin at another value");
+    auto spot = tracer_.spot(certificate.x, 0.0, certificate.active_stops, 1.0);
     if (!spot) return fail("the equilibrium is singular there; begin at another value");
     return spot;
   }
 
   void follow_all(const PathSpot& start) {
-    note_losses(tracer_.trace(start, -1, PathTracer::Until::ends));
+    follow(start, -1);
     std::deque<PathTracer::Departure>& departures = tracer_.departures();
-    for (std::size_t k = 0; k < departures.size() && !tracer_.interrupted(); ++k) {
-      if (departures[k].used) continue;
-      departures[k].used = true;
-      const PathSpot from = departures[k].start;
-      note_losses(tracer_.trace(from, departures[k].event, PathTracer::Until::ends));
+    while (!tracer_.interrupted()) {
+      const auto next = std::find_if(departures.begin(), departures.end(), [](const auto& d) { return !d.used; });
+      if (next == departures.end()) break;
+      next->used = true;
+      const PathTracer::Departure departure = *next;
+      follow(departure.start, departure.event);
     }
+  }
+
+  // A curve, and those on which the mechanism lands where it loses its stability there.
+  void follow(const PathSpot& start, int from) {
+    const std::vector<PathTracer::Loss> losses = tracer_.trace(start, from, PathTracer::Until::ends);
+    for (const PathTracer::Loss& loss : losses) {
+      if (tracer_.interrupted()) return;
+      std::optional<PathSpot> landed = note_loss(loss, branch_of(loss));
+      if (!landed || is_known(tracer_.report(*landed))) continue;
+      const int snap = static_cast<int>(out_.events.size()) - 1;
+      follow(*landed, snap);
+      landed->reverse();
+      follow(*landed, snap);
+    }
+  }
+
+  int branch_of(const PathTracer::Loss& loss) const {
+    for (std::size_t b = 0; b < out_.branches.size(); ++b) {
+      const std::vector<int>& events = out_.branches[b].events;
+      if (std::find(events.begin(), events.end(), loss.event) != events.end()) return static_cast<int>(b);
+    }
+    return static_cast<int>(out_.branches.size()) - 1;
+  }
+
+  // Whether a branch passes through the point: between two of its points that are no farther apart than usual.
+  bool is_known(const PathPoint& point) const {
+    const auto through = [&](const PathPoint& a, const PathPoint& b) {
+      if ((a.parameter - point.parameter) * (b.parameter - point.parameter) > 0.0) return false;
+      if (a.active_stops != point.active_stops && b.active_stops != point.active_stops) return false;
+      const double share =
+          a.parameter == b.parameter ? 0.0 : (point.parameter - a.parameter) / (b.parameter - a.parameter);
+      double distance = 0.0;
+      for (std::size_t i = 0; i < point.x.size(); ++i) {
+        distance = std::max(distance, std::abs(a.x[i] + share * (b.x[i] - a.x[i]) - point.x[i]));
+      }
+      return distance < 0.5 * options_.spacing;
+    };
+    return std::any_of(out_.branches.begin(), out_.branches.end(), [&](const PathBranch& branch) {
+      for (std::size_t k = 1; k < branch.points.size(); ++k) {
+        if (through(branch.points[k - 1], branch.points[k])) return true;
+      }
+      return false;
+    });
   }
 
   // Where the mechanism goes that is loaded further than a point at which stability is lost.
   std::optional<PathSpot> land(const PathTracer::Loss& loss, PathPoint& landing, std::string& why) {
-    const auto released = [&](double little) -> std::optional<std::vector<double>> {
-      const double p = loss.at.p() + loss.direction * little;
-      const auto model = varied_.model_at(value_at_part(varied_, p));
-      SolveOptions solving;
-      solving.seek = Seek::stable;
-      solving.interrupt = options_.interrupt;
-      const Equilibrium rest = solve(*model, tracer_.report(loss.at).x, solving);
-      if (!rest.found()) {
-        why = rest.why;
-        return std::nullopt;
-      }
-      active_ = rest.certificate.active_stops;
-      return rest.x;
-    };
     const PathPoint from = tracer_.report(loss.at);
+    const auto released = [&](double little) {
+      const double p = loss.at.p() + loss.direction * little;
+      Settling rest = settle(*varied_.model_at(value_at_part(varied_, p)), from.x, {.interrupt = options_.interrupt});
+      // On a curve that goes on without a jump the start is an equilibrium that the mechanism leaves to either side.
+      if (rest.end == Settling::End::start_unstable && !rest.sides.empty()) {
+        Settling::Side& side = rest.sides.front();
+        rest.end = side.end;
+        rest.x = std::move(side.x);
+        rest.active_stops = std::move(side.active_stops);
+      }
+      if (rest.end != Settling::End::settled) why = rest.why;
+      return rest;
+    };
     const auto distance = [&](const std::vector<double>& x) {
       double d = 0.0;
       for (std::size_t i = 0; i < x.size(); ++i) d = std::max(d, std::abs(x[i] - from.x[i]));
       return d;
     };
-    const auto far = released(beyond_loss);
-    if (!far) return std::nullopt;
+    const Settling far = released(beyond_loss), near = released(0.01 * beyond_loss);
+    if (far.end != Settling::End::settled || near.end != Settling::End::settled) return std::nullopt;
     // Where the distance shrinks with the load the mechanism moves on without a jump.
-    const auto near = released(0.01 * beyond_loss);
-    if (near && distance(*near) < 0.5 * distance(*far)) {
-      why.clear();
-      return std::nullopt;
-    }
-    const auto spot = tracer_.spot(near ? *near : *far, loss.at.p(), active_, loss.direction);
-    if (!spot) {
+    if (distance(near.x) < 0.5 * distance(far.x)) return std::nullopt;
+    const auto spot = tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
+    if (spot) {
+      landing = tracer_.report(*spot);
+    } else {
       why = "the equilibrium it lands on is singular";
-      return std::nullopt;
     }
-    landing = tracer_.report(*spot);
     return spot;
   }
 
-  // Adds the events of kind snap. Returns where the mechanism lands of the last.
-  std::optional<PathSpot> note_losses(const std::vector<PathTracer::Loss>& losses) {
-    std::optional<PathSpot> last;
-    for (const PathTracer::Loss& loss : losses) {
-      PathEvent snap;
-      snap.kind = PathEvent::Kind::snap;
-      PathPoint landing;
-      last = land(loss, landing, snap.why);
-      if (!last && snap.why.empty()) continue;
-      if (last) snap.landing = landing;
-      snap.at = out_.events[loss.event].at;
-      snap.error = out_.events[loss.event].error;
-      snap.rounding_effect = out_.events[loss.event].rounding_effect;
-      out_.branches.back().events.push_back(static_cast<int>(out_.events.size()));
-      out_.events.push_back(std::move(snap));
-    }
-    return last;
+  // Adds the event of kind snap, if there is one. Returns where the mechanism lands.
+  std::optional<PathSpot> note_loss(const PathTracer::Loss& loss, int branch) {
+    PathEvent snap;
+    snap.kind = PathEvent::Kind::snap;
+    PathPoint landing;
+    const std::optional<PathSpot> spot = land(loss, landing, snap.why);
+    if (!spot && snap.why.empty()) return spot;
+    if (spot) snap.landing = landing;
+    const PathEvent& lost = out_.events[loss.event];
+    snap.at = lost.at;
+    snap.error = lost.error;
+    snap.rounding_effect = lost.rounding_effect;
+    out_.branches[branch].events.push_back(static_cast<int>(out_.events.size()));
+    out_.events.push_back(std::move(snap));
+    return spot;
   }
 
   // Loading with jumps up to the last value, then back.
@@ -133,13 +179,22 @@ class PathFinder {
     for (const double direction : {1.0, -1.0}) {
       int from = -1;
       for (int k = 0; k < most_snaps; ++k) {
-        if (here.rate() * direction < 0.0) here.point.tangent = -here.point.tangent;
+        if (here.rate() * direction < 0.0) here.reverse();
         const auto losses = tracer_.trace(here, from, PathTracer::Until::unstable);
         if (tracer_.interrupted() || losses.empty()) break;
-        const auto landed = note_losses(losses);
+        const auto landed = note_loss(losses.back(), static_cast<int>(out_.branches.size()) - 1);
         if (!landed) return;
         here = *landed;
         from = static_cast<int>(out_.events.size()) - 1;
+        if (direction < 0.0 && is_known(*out_.events.back().landing)) {
+          PathEvent back;
+          back.kind = PathEvent::Kind::hysteresis_end;
+          back.at = *out_.events.back().landing;
+          back.error = out_.events.back().error;
+          back.rounding_effect = out_.events.back().rounding_effect;
+          out_.branches.back().events.push_back(static_cast<int>(out_.events.size()));
+          out_.events.push_back(std::move(back));
+        }
       }
       const PathBranch& last = out_.branches.back();
       if (last.end != PathBranch::End::range) return;
@@ -168,7 +223,6 @@ class PathFinder {
   const PathOptions& options_;
   Path& out_;
   PathTracer tracer_;
-  std::vector<int> active_;
 };
 
 void certify_point(const VariedScene& varied, const PathOptions& options, PathPoint& point) {
@@ -183,7 +237,11 @@ void certify_point(const VariedScene& varied, const PathOptions& options, PathPo
   const Certificate certificate = certify(*model, point.x, options.certificate);
   point.statement = certificate.statement;
   point.radius = certificate.radius;
-  point.proof = certificate.confirmed() ? PointProof::proved : PointProof::failed;
+  if (certificate.confirmed()) {
+    point.proof = PointProof::proved;
+  } else if (point.proof != PointProof::critical) {
+    point.proof = PointProof::failed;
+  }
   if (certificate.confirmed()) {
     point.stability = certificate.stability;
     point.unstable_directions = certificate.unstable_directions;

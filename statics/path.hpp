@@ -19,6 +19,8 @@ namespace poise {
 /// How a point of a path is known.
 enum class PointProof {
   proved,     ///< Certificate::confirmed()
+  critical,   ///< a fold, branch point or change of pieces, where rounding leaves open which equilibria there are; the
+              ///< points on both sides of it are proved or not
   failed,     ///< nothing could be proved; PathPoint::statement says why
   not_tried,  ///< PathOptions::certify is off
 };

@@ -151,8 +151,9 @@ std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p,
   return out;
 }
 
-PathPoint PathTracer::report(const PathSpot& spot) const {
+PathPoint PathTracer::report(const PathSpot& spot, bool critical) const {
   PathPoint out;
+  if (critical) out.proof = PointProof::critical;
   const Index n = static_cast<Index>(curves_.at(spot.piece)->variables());
   const double p = spot.p();
   out.parameter = p == 1.0 ? varied_.to() : varied_.from() + p * (varied_.to() - varied_.from());
@@ -248,7 +249,7 @@ std::optional<PathSpot> PathTracer::switched(const PathSpot& spot, int watched) 
   std::vector<double> values, rates;
   // The row that was watched is watched from the other side now.
   watch(out, values, rates);
-  if (rates[watched] < 0.0) out.point.tangent = -out.point.tangent, out.point.orientation = -out.point.orientation;
+  if (rates[watched] < 0.0) out.reverse();
   out.negative = to.negative_directions(out.point.z);
   return out;
 }
@@ -370,8 +371,8 @@ std::optional<PathSpot> PathTracer::find_multiple(const Segment& segment, double
   return best;
 }
 
-void PathTracer::add_point(const PathSpot& spot) {
-  out_.branches[branch_].points.push_back(report(spot));
+void PathTracer::add_point(const PathSpot& spot, bool critical) {
+  out_.branches[branch_].points.push_back(report(spot, critical));
   if (options_.progress && out_.branches[branch_].points.size() % 64 == 0) {
     options_.progress(out_.branches[branch_].points.back().parameter,
                       static_cast<int>(out_.branches[branch_].points.size()));
@@ -414,7 +415,7 @@ void PathTracer::fill(const Segment& segment, double from, double to, const Path
 // --- events ---------------------------------------------------------------------------------------------------------
 
 int PathTracer::add_event(PathEvent event, const PathSpot& spot) {
-  event.at = report(spot);
+  event.at = report(spot, true);
   const int index = static_cast<int>(out_.events.size());
   out_.events.push_back(std::move(event));
   out_.branches[branch_].events.push_back(index);
@@ -524,7 +525,9 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
     out_.branches[branch_].why = std::move(why);
   };
   std::vector<Loss> losses;
-  if (from_event >= 0) out_.branches[branch_].points.push_back(out_.events[from_event].at);
+  if (from_event >= 0 && out_.events[from_event].kind == PathEvent::Kind::branch) {
+    out_.branches[branch_].points.push_back(out_.events[from_event].at);
+  }
   add_point(start);
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
     if (start.p() == wanted_[k]) out_.wanted[k].push_back(report(start));
@@ -600,7 +603,7 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
         event.on = is_stop ? spot.piece.side[event.item] == 0 : spot.piece.acts[crossing.watched - 2 * stops] == 0;
         std::optional<PathSpot> beyond = ++switches > most_switches ? std::nullopt : switched(spot, crossing.watched);
         spot.negative = begin.negative;
-        add_point(spot);
+        add_point(spot, true);
         const int index = add_event(event, spot);
         if (!beyond) {
           end(PathBranch::End::singular, is_stop && event.on
@@ -656,7 +659,7 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
       } else {
         out_.branches[branch_].events.push_back(index);
       }
-      add_point(spot);
+      add_point(spot, true);
       if (event.kind == PathEvent::Kind::branch) {
         VectorXd along = segment.b.point.z - segment.a.point.z;
         if (is_new) {

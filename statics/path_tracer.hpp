@@ -30,6 +30,11 @@ struct PathSpot {
 
   double p() const { return point.z[point.z.size() - 1]; }
   double rate() const { return point.tangent[point.tangent.size() - 1]; }  ///< of p by arclength
+  /// Turns to the other direction along the curve.
+  void reverse() {
+    point.tangent = -point.tangent;
+    point.orientation = -point.orientation;
+  }
 };
 
 /// Follows curves of equilibria through their folds and from piece to piece.
@@ -65,7 +70,8 @@ class PathTracer {
   };
   std::deque<Departure>& departures() { return departures_; }
 
-  PathPoint report(const PathSpot& spot) const;
+  /// `critical`: where an event is.
+  PathPoint report(const PathSpot& spot, bool critical = false) const;
   solvers::Curve& curve(const PathPiece& piece);
   int evaluations() const;
   bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
@@ -88,7 +94,7 @@ class PathTracer {
   void depart(const PathSpot& spot, int event, const Eigen::VectorXd& along);
   void mark_used(int event, const PathSpot& spot, const Eigen::VectorXd& along);
   double error_of(const PathSpot& fold, double& rounding);
-  void add_point(const PathSpot& spot);
+  void add_point(const PathSpot& spot, bool critical = false);
 
   const VariedScene& varied_;
   const PathOptions& options_;
