@@ -344,19 +344,30 @@ void Curve::rooms(const CurvePoint& point, std::vector<Room>& out) {
   }
 }
 
-VectorXd Curve::left_vector(const CurvePoint& fold) {
-  evaluate(fold.z, true);
-  VectorXd row = fold.tangent;
-  row.segment(n_, m_).setZero();
-  VectorXd w = VectorXd::Unit(size_, size_ - 1);
-  if (!factor(row)) return VectorXd::Zero(size_ - 1);
-  // M^T (w, o) = e_N.
-  if (dense_) {
-    w = factors_->lu.transpose().solve(w).eval();
-  } else {
-    w = factors_->sparse_lu.transpose().solve(w).eval();
+VectorXd Curve::without_multipliers(VectorXd z) const {
+  z.segment(n_, m_).setZero();
+  return z;
+}
+
+VectorXd Curve::parameter_sensitivity(const VectorXd& z, const VectorXd& row) {
+  evaluate(z, true);
+  MatrixXd a(size_, size_);
+  fill(a);
+  a.row(size_ - 1) = row.transpose();
+  return FullyPivotedLu(a.transpose()).solve(VectorXd(VectorXd::Unit(size_, size_ - 1)));
+}
+
+VectorXd Curve::gap_gradient(const VectorXd& z, int inequality, bool upper) {
+  evaluate(z, false);
+  VectorXd out = VectorXd::Zero(size_);
+  const int row = problem_.equalities() + inequality;
+  const Pattern& pattern = problem_.jacobian_pattern();
+  for (int e = 0; e < pattern.size(); ++e) {
+    if (pattern.row[e] == row) out[pattern.column[e]] += values_[problem_.first_entry() + e];
   }
-  return w.head(size_ - 1);
+  out[size_ - 1] =
+      by_p_[problem_.first_row() + row] - by_p_[(upper ? problem_.first_upper() : problem_.first_lower()) + inequality];
+  return out;
 }
 
 MatrixXd Curve::null_vectors(const VectorXd& z, double tolerance, int least) {

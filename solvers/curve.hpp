@@ -80,8 +80,13 @@ class Curve {
   /// Of the inequalities, in their order.
   void rooms(const CurvePoint& point, std::vector<Room>& out);
 
-  /// w with  w^T dR/d(x, y) = 0,  w^T dR/dp = 1  at a fold: an error e of R moves its parameter by -w^T e.
-  Eigen::VectorXd left_vector(const CurvePoint& fold);
+  /// w with  w^T (dR/dz; row) = (0, .., 0, 1): where a point is determined by R(z) = 0 and a condition of gradient
+  /// `row`, errors (e, f) of both move its parameter by -w^T (e, f). At a fold `row` is the tangent, without its y.
+  Eigen::VectorXd parameter_sensitivity(const Eigen::VectorXd& z, const Eigen::VectorXd& row);
+  /// Gradient by z of an inequality's value less its lower or upper bound.
+  Eigen::VectorXd gap_gradient(const Eigen::VectorXd& z, int inequality, bool upper);
+  /// z' = (x, y, p) for (x, p) parts alone.
+  Eigen::VectorXd without_multipliers(Eigen::VectorXd z) const;
 
   /// Basis of the null space of dR/dz at z, orthonormal columns, by singular values below `tolerance` times the
   /// largest; at least `least` columns. Dense.

@@ -16,10 +16,6 @@ namespace {
 
 constexpr double beyond_loss = 1e-6;  // of the range: how far beyond the loss of stability the mechanism is released
 
-double value_at_part(const VariedScene& varied, double p) {
-  return p == 1.0 ? varied.to() : varied.from() + p * (varied.to() - varied.from());
-}
-
 class PathFinder {
  public:
   PathFinder(const VariedScene& varied, const PathOptions& options, Path& out)
@@ -126,7 +122,7 @@ class PathFinder {
     const PathPoint from = tracer_.report(loss.at);
     const auto released = [&](double little) {
       const double p = loss.at.p() + loss.direction * little;
-      Settling rest = settle(*varied_.model_at(value_at_part(varied_, p)), from.x, {.interrupt = options_.interrupt});
+      Settling rest = settle(*varied_.model_at(tracer_.value_at(p)), from.x, {.interrupt = options_.interrupt});
       // On a curve that goes on without a jump the start is an equilibrium that the mechanism leaves to either side.
       if (rest.end == Settling::End::start_unstable && !rest.sides.empty()) {
         Settling::Side& side = rest.sides.front();

@@ -83,6 +83,13 @@ int PathTracer::evaluations() const {
   return sum;
 }
 
+// SI. What is zero but for the rounding of p is zero: equilibria are neutral exactly there, if at all.
+double PathTracer::value_at(double p) const {
+  if (p == 1.0) return varied_.to();
+  const double value = varied_.from() + p * (varied_.to() - varied_.from());
+  return std::abs(value) <= 0x1p-51 * std::max(std::abs(varied_.from()), std::abs(varied_.to())) ? 0.0 : value;
+}
+
 // --- pieces ---------------------------------------------------------------------------------------------------------
 
 solvers::Curve& PathTracer::curve(const PathPiece& piece) {
@@ -102,7 +109,7 @@ solvers::Curve& PathTracer::curve(const PathPiece& piece) {
 
 std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p, const std::vector<int>& active_stops,
                                          double direction) {
-  const auto model = varied_.model_at(varied_.from() + p * (varied_.to() - varied_.from()));
+  const auto model = varied_.model_at(value_at(p));
   const Mechanism<double>& m = model->mechanism();
   symmetric_ = !m.has_follower_loads();
   if (equalities_.empty() && m.equalities() > 0) {
@@ -155,8 +162,7 @@ PathPoint PathTracer::report(const PathSpot& spot, bool critical) const {
   PathPoint out;
   if (critical) out.proof = PointProof::critical;
   const Index n = static_cast<Index>(curves_.at(spot.piece)->variables());
-  const double p = spot.p();
-  out.parameter = p == 1.0 ? varied_.to() : varied_.from() + p * (varied_.to() - varied_.from());
+  out.parameter = value_at(spot.p());
   out.x.assign(spot.point.z.data(), spot.point.z.data() + n);
   out.unstable_directions = std::max(0, spot.negative);
   out.stability = spot.negative > 0 ? Stability::unstable : spot.negative == 0 ? Stability::stable : Stability::unknown;
@@ -211,6 +217,26 @@ void PathTracer::watch(const PathSpot& spot, std::vector<double>& values, std::v
   }
 }
 
+// The unknowns of one piece as those of another: multipliers of rows that are not active there are left out, those of
+// rows that come on are zero.
+VectorXd PathTracer::mapped(const VectorXd& z, const PathPiece& from_piece, const PathPiece& to_piece) {
+  const solvers::Curve& from = curve(from_piece);
+  const solvers::Curve& to = curve(to_piece);
+  const Index n = from.variables();
+  VectorXd out = VectorXd::Zero(to.unknowns());
+  out.head(n) = z.head(n);
+  out[out.size() - 1] = z[z.size() - 1];
+  std::map<int, double> multiplier;
+  for (std::size_t k = 0; k < from.active().size(); ++k) {
+    multiplier[from.active()[k].row] = z[n + static_cast<Index>(k)];
+  }
+  for (std::size_t k = 0; k < to.active().size(); ++k) {
+    const auto known = multiplier.find(to.active()[k].row);
+    if (known != multiplier.end()) out[n + static_cast<Index>(k)] = known->second;
+  }
+  return out;
+}
+
 // The same point on the piece beyond the one that `watched` bounds, with the tangent that leads into it.
 std::optional<PathSpot> PathTracer::switched(const PathSpot& spot, int watched) {
   const int stops = static_cast<int>(spot.piece.side.size());
@@ -222,24 +248,9 @@ std::optional<PathSpot> PathTracer::switched(const PathSpot& spot, int watched) 
   } else {
     out.piece.acts[watched - 2 * stops] ^= 1;
   }
-  solvers::Curve& from = curve(spot.piece);
   solvers::Curve& to = curve(out.piece);
-  const auto mapped = [&](const VectorXd& z) {
-    VectorXd w = VectorXd::Zero(to.unknowns());
-    const Index n = from.variables();
-    w.head(n) = z.head(n);
-    w[w.size() - 1] = z[z.size() - 1];
-    for (std::size_t k = 0; k < to.active().size(); ++k) {
-      for (std::size_t l = 0; l < from.active().size(); ++l) {
-        if (from.active()[l].row == to.active()[k].row) {
-          w[n + static_cast<Index>(k)] = z[n + static_cast<Index>(l)];
-        }
-      }
-    }
-    return w;
-  };
-  out.point.z = mapped(spot.point.z);
-  VectorXd like = mapped(spot.point.tangent);
+  out.point.z = mapped(spot.point.z, spot.piece, out.piece);
+  VectorXd like = mapped(spot.point.tangent, spot.piece, out.piece);
   if (to.unknowns() <= solvers::Curve::spectrum_limit) {
     const MatrixXd null = to.null_vectors(out.point.z, 1e-9, 1);
     if (null.cols() != 1 || !(to.norm(null.col(0)) > 1e-12)) return std::nullopt;
@@ -422,20 +433,37 @@ int PathTracer::add_event(PathEvent event, const PathSpot& spot) {
   return index;
 }
 
-// First-order distance of a fold's parameter from the exact one, as parts of the parameter's value.
-double PathTracer::error_of(const PathSpot& fold, double& rounding) {
-  solvers::Curve& system = curve(fold.piece);
-  const VectorXd w = system.left_vector(fold.point);
-  const PathPoint point = report(fold);
+// First-order distance of the parameter of an event from the exact one, as parts of its value: of a fold, or of a
+// change of what is watched, where balance holds with the stop at its bound and without force.
+void PathTracer::judge(PathEvent& event, const PathSpot& spot, int watched) {
+  PathPiece piece = spot.piece;
+  const int stops = static_cast<int>(piece.side.size());
+  const bool is_stop = watched >= 0 && watched < 2 * stops;
+  if (is_stop) piece.side[watched / 2] = 0;
+  solvers::Curve& system = curve(piece);
+  if (system.unknowns() > solvers::Curve::spectrum_limit) return;
+  const VectorXd z = mapped(spot.point.z, spot.piece, piece);
+  VectorXd row;
+  if (is_stop) {
+    row = system.gap_gradient(z, watched / 2, watched % 2 == 1);
+  } else if (watched >= 0) {
+    row = system.gap_gradient(z, stops + watched - 2 * stops, false);
+  } else {
+    row = system.without_multipliers(spot.point.tangent);
+  }
+  const VectorXd w = system.parameter_sensitivity(z, row);
+  const PathPoint point = report(spot);
   const auto model = varied_.model_at(point.parameter);
   KeptEquations kept;
-  for (const solvers::ActiveRow& active : system.active()) {
-    kept.rows.push_back(active.row);
-    kept.at_upper.push_back(active.upper ? 1 : 0);
-  }
-  std::vector<Ball> x(point.x.begin(), point.x.end()), y;
+  const auto keep = [&](int constraint, bool upper) {
+    kept.rows.push_back(constraint);
+    kept.at_upper.push_back(upper ? 1 : 0);
+  };
+  for (const solvers::ActiveRow& active : system.active()) keep(active.row, active.upper);
+  if (is_stop) keep(model->mechanism().stop_row(watched / 2), watched % 2 == 1);
+  std::vector<Ball> x(point.x.begin(), point.x.end()), y(kept.rows.size(), Ball(0.0));
   const Index n = system.variables();
-  for (std::size_t k = 0; k < kept.rows.size(); ++k) y.emplace_back(fold.point.z[n + static_cast<Index>(k)]);
+  for (std::size_t k = 0; k < system.active().size(); ++k) y[k] = Ball(z[n + static_cast<Index>(k)]);
   const auto effect = [&](bool rounded, bool with_middle) {
     const std::vector<Ball> residual = BalanceSystem(model->balls(), kept, rounded).residual(x, y);
     Ball sum(0.0);
@@ -447,9 +475,15 @@ double PathTracer::error_of(const PathSpot& fold, double& rounding) {
     return with_middle ? sum.greatest() : spread;
   };
   const double range = std::abs(varied_.to() - varied_.from());
-  const double value = std::max(std::abs(point.parameter), 1e-300);
-  rounding = effect(true, false) * range / value;
-  return effect(false, true) * range / value;
+  // Relative to the range's larger end where the value itself is next to zero.
+  const double value =
+      std::max(std::abs(point.parameter), 1e-3 * std::max(std::abs(varied_.from()), std::abs(varied_.to())));
+  // A free length, which is no row of the model, is met to the rounding of its number and of the length's.
+  const double length = is_stop || watched < 0
+                            ? 0.0
+                            : std::abs(w[w.size() - 1]) * 0x1p-51 * std::max(1.0, z.head(n).cwiseAbs().maxCoeff());
+  event.error = (effect(false, true) + length) * range / value;
+  event.rounding_effect = (effect(true, false) + length) * range / value;
 }
 
 // All curves through a branch point: points of them on a small sphere round it, from starts in all directions of the
@@ -604,6 +638,7 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
         std::optional<PathSpot> beyond = ++switches > most_switches ? std::nullopt : switched(spot, crossing.watched);
         spot.negative = begin.negative;
         add_point(spot, true);
+        judge(event, spot, crossing.watched);
         const int index = add_event(event, spot);
         if (!beyond) {
           end(PathBranch::End::singular, is_stop && event.on
@@ -617,7 +652,8 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
         if (turns) {
           PathEvent kink;
           kink.kind = PathEvent::Kind::fold;
-          kink.error = 1e-15;
+          kink.error = event.error;
+          kink.rounding_effect = event.rounding_effect;
           fold = add_event(kink, spot);
         }
         const bool lost = spot.negative == 0 && (beyond->negative > 0 || turns);
@@ -637,7 +673,7 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
       switch (crossing.kind) {
         case Crossing::Kind::fold:
           event.kind = PathEvent::Kind::fold;
-          event.error = error_of(spot, event.rounding_effect);
+          judge(event, spot, -1);
           break;
         default:
           event.kind = PathEvent::Kind::branch;

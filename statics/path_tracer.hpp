@@ -73,6 +73,8 @@ class PathTracer {
   /// `critical`: where an event is.
   PathPoint report(const PathSpot& spot, bool critical = false) const;
   solvers::Curve& curve(const PathPiece& piece);
+  /// The number, SI, at a parameter.
+  double value_at(double p) const;
   int evaluations() const;
   bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
 
@@ -88,12 +90,13 @@ class PathTracer {
   bool find_crossings(const Segment& segment, const std::vector<double>& values, const std::vector<double>& rates,
                       const std::vector<double>& next_values, const std::vector<double>& next_rates,
                       const PathSpot* start, std::vector<Crossing>& out);
+  Eigen::VectorXd mapped(const Eigen::VectorXd& z, const PathPiece& from, const PathPiece& to);
   std::optional<PathSpot> switched(const PathSpot& spot, int watched);
   void fill(const Segment& segment, double from, double to, const PathSpot& begin, const PathSpot& end);
   int add_event(PathEvent event, const PathSpot& spot);
   void depart(const PathSpot& spot, int event, const Eigen::VectorXd& along);
   void mark_used(int event, const PathSpot& spot, const Eigen::VectorXd& along);
-  double error_of(const PathSpot& fold, double& rounding);
+  void judge(PathEvent& event, const PathSpot& spot, int watched);
   void add_point(const PathSpot& spot, bool critical = false);
 
   const VariedScene& varied_;
