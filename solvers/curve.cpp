@@ -344,6 +344,15 @@ void Curve::rooms(const CurvePoint& point, std::vector<Room>& out) {
   }
 }
 
+double Curve::largest_left_out(const VectorXd& z) {
+  evaluate(z, false);
+  double largest = 0.0;
+  for (int r = 0; r < problem_.equalities(); ++r) {
+    if (place_[r] < 0) largest = std::max(largest, std::abs(values_[problem_.first_row() + r]));
+  }
+  return largest;
+}
+
 VectorXd Curve::without_multipliers(VectorXd z) const {
   z.segment(n_, m_).setZero();
   return z;

@@ -80,6 +80,9 @@ class Curve {
   /// Of the inequalities, in their order.
   void rooms(const CurvePoint& point, std::vector<Room>& out);
 
+  /// The largest of the equalities that are not among the active rows, at z.
+  double largest_left_out(const Eigen::VectorXd& z);
+
   /// w with  w^T (dR/dz; row) = (0, .., 0, 1): where a point is determined by R(z) = 0 and a condition of gradient
   /// `row`, errors (e, f) of both move its parameter by -w^T (e, f). At a fold `row` is the tangent, without its y.
   Eigen::VectorXd parameter_sensitivity(const Eigen::VectorXd& z, const Eigen::VectorXd& row);

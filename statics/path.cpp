@@ -97,16 +97,17 @@ class PathFinder {
   }
 
   // Whether a branch passes through the point: between two of its points that are no farther apart than usual.
-  bool is_known(const PathPoint& point) const {
+  bool is_known(const PathPoint& point) {
     const auto through = [&](const PathPoint& a, const PathPoint& b) {
       if ((a.parameter - point.parameter) * (b.parameter - point.parameter) > 0.0) return false;
       if (a.active_stops != point.active_stops && b.active_stops != point.active_stops) return false;
       const double share =
           a.parameter == b.parameter ? 0.0 : (point.parameter - a.parameter) / (b.parameter - a.parameter);
+      std::vector<double> between = a.x;
+      for (std::size_t i = 0; i < between.size(); ++i) between[i] += share * (b.x[i] - a.x[i]);
+      const std::vector<double> x = tracer_.unwound(point.x, between, PathTracer::Turns::forces_and_stops);
       double distance = 0.0;
-      for (std::size_t i = 0; i < point.x.size(); ++i) {
-        distance = std::max(distance, std::abs(a.x[i] + share * (b.x[i] - a.x[i]) - point.x[i]));
-      }
+      for (std::size_t i = 0; i < x.size(); ++i) distance = std::max(distance, std::abs(between[i] - x[i]));
       return distance < 0.5 * options_.spacing;
     };
     return std::any_of(out_.branches.begin(), out_.branches.end(), [&](const PathBranch& branch) {

@@ -102,7 +102,8 @@ struct PathOptions {
   bool certify = true;        ///< every point carries a certificate
   std::vector<double> at{};   ///< values of the parameter, SI, at which points are wanted besides; ascending or not
   double spacing = 0.01;      ///< largest distance of neighbouring points: parts of the range, rad, mechanism sizes
-  int most_points = 100'000;  ///< of all branches
+  double longest_step = 0.1;  ///< along the curve, in the same units
+  int most_points = 100'000;  ///< of each branch
   CertificateOptions certificate{};
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(double parameter, int points)> progress{};

@@ -23,7 +23,6 @@ using Eigen::VectorXd;
 
 // Distances along the curve: rad, mechanism sizes, parts of the parameter's range.
 constexpr double first_step = 0.01;
-constexpr double longest_step = 0.1;
 constexpr double shortest_step = 1e-9;
 constexpr double shortest_split = 1e-5;     // steps are halved down to it to tell events apart
 constexpr double largest_correction = 0.1;  // of a predicted point, in steps
@@ -33,8 +32,11 @@ constexpr double usual_turn = 0.1;
 constexpr double largest_deviation = 0.05;  // of points within a step from the interpolated ones, in steps
 constexpr double standstill = 1e-9;         // rate of the parameter below which it does not vary
 constexpr double overrun = 1e-12;           // of a stop or a free length, that is no event yet
+constexpr double heavy_multipliers = 1e3;   // in the model's unit of force, next to a dead centre
 constexpr double run_away = 100.0;          // of a coordinate
+constexpr double taken_apart = 1e-9;        // gap of joints that repeat others
 constexpr double same_point = 1e-6;
+constexpr double same_pose = 1e-9;  // of forces and measures after whole turns
 constexpr double departure = 1e-3;  // radius of the sphere on which curves leave a branch point
 constexpr int most_switches = 8;    // of pieces at one point
 
@@ -122,6 +124,7 @@ std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p,
           solvers::pivot_order<double>(point.jacobian.transpose(), solvers::known_to::closed_point);
       equalities_.assign(order.begin(), order.begin() + rank);
       std::sort(equalities_.begin(), equalities_.end());
+      has_left_out_ = rank < m.equalities();
     }
   }
   std::vector<int> rows = equalities_;
@@ -263,6 +266,40 @@ std::optional<PathSpot> PathTracer::switched(const PathSpot& spot, int watched) 
   if (rates[watched] < 0.0) out.reverse();
   out.negative = to.negative_directions(out.point.z);
   return out;
+}
+
+std::vector<double> PathTracer::unwound(const std::vector<double>& x, const std::vector<double>& near, Turns turns) {
+  if (!somewhere_) somewhere_ = varied_.model_at(value_at(0.5));
+  const Mechanism<double>& m = somewhere_->mechanism();
+  std::vector<double> out = x;
+  for (int k = 0; k < m.layout().angles; ++k) out[k] += 2 * M_PI * std::round((near[k] - x[k]) / (2 * M_PI));
+  if (out == x) return out;
+  const auto values_at = [&](const std::vector<double>& at) {
+    std::vector<Planar<double>> pose(m.pose_size());
+    VectorXd values(m.coordinates() + m.constraints());
+    m.place(at.data(), pose.data());
+    m.negative_force(at.data(), pose.data(), values.data());
+    m.constraint(at.data(), pose.data(), values.data() + m.coordinates());
+    if (turns == Turns::forces) values.tail(m.stops()).setZero();
+    return values;
+  };
+  return (values_at(out) - values_at(x)).cwiseAbs().maxCoeff() < same_pose ? out : x;
+}
+
+// Whether a fold is, but for whole turns, one that the branch has passed before.
+bool PathTracer::repeats(const PathSpot& fold) {
+  const PathPoint here = report(fold);
+  const double range = std::abs(varied_.to() - varied_.from());
+  for (const int e : out_.branches[branch_].events) {
+    const PathEvent& event = out_.events[e];
+    if (event.kind != PathEvent::Kind::fold || event.at.active_stops != here.active_stops) continue;
+    if (std::abs(event.at.parameter - here.parameter) > same_pose * range) continue;
+    const std::vector<double> x = unwound(here.x, event.at.x, Turns::forces);
+    double distance = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) distance = std::max(distance, std::abs(x[i] - event.at.x[i]));
+    if (distance < same_point) return true;
+  }
+  return false;
 }
 
 // --- along a segment ------------------------------------------------------------------------------------------------
@@ -567,7 +604,7 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
     if (start.p() == wanted_[k]) out_.wanted[k].push_back(report(start));
   }
   PathSpot here = start;
-  double h = first_step;
+  double h = std::min(first_step, options_.longest_step);
   VectorXd bend;
   bool has_bend = false;
   int switches = 0, steps = 0;
@@ -591,7 +628,15 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
     double badness = 1.0;
     while (true) {
       if (h < shortest_step) {
-        end(PathBranch::End::stuck, "no step along the curve succeeds " + parameter_text());
+        const Index n = curve(here.piece).variables();
+        const auto multipliers = here.point.z.segment(n, here.point.z.size() - n - 1);
+        if (multipliers.size() > 0 && multipliers.cwiseAbs().maxCoeff() > heavy_multipliers) {
+          end(PathBranch::End::singular,
+              "towards a dead centre, where the closures lose rank, joint forces grow without bound " +
+                  parameter_text());
+        } else {
+          end(PathBranch::End::stuck, "no step along the curve succeeds " + parameter_text());
+        }
         return losses;
       }
       std::optional<PathSpot> next = step(here, h, has_bend ? &bend : nullptr, badness);
@@ -608,7 +653,11 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
       h *= 0.5;
     }
     ++steps;
-    const solvers::Curve& system = curve(here.piece);
+    solvers::Curve& system = curve(here.piece);
+    if (has_left_out_ && system.largest_left_out(segment.b.point.z) > taken_apart) {
+      end(PathBranch::End::stuck, "joints that repeat others no longer fit together " + parameter_text());
+      return losses;
+    }
     if (segment.b.point.z.head(system.variables()).cwiseAbs().maxCoeff() > run_away) {
       end(PathBranch::End::stuck, "the mechanism runs away " + parameter_text());
       return losses;
@@ -641,10 +690,16 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
         judge(event, spot, crossing.watched);
         const int index = add_event(event, spot);
         if (!beyond) {
-          end(PathBranch::End::singular, is_stop && event.on
-                                             ? fmt::format("the stop \"{}\" leaves no motion {}",
-                                                           varied_.scene().stops[event.item].name, parameter_text())
-                                             : "several stops or springs change together " + parameter_text());
+          const std::string at_place =
+              fmt::format("at {} = {:.6g}", varied_.name(), value_at(spot.p()) / varied_.unit());
+          if (switches > most_switches) {
+            end(PathBranch::End::singular, "several stops or springs change together " + at_place);
+          } else if (is_stop && event.on) {
+            end(PathBranch::End::singular,
+                fmt::format("the stop \"{}\" leaves no motion {}", varied_.scene().stops[event.item].name, at_place));
+          } else {
+            end(PathBranch::End::singular, "beyond it a whole set of poses is in equilibrium " + at_place);
+          }
           return losses;
         }
         const bool turns = beyond->rate() * spot.rate() < 0.0 && std::abs(beyond->rate()) > standstill;
@@ -689,6 +744,11 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
           if (z.size() == place.size() && curve(spot.piece).norm(z - place) < same_point) index = known;
         }
       }
+      if (crossing.kind == Crossing::Kind::fold && repeats(spot)) {
+        add_point(spot, true);
+        end(PathBranch::End::closed, "it repeats itself after whole turns");
+        return losses;
+      }
       const bool is_new = index < 0;
       if (is_new) {
         index = add_event(event, spot);
@@ -723,12 +783,12 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
       here = std::move(segment.b);
       switches = 0;
       add_point(here);
-      h = std::min(longest_step, h * std::clamp(1.0 / badness, 0.5, 2.0));
+      h = std::min(options_.longest_step, h * std::clamp(1.0 / badness, 0.5, 2.0));
       std::swap(values, next_values);
       std::swap(rates, next_rates);
     } else {
       has_bend = false;
-      h = std::min(h, first_step);
+      h = std::min({h, first_step, options_.longest_step});
       watch(here, values, rates);
     }
   }
@@ -832,16 +892,23 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<double
     crossing.spot.point.z[z.size() - 1] = limit;
     out.push_back(std::move(crossing));
   }
-  // Back at the start of the branch.
-  if (start != nullptr && start->piece == a.piece) {
+  // Back at the start of the branch, perhaps after whole turns.
+  if (start != nullptr && start->piece == a.piece && std::abs(b.p() - start->p()) < 1.5 * h) {
     solvers::Curve& system = curve(a.piece);
+    const Index n = system.variables();
+    const auto coordinates = [&](const PathSpot& spot) {
+      return std::vector<double>(spot.point.z.data(), spot.point.z.data() + n);
+    };
+    const std::vector<double> turned = unwound(coordinates(*start), coordinates(b), Turns::forces_and_stops);
+    VectorXd origin = start->point.z;
+    origin.head(n) = VectorXd::Map(turned.data(), n);
     const VectorXd& t = start->point.tangent;
-    const double fa = system.dot(a.point.z - start->point.z, t), fb = system.dot(b.point.z - start->point.z, t);
-    if (fa < 0.0 && fb >= 0.0 && system.norm(b.point.z - start->point.z) < 1.5 * h) {
-      auto found = root([&](double s) { return at(segment, s); },
-                        [&](const PathSpot& spot) { return system.dot(spot.point.z - start->point.z, t); }, h, fa,
-                        std::max(fb, 1e-300));
-      if (found && system.norm(found->spot.point.z - start->point.z) < same_point) {
+    const double fa = system.dot(a.point.z - origin, t), fb = system.dot(b.point.z - origin, t);
+    if (fa < 0.0 && fb >= 0.0 && system.norm(b.point.z - origin) < 1.5 * h) {
+      auto found =
+          root([&](double s) { return at(segment, s); },
+               [&](const PathSpot& spot) { return system.dot(spot.point.z - origin, t); }, h, fa, std::max(fb, 1e-300));
+      if (found && system.norm(found->spot.point.z - origin) < same_point) {
         out.push_back({Crossing::Kind::start, found->s, -1, std::move(found->spot)});
       }
     }

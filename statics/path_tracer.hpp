@@ -73,6 +73,11 @@ class PathTracer {
   /// `critical`: where an event is.
   PathPoint report(const PathSpot& spot, bool critical = false) const;
   solvers::Curve& curve(const PathPiece& piece);
+  /// What whole turns of angles must leave as it is.
+  enum class Turns { forces, forces_and_stops };
+  /// `x` with whole turns added to angles such that it comes as near as possible to `near`, where these turns change
+  /// nothing; otherwise x itself.
+  std::vector<double> unwound(const std::vector<double>& x, const std::vector<double>& near, Turns turns);
   /// The number, SI, at a parameter.
   double value_at(double p) const;
   int evaluations() const;
@@ -97,6 +102,7 @@ class PathTracer {
   void depart(const PathSpot& spot, int event, const Eigen::VectorXd& along);
   void mark_used(int event, const PathSpot& spot, const Eigen::VectorXd& along);
   void judge(PathEvent& event, const PathSpot& spot, int watched);
+  bool repeats(const PathSpot& fold);
   void add_point(const PathSpot& spot, bool critical = false);
 
   const VariedScene& varied_;
@@ -105,12 +111,14 @@ class PathTracer {
   std::vector<int> one_way_;
   std::map<std::vector<char>, std::unique_ptr<VariedMechanism>> mechanisms_;
   std::map<PathPiece, std::unique_ptr<solvers::Curve>> curves_;
-  std::vector<int> equalities_;  // independent ones
-  std::vector<double> wanted_;   // parameters of PathOptions::at
+  std::vector<int> equalities_;             // independent ones
+  std::unique_ptr<StaticModel> somewhere_;  // in the middle of the range
+  std::vector<double> wanted_;              // parameters of PathOptions::at
   std::deque<Departure> departures_;
   std::vector<std::pair<int, Eigen::VectorXd>> branch_points_;  // event, (x, p)
   int branch_ = -1;
   bool symmetric_ = true;
+  bool has_left_out_ = false;  // rows of closures that repeat others
 };
 
 }  // namespace poise
