@@ -36,7 +36,6 @@ struct Curve::Factors {
   std::vector<Eigen::Triplet<double>> triplets;
   Eigen::SparseLU<Eigen::SparseMatrix<double>> sparse_lu;
   int unit = -1, analysed = -1;
-  int sign = 0;
 };
 
 Curve::Curve(ParametricProblem& problem, std::vector<ActiveRow> active)
@@ -53,6 +52,7 @@ Curve::Curve(ParametricProblem& problem, std::vector<ActiveRow> active)
       y_(problem.rows(), 0.0),
       residual_(size_),
       step_(size_),
+      right_(size_),
       row_(size_),
       factors_(std::make_unique<Factors>()) {
   for (int k = 0; k < m_; ++k) place_[active_[k].row] = k;
@@ -137,12 +137,7 @@ bool Curve::factor(const VectorXd& row) {
     f.matrix.row(size_ - 1) = row.transpose();
     f.lu.compute(f.matrix);
     const auto& diagonal = f.lu.matrixLU().diagonal();
-    f.sign = static_cast<int>(f.lu.permutationP().determinant());
-    for (Index i = 0; i < diagonal.size(); ++i) {
-      if (diagonal[i] == 0.0 || !std::isfinite(diagonal[i])) return false;
-      if (diagonal[i] < 0.0) f.sign = -f.sign;
-    }
-    return true;
+    return (diagonal.array().abs() > 0.0).all() && std::isfinite(diagonal.sum());
   }
   Index unit = 0;
   row.cwiseAbs().maxCoeff(&unit);
@@ -155,16 +150,27 @@ bool Curve::factor(const VectorXd& row) {
   if (f.analysed != f.unit) f.sparse_lu.analyzePattern(f.sparse);
   f.analysed = f.unit;
   f.sparse_lu.factorize(f.sparse);
-  if (f.sparse_lu.info() != Eigen::Success) return false;
-  f.sign = static_cast<int>(f.sparse_lu.signDeterminant());
-  return true;
+  return f.sparse_lu.info() == Eigen::Success;
 }
 
-void Curve::solve(VectorXd& b) const {
+// Of the determinant of the bordered matrix.
+int Curve::sign() const {
+  Factors& f = *factors_;
+  if (!dense_) return static_cast<int>(f.sparse_lu.signDeterminant());
+  const auto& diagonal = f.lu.matrixLU().diagonal();
+  int sign = static_cast<int>(f.lu.permutationP().determinant());
+  for (Index i = 0; i < diagonal.size(); ++i) {
+    if (diagonal[i] < 0.0) sign = -sign;
+  }
+  return sign;
+}
+
+void Curve::solve(VectorXd& b) {
+  right_ = b;
   if (dense_) {
-    b = factors_->lu.solve(b).eval();
+    b.noalias() = factors_->lu.solve(right_);
   } else {
-    b = factors_->sparse_lu.solve(b).eval();
+    b = factors_->sparse_lu.solve(right_);
   }
 }
 
@@ -213,7 +219,7 @@ bool Curve::set_tangent(CurvePoint& point, const VectorXd& like) {
   const double length = norm(point.tangent);
   if (!(length > 0.0) || !std::isfinite(length)) return false;
   point.tangent /= dot(point.tangent, like) < 0.0 ? -length : length;
-  point.orientation = factors_->sign;
+  point.orientation = sign();
   if (!dense_ && point.tangent[factors_->unit] < 0.0) point.orientation = -point.orientation;
   return true;
 }
@@ -251,6 +257,25 @@ MatrixXd Curve::second(const VectorXd& z, const VectorXd& u) {
   std::swap(by_p_, by_p);
   std::swap(tangent_, tangent);
   return out;
+}
+
+// R(z + e t) - 2 R(z) + R(z - e t) = e^2 R'' t t, up to terms of order e^4.
+void Curve::estimate_bend(CurvePoint& point) {
+  constexpr double e = 1e-3;
+  VectorXd& out = point.bend;
+  evaluate(point.z, false);
+  residual(point.z);
+  out = 2.0 * residual_;
+  for (const double side : {e, -e}) {
+    step_ = point.z + side * point.tangent;
+    evaluate(step_, false);
+    residual(step_);
+    out -= residual_;
+  }
+  out /= e * e;
+  out[size_ - 1] = 0.0;
+  solve(out);
+  out -= dot(out, point.tangent) * point.tangent;
 }
 
 VectorXd Curve::bend(const CurvePoint& point) {

@@ -20,6 +20,8 @@ struct CurvePoint {
   Eigen::VectorXd z, tangent;
   /// Sign of the determinant of the equations bordered by the tangent: it changes at simple branch points only.
   int orientation = 0;
+  /// Second derivative of z by arclength, to some 7 digits, for prediction and interpolation.
+  Eigen::VectorXd bend;
 };
 
 /// The curve of stationary points for given active rows,
@@ -66,6 +68,8 @@ class Curve {
   /// Sets both by factors at the point itself.
   bool differentiate_at(CurvePoint& point, const Eigen::VectorXd& like);
 
+  /// Sets CurvePoint::bend by differences of R along the tangent, with the factors of differentiate().
+  void estimate_bend(CurvePoint& point);
   /// Second derivative of z by arclength at a point with its tangent; exact third derivatives of energy and
   /// constraints.
   Eigen::VectorXd bend(const CurvePoint& point);
@@ -112,7 +116,8 @@ class Curve {
   template <class Put>
   void entries(Put put) const;
   bool factor(const Eigen::VectorXd& row);
-  void solve(Eigen::VectorXd& b) const;
+  int sign() const;
+  void solve(Eigen::VectorXd& b);
   Correction iterate(Eigen::VectorXd& z, const Eigen::VectorXd* row, const Eigen::VectorXd* centre, double radius);
   bool set_tangent(CurvePoint& point, const Eigen::VectorXd& like);
   Eigen::MatrixXd second(const Eigen::VectorXd& z, const Eigen::VectorXd& u);
@@ -124,7 +129,7 @@ class Curve {
   bool dense_;
   int evaluations_ = 0;
   std::vector<double> values_, by_p_, tangent_, y_;
-  Eigen::VectorXd residual_, step_, row_;
+  Eigen::VectorXd residual_, step_, right_, row_;
   std::unique_ptr<Factors> factors_;
 };
 

@@ -1,7 +1,6 @@
 #include "statics/path.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -277,9 +276,7 @@ int Path::unproved() const {
 Path path(const VariedScene& varied, const PathOptions& options) {
   Path out;
   out.wanted.resize(options.at.size());
-  const auto begin = std::chrono::steady_clock::now();
   PathFinder(varied, options, out).run();
-  out.microseconds = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
   every_point(out, [&](PathPoint& point) { certify_point(varied, options, point); });
   return out;
 }

@@ -125,7 +125,8 @@ struct Path {
   /// Equilibria at each of PathOptions::at, in their order, in the order of the branches.
   std::vector<std::vector<PathPoint>> wanted;
   int steps = 0, evaluations = 0;
-  double microseconds = 0.0;  ///< of the tracing alone, without certificates
+  /// Of following curves alone, without compiling, the search for the start and for landings, and certificates.
+  double microseconds = 0.0;
 
   /// Points that carry no proof although one was tried.
   int unproved() const;

@@ -1,6 +1,7 @@
 #include "statics/path_tracer.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -40,7 +41,7 @@ constexpr double same_pose = 1e-9;  // of forces and measures after whole turns
 constexpr double departure = 1e-3;  // radius of the sphere on which curves leave a branch point
 constexpr int most_switches = 8;    // of pieces at one point
 
-double hermite(double a, double b, double slope_a, double slope_b, double h, double s) {
+double cubic(double a, double b, double slope_a, double slope_b, double h, double s) {
   const double t = s / h;
   const double t2 = t * t, t3 = t2 * t;
   return a * (2 * t3 - 3 * t2 + 1) + h * slope_a * (t3 - 2 * t2 + t) + b * (3 * t2 - 2 * t3) + h * slope_b * (t3 - t2);
@@ -51,7 +52,7 @@ bool dips(double a, double b, double slope_a, double slope_b, double h) {
   if (slope_a >= 0.0 || slope_b <= 0.0) return false;
   constexpr int samples = 8;
   for (int k = 1; k < samples; ++k) {
-    if (hermite(a, b, slope_a, slope_b, h, h * k / samples) < 0.0) return true;
+    if (cubic(a, b, slope_a, slope_b, h, h * k / samples) < 0.0) return true;
   }
   return false;
 }
@@ -157,6 +158,7 @@ std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p,
   const VectorXd along = direction * VectorXd::Unit(z.size(), z.size() - 1);
   // At a fold the parameter cannot be held: the point is there already.
   if (!system.correct(z, along).converged || !system.differentiate_at(out.point, along)) return std::nullopt;
+  system.estimate_bend(out.point);
   out.negative = system.negative_directions(z);
   return out;
 }
@@ -260,6 +262,7 @@ std::optional<PathSpot> PathTracer::switched(const PathSpot& spot, int watched) 
     like = null.col(0) / to.norm(null.col(0));
   }
   if (!to.differentiate_at(out.point, like)) return std::nullopt;
+  to.estimate_bend(out.point);
   std::vector<double> values, rates;
   // The row that was watched is watched from the other side now.
   watch(out, values, rates);
@@ -304,21 +307,26 @@ bool PathTracer::repeats(const PathSpot& fold) {
 
 // --- along a segment ------------------------------------------------------------------------------------------------
 
+// Hermite polynomial of degree 5 through the ends with their first and second derivatives, and a row across the curve.
+void PathTracer::interpolate(const Segment& segment, double s) {
+  const solvers::CurvePoint &a = segment.a.point, &b = segment.b.point;
+  const double h = segment.h, t = s / h, u = 1.0 - t;
+  const double t3 = t * t * t, u3 = u * u * u;
+  z_ = (u3 * (1 + t * (3 + 6 * t))) * a.z + (h * u3 * t * (1 + 3 * t)) * a.tangent + (0.5 * h * h * u3 * t * t) * a.bend;
+  z_ += (t3 * (1 + u * (3 + 6 * u))) * b.z - (h * t3 * u * (1 + 3 * u)) * b.tangent + (0.5 * h * h * t3 * u * u) * b.bend;
+  row_ = u * a.tangent + t * b.tangent;
+  const Index n = curve(segment.a.piece).variables();
+  row_.segment(n, row_.size() - n - 1).setZero();
+}
+
 std::optional<PathSpot> PathTracer::at(const Segment& segment, double s) {
   solvers::Curve& system = curve(segment.a.piece);
-  const double h = segment.h, t = s / h;
-  const double t2 = t * t, t3 = t2 * t;
+  interpolate(segment, s);
   PathSpot out = segment.a;
-  const VectorXd interpolated = (2 * t3 - 3 * t2 + 1) * segment.a.point.z +
-                                h * (t3 - 2 * t2 + t) * segment.a.point.tangent +
-                                (3 * t2 - 2 * t3) * segment.b.point.z + h * (t3 - t2) * segment.b.point.tangent;
-  VectorXd row = (1 - t) * segment.a.point.tangent + t * segment.b.point.tangent;
-  const Index n = system.variables();
-  row.segment(n, row.size() - n - 1).setZero();
-  out.point.z = interpolated;
-  if (!system.correct(out.point.z, row).converged || !system.differentiate(out.point, row)) return std::nullopt;
-  if (system.norm(out.point.z - interpolated) > largest_deviation * h) return std::nullopt;
-  out.negative = t < 0.5 ? segment.a.negative : segment.b.negative;
+  out.point.z = z_;
+  if (!system.correct(out.point.z, row_).converged || !system.differentiate(out.point, row_)) return std::nullopt;
+  if (system.norm(out.point.z - z_) > largest_deviation * segment.h) return std::nullopt;
+  out.negative = s < 0.5 * segment.h ? segment.a.negative : segment.b.negative;
   return out;
 }
 
@@ -452,11 +460,13 @@ void PathTracer::fill(const Segment& segment, double from, double to, const Path
     out_.wanted[k].push_back(std::move(point));
   }
   const int parts = static_cast<int>(std::ceil((to - from) / options_.spacing));
+  if (parts < 2) return;
+  solvers::Curve& system = curve(segment.a.piece);
+  PathSpot spot = begin;
   for (int k = 1; k < parts; ++k) {
-    if (std::optional<PathSpot> spot = at(segment, from + (to - from) * k / parts)) {
-      spot->negative = begin.negative;
-      add_point(*spot);
-    }
+    interpolate(segment, from + (to - from) * k / parts);
+    spot.point.z = z_;
+    if (system.correct(spot.point.z, row_).converged) add_point(spot);
   }
 }
 
@@ -559,6 +569,7 @@ void PathTracer::depart(const PathSpot& spot, int event, const VectorXd& along) 
     start.point.z = z;
     VectorXd outward = (z - centre) / departure;
     if (!system.differentiate_at(start.point, outward)) continue;
+    system.estimate_bend(start.point);
     start.negative = system.negative_directions(z);
     const double cosine = system.dot(outward, along) / system.norm(along);
     const bool own = std::abs(cosine) > 0.98;
@@ -568,11 +579,19 @@ void PathTracer::depart(const PathSpot& spot, int event, const VectorXd& along) 
 
 // --- the trace ------------------------------------------------------------------------------------------------------
 
-std::optional<PathSpot> PathTracer::step(const PathSpot& here, double h, const VectorXd* bend, double& badness) {
+// Length of the arc between the ends, of a circle through both with their tangents.
+double PathTracer::arc(const Segment& segment) {
+  const solvers::Curve& system = curve(segment.a.piece);
+  const double chord = system.norm(segment.b.point.z - segment.a.point.z);
+  const double half =
+      0.5 * std::acos(std::clamp(system.dot(segment.a.point.tangent, segment.b.point.tangent), -1.0, 1.0));
+  return half > 1e-6 ? chord * half / std::sin(half) : chord;
+}
+
+std::optional<PathSpot> PathTracer::step(const PathSpot& here, double h, double& badness) {
   solvers::Curve& system = curve(here.piece);
   PathSpot next = here;
-  next.point.z = here.point.z + h * here.point.tangent;
-  if (bend != nullptr) next.point.z += 0.5 * h * h * *bend;
+  next.point.z = here.point.z + h * here.point.tangent + (0.5 * h * h) * here.point.bend;
   VectorXd row = here.point.tangent;
   const Index n = system.variables();
   row.segment(n, row.size() - n - 1).setZero();
@@ -582,12 +601,22 @@ std::optional<PathSpot> PathTracer::step(const PathSpot& here, double h, const V
   const double cosine = std::clamp(system.dot(here.point.tangent, next.point.tangent), -1.0, 1.0);
   const double turn = std::acos(cosine);
   if (turn > largest_turn) return std::nullopt;
+  system.estimate_bend(next.point);
   badness = std::max(std::sqrt(correction.first / h / usual_correction), turn / usual_turn);
   next.negative = system.negative_directions(next.point.z);
   return next;
 }
 
-std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, Until until) {
+std::vector<PathTracer::Loss> PathTracer::trace(const PathSpot& start, int from_event, Until until) {
+  curve(start.piece);  // compiled before the clock starts
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<Loss> losses = follow(start, from_event, until);
+  out_.microseconds +=
+      std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+  return losses;
+}
+
+std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from_event, Until until) {
   branch_ = static_cast<int>(out_.branches.size());
   out_.branches.emplace_back();
   out_.branches[branch_].from = from_event;
@@ -605,8 +634,6 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
   }
   PathSpot here = start;
   double h = std::min(first_step, options_.longest_step);
-  VectorXd bend;
-  bool has_bend = false;
   int switches = 0, steps = 0;
   std::vector<double> values, rates, next_values, next_rates;
   watch(here, values, rates);
@@ -639,13 +666,14 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
         }
         return losses;
       }
-      std::optional<PathSpot> next = step(here, h, has_bend ? &bend : nullptr, badness);
+      std::optional<PathSpot> next = step(here, h, badness);
       ++out_.steps;
       if (!next) {
         h *= 0.5;
         continue;
       }
-      segment = {here, std::move(*next), h};
+      segment = {here, std::move(*next), 0.0};
+      segment.h = arc(segment);
       crossings.clear();
       watch(segment.b, next_values, next_rates);
       if (find_crossings(segment, values, rates, next_values, next_rates, steps > 2 ? &start : nullptr, crossings))
@@ -778,8 +806,6 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
     }
     if (!switched_piece) {
       fill(segment, from, segment.h, begin, segment.b);
-      bend = (segment.b.point.tangent - segment.a.point.tangent) / segment.h;
-      has_bend = true;
       here = std::move(segment.b);
       switches = 0;
       add_point(here);
@@ -787,7 +813,6 @@ std::vector<PathTracer::Loss> PathTracer::trace(PathSpot start, int from_event, 
       std::swap(values, next_values);
       std::swap(rates, next_rates);
     } else {
-      has_bend = false;
       h = std::min({h, first_step, options_.longest_step});
       watch(here, values, rates);
     }

@@ -60,7 +60,7 @@ class PathTracer {
     PathSpot at;
     double direction = 1.0;  ///< in which the parameter went before: 1 or -1
   };
-  std::vector<Loss> trace(PathSpot start, int from_event, Until until);
+  std::vector<Loss> trace(const PathSpot& start, int from_event, Until until);
 
   /// A curve that leaves a branch point, not followed yet.
   struct Departure {
@@ -84,10 +84,13 @@ class PathTracer {
   bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
 
  private:
+  std::vector<Loss> follow(const PathSpot& start, int from_event, Until until);
   struct Segment;
   struct Crossing;
   std::optional<PathSpot> at(const Segment& segment, double s);
-  std::optional<PathSpot> step(const PathSpot& here, double h, const Eigen::VectorXd* bend, double& badness);
+  std::optional<PathSpot> step(const PathSpot& here, double h, double& badness);
+  double arc(const Segment& segment);
+  void interpolate(const Segment& segment, double s);
   void watch(const PathSpot& spot, std::vector<double>& values, std::vector<double>& rates);
   std::optional<PathSpot> find_fold(const Segment& segment, double& s);
   std::optional<PathSpot> find_branch(const Segment& segment, double& s);
@@ -117,6 +120,7 @@ class PathTracer {
   std::deque<Departure> departures_;
   std::vector<std::pair<int, Eigen::VectorXd>> branch_points_;  // event, (x, p)
   int branch_ = -1;
+  Eigen::VectorXd z_, row_;  // of interpolate()
   bool symmetric_ = true;
   bool has_left_out_ = false;  // rows of closures that repeat others
 };
