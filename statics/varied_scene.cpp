@@ -106,6 +106,12 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     if (!contains(range, end * unit_)) fail(out_of_range(range, end));
   }
   if (from == to) fail(fmt::format("the range {}..{} has no length; expected two different values", from, to));
+  try {
+    scene_at(from_);
+    scene_at(to_);
+  } catch (const InputError& error) {
+    fail(error.what());  // limits of a stop that change places, say
+  }
   // Units of the scene as it is at some value at which nothing is zero.
   const Scene somewhere = scene_at(generic());
   scales_ = ScaledModel(somewhere, Purpose::statics).scales();
