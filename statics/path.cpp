@@ -241,6 +241,9 @@ void certify_point(const VariedScene& varied, const PathOptions& options, PathPo
   if (certificate.confirmed()) {
     point.stability = certificate.stability;
     point.unstable_directions = certificate.unstable_directions;
+    if (point.stability == Stability::unknown && m.has_follower_loads() && options.dynamic_stability) {
+      point.stability = options.dynamic_stability(*model, point.x);
+    }
   }
 }
 

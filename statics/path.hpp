@@ -105,6 +105,8 @@ struct PathOptions {
   double longest_step = 0.1;  ///< along the curve, in the same units
   int most_points = 100'000;  ///< of each branch
   CertificateOptions certificate{};
+  /// Asked where loads follow bodies and the signs of stiffness do not decide (motion/dynamic_stability.hpp).
+  std::function<Stability(const StaticModel&, const std::vector<double>& x)> dynamic_stability{};
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(double parameter, int points)> progress{};
 };

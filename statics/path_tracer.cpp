@@ -171,6 +171,10 @@ PathPoint PathTracer::report(const PathSpot& spot, bool critical) const {
   out.x.assign(spot.point.z.data(), spot.point.z.data() + n);
   out.unstable_directions = std::max(0, spot.negative);
   out.stability = spot.negative > 0 ? Stability::unstable : spot.negative == 0 ? Stability::stable : Stability::unknown;
+  // Loads that follow bodies may make it flutter.
+  const solvers::Curve& system = *curves_.at(spot.piece);
+  const int freedoms = system.variables() - static_cast<int>(system.active().size());
+  if (!symmetric_ && freedoms > 1 && out.stability == Stability::stable) out.stability = Stability::unknown;
   const std::size_t stops = spot.piece.side.size() - (varied_.is_driven() ? 1 : 0);
   for (std::size_t s = 0; s < stops; ++s) {
     if (spot.piece.side[s] != 0) out.active_stops.push_back(static_cast<int>(s));
@@ -312,8 +316,10 @@ void PathTracer::interpolate(const Segment& segment, double s) {
   const solvers::CurvePoint &a = segment.a.point, &b = segment.b.point;
   const double h = segment.h, t = s / h, u = 1.0 - t;
   const double t3 = t * t * t, u3 = u * u * u;
-  z_ = (u3 * (1 + t * (3 + 6 * t))) * a.z + (h * u3 * t * (1 + 3 * t)) * a.tangent + (0.5 * h * h * u3 * t * t) * a.bend;
-  z_ += (t3 * (1 + u * (3 + 6 * u))) * b.z - (h * t3 * u * (1 + 3 * u)) * b.tangent + (0.5 * h * h * t3 * u * u) * b.bend;
+  z_ =
+      (u3 * (1 + t * (3 + 6 * t))) * a.z + (h * u3 * t * (1 + 3 * t)) * a.tangent + (0.5 * h * h * u3 * t * t) * a.bend;
+  z_ +=
+      (t3 * (1 + u * (3 + 6 * u))) * b.z - (h * t3 * u * (1 + 3 * u)) * b.tangent + (0.5 * h * h * t3 * u * u) * b.bend;
   row_ = u * a.tangent + t * b.tangent;
   const Index n = curve(segment.a.piece).variables();
   row_.segment(n, row_.size() - n - 1).setZero();
@@ -611,8 +617,7 @@ std::vector<PathTracer::Loss> PathTracer::trace(const PathSpot& start, int from_
   curve(start.piece);  // compiled before the clock starts
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Loss> losses = follow(start, from_event, until);
-  out_.microseconds +=
-      std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+  out_.microseconds += std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
   return losses;
 }
 
