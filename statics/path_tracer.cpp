@@ -33,6 +33,7 @@ constexpr double usual_turn = 0.1;
 constexpr double largest_deviation = 0.05;  // of points within a step from the interpolated ones, in steps
 constexpr double standstill = 1e-9;         // rate of the parameter below which it does not vary
 constexpr double overrun = 1e-12;           // of a stop or a free length, that is no event yet
+constexpr double pole_growth = 100.0;       // of multipliers, towards a dead centre
 constexpr double heavy_multipliers = 1e3;   // in the model's unit of force, next to a dead centre
 constexpr double run_away = 100.0;          // of a coordinate
 constexpr double taken_apart = 1e-9;        // gap of joints that repeat others
@@ -67,7 +68,7 @@ struct PathTracer::Segment {
 
 // An event between the ends of a segment.
 struct PathTracer::Crossing {
-  enum class Kind { fold, branch, multiple, watched, range, start } kind;
+  enum class Kind { fold, branch, multiple, watched, range, start, dead_centre } kind;
   double s = 0.0;
   int watched = -1;
   PathSpot spot{};
@@ -395,7 +396,7 @@ std::optional<PathSpot> PathTracer::find_fold(const Segment& segment, double& s)
   return best;
 }
 
-std::optional<PathSpot> PathTracer::find_branch(const Segment& segment, double& s) {
+std::optional<PathSpot> PathTracer::find_branch(const Segment& segment, double& s, bool& is_pole) {
   solvers::Curve& system = curve(segment.a.piece);
   double low = 0.0, high = segment.h;
   const bool dense = system.unknowns() <= solvers::Curve::spectrum_limit;
@@ -410,7 +411,15 @@ std::optional<PathSpot> PathTracer::find_branch(const Segment& segment, double& 
     (spot->point.orientation == segment.a.point.orientation ? low : high) = s;
     best = std::move(spot);
   }
-  if (!best || !dense) return best;
+  if (!best) return best;
+  // The determinant also changes its sign through infinity, where multipliers do: a dead centre.
+  const auto heaviest = [&](const PathSpot& spot) {
+    const Index n = system.variables();
+    return spot.point.z.segment(n, spot.point.z.size() - n - 1).lpNorm<Eigen::Infinity>();
+  };
+  is_pole = system.active().size() > 0 &&
+            heaviest(*best) > pole_growth * (1.0 + std::max(heaviest(segment.a), heaviest(segment.b)));
+  if (is_pole || !dense) return best;
   PathSpot found = *best;
   const double last = system.find_branch_point(found.point.z);
   if (!(last < 1e-7) || system.norm(found.point.z - best->point.z) > 100 * width + 1e-6) return std::nullopt;
@@ -642,8 +651,12 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
   int switches = 0, steps = 0;
   std::vector<double> values, rates, next_values, next_rates;
   watch(here, values, rates);
-  const auto parameter_text = [&] {
-    return fmt::format("at {} = {:.6g}", varied_.name(), report(here).parameter / varied_.unit());
+  const auto place_text = [&](const PathSpot& spot) {
+    return fmt::format("at {} = {:.6g}", varied_.name(), value_at(spot.p()) / varied_.unit());
+  };
+  const auto parameter_text = [&] { return place_text(here); };
+  const auto dead_centre_text = [&](const PathSpot& spot) {
+    return "towards a dead centre, where the closures lose rank, joint forces grow without bound " + place_text(spot);
   };
   while (true) {
     if (interrupted()) {
@@ -663,9 +676,7 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
         const Index n = curve(here.piece).variables();
         const auto multipliers = here.point.z.segment(n, here.point.z.size() - n - 1);
         if (multipliers.size() > 0 && multipliers.cwiseAbs().maxCoeff() > heavy_multipliers) {
-          end(PathBranch::End::singular,
-              "towards a dead centre, where the closures lose rank, joint forces grow without bound " +
-                  parameter_text());
+          end(PathBranch::End::singular, dead_centre_text(here));
         } else {
           end(PathBranch::End::stuck, "no step along the curve succeeds " + parameter_text());
         }
@@ -709,6 +720,10 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
         end(crossing.kind == Crossing::Kind::range ? PathBranch::End::range : PathBranch::End::closed);
         return losses;
       }
+      if (crossing.kind == Crossing::Kind::dead_centre) {
+        end(PathBranch::End::singular, dead_centre_text(spot));
+        return losses;
+      }
       PathSpot after = segment.b;
       PathEvent event;
       if (crossing.kind == Crossing::Kind::watched) {
@@ -723,8 +738,7 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
         judge(event, spot, crossing.watched);
         const int index = add_event(event, spot);
         if (!beyond) {
-          const std::string at_place =
-              fmt::format("at {} = {:.6g}", varied_.name(), value_at(spot.p()) / varied_.unit());
+          const std::string at_place = place_text(spot);
           if (switches > most_switches) {
             end(PathBranch::End::singular, "several stops or springs change together " + at_place);
           } else if (is_stop && event.on) {
@@ -888,9 +902,11 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<double
   }
   if (a.point.orientation != b.point.orientation) {
     Crossing crossing{Crossing::Kind::branch};
-    std::optional<PathSpot> spot = find_branch(segment, crossing.s);
+    bool is_pole = false;
+    std::optional<PathSpot> spot = find_branch(segment, crossing.s, is_pole);
     if (!spot) return false;
     crossing.spot = std::move(*spot);
+    if (is_pole) crossing.kind = Crossing::Kind::dead_centre;
     out.push_back(std::move(crossing));
     ++branches;
   }

@@ -93,7 +93,7 @@ class PathTracer {
   void interpolate(const Segment& segment, double s);
   void watch(const PathSpot& spot, std::vector<double>& values, std::vector<double>& rates);
   std::optional<PathSpot> find_fold(const Segment& segment, double& s);
-  std::optional<PathSpot> find_branch(const Segment& segment, double& s);
+  std::optional<PathSpot> find_branch(const Segment& segment, double& s, bool& is_pole);
   std::optional<PathSpot> find_multiple(const Segment& segment, double& s);
   bool find_crossings(const Segment& segment, const std::vector<double>& values, const std::vector<double>& rates,
                       const std::vector<double>& next_values, const std::vector<double>& next_rates,
