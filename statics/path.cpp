@@ -247,18 +247,19 @@ void certify_point(const VariedScene& varied, const PathOptions& options, PathPo
   }
 }
 
-template <class Use>
-void every_point(Path& path, Use use) {
+std::vector<PathPoint*> all_points(Path& path) {
+  std::vector<PathPoint*> out;
   for (PathBranch& branch : path.branches) {
-    for (PathPoint& point : branch.points) use(point);
+    for (PathPoint& point : branch.points) out.push_back(&point);
   }
   for (std::vector<PathPoint>& points : path.wanted) {
-    for (PathPoint& point : points) use(point);
+    for (PathPoint& point : points) out.push_back(&point);
   }
   for (PathEvent& event : path.events) {
-    use(event.at);
-    if (event.landing) use(*event.landing);
+    out.push_back(&event.at);
+    if (event.landing) out.push_back(&*event.landing);
   }
+  return out;
 }
 
 }  // namespace
@@ -280,7 +281,15 @@ Path path(const VariedScene& varied, const PathOptions& options) {
   Path out;
   out.wanted.resize(options.at.size());
   PathFinder(varied, options, out).run();
-  every_point(out, [&](PathPoint& point) { certify_point(varied, options, point); });
+  int done = 0;
+  for (PathPoint* point : all_points(out)) {
+    if (options.interrupt != nullptr && options.interrupt->load()) {
+      out.status = Path::Status::interrupted;
+      break;
+    }
+    certify_point(varied, options, *point);
+    if (options.progress && ++done % 64 == 0) options.progress(point->parameter, done);
+  }
   return out;
 }
 

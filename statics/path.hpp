@@ -108,6 +108,7 @@ struct PathOptions {
   /// Asked where loads follow bodies and the signs of stiffness do not decide (motion/dynamic_stability.hpp).
   std::function<Stability(const StaticModel&, const std::vector<double>& x)> dynamic_stability{};
   const std::atomic<bool>* interrupt = nullptr;
+  /// Called now and then while curves are followed, and again while their points are proved.
   std::function<void(double parameter, int points)> progress{};
 };
 
