@@ -153,7 +153,7 @@ void draw_paths(Stage& stage) {
   if (stage.picture.paths.empty()) return;
   stage.canvas.open("paths");
   for (std::size_t k = 0; k < stage.picture.paths.size(); ++k) {
-    const Path& path = stage.picture.paths[k];
+    const PointPath& path = stage.picture.paths[k];
     std::vector<Vec2> points;
     for (const Vec2& p : path.points) {
       if (points.empty() || norm(stage.page(p) - points.back()) > visible) points.push_back(stage.page(p));

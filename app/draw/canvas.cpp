@@ -133,21 +133,34 @@ void Canvas::text(Vec2 at, std::string_view text, const TextStyle& style) {
   bounds_.include({at.x - left + width, at.y + 0.3 * style.size});
 }
 
-void Canvas::open(std::string_view id, Vec2 shift) {
+void Canvas::open(std::string_view id, Vec2 shift, double scale) {
   elements_ += id.empty() ? "<g" : fmt::format("<g id=\"{}\"", id);
-  if (!(shift == Vec2{})) elements_ += fmt::format(" transform=\"translate({} {})\"", px(shift.x), px(shift.y));
+  std::string moved;
+  if (!(shift == Vec2{})) moved = fmt::format("translate({} {})", px(shift.x), px(shift.y));
+  if (scale != 1.0) moved += fmt::format("{}scale({})", moved.empty() ? "" : " ", scale);
+  if (!moved.empty()) elements_ += fmt::format(" transform=\"{}\"", moved);
   elements_ += ">\n";
 }
 
 void Canvas::close() { elements_ += "</g>\n"; }
 
-void Canvas::insert(const Canvas& other, std::string_view id, Vec2 shift) {
-  open(id, shift);
+void Canvas::insert(const Canvas& other, std::string_view id, Vec2 shift, double scale) {
+  open(id, shift, scale);
   elements_ += other.elements_;
   close();
   if (other.bounds_.empty()) return;
-  bounds_.include(other.bounds_.low + shift);
-  bounds_.include(other.bounds_.high + shift);
+  bounds_.include(scale * other.bounds_.low + shift);
+  bounds_.include(scale * other.bounds_.high + shift);
+}
+
+std::string svg_document(const Canvas& canvas, double width, double height, std::string_view title,
+                         std::string_view description) {
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
+      "font-family=\"system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n"
+      "<title>{2}</title>\n<desc>{3}</desc>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{4}</svg>\n",
+      width, height, escape_xml(title), escape_xml(description), canvas.elements());
 }
 
 }  // namespace poise::app

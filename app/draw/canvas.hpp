@@ -62,13 +62,13 @@ class Canvas {
   void text(Vec2 at, std::string_view text, const TextStyle& style);
 
   /// A group, named (or not) so that it can be found by whoever edits the figure. Groups must be closed.
-  void open(std::string_view id, Vec2 shift = {});
+  void open(std::string_view id, Vec2 shift = {}, double scale = 1.0);
   void close();
 
   const Box& bounds() const { return bounds_; }
   const std::string& elements() const { return elements_; }
-  /// Takes over what another canvas holds, moved by `shift`.
-  void insert(const Canvas& other, std::string_view id, Vec2 shift);
+  /// Takes over what another canvas holds, `scale` times as large and moved by `shift`.
+  void insert(const Canvas& other, std::string_view id, Vec2 shift, double scale = 1.0);
 
  private:
   void points(std::string_view element, const std::vector<Vec2>& points, const Paint& paint);
@@ -76,5 +76,9 @@ class Canvas {
   std::string elements_;
   Box bounds_;
 };
+
+/// An SVG document (1.1, UTF-8, no outside resources) on white that shows the elements of a canvas.
+std::string svg_document(const Canvas& canvas, double width, double height, std::string_view title,
+                         std::string_view description);
 
 }  // namespace poise::app

@@ -21,19 +21,9 @@ constexpr double margin = 28.0;
 constexpr double room = page_width - 2 * margin;
 
 Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
-  Stage stage(scene, picture, width);
-  draw_other_poses(stage);
-  draw_supports(stage);
-  draw_guides(stage);
-  draw_bodies(stage);
-  draw_centres_of_mass(stage);
-  draw_springs_and_dampers(stage);
-  draw_pins(stage);
-  draw_stops(stage);
-  draw_paths(stage);
-  draw_reactions(stage);
-  draw_drives(stage);
-  draw_loads(stage);
+  constexpr double page_height = 500.0;
+  Stage stage(scene, picture, {width, page_height});
+  draw_all(stage);
   const double middle = stage.canvas.bounds().middle().x;
   stage.setter.keep_between(middle - room / 2, middle + room / 2);
   stage.canvas.open("labels");
@@ -58,20 +48,6 @@ Stage drawn_to_fit(const Scene& scene, const MechanismPicture& picture) {
   }
 }
 
-/// Cuts a text into lines no wider than `width`.
-std::vector<std::string> wrap(const std::string& text, double size, double width) {
-  std::vector<std::string> lines(1);
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
-    if (longer == word || text_width(longer, size) <= width)
-      lines.back() = longer;
-    else
-      lines.push_back(word);
-  }
-  return lines;
-}
-
 std::string verdict(const Equilibrium& equilibrium) {
   const std::string method = to_string(equilibrium.method);
   const bool is_answer = equilibrium.found() || equilibrium.status == Status::checked;
@@ -80,23 +56,6 @@ std::string verdict(const Equilibrium& equilibrium) {
 }
 
 const std::string& title_of(const Scene& scene) { return scene.title.empty() ? scene.file : scene.title; }
-
-double draw_heading(Canvas& page, const Stage& stage, double width) {
-  double y = margin + 18;
-  const auto write = [&](const std::string& text, double size, const std::string& colour, bool bold) {
-    for (const std::string& line : wrap(text, size, width)) {
-      page.text({margin, y}, line,
-                {.size = size, .colour = colour, .bold = bold, .halo = false, .align = Align::start});
-      y += 1.35 * size;
-    }
-  };
-  write(title_of(stage.scene), 18, ink::dark, true);
-  y -= 5;
-  if (!stage.scene.source.empty()) write("Source: " + stage.scene.source, 11, ink::faint, false);
-  const MechanismPicture& picture = stage.picture;
-  if (!picture.heading.empty()) write(picture.heading, 12, picture.confirmed ? ink::dark : ink::load, false);
-  return y;
-}
 
 /// Direction and size of gravity.
 Canvas draw_gravity(const Stage& stage) {
@@ -218,13 +177,58 @@ Canvas draw_legend(const Stage& stage, double width) {
 
 }  // namespace
 
+void draw_all(Stage& stage) {
+  draw_other_poses(stage);
+  draw_supports(stage);
+  draw_guides(stage);
+  draw_bodies(stage);
+  draw_centres_of_mass(stage);
+  draw_springs_and_dampers(stage);
+  draw_pins(stage);
+  draw_stops(stage);
+  draw_paths(stage);
+  draw_reactions(stage);
+  draw_drives(stage);
+  draw_loads(stage);
+}
+
+std::vector<std::string> wrapped(const std::string& text, double size, double width) {
+  std::vector<std::string> lines(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
+    if (longer == word || text_width(longer, size) <= width)
+      lines.back() = longer;
+    else
+      lines.push_back(word);
+  }
+  return lines;
+}
+
+double draw_heading(Canvas& page, const Scene& scene, const std::string& heading, bool confirmed, Vec2 at,
+                    double width) {
+  double y = at.y + 18;
+  const auto write = [&](const std::string& text, double size, const std::string& colour, bool bold) {
+    for (const std::string& line : wrapped(text, size, width)) {
+      page.text({at.x, y}, line, {.size = size, .colour = colour, .bold = bold, .halo = false, .align = Align::start});
+      y += 1.35 * size;
+    }
+  };
+  write(title_of(scene), 18, ink::dark, true);
+  y -= 5;
+  if (!scene.source.empty()) write("Source: " + scene.source, 11, ink::faint, false);
+  if (!heading.empty()) write(heading, 12, confirmed ? ink::dark : ink::load, false);
+  return y;
+}
+
 std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture) {
   const Stage stage = drawn_to_fit(scene, picture);
   const Box& bounds = stage.canvas.bounds();
   const double width = std::max(room, bounds.width());
 
   Canvas page;
-  const double below_heading = draw_heading(page, stage, width - 130) + 14;
+  const double below_heading =
+      draw_heading(page, scene, picture.heading, picture.confirmed, {margin, margin}, width - 130) + 14;
   page.insert(draw_gravity(stage), "gravity", {margin + width - 24, margin + 22});
   page.insert(stage.canvas, "mechanism",
               {margin + (width - bounds.width()) / 2 - bounds.low.x, below_heading - bounds.low.y});
@@ -237,12 +241,7 @@ std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture) 
   page.insert(legend, "legend", {margin, y});
   const double height = y + std::max(0.0, legend.bounds().high.y) + margin;
 
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
-      "font-family=\"system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n"
-      "<title>{2}</title>\n<desc>{3}</desc>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{4}</svg>\n",
-      width + 2 * margin, height, escape_xml(title_of(scene)), escape_xml(picture.heading), page.elements());
+  return svg_document(page, width + 2 * margin, height, title_of(scene), picture.heading);
 }
 
 std::string draw_svg(const StaticModel& model, const Equilibrium& equilibrium, const std::vector<double>& start) {

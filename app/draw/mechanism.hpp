@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/draw/canvas.hpp"
 #include "model/mechanism.hpp"
 #include "motion/inverse_dynamics.hpp"
 #include "statics/equilibrium.hpp"
@@ -20,7 +21,7 @@ struct OtherPose {
 };
 
 /// The curve that a point runs along, m in the world.
-struct Path {
+struct PointPath {
   std::string name;
   std::vector<Vec2> points;
 };
@@ -35,7 +36,9 @@ struct MechanismPicture {
   std::optional<std::vector<Reaction>> reactions{};
   std::vector<DriveEffort> drives{};  ///< of the scene's drives, by their names
   std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
-  std::vector<Path> paths{};
+  std::vector<PointPath> paths{};
+  /// The part of the world, m, to which the scale fits; where absent, that which the positions and paths take up.
+  std::optional<Box> frame{};
 };
 
 /// A figure for a report (SVG 1.1, UTF-8, no outside resources), 900 px wide, with values in the scene's units. A force
@@ -45,6 +48,14 @@ std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture);
 /// The same of an equilibrium, which need not be confirmed, with its verdict and the position at the scaled coordinates
 /// `start` (none where empty).
 std::string draw_svg(const StaticModel& model, const Equilibrium& equilibrium, const std::vector<double>& start);
+
+/// The title of a scene, its source below it, and a heading, which is a warning unless `confirmed`, from the upper left
+/// corner `at` on. Returns where the last line ends, px.
+double draw_heading(Canvas& page, const Scene& scene, const std::string& heading, bool confirmed, Vec2 at,
+                    double width);
+
+/// Cuts a text into lines no wider than `width`, px.
+std::vector<std::string> wrapped(const std::string& text, double size, double width);
 
 /// Two SVG documents of this program as one, the second below the first.
 std::string stacked(const std::string& above, const std::string& below);

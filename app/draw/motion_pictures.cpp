@@ -7,8 +7,8 @@
 namespace poise::app {
 namespace {
 
-Path path_of(const Scene& scene, const KinematicsResult& found, const std::string& name) {
-  Path path{name, {}};
+PointPath path_of(const Scene& scene, const KinematicsResult& found, const std::string& name) {
+  PointPath path{name, {}};
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     for (const NamedPoint& p : scene.bodies[i].points) {
       if (scene.bodies[i].name + "." + p.name != name) continue;

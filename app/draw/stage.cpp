@@ -8,8 +8,6 @@
 namespace poise::app {
 namespace {
 
-constexpr double page_height = 500.0;
-
 std::vector<Readings> read_others(const Scene& scene, const std::vector<OtherPose>& others) {
   std::vector<Readings> readings;
   for (const OtherPose& other : others) readings.push_back(readings_of(scene, other.poses));
@@ -18,13 +16,44 @@ std::vector<Readings> read_others(const Scene& scene, const std::vector<OtherPos
 
 }  // namespace
 
-Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, double width)
+std::vector<Strung> strung_of(const Scene& scene) {
+  std::vector<Strung> found;
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const Element& element = scene.elements[i];
+    if (!stores_energy(element.law) && !std::holds_alternative<Damper>(element.law)) continue;
+    const Measure& on = element.on;
+    if (on.kind == Measure::Kind::distance) found.push_back({i, on.a, on.b});
+    if (on.kind == Measure::Kind::travel) found.push_back({i, scene.joints[on.joint].a, scene.joints[on.joint].b});
+  }
+  return found;
+}
+
+Box extent_of(const Scene& scene, const Readings& readings) {
+  Box box;
+  const auto include = [&](PointRef p) { box.include(world(scene, readings, p)); };
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    for (const NamedPoint& p : body.points) box.include(readings.poses[i].world(p.at));
+    if (body.mass > 0 && !(scene.gravity == Vec2{})) box.include(readings.poses[i].world(body.center));
+  }
+  for (const Joint& joint : scene.joints) {
+    if (!joint.has_travel() || joint.a.body != 0) include(joint.a);
+    include(joint.b);
+  }
+  for (const Strung& s : strung_of(scene)) {
+    include(s.a);
+    include(s.b);
+  }
+  return box;
+}
+
+Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, Vec2 room)
     : scene(the_scene),
       picture(the_picture),
       now(readings_of(the_scene, the_picture.poses)),
       others(read_others(the_scene, the_picture.others)) {
   choose_detail();
-  choose_scale(width);
+  choose_scale(room);
   if (picture.loads) {
     for (const Force& force : scene.forces) largest_force = std::max(largest_force, norm(force.vector));
   }
@@ -44,35 +73,25 @@ void Stage::choose_detail() {
   shows_ground = detail != Detail::sketch || std::count_if(scene.joints.begin(), scene.joints.end(), at_ground) <= 12;
 }
 
-void Stage::choose_scale(double width) {
+void Stage::choose_scale(Vec2 room) {
   Box box;
-  const auto include_bodies = [&](const Readings& readings) {
-    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-      for (const NamedPoint& p : scene.bodies[i].points) box.include(readings.poses[i].world(p.at));
+  if (picture.frame) {
+    box = *picture.frame;
+  } else {
+    box = extent_of(scene, now);
+    for (const Readings& other : others) {
+      for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+        for (const NamedPoint& p : scene.bodies[i].points) box.include(other.poses[i].world(p.at));
+      }
     }
-  };
-  include_bodies(now);
-  for (const Readings& other : others) include_bodies(other);
-  for (const Path& path : picture.paths) {
-    for (const Vec2& p : path.points) box.include(p);
-  }
-  const auto include = [&](PointRef p) { box.include(world(scene, now, p)); };
-  for (const Joint& joint : scene.joints) {
-    if (!joint.has_travel() || joint.a.body != 0) include(joint.a);
-    include(joint.b);
-  }
-  for (const Strung& s : strung()) {
-    include(s.a);
-    include(s.b);
-  }
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    const Body& body = scene.bodies[i];
-    if (body.mass > 0 && !(scene.gravity == Vec2{})) box.include(now.poses[i].world(body.center));
+    for (const PointPath& path : picture.paths) {
+      for (const Vec2& p : path.points) box.include(p);
+    }
   }
   if (!box.empty()) centre = box.middle();
   extent = std::max(box.width(), box.height());
   if (extent <= 0.0) extent = scene.units.length;
-  scale = std::min(width / std::max(box.width(), 0.2 * extent), page_height / std::max(box.height(), 0.2 * extent));
+  scale = std::min(room.x / std::max(box.width(), 0.2 * extent), room.y / std::max(box.height(), 0.2 * extent));
 
   std::vector<double> lengths;
   const auto add_length = [&](double length) {
@@ -157,18 +176,6 @@ const Cylinder* Stage::cylinder_of_joint(std::size_t joint) const {
   const auto found =
       std::find_if(cylinders.begin(), cylinders.end(), [&](const Cylinder& c) { return c.joint == joint; });
   return found == cylinders.end() ? nullptr : &*found;
-}
-
-std::vector<Strung> Stage::strung() const {
-  std::vector<Strung> found;
-  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
-    const Element& element = scene.elements[i];
-    if (!stores_energy(element.law) && !std::holds_alternative<Damper>(element.law)) continue;
-    const Measure& on = element.on;
-    if (on.kind == Measure::Kind::distance) found.push_back({i, on.a, on.b});
-    if (on.kind == Measure::Kind::travel) found.push_back({i, scene.joints[on.joint].a, scene.joints[on.joint].b});
-  }
-  return found;
 }
 
 std::vector<Vec2> Stage::points_of(int body, const Readings& readings) const {

@@ -47,6 +47,9 @@ struct Strung {
   PointRef a, b;
 };
 
+/// The springs and dampers drawn between two points: upon a distance, or upon the travel of a joint.
+std::vector<Strung> strung_of(const Scene& scene);
+
 /// A slide between two straight bodies that are each pinned on the line of travel: a barrel and its rod.
 struct Cylinder {
   std::size_t joint = 0;
@@ -54,11 +57,14 @@ struct Cylinder {
   Vec2 foot{}, mouth{}, piston{}, eye{};  ///< page: the barrel's pin and open end, the rod's inner end and pin
 };
 
+/// The part of the world, m, that bodies, joints, springs and centres of mass take up in a position.
+Box extent_of(const Scene& scene, const Readings& readings);
+
 /// A mechanism on its way to the page.
 class Stage {
  public:
-  /// `width`, px, is for the mechanism itself; arrows and labels come on top.
-  Stage(const Scene& scene, const MechanismPicture& picture, double width);
+  /// `room`, px, is for the mechanism itself; arrows and labels come on top.
+  Stage(const Scene& scene, const MechanismPicture& picture, Vec2 room);
 
   const Scene& scene;
   const MechanismPicture& picture;
@@ -89,8 +95,7 @@ class Stage {
   /// The line of travel of a joint, on the page.
   Vec2 page_axis(const Joint& joint) const { return page_direction(joint.axis * unit(now.poses[joint.a.body].angle)); }
 
-  /// The springs and dampers drawn between two points: upon a distance, or upon the travel of a joint.
-  std::vector<Strung> strung() const;
+  std::vector<Strung> strung() const { return strung_of(scene); }
   /// Points of a body on the page, in the position drawn or another.
   std::vector<Vec2> points_of(int body, const Readings& readings) const;
   /// The ends of a body whose points lie on one line, or the corners of one whose points do not.
@@ -115,9 +120,12 @@ class Stage {
 
  private:
   void choose_detail();
-  void choose_scale(double width);
+  void choose_scale(Vec2 room);
   void find_cylinders();
 };
+
+/// All parts of the figure, in their order, without labels.
+void draw_all(Stage& stage);
 
 // The parts of the figure, in the order in which they are drawn.
 void draw_other_poses(Stage& stage);

@@ -265,7 +265,7 @@ TEST(Picture, ShowsOtherPositionsAndPaths) {
   for (const auto& [name, angle] : {std::pair("start", -2.0), std::pair("end", 0.0)}) {
     picture.others.push_back({name, model.poses({angle})});
   }
-  Path path{.name = "rod.tip", .points = {}};
+  PointPath path{.name = "rod.tip", .points = {}};
   for (int i = 0; i <= 20; ++i) path.points.push_back(2.0 * unit(-2.0 + 0.1 * i));
   picture.paths.push_back(path);
   const std::string svg = draw_mechanism(model.scene(), picture);
