@@ -158,12 +158,17 @@ Chart prepare(const Panel& panel, const std::vector<const Panel*>& sharing, int 
   for (const Panel* other : sharing) {
     for (const Curve& curve : other->curves) {
       x.insert(x.end(), curve.x.begin(), curve.x.end());
-      marked = marked || curve.style == Curve::Style::points;
+      marked = marked || curve.style == Curve::Style::points || curve.style == Curve::Style::crosses;
     }
+    for (const Mark& mark : other->marks) x.push_back(mark.x);
+    for (const Arrow& arrow : other->arrows) x.insert(x.end(), {arrow.from_x, arrow.to_x});
+    marked = marked || !other->marks.empty();
   }
   for (const Curve& curve : panel.curves) y.insert(y.end(), curve.y.begin(), curve.y.end());
   for (const Level& level : panel.levels) y.push_back(level.y);
   for (const Band& band : panel.bands) y.insert(y.end(), {band.low, band.high});
+  for (const Mark& mark : panel.marks) y.push_back(mark.y);
+  for (const Arrow& arrow : panel.arrows) y.insert(y.end(), {arrow.from_y, arrow.to_y});
   chart.x = panel.log_x ? log_axis(x, 7) : linear_axis(x, marked ? 0.03 : 0.0, columns > 1 ? 6 : 8);
   chart.y = panel.log_y ? log_axis(y, 6) : linear_axis(y, 0.06, 5);
   double labels = 0.0;
@@ -257,7 +262,7 @@ class Script {
 
   void draw(const Chart& chart, const Frame& frame) {
     const Panel& panel = *chart.panel;
-    add("unset label\nset lmargin at screen {:.6f}\nset rmargin at screen {:.6f}\n"
+    add("unset label\nunset arrow\nset lmargin at screen {:.6f}\nset rmargin at screen {:.6f}\n"
         "set tmargin at screen {:.6f}\nset bmargin at screen {:.6f}\n",
         across(frame.left), across(frame.right), up(frame.top), up(frame.bottom));
     set_axis('x', chart.x, panel.log_x, panel.x_falls);
@@ -270,6 +275,19 @@ class Script {
     const std::string remark = fmt::format("textcolor rgb '{}'", ink::ground);
     label(panel.x_label, (frame.left + frame.right) / 2, frame.bottom + 33, "center " + remark);
     label(panel.y_label, frame.left - chart.left + 3, (frame.top + frame.bottom) / 2, "center rotate by 90 " + remark);
+    for (const Arrow& arrow : panel.arrows) {
+      add("set arrow from {},{} to {},{} size screen 0.008,20 filled front lt 1 lw 1 lc rgb '{}'\n", arrow.from_x,
+          arrow.from_y, arrow.to_x, arrow.to_y, ink::ground);
+    }
+    for (const Mark& mark : panel.marks) {
+      // Within the graph: at its right edge to the left of the mark.
+      constexpr double right_part = 0.85;
+      const bool at_right = mark.x > chart.x.low + right_part * (chart.x.high - chart.x.low);
+      add("set label {} at {},{} {} front font '{}:Bold,{}' textcolor rgb '{}' point pt 7 ps 0.5 lc rgb '{}' offset "
+          "character {},0.5\n",
+          gnuplot_string(mark.label), mark.x, mark.y, at_right != panel.x_falls ? "right" : "left", font_name,
+          text_size, ink::dark, ink::dark, at_right != panel.x_falls ? -0.7 : 0.7);
+    }
     draw_curves(chart, frame);
   }
 
@@ -293,17 +311,20 @@ class Script {
     std::size_t turn = 0;
     for (const Curve& curve : panel.curves) {
       const std::size_t number = curve.colour >= 0 ? static_cast<std::size_t>(curve.colour) : turn++;
-      const char* colour = curve_colour(number);
+      const bool crosses = curve.style == Curve::Style::crosses;
+      const char* colour = crosses ? ink::load : curve_colour(number);
       const bool dots = curve.style == Curve::Style::points;
       const bool marked = curve.style == Curve::Style::marked;
       const auto drawn = [&](const std::string& dash) {
+        if (crosses) return fmt::format("with points pt 2 ps 0.6 lw 1.5 lc rgb '{}'", colour);
         return fmt::format("with {} lt 1 lw {} {} lc rgb '{}'",
                            marked ? fmt::format("linespoints pt {} ps 0.55", marker(number)) : std::string("lines"),
                            dots ? 2.8 : 1.7, dash, colour);
       };
-      const std::string own = curve.style == Curve::Style::dashed ? dashes(5, 4)
-                              : number >= curve_colours           ? dashes(9, 3)
-                                                                  : "";
+      const std::string own = curve.style == Curve::Style::dashed   ? dashes(5, 4)
+                              : curve.style == Curve::Style::dotted ? dashes(1, 3)
+                              : number >= curve_colours             ? dashes(9, 3)
+                                                                    : "";
       const int beneath = chart.beneath[static_cast<std::size_t>(&curve - panel.curves.data())];
       const double shown = shared_dash / std::pow(2.0, beneath);
       const std::string line = drawn(beneath > 0 ? dashes(shown, shared_dash - shown) : own);

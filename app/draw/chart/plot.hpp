@@ -12,7 +12,9 @@ struct Curve {
     line,
     points,
     dashed,
-    marked  ///< a line with a dot at each point, for short rows
+    dotted,
+    crosses,  ///< at each point, in the colour of warnings: what must not be overlooked
+    marked    ///< a line with a dot at each point, for short rows
   };
   std::string name;  ///< in the legend; empty: not in it
   std::vector<double> x{}, y{};
@@ -32,6 +34,17 @@ struct Band {
   std::string name{};
 };
 
+/// A place of a chart that a text beside it refers to.
+struct Mark {
+  double x = 0.0, y = 0.0;
+  std::string label{};  ///< a number or a letter or two
+};
+
+/// A thin arrow from one place to another.
+struct Arrow {
+  double from_x = 0.0, from_y = 0.0, to_x = 0.0, to_y = 0.0;
+};
+
 /// One chart.
 struct Panel {
   std::string title{}, x_label{}, y_label{};
@@ -41,6 +54,8 @@ struct Panel {
   std::vector<Curve> curves{};
   std::vector<Level> levels{};
   std::vector<Band> bands{};
+  std::vector<Mark> marks{};
+  std::vector<Arrow> arrows{};
 };
 
 /// Throws InputError, naming the remedy, where there is no gnuplot to draw with: to be called before any long work.
