@@ -217,26 +217,43 @@ std::vector<double> read_tolerances(const std::string& text) {
   return out;
 }
 
-DriveRange read_drive(const std::string& text, const Scene& scene) {
-  const std::string expected = "NAME=FROM..TO, say crank=0..360";
-  const NamedText given = read_named_text("--drive", text, expected);
+NamedRange read_named_range(const std::string& option, const std::string& text, const std::string& expected) {
+  const NamedText given = read_named_text(option, text, expected);
   const std::string_view range = given.text;
   const std::size_t dots = range.find("..");
   const std::optional<double> from = read_number(range.substr(0, dots));
   const std::optional<double> to = dots == std::string_view::npos ? from : read_number(range.substr(dots + 2));
   if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) {
-    throw InputError(fmt::format("--drive {}: \"{}\" is no range of numbers; expected {}", text, range, expected));
+    throw InputError(fmt::format("{} {}: \"{}\" is no range of numbers; expected {}", option, text, range, expected));
   }
+  return {given.name, *from, *to};
+}
+
+std::vector<double> read_numbers(const std::string& option, const std::string& text) {
+  std::vector<double> out;
+  for (const std::string& word : comma_separated(text)) {
+    const std::optional<double> value = read_number(word);
+    if (!value || !std::isfinite(*value)) {
+      throw InputError(
+          fmt::format("{} {}: \"{}\" is not a number; expected numbers as in 1,2.5,5", option, text, word));
+    }
+    out.push_back(*value);
+  }
+  return out;
+}
+
+DriveRange read_drive(const std::string& text, const Scene& scene) {
+  const NamedRange given = read_named_range("--drive", text, "NAME=FROM..TO, say crank=0..360");
   const Measure& on = find_drive(scene, given.name).on;
   const double unit = unit_value(quantity_of(on), scene.units);
   // Every turn is followed; beyond this nobody waits for it.
   constexpr double most_turns = 1000.0;
-  const double farthest = std::max(std::abs(*from), std::abs(*to)) * unit;
+  const double farthest = std::max(std::abs(given.from), std::abs(given.to)) * unit;
   if (on.is_angle() && farthest > most_turns * 2 * M_PI) {
     throw InputError(fmt::format("--drive {}: that is {:.3g} turns; expected angles within {} turns", text,
                                  farthest / (2 * M_PI), most_turns));
   }
-  return {given.name, *from * unit, *to * unit};
+  return {given.name, given.from * unit, given.to * unit};
 }
 
 void add_experiment_options(Command& command, ExperimentRequest& request) {

@@ -84,6 +84,17 @@ std::vector<Method> read_methods(const std::string& option, const std::string& n
 /// each value once. Throws InputError where that is no range of falling numbers within 1e-20 <= tolerance < 1.
 std::vector<double> read_tolerances(const std::string& text);
 
+/// "NAME=FROM..TO", or "NAME=VALUE" with both ends the same.
+struct NamedRange {
+  std::string name;
+  double from = 0.0, to = 0.0;
+};
+/// Reads such a text. Throws InputError naming `option` and what it expects unless both ends are finite numbers.
+NamedRange read_named_range(const std::string& option, const std::string& text, const std::string& expected);
+
+/// Reads "1,2.5,5". Throws InputError naming `option` unless all are finite numbers.
+std::vector<double> read_numbers(const std::string& option, const std::string& text);
+
 /// Reads "crank=0..360", or "crank=30" for one place, in the scene's units. Throws InputError naming --drive.
 DriveRange read_drive(const std::string& text, const Scene& scene);
 
