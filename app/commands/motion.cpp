@@ -1,8 +1,8 @@
 #include "app/results/motion/motion.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -89,14 +89,10 @@ std::vector<Displacement> read_displacements(const MotionRequest& request, const
   return out;
 }
 
-/// Shows how far a motion has come, a few times a second.
+/// Shows how far a motion has come.
 std::function<void(double)> progress_of(Progress& progress, const std::string& doing, double duration) {
-  using Clock = std::chrono::steady_clock;
-  return [&progress, doing, duration, last = Clock::time_point{}](double t) mutable {
-    const auto now = Clock::now();
-    if (now - last < std::chrono::milliseconds(100)) return;
-    last = now;
-    progress.now(fmt::format("{}: {:.4g} s of {:.4g} s", doing, t, duration));
+  return [&progress, doing, duration](double t) {
+    progress.now_and_then([&] { return fmt::format("{}: {:.4g} s of {:.4g} s", doing, t, duration); });
   };
 }
 

@@ -33,6 +33,13 @@ void Progress::now(std::string doing) {
   doing_ = std::move(doing);
 }
 
+void Progress::now_and_then(const std::function<std::string()>& doing) {
+  const auto time = std::chrono::steady_clock::now();
+  if (time - last_ < 100ms) return;
+  last_ = time;
+  now(doing());
+}
+
 void Progress::done() {
   if (!watcher_.joinable()) return;
   watcher_.request_stop();

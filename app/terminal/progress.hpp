@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -18,6 +20,8 @@ class Progress {
 
   /// From now on this is being done: "refining in 50 digits".
   void now(std::string doing);
+  /// The same of what is called often, ten times a second at most; `doing` makes the text.
+  void now_and_then(const std::function<std::string()>& doing);
   /// Removes the line, before something else is printed.
   void done();
 
@@ -27,6 +31,7 @@ class Progress {
   std::mutex mutex_;
   std::condition_variable_any woken_;
   std::string doing_;
+  std::chrono::steady_clock::time_point last_{};  // of now_and_then()
   std::jthread watcher_;
 };
 
