@@ -7,9 +7,10 @@
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
 
-// Statics: equilibria, their stability and forces
+// Statics: equilibria, their stability and forces, and how they change with a number of the scene
 #include "statics/mobility.hpp"
 #include "statics/named_equilibrium.hpp"
+#include "statics/path_measures.hpp"
 
 // Motion: kinematics, inverse dynamics, free motion, small oscillations, synthesis
 #include "motion/design.hpp"
