@@ -30,6 +30,7 @@ class Value {
   Value(const char* text) : is(std::string(text)) {}
   Value(std::string text) : is(std::move(text)) {}
   Value(std::vector<double> values) : is(std::move(values)) {}
+  Value(std::vector<std::int64_t> counts) : is(std::move(counts)) {}
   Value(std::vector<std::string> texts) : is(std::move(texts)) {}
   template <std::signed_integral T>
   Value(T value) : is(std::int64_t{value}) {}
@@ -41,7 +42,7 @@ class Value {
   }
 
   std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, std::vector<double>,
-               std::vector<std::string>>
+               std::vector<std::int64_t>, std::vector<std::string>>
       is = nullptr;
 };
 

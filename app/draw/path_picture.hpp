@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "statics/path.hpp"
+#include "statics/path_measures.hpp"
+
+namespace poise::app {
+
+/// The picture (SVG) of a path that has points: its chart, and below it the mechanism at the places marked there, eight
+/// at most. `heading` is the verdict, a warning where it is not `confirmed`. Of no measures the chart takes the one
+/// that changes most.
+std::string path_picture(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures,
+                         const std::string& heading, bool confirmed);
+
+}  // namespace poise::app

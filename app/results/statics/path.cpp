@@ -1,0 +1,618 @@
+#include "app/results/statics/path.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
+#include "statics/path_words.hpp"
+#include "statics/pose_values.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr int value_digits = 8;
+
+/// A point with the branch on which it lies.
+struct Row {
+  const PathPoint* point = nullptr;
+  int branch = 0;
+};
+
+/// What every part of the report needs.
+struct Report {
+  const VariedScene& varied;
+  const Path& found;
+  const PathView& view;
+  PathReader reader{varied};
+
+  const Scene& scene() const { return varied.scene(); }
+  const Units& units() const { return varied.scene().units; }
+  double parameter(double si) const { return si / varied.unit(); }
+  double effort(double si) const { return si / varied.effort_dimension().unit(units()); }
+  double measure(const PathMeasure& measure, const PathPoint& point) {
+    return in_unit(reader.value(measure, point), quantity_of(measure.on), units());
+  }
+  /// "load.P = 4.2 kN".
+  std::string at(double si, int digits = value_digits) const { return varied.name() + " = " + amount(si, digits); }
+  /// "4.2 kN".
+  std::string amount(double si, int digits = value_digits) const {
+    const std::string unit = varied.unit_name();
+    return significant(parameter(si), digits) + (unit.empty() ? "" : " " + unit);
+  }
+  std::string energy(double si) const {
+    return significant(in_unit(si, Quantity::energy, units()), force_digits) + " " +
+           unit_name(Quantity::energy, units());
+  }
+};
+
+std::vector<Row> rows_of(const Path& found) {
+  std::vector<Row> rows;
+  for (std::size_t b = 0; b < found.branches.size(); ++b) {
+    for (const PathPoint& point : found.branches[b].points) rows.push_back({&point, static_cast<int>(b)});
+  }
+  return rows;
+}
+
+// ---- Data ----
+
+std::vector<std::string> names_of(const std::vector<int>& items, auto&& name) {
+  std::vector<std::string> out;
+  for (const int item : items) out.push_back(name(static_cast<std::size_t>(item)));
+  return out;
+}
+
+/// Names and values of a kind, {name: value}.
+void add_named(Group& group, const std::string& key, const std::vector<NamedValue>& values, Quantity quantity,
+               const Units& units) {
+  Table& table = group.table(key, "", Rows::values, Verbosity::data);
+  table.words("name", "", each(values, &NamedValue::name));
+  table.data("value", in_unit(each(values, &NamedValue::value), quantity, units));
+}
+
+/// Where the mechanism is at a point.
+void add_pose_data(Group& group, Report& report, const PathPoint& point) {
+  const Readings readings = report.reader.read(point);
+  const StaticModel& model = report.reader.model(point);
+  add_named(group, "angles", angles_of(model, readings), Quantity::angle, report.units());
+  add_named(group, "slides", travels_of(model, readings), Quantity::length, report.units());
+  const std::vector<std::size_t> bodies = free_bodies(model.layout());
+  Table& places = group.table("positions", "", Rows::values, Verbosity::data);
+  const auto length = [&](double si) { return in_unit(si, Quantity::length, report.units()); };
+  places.words("name", "", each(bodies, [&](std::size_t i) { return report.scene().bodies[i].name; }));
+  places.data("[]", each(bodies, [&](std::size_t i) { return length(readings.poses[i].origin.x); }));
+  places.data("[]", each(bodies, [&](std::size_t i) { return length(readings.poses[i].origin.y); }));
+  Table& measures = group.table("measures", "", Rows::values, Verbosity::data);
+  measures.words("name", "", each(report.view.measures, &PathMeasure::name));
+  measures.data("value", each(report.view.measures, [&](const PathMeasure& m) { return report.measure(m, point); }));
+}
+
+std::optional<double> energy_of(const Report& report, const PathPoint& point) {
+  if (!point.energy) return std::nullopt;
+  return in_unit(*point.energy, Quantity::energy, report.units());
+}
+
+std::optional<double> effort_of(const Report& report, const PathPoint& point) {
+  if (!report.varied.is_driven()) return std::nullopt;
+  return report.effort(point.effort);
+}
+
+std::optional<double> radius_of(const PathPoint& point) {
+  if (point.proof != PointProof::proved) return std::nullopt;
+  return point.radius;
+}
+
+void add_point_data(Group& group, Report& report, const PathPoint& point) {
+  group.data("parameter", report.parameter(point.parameter));
+  group.data("stability", to_string(point.stability));
+  group.data("unstable_directions", point.unstable_directions);
+  group.data("energy", energy_of(report, point));
+  group.data("effort", effort_of(report, point));
+  group.data("active_stops", names_of(point.active_stops, [&](std::size_t i) { return report.scene().stops[i].name; }));
+  group.data("slack_springs",
+             names_of(point.slack_springs, [&](std::size_t i) { return report.scene().elements[i].name; }));
+  group.data("proof", to_string(point.proof));
+  group.data("statement", point.statement);
+  group.data("radius", radius_of(point));
+  add_pose_data(group, report, point);
+}
+
+/// Name of the stop or spring of an event; empty where it has none.
+std::string item_of(const Report& report, const PathEvent& event) {
+  if (event.item < 0) return "";
+  const auto item = static_cast<std::size_t>(event.item);
+  return event.kind == PathEvent::Kind::slack ? report.scene().elements[item].name : report.scene().stops[item].name;
+}
+
+std::optional<double> energy_released(const PathEvent& event) {
+  if (!event.landing || !event.at.energy || !event.landing->energy) return std::nullopt;
+  return *event.at.energy - *event.landing->energy;
+}
+
+/// A word, or null.
+Value word_of(const std::optional<Stability>& stability) { return stability ? Value(to_string(*stability)) : Value(); }
+
+void add_event_data(Group& content, Report& report) {
+  Branch& events = content.array("events");
+  for (std::size_t e = 0; e < report.found.events.size(); ++e) {
+    const PathEvent& event = report.found.events[e];
+    const EventPlace place = place_of(report.found, static_cast<int>(e), report.varied.to() - report.varied.from());
+    Group& out = events.parts.emplace_back();
+    out.data("kind", to_string(event.kind));
+    out.data("digits", event.digits());
+    out.data("error", event.error);
+    out.data("rounding_effect", event.rounding_effect);
+    out.data("branch", place.branch < 0 ? Value() : Value(place.branch + 1));
+    const std::string item = item_of(report, event);
+    out.data("item", item.empty() ? Value() : Value(item));
+    out.data("on", item.empty() ? Value() : Value(event.on));
+    out.data("before", word_of(place.before));
+    out.data("after", word_of(place.after));
+    out.data("why", event.why);
+    add_point_data(out, report, event.at);
+    if (!event.landing) {
+      out.data("landing", nullptr);
+      out.data("energy_released", nullptr);
+      continue;
+    }
+    add_point_data(out.group("landing", "", Verbosity::data), report, *event.landing);
+    const std::optional<double> released = energy_released(event);
+    out.data("energy_released", released ? Value(in_unit(*released, Quantity::energy, report.units())) : Value());
+  }
+}
+
+void add_path_data(Group& content, Report& report) {
+  const Path& found = report.found;
+  content.data("status", to_string(found.status));
+  content.data("why", found.why);
+  Group& parameter = content.group("parameter", "", Verbosity::data);
+  parameter.data("name", report.varied.name());
+  parameter.data("from", report.parameter(report.varied.from()));
+  parameter.data("to", report.parameter(report.varied.to()));
+  parameter.data("unit", report.varied.unit_name());
+  Branch& points = content.array("points");
+  Branch& branches = content.array("branches");
+  for (std::size_t b = 0; b < found.branches.size(); ++b) {
+    const PathBranch& branch = found.branches[b];
+    Group& out = branches.parts.emplace_back();
+    out.data("from_event", branch.from < 0 ? Value() : Value(branch.from + 1));
+    out.data("first_point", points.parts.size() + 1);
+    out.data("points", branch.points.size());
+    out.data("events", [&] {
+      std::vector<std::int64_t> numbers;
+      for (const int event : branch.events) numbers.push_back(event + 1);
+      return numbers;
+    }());
+    out.data("end", to_string(branch.end));
+    out.data("why", branch.why);
+    for (const PathPoint& point : branch.points) {
+      Group& of_point = points.parts.emplace_back();
+      of_point.data("branch", b + 1);
+      add_point_data(of_point, report, point);
+    }
+  }
+  add_event_data(content, report);
+  Branch& wanted = content.array("at");
+  for (std::size_t k = 0; k < report.view.at.size(); ++k) {
+    Group& out = wanted.parts.emplace_back();
+    out.data("parameter", report.parameter(report.view.at[k]));
+    Branch& equilibria = out.array("equilibria");
+    if (k >= found.wanted.size()) continue;
+    for (const PathPoint& point : found.wanted[k]) add_point_data(equilibria.parts.emplace_back(), report, point);
+  }
+  content.data("unproved", found.unproved());
+  content.data("steps", found.steps);
+  content.data("evaluations", found.evaluations);
+  content.data("microseconds", found.microseconds);
+}
+
+/// One line for each point.
+void add_csv(Group& content, Report& report, const std::vector<Row>& rows) {
+  Table& table = content.table("", "", Rows::list, Verbosity::data);
+  table.csv = true;
+  std::set<std::string> taken;
+  const auto add = [&](const std::string& name, std::vector<double> values) {
+    if (taken.insert(name).second) table.data(name, std::move(values));
+  };
+  add("branch", each(rows, [](const Row& row) { return row.branch + 1; }));
+  add("parameter", each(rows, [&](const Row& row) { return report.parameter(row.point->parameter); }));
+  if (report.varied.is_driven())
+    add("effort", each(rows, [&](const Row& row) { return report.effort(row.point->effort); }));
+  table.words("stability", "", each(rows, [](const Row& row) { return to_string(row.point->stability); }));
+  table.words("proof", "", each(rows, [](const Row& row) { return to_string(row.point->proof); }));
+  taken.insert({"stability", "proof"});
+  add("unstable_directions", each(rows, [](const Row& row) { return row.point->unstable_directions; }));
+  add("energy", each(rows, [&](const Row& row) { return energy_of(report, *row.point); }));
+  add("radius", each(rows, [](const Row& row) { return radius_of(*row.point); }));
+  std::vector<std::vector<double>> columns;
+  std::vector<std::string> names;
+  for (const Row& row : rows) {
+    const Readings readings = report.reader.read(*row.point);
+    const StaticModel& model = report.reader.model(*row.point);
+    std::size_t column = 0;
+    const auto put = [&](const std::vector<NamedValue>& values, Quantity quantity) {
+      for (const NamedValue& value : values) {
+        if (&row == &rows.front()) {
+          names.push_back(value.name);
+          columns.emplace_back();
+        }
+        columns[column++].push_back(in_unit(value.value, quantity, report.units()));
+      }
+    };
+    put(angles_of(model, readings), Quantity::angle);
+    put(travels_of(model, readings), Quantity::length);
+    put(places_of(model, readings), Quantity::length);
+  }
+  for (std::size_t c = 0; c < columns.size(); ++c) add(names[c], std::move(columns[c]));
+  for (const PathMeasure& measure : report.view.measures) {
+    add(measure.name, each(rows, [&](const Row& row) { return report.measure(measure, *row.point); }));
+  }
+}
+
+// ---- Text ----
+
+std::string proof_in_words(const PathPoint& point) {
+  switch (point.proof) {
+    case PointProof::proved:
+      return "";
+    case PointProof::critical:
+      return "critical";
+    case PointProof::failed:
+      return "not proved";
+    case PointProof::not_tried:
+      return "not checked";
+  }
+  return "";
+}
+
+/// Columns of the measures, and of a driven measure the effort, at the points of the rows.
+void add_measures(Table& table, Report& report, const std::vector<const PathPoint*>& points) {
+  for (const PathMeasure& measure : report.view.measures) {
+    const Quantity quantity = quantity_of(measure.on);
+    // What is below 1e-13 of the mechanism's size, or of a radian, is rounding.
+    constexpr double rounding = 1e-13;
+    const double size = quantity == Quantity::angle ? 1.0 : report.varied.scales().length;
+    table.numbers("", measure.name, unit_name(quantity, report.units()),
+                  each(points, [&](const PathPoint* point) { return report.measure(measure, *point); }),
+                  {.digits = value_digits, .zero_below = in_unit(rounding * size, quantity, report.units())});
+  }
+  if (!report.varied.is_driven()) return;
+  const std::vector<double> efforts =
+      each(points, [&](const PathPoint* point) { return report.effort(point->effort); });
+  table.numbers("", effort_name(report.varied), report.varied.effort_dimension().unit_name(report.units()), efforts,
+                {.digits = force_digits, .zero_below = 1e-12 * largest_size(efforts)});
+}
+
+void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
+  const auto words = [](const PathPoint* point) {
+    std::string text = to_string(point->stability);
+    if (point->unstable_directions > 1) text += fmt::format(", {} directions", point->unstable_directions);
+    return text;
+  };
+  table.words("", "stability", each(points, words)).tones =
+      each(points, [](const PathPoint* point) { return tone_of(point->stability); });
+  std::vector<std::string> proofs = each(points, [](const PathPoint* point) { return proof_in_words(*point); });
+  if (std::all_of(proofs.begin(), proofs.end(), [](const std::string& proof) { return proof.empty(); })) return;
+  table.remarks(std::move(proofs)).tones = each(
+      points, [](const PathPoint* point) { return point->proof == PointProof::failed ? Tone::bad : Tone::doubtful; });
+}
+
+/// "guide = -0.548 m": the first measure shown; empty where there is none.
+std::string place_in_words(Report& report, const PathPoint& point) {
+  if (report.view.measures.empty()) return "";
+  const PathMeasure& measure = report.view.measures.front();
+  return fmt::format("{} = {} {}", measure.name, significant(report.measure(measure, point), value_digits),
+                     unit_name(quantity_of(measure.on), report.units()));
+}
+
+/// "load.P = 42.9 N, guide = -0.548 m".
+std::string point_in_words(Report& report, const PathPoint& point) {
+  const std::string place = place_in_words(report, point);
+  return report.at(point.parameter) + (place.empty() ? "" : ", " + place);
+}
+
+std::string landing_in_words(Report& report, const PathEvent& event) {
+  if (!event.landing) return event.why.empty() ? "comes to rest nowhere" : event.why;
+  const std::string place = place_in_words(report, *event.landing);
+  std::string text =
+      fmt::format("lands {}, {}", place.empty() ? "elsewhere" : "at " + place, to_string(event.landing->stability));
+  if (event.landing->proof == PointProof::failed) text += ", not proved";
+  if (const std::optional<double> released = energy_released(event)) text += ", releases " + report.energy(*released);
+  return text;
+}
+
+std::string remark_on(Report& report, const PathEvent& event) {
+  std::string text;
+  switch (event.kind) {
+    case PathEvent::Kind::stop:
+      text = fmt::format("\"{}\" comes {}", item_of(report, event), event.on ? "on" : "off");
+      break;
+    case PathEvent::Kind::slack:
+      text = fmt::format("\"{}\" {}", item_of(report, event), event.on ? "acts from here" : "goes slack");
+      break;
+    case PathEvent::Kind::snap:
+      text = landing_in_words(report, event);
+      break;
+    case PathEvent::Kind::fold:
+    case PathEvent::Kind::branch:
+    case PathEvent::Kind::hysteresis_end:
+      break;
+  }
+  // Events are critical as a rule.
+  const std::string proof = event.at.proof == PointProof::critical ? "" : proof_in_words(event.at);
+  for (const std::string& more : {proof, event.why}) {
+    if (!more.empty() && more != text) text += (text.empty() ? "" : "; ") + more;
+  }
+  return text;
+}
+
+/// Of the parameter; where nothing is known of its error, as of any number.
+int shown_digits(const PathEvent& event) {
+  return std::isfinite(event.error) ? std::max(1, event.digits()) : force_digits;
+}
+
+std::string title_of(PathEvent::Kind kind) {
+  switch (kind) {
+    case PathEvent::Kind::branch:
+      return "branch point";
+    case PathEvent::Kind::slack:
+      return "one-way spring";
+    case PathEvent::Kind::fold:
+    case PathEvent::Kind::stop:
+    case PathEvent::Kind::snap:
+    case PathEvent::Kind::hysteresis_end:
+      break;
+  }
+  return to_string(kind);
+}
+
+void add_events(Group& content, Report& report) {
+  const std::vector<PathEvent>& events = report.found.events;
+  if (events.empty()) return;
+  const std::string unit = report.varied.unit_name();
+  std::vector<const PathPoint*> points;
+  for (const PathEvent& event : events) points.push_back(&event.at);
+  std::vector<EventPlace> sides;
+  for (std::size_t e = 0; e < events.size(); ++e) {
+    sides.push_back(place_of(report.found, static_cast<int>(e), report.varied.to() - report.varied.from()));
+  }
+  Table& table = content.table("", "Events", Rows::list);
+  table.counts("", "no.", each(points, [n = 0](const PathPoint*) mutable { return ++n; }));
+  table.words("", "event", each(events, [](const PathEvent& event) { return title_of(event.kind); }));
+  // As many digits as are known.
+  table.words("", report.varied.name() + (unit.empty() ? "" : " (" + unit + ")"),
+              each(events, [&](const PathEvent& event) {
+                return significant(report.parameter(event.at.parameter), shown_digits(event));
+              }));
+  add_measures(table, report, points);
+  const auto side = [](const std::optional<Stability>& stability) {
+    return stability ? to_string(*stability) : std::string("-");
+  };
+  table.words("", "before", each(sides, [&](const EventPlace& place) { return side(place.before); }));
+  table.words("", "after", each(sides, [&](const EventPlace& place) { return side(place.after); }));
+  table.remarks(each(events, [&](const PathEvent& event) { return remark_on(report, event); }));
+}
+
+void add_points(Group& content, Report& report, const std::vector<Row>& rows) {
+  Table& table = content.table("", "Points of the curve", Rows::list);
+  table.shown = Table::Shown::spread;
+  const std::vector<const PathPoint*> points = [&] {
+    std::vector<const PathPoint*> out;
+    for (const Row& row : rows) out.push_back(row.point);
+    return out;
+  }();
+  table.numbers("", report.varied.name(), report.varied.unit_name(),
+                each(points, [&](const PathPoint* point) { return report.parameter(point->parameter); }),
+                {.digits = value_digits});
+  if (report.found.branches.size() > 1)
+    table.counts("", "branch", each(rows, [](const Row& row) { return row.branch + 1; }));
+  add_measures(table, report, points);
+  add_stability(table, points);
+}
+
+void add_wanted(Group& content, Report& report) {
+  std::vector<const PathPoint*> points;
+  for (const std::vector<PathPoint>& at : report.found.wanted) {
+    for (const PathPoint& point : at) points.push_back(&point);
+  }
+  if (!points.empty()) {
+    Table& table = content.table("", "Equilibria at the values asked for", Rows::list);
+    table.numbers("", report.varied.name(), report.varied.unit_name(),
+                  each(points, [&](const PathPoint* point) { return report.parameter(point->parameter); }),
+                  {.digits = value_digits});
+    add_measures(table, report, points);
+    add_stability(table, points);
+  }
+  for (std::size_t k = 0; k < report.view.at.size(); ++k) {
+    if (k < report.found.wanted.size() && !report.found.wanted[k].empty()) continue;
+    content.note(fmt::format("The curve has no equilibrium at {}.", report.at(report.view.at[k])), Tone::doubtful);
+  }
+}
+
+std::string end_in_words(const PathBranch& branch) {
+  switch (branch.end) {
+    case PathBranch::End::range:
+      return "at an end of the range";
+    case PathBranch::End::closed:
+      return "where it began";
+    case PathBranch::End::joined:
+      return "at a branch point from which all curves are followed";
+    case PathBranch::End::snapped:
+      return "in a snap";
+    case PathBranch::End::singular:
+      return "in a singular pose";
+    case PathBranch::End::stuck:
+      return "where no step succeeds";
+    case PathBranch::End::limit:
+      return "at the limit of points";
+    case PathBranch::End::interrupted:
+      return "where it was interrupted";
+  }
+  return "";
+}
+
+void add_branches(Group& content, Report& report) {
+  const std::vector<PathBranch>& branches = report.found.branches;
+  if (branches.size() < 2) return;
+  Table& table = content.table("", "Branches", Rows::list);
+  table.counts("", "no.", each(branches, [n = 0](const PathBranch&) mutable { return ++n; }));
+  table.words("", "begins", each(branches, [&](const PathBranch& branch) {
+                if (branch.from >= 0) return fmt::format("at event {}", branch.from + 1);
+                // Loading turns where the branch before ends.
+                return &branch == &branches.front() ? std::string("at the start")
+                                                    : fmt::format("where {} ends", &branch - branches.data());
+              }));
+  table.counts("", "points", each(branches, [](const PathBranch& branch) { return branch.points.size(); }));
+  const auto end = [&](const PathBranch& branch) {
+    if (branch.points.empty()) return std::numeric_limits<double>::quiet_NaN();
+    return report.parameter(branch.points.back().parameter);
+  };
+  table.numbers("", "ends at " + report.varied.name(), report.varied.unit_name(), each(branches, end),
+                {.digits = value_digits});
+  table.words("", "", each(branches, end_in_words));
+}
+
+bool is_cut_short(const PathBranch& branch) {
+  return branch.end == PathBranch::End::stuck || branch.end == PathBranch::End::limit ||
+         branch.end == PathBranch::End::singular;
+}
+
+void warn(Result& out, Report& report, const std::vector<Row>& rows) {
+  const auto unproved =
+      std::find_if(rows.begin(), rows.end(), [](const Row& row) { return row.point->proof == PointProof::failed; });
+  if (unproved != rows.end()) {
+    const int number = report.found.unproved();
+    const PathPoint& first = *unproved->point;
+    out.warnings.push_back(
+        bad(fmt::format("{} not proved, the first at {}: {}", count(number, "point is", "points are"),
+                        point_in_words(report, first), first.statement)));
+  }
+  for (std::size_t b = 0; b < report.found.branches.size(); ++b) {
+    const PathBranch& branch = report.found.branches[b];
+    if (!is_cut_short(branch) || branch.points.empty()) continue;
+    const PathPoint& last = branch.points.back();
+    out.warnings.push_back(doubtful(fmt::format("Branch {} ends at {}, {}{}.", b + 1, point_in_words(report, last),
+                                                end_in_words(branch), branch.why.empty() ? "" : ": " + branch.why)));
+  }
+  warn_of_friction(out, report.scene());
+}
+
+/// "2 folds, 1 stop"; empty where there are none.
+std::string events_in_words(const Path& found) {
+  std::vector<std::string> parts;
+  const auto add = [&](PathEvent::Kind kind, const char* one, const char* many) {
+    const auto number = std::count_if(found.events.begin(), found.events.end(),
+                                      [&](const PathEvent& event) { return event.kind == kind; });
+    if (number > 0) parts.push_back(count(static_cast<int>(number), one, many));
+  };
+  add(PathEvent::Kind::fold, "fold", "folds");
+  add(PathEvent::Kind::branch, "branch point", "branch points");
+  add(PathEvent::Kind::snap, "snap", "snaps");
+  return parts.empty() ? "no folds" : listed(parts);
+}
+
+/// "from load.P = 0 N to 60 N, and back to 0 N".
+std::string cycle_in_words(const Report& report, const std::vector<Row>& rows) {
+  const double rises = report.varied.to() > report.varied.from() ? 1.0 : -1.0;
+  const auto farthest = std::max_element(rows.begin(), rows.end(), [&](const Row& a, const Row& b) {
+    return rises * a.point->parameter < rises * b.point->parameter;
+  });
+  std::string text = fmt::format("from {} to {}", report.at(rows.front().point->parameter, force_digits),
+                                 report.amount(farthest->point->parameter, force_digits));
+  if (rows.back().branch > farthest->branch)
+    text += ", and back to " + report.amount(rows.back().point->parameter, force_digits);
+  return text;
+}
+
+/// How far the first curve goes: "from load.P = 0 N to 60 N", with its extremes where they lie beyond its ends.
+std::string extent_in_words(const Report& report, const std::vector<PathPoint>& points) {
+  const double first = points.front().parameter, last = points.back().parameter;
+  const auto [least, most] = std::minmax_element(
+      points.begin(), points.end(), [](const PathPoint& a, const PathPoint& b) { return a.parameter < b.parameter; });
+  const double rounding = 1e-9 * std::abs(report.varied.to() - report.varied.from());
+  std::string text = fmt::format("from {} to {}", report.at(first, force_digits), report.amount(last, force_digits));
+  if (most->parameter > std::max(first, last) + rounding)
+    text += ", as high as " + report.amount(most->parameter, force_digits);
+  if (least->parameter < std::min(first, last) - rounding)
+    text += ", as low as " + report.amount(least->parameter, force_digits);
+  return text;
+}
+
+std::string proof_of_all(const Path& found, const std::vector<Row>& rows) {
+  const auto number_of = [&](PointProof proof) {
+    return static_cast<int>(
+        std::count_if(rows.begin(), rows.end(), [&](const Row& row) { return row.point->proof == proof; }));
+  };
+  const int all = static_cast<int>(rows.size());
+  const int failed = found.unproved(), critical = number_of(PointProof::critical);
+  const int not_tried = number_of(PointProof::not_tried);
+  if (failed > 0) return fmt::format("{} of {} not proved", failed, count(all, "point", "points"));
+  if (not_tried > 0) return fmt::format("{} of {} not checked", not_tried, count(all, "point", "points"));
+  if (critical > 0) {
+    return fmt::format("{} of {} points are proved, the {} critical", all - critical, all,
+                       critical == 1 ? "other is" : "others are");
+  }
+  return all == 1 ? "its point is proved" : fmt::format("all {} points are proved", all);
+}
+
+/// With a capital and a full stop.
+std::string sentence_of(std::string text) {
+  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text.ends_with('.') ? text : text + ".";
+}
+
+Line verdict(const Report& report, const std::vector<Row>& rows) {
+  const Path& found = report.found;
+  if (found.status == Path::Status::no_start || rows.empty()) {
+    if (found.status == Path::Status::interrupted) return bad("Interrupted before the first point.");
+    return bad(found.why.empty() ? fmt::format("No equilibrium found at {}.", report.at(report.varied.from()))
+                                 : sentence_of(found.why));
+  }
+  std::string followed;
+  if (report.view.follow == PathOptions::Follow::jump) {
+    followed = cycle_in_words(report, rows);
+  } else {
+    followed = extent_in_words(report, found.branches.front().points);
+    const int further = static_cast<int>(found.branches.size()) - 1;
+    if (further > 0) followed += fmt::format(", with {}", count(further, "further branch", "further branches"));
+  }
+  const std::string rest =
+      fmt::format("{}; {}; other curves of equilibria may exist.", events_in_words(found), proof_of_all(found, rows));
+  if (found.status == Path::Status::interrupted)
+    return bad(fmt::format("Interrupted; equilibria followed {}: {}", followed, rest));
+  if (found.status == Path::Status::incomplete)
+    return bad(fmt::format("Equilibria not followed to the end, {}: {}", followed, rest));
+  return {"", fmt::format("Equilibria followed {}: {}", followed, rest),
+          found.unproved() == 0 ? Tone::good : Tone::bad};
+}
+
+}  // namespace
+
+Result path_result(const VariedScene& varied, const Path& found, const PathView& view,
+                   const std::vector<std::string>& settings) {
+  Report report{varied, found, view};
+  const std::vector<Row> rows = rows_of(found);
+  Result out = scene_result(varied.scene(), settings);
+  out.verdict = verdict(report, rows);
+  warn(out, report, rows);
+  add_path_data(out.content, report);
+  add_csv(out.content, report, rows);
+  if (rows.empty()) return out;
+  add_events(out.content, report);
+  add_wanted(out.content, report);
+  add_points(out.content, report, rows);
+  add_branches(out.content, report);
+  out.content.group("", "Numerics")
+      .fact("effort", fmt::format("{}, {}, {}", count(found.steps, "step", "steps"),
+                                  count(found.evaluations, "evaluation", "evaluations"), duration(found.microseconds)));
+  return out;
+}
+
+}  // namespace poise::app

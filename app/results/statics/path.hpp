@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "statics/path.hpp"
+#include "statics/path_measures.hpp"
+
+namespace poise::app {
+
+/// What `poise path` was asked for.
+struct PathView {
+  std::vector<PathMeasure> measures{};  ///< shown at every point and event
+  std::vector<double> at{};             ///< SI: PathOptions::at
+  PathOptions::Follow follow = PathOptions::Follow::unstable;
+};
+
+/// What `poise path` shows: events, points, and the equilibria at the values asked for; everything in JSON and, of the
+/// points, in CSV, docs/json.md.
+Result path_result(const VariedScene& varied, const Path& found, const PathView& view,
+                   const std::vector<std::string>& settings);
+
+}  // namespace poise::app
