@@ -39,6 +39,7 @@ std::vector<Entry> all_commands() {
   return {
       {check_command(), "datasets/six_bar.toml"},
       {solve_command(), "datasets/toggle_clamp.toml --set load.P=30 --svg clamp.svg --json clamp.json"},
+      {path_command(), "datasets/von_mises_toggle.toml --vary load.P=0..60 --svg toggle.svg"},
       {compare_command(), "datasets/car_hood.toml --svg hood.svg"},
       {kinematics_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --point platform.Q --svg lift.svg"},
       {motion_command(), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv"},

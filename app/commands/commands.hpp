@@ -13,6 +13,11 @@ Command check_command();
 /// `poise solve SCENE`: an equilibrium, by one method.
 Command solve_command();
 
+/// `poise path SCENE --vary load.P=0..5`: the curve of equilibria as one number of the scene changes, with its folds,
+/// branch points, stops and snaps; exit code solved where the curve was followed to its ends and every point is proved.
+/// Ctrl-C keeps the curve followed so far.
+Command path_command();
+
 /// `poise compare SCENE`: an equilibrium, by virtual work and by energy side by side; exit code solved where every
 /// method that applies is confirmed. With --methods by any of them; exit code solved where one is confirmed.
 /// With --tolerances: what accuracy costs each method; exit code solved where some run is confirmed.

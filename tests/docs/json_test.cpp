@@ -263,6 +263,46 @@ TEST(JsonDocs, Solve) {
                 Shared::all);
 }
 
+/// A block on two springs, which nothing else holds: it snaps through between them.
+constexpr const char* free_toggle = R"(
+[ground]
+points = { L = [-1, 0], R = [1, 0] }
+[body.block]
+points = { C = [0, 0] }
+[[spring]]
+name = "left"
+points = ["ground.L", "block.C"]
+stiffness = 1000
+free_length = 1.118
+[[spring]]
+name = "right"
+points = ["ground.R", "block.C"]
+stiffness = 1000
+free_length = 1.118
+[[force]]
+name = "load"
+at = "block.C"
+vector = [0, -20]
+[[friction]]
+bodies = ["ground", "block"]
+torque = 1
+[start]
+position = { block = [0, 0.45] }
+)";
+
+TEST(JsonDocs, Path) {
+  const TempFolder folder;
+  check_section("path",
+                {{{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--at", "30"}, with_csv},
+                 {{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--follow", "jump"}},
+                 {{"path", scene("toggle_clamp"), "--vary", "load.P=0..40", "--at", "10"}},
+                 {{"path", scene("toggle_press"), "--vary", "angle.crank=120..160"}, with_csv},
+                 {{"path", folder.write("toggle.toml", free_toggle), "--vary", "load.load=0..60", "--at", "10", "--set",
+                   "spring.left.stiffness=1000"}},
+                 {{"path", scene("hard/follower_four_bar"), "--vary", "loads=0.5..1"}}},
+                Shared::all);
+}
+
 TEST(JsonDocs, Compare) {
   check_section("compare", {{{"compare", scene("toggle_clamp")}}, {{"compare", scene("hard/follower_four_bar")}}});
 }

@@ -1,0 +1,95 @@
+// `poise path` through the command line.
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/run_poise.hpp"
+#include "tests/app/scenes.hpp"
+
+namespace poise::app_tests {
+namespace {
+
+using nlohmann::json;
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// The one line that is said of bad input.
+std::string complaint(const std::vector<std::string>& further) {
+  std::vector<std::string> words = {"path", dataset("von_mises_toggle")};
+  words.insert(words.end(), further.begin(), further.end());
+  const Outcome outcome = run_poise(words);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  return outcome.err;
+}
+
+TEST(PathCommand, SaysInOneLineWhatItCannotRead) {
+  EXPECT_TRUE(contains(complaint({"--vary", "lod.P=0..5"}), "--vary lod.P: ")) << "the name";
+  EXPECT_TRUE(contains(complaint({"--vary", "lod.P=0..5"}), "did you mean \"load.P\"?"));
+  EXPECT_TRUE(contains(complaint({"--vary", "travel.gide=0..1"}), "did you mean \"guide\"?"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=2..2"}), "the range 2..2 has no length"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..x"}), "is no range of numbers"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P"}), "there is no \"=\""));
+  EXPECT_TRUE(
+      contains(complaint({"--vary", "load.P=0..5", "--at", "1,7"}), "within the range of load.P, 0..5, found 7"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--at", "1,x"}), "\"x\" is not a number"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--measure", "guid"}), "did you mean \"guide\"?"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--from", "rest"}), "expected settle or equilibrium"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--follow", "all"}), "expected unstable or jump"));
+  EXPECT_TRUE(contains(complaint({}), "--vary is required"));
+}
+
+TEST(PathCommand, WritesTheSameCurveEverywhere) {
+  const TempFolder folder;
+  const std::string table = folder.path("p.csv"), result = folder.path("p.json"), chart = folder.path("p.svg");
+  const Outcome outcome = run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=-60..60", "--at", "30",
+                                     "--csv", table, "--json", result, "--svg", chart});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  const json answer = json::parse(contents(result));
+  EXPECT_EQ(answer["status"], "traced");
+  EXPECT_EQ(answer["unproved"], 0);
+  const std::string lines = contents(table);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(lines.begin(), lines.end(), '\n')), answer["points"].size() + 1);
+  std::vector<double> folds;
+  for (const json& event : answer["events"]) {
+    if (event["kind"] == "fold") folds.push_back(event["parameter"]);
+  }
+  std::sort(folds.rbegin(), folds.rend());
+  ASSERT_EQ(folds.size(), 2u);
+  EXPECT_NEAR(folds[0], 42.9143257312246876869530451065, 42.9 * 1e-12);
+  EXPECT_NEAR(folds[1], -42.9143257312246876869530451065, 42.9 * 1e-12);
+  EXPECT_EQ(answer["at"][0]["equilibria"].size(), 3u);
+  EXPECT_EQ(answer["parameter"]["unit"], "N");
+  EXPECT_EQ(objection_to_xml(contents(chart)), "");
+}
+
+TEST(PathCommand, WithoutAnEquilibriumAtTheStartExitsOne) {
+  const TempFolder folder;
+  const std::string scene = folder.write("runaway.toml", runaway);
+  const Outcome outcome = run_poise({"path", scene, "--vary", "load.push=1..2"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "No equilibrium to begin with at load.push = 1")) << outcome.out << outcome.err;
+}
+
+TEST(PathCommand, ShowsTheEffortOfADrive) {
+  const Outcome outcome = run_poise({"path", dataset("toggle_press"), "--vary", "angle.crank=140..150"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "angle.crank (deg)")) << outcome.out;
+  EXPECT_TRUE(contains(outcome.out, "torque (kN mm)")) << outcome.out;
+}
+
+TEST(PathCommand, LoadsAndUnloadsWithJumps) {
+  const Outcome outcome =
+      run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=-60..60", "--follow", "jump"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "from load.P = -60 N to 60 N, and back to -60 N: 2 folds and 2 snaps"))
+      << outcome.out;
+  EXPECT_TRUE(contains(outcome.out, "hysteresis end")) << outcome.out;
+}
+
+}  // namespace
+}  // namespace poise::app_tests
