@@ -9,6 +9,7 @@
 
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
+#include "tests/app/wheel_experiment.hpp"
 
 namespace poise::app_tests {
 namespace {
@@ -67,6 +68,11 @@ TEST(PathCommand, WritesTheSameCurveEverywhere) {
   EXPECT_EQ(objection_to_xml(contents(chart)), "");
 }
 
+/// A force to the right at the end of the last of n links.
+std::string load_on_last_link(int n) {
+  return "[[force]]\nname = \"P\"\nat = \"link" + std::to_string(n - 1) + ".b\"\nvector = [1, 0]\n";
+}
+
 TEST(PathCommand, WithoutAnEquilibriumAtTheStartExitsOne) {
   const TempFolder folder;
   const std::string scene = folder.write("runaway.toml", runaway);
@@ -89,6 +95,18 @@ TEST(PathCommand, LoadsAndUnloadsWithJumps) {
   EXPECT_TRUE(contains(outcome.out, "from load.P = -60 N to 60 N, and back to -60 N: 2 folds and 2 snaps"))
       << outcome.out;
   EXPECT_TRUE(contains(outcome.out, "hysteresis end")) << outcome.out;
+}
+
+TEST(PathCommand, InterruptKeepsWhatWasFollowed) {
+  const TempFolder folder;
+  const std::string scene = folder.write("links.toml", hanging_links(400) + load_on_last_link(400));
+  const std::string result = folder.path("p.json").string(), table = folder.path("p.csv").string();
+  const int exit_code = interrupt_poise({"path", scene, "--vary", "load.P=0..1000", "--json", result, "--csv", table},
+                                        folder.path("out").string(), std::chrono::milliseconds(500));
+  EXPECT_EQ(exit_code, 1);
+  const json answer = json::parse(contents(result));
+  EXPECT_EQ(answer["status"], "interrupted");
+  EXPECT_TRUE(contains(contents(folder.path("out")), "Interrupted")) << contents(folder.path("out"));
 }
 
 }  // namespace
