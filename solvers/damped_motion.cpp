@@ -11,11 +11,11 @@ namespace poise::solvers {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr int most_columns = 7;         // of the extrapolation
-constexpr int dense_limit = 48;         // variables up to which factors are dense
-constexpr int closings = 10;            // Newton steps onto the constraints
-constexpr double finish_within = 0.05;  // first Newton step of the finish, rad or mechanism sizes
-constexpr double contraction = 0.25;    // of the second
+constexpr int most_columns = 7;        // of the extrapolation
+constexpr int dense_limit = 48;        // variables up to which factors are dense
+constexpr int closings = 10;           // Newton steps onto the constraints
+constexpr double finish_within = 0.2;  // first Newton step of the finish, rad or mechanism sizes
+constexpr double contraction = 0.25;   // of the second
 constexpr int finish_steps = 12;
 constexpr double separation = 0.1;    // distance at which motions count as having parted
 constexpr int event_steps = 60;       // to locate an event
@@ -51,6 +51,8 @@ class DampedMotion::Method {
 
   void run(std::span<const double> x, double tolerance) {
     tolerance_ = tolerance > 0.0 ? tolerance : options_.tolerance;
+    // The smaller the tolerance the higher the order that takes least work.
+    columns_ = std::clamp(static_cast<int>(1.5 - 0.55 * std::log10(tolerance_)), 3, most_columns - 1);
     begin(x);
     result.arrival = follow();
     result.x = now_.x;
@@ -339,7 +341,7 @@ class DampedMotion::Method {
   bool extrapolate(double h, double& proposal) {
     proposal = 0.25 * h;
     double last = std::numeric_limits<double>::infinity();
-    for (int j = 1; j <= most_columns; ++j) {
+    for (int j = 1; j <= std::min(most_columns, columns_ + 2); ++j) {
       if (!sub_steps(h, j)) return false;
       // Aitken-Neville: table_[k] becomes T(j, k).
       previous_ = trial_.x;
@@ -371,9 +373,9 @@ class DampedMotion::Method {
       const double allowed = tolerance_;
       if (error <= allowed) {
         const double factor = 0.85 * std::pow(allowed / std::max(error, 1e-6 * allowed), 1.0 / j);
-        proposal = h * std::clamp(factor * (j <= 3 ? 1.6 : j <= 4 ? 1.15 : 0.8), 0.3, 8.0);
+        proposal = h * std::clamp(factor * (j < columns_ ? 1.6 : j == columns_ ? 1.0 : 0.8), 0.3, 8.0);
         error_of_step_ = error;
-        return close_next(h, j);
+        return close_next(j);
       }
       if (error > 4.0 * last || (j == 2 && error > 100.0 * std::pow(allowed, 0.5))) break;
       last = error;
@@ -382,46 +384,46 @@ class DampedMotion::Method {
     return false;
   }
 
-  bool close_next(double h, int j) {
+  bool close_next(int j) {
     next_.x = table_[j];
     evaluate(next_);
-    if (!close(next_, h / j)) return false;
+    if (!close(next_)) return false;
     return set_velocity(next_, velocity_next_, y_next_);
   }
 
-  // j linearly implicit Euler steps of length h / j; ends in trial_, with the displacement that delta_ grows to.
+  // j linearly implicit Euler steps of length h / j, each of which also closes the gaps that the last has left; ends in
+  // trial_, with the displacement that delta_ grows to.
   bool sub_steps(double h, int j) {
     const double inverse = j / h;
-    trial_.x = now_.x;
     delta_column_ = delta_;
+    y_trial_ = y_;
     for (int k = 0; k < j; ++k) {
       Evaluation& at = k == 0 ? now_ : trial_;
-      if (k == 0) {
-        tangent_ = first_tangent_;
-        resistance_ = first_resistance_;
-      } else {
-        if (!set_velocity(at, velocity_next_, y_trial_)) return false;
+      if (k > 0) {
+        evaluate(at);
         problem_.tangent(at, y_trial_, tangent_);
         problem_.resistance(at, resistance_);
       }
-      for (std::size_t e = 0; e < values_.size(); ++e) values_[e] = tangent_[e] + inverse * resistance_[e];
+      const std::vector<double>& stiffness = k == 0 ? first_tangent_ : tangent_;
+      const std::vector<double>& damping = k == 0 ? first_resistance_ : resistance_;
+      for (std::size_t e = 0; e < values_.size(); ++e) values_[e] = stiffness[e] + inverse * damping[e];
       if (!kkt_->set_jacobian(at, active_)) return false;
       const Kkt::Factors factors = kkt_->factor_tangent(values_);
       if (symmetric_ ? factors != Kkt::Factors::positive : factors == Kkt::Factors::singular) return false;
-      kkt_->solve(at.gradient, {}, step_);
-      multiply(resistance_, delta_column_, field_);
+      find_gap(at);
+      kkt_->solve(at.gradient, gap_, step_);
+      kkt_->solved_multipliers(at.gradient, y_trial_);
+      if (!(largest(step_) <= 4.0 * options_.longest_step)) return false;
+      multiply(damping, delta_column_, field_);
       for (double& f : field_) f *= -inverse;
       kkt_->solve(field_, {}, delta_column_);
-      if (!(largest(step_) <= 4.0 * options_.longest_step)) return false;
       for (int i = 0; i < n_; ++i) trial_.x[i] = at.x[i] + step_[i];
-      evaluate(trial_);
-      if (!close(trial_, h / j)) return false;
     }
     return true;
   }
 
   // Steps onto the active rows in the metric of values_, the matrix of the last step.
-  bool close(Evaluation& at, double) {
+  bool close(Evaluation& at) {
     double last = std::numeric_limits<double>::infinity();
     for (int k = 0; k < closings; ++k) {
       find_gap(at);
@@ -487,6 +489,7 @@ class DampedMotion::Method {
   double tolerance_ = 0.0, scale_ = 0.0, stiffest_ = 0.0;
   double growth_ = 1.0, growth_most_ = 1.0, error_ = 0.0, worst_error_ = 0.0, error_of_step_ = 0.0, moved_ = 0.0;
   double finish_below_ = finish_within;
+  int columns_ = 3;  // of the extrapolation that steps aim at
   bool met_event_ = false, creeps_ = false;
 };
 

@@ -23,8 +23,10 @@ using solvers::DampedResult;
 
 constexpr int dense_limit = 300;  // coordinates up to which ranks and directions are found by dense factors
 constexpr double closed_within = 1e-13;
-constexpr double tolerances[] = {1e-4, 1e-7, 1e-10};               // of one step, several freedoms
-constexpr double accurate_within = 0.01;                           // error of the whole motion, where it has grown most
+// Several freedoms: error of one step, at first and at least, and of the whole motion, where it has grown most.
+constexpr double first_tolerance = 1e-3;
+constexpr double least_tolerance = 1e-11;
+constexpr double accurate_within = 0.02;
 constexpr double beside[] = {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2};  // distances of displaced starts
 constexpr double flat = 1e-9;       // curvature, relative to the largest, below which a direction may be unstable
 constexpr double rounding = 1e-13;  // of forces, relative to the largest
@@ -116,10 +118,12 @@ class Settler {
     }
     if (!motion_) motion_.emplace(*problem_, settings);
     DampedResult result;
-    for (const double tolerance : tolerances) {
+    for (double tolerance = first_tolerance;;) {
       result = counted(motion_->run(x, tolerance));
       const bool is_large = mechanism_.coordinates() > dense_limit;
       if (result.error <= accurate_within || result.arrival == Arrival::interrupted || is_large) break;
+      if (tolerance <= least_tolerance) break;
+      tolerance = std::max(least_tolerance, tolerance * std::min(0.1, 0.2 * accurate_within / result.error));
     }
     return result;
   }
