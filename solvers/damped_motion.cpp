@@ -40,7 +40,7 @@ class DampedMotion::Method {
         upper_(rows_, 0),
         switch_now_(problem.switches()),
         switch_next_(problem.switches()) {
-    for (auto* v : {&velocity_, &velocity_next_, &step_, &field_, &delta_, &delta_next_, &delta_column_}) v->resize(n_);
+    for (auto* v : {&velocity_, &velocity_next_, &step_, &field_, &delta_, &delta_column_}) v->resize(n_);
     for (auto* v : {&y_, &y_next_, &y_trial_, &gap_}) v->resize(rows_);
     for (auto* v : {&tangent_, &resistance_, &values_, &first_tangent_, &first_resistance_}) {
       v->resize(problem.tangent_pattern().size());
@@ -83,6 +83,8 @@ class DampedMotion::Method {
     scale_ = 0.0;
     finish_below_ = finish_within;
     for (int i = 0; i < n_; ++i) delta_[i] = 1.0 + 0.5 * std::sin(1.0 + 2.0 * i);
+    const double length = std::sqrt(dot(delta_, delta_));
+    for (double& d : delta_) d /= length;
     evaluate(now_);
   }
 
@@ -193,7 +195,7 @@ class DampedMotion::Method {
       double far = 0.0;
       for (int i = 0; i < n_; ++i) far = std::max(far, std::abs(now_.x[i] - start_[i]));
       if (far > options_.run_away) return Arrival::runs_away;
-      if (creeps_) return Arrival::rest;
+      if (creeps_) return set_tangent(now_, y_) ? judge_rest() : Arrival::singular;
     }
   }
 
@@ -481,7 +483,7 @@ class DampedMotion::Method {
   std::unique_ptr<Kkt> kkt_;
   Evaluation now_, next_, trial_;
   std::vector<char> active_, upper_;
-  std::vector<double> start_, velocity_, velocity_next_, step_, field_, delta_, delta_next_, delta_column_;
+  std::vector<double> start_, velocity_, velocity_next_, step_, field_, delta_, delta_column_;
   std::vector<double> y_, y_next_, y_trial_, gap_;
   std::vector<double> tangent_, resistance_, values_, first_tangent_, first_resistance_;
   std::vector<double> switch_now_, switch_next_, previous_, scratch_;

@@ -184,7 +184,7 @@ class Settler {
           side.direction[i] = sign * direction[static_cast<Eigen::Index>(i)];
         }
         if (options_.sides || out_.sides.empty()) {
-          const DampedResult result = move(*beside_x);
+          const DampedResult result = fall(*beside_x);
           side.end = end_of(result.arrival);
           side.x = result.x;
           side.active_stops = stops_of(result.active);
@@ -192,6 +192,22 @@ class Settler {
         out_.sides.push_back(std::move(side));
       }
     }
+  }
+
+  // As move(), and on from every unstable equilibrium that a symmetric motion leads to.
+  DampedResult fall(const std::vector<double>& x) {
+    DampedResult result = move(x);
+    for (int k = 0; k < out_.freedoms && result.arrival == Arrival::unstable; ++k) {
+      std::optional<std::vector<double>> next;
+      for (const Eigen::VectorXd& direction : falling_directions(result.x, result.active)) {
+        next = start_of_fall(result.x, direction);
+        if (!next) next = start_of_fall(result.x, -direction);
+        if (next) break;
+      }
+      if (!next) break;
+      result = move(*next);
+    }
+    return result;
   }
 
   std::vector<Eigen::VectorXd> falling_directions(const std::vector<double>& x, const std::vector<char>& active) const {
@@ -210,7 +226,7 @@ class Settler {
     if (hessian.matrix.size() == 0) return out;
     const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(0.5 * (hessian.matrix + hessian.matrix.transpose()));
     for (Eigen::Index k = 0; k < eigen.values.size(); ++k) {
-      if (eigen.values[k] < flat * hessian.largest) out.push_back(hessian.basis * eigen.vectors.col(k));
+      if (eigen.values[k] < flat * hessian.largest) out.emplace_back(hessian.basis * eigen.vectors.col(k));
     }
     return out;
   }
