@@ -119,7 +119,7 @@ Ours measure_ours(const Subject& subject, int size) {
     newton.solve(start);
     out.search_peak = peak_memory();
   }
-  const Equilibrium equilibrium = solve(model);
+  const Equilibrium equilibrium = solve(model, {.seek = Seek::any});
   out.whole_peak = peak_memory();
   out.coordinates = model.mechanism().coordinates();
   out.iterations = equilibrium.iterations;

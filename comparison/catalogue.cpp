@@ -68,7 +68,7 @@ class CasesReader {
     hard.title = required_text(table, "title");
     hard.source = required_text(table, "source");
     const std::optional<Scene> scene = read_its_scene(table, hard);
-    hard.seek = read_choice(table, "seek", {"nearest", "stable"}) == 0 ? Seek::nearest : Seek::stable;
+    hard.seek = read_choice(table, "seek", {"nearest", "stable"}) == 0 ? Seek::any : Seek::stable;
     hard.expect = static_cast<Expect>(read_choice(table, "expect", {"equilibrium", "locked", "none"}));
     if (table.has("why")) hard.why = required_text(table, "why");
     hard.starts = small_number(table, "starts", hard.starts);

@@ -36,7 +36,7 @@ struct HardCase {
   std::string series;                    ///< of comparison/series.hpp: "hanging chain"
   int size = 0;                          ///< of the series
   std::vector<ParameterChange> changes;  ///< of the scene
-  Seek seek = Seek::nearest;
+  Seek seek = Seek::any;
   Expect expect = Expect::equilibrium;
   std::string why;           ///< if no equilibrium is expected: the reason to report
   int starts = 1000;         ///< number of seeded starts

@@ -15,7 +15,7 @@ namespace poise {
 struct MotionOrigin {
   enum class Kind {
     start,        ///< the start of the scene, its loops closed
-    equilibrium,  ///< the equilibrium next to it
+    equilibrium,  ///< the equilibrium sought from there
     unloaded,     ///< the start, because no coordinate has a load and each pose is an equilibrium
     not_found     ///< the search for the equilibrium failed
   };
@@ -26,8 +26,8 @@ struct MotionOrigin {
   bool found() const { return kind != Kind::not_found; }
 };
 
-/// The equilibrium next to the start of the scene, any or a stable one, drives left out.
-MotionOrigin equilibrium_origin(const MotionModel& model, Seek seek = Seek::nearest,
+/// The equilibrium that the mechanism settles in from the start of the scene, or another one near it, drives left out.
+MotionOrigin equilibrium_origin(const MotionModel& model, Seek seek = Seek::settle,
                                 const std::atomic<bool>* interrupt = nullptr);
 
 /// A change of what moves, or a rate.

@@ -26,6 +26,8 @@ namespace {
 
 constexpr int most_unclaimed = 300;  // coordinates up to which the end of a failed search is examined too
 constexpr int most_displaced = 12;   // displaced starts, after a result that the check does not confirm
+// From where the mechanism settles to the equilibrium of a method, besides what rounding and the proof leave open.
+constexpr double settled_within = 1e-9;
 
 double elapsed(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - since).count();
@@ -220,7 +222,58 @@ bool is_denied(const Equilibrium& equilibrium) {
          equilibrium.status != Status::checked;
 }
 
+double distance(const std::vector<double>& a, const std::vector<double>& b) {
+  double far = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) far = std::max(far, std::abs(a[i] - b[i]));
+  return far;
+}
+
+// An equilibrium that is proved, but is not the one in which the mechanism settles.
+void expect_settled(const Settling& settling, Equilibrium& out) {
+  const Certificate& certificate = out.certificate;
+  const double apart = distance(out.x, settling.x);
+  if (!out.found() || certificate.outcome == Outcome::neutral ||
+      apart <= settled_within + 2.0 * certificate.radius + 10.0 * certificate.rounding_effect) {
+    return;
+  }
+  out.status = Status::elsewhere;
+  out.why += fmt::format("; it left the equilibrium in which the mechanism settles, for one {:.2g} (rad or sizes) away",
+                         apart);
+}
+
+Equilibrium solve_settled(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
+  Settling settling = settle(model, x, {.interrupt = options.interrupt});
+  Equilibrium out;
+  const bool rests = settling.end == Settling::End::settled || settling.end == Settling::End::start_unstable;
+  if (rests) {
+    out = search_and_check(model, settling.x, options);
+    expect_settled(settling, out);
+  } else {
+    out.method = options.method;
+    out.seek = options.seek;
+    out.x = settling.x;
+    out.why = settling.why;
+    if (settling.end == Settling::End::interrupted) out.status = Status::interrupted;
+    certify_answer(model, options, out);
+    if (out.status != Status::interrupted) out.status = Status::not_found;
+  }
+  out.settling = std::move(settling);
+  return out;
+}
+
 }  // namespace
+
+std::string to_string(Seek seek) {
+  switch (seek) {
+    case Seek::settle:
+      return "settle";
+    case Seek::any:
+      return "any";
+    case Seek::stable:
+      return "stable";
+  }
+  return "unknown";
+}
 
 std::string to_string(Status status) {
   switch (status) {
@@ -232,6 +285,8 @@ std::string to_string(Status status) {
       return "checked, not proved";
     case Status::not_confirmed:
       return "not confirmed";
+    case Status::elsewhere:
+      return "went elsewhere";
     case Status::not_found:
       return "not found";
     case Status::not_applicable:
@@ -243,6 +298,7 @@ std::string to_string(Status status) {
 }
 
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
+  if (options.seek == Seek::settle) return solve_settled(model, x, options);
   Equilibrium out = search_and_check(model, x, options);
   const bool again = options.method == Method::virtual_work && options.safeguards.restarts;
   std::minstd_rand random(20220531);

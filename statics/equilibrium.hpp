@@ -10,20 +10,26 @@
 #include "statics/certificate.hpp"
 #include "statics/check.hpp"
 #include "statics/method.hpp"
+#include "statics/settle.hpp"
 #include "statics/static_model.hpp"
 
 namespace poise {
 
 enum class Seek {
-  nearest,  ///< any equilibrium near the start
-  stable    ///< minima only
+  settle,  ///< the one that the mechanism reaches from the start when released with heavy damping (statics/settle.hpp)
+  any,     ///< any equilibrium near the start
+  stable   ///< minima only
 };
+
+/// "settle", "any", "stable".
+std::string to_string(Seek seek);
 
 enum class Status {
   not_solved,
   confirmed,       ///< the certificate proves an equilibrium at the result
   checked,         ///< free-body statics finds it in balance, but a proof would take too long
   not_confirmed,   ///< the solver claims success and nothing could be proved
+  elsewhere,       ///< Seek::settle: an equilibrium is proved, but not the one in which the mechanism settles
   not_found,       ///< the search failed, or its result is an equilibrium of the wrong kind
   not_applicable,  ///< the method does not apply: a load without potential in the energy method, too many coordinates
   interrupted
@@ -34,7 +40,7 @@ std::string to_string(Status status);
 
 struct SolveOptions {
   Method method = Method::virtual_work;
-  Seek seek = Seek::nearest;
+  Seek seek = Seek::settle;
   std::optional<double> tolerance{};  ///< of the method; its default (MethodTraits) if not given
   CheckTolerances check{};
   CertificateOptions certificate{};
@@ -46,7 +52,7 @@ struct SolveOptions {
 /// An equilibrium of a mechanism, or the last point of a search that found none. Starts as not solved.
 struct Equilibrium {
   Method method = Method::virtual_work;
-  Seek seek = Seek::nearest;
+  Seek seek = Seek::settle;
   Status status = Status::not_solved;
   bool claimed = false;  ///< the solver reports success
   /// The search reached a pose where closures lose rank and no finite joint forces balance the loads (virtual work
@@ -55,7 +61,7 @@ struct Equilibrium {
   std::string why;  ///< one sentence: the solver's report, and the objection of the check if there is one
   int iterations = 0;
   int evaluations = 0;
-  double microseconds = 0.0;    ///< of the search alone, without reading, compiling, closing loops and check
+  double microseconds = 0.0;    ///< of the search alone, without reading, compiling, closing loops, settling and check
   std::vector<double> x;        ///< scaled coordinates: Certificate::x if it is confirmed, else `reached`
   std::vector<double> reached;  ///< where the method itself ended, scaled coordinates
   /// V, J; of dead loads from an arbitrary zero. Empty with follower loads, which have no potential, and before any
@@ -63,11 +69,15 @@ struct Equilibrium {
   std::optional<double> energy;
   Certificate certificate;
   Check check;
+  /// Seek::settle: where the mechanism settles. The method begins there, and only the equilibrium there is an answer;
+  /// where it does not come to rest no method is asked.
+  std::optional<Settling> settling;
 
   bool found() const { return status == Status::confirmed; }
 };
 
-/// Finds an equilibrium from the scene's start (or from x, scaled coordinates) and checks it.
+/// Finds the equilibrium in which the mechanism settles from the scene's start (or from x, scaled coordinates), or,
+/// with another SolveOptions::seek, one near it, and checks it.
 /// Throws InputError if the mechanism cannot be assembled or has no degree of freedom left.
 Equilibrium solve(const StaticModel& model, const SolveOptions& options = {});
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options = {});

@@ -27,7 +27,7 @@ const Answer* best_of(const std::vector<Answer>& answers) {
 
 struct CompareRequest {
   Request common;
-  std::string seek = "nearest";
+  std::string seek;  // empty: not given
   std::optional<std::string> methods, tolerances;
   std::optional<int> repeat;
   std::optional<double> proof_seconds;
@@ -39,7 +39,11 @@ comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& wo
   options.methods = read_methods("--methods", words.methods.value_or("all"));
   options.tolerances = read_tolerances(*words.tolerances);
   options.repeats = words.repeat.value_or(options.repeats);
-  options.seek = read_seek(words.seek);
+  if (!words.seek.empty()) options.seek = read_seek(words.seek);
+  if (options.seek == Seek::settle) {
+    throw InputError(
+        "--seek settle: does not go with --tolerances, which measures searches from the start; expected any or stable");
+  }
   expect_between("--repeat", options.repeats, 1, 10'000);
   return options;
 }
@@ -63,7 +67,7 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   if (words.repeat) throw InputError("--repeat: counts only with --tolerances; leave it out or give both");
   if (!request.csv.empty()) throw InputError("--csv: is written only with --tolerances; leave it out or give both");
   SolveOptions options;
-  options.seek = read_seek(words.seek);
+  if (!words.seek.empty()) options.seek = read_seek(words.seek);
   options.certificate = read_proof(words.proof_seconds);
   const std::vector<Method> methods = read_methods("--methods", words.methods.value_or("virtual-work,energy"));
 

@@ -16,7 +16,7 @@ namespace {
 
 struct ModesRequest {
   Request common;
-  std::string seek = "nearest";
+  std::string seek = "settle";
 };
 
 int run_modes(const ModesRequest& request, const Palette& palette) {

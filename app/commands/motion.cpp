@@ -29,7 +29,7 @@ struct MotionRequest {
   double rate = 1000.0;
   std::vector<std::string> release, release_rate;
   std::string from;
-  std::string seek = "nearest";
+  std::string seek = "settle";
   double noise = 0.0;
   std::uint64_t seed = 1;
   double accuracy = 1e-10;

@@ -107,9 +107,11 @@ void add_output_options(Command& command, Request& request, const FileHelp& help
 }
 
 void add_seek_option(Command& command, std::string& seek) {
-  command.add({"--seek", &seek, "WHAT",
-               "nearest: any equilibrium near the start (the default;\nminimising methods find minima only); stable: "
-               "minima only"});
+  command.add(
+      {"--seek", &seek, "WHAT",
+       "settle: the equilibrium that the mechanism reaches from its start\nwhen released with heavy damping (the "
+       "default); any: any\nequilibrium near the start (minimising methods find minima only);\nstable: minima "
+       "only"});
 }
 
 void add_proof_option(Command& command, std::optional<double>& seconds) {
@@ -127,7 +129,8 @@ CertificateOptions read_proof(const std::optional<double>& seconds) {
 }
 
 Seek read_seek(const std::string& word) {
-  return chosen("--seek", word, {"nearest", "stable"}) == 0 ? Seek::nearest : Seek::stable;
+  constexpr Seek meanings[] = {Seek::settle, Seek::any, Seek::stable};
+  return meanings[chosen("--seek", word, {"settle", "any", "stable"})];
 }
 
 void read_word(const std::string& option, const std::string& word, double& value) {

@@ -51,7 +51,7 @@ void add_seek_option(Command& command, std::string& seek);
 void add_proof_option(Command& command, std::optional<double>& seconds);
 /// The options of certificates with that time. Throws InputError unless it is a number >= 0.
 CertificateOptions read_proof(const std::optional<double>& seconds);
-/// nearest or stable. Throws InputError.
+/// settle, any or stable. Throws InputError.
 Seek read_seek(const std::string& word);
 
 /// Reads the word given to an option. Throws InputError "OPTION: expected ..., found WORD" unless it is a number, or a

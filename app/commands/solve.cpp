@@ -14,7 +14,7 @@ namespace {
 
 struct SolveRequest {
   Request common;
-  std::string method = "virtual-work", seek = "nearest";
+  std::string method = "virtual-work", seek = "settle";
   std::optional<double> proof_seconds;
 };
 

@@ -24,7 +24,7 @@ int main() try {
       .start("guide", 330);
   const poise::Scene scene = builder.build();
 
-  const poise::NamedEquilibrium found = solve(scene, {.seek = poise::Seek::stable}).in_scene_units();
+  const poise::NamedEquilibrium found = solve(scene).in_scene_units();
   std::printf("%s, %s\n", to_string(found.result().status).c_str(),
               to_string(found.result().certificate.stability).c_str());
   std::printf("crank at %.3f deg, ram at %.3f mm\n", found.angle("crank"), found.point("ram.C").x);

@@ -26,7 +26,7 @@ TEST(CommandLine, ConfirmedEquilibriumExitsZero) {
   const TempFolder folder;
   const std::string scene = folder.write("pendulum.toml", pendulum);
   for (const char* method : {"virtual-work", "energy"}) {
-    for (const char* seek : {"nearest", "stable"}) {
+    for (const char* seek : {"settle", "any", "stable"}) {
       const Outcome run = run_poise({"solve", scene, "--method", method, "--seek", seek});
       EXPECT_EQ(run.exit_code, 0) << run.out;
       EXPECT_EQ(run.err, "");
@@ -50,7 +50,8 @@ TEST(CommandLine, AnAnswerWithoutTimeForItsProofIsCheckedOnly) {
 
 TEST(CommandLine, UnstableEquilibriumIsFoundAndReportedAsUnstable) {
   const TempFolder folder;
-  const Outcome run = run_poise({"solve", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
+  const Outcome run =
+      run_poise({"solve", folder.write("up.toml", pendulum), "--set", "start.rod=1.5", "--seek", "any"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(contains(run.out, "In equilibrium, proved: unstable.")) << run.out;
   EXPECT_TRUE(contains(run.out, "direction    unstable: rod +1.00")) << run.out;
@@ -176,12 +177,14 @@ TEST(CommandLine, SolveAndCompareNameWhatStaticsLeavesOut) {
 TEST(CommandLine, EnergySeeksAMinimumAndReportsWhatItCounts) {
   const TempFolder folder;
   const std::string scene = folder.write("pendulum.toml", pendulum);
-  const Outcome run = run_poise({"solve", scene, "--method", "energy", "--verbose"});
+  const Outcome run = run_poise({"solve", scene, "--method", "energy", "--seek", "any", "--verbose"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_PRED2(contains, run.out, "energy, seeking a minimum of the energy");
   EXPECT_PRED2(contains, run.out, "(springs in full, loads without the part that no motion changes)");
-  EXPECT_PRED2(contains, run_poise({"solve", scene}).out, "virtual-work, seeking the nearest equilibrium");
-  EXPECT_PRED2(contains, run_poise({"solve", scene, "--method", "dynamic-relaxation"}).out,
+  EXPECT_PRED2(contains, run_poise({"solve", scene}).out, "virtual-work, seeking the equilibrium in which it settles");
+  EXPECT_PRED2(contains, run_poise({"solve", scene, "--seek", "any"}).out,
+               "virtual-work, seeking the nearest equilibrium");
+  EXPECT_PRED2(contains, run_poise({"solve", scene, "--method", "dynamic-relaxation", "--seek", "any"}).out,
                "seeking a stable equilibrium");
 }
 
@@ -209,7 +212,8 @@ TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {
 
 TEST(CommandLine, CompareDistinguishesEquilibria) {
   const TempFolder folder;
-  const Outcome run = run_poise({"compare", folder.write("up.toml", pendulum), "--set", "start.rod=1.5"});
+  const Outcome run =
+      run_poise({"compare", folder.write("up.toml", pendulum), "--set", "start.rod=1.5", "--seek", "any"});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_TRUE(contains(
       run.out, "different equilibria: virtual-work: unstable; energy: stable. Largest difference: 3.142 rad in rod."))
@@ -363,7 +367,7 @@ INSTANTIATE_TEST_SUITE_P(
             "EmptyFile", {"solve", "SCENE", "--markdown", ""}, "--markdown: expected a word that is not empty; leave"},
         BadWords{"EmptyFileBehindEquals", {"motion", "SCENE", "--duration", "1", "--csv="}, "--csv"},
         BadWords{"OptionTwice",
-                 {"solve", "SCENE", "--seek", "stable", "--seek", "nearest"},
+                 {"solve", "SCENE", "--seek", "stable", "--seek", "any"},
                  "poise: --seek: expected once, found several times; see poise solve --help"},
         BadWords{"NothingBehindAnOption",
                  {"check", "SCENE", "--svg"},

@@ -30,7 +30,8 @@ TEST(ResultFiles, JsonHoldsTheWholeResultInUnitsOfTheScene) {
   const TempFolder folder;
   const json r = result_of(folder, {"solve", folder.write("a.toml", workshop_pendulum)}, 0);
   EXPECT_EQ(r["method"], "virtual-work");
-  EXPECT_EQ(r["seek"], "nearest");
+  EXPECT_EQ(r["seek"], "settle");
+  EXPECT_EQ(r["settled"]["end"], "settled");
   EXPECT_EQ(r["status"], "confirmed");
   EXPECT_EQ(r["stability"], "stable");
   EXPECT_GT(r["iterations"], 0);

@@ -71,7 +71,7 @@ TEST(Catalogue, ReadsAllKeys) {
 
   EXPECT_EQ(cases[1].expect, Expect::none);
   EXPECT_EQ(cases[1].why, "it runs away");
-  EXPECT_EQ(cases[1].seek, Seek::nearest);
+  EXPECT_EQ(cases[1].seek, Seek::any);
   EXPECT_EQ(cases[1].starts, 1000);
   EXPECT_EQ(cases[1].reach, 3.2);
   EXPECT_FALSE(cases[1].complete || cases[1].turns_count || cases[1].everywhere);

@@ -249,6 +249,15 @@ plate = 0.1
 position = { plate = [0, -0.05] }
 )";
 
+// Its start is unstable, and stops hold what falls from it.
+constexpr const char* rocker = R"(
+ground.points = { O = [0, 0], H = [-1, 0] }
+body.lever.points = { O = [0, 0], B = [2, 0] }
+pin = [{ name = "O", points = ["ground.O", "lever.O"] }]
+spring = [{ name = "s", points = ["ground.H", "lever.B"], stiffness = 2, free_length = 2.5 }]
+stop = [{ name = "travel", bodies = ["ground", "lever"], min = -0.3, max = 0.3 }]
+)";
+
 TEST(JsonDocs, Solve) {
   const TempFolder folder;
   check_section("solve",
@@ -259,7 +268,8 @@ TEST(JsonDocs, Solve) {
                  {{"solve", scene("lift")}},
                  {{"solve", scene("hard/balanced_lamp")}},
                  {{"solve", scene("hard/taut")}},
-                 {{"solve", folder.write("plate.toml", plate)}}},
+                 {{"solve", folder.write("plate.toml", plate)}},
+                 {{"solve", folder.write("rocker.toml", rocker)}}},
                 Shared::all);
 }
 

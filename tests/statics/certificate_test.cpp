@@ -55,7 +55,7 @@ class Refines : public testing::TestWithParam<const char*> {};
 // From 1e-6 away the same doubles are found again, within a radius that contains 50 digits' answer.
 TEST_P(Refines, EveryCoordinateShiftedByAMillionth) {
   const StaticModel model(read_scene(dataset(GetParam())));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   const Reference exact = refine(model, found.x);
   ASSERT_TRUE(exact.refined) << exact.why;
@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Refines,
 
 TEST(Certify, RefusesWhatIsNotFinite) {
   const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
-  const std::vector<double> equilibrium = solve(model).x;
+  const std::vector<double> equilibrium = solve(model, test::by(Method::virtual_work)).x;
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()}) {
     for (std::size_t i = 0; i < equilibrium.size(); ++i) {
@@ -108,7 +108,7 @@ TEST(Certify, RefusesWhatIsNotFinite) {
 
 TEST(Certify, ProvesNothingAfterItsTime) {
   const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
-  const std::vector<double> equilibrium = solve(model).x;
+  const std::vector<double> equilibrium = solve(model, test::by(Method::virtual_work)).x;
   const Certificate proof = certify(model, equilibrium, {.seconds = 0.0});
   EXPECT_TRUE(proof.out_of_time);
   EXPECT_EQ(to_string(proof.outcome), "not proved");
@@ -233,7 +233,7 @@ TEST(StabilityOf, AStiffnessATrillionthBesideTheWeight) {
 
 TEST(PrincipalDirections, AreNoneWhereStopsLeaveNoMotion) {
   const StaticModel model(read_scene(dataset("toggle_clamp.toml")));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   EXPECT_TRUE(found.certificate.locked);
   EXPECT_EQ(found.certificate.active_stops.size(), 1u);
@@ -878,7 +878,7 @@ TEST(StopsOf, WallsAtTheSamePlaceShareTheLoad) {
     at = "block.C"
     vector = [30, 0]
   )");
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   expect_proved(found.certificate, Stability::stable, 0);
   EXPECT_EQ(found.certificate.active_stops.size() + found.certificate.sharing_stops.size(), 2u);

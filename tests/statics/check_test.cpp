@@ -40,7 +40,7 @@ class Refutes : public testing::TestWithParam<const char*> {};
 
 TEST_P(Refutes, EveryCoordinateShiftedByAMillionth) {
   const StaticModel model(read_scene(test::dataset(GetParam())));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   std::set<std::string> joints, bodies;
   for (const Joint& joint : model.scene().joints) joints.insert(joint.name);
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Refutes,
 
 TEST(Check, NamesTheGapingJoint) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   // The tree holds A, B and D together whatever x is, so what opens is the joint that closes the loop.
   ASSERT_EQ(model.layout().closures.size(), 1u);
@@ -149,7 +149,7 @@ TEST(Check, NamesTheStopThatIsOverrun) {
 
 TEST(Check, RejectsNan) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
-  const std::vector<double> equilibrium = solve(model).x;
+  const std::vector<double> equilibrium = solve(model, test::by(Method::virtual_work)).x;
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()}) {
     for (std::size_t i = 0; i < equilibrium.size(); ++i) {
@@ -188,7 +188,7 @@ TEST(Check, ObjectsToForcesThatOverflow) {
       EXPECT_TRUE(contains(check.objection, "overflow")) << check.objection;
     }
     // Where everything is slack there is nothing to overflow.
-    const Equilibrium found = solve(model);
+    const Equilibrium found = solve(model, test::by(Method::virtual_work));
     EXPECT_TRUE(!found.found() || found.check.largest_force < 1e300);
     EXPECT_NE(found.why, "");
   }
@@ -196,7 +196,7 @@ TEST(Check, ObjectsToForcesThatOverflow) {
 
 TEST(Check, IsEmptyOfObjectionsWhereThereIsNone) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
-  const Check check = solve(model).check;
+  const Check check = solve(model, test::by(Method::virtual_work)).check;
   EXPECT_TRUE(check.is_equilibrium());
   EXPECT_EQ(check.objection, "");
   EXPECT_LT(check.closure_error, 1e-14 * model.scales().length);
@@ -515,7 +515,7 @@ INSTANTIATE_TEST_SUITE_P(Links, HangingChain, testing::Values(10, 60, 300, 1000)
 
 TEST(LargeMechanisms, AreRefutedLikeSmallOnes) {
   const StaticModel model(test::hanging_chain(300, 10.0, 5.0, 6.0));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   std::vector<double> x = found.x;
   x[150] += 1e-6;

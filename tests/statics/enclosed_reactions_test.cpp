@@ -74,7 +74,7 @@ class OfDatasets : public testing::TestWithParam<const char*> {};
 
 TEST_P(OfDatasets, AreThoseOfFiftyDigits) {
   const StaticModel model(read_scene(test::dataset(GetParam())));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   const auto exact = judge::exact_forces(model, found);
   ASSERT_TRUE(exact);
@@ -104,7 +104,7 @@ TEST_P(OfRandomScenes, AreThoseOfFiftyDigits) {
     if (3 * static_cast<Eigen::Index>(model.scene().bodies.size()) > most_unknowns / 2) continue;
     Equilibrium found;
     try {
-      found = solve(model);
+      found = solve(model, test::by(Method::virtual_work));
     } catch (const InputError&) {
       continue;
     }
@@ -143,7 +143,7 @@ TEST(EnclosedReactions, OfStiffSpringsAreBetterThanDoublePrecision) {
       vector = [0.3, -1]
     )",
                                                    stiffness));
-    const Equilibrium found = solve(model);
+    const Equilibrium found = solve(model, test::by(Method::virtual_work));
     ASSERT_TRUE(found.found()) << found.why;
     const auto exact = judge::exact_forces(model, found);
     ASSERT_TRUE(exact);
@@ -159,7 +159,7 @@ TEST(EnclosedReactions, OfStiffSpringsAreBetterThanDoublePrecision) {
 
 TEST(EnclosedReactions, AreThoseThatStaticsDetermines) {
   const StaticModel model(read_scene(test::dataset("redundant_parallelogram.toml")));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   ASSERT_GT(found.check.redundancy, 0);
   for (const Reaction& reaction : found.check.reactions) {
@@ -241,7 +241,7 @@ TEST(EnclosedReactions, OfANeutralArm) {
     stiffness = 0
     free_angle = 0
   )");
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   ASSERT_EQ(found.certificate.outcome, Outcome::neutral);
   const Reaction& hinge = reaction_of(found.check, "hinge");
@@ -251,7 +251,7 @@ TEST(EnclosedReactions, OfANeutralArm) {
 
 TEST(EnclosedReactions, AreNotClaimedWithoutAProof) {
   const StaticModel model(read_scene(test::dataset("thesis_four_bar.toml")));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   for (const Reaction& reaction : check(model, found.x).reactions) EXPECT_FALSE(std::isfinite(reaction.radius));
   Certificate none = found.certificate;
   none.outcome = Outcome::not_proved;

@@ -63,7 +63,7 @@ TEST(Reference, ChainOfTheThesis) {
   // tan th3 = 2X / Z3, tan th2 = 2X / (Z2 + 2 Z3), tan th1 = 2X / (Z1 + 2 Z2 + 2 Z3), from the downward vertical.
   const Scene scene = read_scene(dataset("pendulum_chain.toml"));
   const StaticModel model(scene);
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   const Reference reference = refine(model, found.x);
   ASSERT_TRUE(reference.refined) << reference.why;
@@ -94,7 +94,7 @@ class Measured : public testing::TestWithParam<const char*> {};
 
 TEST_P(Measured, ErrorIsTheShiftThatWasMade) {
   const StaticModel model(read_scene(dataset(GetParam())));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   const Reference exact = refine(model, found.x);
   ASSERT_TRUE(exact.refined) << exact.why;
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Measured,
 
 TEST(Reference, HoldsTheStopThatPresses) {
   const StaticModel model(read_scene(dataset("toggle_clamp.toml")));
-  const Equilibrium found = solve(model);
+  const Equilibrium found = solve(model, test::by(Method::virtual_work));
   ASSERT_TRUE(found.found()) << found.why;
   const Reference reference = refine(model, found.x);
   ASSERT_TRUE(reference.refined) << reference.why;

@@ -46,7 +46,7 @@ Vec2 place_of(const StaticModel& model, const std::vector<double>& x, std::strin
 double error_of(const StaticModel& model, const std::vector<double>& x, const std::map<std::string, double>& known);
 
 /// Default options but for method and goal.
-SolveOptions by(Method method, Seek seek = Seek::nearest);
+SolveOptions by(Method method, Seek seek = Seek::any);
 
 /// The reaction of that name. Throws std::out_of_range where there is none.
 const Reaction& reaction_of(const Check& check, std::string_view name);

@@ -7,6 +7,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/settling.hpp"
 #include "app/results/statics/solve.hpp"
 #include "comparison/agreement.hpp"
 
@@ -143,6 +144,8 @@ Result compare_result(const StaticModel& model, const std::vector<Answer>& answe
   }
   warn_of_friction(out, model.scene());
   Group& content = out.content;
+  // Every method was given the same settled pose.
+  show_settling(out, model, answers.front().equilibrium);
   add_methods(content, model, answers, agreement);
   Branch& methods = content.array("methods");
   for (const Answer& answer : answers) add_answer_data(methods.parts.emplace_back(), model, answer);

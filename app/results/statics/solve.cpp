@@ -8,6 +8,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/settling.hpp"
 #include "statics/enclosed_reactions.hpp"
 #include "statics/principal_directions.hpp"
 
@@ -24,6 +25,8 @@ Line verdict(const Equilibrium& equilibrium) {
           fmt::format("In equilibrium, {}: free-body statics finds every body in balance.", in_few_words(equilibrium)));
     case Status::not_confirmed:
       return bad("Not confirmed: the method claims an equilibrium, and none is proved there.");
+    case Status::elsewhere:
+      return bad("Went elsewhere: the method left the equilibrium in which the mechanism settles.");
     case Status::not_applicable:
       return bad("Not applicable: this method cannot solve this scene.");
     case Status::interrupted:
@@ -75,7 +78,7 @@ void add_directions(Group& group, const StaticModel& model, const Certificate& c
 /// What a reader of an unstable equilibrium must know.
 void warn_of_doubt(Result& result, const Answer& answer) {
   const Equilibrium& equilibrium = answer.equilibrium;
-  if (equilibrium.certificate.stability == Stability::unstable && equilibrium.seek == Seek::nearest) {
+  if (equilibrium.certificate.stability == Stability::unstable && equilibrium.seek != Seek::stable) {
     result.warnings.push_back(
         doubtful("The mechanism would leave this equilibrium; --seek stable searches for one in which it stays."));
   }
@@ -97,7 +100,8 @@ void warn_of_dead_centre(Result& result, const StaticModel& model, const Answer&
 
 std::string effort(const Equilibrium& equilibrium) {
   const MethodTraits& method_traits = traits(equilibrium.method);
-  const char* sought = method_traits.needs_potential                                 ? "a minimum of the energy"
+  const char* sought = equilibrium.seek == Seek::settle ? "the equilibrium in which it settles"
+                       : method_traits.needs_potential  ? "a minimum of the energy"
                        : method_traits.minimises || equilibrium.seek == Seek::stable ? "a stable equilibrium"
                                                                                      : "the nearest equilibrium";
   std::string method = fmt::format("{}, seeking {}", to_string(equilibrium.method), sought);
@@ -367,7 +371,8 @@ void add_check_data(Group& group, const StaticModel& model, const Equilibrium& e
 void add_search_data(Group& group, const StaticModel& model, const Answer& answer) {
   const Equilibrium& equilibrium = answer.equilibrium;
   group.data("method", to_string(equilibrium.method));
-  group.data("seek", equilibrium.seek == Seek::stable ? "stable" : "nearest");
+  group.data("seek", to_string(equilibrium.seek));
+  add_settling_data(group, model, equilibrium);
   group.data("status", to_string(equilibrium.status));
   group.data("why", equilibrium.why);
   group.data("iterations", equilibrium.iterations);
@@ -433,18 +438,21 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   } else {
     content.fact("why", equilibrium.why);
   }
+  show_settling(out, model, equilibrium);
   add_search_data(content, model, answer);
   if (answer.readings) {
     add_directions(content, model, equilibrium.certificate);
     add_coordinates(content, model, {&*answer.readings},
-                    {equilibrium.found()                     ? "equilibrium"
-                     : equilibrium.status == Status::checked ? "reached, not proved"
-                                                             : "reached, no equilibrium"});
+                    {equilibrium.found()                       ? "equilibrium"
+                     : equilibrium.status == Status::checked   ? "reached, not proved"
+                     : equilibrium.status == Status::elsewhere ? "another equilibrium"
+                                                               : "reached, no equilibrium"});
     add_pose(content, model, answer);
   }
   content.list("left_out", "Left out of statics", model.layout().dropped);
   Group& numerics = content.group("", "Numerics");
   numerics.fact("method", effort(equilibrium));
+  show_settling_effort(numerics, equilibrium);
   if (!answer.readings) return out;
   add_proof(numerics, equilibrium);
   if (equilibrium.found()) numerics.fact("reactions", proof_of_forces(model, equilibrium.check));
