@@ -1,0 +1,304 @@
+#include "statics/settle.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "statics/equilibrium.hpp"
+#include "statics/mobility.hpp"
+#include "tests/judge/settling_judge.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+using End = Settling::End;
+
+// --- the knee-joint press
+// ------------------------------------------------------------------------------------------------
+
+constexpr double link = 300.0, met = 598.0, stiffness = 40.0;  // mm, kN/mm
+
+// Load that holds the press at the angle a from dead centre, kN, and its slope.
+double load_at(double a) { return 2.0 * stiffness * (2.0 * link * std::cos(a) - met) * std::tan(a); }
+double load_slope(double a) {
+  const double c = std::cos(a);
+  return 2.0 * stiffness * (2.0 * link * c - met / (c * c));
+}
+double steepest() { return std::acos(std::cbrt(met / (2.0 * link))); }
+
+// The angle at which the press stops under a load below the largest: between that of the largest load and that at
+// which the workpiece is met.
+double angle_under(double load) {
+  double low = steepest(), high = std::acos(met / (2.0 * link));
+  for (int k = 0; k < 200; ++k) {
+    const double middle = 0.5 * (low + high);
+    (load_at(middle) > load ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+struct Press {
+  explicit Press(double load) : model(loaded(load)), settling(settle(model, close_loops(model))) {}
+
+  static Scene loaded(double load) {
+    Scene scene = read_scene(test::dataset("knee_press.toml"));
+    set_value(scene, "load.P", load);
+    return scene;
+  }
+  double angle() const { return test::angle_of(model, settling.x, "upper"); }
+
+  StaticModel model;
+  Settling settling;
+};
+
+TEST(SettlePress, StopsBeforeDeadCentreAtAllLoadsThatTheWorkpieceBears) {
+  const double most = load_at(steepest());
+  for (int k = 1; k <= 200; ++k) {
+    const double load = most * k / 200.0 * (1.0 - 1e-9);
+    const Press press(load);
+    ASSERT_EQ(press.settling.end, End::settled) << load;
+    EXPECT_FALSE(press.settling.in_doubt) << load;
+    EXPECT_TRUE(press.settling.active_stops.empty()) << load;
+    // To 1e-12 of the load; next to a fold that is a distance of 1e-12 over the slope of the load.
+    EXPECT_NEAR(press.angle(), angle_under(load), 1e-12 * (1.0 + load / std::abs(load_slope(press.angle())))) << load;
+  }
+}
+
+TEST(SettlePress, LoadsNextToTheLargestAreToldApart) {
+  const double most = load_at(steepest());
+  for (const double below : {1e-3, 1e-6, 1e-8, 1e-9}) {
+    const Press stays(most * (1.0 - below));
+    EXPECT_GT(stays.angle(), steepest()) << below;
+    EXPECT_NEAR(load_at(stays.angle()) / most, 1.0 - below, 1e-12) << below;
+    const Press snaps(most * (1.0 + below));
+    EXPECT_EQ(snaps.settling.active_stops, std::vector<int>{0}) << below;
+    EXPECT_NEAR(snaps.angle(), -10.0 * M_PI / 180.0, 1e-12) << below;
+  }
+}
+
+TEST(SettlePress, AtTheLargestLoadRoundingDecidesAndItSaysSo) {
+  const Press press(load_at(steepest()));
+  EXPECT_EQ(press.settling.end, End::settled);
+  EXPECT_TRUE(press.settling.in_doubt);
+}
+
+TEST(SettlePress, NoMethodLeavesTheSettledPose) {
+  const Press press(2.5);
+  for (const Method method : {Method::virtual_work, Method::energy, Method::dynamic_relaxation}) {
+    const Equilibrium found = solve(press.model, test::by(method, Seek::settle));
+    ASSERT_TRUE(found.found()) << to_string(method) << ": " << found.why;
+    EXPECT_NEAR(test::angle_of(press.model, found.x, "upper"), angle_under(2.5), 1e-12) << to_string(method);
+    EXPECT_EQ(found.certificate.stability, Stability::stable);
+  }
+}
+
+// --- a rocker switch
+// -----------------------------------------------------------------------------------------------------
+
+// A lever whose tip a spring pulls towards a point on the other side of its pivot: 0 is unstable, and stops at +-20
+// degrees hold it on either side.
+std::string rocker_switch(double start) {
+  return fmt::format(R"(
+units = {{ angle = "deg", length = "mm" }}
+ground.points = {{ O = [0, 0], H = [-10, 0] }}
+body.lever.points = {{ O = [0, 0], B = [20, 0] }}
+pin = [{{ name = "O", points = ["ground.O", "lever.O"] }}]
+spring = [{{ name = "s", points = ["ground.H", "lever.B"], stiffness = 2, free_length = 25 }}]
+stop = [{{ name = "travel", bodies = ["ground", "lever"], min = -20, max = 20 }}]
+start.lever = {}
+)",
+                     start);
+}
+
+TEST(SettleSwitch, StaysWithItsStopAndReportsTheWatershed) {
+  for (const double start : {17.0, 3.0, 1e-6, -1e-6, -17.0}) {
+    const StaticModel model = test::model_of(rocker_switch(start));
+    const Settling found = settle(model, model.start());
+    ASSERT_EQ(found.end, End::settled) << start;
+    EXPECT_NEAR(test::angle_of(model, found.x, "lever"), std::copysign(20.0, start) * M_PI / 180.0, 1e-11) << start;
+    EXPECT_EQ(found.active_stops, std::vector<int>{0});
+    if (std::abs(start) > 3.0) continue;
+    EXPECT_NEAR(found.margin / (std::abs(start) * M_PI / 180.0), 1.0, 0.02);
+  }
+}
+
+TEST(SettleSwitch, OfAnUnstableStartBothSidesAreFound) {
+  const StaticModel model = test::model_of(rocker_switch(0.0));
+  const Settling found = settle(model, model.start());
+  ASSERT_EQ(found.end, End::start_unstable);
+  EXPECT_EQ(found.x, model.start());
+  ASSERT_EQ(found.sides.size(), 2U);
+  for (const Settling::Side& side : found.sides) {
+    EXPECT_EQ(side.end, End::settled);
+    EXPECT_NEAR(test::angle_of(model, side.x, "lever"), std::copysign(20.0, side.direction[0]) * M_PI / 180.0, 1e-11);
+  }
+  EXPECT_LT(found.sides[0].direction[0] * found.sides[1].direction[0], 0.0);
+  // The answer of a method that keeps to it is found, a minimiser that leaves it went elsewhere.
+  EXPECT_TRUE(solve(model, test::by(Method::virtual_work, Seek::settle)).found());
+  const Equilibrium left = solve(model, test::by(Method::dynamic_relaxation, Seek::settle));
+  EXPECT_TRUE(left.status == Status::elsewhere || left.found()) << left.why;
+}
+
+// --- how a motion ends
+// -------------------------------------------------------------------------------------------------
+
+TEST(Settle, RunsAwayWhereNothingHoldsIt) {
+  const StaticModel model = test::model_of(R"(
+gravity = [0, -9.81]
+ground.points = { O = [0, 0] }
+body.block = { mass = 1, points = { B = [0, 0] } }
+slide = [{ name = "guide", points = ["ground.O", "block.B"], axis = [0, 1] }]
+)");
+  const Settling found = settle(model, model.start());
+  EXPECT_EQ(found.end, End::runs_away);
+  const Equilibrium answer = solve(model, test::by(Method::virtual_work, Seek::settle));
+  EXPECT_EQ(answer.status, Status::not_found);
+  EXPECT_TRUE(answer.why.starts_with(found.why)) << answer.why;
+}
+
+TEST(Settle, FollowersThatDriveItRoundReachTheStepLimit) {
+  // A follower load turns the crank for ever.
+  const StaticModel model = test::model_of(R"(
+ground.points = { O = [0, 0] }
+body.crank.points = { O = [0, 0], B = [1, 0] }
+pin = [{ name = "O", points = ["ground.O", "crank.O"] }]
+force = [{ name = "F", at = "crank.B", vector = [0, 1], follows = "crank" }]
+)");
+  EXPECT_EQ(settle(model, model.start()).end, End::runs_away);
+  EXPECT_EQ(settle(model, model.start(), {.steps = 20}).end, End::step_limit);
+}
+
+TEST(Settle, AChangePointOnTheWayIsSingular) {
+  // A parallelogram that its load turns into its flat pose, from which it could go on as a parallelogram or crossed.
+  const StaticModel model = test::model_of(R"(
+ground.points = { A = [0, 0], D = [2, 0] }
+body.left.points = { A = [0, 0], B = [1, 0] }
+body.top.points = { B = [0, 0], C = [2, 0] }
+body.right.points = { D = [0, 0], C = [1, 0] }
+pin = [{ name = "A", points = ["ground.A", "left.A"] }, { name = "B", points = ["left.B", "top.B"] },
+       { name = "C", points = ["top.C", "right.C"] }, { name = "D", points = ["ground.D", "right.D"] }]
+torque = [{ name = "T", on = "left", value = -1 }]
+start = { left = 1, top = 0, right = 1 }
+)");
+  const Settling found = settle(model, model.start());
+  EXPECT_EQ(found.end, End::singular);
+  EXPECT_NEAR(test::angle_of(model, found.x, "left"), 0.0, 1e-6);
+}
+
+TEST(Settle, LoopsThatCannotCloseAndInterruptsAreSaid) {
+  const StaticModel model = test::model_of(rocker_switch(17.0));
+  const std::atomic<bool> stop = true;
+  EXPECT_EQ(settle(model, model.start(), {.interrupt = &stop}).end, End::interrupted);
+  const StaticModel open = test::model_of(R"(
+ground.points = { A = [0, 0], D = [9, 0] }
+body.left.points = { A = [0, 0], B = [1, 0] }
+body.right.points = { D = [0, 0], B = [1, 0] }
+pin = [{ name = "A", points = ["ground.A", "left.A"] }, { name = "B", points = ["left.B", "right.B"] },
+       { name = "D", points = ["ground.D", "right.D"] }]
+force = [{ name = "F", at = "left.B", vector = [0, 1] }]
+)");
+  EXPECT_EQ(settle(open, open.start()).end, End::not_closed);
+}
+
+TEST(Settle, WhereEveryPoseBalancesItStays) {
+  const StaticModel model = test::model_of(R"(
+gravity = [0, -9.81]
+ground.points = { O = [0, 0] }
+body.arm = { mass = 2, center = [0, 0], points = { O = [0, 0], B = [1, 0], C = [-1, 0] } }
+pin = [{ name = "O", points = ["ground.O", "arm.O"] }]
+force = [{ name = "F", at = "arm.B", vector = [0, -1] }, { name = "G", at = "arm.C", vector = [0, -1] }]
+start.arm = 0.3
+)");
+  const Settling found = settle(model, model.start());
+  EXPECT_EQ(found.end, End::settled);
+  EXPECT_EQ(found.x, model.start());
+}
+
+// --- several freedoms
+// ----------------------------------------------------------------------------------------------------
+
+// Two slides in series on springs.
+std::string two_sliders(const std::string& dampers) {
+  return R"(
+ground.points = { O = [0, 0] }
+body.first.points = { O = [0, 0], P = [0, 0] }
+body.second.points = { P = [0, 0] }
+slide = [{ name = "x", points = ["ground.O", "first.O"], axis = [1, 0] },
+         { name = "y", points = ["first.P", "second.P"], axis = [0, 1] }]
+spring = [{ name = "sx", slide = "x", stiffness = 1, free_length = 0 },
+          { name = "sy", slide = "y", stiffness = 1, free_length = 0 }]
+)" + dampers +
+         "start = { x = 1, y = 1 }\n";
+}
+
+TEST(SettleSeveral, TheResistanceIsThatOfTheDampersWhereTheyResistEveryFreedom) {
+  const std::string both =
+      "damper = [{ name = \"dx\", slide = \"x\", coefficient = 1 }, { name = \"dy\", slide = \"y\", coefficient = 4 "
+      "}]\n";
+  const std::string one = "damper = [{ name = \"dx\", slide = \"x\", coefficient = 1 }]\n";
+  const StaticModel damped = test::model_of(two_sliders(both));
+  EXPECT_TRUE(settle(damped, damped.start()).by_dampers);
+  const StaticModel partly = test::model_of(two_sliders(one));
+  EXPECT_FALSE(settle(partly, partly.start()).by_dampers);
+  const StaticModel free = test::model_of(two_sliders(""));
+  EXPECT_FALSE(settle(free, free.start()).by_dampers);
+}
+
+TEST(SettleSeveral, AnUpsideDownChainFallsFromEachDirectionToBothSides) {
+  Scene scene = test::chain(2, 1.0, 1.0);
+  scene.gravity = {9.81, 0.0};
+  scene.start.angle[1] = scene.start.angle[2] = M_PI;
+  const StaticModel model(scene);
+  const Settling found = settle(model, model.start());
+  ASSERT_EQ(found.end, End::start_unstable);
+  ASSERT_EQ(found.sides.size(), 4U);
+  for (const Settling::Side& side : found.sides) {
+    ASSERT_EQ(side.end, End::settled);
+    for (const char* body : {"1", "2"}) {
+      EXPECT_NEAR(std::cos(test::angle_of(model, side.x, body)), 1.0, 1e-12);
+    }
+  }
+}
+
+TEST(SettleSeveral, LongChainsSettleToo) {
+  for (const int links : {30, 100}) {
+    const StaticModel model(test::hanging_chain(links, 1.5, 10.0, 1.0));
+    const std::vector<double> start = close_loops(model);
+    const Settling found = settle(model, start);
+    ASSERT_EQ(found.end, End::settled) << links << ": " << found.why;
+    const Equilibrium stable = solve(model, start, test::by(Method::virtual_work, Seek::stable));
+    ASSERT_TRUE(stable.found());
+    for (std::size_t i = 0; i < start.size(); ++i) EXPECT_NEAR(found.x[i], stable.x[i], 1e-9);
+  }
+}
+
+// --- against slow motion ---------------------------------------------------------------------------------------------
+
+// POISE_SETTLINGS scenes of each kind instead of a few; poise_settling judges any number.
+std::uint64_t settlings(std::uint64_t usual) {
+  const char* const wanted = std::getenv("POISE_SETTLINGS");
+  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : usual;
+}
+
+TEST(SettleRandom, OneFreedomRestsWhereSlowMotionDoes) {
+  for (std::uint64_t seed = 1; seed <= settlings(200); ++seed) {
+    const judge::JudgedSettling judged = judge::judge_settling_of_one_freedom(seed);
+    EXPECT_TRUE(judged.agrees) << seed << ": " << judged.words;
+  }
+}
+
+TEST(SettleRandom, SeveralFreedomsRestWhereSlowMotionDoesOrAreInDoubt) {
+  for (std::uint64_t seed = 1; seed <= settlings(60); ++seed) {
+    const judge::JudgedSettling judged = judge::judge_settling_of_several_freedoms(seed);
+    EXPECT_TRUE(judged.agrees || judged.in_doubt) << seed << ": " << judged.words;
+  }
+}
+
+}  // namespace
+}  // namespace poise
