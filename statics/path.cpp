@@ -47,6 +47,7 @@ class PathFinder {
       x = rest.x;
     } else {
       SolveOptions solving;
+      solving.seek = Seek::any;
       solving.interrupt = options_.interrupt;
       solving.certificate = options_.certificate;
       const Equilibrium first = solve(*model, x, solving);

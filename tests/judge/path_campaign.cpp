@@ -109,7 +109,7 @@ JudgedPath judge_path(std::uint64_t seed, bool followers, bool stops, int starts
     for (int k = 0; k < starts; ++k) {
       std::vector<double> x = middle;
       for (double& v : x) v += random.uniform(-M_PI, M_PI);
-      const Equilibrium rest = solve(*model, x);
+      const Equilibrium rest = solve(*model, x, {.seek = Seek::any});
       if (rest.found() && rest.certificate.outcome == Outcome::proved && is_new(rest.x)) known.push_back(rest.x);
     }
     out.elsewhere = static_cast<int>(known.size()) - out.connected;
