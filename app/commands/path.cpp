@@ -18,6 +18,7 @@
 #include "app/present/numbers.hpp"
 #include "app/results/statics/path.hpp"
 #include "app/terminal/interrupt.hpp"
+#include "motion/dynamic_stability.hpp"
 #include "statics/mobility.hpp"
 
 namespace poise::app {
@@ -78,6 +79,7 @@ PathOptions read_options(const PathRequest& request) {
                                                                                  : PathOptions::Follow::jump;
   options.branches = request.branches;
   options.certificate = read_proof(request.proof_seconds);
+  options.dynamic_stability = dynamic_stability;
   options.interrupt = &watch_for_interrupt();
   return options;
 }
