@@ -125,6 +125,9 @@ std::vector<Command> all_commands() {
                     "rod=0.1",    "--release-rate", "rod=1",      "--noise", "0.1",    "--seed", "3",
                     "--accuracy", "1e-6",           "--csv",      "o.csv",   "--json", "o.json"},
                    {{"pendulum.toml", pendulum}}});
+    out.push_back({{"path", "clamp.toml", "--vary", "load.P=0..60", "--at", "10,20", "--measure", "arm", "--csv",
+                    "o.csv", "--json", "o.json"},
+                   {{"clamp.toml", dataset_file("toggle_clamp").text}}});
     out.push_back({{"compare", "pendulum.toml", "--tolerances", "1e-2..1e-4", "--repeat", "1", "--methods",
                     "virtual-work,energy"},
                    {{"pendulum.toml", pendulum}}});
@@ -295,7 +298,9 @@ std::string objection(const Case& damaged, const Outcome& run, const TempFolder&
   if (run.exit_code == -SIGALRM) return "does not end";
   if (run.exit_code < 0) return fmt::format("ends by signal {}", -run.exit_code);
   if (run.exit_code > 2) return fmt::format("exit code {}", run.exit_code);
-  if (run.exit_code == 2) return objection_to_bad_input(damaged, run, before, after);
+  // A start from which a mechanism is not assembled is a search that failed.
+  const bool not_assembled = run.exit_code == 1 && !run.err.empty();
+  if (run.exit_code == 2 || not_assembled) return objection_to_bad_input(damaged, run, before, after);
   if (!run.err.empty()) return "a result and an error";
   if (run.out.empty() || !is_plain(run.out)) return "no plain text";
   if (shows_no_number(run.out)) return "a report with nan or inf";
