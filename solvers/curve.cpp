@@ -315,7 +315,9 @@ int Curve::negative_directions(const VectorXd& z) {
     ldl.analyse(n_ + m_, row, column);
     std::fill(ldl.values().begin(), ldl.values().end(), 0.0);
     for (std::size_t e = 0; e < value.size(); ++e) ldl.values()[row[e]] += value[e];
-    return ldl.factor() ? ldl.negative() - m_ : -1;
+    if (ldl.factor()) return ldl.negative() - m_;
+    // Without pivoting a zero pivot ends it.
+    if (size_ > spectrum_limit) return -1;
   }
   MatrixXd k = MatrixXd::Zero(n_, n_);
   for (int e = 0; e < k_pattern.size(); ++e) {

@@ -6,14 +6,18 @@
 
 #include <fmt/format.h>
 
+#include "solvers/newton.hpp"
 #include "statics/equilibrium.hpp"
+#include "statics/mobility.hpp"
 #include "statics/path_tracer.hpp"
 #include "statics/settle.hpp"
 
 namespace poise {
 namespace {
 
-constexpr double beyond_loss = 1e-6;  // of the range: how far beyond the loss of stability the mechanism is released
+constexpr double small_distance = 0.05;  // rad or mechanism sizes
+constexpr int driven_steps = 50;         // from the start's pose to the first value of a driven measure
+constexpr double beyond_loss = 1e-6;     // of the range: how far beyond the loss of stability the mechanism is released
 
 class PathFinder {
  public:
@@ -40,7 +44,7 @@ class PathFinder {
                              varied_.from() / varied_.unit(), why);
       return std::nullopt;
     };
-    std::vector<double> x = assemble(*model);
+    std::vector<double> x = varied_.is_driven() ? driven_start(*model) : assemble(*model);
     if (options_.from == PathOptions::From::settle) {
       const Settling rest = settle(*model, x, {.interrupt = options_.interrupt});
       if (rest.end != Settling::End::settled && rest.end != Settling::End::start_unstable) return fail(rest.why);
@@ -60,6 +64,39 @@ class PathFinder {
     auto spot = tracer_.spot(certificate.x, 0.0, certificate.active_stops, 1.0);
     if (!spot) return fail("the equilibrium is singular there; begin at another value");
     return spot;
+  }
+
+  // The assembled start of the scene, driven to the first value in steps.
+  std::vector<double> driven_start(const StaticModel& first) {
+    Scene released = varied_.scene();
+    released.stops.pop_back();
+    const ScaledModel plain(released, Purpose::statics, varied_.scales(), &first.scene());
+    const Mobility mobility = analyse_mobility(plain);
+    expect_closed(plain, mobility);
+    std::vector<double> x = mobility.x;
+    const auto measure = [&] {
+      std::vector<Planar<double>> pose(first.mechanism().pose_size());
+      std::vector<double> c(first.mechanism().constraints());
+      first.mechanism().place(x.data(), pose.data());
+      first.mechanism().constraint(x.data(), pose.data(), c.data());
+      const double scale = varied_.scene().stops.back().on.is_angle() ? 1.0 : varied_.scales().length;
+      return c.back() * scale;
+    };
+    const double begin = measure();
+    for (int k = 1; k <= driven_steps; ++k) {
+      const double value = k == driven_steps ? varied_.from() : begin + (varied_.from() - begin) * k / driven_steps;
+      const auto model = varied_.model_at(value);
+      solvers::Newton closing(model->problem());
+      const solvers::NewtonResult& closed = closing.close(x);
+      if (closed.outcome != solvers::Outcome::converged) {
+        throw AssemblyError(
+            fmt::format("{}{} cannot be driven from {:.6g}, where it is at the start, to {:.6g}; begin "
+                        "nearer to it, or give another [start]",
+                        where(first), varied_.name(), begin / varied_.unit(), varied_.from() / varied_.unit()));
+      }
+      x = closed.x;
+    }
+    return x;
   }
 
   void follow_all(const PathSpot& start) {
@@ -141,8 +178,8 @@ class PathFinder {
     };
     const Settling far = released(beyond_loss), near = released(0.01 * beyond_loss);
     if (far.end != Settling::End::settled || near.end != Settling::End::settled) return std::nullopt;
-    // Where the distance shrinks with the load the mechanism moves on without a jump.
-    if (distance(near.x) < 0.5 * distance(far.x)) return std::nullopt;
+    // Where the distance is small and shrinks with the load the mechanism moves on without a jump.
+    if (distance(far.x) < small_distance && distance(near.x) < 0.5 * distance(far.x)) return std::nullopt;
     const auto spot = tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
     if (spot) {
       landing = tracer_.report(*spot);
@@ -208,7 +245,7 @@ class PathFinder {
     for (const PathBranch& branch : out_.branches) {
       if (branch.end == PathBranch::End::interrupted) out_.status = Path::Status::interrupted;
       const bool ended = branch.end == PathBranch::End::range || branch.end == PathBranch::End::closed ||
-                         branch.end == PathBranch::End::joined || branch.end == PathBranch::End::snapped;
+                         branch.end == PathBranch::End::blocked || branch.end == PathBranch::End::snapped;
       if (!ended && out_.status == Path::Status::traced) {
         out_.status = Path::Status::incomplete;
         out_.why = branch.why;

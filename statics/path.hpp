@@ -73,7 +73,7 @@ struct PathBranch {
   enum class End {
     range,     ///< the parameter reached an end of its range
     closed,    ///< back at the first point
-    joined,    ///< at a branch point from which all curves are followed already
+    blocked,   ///< a stop lets the driven measure go no further
     snapped,   ///< PathOptions::Follow::jump: an event of kind snap ends it
     singular,  ///< closures lose rank: a change point or dead centre through which no single curve leads
     stuck,     ///< no step succeeds, `why` says where

@@ -702,7 +702,8 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
       end(PathBranch::End::stuck, "joints that repeat others no longer fit together " + parameter_text());
       return losses;
     }
-    if (segment.b.point.z.head(system.variables()).cwiseAbs().maxCoeff() > run_away) {
+    // What is driven may turn as often as it is asked to.
+    if (!varied_.is_driven() && segment.b.point.z.head(system.variables()).cwiseAbs().maxCoeff() > run_away) {
       end(PathBranch::End::stuck, "the mechanism runs away " + parameter_text());
       return losses;
     }
@@ -742,7 +743,7 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
           if (switches > most_switches) {
             end(PathBranch::End::singular, "several stops or springs change together " + at_place);
           } else if (is_stop && event.on) {
-            end(PathBranch::End::singular,
+            end(varied_.is_driven() ? PathBranch::End::blocked : PathBranch::End::singular,
                 fmt::format("the stop \"{}\" leaves no motion {}", varied_.scene().stops[event.item].name, at_place));
           } else {
             end(PathBranch::End::singular, "beyond it a whole set of poses is in equilibrium " + at_place);

@@ -40,8 +40,8 @@ std::string to_string(PathBranch::End end) {
       return "range";
     case PathBranch::End::closed:
       return "closed";
-    case PathBranch::End::joined:
-      return "joined";
+    case PathBranch::End::blocked:
+      return "blocked";
     case PathBranch::End::snapped:
       return "snapped";
     case PathBranch::End::singular:

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "model/input_error.hpp"
 #include "model/scene.hpp"
 #include "statics/readings.hpp"
 #include "tests/support/build_scene.hpp"
@@ -407,6 +408,29 @@ TEST(Path, SaysWhyItEnds) {
   EXPECT_EQ(apart.status, Path::Status::incomplete);
   EXPECT_EQ(apart.branches[0].end, PathBranch::End::stuck);
   EXPECT_NE(apart.why.find("no longer fit together"), std::string::npos) << apart.why;
+}
+
+// What holds a driven measure ends at a stop, or where the force grows beyond all bounds; on the way to the first value
+// the loops stay closed.
+TEST(Path, EndsADriveAtStopsAndDeadCentres) {
+  const Scene clamp = read_scene(test::dataset("toggle_clamp.toml"));
+  const Path stopped = poise::path(VariedScene(clamp, "angle.handle", 93.0, 20.0));
+  expect_traced(stopped);
+  EXPECT_EQ(stopped.branches.at(0).end, PathBranch::End::blocked);
+  EXPECT_NE(stopped.branches[0].why.find("the stop \"open\" leaves no motion"), std::string::npos);
+  // Past the stop that holds the handle no pose is closed.
+  EXPECT_THROW(poise::path(VariedScene(clamp, "angle.handle", 94.0, 20.0)), InputError);
+
+  const Scene press = read_scene(test::dataset("toggle_press.toml"));
+  const Path dead = poise::path(VariedScene(press, "travel.gib", 230.0, 150.0), {.certify = false});
+  EXPECT_EQ(dead.status, Path::Status::incomplete);
+  EXPECT_EQ(dead.branches.at(0).end, PathBranch::End::singular);
+  EXPECT_NE(dead.why.find("joint forces grow without bound"), std::string::npos) << dead.why;
+
+  // More than 100 rad of a driven angle are no running away.
+  const Path turns =
+      poise::path(VariedScene(read_scene(test::dataset("zeeman.toml")), "angle.disc", 0.0, 120.0), {.certify = false});
+  EXPECT_EQ(turns.status, Path::Status::traced) << turns.why;
 }
 
 // Beyond the dense limit, against the small column: n links of length 1/n and springs of stiffness n tend to Euler's.

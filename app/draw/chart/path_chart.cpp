@@ -157,8 +157,7 @@ std::vector<PathMark> path_marks(const VariedScene& varied, const Path& path) {
   std::vector<std::size_t> ends;
   for (std::size_t b = 0; b < path.branches.size(); ++b) {
     const PathBranch::End end = path.branches[b].end;
-    const bool goes_on =
-        end == PathBranch::End::snapped || end == PathBranch::End::joined || end == PathBranch::End::closed;
+    const bool goes_on = end == PathBranch::End::snapped || end == PathBranch::End::closed;
     if (has_points(path.branches[b]) && !goes_on) ends.push_back(b);
   }
   for (std::size_t k = 0; k < ends.size(); ++k) {

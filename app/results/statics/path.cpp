@@ -442,8 +442,8 @@ std::string end_in_words(const PathBranch& branch) {
       return "at an end of the range";
     case PathBranch::End::closed:
       return "where it began";
-    case PathBranch::End::joined:
-      return "at a branch point from which all curves are followed";
+    case PathBranch::End::blocked:
+      return "at a stop";
     case PathBranch::End::snapped:
       return "in a snap";
     case PathBranch::End::singular:
