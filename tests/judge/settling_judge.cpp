@@ -17,7 +17,7 @@ namespace poise::judge {
 namespace {
 
 constexpr double far = 20.0;
-constexpr int most_steps = 1'000'000;
+constexpr int most_steps = 60'000;
 
 double distance(const std::vector<double>& a, const std::vector<double>& b) {
   double out = 0.0;
