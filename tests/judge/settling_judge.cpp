@@ -84,12 +84,13 @@ JudgedSettling judge_settling_of_several_freedoms(std::uint64_t seed) {
   const Settling found = settle_timed(model, released.x, out);
   for (double part : {0.3, 0.03}) {
     const test::SlowMotion slow = test::slow_motion(model, released.x, found.x, part, 3e-3, far, most_steps);
-    // Soft mechanisms creep: what has come this near does not leave any more.
+    // Soft mechanisms creep, and large steps chatter between two stops. What has come this near does not leave any
+    // more.
     const bool creeps = slow.end == test::SlowMotion::End::steps && found.end == Settling::End::settled &&
                         distance(found.x, slow.x) < 3e-2;
     out.agrees = creeps || same_end(found, slow, 1e-2);
     out.words = in_words(found, slow);
-    if (out.agrees || slow.end == test::SlowMotion::End::steps) break;
+    if (out.agrees) break;
   }
   return out;
 }
