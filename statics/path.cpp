@@ -19,6 +19,32 @@ constexpr double small_distance = 0.05;  // rad or mechanism sizes
 constexpr int driven_steps = 50;         // from the start's pose to the first value of a driven measure
 constexpr double beyond_loss = 1e-6;     // of the range: how far beyond the loss of stability the mechanism is released
 
+void certify_point(const VariedScene& varied, const PathOptions& options, PathPoint& point) {
+  const auto model = varied.model_at(point.parameter);
+  const Mechanism<double>& m = model->mechanism();
+  if (!m.has_follower_loads()) {
+    std::vector<Planar<double>> pose(m.pose_size());
+    m.place(point.x.data(), pose.data());
+    point.energy = m.energy(point.x.data(), pose.data()) * model->scales().energy();
+  }
+  if (!options.certify) return;
+  const Certificate certificate = certify(*model, point.x, options.certificate);
+  point.statement = certificate.statement;
+  point.radius = certificate.radius;
+  if (certificate.confirmed()) {
+    point.proof = PointProof::proved;
+  } else if (point.proof != PointProof::critical) {
+    point.proof = PointProof::failed;
+  }
+  if (certificate.confirmed()) {
+    point.stability = certificate.stability;
+    point.unstable_directions = certificate.unstable_directions;
+    if (point.stability == Stability::unknown && m.has_follower_loads() && options.dynamic_stability) {
+      point.stability = options.dynamic_stability(*model, point.x);
+    }
+  }
+}
+
 class PathFinder {
  public:
   PathFinder(const VariedScene& varied, const PathOptions& options, Path& out)
@@ -35,7 +61,47 @@ class PathFinder {
     conclude();
   }
 
+  // Between proved points of which small motions grow at one only.
+  void find_flutter() {
+    for (std::size_t b = 0; b < out_.branches.size(); ++b) {
+      for (std::size_t k = 1; k < out_.branches[b].points.size(); ++k) {
+        const PathPoint &before = out_.branches[b].points[k - 1], &after = out_.branches[b].points[k];
+        const bool stable = before.stability == Stability::stable, unstable = before.stability == Stability::unstable;
+        const bool changes =
+            (stable && after.stability == Stability::unstable) || (unstable && after.stability == Stability::stable);
+        const bool by_motion = before.unstable_directions == after.unstable_directions &&
+                               before.proof == PointProof::proved && after.proof == PointProof::proved;
+        if (changes && by_motion) add_flutter(static_cast<int>(b), before, after);
+      }
+    }
+  }
+
  private:
+  // By bisection of the parameter.
+  void add_flutter(int branch, PathPoint before, PathPoint after) {
+    const double range = varied_.to() - varied_.from();
+    PathEvent event;
+    event.kind = PathEvent::Kind::flutter;
+    for (int k = 0; k < 50; ++k) {
+      const double value = 0.5 * (before.parameter + after.parameter);
+      if (value == before.parameter || value == after.parameter) break;
+      std::vector<double> x = before.x;
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.5 * (x[i] + after.x[i]);
+      const auto spot = tracer_.spot(x, (value - varied_.from()) / range, before.active_stops, 1.0);
+      if (!spot) return;
+      PathPoint middle = tracer_.report(*spot);
+      certify_point(varied_, options_, middle);
+      if (middle.proof != PointProof::proved) break;
+      (middle.stability == before.stability ? before : after) = std::move(middle);
+    }
+    event.at = before;
+    // Growth below a ten-millionth of the frequencies counts as none (motion/modes.hpp).
+    event.error =
+        std::max(1e-7, std::abs(after.parameter - before.parameter) / std::max(std::abs(before.parameter), 1e-300));
+    out_.branches[branch].events.push_back(static_cast<int>(out_.events.size()));
+    out_.events.push_back(std::move(event));
+  }
+
   std::optional<PathSpot> find_start() {
     const auto model = varied_.model_at(varied_.from());
     const auto fail = [&](const std::string& why) {
@@ -259,32 +325,6 @@ class PathFinder {
   PathTracer tracer_;
 };
 
-void certify_point(const VariedScene& varied, const PathOptions& options, PathPoint& point) {
-  const auto model = varied.model_at(point.parameter);
-  const Mechanism<double>& m = model->mechanism();
-  if (!m.has_follower_loads()) {
-    std::vector<Planar<double>> pose(m.pose_size());
-    m.place(point.x.data(), pose.data());
-    point.energy = m.energy(point.x.data(), pose.data()) * model->scales().energy();
-  }
-  if (!options.certify) return;
-  const Certificate certificate = certify(*model, point.x, options.certificate);
-  point.statement = certificate.statement;
-  point.radius = certificate.radius;
-  if (certificate.confirmed()) {
-    point.proof = PointProof::proved;
-  } else if (point.proof != PointProof::critical) {
-    point.proof = PointProof::failed;
-  }
-  if (certificate.confirmed()) {
-    point.stability = certificate.stability;
-    point.unstable_directions = certificate.unstable_directions;
-    if (point.stability == Stability::unknown && m.has_follower_loads() && options.dynamic_stability) {
-      point.stability = options.dynamic_stability(*model, point.x);
-    }
-  }
-}
-
 std::vector<PathPoint*> all_points(Path& path) {
   std::vector<PathPoint*> out;
   for (PathBranch& branch : path.branches) {
@@ -318,7 +358,8 @@ int Path::unproved() const {
 Path path(const VariedScene& varied, const PathOptions& options) {
   Path out;
   out.wanted.resize(options.at.size());
-  PathFinder(varied, options, out).run();
+  PathFinder finder(varied, options, out);
+  finder.run();
   int done = 0;
   for (PathPoint* point : all_points(out)) {
     if (options.interrupt != nullptr && options.interrupt->load()) {
@@ -328,6 +369,7 @@ Path path(const VariedScene& varied, const PathOptions& options) {
     certify_point(varied, options, *point);
     if (options.progress && ++done % 64 == 0) options.progress(point->parameter, done);
   }
+  if (options.certify && options.dynamic_stability && out.status != Path::Status::interrupted) finder.find_flutter();
   return out;
 }
 

@@ -49,6 +49,7 @@ struct PathEvent {
     branch,          ///< curves of equilibria cross
     stop,            ///< a stop comes on or off
     slack,           ///< a one-way spring comes on or off
+    flutter,         ///< a motion that grows sets in or ends (PathOptions::dynamic_stability), at a regular point
     snap,            ///< from a point where the loaded mechanism finds no stable equilibrium near, to where it lands
     hysteresis_end,  ///< where a mechanism loaded and unloaded again is back on the curve on which it was loaded
   };

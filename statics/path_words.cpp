@@ -26,6 +26,8 @@ std::string to_string(PathEvent::Kind kind) {
       return "stop";
     case PathEvent::Kind::slack:
       return "slack";
+    case PathEvent::Kind::flutter:
+      return "flutter";
     case PathEvent::Kind::snap:
       return "snap";
     case PathEvent::Kind::hysteresis_end:

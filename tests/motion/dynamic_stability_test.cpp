@@ -24,6 +24,9 @@ TEST(DynamicStability, TellsFlutterAlongALoadPath) {
     if (std::abs(point.parameter - flutter) < 1e-3) continue;
     EXPECT_EQ(point.stability, point.parameter < flutter ? Stability::stable : Stability::unstable) << point.parameter;
   }
+  ASSERT_EQ(judged.events.size(), 1U);
+  EXPECT_EQ(judged.events[0].kind, PathEvent::Kind::flutter);
+  EXPECT_NEAR(judged.events[0].at.parameter, flutter, 1e-7);
   // Without the masses' part nothing can be said.
   const Path plain = path(varied);
   for (const PathPoint& point : plain.branches.at(0).points) EXPECT_EQ(point.stability, Stability::unknown);

@@ -342,6 +342,7 @@ std::string remark_on(Report& report, const PathEvent& event) {
       break;
     case PathEvent::Kind::fold:
     case PathEvent::Kind::branch:
+    case PathEvent::Kind::flutter:
     case PathEvent::Kind::hysteresis_end:
       break;
   }
@@ -366,6 +367,7 @@ std::string title_of(PathEvent::Kind kind) {
       return "one-way spring";
     case PathEvent::Kind::fold:
     case PathEvent::Kind::stop:
+    case PathEvent::Kind::flutter:
     case PathEvent::Kind::snap:
     case PathEvent::Kind::hysteresis_end:
       break;
