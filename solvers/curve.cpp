@@ -213,6 +213,32 @@ Curve::Correction Curve::correct_on_sphere(VectorXd& z, const VectorXd& centre, 
   return iterate(z, nullptr, &centre, radius);
 }
 
+bool Curve::deflate(VectorXd& z, const std::vector<VectorXd>& known, int steps) {
+  constexpr double longest = 0.5;
+  const VectorXd row = VectorXd::Unit(size_, size_ - 1);
+  for (int k = 0; k < steps; ++k) {
+    evaluate(z, true);
+    residual(z);
+    if (!factor(row)) return false;
+    step_ = -residual_;
+    solve(step_);
+    double along = 0.0;
+    for (const VectorXd& other : known) {
+      const VectorXd away = z.head(n_) - other.head(n_);
+      const double square = away.squaredNorm();
+      if (square == 0.0) return false;
+      along -= 2.0 * away.dot(step_.head(n_)) / (square * (1.0 + square));
+    }
+    step_ /= 1.0 - along;
+    const double length = step_.head(n_).norm();
+    if (!std::isfinite(length)) return false;
+    if (length > longest) step_ *= longest / length;
+    z += step_;
+    if (length <= small_step) return true;
+  }
+  return false;
+}
+
 bool Curve::set_tangent(CurvePoint& point, const VectorXd& like) {
   point.tangent = VectorXd::Unit(size_, size_ - 1);
   solve(point.tangent);

@@ -62,6 +62,12 @@ class Curve {
   /// The same on the sphere of that radius round `centre`, from a point on it.
   Correction correct_on_sphere(Eigen::VectorXd& z, const Eigen::VectorXd& centre, double radius);
 
+  /// Newton's method with the parameter held, kept away from solutions that are known: each step is divided by
+  /// 1 - step . grad log M,  M(x) = product of (1 / |x - x_k|^2 + 1)  (deflation: P. E. Farrell, A. Birkisson, S. W.
+  /// Funke, "Deflation techniques for finding distinct solutions of nonlinear partial differential equations", 2015).
+  /// False if it does not converge in `steps`.
+  bool deflate(Eigen::VectorXd& z, const std::vector<Eigen::VectorXd>& known, int steps);
+
   /// Sets tangent and orientation of a point that correct() has just found, by its last factors; the tangent's product
   /// with `like`, the row it was corrected with, is positive. False if the equations are singular there.
   bool differentiate(CurvePoint& point, const Eigen::VectorXd& like);

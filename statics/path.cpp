@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "solvers/newton.hpp"
@@ -14,6 +16,8 @@
 
 namespace poise {
 namespace {
+
+using Eigen::VectorXd;
 
 constexpr double small_distance = 0.05;  // rad or mechanism sizes
 constexpr int driven_steps = 50;         // from the start's pose to the first value of a driven measure
@@ -57,6 +61,7 @@ class PathFinder {
       load_and_unload(*start);
     } else {
       follow_all(*start);
+      search();
     }
     conclude();
   }
@@ -167,6 +172,10 @@ class PathFinder {
 
   void follow_all(const PathSpot& start) {
     follow(start, -1);
+    follow_departures();
+  }
+
+  void follow_departures() {
     std::deque<PathTracer::Departure>& departures = tracer_.departures();
     while (!tracer_.interrupted()) {
       const auto next = std::find_if(departures.begin(), departures.end(), [](const auto& d) { return !d.used; });
@@ -189,6 +198,61 @@ class PathFinder {
       landed->reverse();
       follow(*landed, snap);
     }
+  }
+
+  // Equilibria on other curves, by deflation of those that are known.
+  void search() {
+    constexpr int values = 5, steps = 100;
+    std::minstd_rand random(20261122);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    for (int v = 0; v < values && options_.search > 0; ++v) {
+      const double p = static_cast<double>(v) / (values - 1);
+      const auto model = varied_.model_at(tracer_.value_at(p));
+      for (int k = 0; k < options_.search && !tracer_.interrupted(); ++k) {
+        const std::vector<PathSpot> known = spots_at(p);
+        std::vector<double> x = model->start();
+        if (!known.empty()) {
+          const VectorXd& z = known[static_cast<std::size_t>(k) % known.size()].point.z;
+          std::copy(z.data(), z.data() + x.size(), x.begin());
+        }
+        // First near what is known, then anywhere.
+        const double reach = M_PI * (k + 1) / options_.search;
+        for (double& value : x) value += reach * uniform(random);
+        solvers::Newton closing(model->problem());
+        const solvers::NewtonResult& closed = closing.close(x);
+        if (closed.outcome != solvers::Outcome::converged) continue;
+        const auto place = tracer_.deflated(closed.x, p, known, steps);
+        if (!place) continue;
+        const Certificate certificate = certify(*model, *place, options_.certificate);
+        if (certificate.outcome != Outcome::proved) continue;
+        auto found = tracer_.spot(certificate.x, p, certificate.active_stops, 1.0);
+        if (!found || is_known(tracer_.report(*found))) continue;
+        // Both ways, but not out of the range.
+        if (p < 1.0) follow(*found, -1);
+        found->reverse();
+        if (p > 0.0) follow(*found, -1);
+        follow_departures();
+      }
+    }
+  }
+
+  // Where the branches pass a value of the parameter.
+  std::vector<PathSpot> spots_at(double p) {
+    std::vector<PathSpot> out;
+    const double value = tracer_.value_at(p);
+    for (const PathBranch& branch : out_.branches) {
+      for (std::size_t k = 1; k < branch.points.size(); ++k) {
+        const PathPoint &a = branch.points[k - 1], &b = branch.points[k];
+        if ((a.parameter - value) * (b.parameter - value) > 0.0 || a.parameter == b.parameter) continue;
+        const double share = (value - a.parameter) / (b.parameter - a.parameter);
+        std::vector<double> x = a.x;
+        for (std::size_t i = 0; i < x.size(); ++i) x[i] += share * (b.x[i] - a.x[i]);
+        if (const auto spot = tracer_.spot(x, p, share < 0.5 ? a.active_stops : b.active_stops, 1.0)) {
+          out.push_back(*spot);
+        }
+      }
+    }
+    return out;
   }
 
   int branch_of(const PathTracer::Loss& loss) const {

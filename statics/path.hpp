@@ -99,6 +99,8 @@ struct PathOptions {
   };
   From from = From::settle;
   Follow follow = Follow::unstable;
+  /// Starts, at each of five values, of a search for equilibria on curves that are not connected with the start.
+  int search = 0;
   bool branches = false;      ///< follow all curves that cross at branch points
   bool certify = true;        ///< every point carries a certificate
   std::vector<double> at{};   ///< values of the parameter, SI, at which points are wanted besides; ascending or not

@@ -111,8 +111,7 @@ solvers::Curve& PathTracer::curve(const PathPiece& piece) {
   return *made;
 }
 
-std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p, const std::vector<int>& active_stops,
-                                         double direction) {
+PathSpot PathTracer::guess(const std::vector<double>& x, double p, const std::vector<int>& active_stops) {
   const auto model = varied_.model_at(value_at(p));
   const Mechanism<double>& m = model->mechanism();
   symmetric_ = !m.has_follower_loads();
@@ -156,12 +155,29 @@ std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p,
     z.segment(m.coordinates(), static_cast<Index>(rows.size())).setZero();
   }
   z[z.size() - 1] = p;
+  return out;
+}
+
+std::optional<PathSpot> PathTracer::spot(const std::vector<double>& x, double p, const std::vector<int>& active_stops,
+                                         double direction) {
+  PathSpot out = guess(x, p, active_stops);
+  solvers::Curve& system = curve(out.piece);
+  VectorXd& z = out.point.z;
   const VectorXd along = direction * VectorXd::Unit(z.size(), z.size() - 1);
   // At a fold the parameter cannot be held: the point is there already.
   if (!system.correct(z, along).converged || !system.differentiate_at(out.point, along)) return std::nullopt;
   system.estimate_bend(out.point);
   out.negative = system.negative_directions(z);
   return out;
+}
+
+std::optional<std::vector<double>> PathTracer::deflated(const std::vector<double>& x, double p,
+                                                        const std::vector<PathSpot>& known, int steps) {
+  PathSpot out = guess(x, p, {});
+  std::vector<VectorXd> places;
+  for (const PathSpot& spot : known) places.push_back(spot.point.z);
+  if (!curve(out.piece).deflate(out.point.z, places, steps)) return std::nullopt;
+  return report(out).x;
 }
 
 PathPoint PathTracer::report(const PathSpot& spot, bool critical) const {

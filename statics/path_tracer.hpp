@@ -48,6 +48,10 @@ class PathTracer {
   std::optional<PathSpot> spot(const std::vector<double>& x, double p, const std::vector<int>& active_stops,
                                double direction);
 
+  /// Coordinates of another equilibrium at p, found from x by deflation of those known; empty if none is.
+  std::optional<std::vector<double>> deflated(const std::vector<double>& x, double p,
+                                              const std::vector<PathSpot>& known, int steps);
+
   /// What ends a branch besides PathBranch::End.
   enum class Until {
     ends,     ///< the ends of the range
@@ -84,6 +88,8 @@ class PathTracer {
   bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
 
  private:
+  // The piece that x is on, and its multipliers there.
+  PathSpot guess(const std::vector<double>& x, double p, const std::vector<int>& active_stops);
   std::vector<Loss> follow(const PathSpot& start, int from_event, Until until);
   struct Segment;
   struct Crossing;

@@ -171,6 +171,26 @@ TEST(Path, FindsTheCriticalLoadsOfColumnsWithTheirBranches) {
   }
 }
 
+// static.hencky_cantilever n3_kappa4: nineteen equilibria, of which the curves through the straight column pass seven.
+TEST(Path, FindsCurvesThatAreNotConnectedWithTheStart) {
+  const VariedScene varied(parse_scene(column(3), "column.toml"), "load.P", 0.01, 4.0);
+  const auto count_at_end = [&](int search) {
+    const Path path = poise::path(varied, {.search = search, .branches = true, .at = {4.0}, .spacing = 0.1});
+    EXPECT_EQ(path.status, Path::Status::traced) << path.why;
+    EXPECT_EQ(path.unproved(), 0);
+    std::vector<std::vector<double>> places;
+    for (const PathPoint& point : path.wanted.at(0)) {
+      const bool is_new = std::none_of(places.begin(), places.end(), [&](const std::vector<double>& x) {
+        return std::abs(x[0] - point.x[0]) + std::abs(x[1] - point.x[1]) + std::abs(x[2] - point.x[2]) < 1e-6;
+      });
+      if (is_new) places.push_back(point.x);
+    }
+    return places.size();
+  };
+  EXPECT_EQ(count_at_end(0), 7U);
+  EXPECT_EQ(count_at_end(300), 19U);
+}
+
 // theta - e = lambda sin theta: static.inverted_pendulum_imperfect, on the side that the offset does not favour.
 TEST(Path, FindsTheFoldsOfImperfectPendulums) {
   const auto fold = [](double e) {

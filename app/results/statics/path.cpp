@@ -516,6 +516,7 @@ std::string events_in_words(const Path& found) {
   };
   add(PathEvent::Kind::fold, "fold", "folds");
   add(PathEvent::Kind::branch, "branch point", "branch points");
+  add(PathEvent::Kind::flutter, "onset of flutter", "onsets of flutter");
   add(PathEvent::Kind::snap, "snap", "snaps");
   return parts.empty() ? "no folds" : listed(parts);
 }
