@@ -10,10 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "solvers/linear_algebra.hpp"
 #include "statics/balance_system.hpp"
 #include "statics/curvature.hpp"
-#include "statics/readings.hpp"
 
 namespace poise {
 namespace {
@@ -101,13 +99,7 @@ solvers::Curve& PathTracer::curve(const PathPiece& piece) {
   if (made) return *made;
   std::unique_ptr<VariedMechanism>& mechanism = mechanisms_[piece.acts];
   if (!mechanism) mechanism = std::make_unique<VariedMechanism>(varied_, piece.acts);
-  std::vector<solvers::ActiveRow> active;
-  for (const int row : equalities_) active.push_back({.row = row});
-  for (std::size_t s = 0; s < piece.side.size(); ++s) {
-    if (piece.side[s] == 0) continue;
-    active.push_back({.row = mechanism->equalities() + static_cast<int>(s), .upper = piece.side[s] > 0});
-  }
-  made = std::make_unique<solvers::Curve>(*mechanism, std::move(active));
+  made = std::make_unique<solvers::Curve>(*mechanism, active_rows(piece, equalities_, mechanism->equalities()));
   return *made;
 }
 
@@ -115,35 +107,14 @@ PathSpot PathTracer::guess(const std::vector<double>& x, double p, const std::ve
   const auto model = varied_.model_at(value_at(p));
   const Mechanism<double>& m = model->mechanism();
   symmetric_ = !m.has_follower_loads();
-  if (equalities_.empty() && m.equalities() > 0) {
-    std::vector<int> rows(m.equalities());
-    for (int r = 0; r < m.equalities(); ++r) rows[r] = r;
-    equalities_ = rows;
-    if (m.equalities() <= solvers::Curve::spectrum_limit) {
-      const DensePoint<double> point(m, x, rows);
-      const auto [rank, order] =
-          solvers::pivot_order<double>(point.jacobian.transpose(), solvers::known_to::closed_point);
-      equalities_.assign(order.begin(), order.begin() + rank);
-      std::sort(equalities_.begin(), equalities_.end());
-      has_left_out_ = rank < m.equalities();
-    }
-  }
-  std::vector<int> rows = equalities_;
+  if (equalities_.empty()) equalities_ = independent_closures(m, x);
+  has_left_out_ = static_cast<int>(equalities_.size()) < m.equalities();
   PathSpot out;
-  out.piece.side.assign(m.stops(), 0);
-  std::vector<Planar<double>> pose(m.pose_size());
-  std::vector<double> c(m.constraints());
-  m.place(x.data(), pose.data());
-  m.constraint(x.data(), pose.data(), c.data());
-  for (int s = 0; s < m.stops(); ++s) {
-    const double value = c[m.stop_row(s)];
-    const bool both = m.lower()[s] == m.upper()[s];
-    if (!both && std::find(active_stops.begin(), active_stops.end(), s) == active_stops.end()) continue;
-    out.piece.side[s] = both || std::abs(m.upper()[s] - value) < std::abs(value - m.lower()[s]) ? 1 : -1;
-    rows.push_back(m.stop_row(s));
+  out.piece = piece_at(*model, x, active_stops);
+  std::vector<int> rows;
+  for (const solvers::ActiveRow& active : active_rows(out.piece, equalities_, m.equalities())) {
+    rows.push_back(active.row);
   }
-  const Readings readings = read_off(*model, x);
-  for (const int e : one_way_) out.piece.acts.push_back(readings.elements[e].slack ? 0 : 1);
   solvers::Curve& system = curve(out.piece);
   VectorXd& z = out.point.z;
   z.resize(system.unknowns());

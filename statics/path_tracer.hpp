@@ -10,17 +10,10 @@
 
 #include "solvers/curve.hpp"
 #include "statics/path.hpp"
+#include "statics/path_piece.hpp"
 #include "statics/varied_mechanism.hpp"
 
 namespace poise {
-
-/// Which stops act, and which one-way springs.
-struct PathPiece {
-  std::vector<signed char> side;  ///< per stop of VariedScene::scene_at(): -1 at min, 1 at max, 0 free
-  std::vector<char> acts;         ///< per VariedMechanism::one_way_springs()
-
-  friend auto operator<=>(const PathPiece&, const PathPiece&) = default;
-};
 
 /// A point of the curve of equilibria on one of its smooth pieces.
 struct PathSpot {
