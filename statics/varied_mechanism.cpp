@@ -47,8 +47,7 @@ VariedMechanism::VariedMechanism(const VariedScene& varied, const std::vector<ch
 }
 
 VariedMechanism::Piece VariedMechanism::compiled(double p) const {
-  const auto scene_at = [&](double value) {
-    Scene scene = varied_.scene_at(value);
+  const auto on_this_piece = [&](Scene scene) {
     for (std::size_t k = 0; k < one_way_.size(); ++k) {
       Element& element = scene.elements[one_way_[k]];
       auto& spring = std::get<LinearSpring>(element.law);
@@ -58,12 +57,13 @@ VariedMechanism::Piece VariedMechanism::compiled(double p) const {
     }
     return scene;
   };
-  const Scene also = scene_at(varied_.generic());
+  const Scene also = on_this_piece(varied_.generic_scene());
   Piece piece;
   piece.p = p;
   // Exactly the ends at 0 and 1.
   const double value = p == 1.0 ? varied_.to() : varied_.from() + p * (varied_.to() - varied_.from());
-  piece.model = std::make_unique<ScaledModel>(scene_at(value), Purpose::statics, varied_.scales(), &also);
+  piece.model =
+      std::make_unique<ScaledModel>(on_this_piece(varied_.scene_at(value)), Purpose::statics, varied_.scales(), &also);
   piece.pose.resize(piece.model->mechanism().pose_size());
   return piece;
 }

@@ -117,6 +117,16 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
   scales_ = ScaledModel(somewhere, Purpose::statics).scales();
 }
 
+VariedScene VariedScene::in(Scene scene, const VariedScene& like) const {
+  VariedScene out = *this;
+  if (driven_) scene.stops.push_back(scene_.stops.back());
+  out.scene_ = std::move(scene);
+  for (std::size_t k = 0; k < places_.size(); ++k) out.whole_[k] = value_at(out.scene_, places_[k]).value_or(0.0);
+  out.scales_ = like.scales_;
+  out.structure_ = like.structure_ ? like.structure_ : std::make_shared<const Scene>(like.scene_at(like.generic()));
+  return out;
+}
+
 std::string VariedScene::unit_name() const { return dimension_.unit_name(scene_.units); }
 
 Dimension VariedScene::effort_dimension() const { return scene_.stops.back().on.effort_dimension(); }
@@ -143,7 +153,7 @@ Scene VariedScene::scene_at(double value) const {
 }
 
 std::unique_ptr<StaticModel> VariedScene::model_at(double value) const {
-  const Scene also = scene_at(generic());
+  const Scene also = generic_scene();
   return std::make_unique<StaticModel>(scene_at(value), scales_, &also);
 }
 

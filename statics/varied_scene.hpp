@@ -21,6 +21,9 @@ class VariedScene {
   /// `from` and `to` in the scene's own units. Throws InputError for a name that does not exist (with the nearest), a
   /// range of length zero, or values that the number cannot have.
   VariedScene(Scene scene, const std::string& name, double from, double to);
+  /// The same number over the same range in another scene, which differs from this one in other numbers only; compiled
+  /// in the coordinates and units of `like`, so that points of both can be compared.
+  VariedScene in(Scene scene, const VariedScene& like) const;
 
   /// The scene as given.
   const Scene& scene() const { return scene_; }
@@ -38,6 +41,8 @@ class VariedScene {
   bool is_affine() const { return affine_; }
   /// A value within the range at which nothing vanishes that does not vanish elsewhere.
   double generic() const { return from_ + 0.6180339887498949 * (to_ - from_); }
+  /// A scene with the structure that all values share.
+  Scene generic_scene() const { return structure_ ? *structure_ : scene_at(generic()); }
   const Scales& scales() const { return scales_; }
 
   /// The scene at a value, SI.
@@ -54,6 +59,7 @@ class VariedScene {
   std::vector<ParameterPlace> places_;
   std::vector<double> whole_;  // values of the places that the factor 1 stands for
   Scales scales_{};
+  std::shared_ptr<const Scene> structure_;  // of in()
 };
 
 }  // namespace poise
