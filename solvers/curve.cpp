@@ -259,6 +259,14 @@ bool Curve::differentiate_at(CurvePoint& point, const VectorXd& like) {
   return factor(row) && set_tangent(point, like);
 }
 
+void Curve::equations(const VectorXd& z, VectorXd& residual_out, MatrixXd& matrix) {
+  evaluate(z, true);
+  residual(z);
+  residual_out = residual_.head(size_ - 1);
+  matrix.resize(size_, size_);
+  fill(matrix);
+}
+
 MatrixXd Curve::second(const VectorXd& z, const VectorXd& u) {
   const std::span<const double> x(z.data(), static_cast<std::size_t>(n_));
   evaluate(z, false);

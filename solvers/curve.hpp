@@ -111,6 +111,11 @@ class Curve {
   /// dynamical equilibria", 2000, chapter 4). Returns the norm of the last step, infinity if it diverges. Dense.
   double find_branch_point(Eigen::VectorXd& z);
 
+  /// R(z) and dR/dz, whose last row is zero. Dense.
+  void equations(const Eigen::VectorXd& z, Eigen::VectorXd& residual, Eigen::MatrixXd& matrix);
+  /// Derivative of dR/dz along u at z, exact: d/de dR/dz(z + e u). Dense.
+  Eigen::MatrixXd second(const Eigen::VectorXd& z, const Eigen::VectorXd& u);
+
   int evaluations() const { return evaluations_; }
 
  private:
@@ -126,7 +131,6 @@ class Curve {
   void solve(Eigen::VectorXd& b);
   Correction iterate(Eigen::VectorXd& z, const Eigen::VectorXd* row, const Eigen::VectorXd* centre, double radius);
   bool set_tangent(CurvePoint& point, const Eigen::VectorXd& like);
-  Eigen::MatrixXd second(const Eigen::VectorXd& z, const Eigen::VectorXd& u);
 
   ParametricProblem& problem_;
   std::vector<ActiveRow> active_;
