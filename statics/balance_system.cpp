@@ -90,6 +90,16 @@ std::vector<Ball> BalanceSystem::measures(const std::vector<Ball>& x) const {
   return out;
 }
 
+Ball BalanceSystem::product(const std::vector<Ball>& x, const std::vector<Ball>& y, const std::vector<Ball>& left,
+                            const std::vector<Ball>& right) const {
+  Ball sum(0.0);
+  for (const auto& [i, j, value] : entries(x, y)) {
+    sum += left[i] * value * right[j];
+    if (i != j && !mechanism_.has_follower_loads()) sum += left[j] * value * right[i];
+  }
+  return sum;
+}
+
 std::vector<Ball> BalanceSystem::residual(const std::vector<Ball>& x, const std::vector<Ball>& y) const {
   const std::vector<Ball> force = forces(x, y);
   const std::vector<Ball> c = constraints(x);

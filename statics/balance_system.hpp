@@ -85,6 +85,9 @@ class BalanceSystem {
   std::optional<std::vector<Ball>> multipliers(const std::vector<Ball>& x) const;
   /// Left sides of all equations at enclosures of x and y.
   std::vector<Ball> residual(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
+  /// left^T M right, M the matrix of their derivatives by z.
+  Ball product(const std::vector<Ball>& x, const std::vector<Ball>& y, const std::vector<Ball>& left,
+               const std::vector<Ball>& right) const;
   /// F_i + (J^T y)_i of all coordinates: zero but for held ones.
   std::vector<Ball> forces(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
   /// J u of the kept rows.
