@@ -16,6 +16,7 @@
 #include "app/draw/chart/plot.hpp"
 #include "app/draw/path_picture.hpp"
 #include "app/present/numbers.hpp"
+#include "app/results/statics/fold_curve.hpp"
 #include "app/results/statics/path.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "motion/dynamic_stability.hpp"
@@ -26,21 +27,51 @@ namespace {
 
 struct PathRequest {
   Request common;
-  std::string vary, from = "settle", follow = "unstable", at;
-  std::vector<std::string> measures;
+  std::string curve = "equilibria", from = "settle", follow = "unstable", at;
+  std::vector<std::string> vary, measures;
   bool branches = false;
   std::optional<double> proof_seconds;
 };
 
-VariedScene read_vary(const std::string& text, Scene scene) {
-  const NamedRange given = read_named_range("--vary", text, "NAME=FROM..TO, say load.P=0..5");
+/// Names the option in what make() says of bad input.
+template <class Make>
+auto naming_option(Make make) {
   try {
-    return {std::move(scene), given.name, given.from, given.to};
+    return make();
   } catch (const AssemblyError&) {
     throw;
   } catch (const InputError& error) {
     throw InputError(std::string("--vary ") + error.what());
   }
+}
+
+NamedRange read_range(const std::string& text) {
+  return read_named_range("--vary", text, "NAME=FROM..TO, say load.P=0..5");
+}
+
+VariedScene read_vary(const PathRequest& request) {
+  if (request.vary.size() != 1) {
+    throw InputError(fmt::format("--vary: expected one number, found {}; two with --curve fold", request.vary.size()));
+  }
+  const NamedRange given = read_range(request.vary[0]);
+  return naming_option([&] { return VariedScene(load_scene(request.common), given.name, given.from, given.to); });
+}
+
+VariedPair read_pair(const PathRequest& request) {
+  if (request.vary.size() != 2) {
+    throw InputError(fmt::format("--curve fold: expected --vary twice, found {} of it", request.vary.size()));
+  }
+  for (const auto& [option, given] :
+       {std::pair("--at", !request.at.empty()), std::pair("--measure", !request.measures.empty()),
+        std::pair("--branches", request.branches), std::pair("--proof-seconds", request.proof_seconds.has_value()),
+        std::pair("--follow", request.follow != "unstable")}) {
+    if (given) throw InputError(fmt::format("{}: not with --curve fold, where it has no meaning", option));
+  }
+  const NamedRange first = read_range(request.vary[0]), second = read_range(request.vary[1]);
+  return naming_option([&] {
+    return VariedPair(load_scene(request.common), {first.name, first.from, first.to},
+                      {second.name, second.from, second.to});
+  });
 }
 
 /// SI.
@@ -71,10 +102,14 @@ std::vector<PathMeasure> read_measures(const std::vector<std::string>& names, co
   return out;
 }
 
+PathOptions::From read_from(const PathRequest& request) {
+  return chosen("--from", request.from, {"settle", "equilibrium"}) == 0 ? PathOptions::From::settle
+                                                                        : PathOptions::From::equilibrium;
+}
+
 PathOptions read_options(const PathRequest& request) {
   PathOptions options;
-  options.from = chosen("--from", request.from, {"settle", "equilibrium"}) == 0 ? PathOptions::From::settle
-                                                                                : PathOptions::From::equilibrium;
+  options.from = read_from(request);
   options.follow = chosen("--follow", request.follow, {"unstable", "jump"}) == 0 ? PathOptions::Follow::unstable
                                                                                  : PathOptions::Follow::jump;
   options.branches = request.branches;
@@ -94,12 +129,40 @@ std::function<void(double, int)> progress_of(Progress& progress, const VariedSce
   };
 }
 
+int run_fold_curve(const PathRequest& request, const Palette& palette) {
+  FoldCurveOptions options;
+  options.from = read_from(request);
+  options.interrupt = &watch_for_interrupt();
+  if (!request.common.svg.empty()) expect_plotter();
+  Progress progress;
+  progress.now("reading the scene");
+  const VariedPair pair = read_pair(request);
+  OutputFiles files(request.common);
+  progress.now("looking for folds");
+  options.progress = [&](double first, double second, int points) {
+    progress.now_and_then([&] {
+      return fmt::format("following folds: {} = {:.4g}, {} = {:.4g}, {}", pair.first().name(),
+                         first / pair.first().unit(), pair.second().name(), second / pair.second().unit(),
+                         count(points, "point", "points"));
+    });
+  };
+  const FoldCurve found = fold_curve(pair, options);
+  const Result result = fold_curve_result(pair, found, request.common.settings);
+  std::string svg;
+  if (files.wants_svg() && !found.curves.empty()) {
+    progress.now("drawing");
+    svg = draw_plot({fold_curve_panel(pair, found)});
+  }
+  return finish(request.common, result, &files, svg, found.status == FoldCurve::Status::traced, progress, palette);
+}
+
 int run_path(const PathRequest& request, const Palette& palette) {
+  if (chosen("--curve", request.curve, {"equilibria", "fold"}) == 1) return run_fold_curve(request, palette);
   PathOptions options = read_options(request);
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
-  const VariedScene varied = read_vary(request.vary, load_scene(request.common));
+  const VariedScene varied = read_vary(request);
   options.at = read_at(request.at, varied);
   PathView view{
       .measures = read_measures(request.measures, varied.scene()), .at = options.at, .follow = options.follow};
@@ -133,6 +196,10 @@ Command path_command() {
        "Vary a number of the scene, in its own units: load.P=0..5,\nspring.S.stiffness=1..3; loads=0..1 (a factor "
        "of all loads);\nangle.BODY or travel.JOINT: what is driven, with the effort needed",
        Presence::required});
+  command.add(
+      {"--curve", &request->curve, "WHAT",
+       "equilibria: as one number changes (the default); fold: the curve of\nfolds, with its cusps, in the plane "
+       "of two numbers, --vary twice"});
   command.add(
       {"--from", &request->from, "WHAT",
        "settle: where the mechanism comes to rest when released from its\nstart (the default); equilibrium: the "

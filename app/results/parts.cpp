@@ -68,6 +68,13 @@ Result scene_result(const Scene& scene, const std::vector<std::string>& settings
   return out;
 }
 
+void add_named(Group& group, const std::string& key, const std::vector<NamedValue>& values, Quantity quantity,
+               const Units& units) {
+  Table& table = group.table(key, "", Rows::values, Verbosity::data);
+  table.words("name", "", each(values, &NamedValue::name));
+  table.data("value", in_unit(each(values, &NamedValue::value), quantity, units));
+}
+
 void add_units(Group& group, const Units& units) {
   Group& names = group.group("units", "", Verbosity::data);
   for (const auto& [name, quantity] : {std::pair{"length", Quantity::length}, std::pair{"force", Quantity::force},

@@ -26,6 +26,10 @@ Result scene_result(const Scene& scene, const std::vector<std::string>& settings
 /// The names of a scene's units, as data.
 void add_units(Group& group, const Units& units);
 
+/// Names and values of a kind in SI, {name: value}, as data in units.
+void add_named(Group& group, const std::string& key, const std::vector<NamedValue>& values, Quantity quantity,
+               const Units& units);
+
 /// The name of a unit and how numbers of a quantity are written: what is below 1e-13 of the scale of the mechanism's
 /// lengths, forces or work is rounding and is written as 0.
 Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style = Format::Style::aligned);

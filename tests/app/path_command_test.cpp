@@ -44,6 +44,22 @@ TEST(PathCommand, SaysInOneLineWhatItCannotRead) {
   EXPECT_TRUE(contains(complaint({}), "--vary is required"));
 }
 
+TEST(PathCommand, SaysInOneLineWhatACurveOfFoldsNeeds) {
+  const std::vector<std::string> two = {"--vary", "load.P=0..1", "--vary", "spring.left.stiffness=1..2"};
+  const auto with = [&](const std::vector<std::string>& further) {
+    std::vector<std::string> words = two;
+    words.insert(words.end(), further.begin(), further.end());
+    return complaint(words);
+  };
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..1", "--curve", "fold"}), "expected --vary twice, found 1"));
+  EXPECT_TRUE(contains(with({}), "expected one number, found 2; two with --curve fold"));
+  EXPECT_TRUE(contains(with({"--curve", "cusp"}), "expected equilibria or fold"));
+  EXPECT_TRUE(contains(with({"--curve", "fold", "--at", "1"}), "--at: not with --curve fold"));
+  EXPECT_TRUE(contains(with({"--curve", "fold", "--follow", "jump"}), "--follow: not with --curve fold"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..1", "--vary", "load.P=0..2", "--curve", "fold"}),
+                       "--vary load.P: named twice"));
+}
+
 TEST(PathCommand, WritesTheSameCurveEverywhere) {
   const TempFolder folder;
   const std::string table = folder.path("p.csv"), result = folder.path("p.json"), chart = folder.path("p.svg");

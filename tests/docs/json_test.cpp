@@ -313,6 +313,15 @@ TEST(JsonDocs, Path) {
                 Shared::all);
 }
 
+TEST(JsonDocs, PathCurveOfFolds) {
+  check_section("path --curve fold",
+                {{{"path", scene("hard/imperfect_pendulum"), "--vary", "torsion_spring.spring.stiffness=0.9..1.1",
+                   "--vary", "torsion_spring.spring.free_angle=1.55..1.59", "--curve", "fold"},
+                  with_csv},
+                 {{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--vary",
+                   "spring.left.stiffness=900..1100", "--curve", "fold", "--set", "spring.right.stiffness=900"}}});
+}
+
 TEST(JsonDocs, Compare) {
   check_section("compare", {{{"compare", scene("toggle_clamp")}}, {{"compare", scene("hard/follower_four_bar")}}});
 }

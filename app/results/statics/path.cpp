@@ -69,14 +69,6 @@ std::vector<std::string> names_of(const std::vector<int>& items, auto&& name) {
   return out;
 }
 
-/// Names and values of a kind, {name: value}.
-void add_named(Group& group, const std::string& key, const std::vector<NamedValue>& values, Quantity quantity,
-               const Units& units) {
-  Table& table = group.table(key, "", Rows::values, Verbosity::data);
-  table.words("name", "", each(values, &NamedValue::name));
-  table.data("value", in_unit(each(values, &NamedValue::value), quantity, units));
-}
-
 /// Where the mechanism is at a point.
 void add_pose_data(Group& group, Report& report, const PathPoint& point) {
   const Readings readings = report.reader.read(point);
