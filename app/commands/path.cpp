@@ -30,6 +30,7 @@ struct PathRequest {
   std::string curve = "equilibria", from = "settle", follow = "unstable", at;
   std::vector<std::string> vary, measures;
   bool branches = false;
+  int search = 0;
   std::optional<double> proof_seconds;
 };
 
@@ -113,6 +114,8 @@ PathOptions read_options(const PathRequest& request) {
   options.follow = chosen("--follow", request.follow, {"unstable", "jump"}) == 0 ? PathOptions::Follow::unstable
                                                                                  : PathOptions::Follow::jump;
   options.branches = request.branches;
+  expect_between("--search", request.search, 0, 1'000'000);
+  options.search = request.search;
   options.certificate = read_proof(request.proof_seconds);
   options.dynamic_stability = dynamic_stability;
   options.interrupt = &watch_for_interrupt();
@@ -129,7 +132,20 @@ std::function<void(double, int)> progress_of(Progress& progress, const VariedSce
   };
 }
 
+/// Throws InputError for options that curves of folds do not have.
+void expect_no_path_options(const PathRequest& request) {
+  const auto expect_none = [](bool given, const char* option) {
+    if (given) throw InputError(fmt::format("{}: does not count with --curve fold; leave one of them out", option));
+  };
+  expect_none(request.follow != "unstable", "--follow");
+  expect_none(request.branches, "--branches");
+  expect_none(request.search != 0, "--search");
+  expect_none(!request.at.empty(), "--at");
+  expect_none(!request.measures.empty(), "--measure");
+}
+
 int run_fold_curve(const PathRequest& request, const Palette& palette) {
+  expect_no_path_options(request);
   FoldCurveOptions options;
   options.from = read_from(request);
   options.interrupt = &watch_for_interrupt();
@@ -208,6 +224,9 @@ Command path_command() {
                "unstable: the curve through its folds (the default); jump: stable\nequilibria only, snapping at folds, "
                "there and back"});
   command.add({"--branches", &request->branches, "", "Follow all curves that cross at branch points too"});
+  command.add({"--search", &request->search, "N",
+               "Search also for curves that are not connected with the start, by\ndeflation from N starts at each of "
+               "five values (0)"});
   command.add({"--at", &request->at, "NUMBERS", "Show the equilibria at these values of the number: 1,2.5,5"});
   command.add({"--measure", &request->measures, "NAME",
                "Show this at every point: a body's angle, a slide's travel,\nBODY.POINT.x, BODY.POINT.y, the length or "

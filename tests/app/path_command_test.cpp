@@ -125,5 +125,18 @@ TEST(PathCommand, InterruptKeepsWhatWasFollowed) {
   EXPECT_TRUE(contains(contents(folder.path("out")), "Interrupted")) << contents(folder.path("out"));
 }
 
+TEST(PathCommand, RefusesWhatCurvesOfFoldsDoNotHave) {
+  const std::string scene = dataset("toggle");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--branches"}, {"--search", "3"}, {"--at", "3"}, {"--measure", "left"}}) {
+    std::vector<std::string> line{
+        "path", scene, "--vary", "load.P=0..20", "--vary", "spring.spring.stiffness=9000..11000", "--curve", "fold"};
+    line.insert(line.end(), words.begin(), words.end());
+    const Outcome outcome = run_poise(line);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(outcome.err, words[0] + ": does not count with --curve fold; leave one of them out\n");
+  }
+}
+
 }  // namespace
 }  // namespace poise::app_tests
