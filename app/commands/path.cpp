@@ -64,7 +64,8 @@ VariedPair read_pair(const PathRequest& request) {
   }
   for (const auto& [option, given] :
        {std::pair("--at", !request.at.empty()), std::pair("--measure", !request.measures.empty()),
-        std::pair("--branches", request.branches), std::pair("--proof-seconds", request.proof_seconds.has_value()),
+        std::pair("--branches", request.branches), std::pair("--search", request.search != 0),
+        std::pair("--proof-seconds", request.proof_seconds.has_value()),
         std::pair("--follow", request.follow != "unstable")}) {
     if (given) throw InputError(fmt::format("{}: not with --curve fold, where it has no meaning", option));
   }
@@ -132,20 +133,7 @@ std::function<void(double, int)> progress_of(Progress& progress, const VariedSce
   };
 }
 
-/// Throws InputError for options that curves of folds do not have.
-void expect_no_path_options(const PathRequest& request) {
-  const auto expect_none = [](bool given, const char* option) {
-    if (given) throw InputError(fmt::format("{}: does not count with --curve fold; leave one of them out", option));
-  };
-  expect_none(request.follow != "unstable", "--follow");
-  expect_none(request.branches, "--branches");
-  expect_none(request.search != 0, "--search");
-  expect_none(!request.at.empty(), "--at");
-  expect_none(!request.measures.empty(), "--measure");
-}
-
 int run_fold_curve(const PathRequest& request, const Palette& palette) {
-  expect_no_path_options(request);
   FoldCurveOptions options;
   options.from = read_from(request);
   options.interrupt = &watch_for_interrupt();

@@ -56,6 +56,7 @@ TEST(PathCommand, SaysInOneLineWhatACurveOfFoldsNeeds) {
   EXPECT_TRUE(contains(with({"--curve", "cusp"}), "expected equilibria or fold"));
   EXPECT_TRUE(contains(with({"--curve", "fold", "--at", "1"}), "--at: not with --curve fold"));
   EXPECT_TRUE(contains(with({"--curve", "fold", "--follow", "jump"}), "--follow: not with --curve fold"));
+  EXPECT_TRUE(contains(with({"--curve", "fold", "--search", "3"}), "--search: not with --curve fold"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..1", "--vary", "load.P=0..2", "--curve", "fold"}),
                        "--vary load.P: named twice"));
 }
@@ -123,19 +124,6 @@ TEST(PathCommand, InterruptKeepsWhatWasFollowed) {
   const json answer = json::parse(contents(result));
   EXPECT_EQ(answer["status"], "interrupted");
   EXPECT_TRUE(contains(contents(folder.path("out")), "Interrupted")) << contents(folder.path("out"));
-}
-
-TEST(PathCommand, RefusesWhatCurvesOfFoldsDoNotHave) {
-  const std::string scene = dataset("toggle");
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--branches"}, {"--search", "3"}, {"--at", "3"}, {"--measure", "left"}}) {
-    std::vector<std::string> line{
-        "path", scene, "--vary", "load.P=0..20", "--vary", "spring.spring.stiffness=9000..11000", "--curve", "fold"};
-    line.insert(line.end(), words.begin(), words.end());
-    const Outcome outcome = run_poise(line);
-    EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_EQ(outcome.err, words[0] + ": does not count with --curve fold; leave one of them out\n");
-  }
 }
 
 }  // namespace
