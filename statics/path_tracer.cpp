@@ -33,7 +33,8 @@ constexpr double standstill = 1e-9;         // rate of the parameter below which
 constexpr double overrun = 1e-12;           // of a stop or a free length, that is no event yet
 constexpr double pole_growth = 100.0;       // of multipliers, towards a dead centre
 constexpr double heavy_multipliers = 1e3;   // in the model's unit of force, next to a dead centre
-constexpr double run_away = 100.0;          // of a coordinate
+constexpr double farthest_turn = 100.0;     // rad, of a mechanism that has not run away
+constexpr double farthest_travel = 20.0;    // mechanism sizes, the same
 constexpr double taken_apart = 1e-9;        // gap of joints that repeat others
 constexpr double same_point = 1e-6;
 constexpr double same_pose = 1e-9;  // of forces and measures after whole turns
@@ -107,6 +108,7 @@ PathSpot PathTracer::guess(const std::vector<double>& x, double p, const std::ve
   const auto model = varied_.model_at(value_at(p));
   const Mechanism<double>& m = model->mechanism();
   symmetric_ = !m.has_follower_loads();
+  angles_ = m.layout().angles;
   if (equalities_.empty()) equalities_ = independent_closures(m, x);
   has_left_out_ = static_cast<int>(equalities_.size()) < m.equalities();
   PathSpot out;
@@ -279,6 +281,13 @@ std::vector<double> PathTracer::unwound(const std::vector<double>& x, const std:
     return values;
   };
   return (values_at(out) - values_at(x)).cwiseAbs().maxCoeff() < same_pose ? out : x;
+}
+
+bool PathTracer::is_far(const PathSpot& spot) {
+  const Index n = curve(spot.piece).variables();
+  const auto largest = [](const auto& part) { return part.size() > 0 ? part.cwiseAbs().maxCoeff() : 0.0; };
+  return largest(spot.point.z.head(angles_)) > farthest_turn ||
+         largest(spot.point.z.segment(angles_, n - angles_)) > farthest_travel;
 }
 
 // Whether a fold is, but for whole turns, one that the branch has passed before.
@@ -690,7 +699,7 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
       return losses;
     }
     // What is driven may turn as often as it is asked to.
-    if (!varied_.is_driven() && segment.b.point.z.head(system.variables()).cwiseAbs().maxCoeff() > run_away) {
+    if (!varied_.is_driven() && is_far(segment.b)) {
       end(PathBranch::End::stuck, "the mechanism runs away " + parameter_text());
       return losses;
     }

@@ -104,6 +104,7 @@ class PathTracer {
   void depart(const PathSpot& spot, int event, const Eigen::VectorXd& along);
   void mark_used(int event, const PathSpot& spot, const Eigen::VectorXd& along);
   void judge(PathEvent& event, const PathSpot& spot, int watched);
+  bool is_far(const PathSpot& spot);
   bool repeats(const PathSpot& fold);
   void add_point(const PathSpot& spot, bool critical = false);
 
@@ -121,6 +122,7 @@ class PathTracer {
   int branch_ = -1;
   Eigen::VectorXd z_, row_;  // of interpolate()
   bool symmetric_ = true;
+  int angles_ = 0;  // of the coordinates, the first
   bool has_left_out_ = false;  // rows of closures that repeat others
 };
 
