@@ -310,7 +310,7 @@ class PathFinder {
     if (far.end != Settling::End::settled || near.end != Settling::End::settled) return std::nullopt;
     // Where the distance is small and shrinks with the load the mechanism moves on without a jump.
     if (distance(far.x) < small_distance && distance(near.x) < 0.5 * distance(far.x)) return std::nullopt;
-    const auto spot = tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
+    auto spot = tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
     if (spot) {
       landing = tracer_.report(*spot);
     } else {
@@ -324,7 +324,7 @@ class PathFinder {
     PathEvent snap;
     snap.kind = PathEvent::Kind::snap;
     PathPoint landing;
-    const std::optional<PathSpot> spot = land(loss, landing, snap.why);
+    std::optional<PathSpot> spot = land(loss, landing, snap.why);
     if (!spot && snap.why.empty()) return spot;
     if (spot) snap.landing = landing;
     const PathEvent& lost = out_.events[loss.event];
