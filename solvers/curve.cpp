@@ -21,6 +21,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int most_steps = 8;
+constexpr int most_steps_on_sphere = 40;
 constexpr double small_step = 3e-9;     // after which the error is about its square
 constexpr double rounding_step = 1e-7;  // steps that no longer decrease but are below it are rounding errors
 constexpr double farthest = 1.0;        // of one step, (x, p)
@@ -177,7 +178,9 @@ void Curve::solve(VectorXd& b) {
 Curve::Correction Curve::iterate(VectorXd& z, const VectorXd* row, const VectorXd* centre, double radius) {
   Correction out;
   double before = std::numeric_limits<double>::infinity();
-  for (out.steps = 1; out.steps <= most_steps; ++out.steps) {
+  // On the sphere the start may be far from every curve.
+  const int limit = centre != nullptr ? most_steps_on_sphere : most_steps;
+  for (out.steps = 1; out.steps <= limit; ++out.steps) {
     evaluate(z, true);
     residual(z);
     if (centre != nullptr) {
@@ -198,7 +201,7 @@ Curve::Correction Curve::iterate(VectorXd& z, const VectorXd* row, const VectorX
       out.converged = true;
       return out;
     }
-    if (length > 0.5 * before) {
+    if (length > 0.5 * before && centre == nullptr) {
       out.converged = length <= rounding_step;
       return out;
     }
@@ -440,12 +443,14 @@ VectorXd Curve::gap_gradient(const VectorXd& z, int inequality, bool upper) {
   return out;
 }
 
-MatrixXd Curve::null_vectors(const VectorXd& z, double tolerance, int least) {
+MatrixXd Curve::null_vectors(const VectorXd& z, double tolerance, int least, const VectorXd* along) {
+  const double rate = along != nullptr ? second(z, *along).norm() / along->norm() : 0.0;
   evaluate(z, true);
   MatrixXd a(size_, size_);
   fill(a);
   const SingularValues svd = singular_value_decomposition(a);
-  const Index rank = std::min(svd.rank(tolerance), static_cast<Index>(size_ - least));
+  const double limit = tolerance * std::max(svd.values[0], rate);
+  const Index rank = std::min<Index>((svd.values.array() >= limit).count(), size_ - least);
   return svd.right.rightCols(size_ - rank);
 }
 

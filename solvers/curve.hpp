@@ -102,8 +102,10 @@ class Curve {
   Eigen::VectorXd without_multipliers(Eigen::VectorXd z) const;
 
   /// Basis of the null space of dR/dz at z, orthonormal columns, by singular values below `tolerance` times the
-  /// largest; at least `least` columns. Dense.
-  Eigen::MatrixXd null_vectors(const Eigen::VectorXd& z, double tolerance, int least);
+  /// largest; at least `least` columns. With `along` also those below it times the rate of dR/dz along this direction:
+  /// where several curves cross, all singular values may vanish. Dense.
+  Eigen::MatrixXd null_vectors(const Eigen::VectorXd& z, double tolerance, int least,
+                               const Eigen::VectorXd* along = nullptr);
 
   /// Moves z to the branch point near it, where dR/dz loses rank by one, by Newton's method on
   ///   R(z) + b psi = 0,   g_1(z) = g_2(z) = 0,

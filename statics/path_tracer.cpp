@@ -550,7 +550,7 @@ void PathTracer::depart(const PathSpot& spot, int event, const VectorXd& along) 
   solvers::Curve& system = curve(spot.piece);
   if (system.unknowns() > solvers::Curve::spectrum_limit) return;
   const VectorXd& centre = spot.point.z;
-  const MatrixXd null = system.null_vectors(centre, 1e-6, 2);
+  const MatrixXd null = system.null_vectors(centre, 1e-6, 2, &along);
   const Index k = null.cols();
   std::vector<VectorXd> directions;
   const int starts = k == 2 ? 24 : 40 * static_cast<int>(k * k);

@@ -122,7 +122,7 @@ class PathTracer {
   int branch_ = -1;
   Eigen::VectorXd z_, row_;  // of interpolate()
   bool symmetric_ = true;
-  int angles_ = 0;  // of the coordinates, the first
+  int angles_ = 0;             // of the coordinates, the first
   bool has_left_out_ = false;  // rows of closures that repeat others
 };
 

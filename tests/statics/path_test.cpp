@@ -171,6 +171,100 @@ TEST(Path, FindsTheCriticalLoadsOfColumnsWithTheirBranches) {
   }
 }
 
+// Two equal pendulums, each upright with k = 1: both buckle at the load 1, and eight curves leave the point, those of
+// either pendulum alone and of both.
+TEST(Path, FollowsAllCurvesThroughAMultipleBranchPoint) {
+  const std::string pendulum = R"(
+    [body.{0}]
+    points = {{ o = [0, 0], t = [0, 1] }}
+    [[pin]]
+    points = ["ground.{0}", "{0}.o"]
+    [[torsion_spring]]
+    bodies = ["ground", "{0}"]
+    stiffness = 1
+    free_angle = 0
+    [[force]]
+    name = "P{0}"
+    at = "{0}.t"
+    vector = [0, -1]
+  )";
+  const std::string text = "[ground]\npoints = { a = [0, 0], b = [3, 0] }\n" +
+                           fmt::format(fmt::runtime(pendulum), "a") + fmt::format(fmt::runtime(pendulum), "b");
+  const Path path =
+      poise::path(VariedScene(parse_scene(text, "two.toml"), "loads", 0.2, 1.5), {.branches = true, .spacing = 0.1});
+  EXPECT_EQ(path.status, Path::Status::traced) << path.why;
+  const auto points = events(path, Kind::branch);
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_NEAR(points[0]->at.parameter, 1.0, 1e-10);
+  ASSERT_EQ(path.branches.size(), 9U);
+  std::vector<std::pair<int, int>> sides;
+  for (std::size_t b = 1; b < path.branches.size(); ++b) {
+    const PathPoint& last = path.branches[b].points.back();
+    EXPECT_NEAR(last.parameter, 1.5, 1e-15);
+    const auto sign = [](double v) { return v > 1e-6 ? 1 : v < -1e-6 ? -1 : 0; };
+    sides.emplace_back(sign(last.x[0]), sign(last.x[1]));
+    // t = 1.5 sin t on each pendulum that has buckled.
+    for (const double t : last.x) EXPECT_NEAR(t, 1.5 * std::sin(t), 1e-14);
+  }
+  std::sort(sides.begin(), sides.end());
+  EXPECT_EQ(std::unique(sides.begin(), sides.end()), sides.end());
+}
+
+// A bistable compliant four-bar as a rigid-link model: one torsion spring, at the ground pivot of the rocker of a
+// crank-rocker (B. D. Jensen, L. L. Howell, "Identification of compliant pseudo-rigid-body four-link mechanism
+// configurations resulting in bistable behavior", 2003, say where springs make such mechanisms bistable; the numbers
+// are ours). V = k/2 (u - u0)^2 of the rocker's angle u, so that the moment on the crank is k (u - u0) du/dt with
+// du/dt = r2 sin(w - t) / (r4 sin(w - u)), w the coupler's angle.
+TEST(Path, GivesTheMomentOfABistableFourBar) {
+  Scene scene = parse_scene(R"(
+    units = { length = "mm", angle = "deg" }
+    [ground]
+    points = { A = [0, 0], D = [90, 0] }
+    [body.crank]
+    points = { A = [0, 0], B = [30, 0] }
+    [body.coupler]
+    points = { B = [0, 0], C = [80, 0] }
+    [body.rocker]
+    points = { D = [0, 0], C = [60, 0] }
+    [[pin]]
+    points = ["ground.A", "crank.A"]
+    [[pin]]
+    points = ["crank.B", "coupler.B"]
+    [[pin]]
+    points = ["coupler.C", "rocker.C"]
+    [[pin]]
+    points = ["ground.D", "rocker.D"]
+    [[torsion_spring]]
+    name = "flexure"
+    bodies = ["ground", "rocker"]
+    stiffness = 10
+    free_angle = 110
+    [start]
+    crank = 60
+    coupler = 30
+    rocker = 110
+  )",
+                            "bistable.toml");
+  const VariedScene varied(scene, "angle.crank", 30.0, 390.0);
+  const Path path = poise::path(varied);
+  expect_traced(path);
+  ASSERT_EQ(path.branches.size(), 1U);
+  const double k = scene.elements[0].law.index() == 0 ? std::get<LinearSpring>(scene.elements[0].law).stiffness : 0.0;
+  int rests = 0;
+  double before = 0.0;
+  for (const PathPoint& point : path.branches[0].points) {
+    const double t = point.x[0], w = point.x[1], u = point.x[2];
+    EXPECT_NEAR(std::hypot(30 * std::cos(t) + 80 * std::cos(w) - 60 * std::cos(u) - 90,
+                           30 * std::sin(t) + 80 * std::sin(w) - 60 * std::sin(u)),
+                0.0, 1e-12);
+    const double ratio = 30 * std::sin(w - t) / (60 * std::sin(w - u));
+    EXPECT_NEAR(point.effort, k * (u - 110 * M_PI / 180) * ratio, 1e-10 * k);
+    if (before < 0.0 && point.effort >= 0.0) ++rests;  // it resists being moved away on both sides
+    before = point.effort;
+  }
+  EXPECT_EQ(rests, 2);
+}
+
 // static.hencky_cantilever n3_kappa4: nineteen equilibria, of which the curves through the straight column pass seven.
 TEST(Path, FindsCurvesThatAreNotConnectedWithTheStart) {
   const VariedScene varied(parse_scene(column(3), "column.toml"), "load.P", 0.01, 4.0);
