@@ -15,6 +15,7 @@
 
 #include "benchmarks/hand_four_bar.hpp"
 #include "benchmarks/numeric_fit.hpp"
+#include "benchmarks/ratio_table.hpp"
 #include "benchmarks/timing.hpp"
 #include "benchmarks/yardstick_inputs.hpp"
 #include "identification/fit.hpp"
@@ -64,40 +65,8 @@ std::vector<double> race(const std::vector<std::function<void()>>& works, int ro
   return out;
 }
 
-class Table {
- public:
-  void head() const { fmt::print("{:<46}{:>12}{:>12}{:>9}{:>8}\n", "", "Poise", "yardstick", "ratio", "limit"); }
-
-  void ratio(const std::string& name, double ours, double theirs, double limit, bool right, const std::string& note) {
-    row(name, ours, in_units(theirs), fmt::format("{:.2f}", ours / theirs), fmt::format("{:.3g}", limit),
-        ours <= limit * theirs, right, note);
-  }
-
-  /// How many times slower the yardstick is.
-  void speedup(const std::string& name, double ours, double theirs, double least, bool right, const std::string& note) {
-    row(name, ours, in_units(theirs), fmt::format("{:.1f} x", theirs / ours), fmt::format(">= {:.3g}", least),
-        theirs >= least * ours, right, note);
-  }
-
-  bool all_right() const { return all_right_; }
-
- private:
-  void row(const std::string& name, double ours, const std::string& theirs, const std::string& ratio,
-           const std::string& limit, bool met, bool right, const std::string& note) {
-    all_right_ = all_right_ && right;
-    if (!right) {
-      fmt::print("{:<46}{:>41}  WRONG   {}\n", name, "", note);
-      return;
-    }
-    fmt::print("{:<46}{:>12}{:>12}{:>9}{:>8}  {:<8}{}\n", name, in_units(ours), theirs, ratio, limit,
-               met ? "met" : "MISSED", note);
-  }
-
-  bool all_right_ = true;
-};
-
 /// Both by the same model, from the same state; default accuracy.
-void race_sensitivities(Table& table, const FitProblem& problem) {
+void race_sensitivities(RatioTable& table, const FitProblem& problem) {
   const RunModel& run = problem.run(3);  // middle, 200 kg
   const MotionModel model(run.scene());
   const MotionState start = start_motion(model, {{run.independent()[0], false, run.released()[1]}});
@@ -124,7 +93,7 @@ double apart(const Fit& reference, const std::vector<double>& parameters) {
   return worst;
 }
 
-void race_fits(Table& table, const FitProblem& problem) {
+void race_fits(RatioTable& table, const FitProblem& problem) {
   const std::vector<Record> records = problem.records();
   FitOptions by_starts;
   by_starts.use_starts = true;
@@ -180,7 +149,7 @@ void race_fits(Table& table, const FitProblem& problem) {
   table.ratio("six-run fit, off by 30 % / 1e6 four-bars", seconds[1], million, by_hand_limit, right(from_starts), "");
 }
 
-void measure_double_pendulum(Table& table, const std::string& name, const std::string& file, double rms_limit,
+void measure_double_pendulum(RatioTable& table, const std::string& name, const std::string& file, double rms_limit,
                              const std::filesystem::path& data) {
   const Experiment experiment = read_experiment(dataset(file), {data, {}});
   const FitProblem problem(experiment);
@@ -194,7 +163,7 @@ void measure_double_pendulum(Table& table, const std::string& name, const std::s
 }
 
 bool measure(const std::filesystem::path& data) {
-  Table table;
+  RatioTable table;
   table.head();
   const Experiment experiment = read_experiment(dataset("lift_experiment.toml"));
   const FitProblem problem(experiment);
