@@ -38,4 +38,5 @@ if(POISE_BUILD_BENCHMARKS)
     endif()
   endfunction()
   find_program(POISE_SCIPY_PYTHON python3 VALIDATOR poise_has_scipy)                # apt baselines: python3-scipy
+  # Looked for when poise_path_ratios runs.                                         # apt baselines: auto-07p gfortran
 endif()
