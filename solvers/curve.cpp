@@ -393,6 +393,8 @@ void Curve::rooms(const CurvePoint& point, std::vector<Room>& out) {
   for (int k = 0; k < count; ++k) {
     const int row = problem_.first_row() + problem_.equalities() + k;
     const int lower = problem_.first_lower() + k, upper = problem_.first_upper() + k;
+    out[k].value = values_[row];
+    out[k].rate = by_p_[row] * p_rate;
     out[k].lower = values_[row] - values_[lower];
     out[k].upper = values_[upper] - values_[row];
     out[k].lower_rate = (by_p_[row] - by_p_[lower]) * p_rate;
@@ -403,9 +405,15 @@ void Curve::rooms(const CurvePoint& point, std::vector<Room>& out) {
     const int k = pattern.row[e] - problem_.equalities();
     if (k < 0) continue;
     const double rate = values_[problem_.first_entry() + e] * point.tangent[pattern.column[e]];
+    out[k].rate += rate;
     out[k].lower_rate += rate;
     out[k].upper_rate -= rate;
   }
+}
+
+bool Curve::depends_on_parameter(const VectorXd& z) {
+  evaluate(z, false);
+  return std::any_of(by_p_.begin(), by_p_.end(), [](double rate) { return rate != 0.0; });
 }
 
 double Curve::largest_left_out(const VectorXd& z) {

@@ -45,6 +45,7 @@ class Curve {
 
   int unknowns() const { return size_; }
   int variables() const { return n_; }
+  bool symmetric() const { return problem_.symmetric(); }
   const std::vector<ActiveRow>& active() const { return active_; }
 
   /// Product of (x, p) parts; y does not count.
@@ -85,11 +86,14 @@ class Curve {
 
   /// Values of the constraint rows at z less their lower and upper bounds, and the derivatives along the tangent.
   struct Room {
-    double lower, upper, lower_rate, upper_rate;
+    double value, lower, upper;  ///< the row's, and its distances from the bounds, positive within them
+    double rate, lower_rate, upper_rate;
   };
   /// Of the inequalities, in their order.
   void rooms(const CurvePoint& point, std::vector<Room>& out);
 
+  /// Whether the equations, or a bound, change with the parameter at z, in the first derivative.
+  bool depends_on_parameter(const Eigen::VectorXd& z);
   /// The largest of the equalities that are not among the active rows, at z.
   double largest_left_out(const Eigen::VectorXd& z);
 

@@ -12,16 +12,36 @@
 #include "statics/equilibrium.hpp"
 #include "statics/mobility.hpp"
 #include "statics/path_tracer.hpp"
+#include "statics/readings.hpp"
 #include "statics/settle.hpp"
+#include "statics/varied_mechanism.hpp"
 
 namespace poise {
 namespace {
 
 using Eigen::VectorXd;
 
+constexpr double widest_range = 1e6;     // change of forces over the range, in the model's units
 constexpr double small_distance = 0.05;  // rad or mechanism sizes
+constexpr double same_place = 1e-4;      // the same: next to branch points folds are found to half the digits
 constexpr int driven_steps = 50;         // from the start's pose to the first value of a driven measure
 constexpr double beyond_loss = 1e-6;     // of the range: how far beyond the loss of stability the mechanism is released
+
+// A driven measure is held in any pose, so that its equilibrium does not tell whether the springs are as the curve
+// says.
+std::string spring_in_another_state(const StaticModel& model, const PathPoint& point) {
+  const Readings readings = read_off(model, point.x);
+  for (const int e : VariedMechanism::one_way_springs(model.scene())) {
+    const auto& spring = std::get<LinearSpring>(model.scene().elements[e].law);
+    const bool is_slack =
+        std::find(point.slack_springs.begin(), point.slack_springs.end(), e) != point.slack_springs.end();
+    const double beyond = std::abs(readings.elements[e].value - spring.free_length);
+    if (is_slack == readings.elements[e].slack || beyond < 1e-9 * model.scales().length) continue;
+    return fmt::format("\"{}\" {} here, unlike on this piece of the curve", model.scene().elements[e].name,
+                       is_slack ? "acts" : "is slack");
+  }
+  return {};
+}
 
 void certify_point(const VariedScene& varied, const PathOptions& options, PathPoint& point) {
   const auto model = varied.model_at(point.parameter);
@@ -35,8 +55,12 @@ void certify_point(const VariedScene& varied, const PathOptions& options, PathPo
   const Certificate certificate = certify(*model, point.x, options.certificate);
   point.statement = certificate.statement;
   point.radius = certificate.radius;
-  if (certificate.confirmed()) {
+  const std::string other_state = spring_in_another_state(*model, point);
+  if (certificate.confirmed() && other_state.empty()) {
     point.proof = PointProof::proved;
+  } else if (!other_state.empty()) {
+    point.proof = PointProof::failed;
+    point.statement = other_state;
   } else if (point.proof != PointProof::critical) {
     point.proof = PointProof::failed;
   }
@@ -103,9 +127,10 @@ class PathFinder {
     // Growth below a ten-millionth of the frequencies counts as none (motion/modes.hpp).
     event.error =
         std::max(1e-7, std::abs(after.parameter - before.parameter) / std::max(std::abs(before.parameter), 1e-300));
-    out_.branches[branch].events.push_back(static_cast<int>(out_.events.size()));
-    out_.events.push_back(std::move(event));
+    add_event(std::move(event), branch);
   }
+
+  bool jumps() const { return options_.follow == PathOptions::Follow::jump; }
 
   std::optional<PathSpot> find_start() {
     const auto model = varied_.model_at(varied_.from());
@@ -120,6 +145,12 @@ class PathFinder {
       const Settling rest = settle(*model, x, {.interrupt = options_.interrupt});
       if (rest.end != Settling::End::settled && rest.end != Settling::End::start_unstable) return fail(rest.why);
       x = rest.x;
+      if (rest.end == Settling::End::start_unstable) {
+        out_.notes.push_back("The start is an unstable equilibrium, which the mechanism would leave" +
+                             std::string(jumps() ? "; loading begins where one side of it falls to." : "."));
+        if (jumps() && rest.sides.empty()) return fail("the start is unstable");
+        if (jumps()) x = rest.sides.front().x;
+      }
     } else {
       SolveOptions solving;
       solving.seek = Seek::any;
@@ -134,6 +165,12 @@ class PathFinder {
     if (certificate.outcome == Outcome::neutral) return fail(certificate.statement + "; begin at another value");
     auto spot = tracer_.spot(certificate.x, 0.0, certificate.active_stops, 1.0);
     if (!spot) return fail("the equilibrium is singular there; begin at another value");
+    if (jumps() && spot->negative > 0)
+      return fail("it is unstable, and a mechanism that is loaded does not rest there");
+    if (!tracer_.depends(*spot)) {
+      throw InputError(
+          fmt::format("{}: equilibrium does not depend on it here; expected another number", varied_.name()));
+    }
     return spot;
   }
 
@@ -191,12 +228,12 @@ class PathFinder {
     const std::vector<PathTracer::Loss> losses = tracer_.trace(start, from, PathTracer::Until::ends);
     for (const PathTracer::Loss& loss : losses) {
       if (tracer_.interrupted()) return;
-      std::optional<PathSpot> landed = note_loss(loss, branch_of(loss));
-      if (!landed || is_known(tracer_.report(*landed))) continue;
+      Landing landed = note_loss(loss, branch_of(loss));
+      if (landed.kind != Landing::Kind::jump || is_known(tracer_.report(*landed.spot))) continue;
       const int snap = static_cast<int>(out_.events.size()) - 1;
-      follow(*landed, snap);
-      landed->reverse();
-      follow(*landed, snap);
+      follow(*landed.spot, snap);
+      landed.spot->reverse();
+      follow(*landed.spot, snap);
     }
   }
 
@@ -285,12 +322,19 @@ class PathFinder {
     });
   }
 
-  // Where the mechanism goes that is loaded further than a point at which stability is lost.
-  std::optional<PathSpot> land(const PathTracer::Loss& loss, PathPoint& landing, std::string& why) {
+  // Where a mechanism goes that is loaded further than a point at which it loses its stability.
+  struct Landing {
+    enum class Kind { jump, goes_on, nowhere } kind = Kind::nowhere;
+    std::optional<PathSpot> spot{};  // of `goes_on` a little further
+    std::string why{};               // of `nowhere`
+  };
+  Landing land(const PathTracer::Loss& loss) {
     const PathPoint from = tracer_.report(loss.at);
+    Landing out;
+    const auto part = [&](double little) { return loss.at.p() + loss.direction * little; };
     const auto released = [&](double little) {
-      const double p = loss.at.p() + loss.direction * little;
-      Settling rest = settle(*varied_.model_at(tracer_.value_at(p)), from.x, {.interrupt = options_.interrupt});
+      Settling rest =
+          settle(*varied_.model_at(tracer_.value_at(part(little))), from.x, {.interrupt = options_.interrupt});
       // On a curve that goes on without a jump the start is an equilibrium that the mechanism leaves to either side.
       if (rest.end == Settling::End::start_unstable && !rest.sides.empty()) {
         Settling::Side& side = rest.sides.front();
@@ -298,7 +342,7 @@ class PathFinder {
         rest.x = std::move(side.x);
         rest.active_stops = std::move(side.active_stops);
       }
-      if (rest.end != Settling::End::settled) why = rest.why;
+      if (rest.end != Settling::End::settled) out.why = rest.why;
       return rest;
     };
     const auto distance = [&](const std::vector<double>& x) {
@@ -307,33 +351,40 @@ class PathFinder {
       return d;
     };
     const Settling far = released(beyond_loss), near = released(0.01 * beyond_loss);
-    if (far.end != Settling::End::settled || near.end != Settling::End::settled) return std::nullopt;
+    if (far.end != Settling::End::settled || near.end != Settling::End::settled) return out;
     // Where the distance is small and shrinks with the load the mechanism moves on without a jump.
-    if (distance(far.x) < small_distance && distance(near.x) < 0.5 * distance(far.x)) return std::nullopt;
-    auto spot = tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
-    if (spot) {
-      landing = tracer_.report(*spot);
+    const double reach = distance(far.x);
+    const bool goes_on = reach < same_place || (reach < small_distance && distance(near.x) < 0.5 * reach);
+    out.spot = goes_on ? tracer_.spot(far.x, part(beyond_loss), far.active_stops, loss.direction)
+                       : tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
+    if (out.spot) {
+      out.kind = goes_on ? Landing::Kind::goes_on : Landing::Kind::jump;
     } else {
-      why = "the equilibrium it lands on is singular";
+      out.why = "the equilibrium it comes to is not isolated";
     }
-    return spot;
+    return out;
   }
 
-  // Adds the event of kind snap, if there is one. Returns where the mechanism lands.
-  std::optional<PathSpot> note_loss(const PathTracer::Loss& loss, int branch) {
+  // Adds the event of kind snap, if the mechanism does not simply go on.
+  Landing note_loss(const PathTracer::Loss& loss, int branch) {
+    Landing out = land(loss);
+    if (out.kind == Landing::Kind::goes_on) return out;
     PathEvent snap;
     snap.kind = PathEvent::Kind::snap;
-    PathPoint landing;
-    std::optional<PathSpot> spot = land(loss, landing, snap.why);
-    if (!spot && snap.why.empty()) return spot;
-    if (spot) snap.landing = landing;
+    snap.why = out.why;
+    if (out.spot) snap.landing = tracer_.report(*out.spot);
     const PathEvent& lost = out_.events[loss.event];
     snap.at = lost.at;
     snap.error = lost.error;
     snap.rounding_effect = lost.rounding_effect;
+    add_event(std::move(snap), branch);
+    return out;
+  }
+
+  int add_event(PathEvent event, int branch) {
     out_.branches[branch].events.push_back(static_cast<int>(out_.events.size()));
-    out_.events.push_back(std::move(snap));
-    return spot;
+    out_.events.push_back(std::move(event));
+    return static_cast<int>(out_.events.size()) - 1;
   }
 
   // Loading with jumps up to the last value, then back.
@@ -346,19 +397,26 @@ class PathFinder {
         if (here.rate() * direction < 0.0) here.reverse();
         const auto losses = tracer_.trace(here, from, PathTracer::Until::unstable);
         if (tracer_.interrupted() || losses.empty()) break;
-        const auto landed = note_loss(losses.back(), static_cast<int>(out_.branches.size()) - 1);
-        if (!landed) return;
-        here = *landed;
-        from = static_cast<int>(out_.events.size()) - 1;
-        if (direction < 0.0 && is_known(*out_.events.back().landing)) {
-          PathEvent back;
-          back.kind = PathEvent::Kind::hysteresis_end;
-          back.at = *out_.events.back().landing;
-          back.error = out_.events.back().error;
-          back.rounding_effect = out_.events.back().rounding_effect;
-          out_.branches.back().events.push_back(static_cast<int>(out_.events.size()));
-          out_.events.push_back(std::move(back));
+        const int branch = static_cast<int>(out_.branches.size()) - 1;
+        const Landing landed = note_loss(losses.back(), branch);
+        if (landed.kind == Landing::Kind::nowhere) {
+          out_.branches[branch].end = PathBranch::End::stuck;
+          out_.branches[branch].why = landed.why;
+          return;
         }
+        here = *landed.spot;
+        if (here.p() < 0.0 || here.p() > 1.0) return;
+        from = losses.back().event;
+        if (landed.kind == Landing::Kind::goes_on) continue;
+        from = static_cast<int>(out_.events.size()) - 1;
+        const PathEvent snap = out_.events.back();
+        if (direction > 0.0 || !is_known(*snap.landing)) continue;
+        PathEvent back;
+        back.kind = PathEvent::Kind::hysteresis_end;
+        back.at = *snap.landing;
+        back.error = snap.error;
+        back.rounding_effect = snap.rounding_effect;
+        add_event(std::move(back), branch);
       }
       const PathBranch& last = out_.branches.back();
       if (last.end != PathBranch::End::range) return;
@@ -372,6 +430,15 @@ class PathFinder {
   void conclude() {
     out_.evaluations = tracer_.evaluations();
     out_.status = Path::Status::traced;
+    if (const double times = varied_.excess(); times > widest_range) {
+      out_.status = Path::Status::incomplete;
+      out_.why = fmt::format(
+          "the range is {:.0e} times as wide as the forces that act besides, so that events may be missed or be none; "
+          "narrow it",
+          times);
+      out_.notes.push_back(
+          "The range is so wide for the forces that act besides that events may be missed; narrow it.");
+    }
     for (const PathBranch& branch : out_.branches) {
       if (branch.end == PathBranch::End::interrupted) out_.status = Path::Status::interrupted;
       const bool ended = branch.end == PathBranch::End::range || branch.end == PathBranch::End::closed ||

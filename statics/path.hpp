@@ -125,7 +125,8 @@ struct Path {
     interrupted
   };
   Status status = Status::not_started;
-  std::string why;  ///< one sentence
+  std::string why;                 ///< one sentence
+  std::vector<std::string> notes;  ///< sentences that a reader should not miss
   std::vector<PathBranch> branches;
   std::vector<PathEvent> events;
   /// Equilibria at each of PathOptions::at, in their order, in the order of the branches.

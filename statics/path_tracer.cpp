@@ -41,20 +41,18 @@ constexpr double same_pose = 1e-9;  // of forces and measures after whole turns
 constexpr double departure = 1e-3;  // radius of the sphere on which curves leave a branch point
 constexpr int most_switches = 8;    // of pieces at one point
 
-double cubic(double a, double b, double slope_a, double slope_b, double h, double s) {
-  const double t = s / h;
-  const double t2 = t * t, t3 = t2 * t;
-  return a * (2 * t3 - 3 * t2 + 1) + h * slope_a * (t3 - 2 * t2 + t) + b * (3 * t2 - 2 * t3) + h * slope_b * (t3 - t2);
-}
-
-// Whether the cubic through positive values with a falling and a rising slope dips below zero between them.
-bool dips(double a, double b, double slope_a, double slope_b, double h) {
-  if (slope_a >= 0.0 || slope_b <= 0.0) return false;
-  constexpr int samples = 8;
-  for (int k = 1; k < samples; ++k) {
-    if (cubic(a, b, slope_a, slope_b, h, h * k / samples) < 0.0) return true;
+// Least value on 0 .. h of the cubic with these values and slopes at the ends.
+double least_of_cubic(double a, double b, double slope_a, double slope_b, double h) {
+  const double sa = h * slope_a, sb = h * slope_b;
+  // a + sa t + c t^2 + d t^3,  t = 0 .. 1
+  const double c = 3 * (b - a) - 2 * sa - sb, d = 2 * (a - b) + sa + sb;
+  double least = std::min(a, b);
+  const double root = std::sqrt(std::max(0.0, c * c - 3 * d * sa));
+  for (const double t : {d != 0.0 ? (-c - root) / (3 * d) : 2.0, d != 0.0 ? (-c + root) / (3 * d) : 2.0,
+                         c != 0.0 ? -0.5 * sa / c : 2.0}) {
+    if (t > 0.0 && t < 1.0) least = std::min(least, a + t * (sa + t * (c + t * d)));
   }
-  return false;
+  return least;
 }
 
 }  // namespace
@@ -107,7 +105,6 @@ solvers::Curve& PathTracer::curve(const PathPiece& piece) {
 PathSpot PathTracer::guess(const std::vector<double>& x, double p, const std::vector<int>& active_stops) {
   const auto model = varied_.model_at(value_at(p));
   const Mechanism<double>& m = model->mechanism();
-  symmetric_ = !m.has_follower_loads();
   angles_ = m.layout().angles;
   if (equalities_.empty()) equalities_ = independent_closures(m, x);
   has_left_out_ = static_cast<int>(equalities_.size()) < m.equalities();
@@ -118,6 +115,7 @@ PathSpot PathTracer::guess(const std::vector<double>& x, double p, const std::ve
     rows.push_back(active.row);
   }
   solvers::Curve& system = curve(out.piece);
+  symmetric_ = system.symmetric();
   VectorXd& z = out.point.z;
   z.resize(system.unknowns());
   z.head(m.coordinates()) = VectorXd::Map(x.data(), m.coordinates());
@@ -183,36 +181,52 @@ PathPoint PathTracer::report(const PathSpot& spot, bool critical) const {
 
 // What must stay positive on a piece: gaps of free stops (two each), pushes of active ones, and how far one-way springs
 // are from their free length; infinite where nothing is watched.
-void PathTracer::watch(const PathSpot& spot, std::vector<double>& values, std::vector<double>& rates) {
+void PathTracer::watch(const PathSpot& spot, std::vector<Watched>& out) {
   const std::size_t stops = spot.piece.side.size();
-  values.assign(2 * stops + one_way_.size(), std::numeric_limits<double>::infinity());
-  rates.assign(values.size(), 0.0);
-  if (values.empty()) return;
+  out.assign(2 * stops + one_way_.size(), {});
+  if (out.empty()) return;
   solvers::Curve& system = curve(spot.piece);
   std::vector<solvers::Curve::Room> rooms;
   system.rooms(spot.point, rooms);
+  // A distance passes its least value in a sharp bend, half its square does not: (g^2 - b^2) / 2 with the gap e = g - b
+  // is e (2 g - e) / 2.
+  const auto above = [](const solvers::Curve::Room& room, bool is_distance) {
+    Watched w{room.lower, room.lower_rate, room.lower, room.lower_rate};
+    if (is_distance) {
+      w.smooth = 0.5 * room.lower * (2 * room.value - room.lower);
+      w.smooth_rate = room.value * room.rate - (room.value - room.lower) * (room.rate - room.lower_rate);
+    }
+    return w;
+  };
+  const auto below = [](const solvers::Curve::Room& room, bool is_distance) {
+    Watched w{room.upper, room.upper_rate, room.upper, room.upper_rate};
+    if (is_distance && std::isfinite(room.upper)) {
+      w.smooth = 0.5 * room.upper * (2 * room.value + room.upper);
+      w.smooth_rate = (room.value + room.upper) * (room.rate + room.upper_rate) - room.value * room.rate;
+    }
+    return w;
+  };
   Index y = system.variables() + static_cast<Index>(equalities_.size());
   for (std::size_t s = 0; s < stops; ++s) {
     const signed char side = spot.piece.side[s];
+    const bool is_distance = varied_.scene().stops[s].on.kind == Measure::Kind::distance;
     if (side != 0) {
       const bool both = rooms[s].lower + rooms[s].upper == 0.0 || (varied_.is_driven() && s + 1 == stops);
-      if (!both) {
-        values[2 * s + (side > 0 ? 1 : 0)] = side * spot.point.z[y];
-        rates[2 * s + (side > 0 ? 1 : 0)] = side * spot.point.tangent[y];
-      }
+      const double push = side * spot.point.z[y], rate = side * spot.point.tangent[y];
+      if (!both) out[2 * s + (side > 0 ? 1 : 0)] = {push, rate, push, rate};
       ++y;
       continue;
     }
-    values[2 * s] = rooms[s].lower;
-    rates[2 * s] = rooms[s].lower_rate;
-    values[2 * s + 1] = rooms[s].upper;
-    rates[2 * s + 1] = rooms[s].upper_rate;
+    out[2 * s] = above(rooms[s], is_distance);
+    out[2 * s + 1] = below(rooms[s], is_distance);
   }
   for (std::size_t k = 0; k < one_way_.size(); ++k) {
-    const auto& spring = std::get<LinearSpring>(varied_.scene().elements[one_way_[k]].law);
-    const double sign = (spring.acts == LinearSpring::Acts::tension) == (spot.piece.acts[k] != 0) ? 1.0 : -1.0;
-    values[2 * stops + k] = sign * rooms[stops + k].lower;
-    rates[2 * stops + k] = sign * rooms[stops + k].lower_rate;
+    const Element& element = varied_.scene().elements[one_way_[k]];
+    const auto& spring = std::get<LinearSpring>(element.law);
+    const bool is_above = (spring.acts == LinearSpring::Acts::tension) == (spot.piece.acts[k] != 0);
+    Watched w = above(rooms[stops + k], element.on.kind == Measure::Kind::distance);
+    if (!is_above) w = {-w.value, -w.rate, -w.smooth, -w.smooth_rate};
+    out[2 * stops + k] = w;
   }
 }
 
@@ -257,10 +271,10 @@ std::optional<PathSpot> PathTracer::switched(const PathSpot& spot, int watched) 
   }
   if (!to.differentiate_at(out.point, like)) return std::nullopt;
   to.estimate_bend(out.point);
-  std::vector<double> values, rates;
+  std::vector<Watched> beyond;
   // The row that was watched is watched from the other side now.
-  watch(out, values, rates);
-  if (rates[watched] < 0.0) out.reverse();
+  watch(out, beyond);
+  if (beyond[watched].rate < 0.0) out.reverse();
   out.negative = to.negative_directions(out.point.z);
   return out;
 }
@@ -281,6 +295,14 @@ std::vector<double> PathTracer::unwound(const std::vector<double>& x, const std:
     return values;
   };
   return (values_at(out) - values_at(x)).cwiseAbs().maxCoeff() < same_pose ? out : x;
+}
+
+bool PathTracer::depends(const PathSpot& spot) {
+  solvers::Curve& system = curve(spot.piece);
+  // Beside the spot: a load along a straight column changes nothing on it.
+  VectorXd beside = spot.point.z;
+  for (int i = 0; i < system.variables(); ++i) beside[i] += 0.1 * std::sin(1.0 + i);
+  return system.depends_on_parameter(beside);
 }
 
 bool PathTracer::is_far(const PathSpot& spot) {
@@ -466,8 +488,9 @@ void PathTracer::fill(const Segment& segment, double from, double to, const Path
     const VectorXd row = VectorXd::Unit(z.size(), z.size() - 1);
     const bool held = system.correct(z, row).converged && system.norm(z - found->spot.point.z) < same_point;
     spot.negative = begin.negative;
-    PathPoint point = report(held ? spot : found->spot);
-    if (held) point.parameter = options_.at[k];
+    if (!held) continue;
+    PathPoint point = report(spot);
+    point.parameter = options_.at[k];
     out_.wanted[k].push_back(std::move(point));
   }
   const int parts = static_cast<int>(std::ceil((to - from) / options_.spacing));
@@ -533,9 +556,8 @@ void PathTracer::judge(PathEvent& event, const PathSpot& spot, int watched) {
     return with_middle ? sum.greatest() : spread;
   };
   const double range = std::abs(varied_.to() - varied_.from());
-  // Relative to the range's larger end where the value itself is next to zero.
-  const double value =
-      std::max(std::abs(point.parameter), 1e-3 * std::max(std::abs(varied_.from()), std::abs(varied_.to())));
+  // A value of exactly zero has all its digits.
+  const double value = point.parameter == 0.0 ? range : std::abs(point.parameter);
   // A free length, which is no row of the model, is met to the rounding of its number and of the length's.
   const double length = is_stop || watched < 0
                             ? 0.0
@@ -645,8 +667,8 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
   PathSpot here = start;
   double h = std::min(first_step, options_.longest_step);
   int switches = 0, steps = 0;
-  std::vector<double> values, rates, next_values, next_rates;
-  watch(here, values, rates);
+  std::vector<Watched> watched, next_watched;
+  watch(here, watched);
   const auto place_text = [&](const PathSpot& spot) {
     return fmt::format("at {} = {:.6g}", varied_.name(), value_at(spot.p()) / varied_.unit());
   };
@@ -687,9 +709,8 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
       segment = {here, std::move(*next), 0.0};
       segment.h = arc(segment);
       crossings.clear();
-      watch(segment.b, next_values, next_rates);
-      if (find_crossings(segment, values, rates, next_values, next_rates, steps > 2 ? &start : nullptr, crossings))
-        break;
+      watch(segment.b, next_watched);
+      if (find_crossings(segment, watched, next_watched, steps > 2 ? &start : nullptr, crossings)) break;
       h *= 0.5;
     }
     ++steps;
@@ -809,7 +830,9 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
           mark_used(index, spot, along);
         }
       }
-      const bool lost = begin.negative == 0 && after.negative > 0;
+      // A mechanism that is loaded further cannot follow a curve that turns back.
+      const bool turns = until == Until::unstable && crossing.kind == Crossing::Kind::fold;
+      const bool lost = begin.negative == 0 && (after.negative > 0 || turns);
       if (lost) losses.push_back({index, spot, direction});
       if (lost && until == Until::unstable) {
         end(PathBranch::End::snapped);
@@ -826,11 +849,10 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
       switches = 0;
       add_point(here);
       h = std::min(options_.longest_step, h * std::clamp(1.0 / badness, 0.5, 2.0));
-      std::swap(values, next_values);
-      std::swap(rates, next_rates);
+      std::swap(watched, next_watched);
     } else {
       h = std::min({h, first_step, options_.longest_step});
-      watch(here, values, rates);
+      watch(here, watched);
     }
   }
 }
@@ -847,30 +869,33 @@ void PathTracer::mark_used(int event, const PathSpot& spot, const VectorXd& alon
 }
 
 // The events of a segment; false if it should be halved to tell them apart.
-bool PathTracer::find_crossings(const Segment& segment, const std::vector<double>& values,
-                                const std::vector<double>& rates, const std::vector<double>& next_values,
-                                const std::vector<double>& next_rates, const PathSpot* start,
-                                std::vector<Crossing>& out) {
+bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watched>& before,
+                                const std::vector<Watched>& after, const PathSpot* start, std::vector<Crossing>& out) {
   const PathSpot &a = segment.a, &b = segment.b;
   const double h = segment.h;
   const bool can_split = h > shortest_split;
   // Stops and springs.
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (std::isinf(values[k]) || std::isinf(next_values[k])) continue;
-    if (next_values[k] >= -overrun) {
-      if (can_split && values[k] > overrun && dips(values[k], next_values[k], rates[k], next_rates[k], h)) return false;
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const Watched &at_a = before[k], &at_b = after[k];
+    if (std::isinf(at_a.value) || std::isinf(at_b.value)) continue;
+    if (at_b.value >= -overrun) {
+      const bool may_dip = at_a.value > overrun && at_a.smooth_rate < 0.0 && at_b.smooth_rate > 0.0;
+      if (can_split && may_dip &&
+          least_of_cubic(at_a.smooth, at_b.smooth, at_a.smooth_rate, at_b.smooth_rate, h) < 0.0) {
+        return false;
+      }
       continue;
     }
-    if (values[k] <= overrun && rates[k] > 0.0 && can_split) return false;
+    if (at_a.value <= overrun && at_a.rate > 0.0 && can_split) return false;
     Crossing crossing{Crossing::Kind::watched, 0.0, static_cast<int>(k), a};
-    if (values[k] > 0.0) {
-      std::vector<double> v, r;
+    if (at_a.value > 0.0) {
+      std::vector<Watched> between;
       auto found = root([&](double s) { return at(segment, s); },
                         [&](const PathSpot& spot) {
-                          watch(spot, v, r);
-                          return v[k];
+                          watch(spot, between);
+                          return between[k].value;
                         },
-                        h, values[k], next_values[k]);
+                        h, at_a.value, at_b.value);
       if (!found) return false;
       crossing.s = found->s;
       crossing.spot = std::move(found->spot);
@@ -922,6 +947,11 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<double
   for (const double limit : {0.0, 1.0}) {
     const double beyond = limit == 0.0 ? -b.p() : b.p() - 1.0;
     if (beyond < 0.0 || (beyond == 0.0 && (limit == 0.0) == (rb > 0.0))) continue;
+    const double begin = limit == 0.0 ? -a.p() : a.p() - 1.0;
+    if (begin >= 0.0) {
+      out.push_back({Crossing::Kind::range, 0.0, -1, a});
+      continue;
+    }
     auto found = root([&](double s) { return at(segment, s); },
                       [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; }, h,
                       limit == 0.0 ? -a.p() : a.p() - 1.0, std::max(beyond, 1e-300));

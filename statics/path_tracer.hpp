@@ -70,6 +70,11 @@ class PathTracer {
   /// `critical`: where an event is.
   PathPoint report(const PathSpot& spot, bool critical = false) const;
   solvers::Curve& curve(const PathPiece& piece);
+  /// Whether forces, closures or limits change with the parameter beside a spot, in the first derivative.
+  bool depends(const PathSpot& spot);
+  /// The largest change of a force over the whole range, in the model's units, in which those that act are of order
+  /// one.
+  double force_rate(const PathSpot& spot);
   /// What whole turns of angles must leave as it is.
   enum class Turns { forces, forces_and_stops };
   /// `x` with whole turns added to angles such that it comes as near as possible to `near`, where these turns change
@@ -90,12 +95,17 @@ class PathTracer {
   std::optional<PathSpot> step(const PathSpot& here, double h, double& badness);
   double arc(const Segment& segment);
   void interpolate(const Segment& segment, double s);
-  void watch(const PathSpot& spot, std::vector<double>& values, std::vector<double>& rates);
+  // A function that is positive on a piece, with its derivative along the curve; and the same in a form that is smooth
+  // along the curve, also where a distance passes its least value.
+  struct Watched {
+    double value = std::numeric_limits<double>::infinity(), rate = 0.0;
+    double smooth = std::numeric_limits<double>::infinity(), smooth_rate = 0.0;
+  };
+  void watch(const PathSpot& spot, std::vector<Watched>& out);
   std::optional<PathSpot> find_fold(const Segment& segment, double& s);
   std::optional<PathSpot> find_branch(const Segment& segment, double& s, bool& is_pole);
   std::optional<PathSpot> find_multiple(const Segment& segment, double& s);
-  bool find_crossings(const Segment& segment, const std::vector<double>& values, const std::vector<double>& rates,
-                      const std::vector<double>& next_values, const std::vector<double>& next_rates,
+  bool find_crossings(const Segment& segment, const std::vector<Watched>& before, const std::vector<Watched>& after,
                       const PathSpot* start, std::vector<Crossing>& out);
   Eigen::VectorXd mapped(const Eigen::VectorXd& z, const PathPiece& from, const PathPiece& to);
   std::optional<PathSpot> switched(const PathSpot& spot, int watched);

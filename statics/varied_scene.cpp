@@ -127,6 +127,12 @@ VariedScene VariedScene::in(Scene scene, const VariedScene& like) const {
   return out;
 }
 
+double VariedScene::excess() const {
+  const bool is_load = !places_.empty() && (places_[0].owner == Owner::force || places_[0].owner == Owner::torque);
+  if (!is_load || scene_.elements.empty()) return 0.0;
+  return scales_.force / ScaledModel(scene_at(0.0), Purpose::statics).scales().force;
+}
+
 std::string VariedScene::unit_name() const { return dimension_.unit_name(scene_.units); }
 
 Dimension VariedScene::effort_dimension() const { return scene_.stops.back().on.effort_dimension(); }

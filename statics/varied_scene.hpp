@@ -44,6 +44,8 @@ class VariedScene {
   /// A scene with the structure that all values share.
   Scene generic_scene() const { return structure_ ? *structure_ : scene_at(generic()); }
   const Scales& scales() const { return scales_; }
+  /// Of varied loads: how many times the forces that act where they are zero; 0 where no others act.
+  double excess() const;
 
   /// The scene at a value, SI.
   Scene scene_at(double value) const;

@@ -224,9 +224,10 @@ NamedRange read_named_range(const std::string& option, const std::string& text, 
   const NamedText given = read_named_text(option, text, expected);
   const std::string_view range = given.text;
   const std::size_t dots = range.find("..");
+  const bool is_ellipsis = range.find("...") != std::string_view::npos;
   const std::optional<double> from = read_number(range.substr(0, dots));
   const std::optional<double> to = dots == std::string_view::npos ? from : read_number(range.substr(dots + 2));
-  if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) {
+  if (is_ellipsis || !from || !to || !std::isfinite(*from) || !std::isfinite(*to)) {
     throw InputError(fmt::format("{} {}: \"{}\" is no range of numbers; expected {}", option, text, range, expected));
   }
   return {given.name, *from, *to};

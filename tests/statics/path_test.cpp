@@ -524,6 +524,99 @@ TEST(Path, SaysWhyItEnds) {
   EXPECT_NE(apart.why.find("no longer fit together"), std::string::npos) << apart.why;
 }
 
+// A slide that is driven past a spring at its side, which acts over 0.09 mm of 300 mm of travel only: a distance bends
+// sharply where it is least. Two events, and the force that the spring adds between them.
+TEST(Path, MeetsASpringThatActsOverALittleOfTheWay) {
+  const Scene scene = parse_scene(R"(
+    units = { length = "mm" }
+    [ground]
+    points = { O = [0, 0], D = [150, 0.999] }
+    [body.drawer]
+    points = { P = [0, 0] }
+    [[slide]]
+    name = "run"
+    points = ["ground.O", "drawer.P"]
+    axis = [1, 0]
+    [[spring]]
+    name = "bump"
+    points = ["ground.D", "drawer.P"]
+    stiffness = 1e7
+    free_length = 1
+    acts = "compression"
+    [[spring]]
+    name = "return"
+    slide = "run"
+    stiffness = 0.1
+    free_length = 0
+  )",
+                                  "bump.toml");
+  const double at = 149.97e-3;
+  const Path path = poise::path(VariedScene(scene, "travel.run", 0.0, 300.0), {.at = {at}});
+  expect_traced(path);
+  const auto slack = events(path, Kind::slack);
+  ASSERT_EQ(slack.size(), 2U);
+  const double half = std::sqrt(1.0 - 0.999 * 0.999) * 1e-3;
+  EXPECT_NEAR(slack[0]->at.parameter, 0.15 - half, 1e-12);
+  EXPECT_NEAR(slack[1]->at.parameter, 0.15 + half, 1e-12);
+  ASSERT_EQ(path.wanted[0].size(), 1U);
+  const double length = std::hypot(at - 0.15, 0.999e-3);
+  const double force = 100.0 * at - 1e10 * (1e-3 - length) * (at - 0.15) / length;
+  EXPECT_NEAR(path.wanted[0][0].effort, force, 1e-6 * std::abs(force));
+}
+
+// t = lambda sin t, lambda = P / 10: a column straight up to 10 N. Loaded it bends aside without a jump, unloaded it
+// comes back and stays straight.
+TEST(Path, LoadsAColumnPastBucklingAndBack) {
+  const Scene scene = parse_scene(R"(
+    [ground]
+    points = { O = [0, 0] }
+    [body.rod]
+    points = { O = [0, 0], tip = [0, 1] }
+    [[pin]]
+    points = ["ground.O", "rod.O"]
+    [[torsion_spring]]
+    bodies = ["ground", "rod"]
+    stiffness = 10
+    free_angle = 0
+    [[force]]
+    name = "P"
+    at = "rod.tip"
+    vector = [0, -1]
+    [start]
+    rod = 1
+  )",
+                                  "rod.toml");
+  const PathOptions jump{.follow = PathOptions::Follow::jump};
+  for (const auto& [from, to] : {std::pair(20.0, 0.0), std::pair(0.0, 20.0)}) {
+    const Path path = poise::path(VariedScene(scene, "load.P", from, to), jump);
+    EXPECT_EQ(path.status, Path::Status::traced) << path.why;
+    EXPECT_TRUE(events(path, Kind::snap).empty());
+    double least = 20.0, most = 0.0;
+    for (const PathBranch& branch : path.branches) {
+      for (const PathPoint& point : branch.points) {
+        least = std::min(least, point.parameter);
+        most = std::max(most, point.parameter);
+        EXPECT_NEAR(10 * point.x[0], point.parameter * std::sin(point.x[0]), 1e-9);
+        EXPECT_NE(point.stability, Stability::unstable) << point.parameter;
+      }
+    }
+    EXPECT_EQ(least, 0.0);
+    EXPECT_EQ(most, 20.0);
+  }
+  // Upright under 20 N it would not rest: loading begins beside.
+  Scene upright = scene;
+  set_value(upright, "start.rod", 0.0);
+  const Path beside = poise::path(VariedScene(upright, "load.P", 20.0, 12.0), jump);
+  EXPECT_EQ(beside.status, Path::Status::traced) << beside.why;
+  ASSERT_FALSE(beside.notes.empty());
+  EXPECT_GT(std::abs(beside.branches.at(0).points.at(0).x[0]), 0.5);
+}
+
+TEST(Path, RefusesANumberOnWhichNothingDepends) {
+  Scene scene = von_mises(1.0, 0.5, 1000.0);
+  EXPECT_THROW(poise::path(VariedScene(scene, "body.apex.mass", 0.0, 5.0)), InputError);  // without gravity
+}
+
 // What holds a driven measure ends at a stop, or where the force grows beyond all bounds; on the way to the first value
 // the loops stay closed.
 TEST(Path, EndsADriveAtStopsAndDeadCentres) {

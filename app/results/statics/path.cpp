@@ -495,6 +495,7 @@ void warn(Result& out, Report& report, const std::vector<Row>& rows) {
     out.warnings.push_back(doubtful(fmt::format("Branch {} ends at {}, {}{}.", b + 1, point_in_words(report, last),
                                                 end_in_words(branch), branch.why.empty() ? "" : ": " + branch.why)));
   }
+  for (const std::string& note : report.found.notes) out.warnings.push_back(doubtful(note));
   warn_of_friction(out, report.scene());
 }
 
