@@ -436,7 +436,7 @@ class PathFinder {
           "the range is {:.0e} times as wide as the forces that act besides, so that events may be missed or be none; "
           "narrow it",
           times);
-      out_.notes.push_back(
+      out_.notes.emplace_back(
           "The range is so wide for the forces that act besides that events may be missed; narrow it.");
     }
     for (const PathBranch& branch : out_.branches) {
