@@ -1,13 +1,13 @@
 #include "solvers/curve_motion.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
 
 #include <Eigen/LU>
 
+#include "solvers/cubic.hpp"
 #include "solvers/kkt.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/vectors.hpp"
@@ -23,40 +23,6 @@ constexpr int dense_limit = 48;          // variables up to which factors are de
 constexpr int corrections = 12;
 constexpr int refinements = 60;
 
-// v(0), v'(0), v(h), v'(h) as a cubic in tau = sigma / h.
-struct Cubic {
-  Cubic(double v0, double d0, double v1, double d1, double h)
-      : a{v0, h * d0, 3 * (v1 - v0) - 2 * h * d0 - h * d1, -2 * (v1 - v0) + h * d0 + h * d1} {}
-
-  double at(double tau) const { return a[0] + tau * (a[1] + tau * (a[2] + tau * a[3])); }
-  double slope(double tau) const { return a[1] + tau * (2 * a[2] + tau * 3 * a[3]); }
-
-  // Least value of p + q tau + r tau^2 (+ s tau^3) on [0, 1].
-  static double least_quadratic(double p, double q, double r) {
-    double least = std::min(p, p + q + r);
-    if (r > 0 && q < 0 && -q < 2 * r) least = std::min(least, p - q * q / (4 * r));
-    return least;
-  }
-  double least() const {
-    double value = std::min(a[0], at(1.0));
-    // roots of the slope
-    const double A = 3 * a[3], B = 2 * a[2], C = a[1];
-    const double disc = B * B - 4 * A * C;
-    if (disc < 0) return value;
-    const double q = -0.5 * (B + std::copysign(std::sqrt(disc), B));
-    for (const double tau : {A != 0 ? q / A : -1.0, q != 0 ? C / q : -1.0}) {
-      if (tau > 0 && tau < 1) value = std::min(value, at(tau));
-    }
-    return value;
-  }
-  // Least value of (v(tau) - v(0)) / tau.
-  double least_rise() const { return least_quadratic(a[1], a[2], a[3]); }
-  // Largest slope.
-  double largest_slope() const { return -least_quadratic(-a[1], -2 * a[2], -3 * a[3]); }
-
-  std::array<double, 4> a;
-};
-
 }  // namespace
 
 class CurveMotion::Method {
@@ -69,19 +35,16 @@ class CurveMotion::Method {
         dense_(!problem.has_objective() || n_ <= dense_limit),
         kkt_(dense_ ? make_null_space(problem) : make_sparse_kkt(problem)),
         active_(problem.constraints(), 0),
+        bounds_(problem.limits()),
         gap_(problem.constraints()),
         step_(n_),
         field_(n_),
         y_(problem.constraints()),
         tangent_(problem.tangent_pattern().size()),
-        values_(problem.switches()),
-        side_(problem.switches(), 1.0) {
+        measures_(problem.switches().size()),
+        side_(problem.switches().size(), 1.0) {
     std::fill(active_.begin(), active_.begin() + equalities_, 1);
-    for (int k = 0; k < problem.inequalities(); ++k) {
-      if (std::isfinite(problem.lower()[k])) bounds_.push_back({k, problem.lower()[k], 1.0});
-      if (std::isfinite(problem.upper()[k])) bounds_.push_back({k, problem.upper()[k], -1.0});
-    }
-    functions_ = 1 + static_cast<int>(bounds_.size()) + problem.switches();
+    functions_ = first_switch() + static_cast<int>(problem.switches().size());
     for (Point& p : points_) {
       p.at = problem.make_evaluation();
       p.t.resize(n_);
@@ -120,13 +83,9 @@ class CurveMotion::Method {
   struct Point {
     Evaluation at;
     std::vector<double> t;             // unit tangent, along the motion
-    std::vector<double> value, slope;  // r, distances from bounds, switches times their side; by arclength
+    std::vector<double> value, slope;  // r, of bounds, of switches times their side; by arclength
     double noise = 0.0;                // of r
     double sigma = 0.0;                // in the frame of the left end
-  };
-  struct Bound {
-    int inequality;
-    double limit, sign;
   };
 
   bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
@@ -176,7 +135,8 @@ class CurveMotion::Method {
   void set_distances(Point& p) {
     if (bounds_.empty()) return;
     for (std::size_t b = 0; b < bounds_.size(); ++b) {
-      p.value[1 + b] = bounds_[b].sign * (p.at.constraint[equalities_ + bounds_[b].inequality] - bounds_[b].limit);
+      const double g = p.at.constraint[equalities_ + bounds_[b].inequality];
+      p.value[1 + b] = bounds_[b].sign * bounds_[b].threshold.past(g);
       p.slope[1 + b] = 0.0;
     }
     const Pattern& pattern = problem_.jacobian_pattern();
@@ -184,18 +144,20 @@ class CurveMotion::Method {
       if (pattern.row[e] < equalities_) continue;
       for (std::size_t b = 0; b < bounds_.size(); ++b) {
         if (bounds_[b].inequality != pattern.row[e] - equalities_) continue;
-        p.slope[1 + b] += bounds_[b].sign * p.at.jacobian[e] * p.t[pattern.column[e]];
+        const double by = bounds_[b].sign * bounds_[b].threshold.slope(p.at.constraint[pattern.row[e]]);
+        p.slope[1 + b] += by * p.at.jacobian[e] * p.t[pattern.column[e]];
       }
     }
   }
 
   void set_switches(Point& p) {
-    if (values_.empty()) return;
-    problem_.switch_values(p.at, values_);
-    for (int k = 0; k < problem_.switches(); ++k) {
-      p.value[first_switch() + k] = side_[k] * values_[k];
-      problem_.switch_gradient(p.at, k, field_);
-      p.slope[first_switch() + k] = side_[k] * dot(field_, p.t);
+    if (measures_.empty()) return;
+    problem_.switch_measures(p.at, measures_);
+    for (std::size_t k = 0; k < measures_.size(); ++k) {
+      const Threshold& threshold = problem_.switches()[k];
+      p.value[first_switch() + k] = side_[k] * threshold.past(measures_[k]);
+      problem_.switch_gradient(p.at, static_cast<int>(k), field_);
+      p.slope[first_switch() + k] = side_[k] * threshold.slope(measures_[k]) * dot(field_, p.t);
     }
   }
 
@@ -221,7 +183,7 @@ class CurveMotion::Method {
 
   // From here on switches count positive on the side that the motion is on, or turns to.
   void turn_switches(Point& p) {
-    for (int k = 0; k < problem_.switches(); ++k) {
+    for (std::size_t k = 0; k < side_.size(); ++k) {
       double& value = p.value[first_switch() + k];
       double& slope = p.slope[first_switch() + k];
       const bool touches = std::abs(value) <= 4 * eps;
@@ -373,7 +335,8 @@ class CurveMotion::Method {
     const double h = b.sigma - a.sigma;
     const double noise = std::max(noise_of(a, f), noise_of(b, f));
     const double doubt = std::max(error, noise);
-    if (v.least() > doubt) return Course::positive;
+    const double least = v.least();
+    if (least > doubt) return Course::positive;
     // Leaves a bound or a switch.
     if (f > 0 && a.value[f] <= options_.touching && b.value[f] > 0 && v.least_rise() > doubt) return Course::positive;
     const bool is_constant = f > 0 && std::abs(a.slope[f]) + std::abs(b.slope[f]) <= 1e-9 &&
@@ -381,7 +344,8 @@ class CurveMotion::Method {
     if (is_constant) return Course::positive;
     if (a.value[f] > 0 && b.value[f] <= 0 && v.largest_slope() < -4 * error) return Course::falls;
     if (b.value[f] <= noise && b.slope[f] < 0 && v.largest_slope() < -4 * error) return Course::falls;
-    if (error > noise && h > 1e-7) return Course::unclear;
+    // The latter dips below zero between the ends.
+    if ((error > noise || least < -doubt) && h > 1e-7) return Course::unclear;
     // Halving tells no more.
     return b.value[f] <= 0 ? Course::falls : Course::touches;
   }
@@ -596,8 +560,8 @@ class CurveMotion::Method {
   bool dense_;
   std::unique_ptr<Kkt> kkt_;
   std::vector<char> active_;
-  std::vector<double> gap_, step_, field_, y_, tangent_, values_, side_, start_, bend_, error_;
-  std::vector<Bound> bounds_;
+  std::vector<Limit> bounds_;
+  std::vector<double> gap_, step_, field_, y_, tangent_, measures_, side_, start_, bend_, error_;
   int functions_ = 1;
   Point points_[7];
   Point* left_;

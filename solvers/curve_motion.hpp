@@ -15,8 +15,8 @@ namespace poise::solvers {
 /// or where an inequality reaches its bound. The curve is followed by its arclength s, in both of which D has no part.
 /// No zero of r is passed over: with the exact slope r' = -t^T (dF/dx + y . d2c) t (y of least |F + J^T y|) each
 /// interval has a cubic Hermite interpolant of r, whose error is measured in its middle; the interval is passed only
-/// if the interpolants of both halves stay above that error, and else it is halved. The same is done with the distances
-/// from bounds and with switches, at which an interval ends. Steps across a gap between two branches of the curve
+/// if the interpolants of both halves stay above that error, and else it is halved. The same is done with limits and
+/// switches (see Threshold), at which an interval ends. Steps across a gap between two branches of the curve
 /// change the sign of det [J; t^T] and are halved too.
 class CurveMotion {
  public:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "solvers/cubic.hpp"
 #include "solvers/kkt.hpp"
 #include "solvers/vectors.hpp"
 
@@ -19,6 +20,8 @@ constexpr double contraction = 0.25;   // of the second
 constexpr int finish_steps = 12;
 constexpr double separation = 0.1;    // distance at which motions count as having parted
 constexpr int event_steps = 60;       // to locate an event
+constexpr double least_cosine = 0.8;  // between velocities
+constexpr int deepest = 40;           // halvings of a step's way
 constexpr double least_step = 1e-14;  // of time, relative to the first one
 
 }  // namespace
@@ -38,9 +41,20 @@ class DampedMotion::Method {
         trial_(problem.make_evaluation()),
         active_(rows_, 0),
         upper_(rows_, 0),
-        switch_now_(problem.switches()),
-        switch_next_(problem.switches()) {
-    for (auto* v : {&velocity_, &velocity_next_, &step_, &field_, &delta_, &delta_column_}) v->resize(n_);
+        switch_now_(problem.switches().size()),
+        switch_next_(problem.switches().size()),
+        measures_(problem.switches().size()) {
+    for (const Limit& limit : problem.limits()) {
+      if (limit.threshold.of_distance)
+        distances_.push_back({equalities_ + limit.inequality, -1, limit.threshold, limit.sign});
+    }
+    for (std::size_t k = 0; k < problem.switches().size(); ++k) {
+      const Threshold& threshold = problem.switches()[k];
+      if (threshold.of_distance) distances_.push_back({-1, static_cast<int>(k), threshold, 1.0});
+    }
+    for (auto* v :
+         {&velocity_, &velocity_next_, &step_, &field_, &delta_, &delta_column_, &way_, &way_now_, &way_next_})
+      v->resize(n_);
     for (auto* v : {&y_, &y_next_, &y_trial_, &gap_}) v->resize(rows_);
     for (auto* v : {&tangent_, &resistance_, &values_, &first_tangent_, &first_resistance_}) {
       v->resize(problem.tangent_pattern().size());
@@ -249,7 +263,8 @@ class DampedMotion::Method {
   }
 
   bool try_to_finish(double first) {
-    problem_.switch_values(now_, switch_now_);
+    if (may_pass_distances(first_norm(step_))) return false;
+    set_switches(now_, switch_now_);
     y_trial_ = y_;
     trial_.x = now_.x;
     double last = first;
@@ -284,7 +299,7 @@ class DampedMotion::Method {
     for (int r = equalities_; r < rows_; ++r) {
       if (active_[r] != 0 ? pull(r, y_trial_) > noise() : distance(at, r) < -1e-12) return false;
     }
-    problem_.switch_values(at, switch_next_);
+    set_switches(at, switch_next_);
     for (std::size_t k = 0; k < switch_now_.size(); ++k) {
       if (switch_now_[k] * switch_next_[k] < 0 && std::abs(switch_next_[k]) > 1e-9) return false;
     }
@@ -294,7 +309,7 @@ class DampedMotion::Method {
   // One step of about h, shorter where its error or an event demands it; h becomes a proposal for the next.
   bool step(double& h) {
     double too_long = std::numeric_limits<double>::infinity();
-    problem_.switch_values(now_, switch_now_);
+    set_switches(now_, switch_now_);
     for (int k = 0; k < event_steps; ++k) {
       if (interrupted()) return false;
       double proposal = 0.0;
@@ -466,14 +481,143 @@ class DampedMotion::Method {
         consider(distance(now_, r), distance(next_, r), options_.touching);
       }
     }
-    problem_.switch_values(next_, switch_next_);
+    set_switches(next_, switch_next_);
     for (std::size_t k = 0; k < switch_now_.size(); ++k) {
       const double before = std::abs(switch_now_[k]);
       const double after = switch_now_[k] < 0 ? -switch_next_[k] : switch_next_[k];
       if (before <= 1e-10) continue;  // just passed
       consider(before, after, 1e-10);
     }
-    return part;
+    return std::min(part, until_passing());
+  }
+
+  void set_switches(Evaluation& at, std::vector<double>& values) {
+    problem_.switch_measures(at, values);
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = problem_.switches()[k].past(values[k]);
+  }
+
+  // --- distances ----------------------------------------------------------------------------------------------------
+  //
+  // Between the ends of a step a distance may dip below a threshold and rise again, however narrowly. This is looked
+  // for on a curve between the ends: the Hermite cubic with the directions of the velocities, whatever their sizes,
+  // which differ widely where fast motions die away.
+
+  // A limit (row) or switch that concerns a distance.
+  struct Watched {
+    int row, which;
+    Threshold threshold;
+    double sign;  // of a limit
+  };
+  struct Sample {
+    double tau, value, slope;
+  };
+
+  double measure(Evaluation& at, const Watched& w) {
+    if (w.row >= 0) return at.constraint[w.row];
+    problem_.switch_measures(at, measures_);
+    return measures_[w.which];
+  }
+
+  double slope_along(Evaluation& at, const Watched& w, std::span<const double> direction) {
+    if (w.row >= 0) return rate(at, w.row, direction);
+    problem_.switch_gradient(at, w.which, field_);
+    return dot(field_, direction);
+  }
+
+  Sample sample(Evaluation& at, const Watched& w, double tau, std::span<const double> direction) {
+    const double g = measure(at, w);
+    return {tau, w.threshold.past(g), w.threshold.slope(g) * slope_along(at, w, direction)};
+  }
+
+  // On the curve; trial_ becomes its pose.
+  Sample sample(const Watched& w, double side, double tau) {
+    for (int i = 0; i < n_; ++i) {
+      const Cubic x(now_.x[i], way_now_[i], next_.x[i], way_next_[i], 1.0);
+      trial_.x[i] = x.at(tau);
+      way_[i] = x.slope(tau);
+    }
+    evaluate(trial_);
+    const Sample found = sample(trial_, w, tau, way_);
+    return {tau, side * found.value, side * found.slope};
+  }
+
+  // Whether some distance comes so near a threshold that a motion of this length might pass it. No coordinate moves a
+  // point by much more than itself, and back again by twice that.
+  bool may_pass(const Watched& w, double length, Evaluation& end) {
+    if (w.row >= 0 && active_[w.row] != 0) return false;
+    return std::abs(measure(now_, w) - w.threshold.at) + std::abs(measure(end, w) - w.threshold.at) <= 2.0 * length;
+  }
+  bool may_pass_distances(double length) {
+    return std::any_of(distances_.begin(), distances_.end(),
+                       [&](const Watched& w) { return may_pass(w, length, now_); });
+  }
+
+  static double first_norm(std::span<const double> v) {
+    double sum = 0.0;
+    for (const double value : v) sum += std::abs(value);
+    return sum;
+  }
+
+  // A velocity's direction as the slope of a curve of that length; of no velocity, that of the chord.
+  void set_way(std::span<const double> velocity, double length, std::span<double> way) {
+    const double speed = std::sqrt(dot(velocity, velocity));
+    for (int i = 0; i < n_; ++i) {
+      way[i] = speed > 0.0 ? length / speed * velocity[i] : next_.x[i] - now_.x[i];
+    }
+  }
+
+  // The share of the step after which the first watched distance has passed its threshold; 1 if none does.
+  double until_passing() {
+    if (distances_.empty()) return 1.0;
+    for (int i = 0; i < n_; ++i) way_[i] = next_.x[i] - now_.x[i];
+    const double length = std::sqrt(dot(way_, way_)), sum = first_norm(way_);
+    double first = 1.0;
+    bool has_way = false;
+    for (const Watched& w : distances_) {
+      if (sum <= 1e-8 || !may_pass(w, sum, next_)) continue;
+      if (!has_way) {
+        has_way = true;
+        set_way(velocity_, length, way_now_);
+        set_way(velocity_next_, length, way_next_);
+        // The curve tells nothing of a way that turns far.
+        if (sum > 1e-3 && dot(way_now_, way_next_) < least_cosine * length * length) return 0.5;
+      }
+      Sample a = sample(now_, w, 0.0, way_now_), b = sample(next_, w, 1.0, way_next_);
+      const bool starts_there = std::abs(a.value) <= 1e-10;
+      const double side = w.row >= 0 ? w.sign : std::copysign(1.0, starts_there ? a.slope : a.value);
+      for (Sample* s : {&a, &b}) {
+        s->value *= side;
+        s->slope *= side;
+      }
+      // Where it begins at the threshold, until_event() does not see it pass.
+      if (starts_there && b.value < -options_.touching) return 0.5;
+      first = std::min(first, first_passing(w, side, a, b, deepest));
+    }
+    if (first == 1.0) return 1.0;
+    // The share of the way as a share of time, by the speeds at both ends.
+    const double speed = largest(velocity_), speed_next = largest(velocity_next_);
+    const double begins = 2.0 * speed / (speed + speed_next);
+    const double share = 2.0 * first / (begins + std::sqrt(begins * begins + 4.0 * (1.0 - begins) * first));
+    return std::clamp(share, 1e-3, 0.98);
+  }
+
+  // Where between a and b on the curve a distance is known to be past its threshold; 1 if it does not pass.
+  double first_passing(const Watched& w, double side, const Sample& a, const Sample& b, int depth) {
+    const double h = b.tau - a.tau;
+    const Cubic whole(a.value, a.slope, b.value, b.slope, h);
+    const Sample mid = sample(w, side, 0.5 * (a.tau + b.tau));
+    if (mid.value < -options_.touching) return mid.tau;
+    // Each half has 1/16 of the error in the middle.
+    const double error =
+        0.25 * std::max(std::abs(whole.at(0.5) - mid.value), 0.1 * std::abs(whole.slope(0.5) - h * mid.slope));
+    double first = 1.0;
+    for (const auto& [from, to] : {std::pair(a, mid), std::pair(mid, b)}) {
+      const double least = Cubic(from.value, from.slope, to.value, to.slope, 0.5 * h).least();
+      if (least >= error - options_.touching || depth == 0) continue;
+      first = std::min(first, first_passing(w, side, from, to, depth - 1));
+      if (first < 1.0) break;
+    }
+    return first;
   }
 
   const DampedProblem& problem_;
@@ -486,7 +630,9 @@ class DampedMotion::Method {
   std::vector<double> start_, velocity_, velocity_next_, step_, field_, delta_, delta_column_;
   std::vector<double> y_, y_next_, y_trial_, gap_;
   std::vector<double> tangent_, resistance_, values_, first_tangent_, first_resistance_;
-  std::vector<double> switch_now_, switch_next_, previous_, scratch_;
+  std::vector<double> switch_now_, switch_next_, measures_, previous_, scratch_;
+  std::vector<Watched> distances_;
+  std::vector<double> way_, way_now_, way_next_;
   std::vector<double> table_[most_columns + 1];
   double tolerance_ = 0.0, scale_ = 0.0, stiffest_ = 0.0;
   double growth_ = 1.0, growth_most_ = 1.0, error_ = 0.0, worst_error_ = 0.0, error_of_step_ = 0.0, moved_ = 0.0;

@@ -15,7 +15,8 @@ namespace poise::solvers {
 ///   [ J              0  ] [ y ] = - [ 0 ],   K = dF/dx + sum y_r d2c_r/dx2,
 ///
 /// each closed onto c = 0; it is accepted once two extrapolations agree to the tolerance. Bounds are met, and left
-/// where they would pull, at the times when that happens, to which steps are shortened; switches likewise.
+/// where they would pull, at the times when that happens, to which steps are shortened; switches likewise. Where a
+/// distance comes near a limit or switch, the way between the ends of the step is searched for a place where it passes.
 ///
 /// Newton's method finishes where K is positive definite on the null space of J, the first correction is short and the
 /// second at most a quarter of it: then (Kantorovich) K changes by less than itself on the way, the energy is convex

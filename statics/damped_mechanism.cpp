@@ -17,7 +17,7 @@ constexpr double least_damping = 1e-8;  // relative: of the freedom that dampers
 
 struct Pose final : solvers::Scratch {
   std::vector<Planar<double>> phasors;
-  std::vector<Planar<double>> measure;  // scratch of dampers
+  std::vector<Planar<double>> measure;  // scratch of dampers and one-way springs
   std::vector<double> slopes;           // of one damper
 };
 
@@ -26,14 +26,34 @@ Pose& pose_of(solvers::Evaluation& at) { return static_cast<Pose&>(*at.scratch);
 }  // namespace
 
 DampedMechanism::DampedMechanism(const StaticModel& model, const std::vector<double>& x)
-    : mechanism_(model.mechanism()), problem_(model.problem()), tangent_pattern_(problem_.tangent_pattern()) {
-  for (int e = 0; e < mechanism_.elements(); ++e) {
-    const auto* spring = std::get_if<LinearSpring>(&mechanism_.law_of(e));
-    if (spring != nullptr && spring->acts != LinearSpring::Acts::both) one_way_.push_back({e, spring->free_length});
-  }
+    : scene_(model.scene()),
+      mechanism_(model.mechanism()),
+      problem_(model.problem()),
+      tangent_pattern_(problem_.tangent_pattern()) {
+  compile_one_way_springs(model);
   compile_dampers(model);
   if (!dampers_.empty() && !dampers_resist_all(x)) dampers_.clear();
   if (!dampers_.empty()) extend_pattern();
+}
+
+void DampedMechanism::compile_one_way_springs(const StaticModel& model) {
+  const auto acts_one_way = [](const Element& element) {
+    const auto* spring = std::get_if<LinearSpring>(&element.law);
+    return spring != nullptr && spring->acts != LinearSpring::Acts::both && spring->stiffness != 0.0;
+  };
+  if (std::none_of(scene_.elements.begin(), scene_.elements.end(), acts_one_way)) return;
+  const Scene scaled_scene = model.scaled_scene();
+  for (const Element& element : scaled_scene.elements) {
+    if (!acts_one_way(element)) continue;
+    const double free_length = std::get<LinearSpring>(element.law).free_length;
+    const bool is_distance = element.on.kind == Measure::Kind::distance;
+    if (is_distance && free_length <= 0.0) continue;  // no distance is shorter
+    CompiledMeasure<double> on(scaled_scene, model.layout(), mechanism_.phasors(), element.on);
+    if (on.support().empty()) continue;
+    measure_scratch_ = std::max(measure_scratch_, on.scratch_size());
+    switches_.push_back({free_length, is_distance});
+    one_way_.push_back(std::move(on));
+  }
 }
 
 void DampedMechanism::compile_dampers(const StaticModel& model) {
@@ -48,7 +68,7 @@ void DampedMechanism::compile_dampers(const StaticModel& model) {
     ViscousElement viscous{
         {model.scaled_scene(), model.layout(), mechanism_.phasors(), element.on}, damper->coefficient, {}};
     if (viscous.on.support().empty()) continue;
-    damper_scratch_ = std::max(damper_scratch_, viscous.on.scratch_size());
+    measure_scratch_ = std::max(measure_scratch_, viscous.on.scratch_size());
     dampers_.push_back(std::move(viscous));
   }
 }
@@ -97,7 +117,7 @@ void DampedMechanism::extend_pattern() {
 std::unique_ptr<solvers::Scratch> DampedMechanism::make_scratch() const {
   auto pose = std::make_unique<Pose>();
   pose->phasors.resize(mechanism_.pose_size());
-  pose->measure.resize(damper_scratch_);
+  pose->measure.resize(measure_scratch_);
   pose->slopes.resize(dampers_.empty() ? 0 : mechanism_.coordinates());
   return pose;
 }
@@ -121,15 +141,20 @@ void DampedMechanism::tangent(solvers::Evaluation& at, std::span<const double> m
   std::fill(values.begin() + problem_.tangent_pattern().size(), values.end(), 0.0);
 }
 
-void DampedMechanism::switch_values(solvers::Evaluation& at, std::span<double> values) const {
+Configuration<double> DampedMechanism::configuration(solvers::Evaluation& at) const {
+  Pose& pose = pose_of(at);
+  return {mechanism_.phasors(), pose.phasors.data(), pose.measure.data()};
+}
+
+void DampedMechanism::switch_measures(solvers::Evaluation& at, std::span<double> values) const {
   for (std::size_t k = 0; k < one_way_.size(); ++k) {
-    values[k] = mechanism_.measure_of(one_way_[k].element, pose_of(at).phasors.data()) - one_way_[k].free_length;
+    values[k] = one_way_[k].value(configuration(at));
   }
 }
 
 void DampedMechanism::switch_gradient(solvers::Evaluation& at, int which, std::span<double> out) const {
   std::fill(out.begin(), out.end(), 0.0);
-  mechanism_.add_measure_gradient(one_way_[which].element, pose_of(at).phasors.data(), out.data());
+  one_way_[which].add_gradient(configuration(at), 1.0, out.data());
 }
 
 void DampedMechanism::resistance(solvers::Evaluation& at, std::span<double> values) const {
@@ -143,8 +168,7 @@ void DampedMechanism::resistance(solvers::Evaluation& at, std::span<double> valu
     const std::vector<int>& support = damper.on.support();
     std::vector<double>& slopes = pose.slopes;
     std::fill(slopes.begin(), slopes.end(), 0.0);
-    damper.on.gradient({mechanism_.phasors(), pose.phasors.data(), pose.measure.data()},
-                       [&](int i, double by) { slopes[i] = by; });
+    damper.on.gradient(configuration(at), [&](int i, double by) { slopes[i] = by; });
     std::size_t e = 0;
     for (std::size_t i = 0; i < support.size(); ++i) {
       for (std::size_t j = 0; j < support.size(); ++j, ++e) {

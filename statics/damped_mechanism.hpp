@@ -11,7 +11,7 @@
 namespace poise {
 
 /// A mechanism that moves slowly through something viscous:  D(x) x' = Q(x)  on its closed loops, with the forces of
-/// statics. Switches are the distances of one-way springs from their free lengths.
+/// statics. Switches are the free lengths of one-way springs.
 ///
 /// D is that of the scene's dampers, sum_d c_d Dg_d Dg_d^T with the coefficient c_d and the measure g_d of each, if
 /// these resist every freedom at the closed start; else the identity, the same resistance against every scaled
@@ -35,32 +35,35 @@ class DampedMechanism final : public solvers::DampedProblem {
   void tangent(solvers::Evaluation& at, std::span<const double> multipliers, std::span<double> values) const override;
   std::unique_ptr<solvers::Scratch> make_scratch() const override;
 
-  int switches() const override { return static_cast<int>(one_way_.size()); }
-  void switch_values(solvers::Evaluation& at, std::span<double> values) const override;
+  bool limits_distance(int inequality) const override {
+    return scene_.stops[inequality].on.kind == Measure::Kind::distance;
+  }
+  const std::vector<solvers::Threshold>& switches() const override { return switches_; }
+  void switch_measures(solvers::Evaluation& at, std::span<double> values) const override;
   void switch_gradient(solvers::Evaluation& at, int which, std::span<double> out) const override;
   void resistance(solvers::Evaluation& at, std::span<double> values) const override;
 
  private:
-  struct OneWay {
-    int element;
-    double free_length;
-  };
   struct ViscousElement {
     CompiledMeasure<double> on;
     double coefficient;
     std::vector<int> entry;  // in the tangent's pattern, of support x support
   };
 
+  void compile_one_way_springs(const StaticModel& model);
   void compile_dampers(const StaticModel& model);
   void extend_pattern();
+  Configuration<double> configuration(solvers::Evaluation& at) const;
   bool dampers_resist_all(const std::vector<double>& x) const;
 
+  const Scene& scene_;
   const Mechanism<double>& mechanism_;
   const EquilibriumProblem& problem_;
   solvers::Pattern tangent_pattern_;
-  std::vector<OneWay> one_way_;
+  std::vector<solvers::Threshold> switches_;
+  std::vector<CompiledMeasure<double>> one_way_;
   std::vector<ViscousElement> dampers_;
-  int damper_scratch_ = 0;
+  int measure_scratch_ = 0;
 };
 
 }  // namespace poise

@@ -1,8 +1,10 @@
 #include "statics/settle.hpp"
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <random>
 #include <string>
 
 #include <fmt/format.h>
@@ -275,6 +277,139 @@ TEST(SettleSeveral, LongChainsSettleToo) {
     const Equilibrium stable = solve(model, start, test::by(Method::virtual_work, Seek::stable));
     ASSERT_TRUE(stable.found());
     for (std::size_t i = 0; i < start.size(); ++i) EXPECT_NEAR(found.x[i], stable.x[i], 1e-9);
+  }
+}
+
+// --- distances that pass near zero -----------------------------------------------------------------------------------
+
+// A slide along x, pulled by 30 N against a spring of 0.1 N/mm past a point at its side at (150, y), to rest at 300 mm.
+std::string runner(double y, const std::string& beside, double start) {
+  return fmt::format(R"(
+units = {{ length = "mm" }}
+ground.points = {{ O = [0, 0], D = [150, {}] }}
+body.drawer.points = {{ P = [0, 0] }}
+slide = [{{ name = "run", points = ["ground.O", "drawer.P"], axis = [1, 0] }}]
+spring = [{{ name = "return", slide = "run", stiffness = 0.1, free_length = 0 }}, {}]
+force = [{{ name = "pull", at = "drawer.P", vector = [30, 0] }}]
+start.run = {}
+)",
+                     y, beside, start);
+}
+std::string bump(double stiffness, double free_length) {
+  return fmt::format(
+      R"({{ name = "bump", points = ["ground.D", "drawer.P"], stiffness = {}, free_length = {}, acts = "compression" }})",
+      stiffness, free_length);
+}
+std::string post(const std::string& point, double radius) {
+  return fmt::format("stop = [{{ name = \"post\", points = [\"ground.D\", \"{}\"], min = {} }}]\n", point, radius);
+}
+
+// Where the runner rests before a bump of (mm, N/mm) whose force exceeds the pull: the first zero of the force, between
+// where the bump is met and its steepest place.
+double rest_before_bump(double y, double stiffness, double free_length) {
+  const auto force = [&](double x) {
+    const double g = std::hypot(x - 150.0, y);
+    return 30.0 - 0.1 * x - stiffness * (free_length - g) * (150.0 - x) / g;
+  };
+  double low = 150.0 - std::sqrt(free_length * free_length - y * y);
+  double high = low;
+  while (force(high) > 0.0) high += 1e-4 * (150.0 - low);
+  for (int k = 0; k < 200; ++k) (force(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+  return 0.5 * (low + high);
+}
+
+TEST(SettleNarrow, ASlideRestsBeforeABump) {
+  for (const auto& [y, stiffness, length] : {std::array{4.5, 1e3, 5.0}, {0.999, 1e7, 1.0}, {0.1, 1e5, 1.0}}) {
+    for (const double start : {0.0, 5.0, 10.0, 37.0, 60.0, 100.0, 140.0}) {
+      const StaticModel model = test::model_of(runner(y, bump(stiffness, length), start));
+      const Settling found = settle(model, model.start());
+      ASSERT_EQ(found.end, End::settled);
+      EXPECT_NEAR(1e3 * test::travel_of(model, found.x, "run"), rest_before_bump(y, stiffness, length), 1e-7)
+          << y << ' ' << length << ' ' << start;
+    }
+  }
+}
+
+TEST(SettleNarrow, ASlideRestsAtAPost) {
+  for (const auto& [y, radius] : {std::array{0.0, 1.0}, {0.999, 1.0}, {0.0, 3.0}, {0.999, 3.0}, {0.0, 0.01}}) {
+    for (const double start : {0.0, 10.0, 37.0, 100.0, 140.0}) {
+      const StaticModel model = test::model_of(runner(y, "", start) + post("drawer.P", radius));
+      const Settling found = settle(model, model.start());
+      ASSERT_EQ(found.end, End::settled);
+      EXPECT_EQ(found.active_stops, std::vector<int>{0});
+      EXPECT_NEAR(1e3 * test::travel_of(model, found.x, "run"), 150.0 - std::sqrt(radius * radius - y * y), 1e-6)
+          << y << ' ' << radius << ' ' << start;
+    }
+  }
+}
+
+// An arm of 1 m falls from `start`, about the origin, onto a post at D; its tip may carry a rod that hangs down.
+std::string falling_arm(double start, Vec2 at, double radius, bool carries_rod) {
+  return fmt::format(R"(
+gravity = [0, -9.81]
+ground.points = {{ O = [0, 0], D = [{}, {}] }}
+body.arm = {{ points = {{ O = [0, 0], T = [1, 0] }}, mass = 1, center = [0.5, 0] }}
+{}
+pin = [{{ points = ["ground.O", "arm.O"] }}{}]
+start = {{ arm = {}{} }}
+)",
+                     at.x, at.y,
+                     carries_rod ? "body.b = { points = { A = [0, 0] }, mass = 1, center = [0.25, 0] }" : "",
+                     carries_rod ? R"(, { points = ["arm.T", "b.A"] })" : "", start, carries_rod ? ", b = -1.5" : "") +
+         post("arm.T", radius);
+}
+
+// The angle at which the tip, falling clockwise, meets a circle around a point at the distance r and angle a from O.
+double first_contact(double r, double a, double radius) {
+  return a + std::acos((1.0 + r * r - radius * radius) / (2.0 * r));
+}
+
+TEST(SettleNarrow, AnArmRestsOnAPost) {
+  for (const bool carries_rod : {false, true}) {
+    for (const double radius : {0.1, 0.05, 0.02, 0.01, 1e-3, 1e-4}) {
+      for (const double start : {0.2, 0.5, 0.8, 1.0, 1.2, 1.5}) {
+        const StaticModel model = test::model_of(falling_arm(start, {0.8, -0.6}, radius, carries_rod));
+        const Settling found = settle(model, model.start());
+        ASSERT_EQ(found.end, End::settled) << found.why;
+        EXPECT_EQ(found.active_stops, std::vector<int>{0});
+        EXPECT_NEAR(test::angle_of(model, found.x, "arm"), first_contact(1.0, std::atan2(-0.6, 0.8), radius), 1e-7)
+            << carries_rod << ' ' << radius << ' ' << start;
+      }
+    }
+  }
+}
+
+TEST(SettleNarrow, RandomPostsAndBumpsAreMet) {
+  std::mt19937_64 random(7);
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * std::generate_canonical<double, 53>(random);
+  };
+  for (int k = 0; k < 300; ++k) {
+    const double radius = std::pow(10.0, between(-3.0, -1.0));
+    const double aside = between(-0.99, 0.99) * radius;  // of the way
+    if (k % 3 == 0) {
+      // In mm; a bump so stiff that it holds, but at most this much entered.
+      const double y = 1e3 * std::abs(aside), length = 1e3 * radius;
+      const bool is_post = k % 2 == 0;
+      const std::string text = is_post ? runner(y, "", between(0.0, 40.0)) + post("drawer.P", length)
+                                       : runner(y, bump(1e9, length), between(0.0, 40.0));
+      const StaticModel model = test::model_of(text);
+      const Settling found = settle(model, model.start());
+      ASSERT_EQ(found.end, End::settled) << k;
+      EXPECT_EQ(found.active_stops.size(), is_post ? 1U : 0U) << k;
+      const double expected = is_post ? 150.0 - std::sqrt(length * length - y * y) : rest_before_bump(y, 1e9, length);
+      EXPECT_NEAR(1e3 * test::travel_of(model, found.x, "run"), expected, 1e-6) << k;
+      continue;
+    }
+    const double r = 1.0 + aside, a = between(-1.3, 0.8);
+    const double contact = first_contact(r, a, radius);
+    const double start = between(contact + 0.01, 1.5);
+    const StaticModel model =
+        test::model_of(falling_arm(start, {r * std::cos(a), r * std::sin(a)}, radius, k % 3 == 2));
+    const Settling found = settle(model, model.start());
+    ASSERT_EQ(found.end, End::settled) << k << ": " << found.why;
+    EXPECT_EQ(found.active_stops, std::vector<int>{0}) << k;
+    EXPECT_NEAR(test::angle_of(model, found.x, "arm"), contact, 1e-6) << k;
   }
 }
 
