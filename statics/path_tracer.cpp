@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "solvers/cubic.hpp"
 #include "statics/balance_system.hpp"
 #include "statics/curvature.hpp"
 
@@ -40,20 +41,6 @@ constexpr double same_point = 1e-6;
 constexpr double same_pose = 1e-9;  // of forces and measures after whole turns
 constexpr double departure = 1e-3;  // radius of the sphere on which curves leave a branch point
 constexpr int most_switches = 8;    // of pieces at one point
-
-// Least value on 0 .. h of the cubic with these values and slopes at the ends.
-double least_of_cubic(double a, double b, double slope_a, double slope_b, double h) {
-  const double sa = h * slope_a, sb = h * slope_b;
-  // a + sa t + c t^2 + d t^3,  t = 0 .. 1
-  const double c = 3 * (b - a) - 2 * sa - sb, d = 2 * (a - b) + sa + sb;
-  double least = std::min(a, b);
-  const double root = std::sqrt(std::max(0.0, c * c - 3 * d * sa));
-  for (const double t : {d != 0.0 ? (-c - root) / (3 * d) : 2.0, d != 0.0 ? (-c + root) / (3 * d) : 2.0,
-                         c != 0.0 ? -0.5 * sa / c : 2.0}) {
-    if (t > 0.0 && t < 1.0) least = std::min(least, a + t * (sa + t * (c + t * d)));
-  }
-  return least;
-}
 
 }  // namespace
 
@@ -881,7 +868,7 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
     if (at_b.value >= -overrun) {
       const bool may_dip = at_a.value > overrun && at_a.smooth_rate < 0.0 && at_b.smooth_rate > 0.0;
       if (can_split && may_dip &&
-          least_of_cubic(at_a.smooth, at_b.smooth, at_a.smooth_rate, at_b.smooth_rate, h) < 0.0) {
+          solvers::Cubic(at_a.smooth, at_a.smooth_rate, at_b.smooth, at_b.smooth_rate, h).least() < 0.0) {
         return false;
       }
       continue;
