@@ -59,6 +59,25 @@ TEST(ResultFiles, JsonHoldsTheWholeResultInUnitsOfTheScene) {
   EXPECT_EQ(r["reference"]["coordinates"][0]["unit"], "rad");
 }
 
+TEST(ResultFiles, SettledPosesOfFreeBodiesAreInTheWorld) {
+  // Two springs push a point over their line up; under the load it snaps through.
+  const TempFolder folder;
+  const std::string scene = folder.write("free.toml", R"(
+ground.points = { L = [-0.3, 0], R = [0.3, 0] }
+body.k.points = { K = [0, 0] }
+spring = [{ name = "l", points = ["ground.L", "k.K"], stiffness = 1000, free_length = 1.044030650891055 },
+          { name = "r", points = ["ground.R", "k.K"], stiffness = 1000, free_length = 1.044030650891055 }]
+force = [{ name = "P", at = "k.K", vector = [0, -300] }]
+start.position.k = [0, 1]
+)");
+  const json r = result_of(folder, {"solve", scene}, 0);
+  ASSERT_EQ(r["settled"]["sides"].size(), 2U);
+  for (const json& pose : {r["settled"]["pose"], r["settled"]["sides"][0]["pose"], r["settled"]["sides"][1]["pose"]}) {
+    EXPECT_NEAR(pose["k.x"], 0.0, 1e-12);
+    EXPECT_NEAR(pose["k.y"], r["points"]["k.K"][1], 1e-9);
+  }
+}
+
 TEST(ResultFiles, JsonHoldsSlidesSpringsAndStops) {
   const TempFolder folder;
   const json r = result_of(folder, {"solve", folder.write("a.toml", against_the_stop), "--set", "load.push=5"}, 0);

@@ -295,10 +295,10 @@ start.run = {}
 )",
                      y, beside, start);
 }
-std::string bump(double stiffness, double free_length) {
+std::string bump(double rate, double free_length) {
   return fmt::format(
       R"({{ name = "bump", points = ["ground.D", "drawer.P"], stiffness = {}, free_length = {}, acts = "compression" }})",
-      stiffness, free_length);
+      rate, free_length);
 }
 std::string post(const std::string& point, double radius) {
   return fmt::format("stop = [{{ name = \"post\", points = [\"ground.D\", \"{}\"], min = {} }}]\n", point, radius);
@@ -306,10 +306,10 @@ std::string post(const std::string& point, double radius) {
 
 // Where the runner rests before a bump of (mm, N/mm) whose force exceeds the pull: the first zero of the force, between
 // where the bump is met and its steepest place.
-double rest_before_bump(double y, double stiffness, double free_length) {
+double rest_before_bump(double y, double rate, double free_length) {
   const auto force = [&](double x) {
     const double g = std::hypot(x - 150.0, y);
-    return 30.0 - 0.1 * x - stiffness * (free_length - g) * (150.0 - x) / g;
+    return 30.0 - 0.1 * x - rate * (free_length - g) * (150.0 - x) / g;
   };
   double low = 150.0 - std::sqrt(free_length * free_length - y * y);
   double high = low;
@@ -319,12 +319,12 @@ double rest_before_bump(double y, double stiffness, double free_length) {
 }
 
 TEST(SettleNarrow, ASlideRestsBeforeABump) {
-  for (const auto& [y, stiffness, length] : {std::array{4.5, 1e3, 5.0}, {0.999, 1e7, 1.0}, {0.1, 1e5, 1.0}}) {
+  for (const auto& [y, rate, length] : {std::array{4.5, 1e3, 5.0}, {0.999, 1e7, 1.0}, {0.1, 1e5, 1.0}}) {
     for (const double start : {0.0, 5.0, 10.0, 37.0, 60.0, 100.0, 140.0}) {
-      const StaticModel model = test::model_of(runner(y, bump(stiffness, length), start));
+      const StaticModel model = test::model_of(runner(y, bump(rate, length), start));
       const Settling found = settle(model, model.start());
       ASSERT_EQ(found.end, End::settled);
-      EXPECT_NEAR(1e3 * test::travel_of(model, found.x, "run"), rest_before_bump(y, stiffness, length), 1e-7)
+      EXPECT_NEAR(1e3 * test::travel_of(model, found.x, "run"), rest_before_bump(y, rate, length), 1e-7)
           << y << ' ' << length << ' ' << start;
     }
   }
@@ -388,7 +388,7 @@ TEST(SettleNarrow, RandomPostsAndBumpsAreMet) {
     const double radius = std::pow(10.0, between(-3.0, -1.0));
     const double aside = between(-0.99, 0.99) * radius;  // of the way
     if (k % 3 == 0) {
-      // In mm; a bump so stiff that it holds, but at most this much entered.
+      // In mm; the bump is so stiff that it holds.
       const double y = 1e3 * std::abs(aside), length = 1e3 * radius;
       const bool is_post = k % 2 == 0;
       const std::string text = is_post ? runner(y, "", between(0.0, 40.0)) + post("drawer.P", length)

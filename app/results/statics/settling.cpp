@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "statics/pose_values.hpp"
+#include "statics/readings.hpp"
 
 namespace poise::app {
 namespace {
@@ -29,9 +34,21 @@ std::string stops_in_words(const StaticModel& model, const std::vector<int>& sto
   return names.empty() ? "" : " on " + std::string(names.size() == 1 ? "stop " : "stops ") + listed(names);
 }
 
+/// Coordinates, SI; those that place a free body in the world, though the model counts them from elsewhere.
+std::vector<double> shown_coordinates(const StaticModel& model, const std::vector<double>& x) {
+  std::vector<double> q = model.to_si(x);
+  std::map<std::string, double> in_world;
+  for (const NamedValue& place : places_of(model, read_off(model, x))) in_world[place.name] = place.value;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const auto place = in_world.find(model.layout().coordinates[i].name);
+    if (place != in_world.end()) q[i] = place->second;
+  }
+  return q;
+}
+
 /// "upper 4.1441 deg, gib 1.5687 mm".
 std::string pose_in_words(const StaticModel& model, const std::vector<double>& x) {
-  const std::vector<double> q = model.to_si(x);
+  const std::vector<double> q = shown_coordinates(model, x);
   std::string text;
   for (std::size_t i = 0; i < std::min(q.size(), most_shown); ++i) {
     const Coordinate& coordinate = model.layout().coordinates[i];
@@ -62,7 +79,7 @@ std::string doubt(const Settling& settling) {
 
 void add_pose(Group& group, const StaticModel& model, const std::vector<double>& x) {
   Group& pose = group.group("pose", "", Verbosity::data);
-  const std::vector<double> q = model.to_si(x);
+  const std::vector<double> q = shown_coordinates(model, x);
   for (std::size_t i = 0; i < q.size(); ++i) {
     const Coordinate& coordinate = model.layout().coordinates[i];
     pose.data(coordinate.name, in_unit(q[i], quantity_of(coordinate), model.scene().units));
