@@ -22,9 +22,6 @@ using Eigen::VectorXd;
 
 constexpr int most_steps = 8;
 constexpr int most_steps_on_sphere = 40;
-constexpr double small_step = 3e-9;     // after which the error is about its square
-constexpr double rounding_step = 1e-7;  // steps that no longer decrease but are below it are rounding errors
-constexpr double farthest = 1.0;        // of one step, (x, p)
 
 }  // namespace
 
@@ -242,7 +239,7 @@ bool Curve::deflate(VectorXd& z, const std::vector<VectorXd>& known, int steps) 
   return false;
 }
 
-bool Curve::set_tangent(CurvePoint& point, const VectorXd& like) {
+bool Curve::differentiate(CurvePoint& point, const VectorXd& like) {
   point.tangent = VectorXd::Unit(size_, size_ - 1);
   solve(point.tangent);
   const double length = norm(point.tangent);
@@ -253,13 +250,9 @@ bool Curve::set_tangent(CurvePoint& point, const VectorXd& like) {
   return true;
 }
 
-bool Curve::differentiate(CurvePoint& point, const VectorXd& like) { return set_tangent(point, like); }
-
 bool Curve::differentiate_at(CurvePoint& point, const VectorXd& like) {
   evaluate(point.z, true);
-  VectorXd row = like;
-  row.segment(n_, m_).setZero();
-  return factor(row) && set_tangent(point, like);
+  return factor(without_multipliers(like)) && differentiate(point, like);
 }
 
 void Curve::equations(const VectorXd& z, VectorXd& residual_out, MatrixXd& matrix) {
@@ -319,9 +312,7 @@ VectorXd Curve::bend(const CurvePoint& point) {
   VectorXd out = -(second(point.z, point.tangent) * point.tangent);
   out[size_ - 1] = 0.0;
   evaluate(point.z, true);
-  VectorXd row = point.tangent;
-  row.segment(n_, m_).setZero();
-  if (!factor(row)) return VectorXd::Zero(size_);
+  if (!factor(without_multipliers(point.tangent))) return VectorXd::Zero(size_);
   solve(out);
   // Normal to the tangent, also where the sparse border is a unit row.
   out -= dot(out, point.tangent) * point.tangent;

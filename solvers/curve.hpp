@@ -36,6 +36,10 @@ class Curve {
  public:
   static constexpr int dense_limit = 50;      ///< unknowns up to which the equations are factored as dense
   static constexpr int spectrum_limit = 400;  ///< unknowns up to which null spaces are computed
+  // Of steps of Newton's method, also on curves of folds.
+  static constexpr double small_step = 3e-9;     ///< after which the error is about its square
+  static constexpr double rounding_step = 1e-7;  ///< steps that no longer decrease but are below it are rounding errors
+  static constexpr double farthest = 1.0;        ///< of one step
 
   /// `problem` must outlive this. The rows should be independent.
   Curve(ParametricProblem& problem, std::vector<ActiveRow> active);
@@ -57,7 +61,7 @@ class Curve {
     double first = 0.0;  ///< norm of the first step
     int steps = 0;
   };
-  /// Newton's method on R(z) = 0 in the plane through z normal to `row`. A last step of at most 3e-9 counts as
+  /// Newton's method on R(z) = 0 in the plane through z normal to `row`. A last step of at most `small_step` counts as
   /// converged: the error is then about its square.
   Correction correct(Eigen::VectorXd& z, const Eigen::VectorXd& row);
   /// The same on the sphere of that radius round `centre`, from a point on it.
@@ -136,7 +140,6 @@ class Curve {
   int sign() const;
   void solve(Eigen::VectorXd& b);
   Correction iterate(Eigen::VectorXd& z, const Eigen::VectorXd* row, const Eigen::VectorXd* centre, double radius);
-  bool set_tangent(CurvePoint& point, const Eigen::VectorXd& like);
 
   ParametricProblem& problem_;
   std::vector<ActiveRow> active_;

@@ -14,11 +14,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int most_steps = 10;
-constexpr double small_step = 3e-9;     // after which the error is about its square
-constexpr double rounding_step = 1e-7;  // steps that no longer decrease but are below it are rounding errors
-constexpr double farthest = 1.0;        // of one step, (x, p, q)
-constexpr double undisturbed = 2e-5;    // distance in x: that of a fold by an imperfection of 3e-15
-constexpr double least_motion = 1e-9;   // of x in v: with less, v is of multipliers of dependent rows
+constexpr double undisturbed = 2e-5;   // distance in x: that of a fold by an imperfection of 3e-15
+constexpr double least_motion = 1e-9;  // of x in v: with less, v is of multipliers of dependent rows
 
 }  // namespace
 
@@ -97,10 +94,10 @@ FoldSystem::Correction FoldSystem::correct(FoldPlace& place, const VectorXd& row
     const VectorXd step = lu.solve(rhs);
     const double length = norm(step);
     if (k == 0) out.first = length;
-    if (!(length < farthest)) return out;
+    if (!(length < Curve::farthest)) return out;
     place.z += step;
-    if (length <= small_step || length > 0.5 * before) {
-      out.converged = length <= rounding_step;
+    if (length <= Curve::small_step || length > 0.5 * before) {
+      out.converged = length <= Curve::rounding_step;
       if (!out.converged) return out;
       place.tangent = lu.solve(VectorXd(VectorXd::Unit(size_ + 2, size_ + 1)));
       place.tangent /= norm(place.tangent);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -13,6 +14,13 @@ inline double largest(std::span<const double> v) {
     const double size = std::abs(e);
     if (!(size <= worst)) worst = std::isnan(size) ? std::numeric_limits<double>::infinity() : size;
   }
+  return worst;
+}
+
+/// max |a_i - b_i| over the length of a; b is at least as long.
+inline double largest_difference(std::span<const double> a, std::span<const double> b) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
   return worst;
 }
 

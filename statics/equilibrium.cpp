@@ -157,14 +157,6 @@ void search(const StaticModel& model, const std::vector<double>& x, const SolveO
   throw std::invalid_argument(fmt::format("there is no method {}", static_cast<int>(options.method)));
 }
 
-std::optional<double> energy_at(const StaticModel& model, const std::vector<double>& x) {
-  const Mechanism<double>& m = model.mechanism();
-  if (m.has_follower_loads()) return std::nullopt;
-  std::vector<Planar<double>> pose(m.pose_size());
-  m.place(x.data(), pose.data());
-  return m.energy(x.data(), pose.data()) * model.scales().energy();
-}
-
 // The certificate decides, independent of the solver's own report.
 void certify_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
   out.reached = out.x;
@@ -273,6 +265,14 @@ std::string to_string(Seek seek) {
       return "stable";
   }
   return "unknown";
+}
+
+std::optional<double> energy_at(const StaticModel& model, const std::vector<double>& x) {
+  const Mechanism<double>& m = model.mechanism();
+  if (m.has_follower_loads()) return std::nullopt;
+  std::vector<Planar<double>> pose(m.pose_size());
+  m.place(x.data(), pose.data());
+  return m.energy(x.data(), pose.data()) * model.scales().energy();
 }
 
 std::string to_string(Status status) {

@@ -82,6 +82,10 @@ struct Equilibrium {
 Equilibrium solve(const StaticModel& model, const SolveOptions& options = {});
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options = {});
 
+/// V at the scaled coordinates x, J; of dead loads from an arbitrary zero. Empty with follower loads, which have no
+/// potential.
+std::optional<double> energy_at(const StaticModel& model, const std::vector<double>& x);
+
 /// Closes the loops from the scene's start and returns the scaled coordinates. Throws InputError if they cannot be
 /// closed, naming the loop and its gap, or if nothing can move.
 std::vector<double> assemble(const StaticModel& model);

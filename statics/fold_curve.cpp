@@ -8,6 +8,7 @@
 
 #include "model/input_error.hpp"
 #include "statics/curvature.hpp"
+#include "statics/event_accuracy.hpp"
 #include "statics/fold_tracer.hpp"
 
 namespace poise {
@@ -53,7 +54,7 @@ class FoldFinder {
   // Folds of one number while the other, from 0 to 1, is held.
   void look(bool first_varies, double held) {
     const VariedScene& other = first_varies ? pair_.second() : pair_.first();
-    const double value = held == 1.0 ? other.to() : other.from() + held * (other.to() - other.from());
+    const double value = other.value_at(held);
     const VariedScene varied = first_varies ? pair_.first_at(value) : pair_.second_at(value);
     PathOptions along;
     along.from = options_.from;
@@ -81,7 +82,7 @@ class FoldFinder {
         ++out_.kinks;
         continue;
       }
-      const double p = (event.at.parameter - varied.from()) / (varied.to() - varied.from());
+      const double p = varied.part_at(event.at.parameter);
       begin(varied, event.at, first_varies ? p : held, first_varies ? held : p);
     }
   }
@@ -144,10 +145,7 @@ class FoldFinder {
 
 }  // namespace
 
-int FoldCusp::digits() const {
-  const double doubt = std::max({error, rounding_effect, 1e-16});
-  return std::clamp(static_cast<int>(std::floor(-std::log10(doubt))), 0, 16);
-}
+int FoldCusp::digits() const { return decimal_digits(error, rounding_effect); }
 
 FoldCurve fold_curve(const VariedPair& pair, const FoldCurveOptions& options) {
   FoldCurve out;

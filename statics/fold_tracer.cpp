@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "statics/balance_system.hpp"
+#include "statics/event_accuracy.hpp"
 
 namespace poise {
 namespace {
@@ -55,10 +55,6 @@ std::optional<double> root(const std::function<std::optional<double>(double)>& f
 }
 
 // SI; exactly the ends at 0 and 1.
-double value_at(const VariedScene& varied, double p) {
-  return p == 1.0 ? varied.to() : varied.from() + p * (varied.to() - varied.from());
-}
-
 }  // namespace
 
 // --- pieces ---------------------------------------------------------------------------------------------------------
@@ -83,16 +79,16 @@ solvers::Curve& PieceOfPair::recall(std::deque<std::unique_ptr<Held>>& recent, d
 }
 
 solvers::Curve& PieceOfPair::first_varies(double q) {
-  return recall(of_q_, q, [&] { return pair_.first_at(value_at(pair_.second(), q)); });
+  return recall(of_q_, q, [&] { return pair_.first_at(pair_.second().value_at(q)); });
 }
 
 solvers::Curve& PieceOfPair::second_varies(double p) {
-  return recall(of_p_, p, [&] { return pair_.second_at(value_at(pair_.first(), p)); });
+  return recall(of_p_, p, [&] { return pair_.second_at(pair_.first().value_at(p)); });
 }
 
-double FoldTracer::first_value(const VectorXd& z) const { return value_at(pair_.first(), z[z.size() - 2]); }
+double FoldTracer::first_value(const VectorXd& z) const { return pair_.first().value_at(z[z.size() - 2]); }
 
-double FoldTracer::second_value(const VectorXd& z) const { return value_at(pair_.second(), z[z.size() - 1]); }
+double FoldTracer::second_value(const VectorXd& z) const { return pair_.second().value_at(z[z.size() - 1]); }
 
 // --- along a curve --------------------------------------------------------------------------------------------------
 
@@ -343,7 +339,7 @@ FoldTracer::Start FoldTracer::trace_through(const PathPiece& state, const std::v
   std::unique_ptr<Piece>& made = pieces_[state];
   if (!made) made = std::make_unique<Piece>(pair_, state, equalities);
   Piece& piece = *made;
-  const auto model = pair_.model_at(value_at(pair_.first(), p), value_at(pair_.second(), q));
+  const auto model = pair_.model_at(pair_.first().value_at(p), pair_.second().value_at(q));
   angles_ = model->layout().angles;
   symmetric_ = !model->mechanism().has_follower_loads();
   energy_ = model->scales().energy();
@@ -397,14 +393,8 @@ FoldPoint FoldTracer::report(Piece& piece, const FoldPlace& place) {
   out.coefficient = place.coefficient * energy_;
   out.unstable_directions = piece.system.other_negative_directions(place.z, symmetric_);
   const PathPiece& state = piece.family.piece();
-  const std::size_t stops = state.side.size() - (pair_.first().is_driven() ? 1 : 0);
-  for (std::size_t s = 0; s < stops; ++s) {
-    if (state.side[s] != 0) out.active_stops.push_back(static_cast<int>(s));
-  }
-  const std::vector<int> one_way = VariedMechanism::one_way_springs(pair_.first().scene());
-  for (std::size_t k = 0; k < one_way.size(); ++k) {
-    if (state.acts[k] == 0) out.slack_springs.push_back(one_way[k]);
-  }
+  out.active_stops = active_stops(state, pair_.first().is_driven());
+  out.slack_springs = slack_springs(state, VariedMechanism::one_way_springs(pair_.first().scene()));
   return out;
 }
 
@@ -415,33 +405,25 @@ FoldCusp FoldTracer::report_cusp(Piece& piece, const FoldPlace& place) {
   const Index n = piece.system.variables();
   const auto model = pair_.model_at(out.at.first, out.at.second);
   const solvers::Curve& curve = piece.family.first_varies(place.z[place.z.size() - 1]);
-  KeptEquations kept;
-  for (const solvers::ActiveRow& active : curve.active()) {
-    kept.rows.push_back(active.row);
-    kept.at_upper.push_back(active.upper ? 1 : 0);
-  }
+  const KeptEquations kept = kept_equations(curve.active());
   std::vector<Ball> x(out.at.x.begin(), out.at.x.end()), y, v, w;
   for (std::size_t k = 0; k < kept.rows.size(); ++k) y.emplace_back(place.z[n + static_cast<Index>(k)]);
   for (Index i = 0; i < place.v.size(); ++i) v.emplace_back(place.v[i]);
   for (Index i = 0; i < place.w.size(); ++i) w.emplace_back(place.w[i]);
-  const auto effect = [&](bool rounded, bool with_middle) {
+  const auto effect = [&](bool rounded) {
     const BalanceSystem system(model->balls(), kept, rounded);
     std::vector<Ball> errors = system.residual(x, y);
     errors.push_back(system.product(x, y, w, v));
-    double largest = 0.0;
+    FirstOrderEffect largest;
     for (const VectorXd& row : {sensitivity.first, sensitivity.second}) {
-      Ball sum(0.0);
-      double spread = 0.0;
-      for (std::size_t i = 0; i < errors.size(); ++i) {
-        sum += Ball(row[static_cast<Index>(i)]) * errors[i];
-        spread += std::abs(row[static_cast<Index>(i)]) * errors[i].radius();
-      }
-      largest = std::max(largest, with_middle ? sum.greatest() : spread);
+      const FirstOrderEffect effect_on_one = effect_of(row, errors);
+      largest.whole = std::max(largest.whole, effect_on_one.whole);
+      largest.spread = std::max(largest.spread, effect_on_one.spread);
     }
     return largest;
   };
-  out.error = effect(false, true);
-  out.rounding_effect = effect(true, false);
+  out.error = effect(false).whole;
+  out.rounding_effect = effect(true).spread;
   return out;
 }
 

@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include "solvers/newton.hpp"
+#include "solvers/vectors.hpp"
 #include "statics/equilibrium.hpp"
+#include "statics/event_accuracy.hpp"
 #include "statics/mobility.hpp"
 #include "statics/path_tracer.hpp"
 #include "statics/readings.hpp"
@@ -21,7 +23,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double widest_range = 1e6;     // change of forces over the range, in the model's units
+constexpr double widest_range = 1e6;     // of loads, in forces that act besides
 constexpr double small_distance = 0.05;  // rad or mechanism sizes
 constexpr double same_place = 1e-4;      // the same: next to branch points folds are found to half the digits
 constexpr int driven_steps = 50;         // from the start's pose to the first value of a driven measure
@@ -46,11 +48,7 @@ std::string spring_in_another_state(const StaticModel& model, const PathPoint& p
 void certify_point(const VariedScene& varied, const PathOptions& options, PathPoint& point) {
   const auto model = varied.model_at(point.parameter);
   const Mechanism<double>& m = model->mechanism();
-  if (!m.has_follower_loads()) {
-    std::vector<Planar<double>> pose(m.pose_size());
-    m.place(point.x.data(), pose.data());
-    point.energy = m.energy(point.x.data(), pose.data()) * model->scales().energy();
-  }
+  point.energy = energy_at(*model, point.x);
   if (!options.certify) return;
   const Certificate certificate = certify(*model, point.x, options.certificate);
   point.statement = certificate.statement;
@@ -81,7 +79,7 @@ class PathFinder {
   void run() {
     const std::optional<PathSpot> start = find_start();
     if (!start) return;
-    if (options_.follow == PathOptions::Follow::jump) {
+    if (jumps()) {
       load_and_unload(*start);
     } else {
       follow_all(*start);
@@ -108,7 +106,6 @@ class PathFinder {
  private:
   // By bisection of the parameter.
   void add_flutter(int branch, PathPoint before, PathPoint after) {
-    const double range = varied_.to() - varied_.from();
     PathEvent event;
     event.kind = PathEvent::Kind::flutter;
     for (int k = 0; k < 50; ++k) {
@@ -116,7 +113,7 @@ class PathFinder {
       if (value == before.parameter || value == after.parameter) break;
       std::vector<double> x = before.x;
       for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.5 * (x[i] + after.x[i]);
-      const auto spot = tracer_.spot(x, (value - varied_.from()) / range, before.active_stops, 1.0);
+      const auto spot = tracer_.spot(x, varied_.part_at(value), before.active_stops, 1.0);
       if (!spot) return;
       PathPoint middle = tracer_.report(*spot);
       certify_point(varied_, options_, middle);
@@ -127,7 +124,7 @@ class PathFinder {
     // Growth below a ten-millionth of the frequencies counts as none (motion/modes.hpp).
     event.error =
         std::max(1e-7, std::abs(after.parameter - before.parameter) / std::max(std::abs(before.parameter), 1e-300));
-    add_event(std::move(event), branch);
+    tracer_.add_event(std::move(event), branch);
   }
 
   bool jumps() const { return options_.follow == PathOptions::Follow::jump; }
@@ -310,9 +307,7 @@ class PathFinder {
       std::vector<double> between = a.x;
       for (std::size_t i = 0; i < between.size(); ++i) between[i] += share * (b.x[i] - a.x[i]);
       const std::vector<double> x = tracer_.unwound(point.x, between, PathTracer::Turns::forces_and_stops);
-      double distance = 0.0;
-      for (std::size_t i = 0; i < x.size(); ++i) distance = std::max(distance, std::abs(between[i] - x[i]));
-      return distance < 0.5 * options_.spacing;
+      return solvers::largest_difference(x, between) < 0.5 * options_.spacing;
     };
     return std::any_of(out_.branches.begin(), out_.branches.end(), [&](const PathBranch& branch) {
       for (std::size_t k = 1; k < branch.points.size(); ++k) {
@@ -345,11 +340,7 @@ class PathFinder {
       if (rest.end != Settling::End::settled) out.why = rest.why;
       return rest;
     };
-    const auto distance = [&](const std::vector<double>& x) {
-      double d = 0.0;
-      for (std::size_t i = 0; i < x.size(); ++i) d = std::max(d, std::abs(x[i] - from.x[i]));
-      return d;
-    };
+    const auto distance = [&](const std::vector<double>& x) { return solvers::largest_difference(x, from.x); };
     const Settling far = released(beyond_loss), near = released(0.01 * beyond_loss);
     if (far.end != Settling::End::settled || near.end != Settling::End::settled) return out;
     // Where the distance is small and shrinks with the load the mechanism moves on without a jump.
@@ -377,14 +368,8 @@ class PathFinder {
     snap.at = lost.at;
     snap.error = lost.error;
     snap.rounding_effect = lost.rounding_effect;
-    add_event(std::move(snap), branch);
+    tracer_.add_event(std::move(snap), branch);
     return out;
-  }
-
-  int add_event(PathEvent event, int branch) {
-    out_.branches[branch].events.push_back(static_cast<int>(out_.events.size()));
-    out_.events.push_back(std::move(event));
-    return static_cast<int>(out_.events.size()) - 1;
   }
 
   // Loading with jumps up to the last value, then back.
@@ -416,7 +401,7 @@ class PathFinder {
         back.at = *snap.landing;
         back.error = snap.error;
         back.rounding_effect = snap.rounding_effect;
-        add_event(std::move(back), branch);
+        tracer_.add_event(std::move(back), branch);
       }
       const PathBranch& last = out_.branches.back();
       if (last.end != PathBranch::End::range) return;
@@ -473,10 +458,7 @@ std::vector<PathPoint*> all_points(Path& path) {
 
 }  // namespace
 
-int PathEvent::digits() const {
-  const double doubt = std::max({error, rounding_effect, 1e-16});
-  return std::clamp(static_cast<int>(std::floor(-std::log10(doubt))), 0, 16);
-}
+int PathEvent::digits() const { return decimal_digits(error, rounding_effect); }
 
 int Path::unproved() const {
   int count = 0;

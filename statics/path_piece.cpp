@@ -31,6 +31,23 @@ PathPiece piece_at(const StaticModel& model, const std::vector<double>& x, const
   return out;
 }
 
+std::vector<int> active_stops(const PathPiece& piece, bool is_driven) {
+  std::vector<int> out;
+  const std::size_t stops = piece.side.size() - (is_driven ? 1 : 0);
+  for (std::size_t s = 0; s < stops; ++s) {
+    if (piece.side[s] != 0) out.push_back(static_cast<int>(s));
+  }
+  return out;
+}
+
+std::vector<int> slack_springs(const PathPiece& piece, const std::vector<int>& one_way) {
+  std::vector<int> out;
+  for (std::size_t k = 0; k < one_way.size(); ++k) {
+    if (piece.acts[k] == 0) out.push_back(one_way[k]);
+  }
+  return out;
+}
+
 std::vector<int> independent_closures(const Mechanism<double>& m, const std::vector<double>& x) {
   std::vector<int> rows(m.equalities());
   for (int r = 0; r < m.equalities(); ++r) rows[r] = r;

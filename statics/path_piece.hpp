@@ -21,6 +21,12 @@ struct PathPiece {
 /// The piece on which a pose lies whose active stops are known, a held measure (min = max) left out.
 PathPiece piece_at(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active_stops);
 
+/// Indices of Scene::stops that act, a driven measure left out, which is the last.
+std::vector<int> active_stops(const PathPiece& piece, bool is_driven);
+
+/// Of these one-way springs (VariedMechanism::one_way_springs) those that do not act.
+std::vector<int> slack_springs(const PathPiece& piece, const std::vector<int>& one_way);
+
 /// Closure rows that are independent at x; all of them beyond solvers::Curve::spectrum_limit.
 std::vector<int> independent_closures(const Mechanism<double>& m, const std::vector<double>& x);
 

@@ -11,8 +11,9 @@
 #include <fmt/format.h>
 
 #include "solvers/cubic.hpp"
-#include "statics/balance_system.hpp"
+#include "solvers/vectors.hpp"
 #include "statics/curvature.hpp"
+#include "statics/event_accuracy.hpp"
 
 namespace poise {
 namespace {
@@ -60,7 +61,7 @@ struct PathTracer::Crossing {
 
 PathTracer::PathTracer(const VariedScene& varied, const PathOptions& options, Path& out)
     : varied_(varied), options_(options), out_(out), one_way_(VariedMechanism::one_way_springs(varied.scene())) {
-  for (const double value : options.at) wanted_.push_back((value - varied.from()) / (varied.to() - varied.from()));
+  for (const double value : options.at) wanted_.push_back(varied.part_at(value));
 }
 
 PathTracer::~PathTracer() = default;
@@ -73,8 +74,7 @@ int PathTracer::evaluations() const {
 
 // SI. What is zero but for the rounding of p is zero: equilibria are neutral exactly there, if at all.
 double PathTracer::value_at(double p) const {
-  if (p == 1.0) return varied_.to();
-  const double value = varied_.from() + p * (varied_.to() - varied_.from());
+  const double value = varied_.value_at(p);
   return std::abs(value) <= 0x1p-51 * std::max(std::abs(varied_.from()), std::abs(varied_.to())) ? 0.0 : value;
 }
 
@@ -102,7 +102,6 @@ PathSpot PathTracer::guess(const std::vector<double>& x, double p, const std::ve
     rows.push_back(active.row);
   }
   solvers::Curve& system = curve(out.piece);
-  symmetric_ = system.symmetric();
   VectorXd& z = out.point.z;
   z.resize(system.unknowns());
   z.head(m.coordinates()) = VectorXd::Map(x.data(), m.coordinates());
@@ -141,22 +140,16 @@ std::optional<std::vector<double>> PathTracer::deflated(const std::vector<double
 PathPoint PathTracer::report(const PathSpot& spot, bool critical) const {
   PathPoint out;
   if (critical) out.proof = PointProof::critical;
-  const Index n = static_cast<Index>(curves_.at(spot.piece)->variables());
+  const solvers::Curve& system = *curves_.at(spot.piece);
   out.parameter = value_at(spot.p());
-  out.x.assign(spot.point.z.data(), spot.point.z.data() + n);
+  out.x.assign(spot.point.z.data(), spot.point.z.data() + system.variables());
   out.unstable_directions = std::max(0, spot.negative);
   out.stability = spot.negative > 0 ? Stability::unstable : spot.negative == 0 ? Stability::stable : Stability::unknown;
   // Loads that follow bodies may make it flutter.
-  const solvers::Curve& system = *curves_.at(spot.piece);
   const int freedoms = system.variables() - static_cast<int>(system.active().size());
-  if (!symmetric_ && freedoms > 1 && out.stability == Stability::stable) out.stability = Stability::unknown;
-  const std::size_t stops = spot.piece.side.size() - (varied_.is_driven() ? 1 : 0);
-  for (std::size_t s = 0; s < stops; ++s) {
-    if (spot.piece.side[s] != 0) out.active_stops.push_back(static_cast<int>(s));
-  }
-  for (std::size_t k = 0; k < one_way_.size(); ++k) {
-    if (!spot.piece.acts[k]) out.slack_springs.push_back(one_way_[k]);
-  }
+  if (!system.symmetric() && freedoms > 1 && out.stability == Stability::stable) out.stability = Stability::unknown;
+  out.active_stops = active_stops(spot.piece, varied_.is_driven());
+  out.slack_springs = slack_springs(spot.piece, one_way_);
   if (varied_.is_driven()) {
     // The last multiplier; a torque scales as work.
     const bool is_angle = varied_.scene().stops.back().on.is_angle();
@@ -292,6 +285,14 @@ bool PathTracer::depends(const PathSpot& spot) {
   return system.depends_on_parameter(beside);
 }
 
+double PathTracer::heaviest_multiplier(const PathSpot& spot) {
+  const solvers::Curve& system = curve(spot.piece);
+  return system.active().empty()
+             ? 0.0
+             : spot.point.z.segment(system.variables(), spot.point.z.size() - system.variables() - 1)
+                   .lpNorm<Eigen::Infinity>();
+}
+
 bool PathTracer::is_far(const PathSpot& spot) {
   const Index n = curve(spot.piece).variables();
   const auto largest = [](const auto& part) { return part.size() > 0 ? part.cwiseAbs().maxCoeff() : 0.0; };
@@ -308,9 +309,7 @@ bool PathTracer::repeats(const PathSpot& fold) {
     if (event.kind != PathEvent::Kind::fold || event.at.active_stops != here.active_stops) continue;
     if (std::abs(event.at.parameter - here.parameter) > same_pose * range) continue;
     const std::vector<double> x = unwound(here.x, event.at.x, Turns::forces);
-    double distance = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) distance = std::max(distance, std::abs(x[i] - event.at.x[i]));
-    if (distance < same_point) return true;
+    if (solvers::largest_difference(x, event.at.x) < same_point) return true;
   }
   return false;
 }
@@ -327,8 +326,7 @@ void PathTracer::interpolate(const Segment& segment, double s) {
   z_ +=
       (t3 * (1 + u * (3 + 6 * u))) * b.z - (h * t3 * u * (1 + 3 * u)) * b.tangent + (0.5 * h * h * t3 * u * u) * b.bend;
   row_ = u * a.tangent + t * b.tangent;
-  const Index n = curve(segment.a.piece).variables();
-  row_.segment(n, row_.size() - n - 1).setZero();
+  row_ = curve(segment.a.piece).without_multipliers(std::move(row_));
 }
 
 std::optional<PathSpot> PathTracer::at(const Segment& segment, double s) {
@@ -418,12 +416,9 @@ std::optional<PathSpot> PathTracer::find_branch(const Segment& segment, double& 
   }
   if (!best) return best;
   // The determinant also changes its sign through infinity, where multipliers do: a dead centre.
-  const auto heaviest = [&](const PathSpot& spot) {
-    const Index n = system.variables();
-    return spot.point.z.segment(n, spot.point.z.size() - n - 1).lpNorm<Eigen::Infinity>();
-  };
   is_pole = system.active().size() > 0 &&
-            heaviest(*best) > pole_growth * (1.0 + std::max(heaviest(segment.a), heaviest(segment.b)));
+            heaviest_multiplier(*best) >
+                pole_growth * (1.0 + std::max(heaviest_multiplier(segment.a), heaviest_multiplier(segment.b)));
   if (is_pole || !dense) return best;
   PathSpot found = *best;
   const double last = system.find_branch_point(found.point.z);
@@ -447,6 +442,17 @@ std::optional<PathSpot> PathTracer::find_multiple(const Segment& segment, double
   return best;
 }
 
+// The spot with the parameter held at p, nearly where it is already; empty where Newton's method leads elsewhere.
+std::optional<PathSpot> PathTracer::held(const PathSpot& spot, double p) {
+  solvers::Curve& system = curve(spot.piece);
+  PathSpot out = spot;
+  VectorXd& z = out.point.z;
+  z[z.size() - 1] = p;
+  const bool found =
+      system.correct(z, VectorXd::Unit(z.size(), z.size() - 1)).converged && system.norm(z - spot.point.z) < same_point;
+  return found ? std::optional(std::move(out)) : std::nullopt;
+}
+
 void PathTracer::add_point(const PathSpot& spot, bool critical) {
   out_.branches[branch_].points.push_back(report(spot, critical));
   if (options_.progress && out_.branches[branch_].points.size() % 64 == 0) {
@@ -468,15 +474,10 @@ void PathTracer::fill(const Segment& segment, double from, double to, const Path
     auto found = root([&](double s) { return at(segment, from + s); }, [&](const PathSpot& q) { return q.p() - w; },
                       to - from, fa, fb);
     if (!found) continue;
-    solvers::Curve& system = curve(segment.a.piece);
-    PathSpot spot = found->spot;
-    VectorXd& z = spot.point.z;
-    z[z.size() - 1] = w;
-    const VectorXd row = VectorXd::Unit(z.size(), z.size() - 1);
-    const bool held = system.correct(z, row).converged && system.norm(z - found->spot.point.z) < same_point;
-    spot.negative = begin.negative;
-    if (!held) continue;
-    PathPoint point = report(spot);
+    std::optional<PathSpot> spot = held(found->spot, w);
+    if (!spot) continue;
+    spot->negative = begin.negative;
+    PathPoint point = report(*spot);
     point.parameter = options_.at[k];
     out_.wanted[k].push_back(std::move(point));
   }
@@ -493,12 +494,16 @@ void PathTracer::fill(const Segment& segment, double from, double to, const Path
 
 // --- events ---------------------------------------------------------------------------------------------------------
 
-int PathTracer::add_event(PathEvent event, const PathSpot& spot) {
-  event.at = report(spot, true);
+int PathTracer::add_event(PathEvent event, int branch) {
   const int index = static_cast<int>(out_.events.size());
   out_.events.push_back(std::move(event));
-  out_.branches[branch_].events.push_back(index);
+  out_.branches[branch].events.push_back(index);
   return index;
+}
+
+int PathTracer::add_event(PathEvent event, const PathSpot& spot) {
+  event.at = report(spot, true);
+  return add_event(std::move(event), branch_);
 }
 
 // First-order distance of the parameter of an event from the exact one, as parts of its value: of a fold, or of a
@@ -522,25 +527,14 @@ void PathTracer::judge(PathEvent& event, const PathSpot& spot, int watched) {
   const VectorXd w = system.parameter_sensitivity(z, row);
   const PathPoint point = report(spot);
   const auto model = varied_.model_at(point.parameter);
-  KeptEquations kept;
-  const auto keep = [&](int constraint, bool upper) {
-    kept.rows.push_back(constraint);
-    kept.at_upper.push_back(upper ? 1 : 0);
-  };
-  for (const solvers::ActiveRow& active : system.active()) keep(active.row, active.upper);
-  if (is_stop) keep(model->mechanism().stop_row(watched / 2), watched % 2 == 1);
+  std::vector<solvers::ActiveRow> rows = system.active();
+  if (is_stop) rows.push_back({.row = model->mechanism().stop_row(watched / 2), .upper = watched % 2 == 1});
+  const KeptEquations kept = kept_equations(rows);
   std::vector<Ball> x(point.x.begin(), point.x.end()), y(kept.rows.size(), Ball(0.0));
   const Index n = system.variables();
   for (std::size_t k = 0; k < system.active().size(); ++k) y[k] = Ball(z[n + static_cast<Index>(k)]);
-  const auto effect = [&](bool rounded, bool with_middle) {
-    const std::vector<Ball> residual = BalanceSystem(model->balls(), kept, rounded).residual(x, y);
-    Ball sum(0.0);
-    double spread = 0.0;
-    for (std::size_t i = 0; i < residual.size(); ++i) {
-      sum += Ball(w[static_cast<Index>(i)]) * residual[i];
-      spread += std::abs(w[static_cast<Index>(i)]) * residual[i].radius();
-    }
-    return with_middle ? sum.greatest() : spread;
+  const auto effect = [&](bool rounded) {
+    return effect_of(w, BalanceSystem(model->balls(), kept, rounded).residual(x, y));
   };
   const double range = std::abs(varied_.to() - varied_.from());
   // A value of exactly zero has all its digits.
@@ -549,8 +543,8 @@ void PathTracer::judge(PathEvent& event, const PathSpot& spot, int watched) {
   const double length = is_stop || watched < 0
                             ? 0.0
                             : std::abs(w[w.size() - 1]) * 0x1p-51 * std::max(1.0, z.head(n).cwiseAbs().maxCoeff());
-  event.error = (effect(false, true) + length) * range / value;
-  event.rounding_effect = (effect(true, false) + length) * range / value;
+  event.error = (effect(false).whole + length) * range / value;
+  event.rounding_effect = (effect(true).spread + length) * range / value;
 }
 
 // All curves through a branch point: points of them on a small sphere round it, from starts in all directions of the
@@ -561,7 +555,6 @@ void PathTracer::depart(const PathSpot& spot, int event, const VectorXd& along) 
   const VectorXd& centre = spot.point.z;
   const MatrixXd null = system.null_vectors(centre, 1e-6, 2, &along);
   const Index k = null.cols();
-  std::vector<VectorXd> directions;
   const int starts = k == 2 ? 24 : 40 * static_cast<int>(k * k);
   std::vector<VectorXd> found;
   std::minstd_rand random(20261122);
@@ -612,9 +605,7 @@ std::optional<PathSpot> PathTracer::step(const PathSpot& here, double h, double&
   solvers::Curve& system = curve(here.piece);
   PathSpot next = here;
   next.point.z = here.point.z + h * here.point.tangent + (0.5 * h * h) * here.point.bend;
-  VectorXd row = here.point.tangent;
-  const Index n = system.variables();
-  row.segment(n, row.size() - n - 1).setZero();
+  const VectorXd row = system.without_multipliers(here.point.tangent);
   const auto correction = system.correct(next.point.z, row);
   if (!correction.converged || correction.first > largest_correction * h) return std::nullopt;
   if (!system.differentiate(next.point, row)) return std::nullopt;
@@ -678,9 +669,7 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
     double badness = 1.0;
     while (true) {
       if (h < shortest_step) {
-        const Index n = curve(here.piece).variables();
-        const auto multipliers = here.point.z.segment(n, here.point.z.size() - n - 1);
-        if (multipliers.size() > 0 && multipliers.cwiseAbs().maxCoeff() > heavy_multipliers) {
+        if (heaviest_multiplier(here) > heavy_multipliers) {
           end(PathBranch::End::singular, dead_centre_text(here));
         } else {
           end(PathBranch::End::stuck, "no step along the curve succeeds " + parameter_text());
@@ -889,8 +878,6 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
     }
     out.push_back(std::move(crossing));
   }
-  double until = h;
-  for (const Crossing& c : out) until = std::min(until, c.s);
   // Folds.
   int folds = 0, branches = 0;
   const double ra = a.rate(), rb = b.rate();
@@ -922,7 +909,7 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
   const int change = b.negative - a.negative;
   if (a.negative >= 0 && b.negative >= 0 && change != 0 && std::abs(change) != folds + branches &&
       (change + folds + branches) % 2 == 0 && curve(a.piece).unknowns() <= solvers::Curve::spectrum_limit &&
-      symmetric_) {
+      curve(a.piece).symmetric()) {
     if (can_split) return false;
     Crossing crossing{Crossing::Kind::multiple};
     std::optional<PathSpot> spot = find_multiple(segment, crossing.s);
@@ -940,16 +927,13 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
       continue;
     }
     auto found = root([&](double s) { return at(segment, s); },
-                      [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; }, h,
-                      limit == 0.0 ? -a.p() : a.p() - 1.0, std::max(beyond, 1e-300));
+                      [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; }, h, begin,
+                      std::max(beyond, 1e-300));
     if (!found) return false;
     Crossing crossing{Crossing::Kind::range, found->s, -1, std::move(found->spot)};
-    VectorXd z = crossing.spot.point.z;
+    if (std::optional<PathSpot> spot = held(crossing.spot, limit)) crossing.spot = std::move(*spot);
+    VectorXd& z = crossing.spot.point.z;
     z[z.size() - 1] = limit;
-    solvers::Curve& system = curve(a.piece);
-    const bool held = system.correct(z, VectorXd::Unit(z.size(), z.size() - 1)).converged;
-    if (held && system.norm(z - crossing.spot.point.z) < same_point) crossing.spot.point.z = z;
-    crossing.spot.point.z[z.size() - 1] = limit;
     out.push_back(std::move(crossing));
   }
   // Back at the start of the branch, perhaps after whole turns.

@@ -72,14 +72,13 @@ class PathTracer {
   solvers::Curve& curve(const PathPiece& piece);
   /// Whether forces, closures or limits change with the parameter beside a spot, in the first derivative.
   bool depends(const PathSpot& spot);
-  /// The largest change of a force over the whole range, in the model's units, in which those that act are of order
-  /// one.
-  double force_rate(const PathSpot& spot);
   /// What whole turns of angles must leave as it is.
   enum class Turns { forces, forces_and_stops };
   /// `x` with whole turns added to angles such that it comes as near as possible to `near`, where these turns change
   /// nothing; otherwise x itself.
   std::vector<double> unwound(const std::vector<double>& x, const std::vector<double>& near, Turns turns);
+  /// Adds an event to a branch; returns its index.
+  int add_event(PathEvent event, int branch);
   /// The number, SI, at a parameter.
   double value_at(double p) const;
   int evaluations() const;
@@ -114,6 +113,8 @@ class PathTracer {
   void depart(const PathSpot& spot, int event, const Eigen::VectorXd& along);
   void mark_used(int event, const PathSpot& spot, const Eigen::VectorXd& along);
   void judge(PathEvent& event, const PathSpot& spot, int watched);
+  std::optional<PathSpot> held(const PathSpot& spot, double p);
+  double heaviest_multiplier(const PathSpot& spot);
   bool is_far(const PathSpot& spot);
   bool repeats(const PathSpot& fold);
   void add_point(const PathSpot& spot, bool critical = false);
@@ -130,8 +131,7 @@ class PathTracer {
   std::deque<Departure> departures_;
   std::vector<std::pair<int, Eigen::VectorXd>> branch_points_;  // event, (x, p)
   int branch_ = -1;
-  Eigen::VectorXd z_, row_;  // of interpolate()
-  bool symmetric_ = true;
+  Eigen::VectorXd z_, row_;    // of interpolate()
   int angles_ = 0;             // of the coordinates, the first
   bool has_left_out_ = false;  // rows of closures that repeat others
 };

@@ -27,7 +27,7 @@ std::vector<int> VariedMechanism::one_way_springs(const Scene& scene) {
 
 VariedMechanism::VariedMechanism(const VariedScene& varied, const std::vector<char>& acts)
     : varied_(varied), one_way_(one_way_springs(varied.scene())), acts_(acts), affine_(varied.is_affine()) {
-  const auto vanishes = [&](double p) { return varied.from() + p * (varied.to() - varied.from()) == 0.0; };
+  const auto vanishes = [&](double p) { return varied.value_at(p) == 0.0; };
   first_ = compiled(vanishes(0.0) ? 0.5 : 0.0);
   second_ = compiled(vanishes(1.0) ? 0.5 : 1.0);
   const Mechanism<double>& m = first_.model->mechanism();
@@ -60,10 +60,8 @@ VariedMechanism::Piece VariedMechanism::compiled(double p) const {
   const Scene also = on_this_piece(varied_.generic_scene());
   Piece piece;
   piece.p = p;
-  // Exactly the ends at 0 and 1.
-  const double value = p == 1.0 ? varied_.to() : varied_.from() + p * (varied_.to() - varied_.from());
-  piece.model =
-      std::make_unique<ScaledModel>(on_this_piece(varied_.scene_at(value)), Purpose::statics, varied_.scales(), &also);
+  piece.model = std::make_unique<ScaledModel>(on_this_piece(varied_.scene_at(varied_.value_at(p))), Purpose::statics,
+                                              varied_.scales(), &also);
   piece.pose.resize(piece.model->mechanism().pose_size());
   return piece;
 }

@@ -98,7 +98,7 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
       fail("expected a force with a direction, its vector is [0, 0]; give another vector");
     }
   }
-  for (const ParameterPlace& place : places_) whole_.push_back(value_at(scene_, place).value_or(0.0));
+  for (const ParameterPlace& place : places_) whole_.push_back(poise::value_at(scene_, place).value_or(0.0));
   unit_ = dimension_.unit(scene_.units);
   from_ = from * unit_;
   to_ = to * unit_;
@@ -121,7 +121,8 @@ VariedScene VariedScene::in(Scene scene, const VariedScene& like) const {
   VariedScene out = *this;
   if (driven_) scene.stops.push_back(scene_.stops.back());
   out.scene_ = std::move(scene);
-  for (std::size_t k = 0; k < places_.size(); ++k) out.whole_[k] = value_at(out.scene_, places_[k]).value_or(0.0);
+  for (std::size_t k = 0; k < places_.size(); ++k)
+    out.whole_[k] = poise::value_at(out.scene_, places_[k]).value_or(0.0);
   out.scales_ = like.scales_;
   out.structure_ = like.structure_ ? like.structure_ : std::make_shared<const Scene>(like.scene_at(like.generic()));
   return out;

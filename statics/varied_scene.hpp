@@ -30,6 +30,9 @@ class VariedScene {
   const std::string& name() const { return name_; }
   double from() const { return from_; }  ///< SI
   double to() const { return to_; }      ///< SI
+  /// SI value at a part of the range, exactly its ends at 0 and 1; and the part at a value.
+  double value_at(double part) const { return part == 1.0 ? to_ : from_ + part * (to_ - from_); }
+  double part_at(double value) const { return (value - from_) / (to_ - from_); }
   /// SI value of one unit of the number in the scene's own units, and the name of that unit.
   double unit() const { return unit_; }
   std::string unit_name() const;
