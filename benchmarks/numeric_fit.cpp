@@ -33,12 +33,13 @@ struct RunResiduals {
       nuisances[static_cast<std::size_t>(i)] += unit * (blocks[model.unknowns()][i] - 1.0);
     }
     Prediction prediction;
-    model.predict(unknowns.data(), nuisances.data(), record.time.size(), accuracy, false, prediction);
+    model.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy, false, prediction);
     if (!prediction.ok) return false;
-    const std::vector<Sensor>& sensors = problem.experiment().sensors;
-    for (std::size_t i = 0; i < prediction.reading.size(); ++i) {
-      const std::size_t k = i % sensors.size();
-      residuals[i] = (prediction.reading[i] - record.reading[k][i / sensors.size()]) / sensors[k].noise;
+    auto predicted = prediction.reading.begin();
+    for (std::size_t k = 0; k < record.sensors.size(); ++k) {
+      for (const double read : record.sensors[k].value) {
+        *residuals++ = (*predicted++ - read) / problem.experiment().sensors[k].noise;
+      }
     }
     return true;
   }
@@ -69,7 +70,7 @@ NumericFit fit_numerically(const FitProblem& problem, const std::vector<Record>&
       cost->AddParameterBlock(model.nuisances());
       blocks.push_back(shifts[r].data());
     }
-    cost->SetNumResiduals(static_cast<int>(records[r].time.size() * records[r].reading.size()));
+    cost->SetNumResiduals(static_cast<int>(records[r].count()));
     least_squares.AddResidualBlock(cost.release(), nullptr, blocks);
   }
   ceres::Solver::Options solver;

@@ -16,9 +16,9 @@ namespace poise {
 /// value each, in units of their scale; then all nuisances, SI, as differences from their initial values.
 class RunCost : public ceres::CostFunction {
  public:
-  /// The record is fitted over its first `count` times. `evaluations` counts those of the first run.
-  RunCost(const FitProblem& problem, std::size_t run, const Record& record, std::size_t count,
-          std::vector<double> nuisances, int& evaluations);
+  /// The record is fitted up to the time `until`, s. `evaluations` counts those of the first run.
+  RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, std::vector<double> nuisances,
+          int& evaluations);
 
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
 
@@ -26,7 +26,7 @@ class RunCost : public ceres::CostFunction {
   const FitProblem& problem_;
   std::size_t run_;
   const Record& record_;
-  std::size_t count_;
+  double until_;
   std::vector<double> from_;
   int& evaluations_;
   mutable std::vector<double> at_;

@@ -98,7 +98,7 @@ struct Experiment {
   std::vector<Sensor> sensors;
   std::vector<Unknown> unknowns;
   std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment
-  std::vector<Record> records;  ///< one per run; empty (no times) where the run is simulated
+  std::vector<Record> records;  ///< one per run; empty where the run is simulated
 
   /// All of its runs are simulated.
   bool is_simulated() const {

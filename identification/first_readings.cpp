@@ -21,7 +21,7 @@ std::vector<double> rms_from_first_readings(const FitProblem& problem, const Fit
                                             const std::vector<Record>& records) {
   const std::vector<Sensor>& sensors = problem.experiment().sensors;
   std::vector<double> squares(sensors.size(), 0.0);
-  std::size_t samples = 0;
+  std::vector<std::size_t> readings(sensors.size(), 0);
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     std::vector<double> nuisances;
     try {
@@ -29,14 +29,15 @@ std::vector<double> rms_from_first_readings(const FitProblem& problem, const Fit
     } catch (const InputError&) {
       return {};  // no pose has these readings and closes the loops
     }
-    std::vector<double> e;
-    const std::size_t count = records[r].time.size();
-    if (!problem.residuals(r, fitted.parameters, nuisances, records[r], count, e)) return {};
-    for (std::size_t i = 0; i < e.size(); ++i) squares[i % sensors.size()] += e[i] * e[i];
-    samples += count;
+    const Residuals e = problem.residuals(r, fitted.parameters, nuisances, records[r]);
+    if (e.empty()) return {};
+    for (std::size_t k = 0; k < e.size(); ++k) {
+      for (const double x : e[k]) squares[k] += x * x;
+      readings[k] += e[k].size();
+    }
   }
   for (std::size_t k = 0; k < sensors.size(); ++k) {
-    squares[k] = sensors[k].noise * std::sqrt(squares[k] / static_cast<double>(samples));
+    squares[k] = sensors[k].noise * std::sqrt(squares[k] / static_cast<double>(readings[k]));
   }
   return squares;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <ceres/ceres.h>
@@ -18,6 +19,7 @@ namespace {
 
 /// A ratio of residuals to noise above this indicates a local minimum or an incomplete model.
 constexpr double suspicious = 1.3;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// A local minimum leaves at least this part of the readings' variation in the residuals.
 constexpr double lost_from = 0.1;
 
@@ -44,10 +46,11 @@ class Fitting {
  private:
   void search() {
     for (const Record& record : records_) {
-      out_.readings += static_cast<int>(record.time.size() * record.reading.size());
-      for (std::size_t k = 0; k < record.reading.size(); ++k) {
-        const Eigen::Map<const Eigen::ArrayXd> reading(record.reading[k].data(),
-                                                       static_cast<Eigen::Index>(record.time.size()));
+      out_.readings += static_cast<int>(record.count());
+      for (std::size_t k = 0; k < record.sensors.size(); ++k) {
+        const std::vector<double>& values = record.sensors[k].value;
+        if (values.empty()) continue;
+        const Eigen::Map<const Eigen::ArrayXd> reading(values.data(), static_cast<Eigen::Index>(values.size()));
         const double noise = problem_.experiment().sensors[k].noise;
         signal_ += (reading - reading.mean()).square().sum() / (noise * noise);
       }
@@ -127,10 +130,14 @@ class Fitting {
     }
   }
 
-  std::size_t count(std::size_t r, double window) const {
-    const std::size_t all = records_[r].time.size();
-    const auto least = static_cast<std::size_t>(problem_.run(r).columns()) + 4;
-    return std::min(all, std::max(least, static_cast<std::size_t>(window * static_cast<double>(all))));
+  /// The time up to which a part of run r is fitted; it contains enough readings for the run's own values.
+  double until(std::size_t r, double window) const {
+    const RunModel& run = problem_.run(r);
+    if (window == 1.0) return INFINITY;
+    const auto least = static_cast<std::size_t>(run.columns()) + 4;
+    double part = window;
+    while (part < 1.0 && run.readings(part * run.span()) < least) part *= 1.5;
+    return part < 1.0 ? part * run.span() : INFINITY;
   }
 
   double minimise(Point& point, double window) {
@@ -145,7 +152,7 @@ class Fitting {
       for (const int p : problem_.parameters_of(r)) blocks.push_back(&scaled[static_cast<std::size_t>(p)]);
       if (!shifts[r].empty()) blocks.push_back(shifts[r].data());
       problem.AddResidualBlock(
-          new RunCost(problem_, r, records_[r], count(r, window), point.nuisances[r], out_.evaluations), nullptr,
+          new RunCost(problem_, r, records_[r], until(r, window), point.nuisances[r], out_.evaluations), nullptr,
           blocks);
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -253,16 +260,18 @@ class Fitting {
     std::vector<Eigen::MatrixXd> triangles;
     const std::size_t sensors = problem_.experiment().sensors.size();
     std::vector<double> squares(sensors, 0.0);
-    std::size_t samples = 0;
+    std::vector<std::size_t> readings(sensors, 0);
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
-      std::vector<double> e;
-      triangles.push_back(problem_.triangle(r, best_.parameters, best_.nuisances[r], &records_[r],
-                                            records_[r].time.size(), problem_.accuracy(r), &e));
+      Residuals e;
+      triangles.push_back(
+          problem_.triangle(r, best_.parameters, best_.nuisances[r], &records_[r], INFINITY, problem_.accuracy(r), &e));
       out_.runs.push_back(evaluate_run(r, e, squares));
-      samples += records_[r].time.size();
+      for (std::size_t k = 0; k < e.size(); ++k) readings[k] += e[k].size();
     }
     evaluate_autocorrelation();
-    for (const double square : squares) out_.rms.push_back(std::sqrt(square / static_cast<double>(samples)));
+    for (std::size_t k = 0; k < sensors; ++k) {
+      out_.rms.push_back(std::sqrt(squares[k] / static_cast<double>(readings[k])));
+    }
     out_.identifiability = assess(problem_, best_.parameters, triangles);
     const double enlarged = std::max(1.0, out_.residual_over_noise);
     for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
@@ -301,26 +310,23 @@ class Fitting {
     if (!white) out_.autocorrelation_factor = std::sqrt((1 + r) / (1 - r));
   }
 
-  RunFit evaluate_run(std::size_t r, const std::vector<double>& e, std::vector<double>& squares) const {
+  RunFit evaluate_run(std::size_t r, const Residuals& e, std::vector<double>& squares) const {
     RunFit out;
     out.name = problem_.run(r).run().name;
     out.nuisances = best_.nuisances[r];
-    if (e.empty()) return out;
-    const std::size_t sensors = squares.size();
-    const std::size_t samples = records_[r].time.size();
-    for (std::size_t k = 0; k < sensors; ++k) {
+    for (std::size_t k = 0; k < e.size(); ++k) {
+      const auto samples = static_cast<double>(e[k].size());
       double square = 0.0;
       double lagged = 0.0;
-      for (std::size_t s = 0; s < samples; ++s) {
-        const double here = e[s * sensors + k];
-        square += here * here;
-        if (s > 0) lagged += here * e[(s - 1) * sensors + k];
+      for (std::size_t s = 0; s < e[k].size(); ++s) {
+        square += e[k][s] * e[k][s];
+        if (s > 0) lagged += e[k][s] * e[k][s - 1];
       }
       const double noise = problem_.experiment().sensors[k].noise;
       squares[k] += square * noise * noise;
-      out.rms.push_back(noise * std::sqrt(square / static_cast<double>(samples)));
+      out.rms.push_back(e[k].empty() ? nan : noise * std::sqrt(square / samples));
       out.autocorrelation.push_back(square > 0 ? lagged / square : 0.0);
-      out.white = out.white && std::abs(out.autocorrelation.back()) < 4 / std::sqrt(static_cast<double>(samples));
+      out.white = out.white && (e[k].empty() || std::abs(out.autocorrelation.back()) < 4 / std::sqrt(samples));
     }
     return out;
   }

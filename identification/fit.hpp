@@ -25,7 +25,7 @@ struct Estimate {
 struct RunFit {
   std::string name;
   std::vector<double> nuisances;        ///< see RunModel
-  std::vector<double> rms;              ///< per sensor: root mean square residual, SI
+  std::vector<double> rms;              ///< per sensor: root mean square residual, SI; NaN without readings
   std::vector<double> autocorrelation;  ///< per sensor, at a lag of one sample; near 0 for white residuals
   bool white = true;                    ///< all |autocorrelation| < 4 / sqrt(samples)
 };

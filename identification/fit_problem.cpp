@@ -95,9 +95,9 @@ int FitProblem::nuisances() const {
 }
 
 std::size_t FitProblem::readings() const {
-  std::size_t times = 0;
-  for (const RunModel& model : models_) times += model.times().size();
-  return times * experiment_.sensors.size();
+  std::size_t sum = 0;
+  for (const RunModel& model : models_) sum += model.readings(INFINITY);
+  return sum;
 }
 
 std::vector<double> FitProblem::starts() const {
@@ -115,16 +115,16 @@ std::vector<double> FitProblem::truths() const {
 Record FitProblem::ideal_record(std::size_t r) const {
   const RunModel& model = models_[r];
   Prediction prediction;
-  model.predict(model.scene_values().data(), model.released().data(), model.times().size(), 1e-10, false, prediction);
+  model.predict(model.scene_values().data(), model.released().data(), INFINITY, 1e-10, false, prediction);
   if (!prediction.ok) {
     throw std::runtime_error(fmt::format("run \"{}\" cannot be simulated: {}", model.run().name, prediction.why));
   }
   Record record;
-  record.time = model.times();
-  const std::size_t sensors = experiment_.sensors.size();
-  record.reading.assign(sensors, std::vector<double>(record.time.size()));
-  for (std::size_t s = 0; s < record.time.size(); ++s) {
-    for (std::size_t k = 0; k < sensors; ++k) record.reading[k][s] = prediction.reading[s * sensors + k];
+  auto from = prediction.reading.begin();
+  for (const std::vector<double>& times : model.times()) {
+    const auto to = from + static_cast<std::ptrdiff_t>(times.size());
+    record.sensors.push_back({times, {from, to}});
+    from = to;
   }
   return record;
 }
@@ -132,8 +132,8 @@ Record FitProblem::ideal_record(std::size_t r) const {
 void FitProblem::add_noise(Record& record, std::uint64_t seed) const {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  for (std::size_t k = 0; k < record.reading.size(); ++k) {
-    for (double& reading : record.reading[k]) reading += experiment_.sensors[k].noise * normal(random);
+  for (std::size_t k = 0; k < record.sensors.size(); ++k) {
+    for (double& reading : record.sensors[k].value) reading += experiment_.sensors[k].noise * normal(random);
   }
 }
 
@@ -152,52 +152,58 @@ std::vector<Record> FitProblem::records() const {
 }
 
 Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& parameters,
-                                     const std::vector<double>& nuisances, const Record* record, std::size_t count,
-                                     double accuracy, std::vector<double>* residuals) const {
+                                     const std::vector<double>& nuisances, const Record* record, double until,
+                                     double accuracy, Residuals* residuals) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = chosen(parameters, used_[r]);
   Prediction prediction;
-  model.predict(unknowns.data(), nuisances.data(), count, accuracy, true, prediction);
+  model.predict(unknowns.data(), nuisances.data(), until, accuracy, true, prediction);
   if (!prediction.ok) return {};
   const Eigen::Index rows = static_cast<Eigen::Index>(prediction.reading.size());
   const Eigen::Index p = model.unknowns();
   const Eigen::Index m = model.columns();
-  const std::size_t sensors = experiment_.sensors.size();
   Eigen::MatrixXd whole(std::max(rows, m + 1), m + 1);
   whole.bottomRows(whole.rows() - rows).setZero();
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    const auto k = static_cast<std::size_t>(row) % sensors;
-    const auto s = static_cast<std::size_t>(row) / sensors;
+  if (residuals != nullptr) residuals->clear();
+  Eigen::Index row = 0;
+  const std::vector<std::size_t> counts = model.counts(until);
+  for (std::size_t k = 0; k < counts.size(); ++k) {
     const double per_noise = 1.0 / experiment_.sensors[k].noise;
-    const double* jacobian = &prediction.jacobian[static_cast<std::size_t>(row * m)];
-    for (Eigen::Index c = p; c < m; ++c) whole(row, c - p) = per_noise * jacobian[c];
-    for (Eigen::Index c = 0; c < p; ++c) whole(row, m - p + c) = per_noise * jacobian[c];
-    whole(row, m) = record != nullptr
-                        ? per_noise * (prediction.reading[static_cast<std::size_t>(row)] - record->reading[k][s])
-                        : 0.0;
+    const Eigen::Index first = row;
+    for (std::size_t s = 0; s < counts[k]; ++s, ++row) {
+      const double* jacobian = &prediction.jacobian[static_cast<std::size_t>(row * m)];
+      for (Eigen::Index c = p; c < m; ++c) whole(row, c - p) = per_noise * jacobian[c];
+      for (Eigen::Index c = 0; c < p; ++c) whole(row, m - p + c) = per_noise * jacobian[c];
+      whole(row, m) =
+          record != nullptr
+              ? per_noise * (prediction.reading[static_cast<std::size_t>(row)] - record->sensors[k].value[s])
+              : 0.0;
+    }
+    if (residuals != nullptr) {
+      const Eigen::VectorXd e = whole.col(m).segment(first, row - first);
+      residuals->emplace_back(e.begin(), e.end());
+    }
   }
   if (!whole.allFinite()) return {};
-  if (residuals != nullptr) {
-    residuals->resize(static_cast<std::size_t>(rows));
-    Eigen::Map<Eigen::VectorXd>(residuals->data(), rows) = whole.col(m).head(rows);
-  }
   return solvers::triangular_factor(whole);
 }
 
-bool FitProblem::residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
-                           const Record& record, std::size_t count, std::vector<double>& e) const {
+Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parameters,
+                                const std::vector<double>& nuisances, const Record& record) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = chosen(parameters, used_[r]);
   Prediction prediction;
-  model.predict(unknowns.data(), nuisances.data(), count, accuracy_[r], false, prediction);
-  if (!prediction.ok) return false;
-  const std::size_t sensors = experiment_.sensors.size();
-  e.resize(prediction.reading.size());
-  for (std::size_t row = 0; row < e.size(); ++row) {
-    const std::size_t k = row % sensors;
-    e[row] = (prediction.reading[row] - record.reading[k][row / sensors]) / experiment_.sensors[k].noise;
+  model.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy_[r], false, prediction);
+  if (!prediction.ok) return {};
+  Residuals e;
+  auto predicted = prediction.reading.begin();
+  for (std::size_t k = 0; k < record.sensors.size(); ++k) {
+    std::vector<double>& of_sensor = e.emplace_back();
+    for (const double reading : record.sensors[k].value) {
+      of_sensor.push_back((*predicted++ - reading) / experiment_.sensors[k].noise);
+    }
   }
-  return true;
+  return e;
 }
 
 std::vector<std::vector<std::vector<double>>> FitProblem::sensitivities(std::size_t r,
@@ -205,19 +211,18 @@ std::vector<std::vector<std::vector<double>>> FitProblem::sensitivities(std::siz
                                                                         const std::vector<double>& nuisances) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = chosen(parameters, used_[r]);
-  const std::size_t times = model.times().size();
   Prediction prediction;
-  model.predict(unknowns.data(), nuisances.data(), times, accuracy_[r], true, prediction);
+  model.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy_[r], true, prediction);
   if (!prediction.ok) return {};
-  const std::size_t sensors = experiment_.sensors.size();
   const auto columns = static_cast<std::size_t>(model.columns());
-  std::vector<std::vector<std::vector<double>>> out(sensors);
-  for (std::size_t k = 0; k < sensors; ++k) {
-    for (std::size_t c = 0; c < unknowns.size(); ++c) {
-      const double shown = unknowns[c] + unknown_of(static_cast<std::size_t>(used_[r][c])).includes;
-      std::vector<double>& curve = out[k].emplace_back();
-      for (std::size_t s = 0; s < times; ++s) {
-        curve.push_back(shown * prediction.jacobian[(s * sensors + k) * columns + c] / experiment_.sensors[k].noise);
+  std::vector<std::vector<std::vector<double>>> out;
+  const double* row = prediction.jacobian.data();
+  for (std::size_t k = 0; k < model.times().size(); ++k) {
+    std::vector<std::vector<double>>& of_sensor = out.emplace_back(unknowns.size());
+    for (std::size_t s = 0; s < model.times()[k].size(); ++s, row += columns) {
+      for (std::size_t c = 0; c < unknowns.size(); ++c) {
+        const double shown = unknowns[c] + unknown_of(static_cast<std::size_t>(used_[r][c])).includes;
+        of_sensor[c].push_back(shown * row[c] / experiment_.sensors[k].noise);
       }
     }
   }

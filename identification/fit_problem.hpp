@@ -21,6 +21,9 @@ struct Parameter {
   double min, max;   ///< of the value in the scene
 };
 
+/// (predicted - read) / noise of a run: per sensor, one for each of its readings.
+using Residuals = std::vector<std::vector<double>>;
+
 /// An experiment as a least-squares problem:  minimise 1/2 sum ((predicted - read) / noise)^2  over the parameters and,
 /// for every run, its nuisances. Const after construction: runs can be evaluated on several threads.
 class FitProblem {
@@ -53,15 +56,14 @@ class FitProblem {
   /// The records of the experiment: measured, or simulated with the runs' seeds.
   std::vector<Record> records() const;
 
-  /// The triangle R of  Q R = [d e/d nuisances, d e/d unknowns, e]  with e = (predicted - read) / noise of run r over
-  /// its first `count` times: everything that least squares needs of a run, (columns + 1) square. Without
+  /// The triangle R of  Q R = [d e/d nuisances, d e/d unknowns, e]  with e = (predicted - read) / noise of run r up to
+  /// the time `until`, s: everything that least squares needs of a run, (columns + 1) square. Without
   /// `record` e is 0. Empty where the motion fails. Fills `residuals` with e, where given.
   Eigen::MatrixXd triangle(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
-                           const Record* record, std::size_t count, double accuracy,
-                           std::vector<double>* residuals = nullptr) const;
-  /// e itself, without derivatives.
-  bool residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
-                 const Record& record, std::size_t count, std::vector<double>& e) const;
+                           const Record* record, double until, double accuracy, Residuals* residuals = nullptr) const;
+  /// e itself over the whole record, without derivatives; empty where the motion fails.
+  Residuals residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
+                      const Record& record) const;
 
   /// Relative sensitivities  p dy/dp / noise  of run r: by how many standard deviations of the noise a reading would
   /// change if a parameter grew by 100 %, to first order. Per sensor, per parameter as in parameters_of(r), per time;

@@ -64,8 +64,8 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
                        const std::vector<std::vector<double>>& nuisances) {
   std::vector<Eigen::MatrixXd> triangles;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    triangles.push_back(problem.triangle(r, parameters, nuisances[r], nullptr, problem.run(r).times().size(),
-                                         std::min(1e-8, problem.accuracy(r))));
+    triangles.push_back(
+        problem.triangle(r, parameters, nuisances[r], nullptr, INFINITY, std::min(1e-8, problem.accuracy(r))));
   }
   return assess(problem, parameters, triangles);
 }

@@ -186,6 +186,12 @@ void expect_cells(const CsvRows& rows, std::size_t expected) {
 
 }  // namespace
 
+std::size_t Record::count() const {
+  std::size_t sum = 0;
+  for (const Series& series : sensors) sum += series.value.size();
+  return sum;
+}
+
 const std::vector<double>& CsvTable::column(const std::string& name) const {
   const auto found = std::find(columns.begin(), columns.end(), name);
   if (found == columns.end()) throw std::out_of_range("column \"" + name + "\" was not read");

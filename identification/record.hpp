@@ -7,11 +7,18 @@
 
 namespace poise {
 
-/// Readings of all sensors over time.
+/// Readings of one sensor in one run.
+struct Series {
+  std::vector<double> time;   ///< s, ascending
+  std::vector<double> value;  ///< SI, one per time
+};
+
+/// What was read in one run.
 struct Record {
-  std::vector<double> time;                  ///< s, ascending
-  std::vector<std::vector<double>> reading;  ///< per sensor, per time; SI
-  bool empty() const { return time.empty(); }
+  std::vector<Series> sensors;  ///< one per sensor of the experiment; empty where the run has no readings of it
+
+  std::size_t count() const;
+  bool empty() const { return count() == 0; }
 };
 
 /// A column of words, kept as they are written.

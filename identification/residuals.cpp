@@ -14,19 +14,16 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 RunResiduals residuals_of(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
                           std::size_t run) {
-  const std::vector<Sensor>& sensors = problem.experiment().sensors;
   const Record& record = records[run];
   RunResiduals out;
-  out.residual.assign(sensors.size(), std::vector<double>(record.time.size(), nan));
+  for (const Series& series : record.sensors) out.residual.emplace_back(series.value.size(), nan);
   out.prediction = out.residual;
-  std::vector<double> e;
-  const std::size_t times = record.time.size();
-  if (!problem.residuals(run, fitted.parameters, fitted.runs[run].nuisances, record, times, e)) return out;
-  for (std::size_t i = 0; i < e.size(); ++i) {
-    const std::size_t k = i % sensors.size();
-    const std::size_t s = i / sensors.size();
-    out.residual[k][s] = -sensors[k].noise * e[i];
-    out.prediction[k][s] = record.reading[k][s] - out.residual[k][s];
+  const Residuals e = problem.residuals(run, fitted.parameters, fitted.runs[run].nuisances, record);
+  for (std::size_t k = 0; k < e.size(); ++k) {
+    for (std::size_t s = 0; s < e[k].size(); ++s) {
+      out.residual[k][s] = -problem.experiment().sensors[k].noise * e[k][s];
+      out.prediction[k][s] = record.sensors[k].value[s] - out.residual[k][s];
+    }
   }
   return out;
 }
@@ -34,10 +31,13 @@ RunResiduals residuals_of(const FitProblem& problem, const Fit& fitted, const st
 double rms_over_noise(const FitProblem& problem, const RunFit& run) {
   if (run.rms.empty()) return nan;
   double squares = 0.0;
+  int sensors = 0;
   for (std::size_t k = 0; k < run.rms.size(); ++k) {
+    if (std::isnan(run.rms[k])) continue;
     squares += std::pow(run.rms[k] / problem.experiment().sensors[k].noise, 2);
+    ++sensors;
   }
-  return std::sqrt(squares / static_cast<double>(run.rms.size()));
+  return std::sqrt(squares / sensors);
 }
 
 std::vector<std::size_t> worst_first(const FitProblem& problem, const Fit& fitted) {

@@ -53,13 +53,12 @@ Record record_of(const CsvTable& table, const RunSource& source, std::size_t fir
   check_times(table, source.time, first, last, source.every);
   const std::vector<double>& time = table.column(source.time);
   Record record;
-  for (std::size_t row = first; row < last; row += source.every) record.time.push_back(time[row] - time[first]);
   for (const Sensor& sensor : sensors) {
     const std::vector<double>& column = table.column(sensor.column);
-    std::vector<double>& reading = record.reading.emplace_back();
-    reading.reserve(record.time.size());
+    Series& series = record.sensors.emplace_back();
     for (std::size_t row = first; row < last; row += source.every) {
-      reading.push_back(sensor.zero + sensor.unit * column[row]);
+      series.time.push_back(time[row] - time[first]);
+      series.value.push_back(sensor.zero + sensor.unit * column[row]);
     }
   }
   return record;

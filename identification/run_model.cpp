@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -89,13 +90,35 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   const MotionState state = start_at(place, model, release, &closed_);
   for (const int i : independent_) released_.push_back(state.q[static_cast<std::size_t>(i)]);
   for (const int i : independent_) released_.push_back(state.v[static_cast<std::size_t>(i)]);
-  if (run_.data.empty()) {
+  if (run_.is_simulated()) {
     const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
-    for (std::size_t i = 0; i < count; ++i) times_.push_back(static_cast<double>(i) / run_.sample_rate);
+    std::vector<double> times;
+    for (std::size_t i = 0; i < count; ++i) times.push_back(static_cast<double>(i) / run_.sample_rate);
+    times_.assign(experiment.sensors.size(), times);
   } else {
-    times_ = experiment.records[run].time;
+    for (const Series& series : experiment.records[run].sensors) times_.push_back(series.time);
   }
+  for (std::size_t k = 0; k < times_.size(); ++k) {
+    for (std::size_t i = 0; i < times_[k].size(); ++i) readings_.push_back({times_[k][i], k, i});
+  }
+  std::stable_sort(readings_.begin(), readings_.end(),
+                   [](const Reading& a, const Reading& b) { return a.time < b.time; });
 }
+
+std::vector<std::size_t> RunModel::counts(double until) const {
+  std::vector<std::size_t> out;
+  for (const std::vector<double>& times : times_) {
+    out.push_back(static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), until) - times.begin()));
+  }
+  return out;
+}
+
+std::size_t RunModel::readings(double until) const {
+  const std::vector<std::size_t> each = counts(until);
+  return std::accumulate(each.begin(), each.end(), std::size_t{0});
+}
+
+double RunModel::span() const { return readings_.empty() ? 0.0 : readings_.back().time; }
 
 std::vector<std::string> RunModel::nuisance_names() const {
   std::vector<std::string> names;
@@ -220,7 +243,7 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
   options.independent = independent_;
   options.sensitivities = sensitivities;
   // Steps that the readings could follow; a fit may start from a stiffness that would need a billion.
-  options.most_steps = 20'000 + 20 * static_cast<int>(times_.size());
+  options.most_steps = 20'000 + 20 * static_cast<int>(readings_.size());
   if (sensitivities) options.influences = built.influences;
   return simulate(*built.model, begin(built, nuisances), options);
 }
@@ -236,8 +259,8 @@ Motion RunModel::move(const double* unknowns, const double* nuisances, double du
   return move(built, nuisances, duration, accuracy, sensitivities);
 }
 
-void RunModel::predict(const double* unknowns, const double* nuisances, std::size_t count, double accuracy,
-                       bool jacobian, Prediction& out) const {
+void RunModel::predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
+                       Prediction& out) const {
   out.ok = false;
   const int p = static_cast<int>(numbers_.size());
   const int f = freedoms_;
@@ -246,7 +269,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
     out.why = built.why;
     return;
   }
-  const Motion motion = move(built, nuisances, std::max(times_[count - 1], 1e-9), accuracy, jacobian);
+  const Motion motion = move(built, nuisances, std::max(std::min(until, span()), 1e-9), accuracy, jacobian);
   if (!motion.completed()) {
     out.why = motion.why;
     return;
@@ -265,49 +288,52 @@ void RunModel::predict(const double* unknowns, const double* nuisances, std::siz
   }
   TrajectoryReader trajectory(motion.trajectory, coordinates);
   const std::size_t width = static_cast<std::size_t>(columns());
-  out.reading.resize(count * readers.size());
+  std::vector<std::size_t> first{0};  // row of each sensor's first reading
+  for (const std::size_t count : counts(until)) first.push_back(first.back() + count);
+  out.reading.resize(first.back());
   if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
   // Columns of the trajectory: f starts, f start rates, the numbers, the one that the equilibrium sets.
   std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
   std::vector<double> column(static_cast<std::size_t>(motion.trajectory.columns));
-  for (std::size_t s = 0; s < count; ++s) {
-    trajectory.at(times_[s]);
-    for (std::size_t k = 0; k < readers.size(); ++k) {
-      SensorReader& reader = readers[k];
-      const Sensor& sensor = experiment_.sensors[k];
-      const std::size_t n = reader.coordinates().size();
-      for (std::size_t i = 0; i < n; ++i) {
-        q[i] = trajectory.q(places[k][i]);
-        v[i] = trajectory.v(places[k][i]);
-      }
-      const std::size_t row = s * readers.size() + k;
-      out.reading[row] = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
-      if (!jacobian) continue;
-      std::fill(column.begin(), column.end(), 0.0);
-      for (std::size_t i = 0; i < n; ++i) {
-        const std::span<const double> q_p = trajectory.q_p(places[k][i]);
-        const std::span<const double> v_p = trajectory.v_p(places[k][i]);
-        const double on_q = by_q[i];
-        const double on_v = by_v[i];
-        for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_q * q_p[c];
-        if (on_v == 0) continue;
-        for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
-      }
-      double* numbers = column.data() + 2 * f;
-      if (sensor.reads_force()) {
-        for (int i = 0; i <= p; ++i) {
-          if (i == p && !set_by_equilibrium_) break;
-          const SceneParameter& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_equilibrium_;
-          numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
-        }
-      }
-      double* to = &out.jacobian[row * width];
-      for (int i = 0; i < p; ++i) {
-        *to++ = numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0);
-      }
-      if (equilibrium_unknown_) *to++ = numbers[p] * built.set_by_at;
-      if (start_unknown_) std::copy(column.begin(), column.begin() + 2 * f, to);
+  double now = -INFINITY;
+  for (const auto& [time, k, s] : readings_) {
+    if (time > until) break;
+    if (time > now) trajectory.at(time);
+    now = time;
+    SensorReader& reader = readers[k];
+    const Sensor& sensor = experiment_.sensors[k];
+    const std::size_t n = reader.coordinates().size();
+    for (std::size_t i = 0; i < n; ++i) {
+      q[i] = trajectory.q(places[k][i]);
+      v[i] = trajectory.v(places[k][i]);
     }
+    const std::size_t row = first[k] + s;
+    out.reading[row] = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
+    if (!jacobian) continue;
+    std::fill(column.begin(), column.end(), 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::span<const double> q_p = trajectory.q_p(places[k][i]);
+      const std::span<const double> v_p = trajectory.v_p(places[k][i]);
+      const double on_q = by_q[i];
+      const double on_v = by_v[i];
+      for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_q * q_p[c];
+      if (on_v == 0) continue;
+      for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
+    }
+    double* numbers = column.data() + 2 * f;
+    if (sensor.reads_force()) {
+      for (int i = 0; i <= p; ++i) {
+        if (i == p && !set_by_equilibrium_) break;
+        const SceneParameter& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_equilibrium_;
+        numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
+      }
+    }
+    double* to = &out.jacobian[row * width];
+    for (int i = 0; i < p; ++i) {
+      *to++ = numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0);
+    }
+    if (equilibrium_unknown_) *to++ = numbers[p] * built.set_by_at;
+    if (start_unknown_) std::copy(column.begin(), column.begin() + 2 * f, to);
   }
   out.ok = true;
 }
@@ -352,13 +378,6 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
 
 std::vector<double> RunModel::start_from_readings(const Record& record) const {
   // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
-  const std::size_t count = std::min<std::size_t>(record.time.size(), 16);
-  Eigen::MatrixXd powers(static_cast<Eigen::Index>(count), 3);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double t = record.time[i];
-    powers.row(static_cast<Eigen::Index>(i)) << 1.0, t, t * t;
-  }
-  const solvers::LeastSquares<double> parabola(powers);
   const MotionModel model(scene_, scales_);
   std::vector<StartValue> wanted;
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
@@ -368,14 +387,21 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
       continue;
     // More readings than degrees of freedom would contradict each other by their noise.
     if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
+    const Series& series = record.sensors[k];
+    const auto count = static_cast<Eigen::Index>(std::min<std::size_t>(series.time.size(), 16));
     const SensorReader reader(model, sensor);
-    if (reader.coordinates().size() != 1) continue;
+    if (count < 3 || reader.coordinates().size() != 1) continue;
+    Eigen::MatrixXd powers(count, 3);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double t = series.time[static_cast<std::size_t>(i)];
+      powers.row(i) << 1.0, t, t * t;
+    }
     const std::vector<double> one{0.0};
     double by_q = 0.0;
     double by_v = 0.0;
     const double zero = SensorReader(reader).read(one.data(), one.data(), &by_q, &by_v);
     const Eigen::VectorXd fit =
-        parabola.solve(Eigen::Map<const Eigen::VectorXd>(record.reading[k].data(), static_cast<Eigen::Index>(count)));
+        solvers::LeastSquares<double>(powers).solve(Eigen::Map<const Eigen::VectorXd>(series.value.data(), count));
     wanted.push_back({reader.coordinates()[0], false, fit[0] - zero});
     wanted.push_back({reader.coordinates()[0], true, fit[1]});
   }

@@ -14,7 +14,7 @@ namespace poise {
 struct Prediction {
   bool ok = false;
   std::string why;               ///< where the motion could not be computed
-  std::vector<double> reading;   ///< sensors() values per time, SI
+  std::vector<double> reading;   ///< sensor after sensor, the values at its times, SI
   std::vector<double> jacobian;  ///< columns() values per reading: d reading / d(unknowns, nuisances), SI
 };
 
@@ -45,11 +45,17 @@ class RunModel {
   /// Values of the scene as it is written, and nuisances as the run is released.
   std::vector<double> scene_values() const;
   std::vector<double> released() const;
-  /// Times of a simulated run, or of its record.
-  const std::vector<double>& times() const { return times_; }
+  /// Per sensor: the times of its readings, of the record or of the simulated run; empty where it is not read.
+  const std::vector<std::vector<double>>& times() const { return times_; }
+  /// Readings of each sensor up to the time `until`, s.
+  std::vector<std::size_t> counts(double until) const;
+  /// Of all sensors up to the time `until`.
+  std::size_t readings(double until) const;
+  /// Time of the last reading, s.
+  double span() const;
 
-  /// Predicts the readings at the first `count` times; with the Jacobian where asked. `accuracy` as of simulate().
-  void predict(const double* unknowns, const double* nuisances, std::size_t count, double accuracy, bool jacobian,
+  /// Predicts the readings up to the time `until`, s; with the Jacobian where asked. `accuracy` as of simulate().
+  void predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
                Prediction& out) const;
   /// The motion behind a prediction.
   Motion move(const double* unknowns, const double* nuisances, double duration, double accuracy,
@@ -104,7 +110,12 @@ class RunModel {
   bool equilibrium_unknown_ = false, start_unknown_ = true;
   int equilibrium_coordinate_ = -1;
   double equilibrium_turn_ = 0.0;  // value of the equilibrium = coordinate + turn
-  std::vector<double> times_;
+  std::vector<std::vector<double>> times_;
+  struct Reading {
+    double time;
+    std::size_t sensor, at;  // index into times_[sensor]
+  };
+  std::vector<Reading> readings_;  // of all sensors, in the order of time
   std::vector<double> released_;
 };
 

@@ -51,11 +51,10 @@ std::vector<std::vector<double>> released(const FitProblem& problem) {
 
 Eigen::MatrixXd whole_jacobian(const FitProblem& problem) {
   const auto parameters = static_cast<Eigen::Index>(problem.parameters().size());
-  const auto sensors = problem.experiment().sensors.size();
   Eigen::Index rows = 0;
   Eigen::Index columns = parameters;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    rows += static_cast<Eigen::Index>(problem.run(r).times().size() * sensors);
+    rows += static_cast<Eigen::Index>(problem.run(r).readings(INFINITY));
     columns += problem.run(r).nuisances();
   }
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, columns);
@@ -64,15 +63,18 @@ Eigen::MatrixXd whole_jacobian(const FitProblem& problem) {
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     Prediction prediction;
-    run.predict(run.scene_values().data(), run.released().data(), run.times().size(), 1e-11, true, prediction);
+    run.predict(run.scene_values().data(), run.released().data(), INFINITY, 1e-11, true, prediction);
     if (!prediction.ok) throw std::runtime_error(prediction.why);
     const auto width = static_cast<std::size_t>(run.columns());
-    for (std::size_t i = 0; i < prediction.reading.size(); ++i, ++row) {
-      const double noise = problem.experiment().sensors[i % sensors].noise;
-      for (std::size_t c = 0; c < width; ++c) {
-        const auto u = static_cast<int>(c);
-        const Eigen::Index to = u < run.unknowns() ? problem.parameters_of(r)[c] : column + u - run.unknowns();
-        J(row, to) = prediction.jacobian[i * width + c] / noise;
+    std::size_t i = 0;
+    for (std::size_t k = 0; k < run.times().size(); ++k) {
+      const double noise = problem.experiment().sensors[k].noise;
+      for (std::size_t s = 0; s < run.times()[k].size(); ++s, ++i, ++row) {
+        for (std::size_t c = 0; c < width; ++c) {
+          const auto u = static_cast<int>(c);
+          const Eigen::Index to = u < run.unknowns() ? problem.parameters_of(r)[c] : column + u - run.unknowns();
+          J(row, to) = prediction.jacobian[i * width + c] / noise;
+        }
       }
     }
     column += run.nuisances();

@@ -35,7 +35,7 @@ TEST(FirstReadings, AreTheGuessOnlyWhereNoReleaseIsGiven) {
   const FitProblem problem(lift);
   EXPECT_EQ(first_guess(problem.run(0), Record{}), problem.run(0).released());
   const std::vector<double> guess = first_guess(problem.run(0), record);
-  EXPECT_NEAR(guess[1], record.reading[0][0], 5e-5) << "rad: obd itself is read";
+  EXPECT_NEAR(guess[1], record.sensors[0].value[0], 5e-5) << "rad: obd itself is read";
 }
 
 TEST(FirstReadings, StartWorseThanTheFit) {

@@ -17,10 +17,12 @@ namespace {
 // Half the sum of squares of one run, straight from the residuals.
 double cost(const FitProblem& problem, std::size_t r, const Record& record, const std::vector<double>& parameters,
             const std::vector<double>& nuisances) {
-  std::vector<double> e;
-  EXPECT_TRUE(problem.residuals(r, parameters, nuisances, record, record.time.size(), e));
+  const Residuals e = problem.residuals(r, parameters, nuisances, record);
+  EXPECT_FALSE(e.empty());
   double sum = 0.0;
-  for (const double residual : e) sum += residual * residual / 2;
+  for (const std::vector<double>& of_sensor : e) {
+    for (const double residual : of_sensor) sum += residual * residual / 2;
+  }
   return sum;
 }
 
@@ -51,8 +53,7 @@ TEST(FitProblem, TrianglesHoldCostAndGradient) {
     const RunModel& run = problem.run(r);
     SCOPED_TRACE(run.run().name);
     const int columns = run.columns();
-    const Eigen::MatrixXd R =
-        problem.triangle(r, here.parameters, here.nuisances[r], &records[r], records[r].time.size(), 1e-10);
+    const Eigen::MatrixXd R = problem.triangle(r, here.parameters, here.nuisances[r], &records[r], INFINITY, 1e-10);
     ASSERT_EQ(R.rows(), columns + 1);
     ASSERT_EQ(R.cols(), columns + 1);
     EXPECT_NEAR(R.col(columns).squaredNorm() / 2 / cost(problem, r, records[r], here.parameters, here.nuisances[r]),
@@ -122,12 +123,12 @@ TEST(FitProblem, NoiseIsAsLargeAsStatedAndItsOwnForEachRun) {
   std::vector<Eigen::VectorXd> noise;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const Record ideal = problem.ideal_record(r);
-    ASSERT_EQ(records[r].time.size(), 2000U);
-    EXPECT_EQ(records[r].reading, again[r].reading);
+    ASSERT_EQ(records[r].sensors[0].time.size(), 2000U);
+    EXPECT_EQ(records[r].sensors[0].value, again[r].sensors[0].value);
     const auto as_vector = [](const std::vector<double>& v) {
       return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
     };
-    noise.emplace_back(as_vector(records[r].reading[0]) - as_vector(ideal.reading[0]));
+    noise.emplace_back(as_vector(records[r].sensors[0].value) - as_vector(ideal.sensors[0].value));
     EXPECT_NEAR(std::sqrt(noise.back().squaredNorm() / 2000), 1e-4, 4e-6);
     EXPECT_NEAR(noise.back().mean(), 0.0, 4e-4 / std::sqrt(2000.0));
   }
@@ -146,11 +147,11 @@ TEST(FitProblem, AccuracyOfARunIsFarBelowItsNoise) {
     const RunModel& run = problem.run(r);
     const Record ideal = problem.ideal_record(r);
     Prediction rough;
-    run.predict(run.scene_values().data(), run.released().data(), run.times().size(), problem.accuracy(r), true, rough);
+    run.predict(run.scene_values().data(), run.released().data(), INFINITY, problem.accuracy(r), true, rough);
     ASSERT_TRUE(rough.ok);
     double worst = 0.0;
     for (std::size_t i = 0; i < rough.reading.size(); ++i) {
-      worst = std::max(worst, std::abs(rough.reading[i] - ideal.reading[0][i]));
+      worst = std::max(worst, std::abs(rough.reading[i] - ideal.sensors[0].value[i]));
     }
     EXPECT_LT(worst, 0.01 * e.sensors[0].noise);
   }

@@ -94,12 +94,13 @@ TEST(Fit, EndsWhereTheCostIsLeast) {
   for (std::size_t i = 0; i < found.parameters.size(); ++i) {
     const double standard_error = found.estimates[i].standard_error;
     const auto cost = [&](double by) {
-      std::vector<double> p = found.parameters, e_r;
+      std::vector<double> p = found.parameters;
       p[i] += by;
       double sum = 0.0;
       for (std::size_t r = 0; r < problem.runs(); ++r) {
-        EXPECT_TRUE(problem.residuals(r, p, found.runs[r].nuisances, records[r], records[r].time.size(), e_r));
-        for (const double residual : e_r) sum += residual * residual / 2;
+        const Residuals e_r = problem.residuals(r, p, found.runs[r].nuisances, records[r]);
+        EXPECT_EQ(e_r.size(), 1u);
+        for (const double residual : e_r.at(0)) sum += residual * residual / 2;
       }
       return std::vector<double>{sum};
     };
@@ -247,7 +248,7 @@ double plain_levenberg_marquardt(const FitProblem& problem, const Record& record
   for (std::size_t i = 0; i < nuisances.size(); ++i) x[static_cast<Eigen::Index>(i) + 1] = nuisances[i];
   const auto triangle = [&](const Eigen::VectorXd& at) {
     const std::vector<double> n(at.data() + 1, at.data() + at.size());
-    return problem.triangle(0, {at[0]}, n, &record, record.time.size(), 1e-9);
+    return problem.triangle(0, {at[0]}, n, &record, INFINITY, 1e-9);
   };
   double damping = 1e-3;
   Eigen::MatrixXd R = triangle(x);

@@ -25,7 +25,7 @@ Identifiability assess_at_truth(const FitProblem& problem) {
 // d(reading)/d(unknowns, nuisances) of run 0 at the truth, SI.
 Eigen::MatrixXd jacobian(const RunModel& run) {
   Prediction p;
-  run.predict(run.scene_values().data(), run.released().data(), run.times().size(), 1e-12, true, p);
+  run.predict(run.scene_values().data(), run.released().data(), INFINITY, 1e-12, true, p);
   EXPECT_TRUE(p.ok) << p.why;
   return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
       p.jacobian.data(), static_cast<Eigen::Index>(p.reading.size()), run.columns());
@@ -162,7 +162,7 @@ TEST(Identifiability, PendulumReachesItsReference) {
   const nlohmann::json reference = answers().at("pendulum_crb");
   Experiment e = pendulum();
   const FitProblem problem(e);
-  EXPECT_NEAR(problem.ideal_record(0).reading[0].back(), test::number(reference.at("theta_at_10")), 1e-9);
+  EXPECT_NEAR(problem.ideal_record(0).sensors[0].value.back(), test::number(reference.at("theta_at_10")), 1e-9);
   // The reference starts with known zero velocity: of the start only the angle is unknown beside a.
   const Eigen::MatrixXd J = jacobian(problem.run(0)).leftCols(2) / 0.01;
   const Eigen::Matrix2d normal = J.transpose() * J;
@@ -213,7 +213,7 @@ TEST(Identifiability, TheScaleOfAFreeDoublePendulumIsNotIdentifiable) {
   const FitProblem problem(e);
   const Record record = problem.ideal_record(0);
   for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_NEAR(record.reading[k].back() + M_PI / 2, test::number(reference.at("state_T")[k]), 1e-9);
+    EXPECT_NEAR(record.sensors[k].value.back() + M_PI / 2, test::number(reference.at("state_T")[k]), 1e-9);
   }
   const Identifiability found = assess_at_truth(problem);
   ASSERT_TRUE(found.ok);

@@ -104,8 +104,7 @@ TEST(MonteCarlo, DoesNotAcceptMeasuredRuns) {
   e.runs[1].data = "swing.csv";
   e.runs[1].line = 31;
   e.records.resize(2);
-  e.records[1].time = {0.0, 0.1, 0.2};
-  e.records[1].reading = {{0.0, 0.0, 0.0}};
+  e.records[1].sensors = {{{0.0, 0.1, 0.2}, {0.0, 0.0, 0.0}}};
   const FitProblem problem(e);
   try {
     monte_carlo(problem, {});

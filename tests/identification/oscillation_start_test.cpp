@@ -123,7 +123,7 @@ TEST(StartFromOscillations, IsNoneForOtherExperiments) {
   const FitProblem problem(e);
   std::vector<Record> records = problem.records();
   // One record without oscillations.
-  for (double& reading : records[2].reading[0]) reading = 0.37;
+  for (double& reading : records[2].sensors[0].value) reading = 0.37;
   EXPECT_FALSE(start_from_oscillations(problem, records));
   // A number in which the equations are not linear.
   e.unknowns.push_back(test::unknown("body.platform.center.x"));

@@ -269,7 +269,7 @@ TEST(ReadExperiment, ReadsTheExampleOfItsPage) {
   const Experiment experiment = read_experiment(folder.write("lift_experiment.toml", example));
   EXPECT_EQ(experiment.runs.size(), 2u);
   EXPECT_EQ(experiment.unknowns[0].includes, 19.68);
-  EXPECT_EQ(experiment.records[1].time.size(), 3u);
+  EXPECT_EQ(experiment.records[1].count(), 3u);
 }
 
 TEST(ReadExperiment, ReadsTheMeasuredDoublePendulum) {
@@ -282,12 +282,12 @@ TEST(ReadExperiment, ReadsTheMeasuredDoublePendulum) {
     ASSERT_EQ(experiment.runs.size(), 26u);
     EXPECT_EQ(experiment.runs[25].name, "segment 25");
     for (const Record& record : experiment.records) {
-      ASSERT_EQ(record.time.size(), 2667u);
-      EXPECT_EQ(record.time.front(), 0.0);
       // What the authors call pi, hanging, is -pi/2 of the scene's arms; no arm goes over the top.
-      for (const std::vector<double>& angles : record.reading) {
+      for (const Series& angles : record.sensors) {
+        ASSERT_EQ(angles.time.size(), 2667u);
+        EXPECT_EQ(angles.time.front(), 0.0);
         double mean = 0.0;
-        for (const double angle : angles) mean += angle / static_cast<double>(angles.size());
+        for (const double angle : angles.value) mean += angle / static_cast<double>(angles.value.size());
         EXPECT_NEAR(mean, -std::numbers::pi / 2, 0.5);
       }
     }

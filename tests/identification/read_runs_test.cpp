@@ -87,10 +87,10 @@ TEST(ReadRuns, ReadsAMeasuredRunFromTimeZero) {
   const Experiment experiment =
       Bench(header + sensor + "zero = 90\nfactor = -2\n" + measured, "time,a\n5,0\n5.5,10\n7,20\n").read();
   ASSERT_EQ(experiment.records.size(), 1u);
-  EXPECT_EQ(experiment.records[0].time, (Numbers{0, 0.5, 2}));
-  ASSERT_EQ(experiment.records[0].reading.size(), 1u);
+  EXPECT_EQ(experiment.records[0].sensors[0].time, (Numbers{0, 0.5, 2}));
+  ASSERT_EQ(experiment.records[0].sensors.size(), 1u);
   const double expected[] = {90 * degree, 70 * degree, 50 * degree};
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(experiment.records[0].reading[0][i], expected[i], 1e-15);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(experiment.records[0].sensors[0].value[i], expected[i], 1e-15);
   EXPECT_EQ(experiment.runs[0].name, "run 1");
   EXPECT_FALSE(experiment.runs[0].segment);
 }
@@ -104,8 +104,8 @@ TEST(ReadRuns, MakesARunOfEachSegment) {
   EXPECT_EQ(experiment.runs[0].segment, "x");
   EXPECT_EQ(experiment.runs[1].name, "segment y");
   EXPECT_EQ(experiment.runs[1].labels.size(), 1u);
-  EXPECT_EQ(experiment.records[1].time, (Numbers{0, 1, 2, 3, 4}));
-  EXPECT_DOUBLE_EQ(experiment.records[1].reading[0][0], 6 * degree);
+  EXPECT_EQ(experiment.records[1].sensors[0].time, (Numbers{0, 1, 2, 3, 4}));
+  EXPECT_DOUBLE_EQ(experiment.records[1].sensors[0].value[0], 6 * degree);
 
   const Experiment chosen = Bench(header + sensor + measured + keys +
                                       "name = \"late\"\nsegments = [\"y\"]\nevery = 2\n[[run]]\ndata = \"data.csv\"\n"
@@ -115,8 +115,8 @@ TEST(ReadRuns, MakesARunOfEachSegment) {
                                 .read();
   ASSERT_EQ(chosen.runs.size(), 3u);
   EXPECT_EQ(chosen.runs[0].name, "late y");
-  EXPECT_EQ(chosen.records[0].time, (Numbers{0, 2, 4}));
-  EXPECT_DOUBLE_EQ(chosen.records[0].reading[0][2], 10 * degree);
+  EXPECT_EQ(chosen.records[0].sensors[0].time, (Numbers{0, 2, 4}));
+  EXPECT_DOUBLE_EQ(chosen.records[0].sensors[0].value[2], 10 * degree);
   EXPECT_EQ(chosen.runs[1].name, "segment y");
   EXPECT_EQ(chosen.runs[2].name, "segment x");
 }
@@ -128,7 +128,7 @@ TEST(ReadRuns, TakesAnotherDataFile) {
   const std::string other = bench.folder().write("other.csv", "time,a\n0,1\n1,2\n2,3\n");
   const Experiment experiment = bench.read({.data = other});
   EXPECT_EQ(experiment.runs[0].data, other);
-  EXPECT_DOUBLE_EQ(experiment.records[0].reading[0][2], 3 * degree);
+  EXPECT_DOUBLE_EQ(experiment.records[0].sensors[0].value[2], 3 * degree);
   EXPECT_EQ(bench.error({.data = bench.folder().path("none.csv")}),
             "experiment.toml:7: run 1.data: expected a data file, there is no \"none.csv\"; give it with --data FILE");
   EXPECT_EQ(Bench(header + sensor + run).error({.data = "d.csv"}),

@@ -56,14 +56,14 @@ TEST(Residuals, AreReadingMinusPrediction) {
   const Wheel wheel(1);
   const FitProblem problem(wheel.experiment);
   std::vector<Record> records = problem.records();
-  for (std::size_t s = 0; s < records[0].time.size(); ++s) {
-    records[0].reading[0][s] = Wheel::at(records[0].time[s]) + 0.01 * static_cast<double>(s);
+  for (std::size_t s = 0; s < records[0].sensors[0].time.size(); ++s) {
+    records[0].sensors[0].value[s] = Wheel::at(records[0].sensors[0].time[s]) + 0.01 * static_cast<double>(s);
   }
   const RunResiduals found = residuals_of(problem, at_truth(problem), records, 0);
   ASSERT_EQ(found.residual.size(), 1U);
   ASSERT_EQ(found.residual[0].size(), 50U);
   for (std::size_t s = 0; s < 50; ++s) {
-    EXPECT_NEAR(found.prediction[0][s], Wheel::at(records[0].time[s]), 1e-6);
+    EXPECT_NEAR(found.prediction[0][s], Wheel::at(records[0].sensors[0].time[s]), 1e-6);
     EXPECT_NEAR(found.residual[0][s], 0.01 * static_cast<double>(s), 1e-6);
   }
 }
@@ -85,6 +85,8 @@ TEST(Residuals, OverTheNoiseOfEachSensor) {
   RunFit run;
   run.rms = {3 * Wheel::noise, 4 * 2e-3};
   EXPECT_NEAR(rms_over_noise(problem, run), std::sqrt((9.0 + 16.0) / 2), 1e-12);
+  run.rms = {std::nan(""), 4 * 2e-3};
+  EXPECT_NEAR(rms_over_noise(problem, run), 4.0, 1e-12) << "a sensor without readings in this run";
   run.rms.clear();
   EXPECT_TRUE(std::isnan(rms_over_noise(problem, run)));
 }
@@ -107,7 +109,7 @@ TEST(Sensitivities, OfAnOscillatorByItsStiffness) {
   const auto found = problem.sensitivities(0, problem.truths(), problem.run(0).released());
   ASSERT_EQ(found.size(), 1U);
   ASSERT_EQ(found[0].size(), 1U);
-  const std::vector<double>& times = problem.run(0).times();
+  const std::vector<double>& times = problem.run(0).times()[0];
   ASSERT_EQ(found[0][0].size(), times.size());
   for (std::size_t s = 0; s < times.size(); ++s) {
     const double phase = std::sqrt(Wheel::stiffness / Wheel::inertia) * times[s];

@@ -2,6 +2,7 @@
 
 #include "identification/run_model.hpp"
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -23,7 +24,7 @@ constexpr double fine = 1e-13;  // accuracy of the motions that differences are 
 Prediction predict(const RunModel& run, const std::vector<double>& unknowns, const std::vector<double>& nuisances,
                    double accuracy, bool jacobian) {
   Prediction out;
-  run.predict(unknowns.data(), nuisances.data(), run.times().size(), accuracy, jacobian, out);
+  run.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy, jacobian, out);
   EXPECT_TRUE(out.ok) << out.why;
   return out;
 }
@@ -50,7 +51,8 @@ void expect_jacobian(const RunModel& run, double unknown_step, double nuisance_s
     const std::vector<double> expected = test::derivative(at, is_unknown ? unknown_step * size : nuisance_step);
     for (std::size_t k = 0; k < sensors; ++k) {
       double largest = 0.0, apart = 0.0;
-      for (std::size_t i = k; i < expected.size(); i += sensors) {
+      for (std::size_t s = 0; s < run.times()[k].size(); ++s) {
+        const std::size_t i = k * run.times()[0].size() + s;
         largest = std::max(largest, std::abs(expected[i]));
         apart = std::max(apart, std::abs(expected[i] - analytic.jacobian[i * width + c]));
       }
@@ -102,6 +104,50 @@ Experiment everything() {
   turn.value = 3.0;
   e.runs.push_back(test::simulated(40, 41, {turn}));
   return e;
+}
+
+// Sensors that are read at times of their own, some of them shared, predict what they would if all were read at all
+// times; one without readings has no rows.
+TEST(RunModel, PredictsEverySensorAtItsOwnTimes) {
+  Experiment all = everything();
+  all.runs[0].data = "measured.csv";
+  const std::vector<double> grid = {0.0, 0.1, 0.15, 0.3, 0.45, 0.5, 0.8};
+  const std::vector<std::vector<std::size_t>> read = {{0, 1, 3, 6}, {}, {2, 3, 4}};
+  Experiment some = all;
+  all.records.resize(1);
+  some.records.resize(1);
+  for (std::size_t k = 0; k < all.sensors.size(); ++k) {
+    all.records[0].sensors.push_back({grid, std::vector<double>(grid.size(), 0.0)});
+    Series& series = some.records[0].sensors.emplace_back();
+    for (const std::size_t i : read[k % read.size()]) series.time.push_back(grid[i]);
+    series.value.assign(series.time.size(), 0.0);
+  }
+  const FitProblem of_all(all), of_some(some);
+  const RunModel& run = of_some.run(0);
+  const Prediction everywhere =
+      predict(of_all.run(0), of_all.run(0).scene_values(), of_all.run(0).released(), 1e-12, true);
+  const Prediction there = predict(run, run.scene_values(), run.released(), 1e-12, true);
+  EXPECT_EQ(there.reading.size(), some.records[0].count());
+  EXPECT_EQ(run.span(), 0.8);
+  for (std::size_t k = 0; k < some.sensors.size(); ++k) {
+    EXPECT_EQ(run.counts(0.3)[k], (std::array{3U, 0U, 2U}[k % 3])) << k;
+  }
+  const auto width = static_cast<std::size_t>(run.columns());
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < some.sensors.size(); ++k) {
+    for (const std::size_t i : read[k % read.size()]) {
+      const std::size_t whole = k * grid.size() + i;
+      EXPECT_NEAR(there.reading[row], everywhere.reading[whole], 1e-10);
+      for (std::size_t c = 0; c < width; ++c) {
+        const double expected = everywhere.jacobian[whole * width + c];
+        EXPECT_NEAR(there.jacobian[row * width + c], expected, 1e-8 * (1 + std::abs(expected)));
+      }
+      ++row;
+    }
+  }
+  Prediction part;
+  run.predict(run.scene_values().data(), run.released().data(), 0.3, 1e-12, false, part);
+  EXPECT_EQ(part.reading.size(), run.readings(0.3));
 }
 
 TEST(RunModel, JacobianByEveryKindOfNumberAndTheStart) {
@@ -191,7 +237,7 @@ TEST(RunModel, NamesAnImpossibleEquilibrium) {
   const std::vector<double> unknowns = run.scene_values(), nuisances{-2.0, -2.0, 0.0};
   for (const bool jacobian : {false, true}) {
     Prediction out;
-    run.predict(unknowns.data(), nuisances.data(), run.times().size(), 1e-8, jacobian, out);
+    run.predict(unknowns.data(), nuisances.data(), INFINITY, 1e-8, jacobian, out);
     EXPECT_FALSE(out.ok);
     EXPECT_NE(out.why.find("equilibrium pose"), std::string::npos) << out.why;
   }

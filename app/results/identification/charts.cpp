@@ -28,13 +28,13 @@ std::string axis(const std::string& what, const Sensor& sensor, const Units& uni
 Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size_t r, std::size_t k) {
   const Sensor& sensor = problem.experiment().sensors[k];
   const Units& units = problem.experiment().scene.units;
-  const Record& record = answer.records[r];
+  const Series& read = answer.records[r].sensors[k];
   std::vector<double> predicted = residuals_of(problem, answer.fit, answer.records, r).prediction[k];
   Panel panel{.title = fmt::format("{} of run {}, the worst", sensor.name, problem.run(r).run().name),
               .y_label = axis("reading", sensor, units)};
   panel.curves = {
-      {.name = "read", .x = record.time, .y = shown(record.reading[k], sensor, units), .style = Curve::Style::points},
-      {.name = "fitted", .x = record.time, .y = shown(std::move(predicted), sensor, units)}};
+      {.name = "read", .x = read.time, .y = shown(read.value, sensor, units), .style = Curve::Style::points},
+      {.name = "fitted", .x = read.time, .y = shown(std::move(predicted), sensor, units)}};
   return panel;
 }
 
@@ -47,7 +47,7 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const s
   for (std::size_t i = 0; i < std::min(most_runs_drawn, worst.size()); ++i) {
     panel.curves.push_back(
         {.name = problem.run(worst[i]).run().name,
-         .x = answer.records[worst[i]].time,
+         .x = answer.records[worst[i]].sensors[k].time,
          .y = shown(residuals_of(problem, answer.fit, answer.records, worst[i]).residual[k], sensor, units),
          .style = answer.fit.runs[worst[i]].white ? Curve::Style::points : Curve::Style::line});
   }
@@ -71,7 +71,7 @@ std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer
     const std::size_t count = curves.empty() ? 0 : std::min(most_parameters_drawn, curves[k].size());
     for (std::size_t c = 0; c < count; ++c) {
       const auto p = static_cast<std::size_t>(problem.parameters_of(r)[c]);
-      Curve curve{.name = problem.parameters()[p].name, .x = answer.records[r].time, .y = curves[k][c]};
+      Curve curve{.name = problem.parameters()[p].name, .x = answer.records[r].sensors[k].time, .y = curves[k][c]};
       const double largest = largest_size(curve.y);
       for (double& y : curve.y) y = largest > 0 ? y / largest : 0.0;
       curve.name += fmt::format(", up to {} σ", significant(largest, 2));

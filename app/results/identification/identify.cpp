@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@
 namespace poise::app {
 namespace {
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int residual_digits = 3;
 // An estimate that differs by more standard errors from the truth of a simulation is marked.
 constexpr double remarkable = 4.0;
@@ -161,7 +163,9 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
     const Sensor& sensor = experiment.sensors[k];
     table.numbers("", sensor.name, sensor.dimension().unit_name(experiment.scene.units), {}).texts =
         each(rows, [&](const RunFit& run) {
-          return run.rms.empty() ? "-" : significant(in_units(run.rms, experiment)[k], residual_digits);
+          return run.rms.empty() || std::isnan(run.rms[k])
+                     ? "-"
+                     : significant(in_units(run.rms, experiment)[k], residual_digits);
         });
   }
   table.numbers("", "autocorrelation", "", {}).texts = each(rows, lagged);
@@ -259,16 +263,23 @@ void add_readings(Result& result, const FitProblem& problem, const FitAnswer& an
   std::vector<double> times;
   std::vector<std::vector<double>> columns(3 * experiment.sensors.size());
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    const Record& record = answer.records[r];
-    runs.insert(runs.end(), record.time.size(), problem.run(r).run().name);
-    times.insert(times.end(), record.time.begin(), record.time.end());
+    const std::vector<Series>& sensors = answer.records[r].sensors;
+    std::vector<double> when;
+    for (const Series& series : sensors) when.insert(when.end(), series.time.begin(), series.time.end());
+    std::sort(when.begin(), when.end());
+    when.erase(std::unique(when.begin(), when.end()), when.end());
+    runs.insert(runs.end(), when.size(), problem.run(r).run().name);
+    times.insert(times.end(), when.begin(), when.end());
     const RunResiduals found = residuals_of(problem, answer.fit, answer.records, r);
-    for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
       const double unit = experiment.sensors[k].dimension().unit(experiment.scene.units);
-      for (std::size_t s = 0; s < record.time.size(); ++s) {
-        columns[3 * k].push_back(record.reading[k][s] / unit);
-        columns[3 * k + 1].push_back(found.prediction[k][s] / unit);
-        columns[3 * k + 2].push_back(found.residual[k][s] / unit);
+      std::size_t s = 0;
+      for (const double time : when) {
+        const bool read = s < sensors[k].time.size() && sensors[k].time[s] == time;
+        columns[3 * k].push_back(read ? sensors[k].value[s] / unit : nan);
+        columns[3 * k + 1].push_back(read ? found.prediction[k][s] / unit : nan);
+        columns[3 * k + 2].push_back(read ? found.residual[k][s] / unit : nan);
+        if (read) ++s;
       }
     }
   }
