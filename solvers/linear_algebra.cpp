@@ -20,6 +20,11 @@ MatrixXd triangular_factor(MatrixXd& a) {
   return a.topRows(a.cols()).triangularView<Eigen::Upper>();
 }
 
+MatrixXd orthonormal_columns(const MatrixXd& a) {
+  const auto qr = pivoted_qr(a, known_to::rounding);
+  return qr.householderQ() * MatrixXd::Identity(a.rows(), qr.rank());
+}
+
 ColumnShares column_shares(const MatrixXd& a, Eigen::Index rank) {
   const auto qr = pivoted_qr(a, known_to::rounding);
   const MatrixXd r = qr.matrixR().topRows(rank).triangularView<Eigen::Upper>();

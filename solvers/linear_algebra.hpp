@@ -117,6 +117,9 @@ Eigen::VectorXd singular_values(const Eigen::MatrixXd& a);
 /// R of  A = Q R,  upper triangular and square, of a matrix of at least as many rows as columns, which is overwritten.
 Eigen::MatrixXd triangular_factor(Eigen::MatrixXd& a);
 
+/// Orthonormal columns that span those of A, as many as its rank.
+Eigen::MatrixXd orthonormal_columns(const Eigen::MatrixXd& a);
+
 /// Dependent columns as combinations of independent ones, for a matrix A of known rank r:
 ///   A.col(columns[r + k]) = sum_{i < r} share(i, k) A.col(columns[i])
 struct ColumnShares {
