@@ -14,11 +14,12 @@ constexpr double least_decrease = 1e-6;
 }  // namespace
 
 RunCost::RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until,
-                 std::vector<double> nuisances, int& evaluations)
+                 const Weighting& weighting, std::vector<double> nuisances, int& evaluations)
     : problem_(problem),
       run_(run),
       record_(record),
       until_(until),
+      weighting_(weighting),
       from_(std::move(nuisances)),
       evaluations_(evaluations) {
   const RunModel& model = problem.run(run);
@@ -43,7 +44,7 @@ bool RunCost::Evaluate(const double* const* blocks, double* residuals, double** 
     }
     std::vector<double> nuisances = from_;
     for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
-    triangle_ = problem_.triangle(run_, parameters, nuisances, &record_, until_, problem_.accuracy(run_));
+    triangle_ = problem_.triangle(run_, parameters, nuisances, &record_, until_, problem_.accuracy(run_), weighting_);
     if (run_ == 0) ++evaluations_;
     at_ = std::move(at);
   }

@@ -17,8 +17,8 @@ namespace poise {
 class RunCost : public ceres::CostFunction {
  public:
   /// The record is fitted up to the time `until`, s. `evaluations` counts those of the first run.
-  RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, std::vector<double> nuisances,
-          int& evaluations);
+  RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, const Weighting& weighting,
+          std::vector<double> nuisances, int& evaluations);
 
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
 
@@ -27,6 +27,7 @@ class RunCost : public ceres::CostFunction {
   std::size_t run_;
   const Record& record_;
   double until_;
+  const Weighting& weighting_;
   std::vector<double> from_;
   int& evaluations_;
   mutable std::vector<double> at_;

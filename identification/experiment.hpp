@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "identification/record.hpp"
+#include "identification/weighting.hpp"
 #include "model/parameter_change.hpp"
 #include "model/scene.hpp"
 
@@ -20,11 +21,12 @@ struct Sensor {
   Measure on;        ///< body_a is the ground for an absolute angle
   int element = -1;  ///< index into Scene::elements whose static force it reads, tension positive; else -1
   std::string name;
-  std::string column;  ///< of the data file
-  bool rate = false;   ///< the time derivative of the above (not of a force)
-  double noise = 0.0;  ///< standard deviation of one reading, SI
-  double unit = 1.0;   ///< SI value of one unit of the file's column
-  double zero = 0.0;   ///< SI value of the quantity where the column reads 0:  quantity = zero + unit column
+  std::string column;       ///< of the data file
+  bool rate = false;        ///< the time derivative of the above (not of a force)
+  double noise = 0.0;       ///< standard deviation of one reading, SI
+  bool noise_known = true;  ///< false: `noise` is a first guess from the readings, and a fit estimates it
+  double unit = 1.0;        ///< SI value of one unit of the file's column
+  double zero = 0.0;        ///< SI value of the quantity where the column reads 0:  quantity = zero + unit column
   int line = 0;
 
   bool reads_force() const { return element >= 0; }
@@ -95,6 +97,7 @@ struct Experiment {
   std::string title;
   std::string source;
   Scene scene;
+  Loss loss = Loss::squares;
   std::vector<Sensor> sensors;
   std::vector<Unknown> unknowns;
   std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment

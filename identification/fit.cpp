@@ -13,10 +13,14 @@
 #include "identification/ceres_costs.hpp"
 #include "identification/first_readings.hpp"
 #include "identification/oscillation_start.hpp"
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
 
+/// Of the estimated noise: rounds, and the relative change at which they end.
+constexpr int most_noise_rounds = 30;
+constexpr double noise_is_found = 1e-3;
 /// A ratio of residuals to noise above this indicates a local minimum or an incomplete model.
 constexpr double suspicious = 1.3;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -32,12 +36,17 @@ struct Point {
 class Fitting {
  public:
   Fitting(const FitProblem& problem, const std::vector<Record>& records, const FitOptions& options)
-      : problem_(problem), records_(records), options_(options) {}
+      : problem_(problem), records_(records), options_(options) {
+    out_.weighting = problem.weighting();
+  }
 
   Fit run() {
     const auto begun = std::chrono::steady_clock::now();
     search();
-    if (best_cost_ < INFINITY) evaluate();
+    if (best_cost_ < INFINITY) {
+      estimate_noise();
+      evaluate();
+    }
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
     out_.microseconds = took.count();
     return std::move(out_);
@@ -51,7 +60,7 @@ class Fitting {
         const std::vector<double>& values = record.sensors[k].value;
         if (values.empty()) continue;
         const Eigen::Map<const Eigen::ArrayXd> reading(values.data(), static_cast<Eigen::Index>(values.size()));
-        const double noise = problem_.experiment().sensors[k].noise;
+        const double noise = out_.weighting.noise[k];
         signal_ += (reading - reading.mean()).square().sum() / (noise * noise);
       }
     }
@@ -62,10 +71,14 @@ class Fitting {
       out_.why = fmt::format("{} readings do not determine {} values; add readings", out_.readings, found);
       return;
     }
+    // First guesses are least squares, or follow from few readings.
+    if (out_.weighting.loss != Loss::squares) {
+      for (const Record& record : records_) cleaned_.push_back(without_outliers(record));
+    }
     std::optional<OscillationStart> oscillations;
     if (!options_.use_starts) {
       say("fitting a damped sine to every record");
-      oscillations = start_from_oscillations(problem_, records_);
+      oscillations = start_from_oscillations(problem_, for_guesses());
     }
     if (oscillations) {
       out_.start = "from damped sines fitted to the records and linear least squares, no guess needed";
@@ -91,6 +104,8 @@ class Fitting {
     }
   }
 
+  const std::vector<Record>& for_guesses() const { return cleaned_.empty() ? records_ : cleaned_; }
+
   /// In a local minimum the model is out of phase with the records: a large part of the variation is left.
   bool is_suspicious() const {
     return residual_over_noise(best_cost_) > suspicious && 2 * best_cost_ > lost_from * lost_from * signal_;
@@ -108,7 +123,7 @@ class Fitting {
     }
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       const RunModel& run = problem_.run(r);
-      point.nuisances.push_back(first_guess(run, records_[r]));
+      point.nuisances.push_back(first_guess(run, for_guesses()[r]));
     }
     return point;
   }
@@ -152,8 +167,8 @@ class Fitting {
       for (const int p : problem_.parameters_of(r)) blocks.push_back(&scaled[static_cast<std::size_t>(p)]);
       if (!shifts[r].empty()) blocks.push_back(shifts[r].data());
       problem.AddResidualBlock(
-          new RunCost(problem_, r, records_[r], until(r, window), point.nuisances[r], out_.evaluations), nullptr,
-          blocks);
+          new RunCost(problem_, r, records_[r], until(r, window), out_.weighting, point.nuisances[r], out_.evaluations),
+          nullptr, blocks);
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Unknown& unknown = problem_.unknown_of(i);
@@ -242,38 +257,82 @@ class Fitting {
     if (options_.progress) options_.progress(what);
   }
 
+  /// Whether the noise of sensor k is estimated: where it is not stated, and always the scale of Student's t.
+  bool estimates_noise(std::size_t k) const {
+    return !problem_.experiment().sensors[k].noise_known || out_.weighting.loss == Loss::student;
+  }
+
+  /// The noise of a sensor follows from the residuals of the fit, which follows from the noise of all: by turns. With
+  /// the values that the readings of each sensor determine subtracted from their number, the sizes are those of
+  /// restricted maximum likelihood (D. A. Harville, 1977).
+  void estimate_noise() {
+    const std::size_t sensors = out_.weighting.noise.size();
+    bool any = false;
+    for (std::size_t k = 0; k < sensors; ++k) any = any || estimates_noise(k);
+    for (int round = 0; any && round < most_noise_rounds && !stopped(); ++round) {
+      say(fmt::format("estimating the noise of the sensors, round {}", round + 1));
+      if (!linearize() || out_.errors.sensors.empty()) return;
+      double change = 0.0;
+      for (std::size_t k = 0; k < sensors; ++k) {
+        const double ratio = out_.errors.sensors[k].ratio;
+        if (!estimates_noise(k) || !(ratio > 0)) continue;
+        out_.weighting.noise[k] *= ratio;
+        change = std::max(change, std::abs(ratio - 1));
+      }
+      Point point = best_;
+      const double cost = minimise(point, 1.0);
+      if (!(cost < INFINITY)) return;
+      best_cost_ = cost;
+      best_ = std::move(point);
+      if (change < noise_is_found) return;
+    }
+  }
+
+  /// Runs, identifiability and standard errors at the best point; false where a motion fails.
+  bool linearize() {
+    linear_.clear();
+    std::vector<Eigen::MatrixXd> triangles;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      linear_.push_back(problem_.linearized(r, best_.parameters, best_.nuisances[r], &records_[r], INFINITY,
+                                            problem_.accuracy(r), out_.weighting));
+      triangles.push_back(triangle_of(linear_.back()));
+    }
+    out_.identifiability = assess(problem_, best_.parameters, triangles);
+    if (!out_.identifiability.ok) return false;
+    out_.errors = standard_errors(problem_, out_.identifiability.covariance, linear_, out_.weighting);
+    return true;
+  }
+
+  static Eigen::MatrixXd triangle_of(const LinearRun& run) {
+    Eigen::MatrixXd rows = run.rows;
+    if (rows.size() == 0) return {};
+    if (rows.rows() < rows.cols()) rows.conservativeResizeLike(Eigen::MatrixXd::Zero(rows.cols(), rows.cols()));
+    return solvers::triangular_factor(rows);
+  }
+
   /// Fills the result from the best point.
   void evaluate() {
     out_.parameters = best_.parameters;
-    out_.residual_over_noise = residual_over_noise(best_cost_);
+    linearize();
     out_.residual_over_noise_sigma = std::sqrt(0.5 / out_.degrees_of_freedom);
-    if (out_.status == FitStatus::not_run) {
-      const bool explained = out_.residual_over_noise < 1 + std::max(5 * out_.residual_over_noise_sigma, 0.02);
-      out_.status = explained ? FitStatus::converged : FitStatus::misfit;
-      if (!explained) {
-        out_.why = fmt::format(
-            "the residuals are {:.3g} times the stated noise: the model is incomplete, or the noise is larger than "
-            "stated; standard errors are multiplied by that factor",
-            out_.residual_over_noise);
-      }
-    }
-    std::vector<Eigen::MatrixXd> triangles;
+    double squares_over_noise = 0.0;
     const std::size_t sensors = problem_.experiment().sensors.size();
     std::vector<double> squares(sensors, 0.0);
     std::vector<std::size_t> readings(sensors, 0);
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
-      Residuals e;
-      triangles.push_back(
-          problem_.triangle(r, best_.parameters, best_.nuisances[r], &records_[r], INFINITY, problem_.accuracy(r), &e));
+      const Residuals e = residuals_of(linear_[r]);
       out_.runs.push_back(evaluate_run(r, e, squares));
-      for (std::size_t k = 0; k < e.size(); ++k) readings[k] += e[k].size();
+      for (std::size_t k = 0; k < e.size(); ++k) {
+        readings[k] += e[k].size();
+        for (const double x : e[k]) squares_over_noise += x * x;
+      }
     }
-    evaluate_autocorrelation();
+    out_.residual_over_noise = std::sqrt(squares_over_noise / out_.degrees_of_freedom);
     for (std::size_t k = 0; k < sensors; ++k) {
       out_.rms.push_back(std::sqrt(squares[k] / static_cast<double>(readings[k])));
     }
-    out_.identifiability = assess(problem_, best_.parameters, triangles);
-    const double enlarged = std::max(1.0, out_.residual_over_noise);
+    if (out_.status == FitStatus::not_run) compare_with_noise();
+    out_.outliers = outliers(problem_, linear_, out_.weighting);
     for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
       const Unknown& unknown = problem_.unknown_of(i);
@@ -283,7 +342,11 @@ class Fitting {
       estimate.value = best_.parameters[i] + unknown.includes;
       estimate.truth = p.truth + unknown.includes;
       if (out_.identifiability.ok) {
-        estimate.standard_error = enlarged * out_.identifiability.standard_error[i];
+        const bool known = std::isfinite(out_.identifiability.standard_error[i]);
+        estimate.standard_error = known ? out_.errors.error[i] : INFINITY;
+        const double reach = known ? out_.errors.reach[i] : INFINITY;
+        estimate.low = estimate.value - reach;
+        estimate.high = estimate.value + reach;
         if (!out_.identifiability.identifiable[i]) estimate.why = "not identifiable from these data";
       }
       const double near = 1e-9 * p.scale;
@@ -295,19 +358,53 @@ class Fitting {
     }
   }
 
-  void evaluate_autocorrelation() {
-    double mean = 0.0;
-    int count = 0;
-    bool white = true;
-    for (const RunFit& run : out_.runs) {
-      white = white && run.white;
-      for (const double r : run.autocorrelation) {
-        mean += r;
-        ++count;
+  static Residuals residuals_of(const LinearRun& run) {
+    Residuals e;
+    for (std::size_t k = 0; k + 1 < run.first.size(); ++k) {
+      const auto own = run.residuals(k);
+      e.emplace_back(own.begin(), own.end());
+    }
+    return e;
+  }
+
+  /// Converged if the residuals of every stated noise, in total and in every run, are as large as it says.
+  void compare_with_noise() {
+    out_.status = FitStatus::converged;
+    const std::vector<Sensor>& sensors = problem_.experiment().sensors;
+    std::string sizes;
+    bool larger = false;
+    bool smaller = false;
+    const auto add = [&](const std::string& what, const NoiseTest& test) {
+      if (std::isnan(test.ratio) || test.agrees()) return;
+      (test.ratio > 1 ? larger : smaller) = true;
+      sizes += fmt::format("{}{:.3g} times the stated noise{}, expected 1 ± {:.2g}", sizes.empty() ? "" : "; ",
+                           test.ratio, what, 2 * test.sigma);
+    };
+    for (std::size_t k = 0; k < sensors.size() && k < out_.errors.sensors.size(); ++k) {
+      if (!estimates_noise(k)) add(sensors.size() > 1 ? " of " + sensors[k].name : "", out_.errors.sensors[k]);
+    }
+    if (sizes.empty()) {
+      for (std::size_t r = 0; r < out_.errors.runs_noise.size(); ++r) {
+        for (std::size_t k = 0; k < sensors.size(); ++k) {
+          if (!estimates_noise(k)) {
+            add(fmt::format(" of {} in run \"{}\"", sensors[k].name, problem_.run(r).run().name),
+                out_.errors.runs_noise[r][k]);
+          }
+        }
       }
     }
-    const double r = count > 0 ? std::clamp(mean / count, 0.0, 0.9999) : 0.0;
-    if (!white) out_.autocorrelation_factor = std::sqrt((1 + r) / (1 - r));
+    if (sizes.empty()) return;
+    out_.status = FitStatus::misfit;
+    out_.why = "the residuals are " + sizes + ": ";
+    if (larger) {
+      out_.why +=
+          "the model is incomplete, or the noise is larger than stated; standard errors are multiplied by that "
+          "factor";
+    } else {
+      out_.why +=
+          "the noise is smaller than stated, or the readings have been smoothed; standard errors are those of "
+          "the stated noise";
+    }
   }
 
   RunFit evaluate_run(std::size_t r, const Residuals& e, std::vector<double>& squares) const {
@@ -322,7 +419,7 @@ class Fitting {
         square += e[k][s] * e[k][s];
         if (s > 0) lagged += e[k][s] * e[k][s - 1];
       }
-      const double noise = problem_.experiment().sensors[k].noise;
+      const double noise = out_.weighting.noise[k];
       squares[k] += square * noise * noise;
       out.rms.push_back(e[k].empty() ? nan : noise * std::sqrt(square / samples));
       out.autocorrelation.push_back(square > 0 ? lagged / square : 0.0);
@@ -335,7 +432,9 @@ class Fitting {
   const std::vector<Record>& records_;
   const FitOptions& options_;
   Fit out_;
+  std::vector<Record> cleaned_;
   Point best_;
+  std::vector<LinearRun> linear_;  // at the best point
   double best_cost_ = INFINITY, last_cost_ = INFINITY;
   double signal_ = 0.0;  // sum of squared readings about their means, over noise
   std::string failure_;

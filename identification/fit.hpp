@@ -7,18 +7,21 @@
 
 #include "identification/fit_problem.hpp"
 #include "identification/identifiability.hpp"
+#include "identification/outliers.hpp"
+#include "identification/standard_errors.hpp"
 
 namespace poise {
 
 /// The estimate of one parameter.
 struct Estimate {
   std::string name;
-  double value = 0.0;           ///< shown: value in the scene + includes, SI
-  double standard_error = 0.0;  ///< SI; multiplied by Fit::residual_over_noise where that is above 1
-  double truth = 0.0;           ///< shown value of the scene as written
-  double unit = 1.0;            ///< SI value of the unit it is written in
-  bool withheld = false;        ///< not identifiable from these data, or at a bound: the value is no measurement
-  std::string why;              ///< reason for withholding it
+  double value = 0.0;            ///< shown: value in the scene + includes, SI
+  double standard_error = 0.0;   ///< SI; the leading one of StandardErrors
+  double low = 0.0, high = 0.0;  ///< 95 % interval of the shown value, SI
+  double truth = 0.0;            ///< shown value of the scene as written
+  double unit = 1.0;             ///< SI value of the unit it is written in
+  bool withheld = false;         ///< not identifiable from these data, or at a bound: the value is no measurement
+  std::string why;               ///< reason for withholding it
 };
 
 /// Residuals and nuisances of one run as fitted.
@@ -33,7 +36,7 @@ struct RunFit {
 enum class FitStatus {
   not_run,
   converged,  ///< and the residuals agree with the stated noise
-  misfit,     ///< converged, but the residuals exceed the stated noise: the model is incomplete, or the noise larger
+  misfit,     ///< converged, but the residuals are larger or smaller than the stated noise of a sensor, or in a run
   failed,     ///< no minimum was reached
   interrupted
 };
@@ -60,9 +63,9 @@ struct Fit {
   /// sqrt(sum of (residual / noise)^2 / degrees of freedom): 1 where the stated noise explains the residuals.
   double residual_over_noise = 0.0;
   double residual_over_noise_sigma = 0.0;  ///< its standard deviation about 1 for normal noise: sqrt(1 / (2 degrees))
-  /// Factor by which the standard errors grow where residuals one sample apart have the correlation r,
-  /// sqrt((1 + r) / (1 - r)) for a first-order process: 1 for white residuals. The standard errors do not contain it.
-  double autocorrelation_factor = 1.0;
+  Weighting weighting;                     ///< with the noise of every sensor, estimated where it is not known
+  StandardErrors errors;                   ///< empty where they are not known
+  std::vector<Outlier> outliers;
   std::vector<double> rms;  ///< per sensor over all runs, SI
   int readings = 0;
   int degrees_of_freedom = 0;  ///< readings less parameters and nuisances

@@ -151,41 +151,65 @@ std::vector<Record> FitProblem::records() const {
   return out;
 }
 
-Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& parameters,
-                                     const std::vector<double>& nuisances, const Record* record, double until,
-                                     double accuracy, Residuals* residuals) const {
+Weighting FitProblem::weighting() const {
+  Weighting out;
+  for (const Sensor& sensor : experiment_.sensors) out.noise.push_back(sensor.noise);
+  out.loss = experiment_.loss;
+  return out;
+}
+
+LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& parameters,
+                                 const std::vector<double>& nuisances, const Record* record, double until,
+                                 double accuracy, const Weighting& weighting) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = chosen(parameters, used_[r]);
   Prediction prediction;
   model.predict(unknowns.data(), nuisances.data(), until, accuracy, true, prediction);
   if (!prediction.ok) return {};
-  const Eigen::Index rows = static_cast<Eigen::Index>(prediction.reading.size());
+  LinearRun out;
   const Eigen::Index p = model.unknowns();
   const Eigen::Index m = model.columns();
-  Eigen::MatrixXd whole(std::max(rows, m + 1), m + 1);
-  whole.bottomRows(whole.rows() - rows).setZero();
-  if (residuals != nullptr) residuals->clear();
+  out.rows.resize(static_cast<Eigen::Index>(prediction.reading.size()), m + 1);
   Eigen::Index row = 0;
   const std::vector<std::size_t> counts = model.counts(until);
   for (std::size_t k = 0; k < counts.size(); ++k) {
-    const double per_noise = 1.0 / experiment_.sensors[k].noise;
-    const Eigen::Index first = row;
+    const double per_noise = 1.0 / weighting.noise[k];
+    out.first.push_back(row);
     for (std::size_t s = 0; s < counts[k]; ++s, ++row) {
       const double* jacobian = &prediction.jacobian[static_cast<std::size_t>(row * m)];
-      for (Eigen::Index c = p; c < m; ++c) whole(row, c - p) = per_noise * jacobian[c];
-      for (Eigen::Index c = 0; c < p; ++c) whole(row, m - p + c) = per_noise * jacobian[c];
-      whole(row, m) =
+      for (Eigen::Index c = p; c < m; ++c) out.rows(row, c - p) = per_noise * jacobian[c];
+      for (Eigen::Index c = 0; c < p; ++c) out.rows(row, m - p + c) = per_noise * jacobian[c];
+      out.rows(row, m) =
           record != nullptr
               ? per_noise * (prediction.reading[static_cast<std::size_t>(row)] - record->sensors[k].value[s])
               : 0.0;
     }
-    if (residuals != nullptr) {
-      const Eigen::VectorXd e = whole.col(m).segment(first, row - first);
-      residuals->emplace_back(e.begin(), e.end());
+  }
+  out.first.push_back(row);
+  if (!out.rows.allFinite()) return {};
+  return out;
+}
+
+Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& parameters,
+                                     const std::vector<double>& nuisances, const Record* record, double until,
+                                     double accuracy, const Weighting& weighting) const {
+  Eigen::MatrixXd rows = linearized(r, parameters, nuisances, record, until, accuracy, weighting).rows;
+  if (rows.size() == 0) return {};
+  const Eigen::Index last = rows.cols() - 1;
+  double beyond = 0.0;  // sum of rho(s) - weight(s) s, which is not negative since rho is concave
+  if (weighting.loss != Loss::squares) {
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      const double s = rows(i, last) * rows(i, last);
+      const double weight = weighting.weight(s);
+      rows.row(i) *= std::sqrt(weight);
+      beyond += weighting.cost(s) - weight * s;
     }
   }
-  if (!whole.allFinite()) return {};
-  return solvers::triangular_factor(whole);
+  if (rows.rows() <= last) rows.conservativeResizeLike(Eigen::MatrixXd::Zero(last + 1, last + 1));
+  Eigen::MatrixXd triangle = solvers::triangular_factor(rows);
+  // The last entry is a residual that no step changes: with it the costs, and not only their gradients, are exact.
+  triangle(last, last) = std::sqrt(triangle(last, last) * triangle(last, last) + beyond);
+  return triangle;
 }
 
 Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parameters,

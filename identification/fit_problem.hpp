@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "identification/run_model.hpp"
+#include "identification/weighting.hpp"
 
 namespace poise {
 
@@ -24,8 +25,21 @@ struct Parameter {
 /// (predicted - read) / noise of a run: per sensor, one for each of its readings.
 using Residuals = std::vector<std::vector<double>>;
 
-/// An experiment as a least-squares problem:  minimise 1/2 sum ((predicted - read) / noise)^2  over the parameters and,
-/// for every run, its nuisances. Const after construction: runs can be evaluated on several threads.
+/// A run about some values: what its readings are less than predicted, and how the predictions change.
+struct LinearRun {
+  /// [d e/d nuisances, d e/d unknowns, e]  with e = (predicted - read) / noise, one row for each reading.
+  Eigen::MatrixXd rows;
+  std::vector<Eigen::Index> first;  ///< row of each sensor's first reading; one more for the end
+
+  /// e of one sensor.
+  auto residuals(std::size_t sensor) const {
+    return rows.col(rows.cols() - 1).segment(first[sensor], first[sensor + 1] - first[sensor]);
+  }
+};
+
+/// An experiment as a least-squares problem:  minimise 1/2 sum rho(((predicted - read) / noise)^2), rho(s) = s in least
+/// squares, over the parameters and, for every run, its nuisances. Const after construction: runs can be evaluated on
+/// several threads.
 class FitProblem {
  public:
   /// `experiment` must outlive this. Throws InputError where a run cannot be set up.
@@ -56,12 +70,18 @@ class FitProblem {
   /// The records of the experiment: measured, or simulated with the runs' seeds.
   std::vector<Record> records() const;
 
-  /// The triangle R of  Q R = [d e/d nuisances, d e/d unknowns, e]  with e = (predicted - read) / noise of run r up to
-  /// the time `until`, s: everything that least squares needs of a run, (columns + 1) square. Without
-  /// `record` e is 0. Empty where the motion fails. Fills `residuals` with e, where given.
+  /// Noise as stated, or first guessed from the readings, and the loss of the experiment.
+  Weighting weighting() const;
+
+  /// Of run r up to the time `until`, s. Without `record` e is 0. Without rows where the motion fails.
+  LinearRun linearized(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
+                       const Record* record, double until, double accuracy, const Weighting& weighting) const;
+  /// The triangle R of  Q R = W linearized().rows,  W^2 the weights of the residuals: everything that an iteration
+  /// needs of a run, (columns + 1) square. Its last column R_e has  |R_e|^2 = sum rho(e^2),  and R^T R_e holds the
+  /// gradient of half of that. Empty where the motion fails.
   Eigen::MatrixXd triangle(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
-                           const Record* record, double until, double accuracy, Residuals* residuals = nullptr) const;
-  /// e itself over the whole record, without derivatives; empty where the motion fails.
+                           const Record* record, double until, double accuracy, const Weighting& weighting) const;
+  /// e itself over the whole record at the stated noise, without derivatives; empty where the motion fails.
   Residuals residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                       const Record& record) const;
 

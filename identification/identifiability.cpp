@@ -64,8 +64,8 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
                        const std::vector<std::vector<double>>& nuisances) {
   std::vector<Eigen::MatrixXd> triangles;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    triangles.push_back(
-        problem.triangle(r, parameters, nuisances[r], nullptr, INFINITY, std::min(1e-8, problem.accuracy(r))));
+    triangles.push_back(problem.triangle(r, parameters, nuisances[r], nullptr, INFINITY,
+                                         std::min(1e-8, problem.accuracy(r)), problem.weighting()));
   }
   return assess(problem, parameters, triangles);
 }
@@ -139,6 +139,8 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
     explain(problem, direction);
     out.null_directions.push_back(std::move(direction));
   }
+  const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), count);
+  out.covariance = scales.asDiagonal() * covariance * scales.asDiagonal();
   out.correlation.assign(infinite.size(), std::vector<std::optional<double>>(infinite.size()));
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);

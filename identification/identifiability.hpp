@@ -34,6 +34,8 @@ struct Identifiability {
   std::vector<Direction> null_directions;
   std::vector<bool> identifiable;      ///< per parameter: has no part in a null direction
   std::vector<double> standard_error;  ///< per parameter: Cramer-Rao bound, SI; infinite in an exact null direction
+  /// Of all parameters, SI, for white noise as stated; of a change in the null space it knows nothing.
+  Eigen::MatrixXd covariance;
   /// Of the parameters, [i][j]; empty where a standard error is infinite.
   std::vector<std::vector<std::optional<double>>> correlation;
 };

@@ -29,15 +29,17 @@ class ExperimentReader {
       root_.place_of("body").fail(
           "expected an experiment, found a scene; give a file that names it with scene = \"...\"");
     }
-    root_.allow_keys({"title", "source", "scene", "set", "sensor", "unknown", "run"});
+    root_.allow_keys({"title", "source", "scene", "set", "loss", "sensor", "unknown", "run"});
     if (const auto title = root_.find_text("title")) experiment_.title = title->value;
     if (const auto source = root_.find_text("source")) experiment_.source = source->value;
     read_its_scene(options);
+    read_loss();
     const SceneNames names = names_of_scene();
     read_sensors(names);
     read_unknowns();
     read_runs(root_, names, file_.parent_path(), options.data, experiment_);
     for (const Unknown& unknown : experiment_.unknowns) check_against_runs(unknown);
+    guess_noise();
     return std::move(experiment_);
   }
 
@@ -52,6 +54,44 @@ class ExperimentReader {
     experiment_.scene = read_scene(scene);
     read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
+  }
+
+  void read_loss() {
+    const auto word = root_.find_text("loss");
+    if (!word) return;
+    const std::optional<Loss> loss = loss_of(word->value);
+    if (!loss) {
+      const std::vector<std::string> valid(loss_words.begin(), loss_words.end());
+      word->place.fail("expected squares, huber, cauchy or student" + did_you_mean_or_list(word->value, valid));
+    }
+    experiment_.loss = *loss;
+  }
+
+  /// A first guess where the noise is not stated: third differences of readings contain little but noise, whose
+  /// variance they multiply by 20. Of readings that are all alike, a part of their size.
+  void guess_noise() {
+    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+      Sensor& sensor = experiment_.sensors[k];
+      if (sensor.noise_known) continue;
+      double differences = 0.0;
+      double squares = 0.0;
+      std::size_t count = 0;
+      for (std::size_t r = 0; r < experiment_.runs.size(); ++r) {
+        if (experiment_.runs[r].is_simulated()) {
+          TomlPlace{experiment_.file, sensor.line, "sensor \"" + sensor.name + "\".noise"}.fail(
+              "expected a number, since run \"" + experiment_.runs[r].name + "\" is simulated; add noise = NUMBER");
+        }
+        const std::vector<double>& y = experiment_.records[r].sensors[k].value;
+        for (std::size_t i = 3; i < y.size(); ++i, ++count) {
+          const double third = y[i] - 3 * y[i - 1] + 3 * y[i - 2] - y[i - 3];
+          differences += third * third / 20;
+          squares += y[i] * y[i];
+        }
+      }
+      const double n = static_cast<double>(std::max<std::size_t>(count, 1));
+      const double size = std::sqrt(squares / n);
+      sensor.noise = std::max(std::sqrt(differences / n), size > 0 ? 1e-5 * size : 1e-12);
+    }
   }
 
   SceneNames names_of_scene() const {
@@ -83,7 +123,9 @@ class ExperimentReader {
     if (sensor.rate && sensor.reads_force()) {
       table.place_of("rate").fail("expected the rate of a position or angle; the rate of a force is not available");
     }
-    sensor.noise = table.number("noise", unit, Range::positive);
+    const auto noise = table.find_number("noise", unit, Range::positive);
+    sensor.noise_known = noise.has_value();
+    sensor.noise = noise.value_or(0.0);
     sensor.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
     sensor.unit = table.find_number("factor", unit, Range::finite).value_or(unit);
     if (sensor.unit == 0.0) table.place_of("factor").fail("expected a number other than 0; leave it out for 1");

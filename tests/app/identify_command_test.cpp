@@ -49,7 +49,7 @@ TEST(IdentifyCommand, FindsTheLift) {
   EXPECT_NEAR(r["residual_over_noise"], 1.0, 4 * r["residual_over_noise_sigma"].get<double>());
   EXPECT_EQ(r["verdict"], "Converged: residuals agree with the stated noise.");
   EXPECT_TRUE(r["warnings"].empty()) << r["warnings"];
-  EXPECT_EQ(r["autocorrelation_factor"], 1.0);
+  EXPECT_EQ(r["standard_errors"], "white");
   // Cramer-Rao bounds of the standard errors that lift/README.md states, per cent.
   const std::vector<std::pair<std::string, double>> bounds = {{"mP", 0.037}, {"J_O", 1.20}, {"k", 0.014}, {"c", 0.154}};
   ASSERT_EQ(r["estimates"].size(), 4U);
@@ -163,7 +163,8 @@ TEST(IdentifyCommand, WarnsOfAnIncompleteModel) {
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(has(run.out, "Converged with a misfit: the residuals are")) << run.out;
   EXPECT_TRUE(has(run.out, "not white")) << run.out;
-  EXPECT_TRUE(has(run.out, "standard errors are larger than shown")) << run.out;
+  EXPECT_TRUE(has(run.out, "Standard errors by what is taken for independent")) << run.out;
+  EXPECT_TRUE(has(run.out, "one run shows no more: add runs")) << run.out;
 }
 
 TEST(IdentifyCommand, DrawsReadingsResidualsAndSensitivities) {

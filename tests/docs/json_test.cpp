@@ -406,6 +406,12 @@ TEST(JsonDocs, Identify) {
   const TempFolder folder;
   run_poise({"motion", scene("lift"), "--duration", "1", "--release", "obd=0.005", "--noise", "1e-4", "--csv",
              folder.path("measured.csv").string()});
+  // One reading is an outlier.
+  std::string data = contents(folder.path("measured.csv"));
+  const std::size_t row = data.find("\n0.5,");
+  ASSERT_NE(row, std::string::npos);
+  data.insert(row + 5, "1");
+  folder.write("measured.csv", data);
   std::string experiment = measured;
   experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
   check_section(

@@ -53,7 +53,8 @@ TEST(FitProblem, TrianglesHoldCostAndGradient) {
     const RunModel& run = problem.run(r);
     SCOPED_TRACE(run.run().name);
     const int columns = run.columns();
-    const Eigen::MatrixXd R = problem.triangle(r, here.parameters, here.nuisances[r], &records[r], INFINITY, 1e-10);
+    const Eigen::MatrixXd R =
+        problem.triangle(r, here.parameters, here.nuisances[r], &records[r], INFINITY, 1e-10, problem.weighting());
     ASSERT_EQ(R.rows(), columns + 1);
     ASSERT_EQ(R.cols(), columns + 1);
     EXPECT_NEAR(R.col(columns).squaredNorm() / 2 / cost(problem, r, records[r], here.parameters, here.nuisances[r]),

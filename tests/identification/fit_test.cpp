@@ -248,7 +248,7 @@ double plain_levenberg_marquardt(const FitProblem& problem, const Record& record
   for (std::size_t i = 0; i < nuisances.size(); ++i) x[static_cast<Eigen::Index>(i) + 1] = nuisances[i];
   const auto triangle = [&](const Eigen::VectorXd& at) {
     const std::vector<double> n(at.data() + 1, at.data() + at.size());
-    return problem.triangle(0, {at[0]}, n, &record, INFINITY, 1e-9);
+    return problem.triangle(0, {at[0]}, n, &record, INFINITY, 1e-9, problem.weighting());
   };
   double damping = 1e-3;
   Eigen::MatrixXd R = triangle(x);

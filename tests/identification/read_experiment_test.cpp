@@ -139,9 +139,10 @@ TEST(ReadExperiment, RejectsTheFile) {
   EXPECT_EQ(error_of(sensor + run), "experiment.toml:1: expected the key scene; add scene = \"...\"");
   EXPECT_EQ(error_of("scene = \"s.toml\"\n" + sensor + run),
             "experiment.toml:1: scene: expected a scene file, relative to this file; there is no \"s.toml\"");
-  EXPECT_EQ(error_of("sensors = 1\n" + header),
-            "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, sensor, unknown, run; did "
-            "you mean \"sensor\"?");
+  EXPECT_EQ(
+      error_of("sensors = 1\n" + header),
+      "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, loss, sensor, unknown, run; did "
+      "you mean \"sensor\"?");
   EXPECT_EQ(error_of(header + run), "experiment.toml:1: sensor: expected at least one sensor; add [[sensor]]");
   EXPECT_EQ(error_of(header + sensor), "experiment.toml:1: run: expected at least one run; add [[run]]");
   EXPECT_EQ(error_of("set = { \"body.block.mas\" = 1 }\n" + header + sensor + run),
@@ -166,7 +167,10 @@ TEST(ReadExperiment, RejectsSensors) {
   const std::string kinds = "expected one of the keys angle, travel, distance, x, y, force";
   EXPECT_EQ(error_of_sensor("noise = 1\n"), place + kinds);
   EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"), place + kinds);
-  EXPECT_EQ(error_of_sensor("angle = \"crank\"\n"), place + "expected the key noise; add noise = NUMBER");
+  EXPECT_EQ(
+      error_of_sensor("angle = \"crank\"\n"),
+      "experiment.toml:2: sensor \"sensor 1\".noise: expected a number, since run \"run 1\" is simulated; add noise = "
+      "NUMBER");
   const std::string third = "experiment.toml:3: sensor 1.";
   EXPECT_EQ(error_of_sensor("angles = \"crank\"\n"),
             third +

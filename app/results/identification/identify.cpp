@@ -19,27 +19,34 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int residual_digits = 3;
 // An estimate that differs by more standard errors from the truth of a simulation is marked.
 constexpr double remarkable = 4.0;
-// Residuals with the autocorrelation a carry the information of (1 - a)/(1 + a) times as many independent ones: half.
-constexpr double not_independent = 1.0 / 3.0;
-
 int withheld(const Fit& fitted) {
   return static_cast<int>(
       std::count_if(fitted.estimates.begin(), fitted.estimates.end(), [](const Estimate& e) { return e.withheld; }));
 }
 
-/// The largest autocorrelation of any sensor in any run.
-double largest_autocorrelation(const Fit& fitted) {
-  double largest = 0.0;
-  for (const RunFit& run : fitted.runs) {
-    for (const double a : run.autocorrelation) largest = std::max(largest, a);
+std::string in_words(StandardErrors::Kind kind) {
+  switch (kind) {
+    case StandardErrors::Kind::white:
+      return "readings";
+    case StandardErrors::Kind::serial:
+      return "series";
+    case StandardErrors::Kind::runs:
+      return "runs";
   }
-  return largest;
+  return "";
 }
 
-Line verdict(const Fit& fitted) {
+bool all_noise_estimated(const FitProblem& problem, const Fit& fitted) {
+  const std::vector<Sensor>& sensors = problem.experiment().sensors;
+  return fitted.weighting.loss == Loss::student ||
+         std::none_of(sensors.begin(), sensors.end(), [](const Sensor& s) { return s.noise_known; });
+}
+
+Line verdict(const FitProblem& problem, const Fit& fitted) {
   switch (fitted.status) {
     case FitStatus::converged:
-      return good("Converged: residuals agree with the stated noise.");
+      return good(all_noise_estimated(problem, fitted) ? "Converged, with the noise estimated from the residuals."
+                                                       : "Converged: residuals agree with the stated noise.");
     case FitStatus::misfit:
       return doubtful(fmt::format("Converged with a misfit: {}.", fitted.why));
     case FitStatus::not_run:
@@ -50,23 +57,60 @@ Line verdict(const Fit& fitted) {
   return bad(fmt::format("No fit: {}.", fitted.why));
 }
 
-std::vector<Line> warnings(const Fit& fitted) {
+/// "Run \"low\" disagrees with the others: without it k changes by +2.3 standard errors.": the number it changes most.
+std::string disagreement_in_words(const FitProblem& problem, const Fit& fitted, std::size_t run) {
+  std::size_t most = 0;
+  double largest = -1.0;
+  for (std::size_t p = 0; p < fitted.errors.error.size(); ++p) {
+    const double change = std::abs(fitted.errors.without_run[run][p]) / fitted.errors.error[p];
+    if (change > largest) {
+      largest = change;
+      most = p;
+    }
+  }
+  return fmt::format("Run \"{}\" disagrees with the others: without it {} changes by {:+.1f} standard errors.",
+                     problem.run(run).run().name, problem.parameters()[most].name,
+                     fitted.errors.without_run[run][most] / fitted.errors.error[most]);
+}
+
+std::vector<Line> warnings(const FitProblem& problem, const Fit& fitted) {
   std::vector<Line> out;
   if (!fitted.usable()) return out;
   if (withheld(fitted) > 0) {
     const std::string all = count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates");
     out.push_back(bad(fmt::format("Withheld: {} of {}, see below.", withheld(fitted), all)));
   }
-  if (largest_autocorrelation(fitted) > not_independent) {
-    out.push_back(
-        doubtful(fmt::format("Residuals are correlated from one sample to the next (autocorrelation up to "
-                             "{:.3f}): standard errors are larger than shown, by about {} times.",
-                             largest_autocorrelation(fitted), significant(fitted.autocorrelation_factor, 2))));
+  for (std::size_t r = 0; r < fitted.errors.disagreement.size(); ++r) {
+    if (fitted.errors.disagreement[r] < disagrees_from) continue;
+    out.push_back(doubtful(disagreement_in_words(problem, fitted, r)));
+  }
+  if (!fitted.outliers.empty()) {
+    std::vector<std::size_t> runs;
+    for (const Outlier& outlier : fitted.outliers) {
+      if (runs.empty() || runs.back() != outlier.run) runs.push_back(outlier.run);
+    }
+    out.push_back(doubtful(fmt::format(
+        "Outliers: {} in {}, listed below{}.", count(static_cast<int>(fitted.outliers.size()), "reading", "readings"),
+        count(static_cast<int>(runs.size()), "run", "runs"),
+        fitted.weighting.loss == Loss::squares ? "; loss = \"huber\", \"cauchy\" or \"student\" limits their effect"
+                                               : "")));
   }
   if (!fitted.identifiability.ok) {
     out.push_back(bad("Standard errors are not known: " + fitted.identifiability.why + "."));
   }
   return out;
+}
+
+/// Its ends with the digits of the standard error.
+std::string interval_in_words(const Estimate& e) {
+  const double error = e.standard_error / e.unit;
+  return fmt::format("{} to {}", rounded_to(e.low / e.unit, error), rounded_to(e.high / e.unit, error));
+}
+
+const std::vector<double>& errors_of(const StandardErrors& errors, StandardErrors::Kind kind) {
+  return kind == StandardErrors::Kind::white    ? errors.white
+         : kind == StandardErrors::Kind::serial ? errors.serial
+                                                : errors.runs;
 }
 
 void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
@@ -101,6 +145,16 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   Column& per_cents = table.numbers("", "per cent", "", {});
   per_cents.texts = text([&](const Estimate& e) { return known ? per_cent(e.standard_error, e.value) : "-"; });
   per_cents.shown = any;
+  Column& interval = table.words(
+      "", "95 % interval", text([&](const Estimate& e) { return known ? interval_in_words(e) : std::string("-"); }));
+  interval.shown = any && known;
+  table.data("low", number(&Estimate::low, known));
+  table.data("high", number(&Estimate::high, known));
+  for (const auto kind : {StandardErrors::Kind::white, StandardErrors::Kind::serial, StandardErrors::Kind::runs}) {
+    table.data("standard_error_" + to_string(kind), each(places(rows.size()), [&](std::size_t i) {
+                 return rows[i].withheld || !known ? nan : errors_of(fitted.errors, kind)[i] / rows[i].unit;
+               }));
+  }
   table.words("unit", "unit", rows.empty() ? std::vector<std::string>{} : parameter_units(problem));
   Column& truth = table.numbers("truth", "truth", "", number(&Estimate::truth, simulated));
   truth.texts = text([&](const Estimate& e) { return significant(simulated ? e.truth / e.unit : NAN, 7); });
@@ -145,6 +199,27 @@ std::string rms_in_words(const std::vector<double>& rms, const Experiment& exper
                             significant(std::sqrt(squares / angles) / units.angle, residual_digits), units.angle_name);
 }
 
+/// The standard errors under each assumption about the residuals, where they are not white.
+void add_standard_errors(Group& content, const Fit& fitted) {
+  if (fitted.errors.error.empty() || !fitted.usable()) return;
+  content.data("standard_errors", to_string(fitted.errors.leading));
+  content.data("standard_errors_why", fitted.errors.why);
+  if (fitted.errors.leading == StandardErrors::Kind::white) return;
+  Group& section = content.group("", "Standard errors by what is taken for independent");
+  section.note("shown above: " + in_words(fitted.errors.leading) + ", since " + fitted.errors.why);
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
+    if (!fitted.estimates[i].withheld) rows.push_back(i);
+  }
+  Table& table = section.table("", "", Rows::list);
+  table.words("", "parameter", each(rows, [&](std::size_t i) { return fitted.estimates[i].name; }));
+  for (const auto kind : {StandardErrors::Kind::white, StandardErrors::Kind::serial, StandardErrors::Kind::runs}) {
+    table.numbers("", in_words(kind), "", {}).texts = each(rows, [&](std::size_t i) {
+      return significant(errors_of(fitted.errors, kind)[i] / fitted.estimates[i].unit, 2);
+    });
+  }
+}
+
 void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
   const Experiment& experiment = problem.experiment();
   constexpr std::size_t most_sensors = 4;
@@ -173,6 +248,44 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
       each(rows, [](const RunFit& run) { return run.white ? Tone::plain : Tone::doubtful; });
 }
 
+/// Run by run and sensor by sensor: how many, the first times, the largest.
+void add_outliers(Group& section, const FitProblem& problem, const Fit& fitted) {
+  if (fitted.outliers.empty()) return;
+  constexpr std::size_t most_times = 4;
+  const Experiment& experiment = problem.experiment();
+  struct Row {
+    std::string run, sensor, times, largest;
+    int count = 0;
+  };
+  std::vector<Row> rows;
+  const auto& all = fitted.outliers;
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t end = i;
+    while (end < all.size() && all[end].run == all[i].run && all[end].sensor == all[i].sensor) ++end;
+    const auto worst =
+        std::max_element(all.begin() + static_cast<std::ptrdiff_t>(i), all.begin() + static_cast<std::ptrdiff_t>(end),
+                         [](const Outlier& a, const Outlier& b) { return a.size < b.size; });
+    const Sensor& sensor = experiment.sensors[all[i].sensor];
+    Row row{one_line(problem.run(all[i].run).run().name), sensor.name, "",
+            fmt::format("{} {} at {:.6g} s",
+                        significant(worst->residual / sensor.dimension().unit(experiment.scene.units), 3),
+                        sensor.dimension().unit_name(experiment.scene.units), worst->time),
+            static_cast<int>(end - i)};
+    for (std::size_t j = i; j < std::min(end, i + most_times); ++j) {
+      row.times += fmt::format("{}{:.6g}", j > i ? ", " : "", all[j].time);
+    }
+    if (end > i + most_times) row.times += ", ...";
+    rows.push_back(std::move(row));
+    i = end;
+  }
+  Table& table = section.table("", "Outliers: residuals above 6 times the scale of their sensor's", Rows::list);
+  table.words("", "run", each(rows, &Row::run));
+  table.words("", "sensor", each(rows, &Row::sensor));
+  table.numbers("", "readings", "", {}).texts = each(rows, [](const Row& row) { return fmt::format("{}", row.count); });
+  table.words("", "largest", each(rows, &Row::largest));
+  table.words("", "times (s)", each(rows, &Row::times));
+}
+
 void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   if (fitted.runs.empty()) return;
@@ -189,6 +302,7 @@ void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& a
                                  ", with the starts estimated from the runs' first readings");
   }
   add_runs(section, problem, fitted);
+  add_outliers(section, problem, fitted);
 }
 
 void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& answer) {
@@ -202,7 +316,6 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
   content.data("degrees_of_freedom", fitted.degrees_of_freedom);
   content.data("residual_over_noise", reached ? Value(fitted.residual_over_noise) : Value());
   content.data("residual_over_noise_sigma", reached ? Value(fitted.residual_over_noise_sigma) : Value());
-  content.data("autocorrelation_factor", reached ? Value(fitted.autocorrelation_factor) : Value());
   content.data("iterations", fitted.iterations);
   content.data("evaluations", fitted.evaluations);
   content.data("tries", fitted.tries);
@@ -210,7 +323,23 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
   Table& sensors = content.table("sensors", "", Rows::list, Verbosity::data);
   sensors.words("name", "", each(experiment.sensors, &Sensor::name));
   sensors.words("unit", "", each(experiment.sensors, [&](const Sensor& s) { return s.dimension().unit_name(units); }));
-  sensors.data("noise", each(experiment.sensors, [&](const Sensor& s) { return s.noise / s.dimension().unit(units); }));
+  sensors.data("noise", each(places(experiment.sensors.size()), [&](std::size_t k) {
+                 return fitted.weighting.noise[k] / experiment.sensors[k].dimension().unit(units);
+               }));
+  sensors.data("noise_estimated", each(experiment.sensors, [&](const Sensor& s) { return s.noise_known ? 0.0 : 1.0; }))
+      .kind = Column::Kind::flag;
+  const bool tested = !fitted.errors.sensors.empty();
+  sensors.data("over_noise", each(places(experiment.sensors.size()),
+                                  [&](std::size_t k) { return tested ? fitted.errors.sensors[k].ratio : nan; }));
+  content.data("loss", to_string(fitted.weighting.loss));
+  Table& outliers = content.table("outliers", "", Rows::list, Verbosity::data);
+  outliers.words("run", "", each(fitted.outliers, [&](const Outlier& o) { return problem.run(o.run).run().name; }));
+  outliers.words("sensor", "",
+                 each(fitted.outliers, [&](const Outlier& o) { return experiment.sensors[o.sensor].name; }));
+  outliers.data("time", each(fitted.outliers, [](const Outlier& o) { return o.time; }));
+  outliers.data("residual", each(fitted.outliers, [&](const Outlier& o) {
+                  return o.residual / experiment.sensors[o.sensor].dimension().unit(units);
+                }));
   content.data("rms", in_units(fitted.rms, experiment));
   content.data("rms_from_first_readings",
                answer.rms_from_readings.empty() ? Value() : Value(in_units(answer.rms_from_readings, experiment)));
@@ -223,6 +352,13 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
     one.data("rms_over_noise", rms_over_noise(problem, run));
     one.data("autocorrelation", run.autocorrelation);
     one.data("white", run.white);
+    if (!fitted.errors.disagreement.empty()) {
+      one.data("disagreement", fitted.errors.disagreement[r]);
+      Group& without = one.group("without_run", "", Verbosity::data);
+      for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
+        without.data(problem.parameters()[p].name, fitted.errors.without_run[r][p] / problem.unknown_of(p).unit);
+      }
+    }
     const std::vector<std::string> nuisances = problem.run(r).nuisance_names();
     const std::vector<Dimension> dimensions = problem.run(r).nuisance_dimensions();
     Group& found = one.group("nuisances", "", Verbosity::data);
@@ -237,10 +373,11 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
 Result identify_result(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings) {
   const Fit& fitted = answer.fit;
   Result out = experiment_result(problem, settings);
-  out.verdict = verdict(fitted);
-  out.warnings = warnings(fitted);
+  out.verdict = verdict(problem, fitted);
+  out.warnings = warnings(problem, fitted);
   Group& content = out.content;
   add_estimates(content, problem, fitted);
+  add_standard_errors(content, fitted);
   add_null_directions(content, fitted.identifiability);
   add_correlations(content, problem, fitted.identifiability);
   add_identifiability_data(content, problem, fitted.identifiability);

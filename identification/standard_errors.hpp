@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identification/fit_problem.hpp"
+
+namespace poise {
+
+/// Residuals against the noise that the fit weighs them by:  ratio = sqrt(sum e^2 / (readings - values estimated from
+/// them)),  1 where the noise is so; its standard deviation is sqrt(spread / (2 readings)), spread as of
+/// solvers::Autoregression. Of robust fits the ratio is that of the median |e| to the one of normal noise.
+struct NoiseTest {
+  double ratio = 0.0;
+  double sigma = 0.0;
+
+  /// Within 5 sigma or 2 % of 1.
+  bool agrees() const;
+};
+
+/// Standard errors of a fit under three assumptions about its residuals e. With the estimates' covariance V for white
+/// noise of unit standard deviation and A = d e/d parameters, nuisances eliminated, an estimate's error is V A^T e.
+///   white:  e independent:  V A^T A V
+///   serial: e of each sensor a stationary autoregressive series:  V A^T R A V  with its autocorrelation R
+///   runs:   only runs independent:  V sum_r (A_r^T f_r)(A_r^T f_r)^T V,  f_r = (1 - A_r V A_r^T)^(-1/2) e_r
+/// each times the square of the residuals' size over the noise where that is above 1, or the noise is estimated.
+/// Sources: W. K. Newey, K. D. West, 1987, for the second; R. M. Bell, D. F. McCaffrey, Bias reduction in standard
+/// errors for linear regression with multi-stage samples, 2002, for the third and its degrees of freedom.
+struct StandardErrors {
+  enum class Kind { white, serial, runs };
+  Kind leading = Kind::white;               ///< the one that the residuals allow
+  std::string why;                          ///< why that one, one sentence; with what limits it
+  std::vector<double> white, serial, runs;  ///< per parameter, SI; NaN where there is none
+  std::vector<double> runs_degrees;         ///< degrees of freedom of the third, per parameter
+  std::vector<double> error;                ///< the leading one; of `runs` the larger of that and `serial`
+  std::vector<double> reach;                ///< half the width of the 95 % interval, Student's t
+  /// Per run, per parameter: by how much an estimate changes without that run, to first order, SI; NaN where the run
+  /// alone determines it.
+  std::vector<std::vector<double>> without_run;
+  /// Per run: the largest of these over its standard deviation where all runs agree.
+  std::vector<double> disagreement;
+  std::vector<NoiseTest> sensors;                  ///< over all runs
+  std::vector<std::vector<NoiseTest>> runs_noise;  ///< per run, per sensor; ratio NaN without readings
+};
+
+/// A run with a larger disagreement is named: among 100 runs with 5 parameters one does so by chance once in 60 fits.
+inline constexpr double disagrees_from = 4.5;
+
+std::string to_string(StandardErrors::Kind kind);
+
+/// `covariance`: V, SI (see Identifiability::covariance). `runs`: linearized at the fit, of all runs.
+StandardErrors standard_errors(const FitProblem& problem, const Eigen::MatrixXd& covariance,
+                               const std::vector<LinearRun>& runs, const Weighting& weighting);
+
+}  // namespace poise

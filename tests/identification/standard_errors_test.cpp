@@ -1,0 +1,243 @@
+// Standard errors under white, correlated and run-wise residuals, tests of the noise, outliers and runs that disagree:
+// against what the estimates of many simulated fits do.
+
+#include "identification/standard_errors.hpp"
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "identification/fit.hpp"
+#include "solvers/linear_algebra.hpp"
+#include "tests/identification/wheel.hpp"
+
+namespace poise {
+namespace {
+
+using test::Wheel;
+
+/// Ideal records with noise of unit variance from `draw`, times the sensor's; `draw` begins anew for every series.
+std::vector<Record> noisy(const FitProblem& problem, const std::function<double()>& draw,
+                          const std::function<void()>& begin = {}) {
+  std::vector<Record> out;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    out.push_back(problem.ideal_record(r));
+    for (std::size_t k = 0; k < out.back().sensors.size(); ++k) {
+      if (begin) begin();
+      for (double& y : out.back().sensors[k].value) y += problem.experiment().sensors[k].noise * draw();
+    }
+  }
+  return out;
+}
+
+/// A stationary first-order series with the autocorrelation phi^|lag|.
+struct Correlated {
+  double phi;
+  std::mt19937_64 random;
+  std::normal_distribution<double> normal{};
+  double x = normal(random);
+
+  double operator()() {
+    x = phi * x + std::sqrt(1 - phi * phi) * normal(random);
+    return x;
+  }
+};
+
+struct Coverage {
+  double leading = 0.0, white = 0.0;
+  int of_kind[3] = {0, 0, 0};
+};
+
+Coverage coverage(const FitProblem& problem, double phi, int trials) {
+  Coverage out;
+  for (int t = 0; t < trials; ++t) {
+    Correlated noise{phi, std::mt19937_64(static_cast<unsigned>(t))};
+    const Fit found =
+        fit(problem, noisy(
+                         problem, [&] { return noise(); }, [&] { noise.x = noise.normal(noise.random); }));
+    const Estimate& k = found.estimates[0];
+    out.leading += (k.truth >= k.low && k.truth <= k.high ? 1.0 : 0.0) / trials;
+    out.white += (std::abs(k.value - k.truth) <= 1.96 * found.errors.white[0] ? 1.0 : 0.0) / trials;
+    ++out.of_kind[static_cast<int>(found.errors.leading)];
+  }
+  return out;
+}
+
+Wheel wheel_of(int runs, int readings) {
+  Wheel wheel(runs);
+  for (Run& run : wheel.experiment.runs) run.duration = readings / run.sample_rate;
+  return wheel;
+}
+
+// 200 fits: a coverage of 95 % is found within 0.95 +- 0.046 (3 sigma).
+TEST(StandardErrors, WhiteResidualsLeadToWhiteIntervals) {
+  const Wheel wheel = wheel_of(4, 100);
+  const Coverage found = coverage(FitProblem(wheel.experiment), 0.0, 200);
+  EXPECT_NEAR(found.leading, 0.95, 0.046);
+  EXPECT_GE(found.of_kind[0], 180);
+}
+
+TEST(StandardErrors, CorrelatedResidualsStillCoverTheTruth) {
+  const Wheel wheel = wheel_of(4, 400);
+  const Coverage found = coverage(FitProblem(wheel.experiment), 0.9, 200);
+  EXPECT_NEAR(found.leading, 0.95, 0.046);
+  EXPECT_LT(found.white, 0.6) << "what independent readings would say";
+  EXPECT_EQ(found.of_kind[1], 200);
+}
+
+// Correlated over a large part of each run: only the runs are independent, and the intervals may be too wide.
+TEST(StandardErrors, LongCorrelationLeadsToRuns) {
+  const Wheel wheel = wheel_of(10, 100);
+  const Coverage found = coverage(FitProblem(wheel.experiment), 0.98, 100);
+  EXPECT_GE(found.of_kind[2], 95);
+  EXPECT_GE(found.leading, 0.95 - 0.065);
+  EXPECT_LT(found.white, 0.7);
+}
+
+// With one parameter and n equal runs, the third error is  sqrt(sum (a_r.e_r)^2 / (1 - 1/n)) / sum a.a  and has n - 1
+// degrees of freedom.
+TEST(StandardErrors, RunsInClosedForm) {
+  const Wheel wheel = wheel_of(5, 60);
+  const FitProblem problem(wheel.experiment);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const std::vector<Record> records = noisy(problem, [&] { return normal(random); });
+  const Fit found = fit(problem, records);
+  double squares = 0.0;
+  double information = 0.0;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const LinearRun run =
+        problem.linearized(r, found.parameters, found.runs[r].nuisances, &records[r], INFINITY, 1e-10, found.weighting);
+    const Eigen::MatrixXd n = run.rows.leftCols(2);
+    Eigen::VectorXd a = run.rows.col(2);
+    a -= n * solvers::minimum_norm_solution<double>(n, a);
+    squares += std::pow(a.dot(run.rows.col(3)), 2) / (1 - 1.0 / 5);
+    information += a.squaredNorm();
+  }
+  EXPECT_NEAR(found.errors.runs[0], std::sqrt(squares) / information, 2e-3 * found.errors.runs[0]);
+  EXPECT_NEAR(found.errors.runs_degrees[0], 4.0, 0.02);
+  EXPECT_NEAR(found.errors.white[0], 1 / std::sqrt(information), 0.1 * found.errors.white[0]);
+}
+
+// Leaving out a run changes the estimate as a fit without it says.
+TEST(StandardErrors, WithoutARunAsAFitWithoutIt) {
+  const Wheel wheel = wheel_of(4, 80);
+  const FitProblem problem(wheel.experiment);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const std::vector<Record> records = noisy(problem, [&] { return normal(random); });
+  const Fit all = fit(problem, records);
+  Experiment fewer = wheel.experiment;
+  fewer.runs.erase(fewer.runs.begin() + 1);
+  const FitProblem three(fewer);
+  const Fit without = fit(three, {records[0], records[2], records[3]});
+  EXPECT_NEAR(all.errors.without_run[1][0], without.parameters[0] - all.parameters[0], 0.02 * all.errors.error[0]);
+  EXPECT_LT(all.errors.disagreement[1], disagrees_from);
+}
+
+TEST(StandardErrors, NameARunThatDisagrees) {
+  Wheel wheel = wheel_of(6, 80);
+  const FitProblem problem(wheel.experiment);
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  std::vector<Record> records = noisy(problem, [&] { return normal(random); });
+  // One run of a wheel whose spring is stiffer by ten of the errors of a single run.
+  Experiment stiffer = wheel.experiment;
+  const Fit all = fit(problem, records);
+  set_value(stiffer.scene, "torsion_spring.coil.stiffness", Wheel::stiffness + 25 * all.errors.white[0]);
+  const FitProblem other(stiffer);
+  records[2] = other.ideal_record(2);
+  other.add_noise(records[2], 9);
+  const Fit found = fit(problem, records);
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    EXPECT_EQ(found.errors.disagreement[r] > disagrees_from, r == 2) << r << ": " << found.errors.disagreement[r];
+  }
+}
+
+// Noise that is a third below or above what is stated is no agreement, in total or in one run.
+TEST(StandardErrors, NoiseIsTestedOnBothSides) {
+  const Wheel wheel = wheel_of(4, 400);
+  const FitProblem problem(wheel.experiment);
+  for (const double size : {0.7, 1.0, 1.3, 1e-6}) {
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> normal;
+    const Fit found = fit(problem, noisy(problem, [&] { return size * normal(random); }));
+    EXPECT_EQ(found.status, size == 1.0 ? FitStatus::converged : FitStatus::misfit) << size;
+    EXPECT_NEAR(found.errors.sensors[0].ratio, size, 0.08 * size + 1e-4);
+    if (size < 1) {
+      EXPECT_NE(found.why.find("smaller than stated"), std::string::npos) << found.why;
+      EXPECT_NEAR(found.errors.error[0], found.identifiability.standard_error[0], 1e-9);
+    }
+  }
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  std::vector<Record> records = noisy(problem, [&] { return normal(random); });
+  const Record ideal = problem.ideal_record(1);
+  for (double& y : records[1].sensors[0].value) y += Wheel::noise * 0.8 * normal(random);
+  const Fit found = fit(problem, records);
+  EXPECT_EQ(found.status, FitStatus::misfit);
+}
+
+// Two sensors of one wheel, of which the noise is not known: restricted maximum likelihood finds both, and the
+// estimate is as good as with the noise known.
+TEST(StandardErrors, UnknownNoiseOfEverySensor) {
+  Wheel wheel = wheel_of(3, 300);
+  wheel.experiment.sensors.push_back(test::angle_of(wheel.experiment.scene, "wheel", 20 * Wheel::noise));
+  const FitProblem known(wheel.experiment);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  const std::vector<Record> records = noisy(known, [&] { return normal(random); });
+  const Fit expected = fit(known, records);
+  Experiment unstated = wheel.experiment;
+  for (Sensor& sensor : unstated.sensors) {
+    sensor.noise_known = false;
+    sensor.noise = 3e-3;
+  }
+  const FitProblem unknown(unstated);
+  const Fit found = fit(unknown, records);
+  EXPECT_EQ(found.status, FitStatus::converged) << found.why;
+  EXPECT_NEAR(found.weighting.noise[0], Wheel::noise, 0.07 * Wheel::noise);
+  EXPECT_NEAR(found.weighting.noise[1], 20 * Wheel::noise, 0.07 * 20 * Wheel::noise);
+  EXPECT_NEAR(found.parameters[0], expected.parameters[0], 0.05 * expected.errors.error[0]);
+  EXPECT_NEAR(found.errors.error[0], expected.errors.error[0], 0.07 * expected.errors.error[0]);
+}
+
+// One reading in ten is off by a thousand times the noise, always to the same side, in two of three runs.
+TEST(StandardErrors, OutliersMoveNoRobustEstimateAndAreListed) {
+  for (const Loss loss : {Loss::huber, Loss::cauchy, Loss::student}) {
+    SCOPED_TRACE(to_string(loss));
+    Wheel wheel = wheel_of(3, 300);
+    wheel.experiment.loss = loss;
+    const FitProblem problem(wheel.experiment);
+    std::mt19937_64 random(12);
+    std::normal_distribution<double> normal;
+    std::vector<Record> records = noisy(problem, [&] { return normal(random); });
+    std::set<std::pair<std::size_t, double>> gross;
+    for (const std::size_t r : {0U, 2U}) {
+      for (std::size_t i = r; i < 300; i += 10) {
+        records[r].sensors[0].value[i] += 0.1;
+        gross.emplace(r, records[r].sensors[0].time[i]);
+      }
+    }
+    const Fit found = fit(problem, records);
+    EXPECT_EQ(found.status, FitStatus::converged) << found.why;
+    EXPECT_NEAR(found.parameters[0], Wheel::stiffness, 3 * found.identifiability.standard_error[0]);
+    EXPECT_LT(found.errors.error[0], 2 * found.identifiability.standard_error[0]);
+    std::set<std::pair<std::size_t, double>> listed;
+    for (const Outlier& outlier : found.outliers) listed.emplace(outlier.run, outlier.time);
+    EXPECT_EQ(listed, gross);
+  }
+}
+
+TEST(StandardErrors, NoOutliersWithoutThem) {
+  const Wheel wheel = wheel_of(3, 300);
+  const FitProblem problem(wheel.experiment);
+  EXPECT_TRUE(fit(problem, problem.records()).outliers.empty());
+}
+
+}  // namespace
+}  // namespace poise
