@@ -54,6 +54,15 @@ struct Unknown {
   int line = 0;
 };
 
+/// A number of the scene that is taken as known, and how well it is: its uncertainty is propagated to the estimates.
+struct KnownNumber {
+  std::string path;
+  std::string per;         ///< as of Unknown: one error for all runs, one for each label's value, or for each run
+  double deviation = 0.0;  ///< standard deviation, SI; with `relative` a part of the number, as each run has it
+  bool relative = false;
+  int line = 0;
+};
+
 /// The equilibrium about which a run moves: the free length (or free angle) of one spring is set so that the coordinate
 /// `body` (angle) or `joint` (travel) has the value `at` in equilibrium. For mechanisms with one degree of freedom.
 struct EquilibriumPose {
@@ -91,6 +100,9 @@ struct Run {
   bool is_simulated() const { return data.empty(); }
 };
 
+/// The run or label whose value of a number a run uses: "" where all runs share one.
+std::string group_of(const std::string& per, const Run& run);
+
 /// A scene, sensors, runs that were measured or are simulated, and the unknowns to be estimated from them.
 struct Experiment {
   std::string file;
@@ -100,6 +112,7 @@ struct Experiment {
   Loss loss = Loss::squares;
   std::vector<Sensor> sensors;
   std::vector<Unknown> unknowns;
+  std::vector<KnownNumber> known;
   std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment
   std::vector<Record> records;  ///< one per run; empty where the run is simulated
 

@@ -13,16 +13,6 @@
 namespace poise {
 namespace {
 
-/// The run or label whose value of an unknown a run uses: "" where all runs share one.
-std::string group_of(const Unknown& unknown, const Run& run) {
-  if (unknown.per.empty()) return "";
-  if (unknown.per == "run") return run.name;
-  for (const auto& [label, value] : run.labels) {
-    if (label == unknown.per) return value;
-  }
-  return run.name;
-}
-
 /// The values at some places.
 std::vector<double> chosen(const std::vector<double>& values, const std::vector<int>& places) {
   std::vector<double> out;
@@ -31,6 +21,14 @@ std::vector<double> chosen(const std::vector<double>& values, const std::vector<
 }
 
 }  // namespace
+
+std::string group_of(const std::string& per, const Run& run) {
+  if (per.empty()) return "";
+  for (const auto& [label, value] : run.labels) {
+    if (label == per) return value;
+  }
+  return run.name;
+}
 
 FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   std::map<std::pair<std::size_t, std::string>, int> known;
@@ -47,7 +45,7 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
             "stiffness, free length, damping, friction or load); fix it with set",
             experiment.file, unknown.line, unknown.path));
       }
-      const std::string group = group_of(unknown, run);
+      const std::string group = group_of(unknown.per, run);
       const auto [at, fresh] = known.try_emplace({u, group}, static_cast<int>(parameters_.size()));
       if (fresh) {
         Parameter p;

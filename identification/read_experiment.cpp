@@ -6,6 +6,7 @@
 
 #include "identification/experiment.hpp"
 #include "identification/read_runs.hpp"
+#include "identification/scene_parameter.hpp"
 #include "identification/set_parameter.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
@@ -29,7 +30,7 @@ class ExperimentReader {
       root_.place_of("body").fail(
           "expected an experiment, found a scene; give a file that names it with scene = \"...\"");
     }
-    root_.allow_keys({"title", "source", "scene", "set", "loss", "sensor", "unknown", "run"});
+    root_.allow_keys({"title", "source", "scene", "set", "loss", "sensor", "unknown", "known", "run"});
     if (const auto title = root_.find_text("title")) experiment_.title = title->value;
     if (const auto source = root_.find_text("source")) experiment_.source = source->value;
     read_its_scene(options);
@@ -37,8 +38,12 @@ class ExperimentReader {
     const SceneNames names = names_of_scene();
     read_sensors(names);
     read_unknowns();
+    read_known();
     read_runs(root_, names, file_.parent_path(), options.data, experiment_);
     for (const Unknown& unknown : experiment_.unknowns) check_against_runs(unknown);
+    for (const KnownNumber& known : experiment_.known) {
+      check_label(fmt::format("known \"{}\"", known.path), known.line, known.per);
+    }
     guess_noise();
     return std::move(experiment_);
   }
@@ -255,20 +260,57 @@ class ExperimentReader {
     return parameter(experiment_.scene, path).range != Range::finite;
   }
 
+  /// Every run must have the label that a number's values belong to.
+  void check_label(const std::string& item, int line, const std::string& per) const {
+    for (const Run& run : experiment_.runs) {
+      const bool labelled =
+          std::any_of(run.labels.begin(), run.labels.end(), [&](const auto& label) { return label.first == per; });
+      if (per.empty() || per == "run" || labelled) continue;
+      std::vector<std::string> valid = {"run"};
+      for (const auto& label : run.labels) valid.push_back(label.first);
+      TomlPlace{experiment_.file, line, item + ".per"}.fail(
+          fmt::format("expected \"run\" or a label that all runs have, run \"{}\" has no \"{}\"{}", run.name, per,
+                      did_you_mean_or_list(per, valid)));
+    }
+  }
+
+  /// Numbers whose uncertainty is propagated.
+  void read_known() {
+    for (const TomlTable& table : root_.tables("known")) {
+      table.allow_keys({"path", "per", "deviation", "relative"});
+      const TomlText path = table.text("path");
+      KnownNumber known;
+      known.path = path.value;
+      known.line = table.place().line;
+      const double unit = located(path.place, [&] { return value_unit(experiment_.scene, path.value); });
+      for (const Unknown& unknown : experiment_.unknowns) {
+        if (unknown.path == known.path) {
+          path.place.fail(fmt::format("expected a number that is not unknown, it is in line {}; take one of them out, or "
+                                      "give the unknown a prior",
+                                      unknown.line));
+        }
+      }
+      if (!SceneParameter::find(experiment_.scene, known.path)) {
+        path.place.fail("expected a number that the motion has derivatives by: of a body, an element or a load");
+      }
+      if (table.has("deviation") + table.has("relative") != 1) {
+        table.place().fail("expected one of the keys deviation (in the unit of the number) and relative (a part of it)");
+      }
+      known.relative = table.has("relative");
+      known.deviation = known.relative ? table.number("relative", 1.0, Range::positive)
+                                       : table.number("deviation", unit, Range::positive);
+      if (const auto per = table.find_text("per")) known.per = per->value;
+      experiment_.known.push_back(known);
+    }
+  }
+
   /// Every run must have the label that an unknown's values belong to, and must not set the unknown.
   void check_against_runs(const Unknown& unknown) const {
     const auto fail = [&](const std::string& key, const std::string& message) {
       TomlPlace{experiment_.file, unknown.line, fmt::format("unknown \"{}\".{}", unknown.name, key)}.fail(message);
     };
+    check_label(fmt::format("unknown \"{}\"", unknown.name), unknown.line, unknown.per);
     for (const Run& run : experiment_.runs) {
-      const bool labelled = std::any_of(run.labels.begin(), run.labels.end(),
-                                        [&](const auto& label) { return label.first == unknown.per; });
-      if (!unknown.per.empty() && unknown.per != "run" && !labelled) {
-        std::vector<std::string> valid = {"run"};
-        for (const auto& label : run.labels) valid.push_back(label.first);
-        fail("per", fmt::format("expected \"run\" or a label that all runs have, run \"{}\" has no \"{}\"{}", run.name,
-                                unknown.per, did_you_mean_or_list(unknown.per, valid)));
-      }
       for (const ParameterChange& change : run.changes) {
         if (change.path != unknown.path) continue;
         fail("path", fmt::format("expected a number that no run sets, run \"{}\" does in line {}; take it out of one",

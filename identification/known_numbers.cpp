@@ -1,0 +1,78 @@
+#include "identification/known_numbers.hpp"
+
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "solvers/linear_algebra.hpp"
+
+namespace poise {
+
+std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fitted,
+                                       const std::vector<Record>& records) {
+  const Experiment& experiment = problem.experiment();
+  const Eigen::Index count = static_cast<Eigen::Index>(problem.parameters().size());
+  std::map<std::pair<std::size_t, std::string>, Eigen::VectorXd> sums;  // A^T (d e/d number) d
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const RunModel& run = problem.run(r);
+    std::vector<SceneParameter> numbers = run.numbers();
+    std::vector<double> values;
+    for (const int p : problem.parameters_of(r)) values.push_back(fitted.parameters[static_cast<std::size_t>(p)]);
+    for (const KnownNumber& known : experiment.known) {
+      numbers.push_back(*SceneParameter::find(run.scene(), known.path));
+      values.push_back(numbers.back().get(run.scene()));
+    }
+    const RunModel extended(experiment, r, numbers);
+    Prediction prediction;
+    extended.predict(values.data(), fitted.runs[r].nuisances.data(), INFINITY, problem.accuracy(r), true, prediction);
+    if (!prediction.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + prediction.why);
+    const auto rows = static_cast<Eigen::Index>(prediction.reading.size());
+    Eigen::MatrixXd jacobian = Eigen::Map<
+        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(prediction.jacobian.data(), rows,
+                                                                                      extended.columns());
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < records[r].sensors.size(); ++k) {
+      const auto readings = static_cast<Eigen::Index>(extended.times()[k].size());
+      jacobian.middleRows(row, readings) /= fitted.weighting.noise[k];
+      row += readings;
+    }
+    const Eigen::Index unknowns = run.unknowns();
+    Eigen::MatrixXd a = jacobian.leftCols(unknowns);
+    if (extended.nuisances() > 0) {
+      const Eigen::MatrixXd basis = solvers::orthonormal_columns(jacobian.rightCols(extended.nuisances()));
+      a -= basis * (basis.transpose() * a);
+    }
+    for (std::size_t n = 0; n < experiment.known.size(); ++n) {
+      const KnownNumber& known = experiment.known[n];
+      const auto column = unknowns + static_cast<Eigen::Index>(n);
+      const double value = values[static_cast<std::size_t>(column)];
+      const double deviation = known.relative ? known.deviation * std::abs(value) : known.deviation;
+      Eigen::VectorXd& sum =
+          sums.try_emplace({n, group_of(known.per, run.run())}, Eigen::VectorXd::Zero(count)).first->second;
+      sum(problem.parameters_of(r)) += a.transpose() * jacobian.col(column) * deviation;
+    }
+  }
+  std::vector<KnownEffect> out;
+  for (const auto& [place, sum] : sums) {
+    const Eigen::VectorXd change = -fitted.identifiability.covariance * sum;
+    const std::string& path = experiment.known[place.first].path;
+    out.push_back({place.second.empty() ? path : path + " (" + place.second + ")", {change.begin(), change.end()}});
+  }
+  return out;
+}
+
+void add_known_effects(const std::vector<KnownEffect>& effects, Fit& fitted) {
+  for (std::size_t p = 0; p < fitted.estimates.size(); ++p) {
+    Estimate& estimate = fitted.estimates[p];
+    double squares = 0.0;
+    for (const KnownEffect& effect : effects) squares += effect.change[p] * effect.change[p];
+    if (!(squares > 0) || !std::isfinite(estimate.standard_error) || !(estimate.standard_error > 0)) continue;
+    const double total = std::hypot(estimate.standard_error, std::sqrt(squares));
+    const double reach = (estimate.high - estimate.value) * total / estimate.standard_error;
+    estimate.standard_error = total;
+    estimate.low = estimate.value - reach;
+    estimate.high = estimate.value + reach;
+  }
+}
+
+}  // namespace poise
