@@ -12,6 +12,7 @@
 
 #include "identification/ceres_costs.hpp"
 #include "identification/first_readings.hpp"
+#include "identification/frequencies.hpp"
 #include "identification/oscillation_start.hpp"
 #include "solvers/linear_algebra.hpp"
 
@@ -27,11 +28,16 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// A local minimum leaves at least this part of the readings' variation in the residuals.
 constexpr double lost_from = 0.1;
 
-/// Parameters and nuisances of a fit, SI.
-struct Point {
-  std::vector<double> parameters;
-  std::vector<std::vector<double>> nuisances;
-};
+/// Minima whose sums of squared residuals, over the noise, differ by less than this are equally good: of two, noise
+/// prefers the wrong one by that much with a probability of at most Phi(-sqrt(16)) = 3e-5.
+constexpr double equally_good = 16.0;
+/// Ratio of the frequencies of successive starts that are tried where a minimum is local.
+constexpr double next_frequency = 1.15;
+constexpr int most_octaves = 2;
+/// Of these, and of those at aliases, so many are fitted to the whole records: the best ones of a shorter fit.
+constexpr std::size_t most_scaled = 3, most_aliases = 8;
+/// As many equally good minima are sought.
+constexpr std::size_t enough_alternatives = 3;
 
 class Fitting {
  public:
@@ -53,6 +59,12 @@ class Fitting {
   }
 
  private:
+  struct Minimum {
+    double cost = INFINITY;
+    FitPoint point;
+    bool operator<(const Minimum& other) const { return cost < other.cost; }
+  };
+
   void search() {
     for (const Record& record : records_) {
       out_.readings += static_cast<int>(record.count());
@@ -95,6 +107,11 @@ class Fitting {
       // The same minimum from another start: the model is incomplete.
       if (std::abs(best_cost_ - before) < 1e-3 * before && last_cost_ < 1.001 * before) break;
     }
+    if (!stopped() && best_cost_ < INFINITY) attempt_aliases();
+    if (!stopped() && is_suspicious()) {
+      attempt_scaled_frequencies();
+      if (!is_suspicious()) attempt_aliases();
+    }
     if (stopped()) {
       out_.status = FitStatus::interrupted;
       out_.why = "interrupted; the values reached so far are shown";
@@ -112,8 +129,8 @@ class Fitting {
   }
 
   /// The experiment's starts, from the first retry on changed at random by up to 30 %.
-  Point given(int retry) {
-    Point point;
+  FitPoint given(int retry) {
+    FitPoint point;
     point.parameters = options_.starts.empty() ? problem_.starts() : options_.starts;
     std::mt19937_64 random(static_cast<std::uint64_t>(retry));
     std::uniform_real_distribution<double> change(-0.3, 0.3);
@@ -128,7 +145,7 @@ class Fitting {
     return point;
   }
 
-  void attempt(Point point, const std::vector<double>& windows) {
+  void attempt(FitPoint point, const std::vector<double>& windows) {
     ++out_.tries;
     double cost = INFINITY;
     for (const double window : windows) {
@@ -145,6 +162,124 @@ class Fitting {
     }
   }
 
+  /// A start with a wrong frequency ends in a local minimum: the experiment's starts with all frequencies scaled, over
+  /// short windows, then the best of these over the whole records.
+  void attempt_scaled_frequencies() {
+    say("residuals exceed the noise: trying starts with other frequencies");
+    const FitPoint start = given(0);
+    const Frequencies frequencies(problem_, start);
+    if (frequencies.modes().empty()) return;
+    struct Start {
+      double cost;
+      FitPoint point;
+    };
+    std::vector<Start> starts;
+    const int most = static_cast<int>(most_octaves * std::log(2.0) / std::log(next_frequency));
+    constexpr double window = 0.05;
+    for (int k = -most; k <= most && !stopped(); ++k) {
+      std::vector<double> wanted;
+      for (const Frequencies::Mode& mode : frequencies.modes()) {
+        wanted.push_back(mode.frequency * std::pow(next_frequency, k));
+      }
+      FitPoint point = start;
+      if (k != 0) {
+        const auto found = frequencies.parameters_with(wanted, start.parameters);
+        if (!found) continue;
+        point.parameters = *found;
+      }
+      ++out_.tries;
+      const double cost = minimise(point, window);
+      if (cost < INFINITY) starts.push_back({cost, std::move(point)});
+    }
+    std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
+    for (std::size_t i = 0; i < std::min(most_scaled, starts.size()) && !stopped() && is_suspicious(); ++i) {
+      attempt(std::move(starts[i].point), {0.1, 0.2, 0.45, 1.0});
+    }
+  }
+
+  /// Fits from parameters with the frequencies that the readings may be mistaken for, and compares the minima.
+  void attempt_aliases() {
+    const FitPoint start = given(0);
+    std::vector<Minimum> minima = {{best_cost_, best_}};
+    // What is found may have aliases that the first minimum had not.
+    for (int round = 0; round < 2 && !stopped(); ++round) {
+      const FitPoint from = best_;
+      const Frequencies frequencies(problem_, from);
+      aliased_ = frequencies.have_aliases(start.parameters);
+      if (!aliased_ && !is_suspicious()) break;
+      std::vector<Minimum> starts;
+      for (std::vector<double>& parameters : frequencies.alternatives(start.parameters, records_)) {
+        if (stopped()) return;
+        if (starts.empty()) say("trying other frequencies that the readings allow");
+        starts.push_back(with_nuisances(from, std::move(parameters), frequencies));
+      }
+      std::sort(starts.begin(), starts.end());
+      const std::size_t before = minima.size();
+      for (std::size_t i = 0; i < std::min(most_aliases, starts.size()) && !stopped(); ++i) {
+        if (!(starts[i].cost < INFINITY)) break;
+        ++out_.tries;
+        FitPoint& point = starts[i].point;
+        const double cost = minimise(point, 1.0);
+        if (cost < INFINITY) minima.push_back({cost, point});
+        if (cost < best_cost_) {
+          best_cost_ = cost;
+          best_ = point;
+        }
+        if (find_alternatives(minima); out_.alternatives.size() >= enough_alternatives) return;
+      }
+      if (minima.size() == before || !frequencies.differ(best_.parameters)) break;
+    }
+    find_alternatives(minima);
+  }
+
+  /// The minima that are as good as the best one, unless it is the only one.
+  void find_alternatives(std::vector<Minimum>& minima) {
+    out_.alternatives.clear();
+    std::sort(minima.begin(), minima.end());
+    const double noise = std::max(1.0, residual_over_noise(best_cost_));
+    std::vector<Frequencies> distinct;
+    for (const Minimum& minimum : minima) {
+      const double more = 2 * (minimum.cost - best_cost_) / (noise * noise);
+      if (!(more < equally_good)) break;
+      const auto same = [&](const Frequencies& one) { return !one.differ(minimum.point.parameters); };
+      if (std::any_of(distinct.begin(), distinct.end(), same)) continue;
+      distinct.emplace_back(problem_, minimum.point);
+      Alternative& alternative = out_.alternatives.emplace_back();
+      alternative.more = more;
+      for (const Frequencies::Mode& mode : distinct.back().modes()) {
+        if (mode.runs.front() == 0) alternative.frequency.push_back(mode.frequency);
+      }
+      for (std::size_t i = 0; i < minimum.point.parameters.size(); ++i) {
+        alternative.values.push_back(minimum.point.parameters[i] + problem_.unknown_of(i).includes);
+      }
+    }
+    if (out_.alternatives.size() < 2) out_.alternatives.clear();
+  }
+
+  /// Other parameters with the nuisances of a minimum moved to where its cost, linearised, is least; the cost there.
+  /// Small motions are linear in their starts.
+  Minimum with_nuisances(const FitPoint& from, std::vector<double> parameters, const Frequencies& frequencies) const {
+    const std::vector<double> there = frequencies.at(parameters);
+    const double faster = there.empty() ? 1.0 : there.front() / frequencies.modes().front().frequency;
+    Minimum out{0.0, {std::move(parameters), from.nuisances}};
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      const RunModel& run = problem_.run(r);
+      std::vector<double>& nuisances = out.point.nuisances[r];
+      if (run.start_is_unknown()) {
+        std::for_each(nuisances.end() - run.freedoms(), nuisances.end(), [&](double& rate) { rate *= faster; });
+      }
+      const Eigen::MatrixXd R = problem_.triangle(r, out.point.parameters, nuisances, &records_[r], INFINITY, 1e-5, out_.weighting);
+      if (R.size() == 0) return {INFINITY, std::move(out.point)};
+      const Eigen::Index n = run.nuisances();
+      out.cost += R.col(R.cols() - 1).tail(R.rows() - n).squaredNorm() / 2;
+      if (n == 0) continue;
+      const Eigen::VectorXd step =
+          solvers::minimum_norm_solution<double>(R.topLeftCorner(n, n), R.col(R.cols() - 1).head(n));
+      for (Eigen::Index i = 0; i < n; ++i) nuisances[static_cast<std::size_t>(i)] -= step[i];
+    }
+    return out;
+  }
+
   /// The time up to which a part of run r is fitted; it contains enough readings for the run's own values.
   double until(std::size_t r, double window) const {
     const RunModel& run = problem_.run(r);
@@ -155,7 +290,7 @@ class Fitting {
     return part < 1.0 ? part * run.span() : INFINITY;
   }
 
-  double minimise(Point& point, double window) {
+  double minimise(FitPoint& point, double window) {
     const std::vector<Parameter>& parameters = problem_.parameters();
     std::vector<double> scaled;
     for (std::size_t i = 0; i < parameters.size(); ++i) scaled.push_back(point.parameters[i] / parameters[i].scale);
@@ -216,11 +351,8 @@ class Fitting {
       problem.SetParameterBlockConstant(&scaled[i]);
     }
     for (std::size_t round = 0;; ++round) {
-      ceres::Solver::Summary summary;
-      ceres::Solve(options, &problem, &summary);
-      out_.iterations += static_cast<int>(summary.iterations.size());
-      if (!summary.IsSolutionUsable()) return std::nullopt;
-      if (stopped() || round > 2 * parameters.size()) return summary.final_cost;
+      const std::optional<double> cost = solve(problem, options);
+      if (!cost || stopped() || round > 2 * parameters.size()) return cost;
       bool changed = false;
       for (std::size_t i = 0; i < parameters.size(); ++i) {
         const double kept =
@@ -247,8 +379,17 @@ class Fitting {
           problem.SetParameterBlockConstant(&scaled[i]);
         }
       }
-      if (!changed) return summary.final_cost;
+      if (!changed) return cost;
     }
+  }
+
+  /// The cost reached.
+  std::optional<double> solve(ceres::Problem& problem, const ceres::Solver::Options& options) {
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    out_.iterations += static_cast<int>(summary.iterations.size());
+    if (!summary.IsSolutionUsable()) return std::nullopt;
+    return summary.final_cost;
   }
 
   double residual_over_noise(double cost) const { return std::sqrt(2 * cost / out_.degrees_of_freedom); }
@@ -279,7 +420,7 @@ class Fitting {
         out_.weighting.noise[k] *= ratio;
         change = std::max(change, std::abs(ratio - 1));
       }
-      Point point = best_;
+      FitPoint point = best_;
       const double cost = minimise(point, 1.0);
       if (!(cost < INFINITY)) return;
       best_cost_ = cost;
@@ -331,7 +472,7 @@ class Fitting {
     for (std::size_t k = 0; k < sensors; ++k) {
       out_.rms.push_back(std::sqrt(squares[k] / static_cast<double>(readings[k])));
     }
-    if (out_.status == FitStatus::not_run) compare_with_noise();
+    if (out_.status == FitStatus::not_run) judge();
     out_.outliers = outliers(problem_, linear_, out_.weighting);
     for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
@@ -353,9 +494,26 @@ class Fitting {
       if (best_.parameters[i] <= p.min + near || best_.parameters[i] >= p.max - near) {
         estimate.why = fmt::format("at the bound {:.6g}", estimate.value / estimate.unit);
       }
+      if (out_.status == FitStatus::ambiguous) estimate.why = "several minima";
       estimate.withheld = !estimate.why.empty();
       out_.estimates.push_back(std::move(estimate));
     }
+  }
+
+  /// "the readings do not distinguish frequencies of 4.6 Hz and 5.4 Hz; ..."
+  std::string ambiguity() const {
+    std::vector<std::string> frequencies;
+    for (const Alternative& one : out_.alternatives) {
+      std::string text;
+      for (const double f : one.frequency) text += fmt::format("{}{:.4g}", text.empty() ? "" : " with ", f);
+      frequencies.push_back(text + " Hz");
+    }
+    const std::string last = frequencies.back();
+    frequencies.pop_back();
+    return fmt::format(
+        "{} minima explain the readings equally well, with frequencies of {} and {}; read faster or at uneven times, "
+        "or narrow min and max of the unknowns",
+        out_.alternatives.size(), fmt::join(frequencies, ", "), last);
   }
 
   static Residuals residuals_of(const LinearRun& run) {
@@ -365,6 +523,21 @@ class Fitting {
       e.emplace_back(own.begin(), own.end());
     }
     return e;
+  }
+
+  void judge() {
+    if (!out_.alternatives.empty()) {
+      out_.status = FitStatus::ambiguous;
+      out_.why = ambiguity();
+    } else if (aliased_ && is_suspicious()) {
+      out_.status = FitStatus::failed;
+      out_.why = fmt::format(
+          "the residuals are {:.3g} times the stated noise, and the readings allow other frequencies, none of which "
+          "explains them better; read faster, or start closer to the parameters",
+          out_.residual_over_noise);
+    } else {
+      compare_with_noise();
+    }
   }
 
   /// Converged if the residuals of every stated noise, in total and in every run, are as large as it says.
@@ -433,10 +606,11 @@ class Fitting {
   const FitOptions& options_;
   Fit out_;
   std::vector<Record> cleaned_;
-  Point best_;
+  FitPoint best_;
   std::vector<LinearRun> linear_;  // at the best point
   double best_cost_ = INFINITY, last_cost_ = INFINITY;
-  double signal_ = 0.0;  // sum of squared readings about their means, over noise
+  bool aliased_ = false;  // the times of the readings allow other frequencies than those found
+  double signal_ = 0.0;   // sum of squared readings about their means, over noise
   std::string failure_;
 };
 
@@ -450,6 +624,8 @@ std::string to_string(FitStatus status) {
       return "converged";
     case FitStatus::misfit:
       return "misfit";
+    case FitStatus::ambiguous:
+      return "ambiguous";
     case FitStatus::failed:
       return "failed";
     case FitStatus::interrupted:

@@ -37,6 +37,7 @@ enum class FitStatus {
   not_run,
   converged,  ///< and the residuals agree with the stated noise
   misfit,     ///< converged, but the residuals are larger or smaller than the stated noise of a sensor, or in a run
+  ambiguous,  ///< several minima explain the readings equally well: Fit::alternatives
   failed,     ///< no minimum was reached
   interrupted
 };
@@ -52,12 +53,20 @@ struct FitOptions {
   std::function<void(const std::string&)> progress{};
 };
 
+/// One of several minima that the readings do not distinguish.
+struct Alternative {
+  std::vector<double> values;     ///< shown values, SI, one for each of Fit::estimates
+  std::vector<double> frequency;  ///< Hz, ascending: natural frequencies of the first run
+  double more = 0.0;              ///< sum of squared residuals over the noise, less that of the best minimum
+};
+
 struct Fit {
   FitStatus status = FitStatus::not_run;
   std::string why;
   std::string start;               ///< how the initial parameters were found
   std::vector<double> parameters;  ///< values in the scene, SI
   std::vector<Estimate> estimates;
+  std::vector<Alternative> alternatives;  ///< the best minimum first; empty unless ambiguous
   std::vector<RunFit> runs;
   Identifiability identifiability;
   /// sqrt(sum of (residual / noise)^2 / degrees of freedom): 1 where the stated noise explains the residuals.
@@ -80,7 +89,13 @@ struct Fit {
 /// Finds the parameters by Ceres (Levenberg-Marquardt within the ranges) with Jacobians from the variational equations.
 ///
 /// It starts from start_from_oscillations() where that applies; else from the experiment's starts, over windows that
-/// grow to the whole records. Where the residuals exceed the noise, other starts are tried and the best result is kept.
+/// grow to the whole records. Where the residuals exceed the noise, other starts are tried and the best result is kept:
+/// the starts changed at random, then with all frequencies scaled by factors from 1/4 to 4.
+///
+/// Where the times of the readings hardly distinguish the frequencies found from others between a quarter of and four
+/// times those found and those at the start, the parameters with these others are starts as well. Minima whose sums of
+/// squares differ by less than 16, over the noise, are equally good: the fit is ambiguous, its estimates are withheld.
+/// (Noise takes the wrong one of two minima for the better one by more than 16 in at most 1 of 30 000 fits.)
 Fit fit(const FitProblem& problem, const std::vector<Record>& records, const FitOptions& options = {});
 
 /// Keeps Ceres' own warnings off standard error, for the whole program: the result of a fit states what failed.

@@ -207,7 +207,7 @@ Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& p
   Eigen::MatrixXd triangle = solvers::triangular_factor(rows);
   // The last entry is a residual that no step changes: with it the costs, and not only their gradients, are exact.
   triangle(last, last) = std::sqrt(triangle(last, last) * triangle(last, last) + beyond);
-  return triangle;
+  return triangle.allFinite() ? triangle : Eigen::MatrixXd();  // squares may overflow
 }
 
 Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parameters,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -373,6 +375,41 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
   for (std::size_t i = 0; i < n; ++i) out.reading_by_z += by_q[i] * by_z(reader.coordinates()[i]);
   out.z = q[static_cast<std::size_t>(independent_[0])];
   if (equilibrium_coordinate_ >= 0) out.equilibrium_by_z = by_z(equilibrium_coordinate_);
+  return out;
+}
+
+std::vector<double> RunModel::natural_frequencies(const double* unknowns, double equilibrium,
+                                                  const std::vector<double>& pose) const {
+  const Built built = build(unknowns, equilibrium, false);
+  if (!built.model) return {};
+  const MotionModel& model = *built.model;
+  std::vector<double> q = built.q_equilibrium.empty() ? closed_ : built.q_equilibrium;
+  for (std::size_t k = 0; built.q_equilibrium.empty() && k < pose.size(); ++k) {
+    q[static_cast<std::size_t>(independent_[k])] = pose[k];
+  }
+  const std::vector<double> x = model.from_si(q);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  const std::vector<double> closed = model.from_si(closed_);
+  reduced.start_drives(closed.data());
+  reduced.choose(0.0, closed.data(), false, &independent_);
+  reduced.expect(x.data());
+  std::vector<double> z;
+  for (const int i : independent_) z.push_back(x[static_cast<std::size_t>(i)]);
+  const std::vector<double> still(z.size(), 0.0);
+  if (reduced.place(0.0, z.data()) != Reduced::Status::ok) return {};
+  reduced.move(still.data());
+  if (reduced.accelerate() != Reduced::Status::ok) return {};
+  reduced.linearize();
+  Eigen::MatrixXd squares(freedoms_, freedoms_);
+  for (int k = 0; k < freedoms_; ++k) {
+    for (int i = 0; i < freedoms_; ++i) squares(i, k) = -reduced.alpha_z(k)[i];
+  }
+  if (!squares.allFinite()) return {};
+  std::vector<double> out;
+  for (const std::complex<double>& square : solvers::eigenpairs(squares).values) {
+    out.push_back(square.real() > 0 ? std::sqrt(std::abs(square)) / (2 * std::numbers::pi) : 0.0);
+  }
+  std::sort(out.begin(), out.end());
   return out;
 }
 

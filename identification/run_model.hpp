@@ -71,6 +71,11 @@ class RunModel {
   };
   /// Of mass 0 where there is no such equilibrium.
   Oscillator oscillator(const double* unknowns, double equilibrium) const;
+  /// Undamped natural frequencies of small motions, Hz, ascending, one per degree of freedom:  sqrt(eigenvalues of
+  /// -dalpha/dz) / 2 pi  without rates, in the equilibrium pose where the run has one, else at the independent
+  /// coordinates `pose`, SI. 0 where nothing restores the pose. Empty where there is no such pose.
+  std::vector<double> natural_frequencies(const double* unknowns, double equilibrium,
+                                          const std::vector<double>& pose) const;
   /// Equilibrium of the run as it is written: value of the coordinate of its EquilibriumPose, SI.
   double equilibrium_at() const { return run_.equilibrium ? run_.equilibrium->at : 0.0; }
   bool has_equilibrium() const { return run_.equilibrium.has_value(); }

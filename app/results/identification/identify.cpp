@@ -49,6 +49,8 @@ Line verdict(const FitProblem& problem, const Fit& fitted) {
                                                        : "Converged: residuals agree with the stated noise.");
     case FitStatus::misfit:
       return doubtful(fmt::format("Converged with a misfit: {}.", fitted.why));
+    case FitStatus::ambiguous:
+      return bad(fmt::format("Ambiguous: {}.", fitted.why));
     case FitStatus::not_run:
     case FitStatus::failed:
     case FitStatus::interrupted:
@@ -169,6 +171,48 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   Column& why = table.remarks(each(rows, &Estimate::why), Tone::bad);
   why.key = "withheld";
   why.kind = Column::Kind::word_or_null;
+}
+
+/// The values of every minimum side by side, the best one first.
+void add_alternatives(Group& content, const FitProblem& problem, const Fit& fitted) {
+  Branch& all = content.array("alternatives");
+  for (const Alternative& one : fitted.alternatives) {
+    Group& data = all.parts.emplace_back();
+    Group& values = data.group("values", "", Verbosity::data);
+    for (std::size_t i = 0; i < one.values.size(); ++i) {
+      values.data(fitted.estimates[i].name, one.values[i] / fitted.estimates[i].unit);
+    }
+    data.data("frequencies", one.frequency);
+    data.data("more", one.more);
+  }
+  if (fitted.alternatives.empty()) return;
+  constexpr std::size_t most_shown = 6;
+  std::vector<std::string> names = each(fitted.estimates, &Estimate::name);
+  std::vector<std::string> units = parameter_units(problem);
+  std::size_t modes = fitted.alternatives.front().frequency.size();
+  for (const Alternative& one : fitted.alternatives) modes = std::min(modes, one.frequency.size());
+  for (std::size_t k = 0; k < modes; ++k) {
+    names.push_back(modes > 1 ? fmt::format("frequency {} of the first run", k + 1) : "frequency of the first run");
+    units.emplace_back("Hz");
+  }
+  names.emplace_back("sum of squares, more than least");
+  units.emplace_back("σ²");
+  const std::size_t shown = std::min(most_shown, fitted.alternatives.size());
+  Table& table = content.table(
+      "", fmt::format("Minima that explain the readings equally well, {} of {}", shown, fitted.alternatives.size()),
+      Rows::list);
+  table.words("", "parameter", names);
+  for (std::size_t a = 0; a < shown; ++a) {
+    const Alternative& one = fitted.alternatives[a];
+    std::vector<std::string> texts;
+    for (std::size_t i = 0; i < one.values.size(); ++i) {
+      texts.push_back(significant(one.values[i] / fitted.estimates[i].unit, 5));
+    }
+    for (std::size_t k = 0; k < modes; ++k) texts.push_back(significant(one.frequency[k], 4));
+    texts.push_back(significant(one.more, 3));
+    table.numbers("", fmt::format("{}", a + 1), "", {}).texts = std::move(texts);
+  }
+  table.words("unit", "unit", units);
 }
 
 std::vector<double> in_units(const std::vector<double>& rms, const Experiment& experiment) {
@@ -378,6 +422,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   Group& content = out.content;
   add_estimates(content, problem, fitted);
   add_standard_errors(content, fitted);
+  add_alternatives(content, problem, fitted);
   add_null_directions(content, fitted.identifiability);
   add_correlations(content, problem, fitted.identifiability);
   add_identifiability_data(content, problem, fitted.identifiability);
