@@ -71,7 +71,8 @@ bool PriorCost::Evaluate(const double* const* blocks, double* residuals, double*
 }
 
 ceres::CallbackReturnType Watch::operator()(const ceres::IterationSummary& step) {
-  if (interrupt_ != nullptr && interrupt_->load()) return ceres::SOLVER_ABORT;
+  // Not as a failure: then Ceres would not hand over the values reached.
+  if (interrupt_ != nullptr && interrupt_->load()) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   const bool idle = !step.step_is_successful && std::abs(step.cost_change) < noise_of_cost * step.cost;
   idle_ = idle ? idle_ + 1 : 0;
   const double predicted = step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;

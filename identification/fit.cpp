@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include <ceres/ceres.h>
@@ -114,7 +115,8 @@ class Fitting {
     }
     if (stopped()) {
       out_.status = FitStatus::interrupted;
-      out_.why = "interrupted; the values reached so far are shown";
+      out_.why = best_cost_ < INFINITY ? "interrupted; the values reached so far are shown"
+                                       : "interrupted before the first step; no values were reached";
     } else if (!(best_cost_ < INFINITY)) {
       out_.status = FitStatus::failed;
       out_.why = failure_.empty() ? "no minimum was reached from any start" : failure_;
@@ -148,18 +150,40 @@ class Fitting {
   void attempt(FitPoint point, const std::vector<double>& windows) {
     ++out_.tries;
     double cost = INFINITY;
+    bool moved = false;
     for (const double window : windows) {
       if (stopped()) break;
       if (windows.size() > 1) say(fmt::format("fitting the first {:.0f} % of every record", 100 * window));
       // A window that fails is skipped: a longer one may still succeed.
       const double reached = minimise(point, window);
       if (window == 1.0) cost = reached;
+      moved = moved || reached < INFINITY;
     }
+    // Interrupted in a window, or within the first step of the next one: what the whole records say of that point.
+    if (stopped() && moved && !(best_cost_ < INFINITY)) cost = cost_of(point);
     last_cost_ = cost;
     if (cost < best_cost_) {
       best_cost_ = cost;
       best_ = std::move(point);
     }
+  }
+
+  /// Of the whole records; infinite where a motion fails.
+  double cost_of(const FitPoint& point) const {
+    double squares = 0.0;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      const Residuals e = problem_.residuals(r, point.parameters, point.nuisances[r], records_[r]);
+      if (e.empty()) return INFINITY;
+      for (const std::vector<double>& of_sensor : e) {
+        squares = std::inner_product(of_sensor.begin(), of_sensor.end(), of_sensor.begin(), squares);
+      }
+    }
+    for (std::size_t i = 0; i < point.parameters.size(); ++i) {
+      const Unknown& unknown = problem_.unknown_of(i);
+      if (!unknown.prior) continue;
+      squares += std::pow((point.parameters[i] + unknown.includes - *unknown.prior) / unknown.prior_deviation, 2);
+    }
+    return squares / 2;
   }
 
   /// A start with a wrong frequency ends in a local minimum: the experiment's starts with all frequencies scaled, over

@@ -206,5 +206,38 @@ TEST(IdentifyCommand, InterruptIsReportedAndExitsOne) {
   EXPECT_TRUE(has(contents(out), "No fit: interrupted")) << contents(out);
 }
 
+// Interrupted within a fit, it shows the best values reached with their residuals, and writes its files.
+TEST(IdentifyCommand, InterruptShowsTheValuesReached) {
+  const TempFolder folder;
+  std::string text = std::string(wheel_unknowns) + one_run;
+  text.replace(text.find("duration = 6"), 12, "duration = 400");
+  text.replace(text.find("rate = 200"), 10, "rate = 2000");
+  const std::string file = experiment(folder, text), out = folder.path("out").string();
+  const std::string svg = app::has_gnuplot() ? folder.path("a.svg").string() : "";
+  std::vector<std::string> words = {"identify", file, "--start", "given", "--json", folder.path("a.json").string(),
+                                    "--csv", folder.path("a.csv").string()};
+  if (!svg.empty()) words.insert(words.end(), {"--svg", svg});
+  // Later on a slow machine, until a step was made.
+  json r;
+  for (int wait = 250; wait < 60'000 && (r.is_null() || r["residuals"].empty()); wait *= 2) {
+    EXPECT_EQ(interrupt_poise(words, out, std::chrono::milliseconds(wait)), 1);
+    r = json::parse(contents(folder.path("a.json").string()));
+    EXPECT_EQ(r["status"], "interrupted");
+  }
+  EXPECT_TRUE(has(contents(out), "No fit: interrupted; the values reached so far are shown")) << contents(out);
+  EXPECT_TRUE(has(contents(out), "Values reached, no estimates")) << contents(out);
+  ASSERT_EQ(r["estimates"].size(), 2U);
+  for (const json& e : r["estimates"]) {
+    EXPECT_TRUE(e["value"].is_number()) << e;
+    EXPECT_TRUE(e["standard_error"].is_number()) << e;
+  }
+  ASSERT_EQ(r["residuals"].size(), 1U);
+  EXPECT_TRUE(r["residuals"][0]["rms"][0].is_number());
+  EXPECT_EQ(read_csv(folder.path("a.csv").string(), {"time", "turn.residual"}).values[0].size(), 800'000U);
+  if (!svg.empty()) {
+    EXPECT_TRUE(has(contents(svg), "2 sigma of the noise"));
+  }
+}
+
 }  // namespace
 }  // namespace poise::app_tests
