@@ -51,7 +51,7 @@ class Fitting {
     const auto begun = std::chrono::steady_clock::now();
     search();
     if (best_cost_ < INFINITY) {
-      estimate_noise();
+      if (options_.from == nullptr) estimate_noise();
       evaluate();
     }
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
@@ -87,6 +87,19 @@ class Fitting {
     // First guesses are least squares, or follow from few readings.
     if (out_.weighting.loss != Loss::squares) {
       for (const Record& record : records_) cleaned_.push_back(without_outliers(record));
+    }
+    if (options_.from != nullptr) {
+      out_.start = "from another fit";
+      out_.weighting = options_.from->weighting;
+      FitPoint point{options_.from->parameters, {}};
+      for (const RunFit& run : options_.from->runs) point.nuisances.push_back(run.nuisances);
+      for (const auto& [p, value] : options_.held) point.parameters[static_cast<std::size_t>(p)] = value;
+      attempt(std::move(point), {1.0});
+      if (!(best_cost_ < INFINITY)) {
+        out_.status = stopped() ? FitStatus::interrupted : FitStatus::failed;
+        out_.why = failure_;
+      }
+      return;
     }
     std::optional<OscillationStart> oscillations;
     if (!options_.use_starts) {
@@ -174,8 +187,9 @@ class Fitting {
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       const Residuals e = problem_.residuals(r, point.parameters, point.nuisances[r], records_[r]);
       if (e.empty()) return INFINITY;
-      for (const std::vector<double>& of_sensor : e) {
-        squares = std::inner_product(of_sensor.begin(), of_sensor.end(), of_sensor.begin(), squares);
+      for (std::size_t k = 0; k < e.size(); ++k) {
+        const double scale = problem_.experiment().sensors[k].noise / out_.weighting.noise[k];
+        for (const double x : e[k]) squares += out_.weighting.cost(scale * scale * x * x);
       }
     }
     for (std::size_t i = 0; i < point.parameters.size(); ++i) {
@@ -292,7 +306,8 @@ class Fitting {
       if (run.start_is_unknown()) {
         std::for_each(nuisances.end() - run.freedoms(), nuisances.end(), [&](double& rate) { rate *= faster; });
       }
-      const Eigen::MatrixXd R = problem_.triangle(r, out.point.parameters, nuisances, &records_[r], INFINITY, 1e-5, out_.weighting);
+      const Eigen::MatrixXd R =
+          problem_.triangle(r, out.point.parameters, nuisances, &records_[r], INFINITY, 1e-5, out_.weighting);
       if (R.size() == 0) return {INFINITY, std::move(out.point)};
       const Eigen::Index n = run.nuisances();
       out.cost += R.col(R.cols() - 1).tail(R.rows() - n).squaredNorm() / 2;
@@ -337,6 +352,8 @@ class Fitting {
             &scaled[i]);
       }
     }
+    for (const auto& [p, value] : options_.held)
+      problem.SetParameterBlockConstant(&scaled[static_cast<std::size_t>(p)]);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.logging_type = ceres::SILENT;
@@ -366,6 +383,10 @@ class Fitting {
                                                std::vector<double>& scaled) {
     const std::vector<Parameter>& parameters = problem_.parameters();
     std::vector<char> held(parameters.size(), 0);
+    const auto is_given = [&](std::size_t i) {
+      return std::any_of(options_.held.begin(), options_.held.end(),
+                         [&](const auto& one) { return one.first == static_cast<int>(i); });
+    };
     for (std::size_t i = 0; i < parameters.size() && out_.iterations > 0; ++i) {
       // A parameter that a shorter window left at a bound is held there at first.
       if (scaled[i] * parameters[i].scale > parameters[i].min && scaled[i] * parameters[i].scale < parameters[i].max) {
@@ -389,7 +410,7 @@ class Fitting {
       }
       if (changed) continue;
       for (std::size_t i = 0; i < parameters.size() && round <= parameters.size(); ++i) {
-        if (held[i] == 0) continue;
+        if (held[i] == 0 || is_given(i)) continue;
         problem.SetParameterBlockVariable(&scaled[i]);
         ceres::Problem::EvaluateOptions only;
         only.parameter_blocks = {&scaled[i]};
@@ -478,6 +499,7 @@ class Fitting {
   /// Fills the result from the best point.
   void evaluate() {
     out_.parameters = best_.parameters;
+    out_.cost = best_cost_;
     linearize();
     out_.residual_over_noise_sigma = std::sqrt(0.5 / out_.degrees_of_freedom);
     double squares_over_noise = 0.0;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identification/fit_problem.hpp"
@@ -44,11 +45,16 @@ enum class FitStatus {
 
 std::string to_string(FitStatus status);
 
+struct Fit;
+
 struct FitOptions {
   bool use_starts = false;       ///< start from the experiment's starts even where start_from_oscillations() applies
   std::vector<double> starts{};  ///< in place of the experiment's: values in the scene, SI, one per parameter
   int retries = 3;               ///< further starts that are tried where the residuals indicate a local minimum
   double function_tolerance = 1e-7;  ///< ends where the sum of squares falls by less than this part of it
+  /// Starts from the values and the noise of this fit of the same problem, without a search.
+  const Fit* from = nullptr;
+  std::vector<std::pair<int, double>> held{};  ///< parameters that keep these values in the scene, SI; with `from`
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string&)> progress{};
 };
@@ -64,6 +70,7 @@ struct Fit {
   FitStatus status = FitStatus::not_run;
   std::string why;
   std::string start;               ///< how the initial parameters were found
+  double cost = 0.0;               ///< half the sum of rho over all residuals and priors
   std::vector<double> parameters;  ///< values in the scene, SI
   std::vector<Estimate> estimates;
   std::vector<Alternative> alternatives;  ///< the best minimum first; empty unless ambiguous

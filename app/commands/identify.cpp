@@ -1,7 +1,9 @@
 #include "app/results/identification/identify.hpp"
 
+#include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
@@ -9,6 +11,7 @@
 #include "app/results/identification/charts.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/first_readings.hpp"
+#include "model/nearest_name.hpp"
 
 namespace poise::app {
 namespace {
@@ -16,7 +19,27 @@ namespace {
 struct IdentifyRequest {
   ExperimentRequest experiment;
   std::string start = "auto";
+  std::vector<std::string> profiles;
 };
+
+/// The parameters of these names, or all values of the unknowns of these names. Throws InputError for another name.
+std::vector<int> parameters_named(const FitProblem& problem, const std::vector<std::string>& names) {
+  std::vector<int> out;
+  for (const std::string& name : names) {
+    bool any = false;
+    std::vector<std::string> valid;
+    for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
+      valid.push_back(problem.parameters()[p].name);
+      if (problem.parameters()[p].name != name && problem.unknown_of(p).name != name) continue;
+      out.push_back(static_cast<int>(p));
+      any = true;
+    }
+    if (!any) {
+      throw InputError("--profile " + name + ": expected the name of an unknown" + did_you_mean_or_list(name, valid));
+    }
+  }
+  return out;
+}
 
 int run_identify(const IdentifyRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
@@ -31,6 +54,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   options.interrupt = &watch_for_interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 
+  const std::vector<int> profiled = parameters_named(problem, request.profiles);
   FitAnswer answer;
   progress.now("simulating the runs");
   answer.records = problem.records();
@@ -39,6 +63,16 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   if (answer.fit.usable() && !experiment.is_simulated()) {
     progress.now("moving the runs from their first readings");
     answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
+  }
+  if (answer.fit.usable() && answer.fit.identifiability.ok && !experiment.known.empty()) {
+    progress.now("propagating the uncertainty of known numbers");
+    answer.known = known_effects(problem, answer.fit, answer.records);
+    add_known_effects(answer.known, answer.fit);
+  }
+  for (const int p : profiled) {
+    const auto& errors = answer.fit.identifiability.standard_error;
+    if (!answer.fit.usable() || errors.empty() || !std::isfinite(errors[static_cast<std::size_t>(p)])) continue;
+    answer.profiles.push_back(profile(problem, answer.records, answer.fit, p, {options.interrupt, options.progress}));
   }
 
   const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
@@ -57,6 +91,8 @@ Command identify_command() {
   command.add({"--start", &request->start, "WHAT",
                "auto: from damped sines where the records are such oscillations,\nelse from the experiment's starts "
                "(the default); given: from those\nalways"});
+  command.add({"--profile", &request->profiles, "NAME",
+               "Find the profile likelihood of an unknown, and its 95 % interval;\ncan be given several times"});
   add_output_options(command, request->experiment.common,
                      {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",
                       .csv = "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});

@@ -264,6 +264,62 @@ void add_standard_errors(Group& content, const Fit& fitted) {
   }
 }
 
+/// What known numbers contribute to the standard errors.
+void add_known(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+  Branch& array = content.array("known");
+  for (const KnownEffect& effect : answer.known) {
+    Group& one = array.parts.emplace_back();
+    one.data("name", effect.name);
+    Group& change = one.group("change", "", Verbosity::data);
+    for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
+      change.data(problem.parameters()[p].name, effect.change[p] / problem.unknown_of(p).unit);
+    }
+  }
+  if (answer.known.empty()) return;
+  Group& section = content.group("", "Changes by one standard deviation of the numbers taken as known");
+  section.note("contained in the standard errors above");
+  Table& table = section.table("", "", Rows::list);
+  std::vector<std::size_t> rows;
+  for (std::size_t p = 0; p < answer.fit.estimates.size(); ++p) {
+    if (!answer.fit.estimates[p].withheld) rows.push_back(p);
+  }
+  table.words("", "parameter", each(rows, [&](std::size_t p) { return answer.fit.estimates[p].name; }));
+  for (const KnownEffect& effect : answer.known) {
+    table.numbers("", effect.name, "", {}).texts =
+        each(rows, [&](std::size_t p) { return significant(effect.change[p] / answer.fit.estimates[p].unit, 2); });
+  }
+}
+
+void add_profiles(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+  Branch& array = content.array("profiles");
+  for (const Profile& found : answer.profiles) {
+    const auto p = static_cast<std::size_t>(found.parameter);
+    const double unit = problem.unknown_of(p).unit;
+    Group& one = array.parts.emplace_back();
+    one.data("name", problem.parameters()[p].name);
+    one.data("low", found.low ? Value(*found.low / unit) : Value());
+    one.data("high", found.high ? Value(*found.high / unit) : Value());
+    one.data("one_sided", found.one_sided);
+    one.data("value", each(found.value, [&](double value) { return value / unit; }));
+    one.data("growth", found.growth);
+  }
+  if (answer.profiles.empty()) return;
+  Table& table = content.table("", "Profile likelihood: 95 % intervals", Rows::list);
+  const auto end = [&](const Profile& found, const std::optional<double>& value) {
+    const auto p = static_cast<std::size_t>(found.parameter);
+    const Estimate& estimate = answer.fit.estimates[p];
+    return value ? rounded_to(*value / estimate.unit, estimate.standard_error / estimate.unit) : std::string("open");
+  };
+  table.words("", "parameter", each(answer.profiles, [&](const Profile& found) {
+                return problem.parameters()[static_cast<std::size_t>(found.parameter)].name;
+              }));
+  table.words("", "from", each(answer.profiles, [&](const Profile& found) { return end(found, found.low); }));
+  table.words("", "to", each(answer.profiles, [&](const Profile& found) { return end(found, found.high); }));
+  table.remarks(each(answer.profiles, [](const Profile& found) {
+    return std::string(found.one_sided ? "one-sided, the estimate is at its bound" : "");
+  }));
+}
+
 void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
   const Experiment& experiment = problem.experiment();
   constexpr std::size_t most_sensors = 4;
@@ -422,6 +478,8 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   Group& content = out.content;
   add_estimates(content, problem, fitted);
   add_standard_errors(content, fitted);
+  add_known(content, problem, answer);
+  add_profiles(content, problem, answer);
   add_alternatives(content, problem, fitted);
   add_null_directions(content, fitted.identifiability);
   add_correlations(content, problem, fitted.identifiability);

@@ -5,6 +5,8 @@
 
 #include "app/result/result.hpp"
 #include "identification/fit.hpp"
+#include "identification/known_numbers.hpp"
+#include "identification/profile.hpp"
 
 namespace poise::app {
 
@@ -14,6 +16,8 @@ struct FitAnswer {
   std::vector<Record> records;
   /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not computed.
   std::vector<double> rms_from_readings;
+  std::vector<KnownEffect> known;  ///< already in the fit's standard errors
+  std::vector<Profile> profiles;
 };
 
 /// The estimates with their standard errors, what is not identifiable, residuals. What is withheld is null in the data,
