@@ -14,6 +14,7 @@ find_package(Boost 1.74 REQUIRED CONFIG)                                        
 find_package(Ceres 2.1 REQUIRED)                                                    # apt: libceres-dev
 find_package(NLopt 2.7 REQUIRED)                                                    # apt: libnlopt-cxx-dev libnlopt-dev
 find_library(ARB_LIBRARY flint-arb REQUIRED)                                        # apt: libflint-arb-dev
+find_path(RANDOM123_INCLUDE Random123/philox.h REQUIRED)                             # apt: librandom123-dev
 find_package(Threads REQUIRED)
 find_package(fmt 9 REQUIRED)                                                        # apt: libfmt-dev
 
