@@ -7,7 +7,7 @@ PREFIX ?= /usr/local
 JOBS ?= $(shell nproc)
 BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
 
-SOURCE_FOLDERS := model solvers statics comparison motion identification app
+SOURCE_FOLDERS := model solvers studies statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
 
 .PHONY: run test bench benchmarks figures docs lint format compile-time install setup configure app all clean
