@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "solvers/parallel.hpp"
+
 namespace poise {
 namespace {
 
@@ -28,26 +30,30 @@ RunCost::RunCost(const FitProblem& problem, std::size_t run, const Record& recor
   set_num_residuals(model.columns() + 1);
 }
 
-bool RunCost::Evaluate(const double* const* blocks, double* residuals, double** jacobians) const {
-  const RunModel& model = problem_.run(run_);
-  const int p = model.unknowns();
-  const int m = model.nuisances();
+void RunCost::compute(const double* const* blocks) const {
+  const int p = problem_.run(run_).unknowns();
+  const int m = problem_.run(run_).nuisances();
   std::vector<double> at;
   for (int i = 0; i < p; ++i) at.push_back(*blocks[i]);
   for (int i = 0; i < m; ++i) at.push_back(blocks[p][i]);
   // Ceres asks for the residuals first and, where it accepts the point, for the Jacobian: one motion gives both.
-  if (at != at_) {
-    std::vector<double> parameters(problem_.parameters().size());
-    for (int i = 0; i < p; ++i) {
-      const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
-      parameters[k] = *blocks[i] * problem_.parameters()[k].scale;
-    }
-    std::vector<double> nuisances = from_;
-    for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
-    triangle_ = problem_.triangle(run_, parameters, nuisances, &record_, until_, problem_.accuracy(run_), weighting_);
-    if (run_ == 0) ++evaluations_;
-    at_ = std::move(at);
+  if (at == at_) return;
+  std::vector<double> parameters(problem_.parameters().size());
+  for (int i = 0; i < p; ++i) {
+    const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
+    parameters[k] = *blocks[i] * problem_.parameters()[k].scale;
   }
+  std::vector<double> nuisances = from_;
+  for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
+  triangle_ = problem_.triangle(run_, parameters, nuisances, &record_, until_, problem_.accuracy(run_), weighting_);
+  if (run_ == 0) ++evaluations_;
+  at_ = std::move(at);
+}
+
+bool RunCost::Evaluate(const double* const* blocks, double* residuals, double** jacobians) const {
+  const int p = problem_.run(run_).unknowns();
+  const int m = problem_.run(run_).nuisances();
+  compute(blocks);
   if (triangle_.size() == 0) return false;
   const Eigen::Index columns = p + m;
   Eigen::Map<Eigen::VectorXd>(residuals, columns + 1) = triangle_.col(columns);
@@ -62,6 +68,11 @@ bool RunCost::Evaluate(const double* const* blocks, double* residuals, double** 
         triangle_.leftCols(m);
   }
   return true;
+}
+
+void RunsInParallel::PrepareForEvaluation(bool /*evaluate_jacobians*/, bool /*new_evaluation_point*/) {
+  solvers::parallel_for(runs_.size(), {.jobs = jobs_},
+                        [this](std::size_t r) { runs_[r].cost->compute(runs_[r].blocks.data()); });
 }
 
 bool PriorCost::Evaluate(const double* const* blocks, double* residuals, double** jacobians) const {

@@ -3,6 +3,7 @@
 // The cost functions of identification/fit.cpp for Ceres. Private to this folder.
 
 #include <atomic>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,8 @@ class RunCost : public ceres::CostFunction {
   RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, const Weighting& weighting,
           std::vector<double> nuisances, int& evaluations);
 
+  /// Computes the motion at these values, unless it was computed for them the last time.
+  void compute(const double* const* blocks) const;
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
 
  private:
@@ -32,6 +35,25 @@ class RunCost : public ceres::CostFunction {
   int& evaluations_;
   mutable std::vector<double> at_;
   mutable Eigen::MatrixXd triangle_;
+};
+
+/// Computes the motions of all runs on several threads before Ceres asks for them. Ceres' own threads would add the
+/// costs of the runs up in any order, so that the result would depend on them.
+class RunsInParallel : public ceres::EvaluationCallback {
+ public:
+  explicit RunsInParallel(int jobs) : jobs_(jobs) {}
+
+  /// `blocks` are those of the cost; both must outlive this.
+  void add(const RunCost& cost, std::vector<double*> blocks) { runs_.push_back({&cost, std::move(blocks)}); }
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
+
+ private:
+  struct RunAt {
+    const RunCost* cost;
+    std::vector<double*> blocks;
+  };
+  int jobs_;
+  std::vector<RunAt> runs_;
 };
 
 /// (value - mean) / standard deviation: what is known of one parameter beforehand.

@@ -335,14 +335,18 @@ class Fitting {
     for (std::size_t i = 0; i < parameters.size(); ++i) scaled.push_back(point.parameters[i] / parameters[i].scale);
     std::vector<std::vector<double>> shifts;
     for (const auto& nuisances : point.nuisances) shifts.emplace_back(nuisances.size(), 0.0);
-    ceres::Problem problem;
+    RunsInParallel runs(options_.jobs);
+    ceres::Problem::Options problem_options;
+    problem_options.evaluation_callback = &runs;
+    ceres::Problem problem(problem_options);
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       std::vector<double*> blocks;
       for (const int p : problem_.parameters_of(r)) blocks.push_back(&scaled[static_cast<std::size_t>(p)]);
       if (!shifts[r].empty()) blocks.push_back(shifts[r].data());
-      problem.AddResidualBlock(
-          new RunCost(problem_, r, records_[r], until(r, window), out_.weighting, point.nuisances[r], out_.evaluations),
-          nullptr, blocks);
+      auto* cost =
+          new RunCost(problem_, r, records_[r], until(r, window), out_.weighting, point.nuisances[r], out_.evaluations);
+      problem.AddResidualBlock(cost, nullptr, blocks);
+      runs.add(*cost, blocks);
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Unknown& unknown = problem_.unknown_of(i);

@@ -55,6 +55,7 @@ struct FitOptions {
   /// Starts from the values and the noise of this fit of the same problem, without a search.
   const Fit* from = nullptr;
   std::vector<std::pair<int, double>> held{};  ///< parameters that keep these values in the scene, SI; with `from`
+  int jobs = 0;  ///< threads that the runs are computed on; 0: all cores. The result does not depend on it.
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string&)> progress{};
 };

@@ -20,6 +20,7 @@ struct IdentifyRequest {
   ExperimentRequest experiment;
   std::string start = "auto";
   std::vector<std::string> profiles;
+  int jobs = 0;
 };
 
 /// The parameters of these names, or all values of the unknowns of these names. Throws InputError for another name.
@@ -45,6 +46,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
   FitOptions options;
   options.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
+  options.jobs = read_jobs(request.jobs);
   if (!common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the experiment");
@@ -93,6 +95,7 @@ Command identify_command() {
                "(the default); given: from those\nalways"});
   command.add({"--profile", &request->profiles, "NAME",
                "Find the profile likelihood of an unknown, and its 95 % interval;\ncan be given several times"});
+  add_jobs_option(command, request->jobs, "Threads for the motions of the runs (all cores)");
   add_output_options(command, request->experiment.common,
                      {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",
                       .csv = "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});

@@ -128,6 +128,15 @@ CertificateOptions read_proof(const std::optional<double>& seconds) {
   return out;
 }
 
+void add_jobs_option(Command& command, int& jobs, const std::string& help) {
+  command.add({"--jobs", &jobs, "N", help});
+}
+
+int read_jobs(int jobs) {
+  expect_number("--jobs", jobs, jobs >= 0 && jobs <= 1024, "a number from 0 (all cores) to 1024");
+  return jobs;
+}
+
 Seek read_seek(const std::string& word) {
   constexpr Seek meanings[] = {Seek::settle, Seek::any, Seek::stable};
   return meanings[chosen("--seek", word, {"settle", "any", "stable"})];

@@ -51,6 +51,10 @@ void add_seek_option(Command& command, std::string& seek);
 void add_proof_option(Command& command, std::optional<double>& seconds);
 /// The options of certificates with that time. Throws InputError unless it is a number >= 0.
 CertificateOptions read_proof(const std::optional<double>& seconds);
+/// --jobs; its number goes to `jobs`, which must outlive the command.
+void add_jobs_option(Command& command, int& jobs, const std::string& help);
+/// Throws InputError unless that is a number of threads, or 0 for all cores.
+int read_jobs(int jobs);
 /// settle, any or stable. Throws InputError.
 Seek read_seek(const std::string& word);
 
