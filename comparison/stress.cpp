@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "comparison/random.hpp"
 #include "comparison/tally.hpp"
 #include "comparison/time_limit.hpp"
+#include "solvers/parallel.hpp"
 
 namespace poise::comparison {
 namespace {
@@ -94,21 +97,24 @@ Cell run(const HardCase& hard, const StaticModel& model, const CaseCheck& case_c
 std::vector<CaseResult> run_all(const std::vector<HardCase>& cases, const std::vector<MethodVariant>& variants,
                                 const StressOptions& options) {
   std::vector<CaseResult> results;
-  for (const HardCase& hard : cases) {
-    if (interrupted(options)) break;
-    results.push_back({hard, {}});
+  for (const HardCase& hard : cases) results.push_back({hard, {}});
+  std::mutex reporting;
+  const auto run_case = [&](std::size_t place) {
+    const HardCase& hard = cases[place];
     const StaticModel model(scene_of(hard));
     const CaseCheck case_check(hard, model);
     for (const MethodVariant& by : variants) {
       if (options.progress) {
-        options.progress(fmt::format("{} ({} of {}) by {}", hard.name, results.size(), cases.size(), by.name()));
+        const std::scoped_lock lock(reporting);
+        options.progress(fmt::format("{} ({} of {}) by {}", hard.name, place + 1, cases.size(), by.name()));
       }
       const Cell cell = run(hard, model, case_check, by, options);
       if (interrupted(options) && cell.starts == 0) break;
-      results.back().cells.push_back(cell);
+      results[place].cells.push_back(cell);
     }
-  }
-  if (!results.empty() && results.back().cells.empty()) results.pop_back();
+  };
+  solvers::parallel_for(cases.size(), {.jobs = options.jobs, .interrupt = options.interrupt}, run_case);
+  std::erase_if(results, [](const CaseResult& result) { return result.cells.empty(); });
   return results;
 }
 

@@ -17,8 +17,11 @@ struct StressOptions {
   /// times the limit. Virtual work with all its safeguards has no limit.
   double seconds = 1.0;
   static constexpr double patience = 10.0;
+  /// Threads, which take the cases; 0: all cores. More than one share the machine, so that times are longer, and
+  /// methods with a time limit get to fewer starts; all else does not depend on it.
+  int jobs = 1;
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string& doing)> progress{};  ///< called before every cell; may be empty
+  std::function<void(const std::string& doing)> progress{};  ///< called before every cell, by one thread at a time
 };
 
 /// One method on one case. Every start counts as converged, false claim or denied by the check, or as none of these if

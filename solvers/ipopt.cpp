@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <numeric>
 
 #include <IpIpoptApplication.hpp>
@@ -210,6 +211,9 @@ SearchResult solve_with_ipopt(const Problem& problem, const std::vector<double>&
                               const std::vector<int>& rows) {
   SearchResult result;
   result.x = start;
+  // MUMPS, which Ipopt solves its linear systems with, keeps state that all threads share.
+  static std::mutex one_at_a_time;
+  const std::scoped_lock lock(one_at_a_time);
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
   auto settings = application->Options();
   settings->SetIntegerValue("print_level", 0);

@@ -27,6 +27,7 @@ struct StressRequest {
   std::optional<std::string> methods;
   std::optional<int> starts;
   double seconds = 1.0;
+  int jobs = 1;
   bool safeguards = false;
   bool list = false;
 };
@@ -77,6 +78,7 @@ std::string command_of(const StressRequest& request) {
   if (request.safeguards) text += " --safeguards";
   if (request.starts) text += fmt::format(" --starts {}", *request.starts);
   if (request.seconds != StressRequest().seconds) text += fmt::format(" --seconds {}", request.seconds);
+  if (request.jobs != StressRequest().jobs) text += fmt::format(" --jobs {}", request.jobs);
   return text;
 }
 
@@ -86,6 +88,7 @@ comparison::StressOutcome run_cases(const StressRequest& request, const std::vec
   options.methods = read_methods("--methods", request.methods.value_or("all"));
   options.starts = request.starts.value_or(options.starts);
   options.seconds = request.seconds;
+  options.jobs = read_jobs(request.jobs);
   options.interrupt = &watch_for_interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
 
@@ -137,6 +140,8 @@ Command stress_command() {
   command.add({"--starts", &request->starts, "N", "Starts per case (its own number)"});
   command.add({"--seconds", &request->seconds, "S",
                "Methods other than virtual-work try no further starts of a\ncase after S seconds (1)"});
+  add_jobs_option(command, request->jobs,
+                  "Threads, which take the cases (1, since times are measured; 0\nfor all cores)");
   command.add({"--safeguards", &request->safeguards, "",
                "Virtual work alone: with all its safeguards, and with each\nswitched off in turn"});
   add_output_options(command, request->common, {.csv = "Write one row for each case and method to FILE as CSV"});

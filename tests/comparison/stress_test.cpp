@@ -164,6 +164,29 @@ TEST(Stress, StartsAreSeededByTheNameOfTheCase) {
   EXPECT_EQ(alone[0].cells[0].error, all[1].cells[0].error);
 }
 
+TEST(Stress, DoesNotDependOnTheThreads) {
+  std::string cases;
+  for (const char* name : {"a", "b", "c", "d", "e"}) cases += toy_case(name, "pendulum", complete + both_equilibria());
+  const ToyCatalogue catalogue(cases);
+  StressOptions options;
+  options.methods = {Method::virtual_work, Method::energy};
+  options.starts = 20;
+  options.seconds = 100;
+  const auto alone = stress(catalogue.read(), options);
+  options.jobs = 3;
+  const auto shared = stress(catalogue.read(), options);
+  ASSERT_EQ(shared.size(), 5U);
+  for (std::size_t c = 0; c < 5; ++c) {
+    EXPECT_EQ(shared[c].hard.name, alone[c].hard.name);
+    ASSERT_EQ(shared[c].cells.size(), 2U);
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(shared[c].cells[k].converged, alone[c].cells[k].converged);
+      EXPECT_EQ(shared[c].cells[k].iterations, alone[c].cells[k].iterations);
+      EXPECT_EQ(shared[c].cells[k].error, alone[c].cells[k].error);
+    }
+  }
+}
+
 TEST(Stress, OnlyVirtualWorkIsGivenAllTime) {
   const ToyCatalogue catalogue(toy_case("toy", "pendulum", "starts = 30\n"));
   StressOptions options;
