@@ -19,6 +19,10 @@ find_package(Threads REQUIRED)
 find_package(fmt 9 REQUIRED)                                                        # apt: libfmt-dev
 
 if(POISE_BUILD_APP)
+  if(POISE_WITH_MPI)
+    set(MPI_CXX_SKIP_MPICXX ON)
+    find_package(MPI 3.1 QUIET COMPONENTS CXX)                                      # apt: libopenmpi-dev openmpi-bin
+  endif()
   find_package(CLI11 2 REQUIRED)                                                    # apt: libcli11-dev
 endif()
 if(POISE_BUILD_APP OR POISE_BUILD_BENCHMARKS)

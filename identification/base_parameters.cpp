@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "motion/simulate.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/random_stream.hpp"
 
 namespace poise {
 namespace {
@@ -31,8 +31,7 @@ Eigen::MatrixXd regressor(const MotionModel& model, const std::vector<int>& bodi
   reduced.choose(0.0, x.data(), false);
   reduced.expect(x.data());
   const int f = reduced.freedoms();
-  std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  solvers::RandomStream random(7);
   std::vector<double> z0, z(static_cast<std::size_t>(f)), w(z), alpha(z), force(z);
   for (const int i : reduced.independent()) z0.push_back(x[static_cast<std::size_t>(i)]);
   Eigen::MatrixXd Y =
@@ -41,9 +40,9 @@ Eigen::MatrixXd regressor(const MotionModel& model, const std::vector<int>& bodi
   for (int s = 0, tries = 0; s < states && tries < 20 * states; ++tries) {
     for (int k = 0; k < f; ++k) {
       const auto at = static_cast<std::size_t>(k);
-      z[at] = z0[at] + reach * any(random);
-      w[at] = any(random);
-      alpha[at] = any(random);
+      z[at] = z0[at] + reach * random.uniform(-1.0, 1.0);
+      w[at] = random.uniform(-1.0, 1.0);
+      alpha[at] = random.uniform(-1.0, 1.0);
     }
     if (reduced.place(0.0, z.data()) != ReducedMotion<double>::Status::ok || reduced.pivot() < 1e-3) {
       reduced.expect(x.data());

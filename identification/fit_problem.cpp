@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -127,11 +126,9 @@ Record FitProblem::ideal_record(std::size_t r) const {
   return record;
 }
 
-void FitProblem::add_noise(Record& record, std::uint64_t seed) const {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+void FitProblem::add_noise(Record& record, solvers::RandomStream random) const {
   for (std::size_t k = 0; k < record.sensors.size(); ++k) {
-    for (double& reading : record.sensors[k].value) reading += experiment_.sensors[k].noise * normal(random);
+    for (double& reading : record.sensors[k].value) reading += experiment_.sensors[k].noise * random.normal();
   }
 }
 
@@ -144,7 +141,7 @@ std::vector<Record> FitProblem::records() const {
     }
     out.push_back(ideal_record(r));
     // Runs with the same seed have different noise.
-    add_noise(out.back(), models_[r].run().seed * 1'000'003 + r);
+    add_noise(out.back(), solvers::RandomStream(models_[r].run().seed, static_cast<std::uint32_t>(r)));
   }
   return out;
 }

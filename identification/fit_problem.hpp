@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 
 #include "identification/run_model.hpp"
 #include "identification/weighting.hpp"
+#include "solvers/random_stream.hpp"
 
 namespace poise {
 
@@ -66,7 +66,7 @@ class FitProblem {
   /// Readings of a run without noise, and with it, at the scene's own values. Throws std::runtime_error where the
   /// motion fails.
   Record ideal_record(std::size_t r) const;
-  void add_noise(Record& record, std::uint64_t seed) const;
+  void add_noise(Record& record, solvers::RandomStream random) const;
   /// The records of the experiment: measured, or simulated with the runs' seeds.
   std::vector<Record> records() const;
 

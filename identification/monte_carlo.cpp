@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <mutex>
-#include <random>
-#include <thread>
+#include <cstddef>
 
 #include <fmt/format.h>
+
+#include "solvers/random_stream.hpp"
 
 namespace poise {
 namespace {
@@ -16,38 +16,79 @@ constexpr double nominal_coverage = 0.95;
 /// Its two-sided quantile of the normal distribution.
 constexpr double quantile = 1.959963984540054;
 
-struct Trial {
-  bool converged = false;
-  std::vector<double> value, standard_error;
-  double residual_over_noise = 0.0;
-  int evaluations = 0;
-};
+/// Random numbers of a trial: those of its starts, and behind them those of the noise of each run.
+constexpr std::uint32_t stream_of_starts = 0, stream_of_first_run = 1;
 
-Trial run_trial(const FitProblem& problem, const std::vector<Record>& ideal, const MonteCarloOptions& options,
-                int trial) {
+/// The numbers of a trial that come before value and standard error of each parameter.
+enum Column : std::size_t { has_converged, residual_over_noise, evaluations, first_estimate };
+
+std::vector<std::string> column_names(const FitProblem& problem) {
+  std::vector<std::string> names = {"converged", "residual_over_noise", "evaluations"};
+  for (const Parameter& parameter : problem.parameters()) {
+    names.push_back(parameter.name);
+    names.push_back(parameter.name + " standard error");
+  }
+  return names;
+}
+
+std::vector<double> run_trial(const FitProblem& problem, const std::vector<Record>& ideal,
+                              const MonteCarloOptions& options, std::uint64_t trial) {
   std::vector<Record> records = ideal;
-  const std::uint64_t seed = options.seed * 1'000'003 + static_cast<std::uint64_t>(trial);
-  for (std::size_t r = 0; r < records.size(); ++r) problem.add_noise(records[r], seed * 1'009 + r);
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> error(-options.start_error, options.start_error);
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const auto stream = static_cast<std::uint32_t>(stream_of_first_run + r);
+    problem.add_noise(records[r], solvers::RandomStream(options.seed, stream, trial));
+  }
+  solvers::RandomStream random(options.seed, stream_of_starts, trial);
   FitOptions fit_options;
   fit_options.use_starts = options.use_starts;
-  fit_options.interrupt = options.interrupt;
+  fit_options.interrupt = options.study.interrupt;
+  fit_options.jobs = 1;
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     const Parameter& p = problem.parameters()[i];
-    const double start = p.truth + error(random) * std::abs(p.truth + problem.unknown_of(i).includes);
+    const double error = random.uniform(-options.start_error, options.start_error);
+    const double start = p.truth + error * std::abs(p.truth + problem.unknown_of(i).includes);
     fit_options.starts.push_back(std::clamp(start, p.min, p.max));
   }
   const Fit fitted = fit(problem, records, fit_options);
-  Trial out;
-  out.converged = fitted.status == FitStatus::converged;
-  out.residual_over_noise = fitted.residual_over_noise;
-  out.evaluations = fitted.evaluations;
-  for (const Estimate& estimate : fitted.estimates) {
-    out.value.push_back(estimate.value);
-    out.standard_error.push_back(estimate.standard_error);
+  std::vector<double> row(first_estimate + 2 * problem.parameters().size(), NAN);
+  row[has_converged] = fitted.status == FitStatus::converged ? 1 : 0;
+  row[residual_over_noise] = fitted.residual_over_noise;
+  row[evaluations] = fitted.evaluations;
+  for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
+    row[first_estimate + 2 * i] = fitted.estimates[i].value;
+    row[first_estimate + 2 * i + 1] = fitted.estimates[i].standard_error;
   }
-  return out;
+  return row;
+}
+
+/// Adds a trial to the sums of which summarise() makes means.
+void add_trial(const double* row, MonteCarlo& sums) {
+  ++sums.trials;
+  sums.evaluations += row[evaluations];
+  if (row[has_converged] == 0) return;
+  ++sums.converged;
+  sums.residual_over_noise += row[residual_over_noise];
+  bool near = true;
+  for (std::size_t i = 0; i < sums.parameters.size(); ++i) {
+    TrialStatistics& s = sums.parameters[i];
+    const double error = row[first_estimate + 2 * i] - s.truth;
+    s.bias += error;
+    s.rmse += error * error;
+    s.coverage += std::abs(error) <= quantile * row[first_estimate + 2 * i + 1] ? 1.0 : 0.0;
+    near = near && std::abs(error) <= 6 * s.bound;
+  }
+  sums.near_truth += near ? 1 : 0;
+}
+
+void summarise(MonteCarlo& sums) {
+  const double converged = std::max(1, sums.converged);
+  for (TrialStatistics& s : sums.parameters) {
+    s.bias /= converged;
+    s.rmse = std::sqrt(s.rmse / converged);
+    s.coverage /= converged;
+  }
+  sums.residual_over_noise /= converged;
+  sums.evaluations /= std::max(1, sums.trials);
 }
 
 }  // namespace
@@ -82,31 +123,7 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
   }
   const Identifiability bound = assess(problem, problem.truths(), nuisances);
   const auto begun = std::chrono::steady_clock::now();
-  std::vector<Trial> trials(static_cast<std::size_t>(std::max(0, options.trials)));
-  std::vector<char> done(trials.size(), 0);
-  std::atomic<int> next{0};
-  std::mutex reporting;
-  int finished = 0;
-  const auto stopped = [&] { return options.interrupt != nullptr && options.interrupt->load(); };
-  const auto work = [&] {
-    for (int i = next++; i < options.trials && !stopped(); i = next++) {
-      trials[static_cast<std::size_t>(i)] = run_trial(problem, ideal, options, i);
-      if (stopped()) return;
-      done[static_cast<std::size_t>(i)] = 1;
-      const std::scoped_lock lock(reporting);
-      ++finished;
-      if (options.progress) options.progress(finished);
-    }
-  };
-  const int threads =
-      options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  {
-    std::vector<std::jthread> workers;
-    for (int t = 1; t < threads; ++t) workers.emplace_back(work);
-    work();
-  }
   MonteCarlo out;
-  out.interrupted = stopped();
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     const Parameter& p = problem.parameters()[i];
     const Unknown& unknown = problem.unknown_of(i);
@@ -117,33 +134,23 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
     s.bound = bound.ok ? bound.standard_error[i] : 0.0;
     out.parameters.push_back(s);
   }
-  for (std::size_t t = 0; t < trials.size(); ++t) {
-    if (done[t] == 0) continue;
-    const Trial& trial = trials[t];
-    ++out.trials;
-    out.evaluations += trial.evaluations;
-    if (!trial.converged) continue;
-    ++out.converged;
-    out.residual_over_noise += trial.residual_over_noise;
-    bool near = true;
-    for (std::size_t i = 0; i < out.parameters.size(); ++i) {
-      TrialStatistics& s = out.parameters[i];
-      const double error = trial.value[i] - s.truth;
-      s.bias += error;
-      s.rmse += error * error;
-      s.coverage += std::abs(error) <= quantile * trial.standard_error[i] ? 1.0 : 0.0;
-      near = near && std::abs(error) <= 6 * s.bound;
-    }
-    out.near_truth += near ? 1 : 0;
-  }
-  const double converged = std::max(1, out.converged);
-  for (TrialStatistics& s : out.parameters) {
-    s.bias /= converged;
-    s.rmse = std::sqrt(s.rmse / converged);
-    s.coverage /= converged;
-  }
-  out.residual_over_noise /= converged;
-  out.evaluations /= std::max(1, out.trials);
+  studies::Study study;
+  study.name = "montecarlo";
+  study.identity = options.identity;
+  study.identity.insert(study.identity.end(), {{"trials", std::to_string(options.trials)},
+                                               {"seed", std::to_string(options.seed)},
+                                               {"start", options.use_starts ? "given" : "auto"},
+                                               {"start error", fmt::format("{}", options.start_error)}});
+  study.columns = column_names(problem);
+  study.samples = static_cast<std::uint64_t>(std::max(0, options.trials));
+  study.compute = [&](std::uint64_t trial) { return run_trial(problem, ideal, options, trial); };
+  const studies::StudyOutcome outcome =
+      studies::run_study(study, options.study, [&](std::uint64_t, const double* row) { add_trial(row, out); });
+  summarise(out);
+  out.asked = static_cast<int>(outcome.asked);
+  out.computed = static_cast<int>(outcome.computed);
+  out.interrupted = outcome.interrupted;
+  out.warnings = outcome.warnings;
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }

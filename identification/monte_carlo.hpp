@@ -1,12 +1,12 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identification/fit.hpp"
+#include "studies/study.hpp"
 
 namespace poise {
 
@@ -16,9 +16,9 @@ struct MonteCarloOptions {
   /// Every fit starts from parameters that differ from the truth by up to this part of it, drawn at random.
   double start_error = 0.5;
   bool use_starts = true;  ///< from these; else fits find their own starts
-  int threads = 0;         ///< 0: all cores
-  const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(int)> progress{};  ///< called with the trials done; by one thread at a time
+  studies::StudyOptions study{};
+  /// What the trials depend on besides these options: of what is kept in StudyOptions::folder, and between ranks.
+  std::vector<std::pair<std::string, std::string>> identity{};
 };
 
 /// The estimates of one parameter over all trials; SI.
@@ -54,7 +54,9 @@ BoundStatistics against_bound(const TrialStatistics& parameter, int trials);
 
 /// Many trials, each simulated with its own noise and fitted.
 struct MonteCarlo {
+  int asked = 0;       ///< trials of this shard
   int trials = 0;      ///< done
+  int computed = 0;    ///< of these, now; the others were read from StudyOptions::folder
   int converged = 0;   ///< of these, with FitStatus::converged
   int near_truth = 0;  ///< of these, within 6 standard errors of the truth in every parameter
   bool interrupted = false;
@@ -62,10 +64,12 @@ struct MonteCarlo {
   double residual_over_noise = 0.0;         ///< mean
   double evaluations = 0.0;                 ///< mean
   double seconds = 0.0;
+  std::vector<std::string> warnings;  ///< of damaged files
 };
 
-/// Adds noise to the ideal records of all runs and fits them, trial by trial. Throws InputError where a run is
-/// measured.
+/// Adds noise to the ideal records of all runs and fits them, trial by trial. The random numbers of a trial depend on
+/// the seed and the trial alone, and statistics are summed in the order of the trials: the result does not depend on
+/// threads, ranks and interruptions. Throws InputError where a run is measured, and as studies::run_study().
 MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& options = {});
 
 }  // namespace poise

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "model/nearest_name.hpp"
+#include "solvers/random_stream.hpp"
 
 namespace poise {
 namespace {
@@ -125,11 +125,10 @@ MotionRecord record(const MotionModel& model, const Motion& motion, double rate)
 }
 
 void add_noise(MotionRecord& record, const Units& units, double sigma, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> noise;
+  solvers::RandomStream random(seed);
   for (std::size_t k = 0; k < record.time.size(); ++k) {
     for (std::size_t c = 0; c < record.channels.size(); ++c) {
-      record.value[c][k] += sigma * unit_value(record.channels[c].quantity, units) * noise(random);
+      record.value[c][k] += sigma * unit_value(record.channels[c].quantity, units) * random.normal();
     }
   }
 }

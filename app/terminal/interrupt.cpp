@@ -17,6 +17,7 @@ void on_interrupt(int signal) {
 
 const std::atomic<bool>& watch_for_interrupt() {
   std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
   return interrupted;
 }
 

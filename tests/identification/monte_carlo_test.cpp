@@ -17,6 +17,7 @@ TEST(MonteCarlo, LiftReachesItsBounds) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   MonteCarloOptions options;
+  options.seed = 2;
   options.use_starts = false;
   const MonteCarlo found = monte_carlo(problem, options);
   EXPECT_EQ(found.trials, 300);
@@ -62,9 +63,9 @@ TEST(MonteCarlo, DoesNotDependOnTheThreads) {
   const FitProblem problem(e);
   MonteCarloOptions options;
   options.trials = 6;
-  options.threads = 1;
+  options.study.jobs = 1;
   const MonteCarlo alone = monte_carlo(problem, options);
-  options.threads = 3;
+  options.study.jobs = 3;
   const MonteCarlo shared = monte_carlo(problem, options);
   EXPECT_EQ(alone.trials, 6);
   EXPECT_EQ(alone.converged, shared.converged);
@@ -85,11 +86,11 @@ TEST(MonteCarlo, KeepsFinishedTrialsWhenInterrupted) {
   std::atomic<bool> stop{false};
   MonteCarloOptions options;
   options.trials = 50;
-  options.threads = 2;
-  options.interrupt = &stop;
+  options.study.jobs = 2;
+  options.study.interrupt = &stop;
   int reported = 0;
-  options.progress = [&](int done) {
-    EXPECT_EQ(done, ++reported);
+  options.study.progress = [&](std::uint64_t done) {
+    EXPECT_EQ(done, static_cast<std::uint64_t>(++reported));
     if (done == 3) stop = true;
   };
   const MonteCarlo found = monte_carlo(problem, options);

@@ -11,11 +11,21 @@
 namespace poise::app {
 namespace {
 
+bool is_shard(const MonteCarloOptions& options) { return options.study.shards > 1; }
+
+std::string shard_in_words(const MonteCarloOptions& options) {
+  return fmt::format("{}/{}", options.study.shard, options.study.shards);
+}
+
 Line verdict(const MonteCarloOptions& options, const MonteCarlo& answer) {
+  if (answer.asked == 0) {
+    return doubtful(fmt::format("No trials for shard {}: there are only {}.", shard_in_words(options), options.trials));
+  }
+  const std::string part = is_shard(options) ? " of shard " + shard_in_words(options) : "";
   if (answer.trials == 0) return bad("Interrupted before the first trial had ended.");
-  const std::string done = answer.interrupted
-                               ? fmt::format("Interrupted after {} of {} trials", answer.trials, options.trials)
-                               : fmt::format("{} simulated and fitted", count(answer.trials, "trial", "trials"));
+  const std::string done =
+      answer.interrupted ? fmt::format("Interrupted after {} of {} trials{}", answer.trials, answer.asked, part)
+                         : fmt::format("{}{} simulated and fitted", count(answer.trials, "trial", "trials"), part);
   if (answer.converged == 0) return bad(done + ": no fit converged.");
   if (answer.converged < answer.trials) {
     return {
@@ -92,6 +102,7 @@ Result monte_carlo_result(const FitProblem& problem, const MonteCarloOptions& op
   Group& content = out.content;
   add_estimates(content, problem, answer);
   content.data("trials_requested", options.trials);
+  content.data("shard", is_shard(options) ? Value(shard_in_words(options)) : Value());
   content.data("trials", answer.trials);
   content.data("converged", answer.converged);
   content.data("near_truth", answer.near_truth);
@@ -101,6 +112,11 @@ Result monte_carlo_result(const FitProblem& problem, const MonteCarloOptions& op
   content.data("residual_over_noise", answer.residual_over_noise);
   content.data("evaluations", answer.evaluations);
   content.data("seconds", answer.seconds);
+  for (const std::string& warning : answer.warnings) out.warnings.push_back(doubtful(warning + "."));
+  if (answer.interrupted && !options.study.folder.empty()) {
+    out.warnings.push_back(doubtful(
+        fmt::format("The complete chunks are in {}: the same command with --resume goes on.", options.study.folder)));
+  }
   Group& numerics = content.group("", "Numerics");
   numerics.fact("data", data_in_words(problem));
   numerics.fact("start", options.use_starts ? fmt::format("within {} % of the true parameters, at random",
@@ -111,10 +127,13 @@ Result monte_carlo_result(const FitProblem& problem, const MonteCarloOptions& op
   if (answer.converged > 0) {
     fits += fmt::format("; residuals {} times the noise on average", significant(answer.residual_over_noise, 4));
   }
+  if (answer.computed < answer.trials) {
+    fits += fmt::format("; {} computed now, the others read from {}", answer.computed, options.study.folder);
+  }
   numerics.fact("fits", fits);
   numerics.fact("effort", fmt::format("{}; {} evaluations a fit, {} a trial", duration(1e6 * answer.seconds),
                                       significant(answer.evaluations, 3),
-                                      duration(1e6 * answer.seconds / std::max(1, answer.trials))));
+                                      duration(1e6 * answer.seconds / std::max(1, answer.computed))));
   return out;
 }
 
