@@ -89,6 +89,15 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     release.push_back({coordinate, r.rate, base + r.value});
   }
   if (!run_.release.empty()) place = at(experiment, run_.release.front().line) + "release: ";
+  if (!start_unknown_ && !run_.is_simulated()) {
+    const std::vector<double> z = model.from_si(closed_);
+    reduced.expect(z.data());
+    std::vector<double> independent;
+    for (const int i : independent_) independent.push_back(z[static_cast<std::size_t>(i)]);
+    if (reduced.place(0.0, independent.data()) == Reduced::Status::ok) {
+      complete_start(model, reduced, experiment.records[run], release);
+    }
+  }
   const MotionState state = start_at(place, model, release, &closed_);
   for (const int i : independent_) released_.push_back(state.q[static_cast<std::size_t>(i)]);
   for (const int i : independent_) released_.push_back(state.v[static_cast<std::size_t>(i)]);
@@ -105,6 +114,52 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   }
   std::stable_sort(readings_.begin(), readings_.end(),
                    [](const Reading& a, const Reading& b) { return a.time < b.time; });
+}
+
+void RunModel::complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,
+                              std::vector<StartValue>& start) const {
+  for (const bool rate : {false, true}) {
+    // Rows: how the values given change with the independent coordinates, or their rates.
+    Eigen::MatrixXd given(0, freedoms_);
+    const auto adds = [&](int coordinate) {
+      Eigen::MatrixXd more(given.rows() + 1, freedoms_);
+      more.topRows(given.rows()) = given;
+      for (int k = 0; k < freedoms_; ++k) more(given.rows(), k) = reduced.B(k)[coordinate];
+      if (solvers::rank<double>(more, solvers::known_to::closed_point) <= given.rows()) return false;
+      given = std::move(more);
+      return true;
+    };
+    for (const StartValue& value : start) {
+      if (value.rate == rate) adds(value.coordinate);
+    }
+    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+      const Sensor& sensor = experiment_.sensors[k];
+      if (sensor.rate != rate || sensor.reads_force() || record.sensors[k].value.empty() ||
+          (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
+        continue;
+      }
+      SensorReader reader(model, sensor);
+      if (reader.coordinates().size() != 1 || !adds(reader.coordinates()[0])) continue;
+      const double none = 0.0;
+      double by_q = 0.0;
+      double by_v = 0.0;
+      const double zero = reader.read(&none, &none, &by_q, &by_v);
+      start.push_back({reader.coordinates()[0], rate, record.sensors[k].value.front() - zero});
+    }
+    for (const int i : independent_) {
+      if (!adds(i)) continue;
+      const std::string& name = model.layout().coordinates[static_cast<std::size_t>(i)].name;
+      throw InputError(
+          at(experiment_, run_.line) +
+          (rate ? fmt::format(
+                      "run \"{}\".start_known: expected the rate of \"{}\" at the start; add release_rate = "
+                      "{{ \"{}\" = NUMBER }} (0 where it is released without speed) or a sensor with rate = true",
+                      run_.name, name, name)
+                : fmt::format("run \"{}\".start_known: expected where \"{}\" starts; add release = {{ \"{}\" = NUMBER "
+                              "}} or a sensor of it",
+                              run_.name, name, name)));
+    }
+  }
 }
 
 std::vector<std::size_t> RunModel::counts(double until) const {
@@ -162,6 +217,11 @@ std::vector<double> RunModel::released() const {
 
 const double* RunModel::start_of(const double* nuisances) const {
   return start_unknown_ ? nuisances + (equilibrium_unknown_ ? 1 : 0) : released_.data();
+}
+
+std::vector<double> RunModel::start_of_run(const std::vector<double>& nuisances) const {
+  const double* start = start_of(nuisances.data());
+  return {start, start + freedoms_};
 }
 
 // In equilibrium alpha(z_e, L, p) = 0, which is linear in L: one step finds it.

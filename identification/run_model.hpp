@@ -81,6 +81,8 @@ class RunModel {
   bool has_equilibrium() const { return run_.equilibrium.has_value(); }
   bool equilibrium_is_unknown() const { return equilibrium_unknown_; }
   bool start_is_unknown() const { return start_unknown_; }
+  /// The f initial independent coordinates with these nuisances.
+  std::vector<double> start_of_run(const std::vector<double>& nuisances) const;
   /// Indices of the independent coordinates.
   const std::vector<int>& independent() const { return independent_; }
   /// Initial independent coordinates and rates guessed from the first readings; the release where the sensors do not
@@ -101,6 +103,10 @@ class RunModel {
   MotionState begin(const Built& built, const double* nuisances) const;
   Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities) const;
   const double* start_of(const double* nuisances) const;
+  /// Adds the first readings of angles, travels and their rates to a start that is known, where it does not have them
+  /// yet. Throws InputError unless all degrees of freedom then have a value and a rate.
+  void complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,
+                      std::vector<StartValue>& start) const;
   static std::pair<int, double> coordinate_of(const Scene& scene, const Layout& layout, int body, int joint, int line);
 
   const Experiment& experiment_;

@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/app/run_poise.hpp"
+#include "tests/app/wheel_experiment.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
@@ -286,6 +288,38 @@ TEST(RunModel, StartsFromReadings) {
   const std::vector<double> found = problem.run(0).start_from_readings(problem.ideal_record(0));
   ASSERT_EQ(found.size(), truth.size());
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], truth[i], i < 2 ? 2e-5 : 1e-2);
+}
+
+// Start of a measured run that is known: what `keys` and the first readings give; or what is said about it.
+std::string known_start(const std::string& sensors, const std::string& keys, std::vector<double>& start) {
+  const app_tests::TempFolder folder;
+  folder.write("wheel.csv", "time,turn,speed\n0,20,-3\n1,19,-4\n2,18,-5\n3,17,-6\n");
+  const Experiment e =
+      read_experiment(app_tests::experiment(folder, std::string(app_tests::wheel_unknowns) + sensors +
+                                                        "[[run]]\ndata = \"wheel.csv\"\nstart_known = true\n" + keys));
+  try {
+    start = FitProblem(e).run(0).start_of_run({});
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    return text.substr(text.find("run \""));
+  }
+  return "";
+}
+
+TEST(RunModel, AKnownStartNeedsRates) {
+  const std::string speed = "[[sensor]]\nname = \"speed\"\nangle = \"wheel\"\nrate = true\nnoise = 1\n";
+  const double degree = M_PI / 180;
+  std::vector<double> start;
+  EXPECT_EQ(known_start("", "", start),
+            "run \"run 1\".start_known: expected the rate of \"wheel\" at the start; add release_rate = { \"wheel\" = "
+            "NUMBER } (0 where it is released without speed) or a sensor with rate = true");
+  EXPECT_EQ(known_start("", "release = { wheel = 25 }\n", start).find("run \"run 1\".start_known: expected the rate"),
+            0U);
+  EXPECT_EQ(known_start("", "release_rate = { wheel = 0 }\n", start), "");
+  ASSERT_EQ(start.size(), 1U);
+  EXPECT_NEAR(start[0], 20 * degree, 1e-12) << "the first reading";
+  EXPECT_EQ(known_start(speed, "release = { wheel = 25 }\n", start), "");
+  EXPECT_NEAR(start[0], 25 * degree, 1e-12);
 }
 
 }  // namespace
