@@ -579,7 +579,7 @@ class Fitting {
     if (!out_.alternatives.empty()) {
       out_.status = FitStatus::ambiguous;
       out_.why = ambiguity();
-    } else if (aliased_ && is_suspicious()) {
+    } else if (aliased_ && out_.residual_over_noise > suspicious) {
       out_.status = FitStatus::failed;
       out_.why = fmt::format(
           "the residuals are {:.3g} times the stated noise, and the readings allow other frequencies, none of which "

@@ -21,7 +21,7 @@ constexpr double alike = 0.5;
 constexpr std::size_t most_times = 512;
 constexpr std::size_t most_combinations = 2000;
 /// Of these, so many that explain the readings best are solved for the parameters.
-constexpr std::size_t most_solved = 16;
+constexpr std::size_t most_solved = 100;
 /// Lines of a spectrum count from this part of the strongest one on.
 constexpr double least_line = 0.3;
 

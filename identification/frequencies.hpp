@@ -44,7 +44,7 @@ class Frequencies {
   /// Whether the times of the readings leave aliases of a mode, between a quarter of and four times its frequency at
   /// `start`, and from half to twice that at the point.
   bool have_aliases(const std::vector<double>& start) const;
-  /// Parameters at which the modes have such frequencies, or others in that range that explain `records`. At most 32,
+  /// Parameters at which the modes have such frequencies, or others in that range that explain `records`. At most 200,
   /// those first that explain them best as undamped oscillations.
   std::vector<std::vector<double>> alternatives(const std::vector<double>& start,
                                                 const std::vector<Record>& records) const;
