@@ -94,6 +94,8 @@ struct Run {
   bool unknown_start = true;           ///< initial coordinates and rates are nuisance parameters
   std::uint64_t seed = 0;              ///< of the noise of a simulated run
   std::filesystem::path data;          ///< empty: simulated
+  std::string time_column;             ///< of the data file
+  std::optional<double> time_factor;   ///< seconds per unit of that column; absent: 1, which is then checked
   std::optional<std::string> segment;  ///< value of the split column; absent: all of the file
   int line = 0;
 

@@ -52,8 +52,10 @@ class RunsReader {
     run.line = table.place().line;
     if (table.has("data")) {
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "data", "time",
-                        "split", "segments", "every"});
+                        "time_factor", "split", "segments", "every"});
       written.source = read_source(table);
+      run.time_column = written.source.time;
+      run.time_factor = table.find_number("time_factor", 1.0, Range::positive);
       run.data = (folder / table.text("data").value).lexically_normal();
     } else {
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "data", "duration",
@@ -208,7 +210,8 @@ class RunsReader {
     }
     const CsvTable& table = files.read(written.run.data);
     if (source.split.empty()) {
-      Record record = record_of(table, source, 0, table.line.size(), experiment_.sensors);
+      Record record =
+          record_of(table, source, 0, table.line.size(), written.run.time_factor.value_or(1.0), experiment_.sensors);
       add_run(std::move(written.run), std::move(record));
       return;
     }
@@ -216,7 +219,8 @@ class RunsReader {
       Run run = written.run;
       run.name += " " + part.value;
       run.segment = part.value;
-      add_run(std::move(run), record_of(table, source, part.first, part.last, experiment_.sensors));
+      add_run(std::move(run), record_of(table, source, part.first, part.last, written.run.time_factor.value_or(1.0),
+                                        experiment_.sensors));
     }
   }
 

@@ -49,7 +49,7 @@ std::vector<CsvPart> chosen_parts(const CsvTable& table, const RunSource& source
 }
 
 Record record_of(const CsvTable& table, const RunSource& source, std::size_t first, std::size_t last,
-                 const std::vector<Sensor>& sensors) {
+                 double time_factor, const std::vector<Sensor>& sensors) {
   check_times(table, source.time, first, last, source.every);
   const std::vector<double>& time = table.column(source.time);
   Record record;
@@ -57,7 +57,7 @@ Record record_of(const CsvTable& table, const RunSource& source, std::size_t fir
     const std::vector<double>& column = table.column(sensor.column);
     Series& series = record.sensors.emplace_back();
     for (std::size_t row = first; row < last; row += source.every) {
-      series.time.push_back(time[row] - time[first]);
+      series.time.push_back(time_factor * (time[row] - time[first]));
       series.value.push_back(sensor.zero + sensor.unit * column[row]);
     }
   }

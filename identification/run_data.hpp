@@ -47,9 +47,9 @@ class DataFiles {
 /// InputError where the file has no such segment.
 std::vector<CsvPart> chosen_parts(const CsvTable& table, const RunSource& source);
 
-/// Rows first, first + every, ... of [first, last) in SI, the first of them at time 0. Throws InputError as
-/// check_times.
+/// Rows first, first + every, ... of [first, last) in SI, the first of them at time 0; `time_factor`: seconds per unit
+/// of the time column. Throws InputError as check_times.
 Record record_of(const CsvTable& table, const RunSource& source, std::size_t first, std::size_t last,
-                 const std::vector<Sensor>& sensors);
+                 double time_factor, const std::vector<Sensor>& sensors);
 
 }  // namespace poise

@@ -5,6 +5,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "identification/check_spans.hpp"
 #include "identification/first_readings.hpp"
 
 namespace poise::app {
@@ -21,6 +22,7 @@ int run_identifiability(const IdentifiabilityRequest& request, const Palette& pa
   progress.now("reading the experiment");
   const Experiment experiment = load_experiment(request.experiment);
   const FitProblem problem(experiment);
+  check_spans(problem);
   OutputFiles files(common, files_read(experiment));
 
   progress.now("computing the sensitivities of the runs");

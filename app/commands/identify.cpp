@@ -10,6 +10,7 @@
 #include "app/commands/session.hpp"
 #include "app/results/identification/charts.hpp"
 #include "app/terminal/interrupt.hpp"
+#include "identification/check_spans.hpp"
 #include "identification/first_readings.hpp"
 #include "model/nearest_name.hpp"
 
@@ -52,6 +53,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   progress.now("reading the experiment");
   const Experiment experiment = load_experiment(request.experiment);
   const FitProblem problem(experiment);
+  check_spans(problem);
   OutputFiles files(common, files_read(experiment));
   options.interrupt = &watch_for_interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };

@@ -207,7 +207,9 @@ TEST(ReadRuns, RejectsMeasuredRuns) {
             "experiment.toml:7: run 1.data: expected the path of a data file, relative to this file");
   EXPECT_EQ(error_of_run(data + "duration = 2\n", good),
             "experiment.toml:8: run 1.duration: expected one of the keys name, set, labels, rest, release, "
-            "release_rate, start_known, data, time, split, segments, every");
+            "release_rate, start_known, data, time, time_factor, split, segments, every");
+  EXPECT_EQ(error_of_run(data + "time_factor = 0\n", good),
+            "experiment.toml:8: run 1.time_factor: expected a finite number > 0, found 0");
   EXPECT_EQ(error_of_run(data + "every = 0\n", good),
             "experiment.toml:8: run 1.every: expected a whole number from 1 to 2^53");
   EXPECT_EQ(error_of_run(data + "every = 2\n", good),
