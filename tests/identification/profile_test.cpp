@@ -59,7 +59,7 @@ TEST(Profile, AtABoundIsOneSided) {
     std::vector<Record> records;
     for (std::size_t r = 0; r < problem.runs(); ++r) {
       records.push_back(problem.ideal_record(r));
-      problem.add_noise(records.back(), 10 * seed + r);
+      problem.add_noise(records.back(), solvers::RandomStream(10 * seed + r));
     }
     const Fit found = fit(problem, records);
     if (found.parameters[1] > 0) continue;

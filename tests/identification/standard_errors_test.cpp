@@ -151,7 +151,7 @@ TEST(StandardErrors, NameARunThatDisagrees) {
   set_value(stiffer.scene, "torsion_spring.coil.stiffness", Wheel::stiffness + 25 * all.errors.white[0]);
   const FitProblem other(stiffer);
   records[2] = other.ideal_record(2);
-  other.add_noise(records[2], 9);
+  other.add_noise(records[2], solvers::RandomStream(9));
   const Fit found = fit(problem, records);
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     EXPECT_EQ(found.errors.disagreement[r] > disagrees_from, r == 2) << r << ": " << found.errors.disagreement[r];
