@@ -37,6 +37,60 @@ double mean_square(const std::vector<double>& y, double mean, std::size_t first,
   return sum / static_cast<double>(last - first);
 }
 
+/// The equations of all runs, weighted by their reduced masses at the parameters `from`.
+std::optional<OscillationStart> solve_oscillations(const FitProblem& problem, const std::vector<DampedSine>& sines,
+                                                   const std::vector<double>& from) {
+  const auto count = static_cast<Eigen::Index>(from.size());
+  OscillationStart out;
+  out.parameters = from;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(problem.runs()), count);
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(A.rows());
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const RunModel& run = problem.run(r);
+    const DampedSine& sine = sines[r];
+    std::vector<double> unknowns;
+    for (const int p : problem.parameters_of(r)) unknowns.push_back(out.parameters[static_cast<std::size_t>(p)]);
+    RunModel::Oscillator at = run.oscillator(unknowns.data(), run.equilibrium_at());
+    if (!(at.mass > 0) || at.reading_by_z == 0) return std::nullopt;
+    double equilibrium = run.equilibrium_at();
+    if (run.equilibrium_is_unknown()) {
+      // The equilibrium is where the oscillation is centred, in the sensor's reading.
+      equilibrium += (sine.offset - at.reading) / at.reading_by_z * at.equilibrium_by_z;
+      at = run.oscillator(unknowns.data(), equilibrium);
+      if (!(at.mass > 0)) return std::nullopt;
+    }
+    std::vector<double> nuisances;
+    if (run.equilibrium_is_unknown()) nuisances.push_back(equilibrium);
+    nuisances.push_back(at.z + (sine.offset + sine.a - at.reading) / at.reading_by_z);
+    nuisances.push_back((sine.omega * sine.b - sine.decay * sine.a) / at.reading_by_z);
+    out.nuisances.push_back(std::move(nuisances));
+
+    const double omega2 = sine.omega * sine.omega + sine.decay * sine.decay;
+    const double weight = 1.0 / (omega2 * at.mass);
+    const double damping_weight = 1.0 / (sine.omega * at.mass);
+    const Eigen::Index row = 2 * static_cast<Eigen::Index>(r);
+    b[row] = -weight * (omega2 * at.mass - at.stiffness);
+    b[row + 1] = -damping_weight * (2 * sine.decay * at.mass - at.damping);
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      const int p = problem.parameters_of(r)[i];
+      const double step = problem.parameters()[static_cast<std::size_t>(p)].scale;
+      std::vector<double> moved = unknowns;
+      moved[i] += step;
+      const RunModel::Oscillator there = run.oscillator(moved.data(), equilibrium);
+      A(row, p) = weight * (omega2 * (there.mass - at.mass) - (there.stiffness - at.stiffness));
+      A(row + 1, p) = damping_weight * (2 * sine.decay * (there.mass - at.mass) - (there.damping - at.damping));
+    }
+  }
+  const Eigen::VectorXd change = solvers::minimum_norm_solution(A, b);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Parameter& p = problem.parameters()[static_cast<std::size_t>(i)];
+    double& value = out.parameters[static_cast<std::size_t>(i)];
+    value = std::clamp(value + p.scale * change[i], p.min, p.max);
+    if (!std::isfinite(value)) return std::nullopt;
+  }
+  return out;
+}
+
 }  // namespace
 
 std::optional<DampedSine> fit_damped_sine(const std::vector<double>& time, const std::vector<double>& reading) {
@@ -83,63 +137,25 @@ std::optional<DampedSine> fit_damped_sine(const std::vector<double>& time, const
 }
 
 std::optional<OscillationStart> start_from_oscillations(const FitProblem& problem, const std::vector<Record>& records) {
-  const auto count = static_cast<Eigen::Index>(problem.parameters().size());
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     if (!problem.number(static_cast<int>(i)).scales_with_force()) return std::nullopt;
   }
   const Sensor& sensor = problem.experiment().sensors.front();
   if (sensor.rate || sensor.reads_force()) return std::nullopt;
-  OscillationStart out;
-  out.parameters = problem.starts();
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(problem.runs()), count);
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(A.rows());
+  std::vector<DampedSine> sines;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     if (run.freedoms() != 1 || !run.has_equilibrium() || !run.start_is_unknown()) return std::nullopt;
     const std::optional<DampedSine> sine = fit_damped_sine(records[r].sensors[0].time, records[r].sensors[0].value);
     // Noise alone may be a large part of a small oscillation.
-    if (!sine || sine->relative_residual > pure_below + 2 * sensor.noise / std::hypot(sine->a, sine->b))
+    if (!sine || sine->relative_residual > pure_below + 2 * sensor.noise / std::hypot(sine->a, sine->b)) {
       return std::nullopt;
-    std::vector<double> unknowns;
-    for (const int p : problem.parameters_of(r)) unknowns.push_back(out.parameters[static_cast<std::size_t>(p)]);
-    RunModel::Oscillator at = run.oscillator(unknowns.data(), run.equilibrium_at());
-    if (!(at.mass > 0) || at.reading_by_z == 0) return std::nullopt;
-    double equilibrium = run.equilibrium_at();
-    if (run.equilibrium_is_unknown()) {
-      // The equilibrium is where the oscillation is centred, in the sensor's reading.
-      equilibrium += (sine->offset - at.reading) / at.reading_by_z * at.equilibrium_by_z;
-      at = run.oscillator(unknowns.data(), equilibrium);
-      if (!(at.mass > 0)) return std::nullopt;
     }
-    std::vector<double> nuisances;
-    if (run.equilibrium_is_unknown()) nuisances.push_back(equilibrium);
-    nuisances.push_back(at.z + (sine->offset + sine->a - at.reading) / at.reading_by_z);
-    nuisances.push_back((sine->omega * sine->b - sine->decay * sine->a) / at.reading_by_z);
-    out.nuisances.push_back(std::move(nuisances));
-
-    const double omega2 = sine->omega * sine->omega + sine->decay * sine->decay;
-    const double weight = 1.0 / (omega2 * at.mass);
-    const double damping_weight = 1.0 / (sine->omega * at.mass);
-    const Eigen::Index row = 2 * static_cast<Eigen::Index>(r);
-    b[row] = -weight * (omega2 * at.mass - at.stiffness);
-    b[row + 1] = -damping_weight * (2 * sine->decay * at.mass - at.damping);
-    for (std::size_t i = 0; i < unknowns.size(); ++i) {
-      const int p = problem.parameters_of(r)[i];
-      const double step = problem.parameters()[static_cast<std::size_t>(p)].scale;
-      std::vector<double> moved = unknowns;
-      moved[i] += step;
-      const RunModel::Oscillator there = run.oscillator(moved.data(), equilibrium);
-      A(row, p) = weight * (omega2 * (there.mass - at.mass) - (there.stiffness - at.stiffness));
-      A(row + 1, p) = damping_weight * (2 * sine->decay * (there.mass - at.mass) - (there.damping - at.damping));
-    }
+    sines.push_back(*sine);
   }
-  const Eigen::VectorXd change = solvers::minimum_norm_solution(A, b);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Parameter& p = problem.parameters()[static_cast<std::size_t>(i)];
-    double& value = out.parameters[static_cast<std::size_t>(i)];
-    value = std::clamp(value + p.scale * change[i], p.min, p.max);
-    if (!std::isfinite(value)) return std::nullopt;
-  }
+  // The weights of the equations need the reduced masses: first those at the experiment's starts, then those found.
+  std::optional<OscillationStart> out = OscillationStart{problem.starts(), {}};
+  for (int round = 0; round < 2 && out; ++round) out = solve_oscillations(problem, sines, out->parameters);
   return out;
 }
 
