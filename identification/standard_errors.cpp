@@ -293,6 +293,7 @@ class Analysis {
         if (readings > 0) fewest = std::min(fewest, static_cast<double>(readings) / spread_[k]);
       }
     }
+    out_.independent = fewest;
     const std::string correlation =
         even_ ? fmt::format("correlated over so long that a run holds as much as {:.2g} independent ones", fewest)
               : "correlated, and not of even spacing";

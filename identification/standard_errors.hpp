@@ -32,6 +32,7 @@ struct StandardErrors {
   enum class Kind { white, serial, runs };
   Kind leading = Kind::white;               ///< the one that the residuals allow
   std::string why;                          ///< why that one, one sentence; with what limits it
+  double independent = 0.0;                 ///< residuals that the series of a run is worth, the fewest
   std::vector<double> white, serial, runs;  ///< per parameter, SI; NaN where there is none
   std::vector<double> runs_degrees;         ///< degrees of freedom of the third, per parameter
   std::vector<double> error;                ///< the leading one; of `runs` the larger of that and `serial`

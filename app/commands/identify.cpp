@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
@@ -21,6 +23,7 @@ struct IdentifyRequest {
   ExperimentRequest experiment;
   std::string start = "auto";
   std::vector<std::string> profiles;
+  int bootstrap = 0;
   int jobs = 0;
 };
 
@@ -48,6 +51,8 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   FitOptions options;
   options.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
   options.jobs = read_jobs(request.jobs);
+  expect_number("--bootstrap", request.bootstrap, request.bootstrap == 0 || request.bootstrap >= 20,
+                "0 (none), or at least 20 samples");
   if (!common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the experiment");
@@ -79,6 +84,14 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     answer.profiles.push_back(profile(problem, answer.records, answer.fit, p, {options.interrupt, options.progress}));
   }
 
+  if (request.bootstrap > 0 && answer.fit.usable()) {
+    answer.bootstrap = bootstrap(
+        problem, answer.records, answer.fit,
+        {.samples = request.bootstrap, .jobs = request.jobs, .interrupt = options.interrupt, .progress = [&](int done) {
+           progress.now(fmt::format("bootstrap: {} of {} samples", done, request.bootstrap));
+         }});
+  }
+
   const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
   Result result = identify_result(problem, answer, common.settings);
   if (files.wants_csv()) add_readings(result, problem, answer);
@@ -95,6 +108,9 @@ Command identify_command() {
   command.add({"--start", &request->start, "WHAT",
                "auto: from damped sines where the records are such oscillations,\nelse from the experiment's starts "
                "(the default); given: from those\nalways"});
+  command.add(
+      {"--bootstrap", &request->bootstrap, "N",
+       "Refit N records resampled from blocks of the residuals, for standard\nerrors that assume no model of them"});
   command.add({"--profile", &request->profiles, "NAME",
                "Find the profile likelihood of an unknown, and its 95 % interval;\ncan be given several times"});
   add_jobs_option(command, request->jobs, "Threads for the motions of the runs (all cores)");

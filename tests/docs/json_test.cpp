@@ -421,7 +421,8 @@ TEST(JsonDocs, Identify) {
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
        {{"identify", scene("lift_experiment_empty")}},
-       {{"identify", folder.write("measured.toml", experiment), "--profile", "spring.oil.stiffness"}}},
+       {{"identify", folder.write("measured.toml", experiment), "--profile", "spring.oil.stiffness", "--bootstrap",
+         "20"}}},
       Shared::all);
 }
 

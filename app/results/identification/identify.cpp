@@ -290,6 +290,37 @@ void add_known(Group& content, const FitProblem& problem, const FitAnswer& answe
   }
 }
 
+void add_bootstrap(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+  if (!answer.bootstrap || answer.bootstrap->standard_error.empty()) {
+    content.data("bootstrap", Value());
+    return;
+  }
+  const Bootstrap& found = *answer.bootstrap;
+  const auto of = [&](const std::vector<double>& values, std::size_t p) {
+    return answer.fit.estimates[p].withheld ? nan : values[p] / problem.unknown_of(p).unit;
+  };
+  const std::vector<std::size_t> all = places(problem.parameters().size());
+  Group& section = content.group("bootstrap", "Bootstrap of the residuals");
+  section.data("samples", found.samples);
+  section.data("failed", found.failed);
+  section.data("block", std::isinf(found.block) ? Value() : Value(found.block));
+  section.note(fmt::format("{} refitted in {}; {} failed", count(found.samples, "sample", "samples"),
+                           std::isinf(found.block) ? "whole runs" : fmt::format("blocks of {:.3g} s", found.block),
+                           found.failed));
+  Table& table = section.table("estimates", "", Rows::list);
+  table.words("name", "parameter", each(all, [&](std::size_t p) { return problem.parameters()[p].name; }));
+  const auto add = [&](const std::string& key, const std::string& title, const std::vector<double>& values) {
+    table.numbers(key, title, "", each(all, [&](std::size_t p) { return of(values, p); })).texts =
+        each(all, [&](std::size_t p) {
+          return key == "standard_error" ? significant(of(values, p), 2)
+                                         : rounded_to(of(values, p), of(found.standard_error, p));
+        });
+  };
+  add("standard_error", "standard error", found.standard_error);
+  add("low", "2.5 %", found.low);
+  add("high", "97.5 %", found.high);
+}
+
 void add_profiles(Group& content, const FitProblem& problem, const FitAnswer& answer) {
   Branch& array = content.array("profiles");
   for (const Profile& found : answer.profiles) {
@@ -479,6 +510,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   add_estimates(content, problem, fitted);
   add_standard_errors(content, fitted);
   add_known(content, problem, answer);
+  add_bootstrap(content, problem, answer);
   add_profiles(content, problem, answer);
   add_alternatives(content, problem, fitted);
   add_null_directions(content, fitted.identifiability);

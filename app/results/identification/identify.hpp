@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/result/result.hpp"
+#include "identification/bootstrap.hpp"
 #include "identification/fit.hpp"
 #include "identification/known_numbers.hpp"
 #include "identification/profile.hpp"
@@ -18,6 +20,7 @@ struct FitAnswer {
   std::vector<double> rms_from_readings;
   std::vector<KnownEffect> known;  ///< already in the fit's standard errors
   std::vector<Profile> profiles;
+  std::optional<Bootstrap> bootstrap;
 };
 
 /// The estimates with their standard errors, what is not identifiable, residuals. What is withheld is null in the data,
