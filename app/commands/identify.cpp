@@ -94,6 +94,9 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
 
   const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
   Result result = identify_result(problem, answer, common.settings);
+  if (drawn) {
+    for (const std::string& line : not_drawn(problem, answer)) result.content.note("picture: " + line);
+  }
   if (files.wants_csv()) add_readings(result, problem, answer);
   return finish(common, result, &files, drawn ? draw_plot(fit_panels(problem, answer), fit_columns(experiment)) : "",
                 answer.fit.usable(), progress, palette);

@@ -181,6 +181,28 @@ TEST(IdentifyCommand, DrawsReadingsResidualsAndSensitivities) {
   }
 }
 
+// Of many sensors and parameters it draws some, and names the others.
+TEST(IdentifyCommand, DrawsSomeOfManySensorsAndNamesTheOthers) {
+  if (!app::has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+  const TempFolder folder;
+  const std::string svg = folder.path("a.svg").string();
+  std::string text = wheel_unknowns;
+  for (int i = 2; i <= 8; ++i) {
+    text += "[[sensor]]\nname = \"copy " + std::to_string(i) + "\"\nangle = \"wheel\"\nnoise = 0.02\n" +
+            (i % 2 == 0 ? "rate = true\n" : "");
+  }
+  const Outcome run = run_poise({"identify", experiment(folder, text + one_run), "--svg", svg});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(has(run.out, "picture: 6 of 8 sensors, those with the largest residuals over their noise; not drawn: "))
+      << run.out;
+  const std::string picture = contents(svg);
+  EXPECT_EQ(objection_to_xml(picture), "");
+  EXPECT_TRUE(has(picture, "2 more not drawn, see the report"));
+  std::size_t drawn = 0;
+  for (std::size_t at = 0; (at = picture.find(": relative sensitivities", at)) != std::string::npos; ++at) ++drawn;
+  EXPECT_EQ(drawn, 6U);
+}
+
 TEST(IdentifyCommand, FitsTheMeasuredDoublePendulum) {
   if (!std::filesystem::exists(measured_pendulum())) GTEST_SKIP() << "no measured data at " << measured_pendulum();
   const TempFolder folder;
@@ -214,8 +236,10 @@ TEST(IdentifyCommand, InterruptShowsTheValuesReached) {
   text.replace(text.find("rate = 200"), 10, "rate = 2000");
   const std::string file = experiment(folder, text), out = folder.path("out").string();
   const std::string svg = app::has_gnuplot() ? folder.path("a.svg").string() : "";
-  std::vector<std::string> words = {"identify", file, "--start", "given", "--json", folder.path("a.json").string(),
-                                    "--csv", folder.path("a.csv").string()};
+  std::vector<std::string> words = {"identify", file,
+                                    "--start",  "given",
+                                    "--json",   folder.path("a.json").string(),
+                                    "--csv",    folder.path("a.csv").string()};
   if (!svg.empty()) words.insert(words.end(), {"--svg", svg});
   // Later on a slow machine, until a step was made.
   json r;

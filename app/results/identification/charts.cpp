@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -12,7 +13,7 @@
 namespace poise::app {
 namespace {
 
-constexpr std::size_t most_sensors_drawn = 3;
+constexpr std::size_t most_sensors_drawn = 6;
 constexpr std::size_t most_runs_drawn = 4;
 constexpr std::size_t most_parameters_drawn = 8;
 
@@ -23,6 +24,56 @@ std::vector<double> shown(std::vector<double> si, const Sensor& sensor, const Un
 
 std::string axis(const std::string& what, const Sensor& sensor, const Units& units) {
   return fmt::format("{} ({})", what, sensor.dimension().unit_name(units));
+}
+
+/// Which sensors are drawn, those of one unit together: all, or those whose residuals are largest over their noise.
+std::vector<std::size_t> drawn_sensors(const FitProblem& problem, const Fit& fitted) {
+  const std::vector<Sensor>& sensors = problem.experiment().sensors;
+  const auto size = [&](std::size_t k) {
+    const double over_noise = fitted.rms[k] / sensors[k].noise;
+    return std::isnan(over_noise) ? 0.0 : over_noise;  // a sensor without readings
+  };
+  std::vector<std::size_t> order = places(sensors.size());
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
+  if (order.size() > most_sensors_drawn) order.resize(most_sensors_drawn);
+  std::sort(order.begin(), order.end());
+  const auto unit = [&](std::size_t k) { return sensors[k].dimension().unit_name(problem.experiment().scene.units); };
+  const auto first_of_unit = [&](std::size_t k) {
+    return std::find_if(order.begin(), order.end(), [&](std::size_t other) { return unit(other) == unit(k); });
+  };
+  const std::vector<std::size_t> before = order;
+  std::vector<std::size_t> out;
+  for (const std::size_t k : before) {
+    if (*first_of_unit(k) != k) continue;
+    std::copy_if(before.begin(), before.end(), std::back_inserter(out),
+                 [&](std::size_t other) { return unit(other) == unit(k); });
+  }
+  return out;
+}
+
+/// Which parameters of a run are drawn, as places among its unknowns: all, or those with the largest relative standard
+/// errors.
+std::vector<std::size_t> drawn_parameters(const FitProblem& problem, const Fit& fitted, std::size_t r) {
+  const std::vector<int>& all = problem.parameters_of(r);
+  const auto error = [&](std::size_t c) {
+    const Estimate& estimate = fitted.estimates[static_cast<std::size_t>(all[c])];
+    const double relative = std::abs(estimate.standard_error / estimate.value);
+    return std::isfinite(relative) ? relative : INFINITY;
+  };
+  std::vector<std::size_t> order = places(all.size());
+  if (order.size() <= most_parameters_drawn) return order;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return error(a) > error(b); });
+  order.resize(most_parameters_drawn);
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+/// "6 of 15 sensors, those with the largest residuals; not drawn: a, b"; empty where all are drawn.
+std::string left_out(std::size_t drawn, const std::vector<std::string>& others, const std::string& what,
+                     const std::string& chosen) {
+  if (others.empty()) return "";
+  return fmt::format("{} of {} {}, {}; not drawn: {}", drawn, drawn + others.size(), what, chosen,
+                     fmt::join(others, ", "));
 }
 
 Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size_t r, std::size_t k) {
@@ -56,25 +107,26 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const s
   return panel;
 }
 
-/// Each curve of FitProblem::sensitivities() over its largest value, which its name gives: parameters whose curves are
-/// alike cannot be identified separately.
+/// Each curve of FitProblem::sensitivities() over the largest value of its parameter in any sensor drawn, which its
+/// name gives: parameters whose curves are alike in all of them cannot be identified separately.
 std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer& answer, std::size_t r,
-                                      std::size_t sensors) {
+                                      const std::vector<std::size_t>& sensors) {
   const auto curves = problem.sensitivities(r, answer.fit.parameters, answer.fit.runs[r].nuisances);
+  const std::vector<std::size_t> parameters = drawn_parameters(problem, answer.fit, r);
   std::vector<Panel> panels;
-  for (std::size_t k = 0; k < sensors; ++k) {
-    const Sensor& sensor = problem.experiment().sensors[k];
-    panels.push_back(
-        {.title = fmt::format("{} of run {}: relative sensitivities", sensor.name, problem.run(r).run().name),
-         .x_label = "time (s)",
-         .y_label = "sensitivity over its largest"});
-    const std::size_t count = curves.empty() ? 0 : std::min(most_parameters_drawn, curves[k].size());
-    for (std::size_t c = 0; c < count; ++c) {
+  for (const std::size_t k : sensors) {
+    panels.push_back({.title = fmt::format("{}: relative sensitivities", problem.experiment().sensors[k].name),
+                      .y_label = "sensitivity over its largest"});
+    for (std::size_t i = 0; i < parameters.size() && !curves.empty(); ++i) {
+      const std::size_t c = parameters[i];
       const auto p = static_cast<std::size_t>(problem.parameters_of(r)[c]);
-      Curve curve{.name = problem.parameters()[p].name, .x = answer.records[r].sensors[k].time, .y = curves[k][c]};
-      const double largest = largest_size(curve.y);
+      double largest = 0.0;
+      for (const std::size_t any : sensors) largest = std::max(largest, largest_size(curves[any][c]));
+      Curve curve{.name = fmt::format("{}, up to {} σ", problem.parameters()[p].name, significant(largest, 2)),
+                  .x = answer.records[r].sensors[k].time,
+                  .y = curves[k][c],
+                  .colour = static_cast<int>(i)};
       for (double& y : curve.y) y = largest > 0 ? y / largest : 0.0;
-      curve.name += fmt::format(", up to {} σ", significant(largest, 2));
       panels.back().curves.push_back(std::move(curve));
     }
   }
@@ -83,18 +135,51 @@ std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer
 
 }  // namespace
 
-int fit_columns(const Experiment& experiment) {
-  return static_cast<int>(std::min(most_sensors_drawn, experiment.sensors.size()));
+int fit_columns(const Experiment& experiment) { return experiment.sensors.size() > 1 ? 3 : 1; }
+
+std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& answer) {
+  if (answer.fit.runs.empty()) return {};
+  const std::vector<std::size_t> sensors = drawn_sensors(problem, answer.fit);
+  std::vector<std::string> others;
+  for (std::size_t k = 0; k < problem.experiment().sensors.size(); ++k) {
+    if (std::find(sensors.begin(), sensors.end(), k) != sensors.end()) continue;
+    others.push_back(problem.experiment().sensors[k].name);
+  }
+  const std::size_t r = worst_first(problem, answer.fit).front();
+  const std::vector<std::size_t> parameters = drawn_parameters(problem, answer.fit, r);
+  std::vector<std::string> other_parameters;
+  for (std::size_t c = 0; c < problem.parameters_of(r).size(); ++c) {
+    if (std::find(parameters.begin(), parameters.end(), c) != parameters.end()) continue;
+    other_parameters.push_back(problem.parameters()[static_cast<std::size_t>(problem.parameters_of(r)[c])].name);
+  }
+  std::vector<std::string> lines = {
+      left_out(sensors.size(), others, "sensors", "those with the largest residuals over their noise"),
+      left_out(parameters.size(), other_parameters, "sensitivities",
+               "those of the parameters with the largest relative standard errors")};
+  std::erase(lines, "");
+  return lines;
 }
 
 std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer) {
   if (answer.fit.runs.empty()) return {};
   const std::vector<std::size_t> worst = worst_first(problem, answer.fit);
-  const auto sensors = static_cast<std::size_t>(fit_columns(problem.experiment()));
+  const std::vector<std::size_t> sensors = drawn_sensors(problem, answer.fit);
+  std::vector<Panel> sensitivities = sensitivity_panels(problem, answer, worst.front(), sensors);
   std::vector<Panel> panels;
-  for (std::size_t k = 0; k < sensors; ++k) panels.push_back(fitted_panel(problem, answer, worst.front(), k));
-  for (std::size_t k = 0; k < sensors; ++k) panels.push_back(residual_panel(problem, answer, worst, k));
-  for (Panel& panel : sensitivity_panels(problem, answer, worst.front(), sensors)) panels.push_back(std::move(panel));
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    panels.push_back(fitted_panel(problem, answer, worst.front(), sensors[i]));
+    panels.push_back(residual_panel(problem, answer, worst, sensors[i]));
+    panels.push_back(std::move(sensitivities[i]));
+  }
+  // One legend and one time axis for each column.
+  const std::size_t last = panels.size() - 3;
+  for (std::size_t i = 0; i < last; ++i) {
+    for (Curve& curve : panels[i].curves) curve.name.clear();
+    for (Band& band : panels[i].bands) band.name.clear();
+  }
+  for (std::size_t i = sensors.size() > 1 ? last : last + 2; i < panels.size(); ++i) panels[i].x_label = "time (s)";
+  const std::size_t others = problem.experiment().sensors.size() - sensors.size();
+  if (others > 0) panels[last].curves.push_back({.name = fmt::format("{} more not drawn, see the report", others)});
   return panels;
 }
 
