@@ -417,6 +417,10 @@ TEST(JsonDocs, Identify) {
   folder.write("measured.csv", data);
   std::string experiment = measured;
   experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
+  // A lift that oscillates at some 2.6 Hz, read 5 times a second.
+  const std::size_t run = experiment.find("[[run]]");
+  const std::string aliased = experiment.substr(0, run) +
+                              "[[run]]\nduration = 6\nrate = 5\nrelease = { obd = 0.005 }\nstart_known = true\n";
   check_section(
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},

@@ -198,7 +198,7 @@ TEST(Aliases, NoWrongValueIsCalledConverged) {
     const char* const text = std::getenv(name);
     return text != nullptr ? std::atoi(text) : otherwise;
   };
-  const int cases = number("POISE_ALIAS_CASES", 20);
+  const int cases = number("POISE_ALIAS_CASES", 10);
   const int first = number("POISE_FIRST_ALIAS_CASE", 0);
   int converged = 0;
   int ambiguous = 0;
