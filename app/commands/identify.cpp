@@ -1,6 +1,8 @@
 #include "app/results/identification/identify.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/results/identification/charts.hpp"
+#include "app/results/identification/compare_models.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/check_spans.hpp"
 #include "identification/first_readings.hpp"
@@ -21,6 +24,7 @@ namespace {
 
 struct IdentifyRequest {
   ExperimentRequest experiment;
+  std::vector<std::string> files;
   std::string start = "auto";
   std::vector<std::string> profiles;
   int bootstrap = 0;
@@ -102,12 +106,45 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
                 answer.fit.usable(), progress, palette);
 }
 
+/// Several models of the same readings.
+int run_comparison(const IdentifyRequest& request, const Palette& palette) {
+  const Request& common = request.experiment.common;
+  if (!request.profiles.empty() || request.bootstrap > 0 || !common.svg.empty() || !common.csv.empty()) {
+    throw InputError("several experiments: expected no --profile, --bootstrap, --svg or --csv, which are of one fit");
+  }
+  CompareOptions options;
+  options.fit.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
+  options.fit.jobs = request.jobs;
+  Progress progress;
+  progress.now("reading the experiments");
+  std::deque<Experiment> experiments;
+  std::deque<FitProblem> problems;
+  std::vector<const FitProblem*> all;
+  std::vector<std::string> read;
+  for (const std::string& file : request.files) {
+    ExperimentRequest one = request.experiment;
+    one.common.scene = file;
+    experiments.push_back(load_experiment(one));
+    problems.emplace_back(experiments.back());
+    check_spans(problems.back());
+    all.push_back(&problems.back());
+    for (const std::string& name : files_read(experiments.back())) read.push_back(name);
+  }
+  OutputFiles files(common, read);
+  options.fit.interrupt = &watch_for_interrupt();
+  options.fit.progress = [&](const std::string& doing) { progress.now(doing); };
+  const ModelComparison answer = compare_models(all, options);
+  const bool usable = !answer.interrupted && std::all_of(answer.models.begin(), answer.models.end(),
+                                                         [](const ModelFit& model) { return model.fit.usable(); });
+  return finish(common, compare_models_result(all, answer, common.settings), &files, "", usable, progress, palette);
+}
+
 }  // namespace
 
 Command identify_command() {
   const auto request = std::make_shared<IdentifyRequest>();
   Command command{"identify", "Estimate masses, inertias, stiffnesses and damping from measured motions"};
-  add_experiment_options(command, request->experiment);
+  add_experiment_options(command, request->experiment, &request->files);
   command.add({"--start", &request->start, "WHAT",
                "auto: from damped sines where the records are such oscillations,\nelse from the experiment's starts "
                "(the default); given: from those\nalways"});
@@ -120,7 +157,10 @@ Command identify_command() {
   add_output_options(command, request->experiment.common,
                      {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",
                       .csv = "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});
-  command.run = [request](const Palette& palette) { return run_identify(*request, palette); };
+  command.run = [request](const Palette& palette) {
+    request->experiment.common.scene = request->files.front();
+    return request->files.size() > 1 ? run_comparison(*request, palette) : run_identify(*request, palette);
+  };
   return command;
 }
 

@@ -269,9 +269,14 @@ DriveRange read_drive(const std::string& text, const Scene& scene) {
   return {given.name, given.from * unit, given.to * unit};
 }
 
-void add_experiment_options(Command& command, ExperimentRequest& request) {
+void add_experiment_options(Command& command, ExperimentRequest& request, std::vector<std::string>* several) {
   request.common.kind = "experiment";
-  command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required});
+  if (several != nullptr) {
+    command.add({"EXPERIMENT", several, "",
+                 "Experiment file (TOML); of several, models of the same readings are\ncompared", Presence::required});
+  } else {
+    command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required});
+  }
   command.add({"--data", &request.data, "FILE",
                "Read this CSV file in place of the one that the experiment's\nruns name (all the same)"});
   add_settings(command, request.common);

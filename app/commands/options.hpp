@@ -109,7 +109,8 @@ struct ExperimentRequest {
 };
 
 /// What every command that reads an experiment takes: EXPERIMENT, --data and --set. `request` must outlive the command.
-void add_experiment_options(Command& command, ExperimentRequest& request);
+/// With `several` the command takes one file or more, into it and not into the request.
+void add_experiment_options(Command& command, ExperimentRequest& request, std::vector<std::string>* several = nullptr);
 
 /// Throws InputError, also where the experiment has no unknowns.
 Experiment load_experiment(const ExperimentRequest& request);

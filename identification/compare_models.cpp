@@ -1,0 +1,368 @@
+#include "identification/compare_models.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <fmt/format.h>
+
+#include "model/parameters.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t most_folds = 10;
+
+void expect_same_readings(const FitProblem& a, const FitProblem& b) {
+  const auto fail = [&](const std::string& what) {
+    throw InputError(
+        fmt::format("{}: expected the readings of {}: {}", b.experiment().file, a.experiment().file, what));
+  };
+  const auto& first = a.experiment();
+  const auto& second = b.experiment();
+  if (first.sensors.size() != second.sensors.size()) fail("the numbers of sensors differ");
+  for (std::size_t k = 0; k < first.sensors.size(); ++k) {
+    const Sensor& s = first.sensors[k];
+    const Sensor& t = second.sensors[k];
+    if (s.name != t.name) fail(fmt::format("sensor \"{}\" is \"{}\" here", s.name, t.name));
+    if (s.noise_known != t.noise_known || (s.noise_known && s.noise != t.noise)) {
+      fail(fmt::format("the noise of sensor \"{}\" differs", s.name));
+    }
+  }
+  if (first.loss != second.loss) fail("the losses differ");
+  if (a.runs() != b.runs()) fail(fmt::format("{} runs here, {} there", b.runs(), a.runs()));
+  for (std::size_t r = 0; r < a.runs(); ++r) {
+    if (a.run(r).run().name != b.run(r).run().name) {
+      fail(fmt::format("run \"{}\" is \"{}\" here", a.run(r).run().name, b.run(r).run().name));
+    }
+  }
+  const std::vector<Record> one = a.records();
+  const std::vector<Record> other = b.records();
+  for (std::size_t r = 0; r < one.size(); ++r) {
+    for (std::size_t k = 0; k < one[r].sensors.size(); ++k) {
+      if (one[r].sensors[k].time != other[r].sensors[k].time || one[r].sensors[k].value != other[r].sensors[k].value) {
+        fail(
+            fmt::format("those of {} in run \"{}\" differ; simulated runs of different models differ, write one to a "
+                        "file and name that as data",
+                        first.sensors[k].name, a.run(r).run().name));
+      }
+    }
+  }
+}
+
+/// An experiment with some of the runs of another.
+struct Part {
+  Experiment experiment;
+  std::optional<FitProblem> problem;
+  std::vector<Record> records;
+};
+
+class Comparing {
+ public:
+  Comparing(const std::vector<const FitProblem*>& problems, const CompareOptions& options)
+      : problems_(problems), options_(options), records_(problems.front()->records()) {}
+
+  ModelComparison run() {
+    for (const FitProblem* problem : problems_) {
+      ModelFit& model = out_.models.emplace_back();
+      model.fit = fit(*problem, records_, options_.fit);
+      if (stopped()) return std::move(out_);
+    }
+    find_scale();
+    compare_costs();
+    test_nested();
+    cross_validate();
+    choose();
+    return std::move(out_);
+  }
+
+ private:
+  bool stopped() {
+    out_.interrupted = options_.fit.interrupt != nullptr && options_.fit.interrupt->load();
+    return out_.interrupted;
+  }
+  void say(const std::string& what) const {
+    if (options_.fit.progress) options_.fit.progress(what);
+  }
+  std::string name_of(std::size_t m) const { return problems_[m]->experiment().file; }
+
+  // The noise of all models is the least that one of them leaves, where it is not stated.
+  void find_scale() {
+    weighting_ = problems_.front()->weighting();
+    for (std::size_t k = 0; k < weighting_.noise.size(); ++k) {
+      if (problems_.front()->experiment().sensors[k].noise_known && weighting_.loss != Loss::student) continue;
+      weighting_.noise[k] = INFINITY;
+      for (const ModelFit& model : out_.models) {
+        weighting_.noise[k] = std::min(weighting_.noise[k], model.fit.weighting.noise[k]);
+      }
+    }
+  }
+
+  /// Sum of rho and number of readings of one run of a problem, at the common noise; none where the motion fails.
+  std::optional<std::pair<double, double>> cost_of(const FitProblem& problem, std::size_t r,
+                                                   const std::vector<double>& parameters,
+                                                   const std::vector<double>& nuisances, const Record& record) const {
+    const Residuals e = problem.residuals(r, parameters, nuisances, record);
+    if (e.empty()) return std::nullopt;
+    double sum = 0.0;
+    double count = 0.0;
+    for (std::size_t k = 0; k < e.size(); ++k) {
+      const double scale = problem.experiment().sensors[k].noise / weighting_.noise[k];
+      for (const double x : e[k]) sum += weighting_.cost(scale * scale * x * x);
+      count += static_cast<double>(e[k].size());
+    }
+    return std::pair{sum, count};
+  }
+
+  void compare_costs() {
+    double least = INFINITY;
+    for (std::size_t m = 0; m < out_.models.size(); ++m) {
+      ModelFit& model = out_.models[m];
+      for (std::size_t r = 0; r < records_.size(); ++r) {
+        const auto own = model.fit.runs.empty() ? std::nullopt
+                                                : cost_of(*problems_[m], r, model.fit.parameters,
+                                                          model.fit.runs[r].nuisances, records_[r]);
+        model.own.push_back(own ? std::sqrt(own->first / own->second) : nan);
+        model.cost += own ? own->first / 2 : INFINITY;
+      }
+      const double left = std::max(1, model.fit.degrees_of_freedom);
+      least = std::min(least, 2 * model.cost / left);
+    }
+    size_ = std::max(1.0, least);
+    const auto fullest = std::min_element(out_.models.begin(), out_.models.end(),
+                                          [](const ModelFit& a, const ModelFit& b) { return a.cost < b.cost; });
+    const std::size_t parameters = fullest->fit.errors.error.size();
+    double scatter = 0.0;
+    for (std::size_t p = 0; p < parameters; ++p)
+      scatter += inflation(fullest->fit, p) / static_cast<double>(parameters);
+    if (parameters == 0) scatter = 1.0;
+    const double independent = std::max(2.0, fullest->fit.readings / scatter);
+    double best = INFINITY;
+    double best_bic = INFINITY;
+    for (std::size_t m = 0; m < out_.models.size(); ++m) {
+      ModelFit& model = out_.models[m];
+      const auto count = static_cast<double>(problems_[m]->parameters().size());
+      const double evidence = 2 * model.cost / (size_ * scatter);
+      model.aic = evidence + 2 * count;
+      model.bic = evidence + std::log(independent) * count;
+      best = std::min(best, model.aic);
+      best_bic = std::min(best_bic, model.bic);
+    }
+    for (ModelFit& model : out_.models) {
+      model.aic -= best;
+      model.bic -= best_bic;
+    }
+  }
+
+  /// (leading error / white error)^2 of a parameter: by how much its score scatters more than independent readings'.
+  static double inflation(const Fit& fitted, std::size_t p) {
+    const double white = fitted.errors.white[p];
+    return white > 0 && std::isfinite(fitted.errors.error[p]) ? std::pow(fitted.errors.error[p] / white, 2) : 1.0;
+  }
+
+  /// Whether model b has all unknowns of a, and the same scene but for the values of its own unknowns.
+  bool is_contained(std::size_t a, std::size_t b) const {
+    const Experiment& simple = problems_[a]->experiment();
+    const Experiment& full = problems_[b]->experiment();
+    if (problems_[a]->parameters().size() >= problems_[b]->parameters().size()) return false;
+    for (const Unknown& unknown : simple.unknowns) {
+      const auto same = [&](const Unknown& u) {
+        return u.path == unknown.path && (u.per == unknown.per || u.per == "run");
+      };
+      if (std::none_of(full.unknowns.begin(), full.unknowns.end(), same)) return false;
+    }
+    const std::vector<ParameterRow> rows = parameter_table(simple.scene);
+    const std::vector<ParameterRow> others = parameter_table(full.scene);
+    if (rows.size() != others.size()) return false;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const std::string path = rows[i].path.text();
+      if (path != others[i].path.text()) return false;
+      const bool is_free = std::any_of(full.unknowns.begin(), full.unknowns.end(),
+                                       [&](const Unknown& unknown) { return unknown.path == path; });
+      if (!is_free && value_at(simple.scene, rows[i].place) != value_at(full.scene, others[i].place)) return false;
+    }
+    return true;
+  }
+
+  void test_nested() {
+    for (std::size_t a = 0; a < problems_.size(); ++a) {
+      for (std::size_t b = 0; b < problems_.size(); ++b) {
+        if (a == b || !is_contained(a, b)) continue;
+        const Fit& full = out_.models[b].fit;
+        if (full.errors.error.empty() || !full.usable() || !out_.models[a].fit.usable()) continue;
+        NestedTest test{a, b};
+        double inflated = 0.0;
+        bool at_bound = false;
+        for (std::size_t p = 0; p < full.parameters.size(); ++p) {
+          const auto& known = problems_[a]->parameters();
+          const std::string& name = problems_[b]->parameters()[p].name;
+          if (std::any_of(known.begin(), known.end(), [&](const Parameter& q) { return q.name == name; })) continue;
+          ++test.added;
+          inflated += inflation(full, p);
+          const Parameter& parameter = problems_[b]->parameters()[p];
+          const double fixed = value_in(*problems_[a], problems_[b]->unknown_of(p).path);
+          at_bound = at_bound || fixed <= parameter.min || fixed >= parameter.max;
+        }
+        const double size = std::max(1.0, 2 * out_.models[b].cost / std::max(1, full.degrees_of_freedom));
+        const double scale = size * inflated / test.added;
+        test.ratio = std::max(0.0, 2 * (out_.models[a].cost - out_.models[b].cost) / scale);
+        const double share = test.added == 1 && at_bound ? 0.5 : 1.0;
+        using boost::math::cdf;
+        using boost::math::complement;
+        test.p = share * cdf(complement(boost::math::chi_squared(test.added), test.ratio));
+        test.f = test.ratio / test.added;
+        const double independent =
+            static_cast<double>(full.readings) * test.added / inflated - static_cast<double>(full.parameters.size());
+        test.f_p = share * cdf(complement(boost::math::fisher_f(test.added, std::max(1.0, independent)), test.f));
+        out_.tests.push_back(test);
+      }
+    }
+  }
+
+  static double value_in(const FitProblem& problem, const std::string& path) {
+    const std::optional<ParameterRow> row = find_parameter(problem.experiment().scene, path);
+    return row ? value_at(problem.experiment().scene, row->place).value_or(0.0) : 0.0;
+  }
+
+  Part part_of(std::size_t m, const std::vector<std::size_t>& runs) const {
+    const Experiment& all = problems_[m]->experiment();
+    Part part;
+    part.experiment = all;
+    part.experiment.runs.clear();
+    part.experiment.records.clear();
+    for (const std::size_t r : runs) {
+      part.experiment.runs.push_back(all.runs[r]);
+      part.experiment.records.push_back(records_[r]);
+      part.records.push_back(records_[r]);
+    }
+    return part;
+  }
+
+  /// A fit of some runs from which another can start: parameters of the same names, nuisances of the same runs.
+  static Fit seed_of(const FitProblem& part, const std::vector<std::size_t>& runs, const FitProblem& whole,
+                     const Fit& found) {
+    Fit seed;
+    seed.weighting = found.weighting;
+    for (const Parameter& p : part.parameters()) {
+      double value = p.start;
+      for (std::size_t i = 0; i < found.parameters.size(); ++i) {
+        if (whole.parameters()[i].name == p.name) value = found.parameters[i];
+      }
+      seed.parameters.push_back(value);
+    }
+    for (const std::size_t r : runs) seed.runs.push_back(found.runs[r]);
+    return seed;
+  }
+
+  void cross_validate() {
+    const std::size_t runs = records_.size();
+    for (ModelFit& model : out_.models) model.held_out.assign(runs, nan);
+    if (runs < 2) return;
+    const std::size_t folds = std::min(runs, most_folds);
+    out_.folds = static_cast<int>(folds);
+    for (std::size_t m = 0; m < out_.models.size(); ++m) {
+      const Fit& found = out_.models[m].fit;
+      if (!found.usable()) continue;
+      double sum = 0.0;
+      double count = 0.0;
+      for (std::size_t fold = 0; fold < folds && !stopped(); ++fold) {
+        say(fmt::format("{}: holding out runs, {} of {}", name_of(m), fold + 1, folds));
+        std::vector<std::size_t> kept, left;
+        for (std::size_t r = 0; r < runs; ++r) (r % folds == fold ? left : kept).push_back(r);
+        hold_out(m, kept, left, sum, count);
+      }
+      out_.models[m].held_out_all = std::any_of(out_.models[m].held_out.begin(), out_.models[m].held_out.end(),
+                                                [](double x) { return std::isnan(x); })
+                                        ? nan
+                                        : std::sqrt(sum / count);
+    }
+  }
+
+  void hold_out(std::size_t m, const std::vector<std::size_t>& kept, const std::vector<std::size_t>& left, double& sum,
+                double& count) {
+    const FitProblem& whole = *problems_[m];
+    const Fit& found = out_.models[m].fit;
+    Part train = part_of(m, kept);
+    train.problem.emplace(train.experiment);
+    const Fit seed = seed_of(*train.problem, kept, whole, found);
+    FitOptions options = options_.fit;
+    options.from = &seed;
+    options.progress = {};
+    const Fit trained = fit(*train.problem, train.records, options);
+    if (!trained.usable()) return;
+    Part test = part_of(m, left);
+    test.problem.emplace(test.experiment);
+    Fit start = seed_of(*test.problem, left, whole, found);
+    options.from = &start;
+    for (std::size_t i = 0; i < test.problem->parameters().size(); ++i) {
+      bool is_trained = false;
+      for (std::size_t j = 0; j < trained.parameters.size(); ++j) {
+        if (train.problem->parameters()[j].name != test.problem->parameters()[i].name) continue;
+        start.parameters[i] = trained.parameters[j];
+        is_trained = true;
+      }
+      if (!is_trained) return;
+      options.held.emplace_back(static_cast<int>(i), start.parameters[i]);
+    }
+    const Fit tested = fit(*test.problem, test.records, options);
+    if (tested.runs.empty()) return;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const auto own = cost_of(*test.problem, i, tested.parameters, tested.runs[i].nuisances, test.records[i]);
+      if (!own) return;
+      out_.models[m].held_out[left[i]] = std::sqrt(own->first / own->second);
+      sum += own->first;
+      count += own->second;
+    }
+  }
+
+  void choose() {
+    const auto better = [&](auto&& of) {
+      std::size_t best = out_.models.size();
+      for (std::size_t m = 0; m < out_.models.size(); ++m) {
+        const double value = of(out_.models[m]);
+        if (std::isfinite(value) && (best == out_.models.size() || value < of(out_.models[best]))) best = m;
+      }
+      return best;
+    };
+    out_.preferred = better([](const ModelFit& model) { return model.held_out_all > 0 ? model.held_out_all : nan; });
+    if (out_.preferred == out_.models.size()) {
+      out_.preferred = better([](const ModelFit& model) { return model.aic; });
+    }
+    if (out_.preferred == out_.models.size()) out_.preferred = 0;
+    const std::vector<double>& best = out_.models[out_.preferred].held_out;
+    for (const ModelFit& model : out_.models) {
+      std::vector<double> more;
+      for (std::size_t r = 0; r < best.size(); ++r) {
+        const double difference = model.held_out[r] * model.held_out[r] - best[r] * best[r];
+        if (std::isfinite(difference)) more.push_back(difference);
+      }
+      const double n = static_cast<double>(more.size());
+      double mean = 0.0;
+      double squares = 0.0;
+      for (const double x : more) mean += x / n;
+      for (const double x : more) squares += (x - mean) * (x - mean);
+      out_.loss.push_back(more.empty() ? nan : mean);
+      out_.loss_error.push_back(more.size() < 2 ? nan : std::sqrt(squares / (n - 1) / n));
+    }
+  }
+
+  const std::vector<const FitProblem*>& problems_;
+  const CompareOptions& options_;
+  std::vector<Record> records_;
+  Weighting weighting_;
+  double size_ = 1.0;  // mean square of the best model's residuals over the noise, at least 1
+  ModelComparison out_;
+};
+
+}  // namespace
+
+ModelComparison compare_models(const std::vector<const FitProblem*>& problems, const CompareOptions& options) {
+  for (const FitProblem* problem : problems) expect_same_readings(*problems.front(), *problem);
+  return Comparing(problems, options).run();
+}
+
+}  // namespace poise
