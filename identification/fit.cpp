@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <random>
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
@@ -16,6 +15,7 @@
 #include "identification/frequencies.hpp"
 #include "identification/oscillation_start.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/random_stream.hpp"
 
 namespace poise {
 namespace {
@@ -147,11 +147,10 @@ class Fitting {
   FitPoint given(int retry) {
     FitPoint point;
     point.parameters = options_.starts.empty() ? problem_.starts() : options_.starts;
-    std::mt19937_64 random(static_cast<std::uint64_t>(retry));
-    std::uniform_real_distribution<double> change(-0.3, 0.3);
+    solvers::RandomStream random(static_cast<std::uint64_t>(retry));
     for (std::size_t i = 0; retry > 0 && i < point.parameters.size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
-      point.parameters[i] = std::clamp(point.parameters[i] + p.scale * change(random), p.min, p.max);
+      point.parameters[i] = std::clamp(point.parameters[i] + p.scale * random.uniform(-0.3, 0.3), p.min, p.max);
     }
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       const RunModel& run = problem_.run(r);
