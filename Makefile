@@ -24,6 +24,7 @@ bench: benchmarks
 	$(BUILD)/benchmarks/poise_baselines
 	$(BUILD)/benchmarks/poise_integrators
 	$(BUILD)/benchmarks/poise_identification_ratios $(wildcard ../shared/data/multi_arm_pendulum/double.csv)
+	$(BUILD)/benchmarks/poise_studies_benchmark
 	$(BUILD)/benchmarks/poise_path_ratios
 	$(BUILD)/benchmarks/poise_benchmarks --benchmark_min_time=0.1 $(ARGS)
 	$(MAKE) figures PRESET=$(PRESET)
