@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "identification/random_states.hpp"
 #include "motion/simulate.hpp"
 #include "solvers/linear_algebra.hpp"
-#include "solvers/random_stream.hpp"
 
 namespace poise {
 namespace {
@@ -29,37 +29,23 @@ Eigen::MatrixXd regressor(const MotionModel& model, const std::vector<int>& bodi
   ReducedMotion<double> reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   reduced.start_drives(x.data());
   reduced.choose(0.0, x.data(), false);
-  reduced.expect(x.data());
   const int f = reduced.freedoms();
-  solvers::RandomStream random(7);
-  std::vector<double> z0, z(static_cast<std::size_t>(f)), w(z), alpha(z), force(z);
-  for (const int i : reduced.independent()) z0.push_back(x[static_cast<std::size_t>(i)]);
   Eigen::MatrixXd Y =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(states) * f, 4 * static_cast<Eigen::Index>(bodies.size()));
-  double reach = 0.5;
-  for (int s = 0, tries = 0; s < states && tries < 20 * states; ++tries) {
-    for (int k = 0; k < f; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      z[at] = z0[at] + reach * random.uniform(-1.0, 1.0);
-      w[at] = random.uniform(-1.0, 1.0);
-      alpha[at] = random.uniform(-1.0, 1.0);
-    }
-    if (reduced.place(0.0, z.data()) != ReducedMotion<double>::Status::ok || reduced.pivot() < 1e-3) {
-      reduced.expect(x.data());
-      reach = std::max(0.02, 0.9 * reach);
-      continue;
-    }
-    reduced.move(w.data());
-    reduced.accelerate_as(alpha.data());
+  std::vector<double> force(static_cast<std::size_t>(f));
+  Eigen::Index row = 0;
+  visit_random_states(reduced, x, states, 0.0, [&](const RandomState& state) {
+    reduced.move(state.w.data());
+    reduced.accelerate_as(state.alpha.data());
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       for (int part = 0; part < 4; ++part) {
         reduced.reduced_inertia(bodies[b], unit_part(part), force.data());
         for (int k = 0; k < f; ++k)
-          Y(s * f + k, 4 * static_cast<Eigen::Index>(b) + part) = force[static_cast<std::size_t>(k)];
+          Y(row + k, 4 * static_cast<Eigen::Index>(b) + part) = force[static_cast<std::size_t>(k)];
       }
     }
-    ++s;
-  }
+    row += f;
+  });
   return Y;
 }
 

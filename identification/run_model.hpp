@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "identification/experiment.hpp"
 #include "identification/scene_parameter.hpp"
 #include "motion/simulate.hpp"
@@ -60,6 +62,19 @@ class RunModel {
   /// The motion behind a prediction.
   Motion move(const double* unknowns, const double* nuisances, double duration, double accuracy,
               bool sensitivities) const;
+
+  /// How the unknowns act at single states (t, z, w) of this run, whatever led there. Each state has rows
+  ///   d alpha/d(unknown)  at fixed z, w, of each degree of freedom,
+  ///   d(reading)/d(unknown)  at fixed z, w, of each sensor that is read,
+  /// exact to rounding. Where a direction of the unknowns is in the null space of the rows of all states, it changes no
+  /// motion and no reading of this run. (A number that an equilibrium sets follows the unknowns.)
+  struct Actions {
+    int rows_per_state = 0;  ///< degrees of freedom, then the sensors that are read
+    Eigen::MatrixXd rows;    ///< per unknown, SI, alpha in the units of the scaled scene; none where there is no motion
+    Eigen::MatrixXd again;   ///< the same where all numbers of the scene are changed in their last bits
+  };
+  /// At up to `states` random states and at some of the run's own motion from these nuisances.
+  Actions actions(const double* unknowns, const double* nuisances, int states) const;
 
   /// Reduced mass M, stiffness K and damping C at the equilibrium pose for one degree of freedom: small oscillations
   /// obey  M z'' + C z' + K z = 0.

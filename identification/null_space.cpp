@@ -1,0 +1,89 @@
+#include "identification/null_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/linear_algebra.hpp"
+
+namespace poise {
+namespace {
+
+/// A difference of two evaluations shows the size of errors, to about this factor.
+constexpr double margin = 30.0;
+/// A singular value that is smaller than the next one by less than this is not known to be zero.
+constexpr double wide_gap = 1e3;
+/// Rounding of a decomposition.
+constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();
+
+/// R of A = Q R, square.
+Eigen::MatrixXd triangle(const Eigen::MatrixXd& a) {
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(std::max(a.rows(), a.cols()), a.cols());
+  whole.topRows(a.rows()) = a;
+  return solvers::triangular_factor(whole);
+}
+
+}  // namespace
+
+Eigen::MatrixXd complement(const Eigen::MatrixXd& basis) {
+  const Eigen::Index n = basis.rows();
+  if (basis.cols() == 0) return Eigen::MatrixXd::Identity(n, n);
+  // Directions count alike, however long they are.
+  const Eigen::MatrixXd alike = basis * basis.colwise().norm().cwiseInverse().asDiagonal();
+  return solvers::singular_value_decomposition(alike.transpose()).right.rightCols(n - basis.cols());
+}
+
+NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, const NullSpace& known) {
+  const Eigen::Index n = a.cols();
+  NullSpace out;
+  out.basis.resize(n, 0);
+  out.error = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd length = Eigen::VectorXd::Ones(n);
+  Eigen::MatrixXd unit = a;
+  Eigen::MatrixXd unit_again = again;
+  double apart = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double own = a.col(i).norm();
+    const double wrong = (again.col(i) - a.col(i)).norm();
+    if (own <= margin * wrong) {
+      unit.col(i).setZero();
+      unit_again.col(i).setZero();
+      continue;
+    }
+    length[i] = own;
+    unit.col(i) /= own;
+    unit_again.col(i) /= own;
+    apart = std::hypot(apart, wrong / own);
+  }
+  // Coordinates: numbers times the lengths of their columns, orthogonal to what is known.
+  const Eigen::MatrixXd rest =
+      known.dimension() > 0 ? complement(length.asDiagonal() * known.basis) : complement(Eigen::MatrixXd(n, 0));
+  if (rest.cols() == 0) return out;
+  const solvers::SingularValues svd = solvers::singular_value_decomposition(triangle(unit * rest));
+  const Eigen::VectorXd& s = svd.values;
+  // Singular values differ by at most as much as the matrices: none above that is zero.
+  const double may_be_zero = std::max(margin * apart, rounding);
+  Eigen::Index rank = s.size();
+  for (Eigen::Index k = s.size() - 1; k >= 0 && s[k] <= may_be_zero; --k) {
+    const double drop = k == 0 ? std::numeric_limits<double>::infinity() : s[k - 1] / std::max(s[k], rounding);
+    if (drop <= out.gap) continue;
+    rank = k;
+    out.gap = drop;
+  }
+  if (rank == s.size()) return out;
+  out.unclear = out.gap < wide_gap;
+  const Eigen::MatrixXd nulls = rest * svd.right.rightCols(s.size() - rank);
+  const solvers::SingularValues other = solvers::singular_value_decomposition(triangle(unit_again * rest));
+  const Eigen::MatrixXd nulls_again = rest * other.right.rightCols(s.size() - rank);
+  const Eigen::MatrixXd difference = nulls * nulls.transpose() - nulls_again * nulls_again.transpose();
+  out.basis = nulls;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    out.error[i] = std::max(margin * difference.row(i).norm(), rounding);
+    if (out.error[i] < 1 && nulls.row(i).norm() <= out.error[i]) out.basis.row(i).setZero();
+  }
+  out.basis = length.cwiseInverse().asDiagonal() * out.basis;
+  out.error = length.cwiseInverse().asDiagonal() * out.error;
+  return out;
+}
+
+}  // namespace poise

@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "identification/random_states.hpp"
+#include "identification/run_model.hpp"
+#include "identification/sensor_reader.hpp"
+#include "solvers/random_stream.hpp"
+
+namespace poise {
+namespace {
+
+using Reduced = ReducedMotion<double>;
+
+/// Relative change of the scene's numbers that shows what their rounding, and that of all computation, may do.
+constexpr double disturbance = 4 * std::numeric_limits<double>::epsilon();
+/// States of the run's own motion.
+constexpr std::size_t states_of_motion = 20;
+/// Poses nearer to a dead point are left out: rounding would grow with their condition.
+constexpr double least_pivot = 1e-3;
+
+/// Every number that a motion depends on changed at random by a relative `disturbance` at most.
+Scene disturbed(Scene scene) {
+  solvers::RandomStream random(3);
+  for (const ParameterRow& row : parameter_table(scene)) {
+    if (row.place.owner == Owner::start || row.place.owner == Owner::stop) continue;
+    const double value = value_at(scene, row.place).value_or(0.0);
+    if (value != 0) set_value_at(scene, row.place, value * (1 + random.uniform(-disturbance, disturbance)));
+  }
+  for (Joint& joint : scene.joints)
+    joint.axis = joint.axis + random.uniform(-disturbance, disturbance) * quarter_turn(joint.axis);
+  return scene;
+}
+
+/// A run's model with what its unknowns change.
+struct Acting {
+  Acting(const MotionModel& m, const std::vector<Influence>& i, const std::vector<Sensor>& s)
+      : model(m), influences(i), sensors(s), reduced(m.scaled_scene(), m.mechanism(), m.inertia()) {
+    for (const Sensor& sensor : sensors) readers.emplace_back(model, sensor);
+  }
+
+  const MotionModel& model;
+  const std::vector<Influence>& influences;
+  const std::vector<Sensor>& sensors;
+  Reduced reduced;
+  std::vector<SensorReader> readers;
+
+  Eigen::Index rows() const { return reduced.freedoms() + static_cast<Eigen::Index>(sensors.size()); }
+
+  /// At the pose placed and the rates w; empty where there is no acceleration.
+  Eigen::MatrixXd at(const double* w, const std::vector<SceneParameter>& numbers) {
+    reduced.move(w);
+    if (reduced.accelerate() != Reduced::Status::ok) return {};
+    const Eigen::Index f = reduced.freedoms();
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows(), static_cast<Eigen::Index>(influences.size()));
+    std::vector<double> alpha(static_cast<std::size_t>(f));
+    for (std::size_t p = 0; p < influences.size(); ++p) {
+      reduced.influence(influences[p], alpha.data());
+      out.col(static_cast<Eigen::Index>(p)).head(f) = Eigen::Map<const Eigen::VectorXd>(alpha.data(), f);
+    }
+    const std::size_t n = static_cast<std::size_t>(reduced.coordinates());
+    const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + n});
+    const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + n});
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
+      if (!sensors[k].reads_force()) continue;
+      const std::vector<int>& on = readers[k].coordinates();
+      std::vector<double> own_q, own_v, by_q(on.size()), by_v(on.size());
+      for (const int i : on) {
+        own_q.push_back(q[static_cast<std::size_t>(i)]);
+        own_v.push_back(v[static_cast<std::size_t>(i)]);
+      }
+      readers[k].read(own_q.data(), own_v.data(), by_q.data(), by_v.data());
+      for (std::size_t p = 0; p < numbers.size(); ++p) {
+        out(f + static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(p)) =
+            numbers[p].force_by(model.scene(), sensors[k].element, readers[k].measure(), 0.0);
+      }
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
+RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisances, int states) const {
+  Actions out;
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), false);
+  if (!built.model) return out;
+  const MotionModel& model = *built.model;
+  const Motion motion = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false);
+  const std::vector<double> x = model.from_si(built.q_equilibrium.empty() ? closed_ : built.q_equilibrium);
+  std::vector<Sensor> sensors;
+  for (std::size_t k = 0; k < times_.size(); ++k) {
+    if (!times_[k].empty()) sensors.push_back(experiment_.sensors[k]);
+  }
+  Acting own(model, built.influences, sensors);
+  own.reduced.start_drives(x.data());
+  own.reduced.choose(0.0, x.data(), false, &independent_);
+  own.reduced.expect(x.data());
+
+  const Scene near = disturbed(model.scene());
+  const MotionModel near_model(near, scales_);
+  std::vector<SceneParameter> numbers = numbers_;
+  if (set_by_equilibrium_) numbers.push_back(*set_by_equilibrium_);
+  std::vector<Influence> near_influences;
+  for (const SceneParameter& number : numbers) near_influences.push_back(number.influence(near, scales_));
+  Acting changed(near_model, near_influences, sensors);
+  changed.reduced.start_drives(x.data());
+  changed.reduced.choose(0.0, x.data(), false, &independent_);
+
+  // The number that an equilibrium sets follows the others: alpha = 0 there.
+  const auto p = static_cast<Eigen::Index>(numbers_.size());
+  const auto follow = [&](Acting& acting, const double* z, Eigen::RowVectorXd& by) {
+    const std::vector<double> still(static_cast<std::size_t>(freedoms_), 0.0);
+    acting.reduced.expect(x.data());
+    if (acting.reduced.place(0.0, z) != Reduced::Status::ok) return false;
+    const Eigen::MatrixXd rows = acting.at(still.data(), numbers);
+    if (rows.size() == 0 || rows(0, p) == 0) return false;
+    by = -rows.row(0).head(p) / rows(0, p);
+    return true;
+  };
+  Eigen::RowVectorXd own_follows, changed_follows;
+  if (set_by_equilibrium_) {
+    const double z = x[static_cast<std::size_t>(independent_[0])];
+    if (!follow(own, &z, own_follows) || !follow(changed, &z, changed_follows)) return out;
+  }
+
+  std::vector<Eigen::MatrixXd> rows, rows_again;
+  const auto add = [&](double t, const double* z, const double* w) {
+    Eigen::MatrixXd here = own.at(w, numbers);
+    changed.reduced.expect(own.reduced.q());
+    if (here.size() == 0 || changed.reduced.place(t, z) != Reduced::Status::ok) return;
+    Eigen::MatrixXd there = changed.at(w, numbers);
+    if (there.size() == 0) return;
+    if (set_by_equilibrium_) {
+      here.leftCols(p) += here.col(p) * own_follows;
+      there.leftCols(p) += there.col(p) * changed_follows;
+    }
+    if (!here.allFinite() || !there.allFinite()) return;
+    rows.emplace_back(here.leftCols(p));
+    rows_again.emplace_back(there.leftCols(p));
+  };
+  std::vector<double> w(static_cast<std::size_t>(freedoms_), 0.0);
+  visit_random_states(own.reduced, x, states, own.reduced.drives() > 0 ? span() : 0.0, [&](const RandomState& state) {
+    // Rates at which forces of inertia are about as large as the others.
+    std::fill(w.begin(), w.end(), 0.0);
+    own.reduced.move(w.data());
+    double size = 1.0;
+    if (own.reduced.accelerate() == Reduced::Status::ok) {
+      for (int k = 0; k < freedoms_; ++k) size = std::max(size, std::abs(own.reduced.alpha()[k]));
+    }
+    for (std::size_t k = 0; k < w.size(); ++k) w[k] = std::sqrt(size) * state.w[k];
+    add(state.t, state.z.data(), w.data());
+  });
+  const Trajectory& path = motion.trajectory;
+  const std::size_t n = x.size();
+  const std::size_t every = std::max<std::size_t>(1, path.nodes() / states_of_motion);
+  std::vector<double> z(w.size());
+  for (std::size_t node = 0; node < path.nodes(); node += every) {
+    const auto values = [&](const std::vector<double>& of) {
+      const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * n);
+      return model.from_si({begin, begin + static_cast<std::ptrdiff_t>(n)});
+    };
+    const std::vector<double> q = values(path.q);
+    const std::vector<double> v = values(path.v);
+    for (std::size_t k = 0; k < z.size(); ++k) {
+      z[k] = q[static_cast<std::size_t>(independent_[k])];
+      w[k] = v[static_cast<std::size_t>(independent_[k])];
+    }
+    own.reduced.expect(q.data());
+    if (own.reduced.place(path.t[node], z.data()) != Reduced::Status::ok || own.reduced.pivot() < least_pivot) continue;
+    add(path.t[node], z.data(), w.data());
+  }
+  out.rows_per_state = static_cast<int>(own.rows());
+  out.rows.resize(static_cast<Eigen::Index>(rows.size()) * own.rows(), p);
+  out.again.resize(out.rows.rows(), p);
+  for (std::size_t s = 0; s < rows.size(); ++s) {
+    out.rows.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows[s];
+    out.again.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows_again[s];
+  }
+  return out;
+}
+
+}  // namespace poise
