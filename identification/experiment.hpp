@@ -51,6 +51,7 @@ struct Unknown {
   double max = std::numeric_limits<double>::infinity();
   std::optional<double> prior;  ///< prior knowledge: mean, with the standard deviation prior_deviation
   double prior_deviation = 0.0;
+  std::optional<double> scale;  ///< a change of this size matters: standard errors are judged by it
   int line = 0;
 };
 

@@ -486,7 +486,7 @@ class Fitting {
                                             problem_.accuracy(r), out_.weighting));
       triangles.push_back(triangle_of(linear_.back()));
     }
-    out_.identifiability = assess(problem_, best_.parameters, triangles);
+    out_.identifiability = assess(problem_, best_.parameters, best_.nuisances, triangles, out_.weighting);
     if (!out_.identifiability.ok) return false;
     out_.errors = standard_errors(problem_, out_.identifiability.covariance, linear_, out_.weighting);
     return true;
@@ -497,6 +497,18 @@ class Fitting {
     if (rows.size() == 0) return {};
     if (rows.rows() < rows.cols()) rows.conservativeResizeLike(Eigen::MatrixXd::Zero(rows.cols(), rows.cols()));
     return solvers::triangular_factor(rows);
+  }
+
+  /// Standard errors of combinations grow by the largest factor by which those of their parameters do.
+  void enlarge(Identifiability::Combination& combination) const {
+    double factor = 1.0;
+    for (std::size_t i = 0; i < combination.coefficient.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      const double white = std::sqrt(out_.identifiability.covariance(at, at));
+      if (combination.coefficient[i] != 0 && white > 0 && std::isfinite(out_.errors.error[i]))
+        factor = std::max(factor, out_.errors.error[i] / white);
+    }
+    combination.standard_error *= factor;
   }
 
   /// Fills the result from the best point.
@@ -523,6 +535,7 @@ class Fitting {
     }
     if (out_.status == FitStatus::not_run) judge();
     out_.outliers = outliers(problem_, linear_, out_.weighting);
+    for (Identifiability::Combination& known : out_.identifiability.combinations) enlarge(known);
     for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
       const Unknown& unknown = problem_.unknown_of(i);
@@ -538,6 +551,8 @@ class Fitting {
         estimate.low = estimate.value - reach;
         estimate.high = estimate.value + reach;
         if (!out_.identifiability.identifiable[i]) estimate.why = "not identifiable from these data";
+        const double scale = problem_.scale_of(i).size;
+        estimate.poorly_determined = scale > 0 && estimate.standard_error > scale / identifiable_from;
       }
       const double near = 1e-9 * p.scale;
       if (best_.parameters[i] <= p.min + near || best_.parameters[i] >= p.max - near) {

@@ -16,13 +16,14 @@ namespace poise {
 /// The estimate of one parameter.
 struct Estimate {
   std::string name;
-  double value = 0.0;            ///< shown: value in the scene + includes, SI
-  double standard_error = 0.0;   ///< SI; the leading one of StandardErrors
-  double low = 0.0, high = 0.0;  ///< 95 % interval of the shown value, SI
-  double truth = 0.0;            ///< shown value of the scene as written
-  double unit = 1.0;             ///< SI value of the unit it is written in
-  bool withheld = false;         ///< not identifiable from these data, or at a bound: the value is no measurement
-  std::string why;               ///< reason for withholding it
+  double value = 0.0;              ///< shown: value in the scene + includes, SI
+  double standard_error = 0.0;     ///< SI; the leading one of StandardErrors
+  double low = 0.0, high = 0.0;    ///< 95 % interval of the shown value, SI
+  double truth = 0.0;              ///< shown value of the scene as written
+  double unit = 1.0;               ///< SI value of the unit it is written in
+  bool withheld = false;           ///< not identifiable from these data, or at a bound: the value is no measurement
+  bool poorly_determined = false;  ///< its standard error is above a third of its scale (FitProblem::scale_of)
+  std::string why;                 ///< reason for withholding it
 };
 
 /// Residuals and nuisances of one run as fitted.

@@ -54,9 +54,10 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
         p.max = unknown.max - unknown.includes;
         p.truth = number->get(experiment.scene);
         p.start = unknown.start ? *unknown.start - unknown.includes : p.truth;
-        const double shown = p.start + unknown.includes;
-        p.scale = shown != 0 ? std::abs(shown) : 1.0;
         parameters_.push_back(p);
+        const double shown = p.start + unknown.includes;
+        const Scale scale = scale_of(parameters_.size() - 1);
+        parameters_.back().scale = shown != 0 ? std::abs(shown) : scale.size > 0 ? scale.size : unknown.unit;
       }
       used_.back().push_back(at->second);
       numbers.push_back(*number);
@@ -83,6 +84,16 @@ const SceneParameter& FitProblem::number(int parameter) const {
     if (at != used_[r].end()) return models_[r].numbers()[static_cast<std::size_t>(at - used_[r].begin())];
   }
   throw std::logic_error("a parameter without a run");
+}
+
+FitProblem::Scale FitProblem::scale_of(std::size_t parameter) const {
+  const Parameter& p = parameters_[parameter];
+  const Unknown& unknown = unknown_of(parameter);
+  if (unknown.scale) return {*unknown.scale, false};
+  if (std::isfinite(p.max - p.min)) return {p.max - p.min, false};
+  if (unknown.prior) return {*unknown.prior != 0 ? std::abs(*unknown.prior) : unknown.prior_deviation, false};
+  const double truth = p.truth + unknown.includes;
+  return {std::abs(truth != 0 ? truth : p.start + unknown.includes), true};
 }
 
 int FitProblem::nuisances() const {

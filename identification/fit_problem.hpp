@@ -18,7 +18,7 @@ struct Parameter {
   std::string name;  ///< "k", or "k (low)"
   double start = 0;  ///< value in the scene, SI, from which a fit starts
   double truth = 0;  ///< value of the scene as it is written
-  double scale = 1;  ///< |start|, or 1 where it is 0
+  double scale = 1;  ///< |start|; where it is 0 the scale, or one unit
   double min, max;   ///< of the value in the scene
 };
 
@@ -56,6 +56,14 @@ class FitProblem {
   const Unknown& unknown_of(std::size_t parameter) const {
     return experiment_.unknowns[static_cast<std::size_t>(parameters_[parameter].unknown)];
   }
+  /// How large a change of a parameter matters, SI: as its unknown says, else its range, else its prior mean or
+  /// standard deviation, else its own size in the scene or at the start. 0 where none of these is known or other than
+  /// zero.
+  struct Scale {
+    double size = 0.0;
+    bool is_own_size = false;  ///< the last of these
+  };
+  Scale scale_of(std::size_t parameter) const;
   /// Nuisances of all runs together.
   int nuisances() const;
   /// Readings of all runs and sensors together.

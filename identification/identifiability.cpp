@@ -2,158 +2,347 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "identification/null_words.hpp"
+#include "identification/structural_nulls.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
 
-/// Sensitivities are accurate to about 1e-8 of the largest; smaller singular values below a gap count as zero.
-constexpr double zero_below = 1e-7;
-constexpr double least_gap = 1e-3;
-/// Parts of a direction below this, relative to its largest, are neglected.
-constexpr double smallest_part = 0.03;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-std::string in_words(const FitProblem& problem, const Identifiability::Direction& direction) {
-  std::string words;
-  for (std::size_t i = 0; i < direction.part.size(); ++i) {
-    if (std::abs(direction.part[i]) < smallest_part) continue;
-    words +=
-        fmt::format("{}{} {:+.0f} %", words.empty() ? "" : ", ", problem.parameters()[i].name, 100 * direction.part[i]);
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Singular values of A relative to the largest that errors of its computation may have made of zero.
+constexpr double may_be_null = 1e-6;
+/// Accuracies of the two motions that tell nulls of these runs from errors.
+constexpr double fine = 1e-12, less_fine = 1e-10;
+
+std::vector<MatrixXd> triangles_of(const FitProblem& problem, const std::vector<double>& parameters,
+                                   const std::vector<std::vector<double>>& nuisances, const Weighting& weighting,
+                                   double accuracy) {
+  std::vector<MatrixXd> out;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    out.push_back(problem.triangle(r, parameters, nuisances[r], nullptr, infinity,
+                                   std::min(accuracy, problem.accuracy(r)), weighting));
   }
-  return words;
+  return out;
 }
 
-void explain(const FitProblem& problem, Identifiability::Direction& direction) {
-  int alike = 0;
-  int parts = 0;
-  bool all_scale = true;
-  bool inertial = false;
-  for (std::size_t i = 0; i < direction.part.size(); ++i) {
-    if (std::abs(direction.part[i]) < smallest_part) continue;
-    ++parts;
-    alike += direction.part[i] > 0 ? 1 : -1;
-    const SceneParameter& number = problem.number(static_cast<int>(i));
-    all_scale = all_scale && number.scales_with_force();
-    inertial = inertial || number.is_inertial();
+/// A as a square triangle, its columns multiplied by `scale`.
+MatrixXd whole_triangle(const FitProblem& problem, const std::vector<MatrixXd>& triangles, const VectorXd& scale) {
+  const Index n = scale.size();
+  Index rows = n;
+  for (std::size_t r = 0; r < problem.runs(); ++r) rows += problem.run(r).unknowns();
+  MatrixXd A = MatrixXd::Zero(rows, n);
+  for (Index i = 0; i < n; ++i) {
+    const Unknown& unknown = problem.unknown_of(static_cast<std::size_t>(i));
+    if (unknown.prior) A(i, i) = scale[i] / unknown.prior_deviation;
   }
-  direction.scale = parts > 1 && std::abs(alike) == parts && all_scale && inertial;
-  const std::string changes = in_words(problem, direction);
-  if (direction.scale) {
-    direction.words = "the overall scale of masses, inertias, stiffnesses and damping: " + changes + " together ";
-    direction.remedy = "add a run with a known payload, weigh one of them, or give one a prior";
-  } else if (parts == 1) {
-    direction.words = changes + " ";
-    direction.remedy = "add a run or a sensor in which it matters, or give it a prior";
-  } else {
-    direction.words = changes + " together ";
-    direction.remedy = "fix one of them, give one a prior, or add runs from other poses or with another payload";
+  Index row = n;
+  for (std::size_t r = 0; r < problem.runs(); ++r) {
+    const Index nuisances = problem.run(r).nuisances();
+    const Index unknowns = problem.run(r).unknowns();
+    for (Index c = 0; c < unknowns; ++c) {
+      const int p = problem.parameters_of(r)[static_cast<std::size_t>(c)];
+      A.block(row, p, unknowns, 1) = scale[p] * triangles[r].block(nuisances, nuisances + c, unknowns, 1);
+    }
+    row += unknowns;
   }
-  direction.words += direction.exact
-                         ? "change no reading"
-                         : fmt::format("change all readings by only {:.2g} standard deviations of the noise",
-                                       direction.singular_value);
+  return solvers::triangular_factor(A);
 }
+
+/// Q of  min |A - Q B|,  Q orthogonal, times B: triangles of nearly equal matrices may differ in the signs of rows.
+MatrixXd turned_to(const MatrixXd& a, const MatrixXd& b) {
+  const solvers::SingularValues svd = solvers::singular_value_decomposition(a * b.transpose());
+  return svd.left * svd.right.transpose() * b;
+}
+
+/// The nulls of the runs beyond the structural ones, and A as accurately as it was needed. Columns in scales.
+NullSpace other_nulls(const FitProblem& problem, const std::vector<double>& parameters,
+                      const std::vector<std::vector<double>>& nuisances, const VectorXd& scale, bool scales_known,
+                      const NullSpace& structural, const Weighting& weighting, MatrixXd& A) {
+  NullSpace none;
+  none.basis.resize(scale.size(), 0);
+  none.error = VectorXd::Zero(scale.size());
+  const MatrixXd rest = complement(structural.basis);
+  if (rest.cols() == 0) return none;
+  const VectorXd s = solvers::singular_value_decomposition(A * rest).values;
+  // A change of every reading by standard deviations of the noise is no error of integration.
+  if (scales_known && s.tail(1)[0] > std::max(identifiable_from, may_be_null * s[0])) return none;
+  const auto triangle = [&](double accuracy) {
+    const std::vector<MatrixXd> runs = triangles_of(problem, parameters, nuisances, weighting, accuracy);
+    const bool all = std::all_of(runs.begin(), runs.end(), [](const MatrixXd& run) { return run.size() > 0; });
+    return all ? whole_triangle(problem, runs, scale) : MatrixXd();
+  };
+  const MatrixXd again = triangle(less_fine);
+  if (again.size() == 0) return null_space(A, A, structural);
+  const MatrixXd finer = triangle(fine);
+  if (finer.size() == 0) return null_space(again, turned_to(again, A), structural);
+  A = finer;
+  return null_space(A, turned_to(A, again), structural);
+}
+
+/// Directions of a null space in which one number each changes by 1 and the `free` ones but that do not.
+struct NullDirections {
+  std::vector<Index> free;
+  MatrixXd directions;  ///< row by row of the parameters, one column per free one
+};
+
+NullDirections by_free_numbers(const NullSpace& nulls) {
+  NullDirections out;
+  const Index d = nulls.dimension();
+  out.directions = nulls.basis;
+  if (d == 0) return out;
+  const std::vector<int> order =
+      solvers::pivot_order<double>(nulls.basis.transpose(), solvers::known_to::rounding).columns;
+  MatrixXd own(d, d);
+  for (Index k = 0; k < d; ++k) {
+    out.free.push_back(order[static_cast<std::size_t>(k)]);
+    own.row(k) = nulls.basis.row(out.free.back());
+  }
+  const MatrixXd inverse = solvers::FullyPivotedLu(own).solve(MatrixXd(MatrixXd::Identity(d, d)));
+  out.directions = nulls.basis * inverse;
+  // Errors of the rows, of the free ones' too, become errors of the parts.
+  VectorXd of_free(d);
+  for (Index k = 0; k < d; ++k) of_free[k] = nulls.error[out.free[static_cast<std::size_t>(k)]];
+  for (Index i = 0; i < out.directions.rows(); ++i) {
+    const double error = nulls.error[i] + out.directions.row(i).cwiseAbs() * of_free;
+    for (Index k = 0; k < d; ++k) {
+      double& part = out.directions(i, k);
+      if (std::abs(part) <= error * inverse.col(k).norm()) part = 0.0;
+    }
+  }
+  for (Index k = 0; k < d; ++k) {
+    out.directions.row(out.free[static_cast<std::size_t>(k)]).setZero();
+    out.directions(out.free[static_cast<std::size_t>(k)], k) = 1.0;
+  }
+  return out;
+}
+
+/// A null that multiplies all numbers of forces and inertias by one factor takes the place of one of them.
+void name_scale(const FitProblem& problem, const std::vector<double>& parameters, const VectorXd& scale,
+                NullDirections& nulls, std::vector<bool>& is_scale) {
+  is_scale.assign(nulls.free.size(), false);
+  VectorXd factor = VectorXd::Zero(scale.size());
+  for (Index i = 0; i < scale.size(); ++i) {
+    if (problem.number(static_cast<int>(i)).scales_with_force())
+      factor[i] = parameters[static_cast<std::size_t>(i)] / scale[i];
+  }
+  VectorXd left = factor;
+  Index largest = -1;
+  for (std::size_t k = 0; k < nulls.free.size(); ++k) {
+    const double by = factor[nulls.free[k]];
+    left -= by * nulls.directions.col(static_cast<Index>(k));
+    if (by != 0 && (largest < 0 || std::abs(by) > std::abs(factor[nulls.free[static_cast<std::size_t>(largest)]])))
+      largest = static_cast<Index>(k);
+  }
+  if (largest < 0 || left.norm() > 1e-6 * factor.norm()) return;
+  nulls.directions.col(largest) = factor / factor.cwiseAbs().maxCoeff();
+  is_scale[static_cast<std::size_t>(largest)] = true;
+}
+
+class Assessment {
+ public:
+  Assessment(const FitProblem& problem, const std::vector<double>& parameters)
+      : problem_(problem), parameters_(parameters), n_(static_cast<Index>(parameters.size())), scale_(n_) {
+    for (Index i = 0; i < n_; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const FitProblem::Scale scale = problem.scale_of(at);
+      known_scale_.push_back(scale.size > 0);
+      own_size_.push_back(scale.is_own_size);
+      scale_[i] = scale.size > 0 ? scale.size : problem.unknown_of(at).unit;
+    }
+  }
+
+  Identifiability run(const std::vector<std::vector<double>>& nuisances, const std::vector<MatrixXd>& triangles,
+                      const Weighting& weighting) {
+    A_ = whole_triangle(problem_, triangles, scale_);
+    NullSpace structural = structural_nulls(problem_, parameters_, nuisances);
+    structural.basis = scale_.cwiseInverse().asDiagonal() * structural.basis;
+    structural.error = scale_.cwiseInverse().asDiagonal() * structural.error;
+    const bool scales_known = std::find(known_scale_.begin(), known_scale_.end(), false) == known_scale_.end();
+    const NullSpace other =
+        other_nulls(problem_, parameters_, nuisances, scale_, scales_known, structural, weighting, A_);
+    NullSpace all = structural;
+    all.basis.conservativeResize(n_, structural.dimension() + other.dimension());
+    all.basis.rightCols(other.dimension()) = other.basis;
+    all.error = structural.error.cwiseMax(other.error);
+    out_.structural_nulls = static_cast<int>(structural.dimension());
+    (other.unclear ? out_.unclear : out_.other_nulls) = static_cast<int>(other.dimension());
+    out_.rank = static_cast<int>(n_) - out_.structural_nulls - out_.other_nulls;
+    for (const NullSpace* nulls : std::initializer_list<const NullSpace*>{&structural, &other}) {
+      if (nulls->dimension() > 0 && !nulls->unclear && (out_.gap == 0 || nulls->gap < out_.gap)) out_.gap = nulls->gap;
+    }
+    const VectorXd s = solvers::singular_value_decomposition(A_ * complement(structural.basis)).values;
+    out_.singular_values.assign(s.data(), s.data() + s.size());
+    out_.singular_values.resize(static_cast<std::size_t>(n_), 0.0);
+    find_errors(all);
+    add_nulls(structural, true);
+    add_nulls(other, false);
+    add_combinations(all);
+    add_weak_directions();
+    out_.ok = true;
+    return std::move(out_);
+  }
+
+ private:
+  /// Errors and correlations on the complement of the nulls.
+  void find_errors(const NullSpace& all) {
+    const MatrixXd rest = complement(all.basis);
+    const solvers::SingularValues svd = solvers::singular_value_decomposition(A_ * rest);
+    singular_ = svd.values;
+    directions_ = rest * svd.right;
+    weighted_ = directions_ * singular_.cwiseInverse().asDiagonal();
+    const MatrixXd covariance = weighted_ * weighted_.transpose();
+    out_.covariance = scale_.asDiagonal() * covariance * scale_.asDiagonal();
+    const auto count = static_cast<std::size_t>(n_);
+    out_.correlation.assign(count, std::vector<std::optional<double>>(count));
+    for (Index i = 0; i < n_; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const bool free = all.touches(i);
+      const double error = free ? infinity : std::sqrt(covariance(i, i));
+      out_.standard_error.push_back(scale_[i] * error);
+      const bool large = known_scale_[at] && error > 1.0 / identifiable_from;
+      out_.identifiable.push_back(!free && !(large && own_size_[at]));
+      out_.poorly_determined.push_back(out_.identifiable[at] && large);
+      for (Index j = 0; j < n_ && !free; ++j) {
+        if (all.touches(j)) continue;
+        out_.correlation[at][static_cast<std::size_t>(j)] =
+            covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
+      }
+    }
+  }
+
+  void add_nulls(const NullSpace& nulls, bool structural) {
+    NullDirections found = by_free_numbers(nulls);
+    std::vector<bool> is_scale;
+    name_scale(problem_, parameters_, scale_, found, is_scale);
+    for (std::size_t k = 0; k < found.free.size(); ++k) {
+      Identifiability::Direction direction;
+      direction.exact = structural || !nulls.unclear;
+      direction.structural = structural;
+      direction.scale = is_scale[k];
+      add(direction, found.directions.col(static_cast<Index>(k)));
+    }
+  }
+
+  /// Of every parameter with too large an error the direction that contributes most to it.
+  void add_weak_directions() {
+    std::vector<bool> weak(static_cast<std::size_t>(singular_.size()), false);
+    for (Index i = 0; i < n_; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      if (std::isinf(out_.standard_error[at]) || (out_.identifiable[at] && !out_.poorly_determined[at])) continue;
+      Index largest = 0;
+      weighted_.row(i).cwiseAbs().maxCoeff(&largest);
+      weak[static_cast<std::size_t>(largest)] = true;
+    }
+    for (Index k = 0; k < singular_.size(); ++k) {
+      if (!weak[static_cast<std::size_t>(k)]) continue;
+      Identifiability::Direction direction;
+      direction.singular_value = singular_[k];
+      add(direction, directions_.col(k));
+    }
+  }
+
+  void add(Identifiability::Direction& direction, const VectorXd& parts) {
+    Index largest = 0;
+    parts.cwiseAbs().maxCoeff(&largest);
+    for (Index i = 0; i < n_; ++i) direction.part.push_back(parts[i] / parts[largest]);
+    explain(problem_, parameters_, scale_, direction);
+    out_.null_directions.push_back(std::move(direction));
+  }
+
+  // c = e_i - sum of the parts of i in the nulls' directions, so that c^T N = 0.
+  void add_combinations(const NullSpace& all) {
+    const NullDirections nulls = by_free_numbers(all);
+    for (Index i = 0; i < n_; ++i) {
+      if (!all.touches(i) || std::find(nulls.free.begin(), nulls.free.end(), i) != nulls.free.end()) continue;
+      VectorXd c = VectorXd::Zero(n_);
+      c[i] = 1.0;
+      for (std::size_t k = 0; k < nulls.free.size(); ++k) {
+        c[nulls.free[k]] = -nulls.directions(i, static_cast<Index>(k));
+      }
+      out_.combinations.push_back(combination(i, c));
+    }
+  }
+
+  Identifiability::Combination combination(Index of, const VectorXd& c) const {
+    Identifiability::Combination out;
+    out.unit_of = static_cast<int>(of);
+    out.standard_error = scale_[of] * (weighted_.transpose() * c).norm();
+    out.exact = true;
+    double largest = 0.0;
+    double sum = 0.0;
+    Index divisor = -1;
+    bool plain = true;
+    const double unit = problem_.unknown_of(static_cast<std::size_t>(of)).unit;
+    for (Index i = 0; i < n_; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Unknown& unknown = problem_.unknown_of(at);
+      const double by_si = c[i] * scale_[of] / scale_[i];
+      out.coefficient.push_back(by_si * unknown.unit / unit);
+      if (c[i] == 0) continue;
+      out.value += by_si * (parameters_[at] + unknown.includes);
+      out.exact = out.exact && problem_.number(static_cast<int>(i)).scales_with_force();
+      plain = plain && unknown.includes == 0;
+      const double term = by_si * parameters_[at];
+      sum += term;
+      if (i == of || std::abs(term) <= largest) continue;
+      divisor = i;
+      largest = std::abs(term);
+    }
+    if (divisor >= 0 && plain && std::abs(sum) <= 1e-6 * largest) {
+      const auto at = static_cast<std::size_t>(divisor);
+      out.over = static_cast<int>(divisor);
+      out.value = -c[divisor] * scale_[of] / scale_[divisor];
+      out.standard_error /= std::abs(parameters_[at]);
+      out.coefficient[at] = 0.0;
+    }
+    out.words = in_words(problem_, out);
+    return out;
+  }
+
+  const FitProblem& problem_;
+  const std::vector<double>& parameters_;
+  Index n_;
+  VectorXd scale_;
+  std::vector<bool> known_scale_, own_size_;
+  MatrixXd A_;  // columns in scales
+  VectorXd singular_;
+  MatrixXd directions_, weighted_;  // right singular vectors; the same over the singular values
+  Identifiability out_;
+};
 
 }  // namespace
 
 Identifiability assess(const FitProblem& problem, const std::vector<double>& parameters,
                        const std::vector<std::vector<double>>& nuisances) {
-  std::vector<Eigen::MatrixXd> triangles;
-  for (std::size_t r = 0; r < problem.runs(); ++r) {
-    triangles.push_back(problem.triangle(r, parameters, nuisances[r], nullptr, INFINITY,
-                                         std::min(1e-8, problem.accuracy(r)), problem.weighting()));
-  }
-  return assess(problem, parameters, triangles);
+  const Weighting weighting = problem.weighting();
+  return assess(problem, parameters, nuisances, triangles_of(problem, parameters, nuisances, weighting, 1e-8),
+                weighting);
 }
 
 Identifiability assess(const FitProblem& problem, const std::vector<double>& parameters,
-                       const std::vector<Eigen::MatrixXd>& triangles) {
+                       const std::vector<std::vector<double>>& nuisances, const std::vector<MatrixXd>& triangles,
+                       const Weighting& weighting) {
   Identifiability out;
-  const auto count = static_cast<Eigen::Index>(problem.parameters().size());
-  if (count == 0) {
+  if (parameters.empty()) {
     out.why = "the experiment has no unknowns";
     return out;
   }
-  Eigen::Index rows = count;
-  for (std::size_t r = 0; r < problem.runs(); ++r) rows += problem.run(r).unknowns();
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows, count);
-  std::vector<double> scale;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Parameter& p = problem.parameters()[static_cast<std::size_t>(i)];
-    const Unknown& unknown = problem.unknown_of(static_cast<std::size_t>(i));
-    const double shown = parameters[static_cast<std::size_t>(i)] + unknown.includes;
-    scale.push_back(shown != 0 ? std::abs(shown) : p.scale);
-    if (unknown.prior) A(i, i) = scale.back() / unknown.prior_deviation;
-  }
-  Eigen::Index row = count;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    if (triangles[r].size() == 0) {
-      out.why = fmt::format("the motion of run \"{}\" could not be computed", problem.run(r).run().name);
-      return out;
-    }
-    const Eigen::Index nuisances = problem.run(r).nuisances();
-    const Eigen::Index unknowns = problem.run(r).unknowns();
-    for (Eigen::Index c = 0; c < unknowns; ++c) {
-      const int p = problem.parameters_of(r)[static_cast<std::size_t>(c)];
-      A.block(row, p, unknowns, 1) =
-          scale[static_cast<std::size_t>(p)] * triangles[r].block(nuisances, nuisances + c, unknowns, 1);
-    }
-    row += unknowns;
+    if (triangles[r].size() > 0) continue;
+    out.why = fmt::format("the motion of run \"{}\" could not be computed", problem.run(r).run().name);
+    return out;
   }
-  const solvers::SingularValues svd = solvers::singular_value_decomposition(A);
-  const Eigen::VectorXd& s = svd.values;
-  out.singular_values.assign(s.data(), s.data() + s.size());
-  out.rank = static_cast<int>(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const bool is_zero = s[i] == 0 || (s[i] < zero_below * s[0] && (i == 0 || s[i] < least_gap * s[i - 1]));
-    if (!is_zero) continue;
-    out.rank = static_cast<int>(i);
-    out.gap = i > 0 && s[i] > 0 ? s[i - 1] / s[i] : std::numeric_limits<double>::infinity();
-    break;
-  }
-  out.identifiable.assign(static_cast<std::size_t>(count), true);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
-  std::vector<bool> infinite(static_cast<std::size_t>(count), false);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Eigen::VectorXd v = svd.right.col(k);
-    const bool exact = k >= out.rank;
-    if (!exact) covariance += v * v.transpose() / (s[k] * s[k]);
-    if (!exact && s[k] >= identifiable_from) continue;
-    Identifiability::Direction direction;
-    direction.singular_value = s[k];
-    direction.exact = exact;
-    Eigen::Index largest = 0;
-    v.cwiseAbs().maxCoeff(&largest);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      direction.part.push_back(v[i] / v[largest]);
-      if (std::abs(direction.part.back()) < smallest_part) continue;
-      if (exact) infinite[static_cast<std::size_t>(i)] = true;
-      // Of a weak direction only the parameters that it makes uncertain are withheld.
-      if (exact || std::abs(v[i]) / s[k] > 1.0 / identifiable_from)
-        out.identifiable[static_cast<std::size_t>(i)] = false;
-    }
-    explain(problem, direction);
-    out.null_directions.push_back(std::move(direction));
-  }
-  const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), count);
-  out.covariance = scales.asDiagonal() * covariance * scales.asDiagonal();
-  out.correlation.assign(infinite.size(), std::vector<std::optional<double>>(infinite.size()));
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    out.standard_error.push_back(infinite[at] ? std::numeric_limits<double>::infinity()
-                                              : scale[at] * std::sqrt(covariance(i, i)));
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const auto other = static_cast<std::size_t>(j);
-      if (infinite[at] || infinite[other]) continue;
-      out.correlation[at][other] = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
-    }
-  }
-  out.ok = true;
-  return out;
+  return Assessment(problem, parameters).run(nuisances, triangles, weighting);
 }
 
 }  // namespace poise

@@ -46,7 +46,8 @@ std::vector<double> run_trial(const FitProblem& problem, const std::vector<Recor
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     const Parameter& p = problem.parameters()[i];
     const double error = random.uniform(-options.start_error, options.start_error);
-    const double start = p.truth + error * std::abs(p.truth + problem.unknown_of(i).includes);
+    const double shown = std::abs(p.truth + problem.unknown_of(i).includes);
+    const double start = p.truth + error * (shown != 0 ? shown : problem.scale_of(i).size);
     fit_options.starts.push_back(std::clamp(start, p.min, p.max));
   }
   const Fit fitted = fit(problem, records, fit_options);

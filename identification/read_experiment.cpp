@@ -213,7 +213,7 @@ class ExperimentReader {
   }
 
   Unknown read_unknown(const TomlTable& table, const std::string& name) const {
-    table.allow_keys({"path", "name", "per", "start", "min", "max", "includes", "prior"});
+    table.allow_keys({"path", "name", "per", "start", "min", "max", "includes", "prior", "scale"});
     const TomlText path = table.text("path");
     Unknown unknown;
     unknown.path = path.value;
@@ -240,6 +240,7 @@ class ExperimentReader {
           fmt::format("expected max > min = {:.12g}; exchange them", unknown.min / unknown.unit));
     }
     unknown.start = table.find_number("start", unknown.unit, Range::finite);
+    unknown.scale = table.find_number("scale", unknown.unit, Range::positive);
     const double first = unknown.start.value_or(value * unknown.unit + unknown.includes);
     if (first < unknown.min || first > unknown.max) {
       table.place_of("start").fail(

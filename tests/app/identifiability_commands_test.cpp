@@ -65,6 +65,101 @@ TEST(IdentifiabilityCommand, NamesAnExactNullDirection) {
   }
 }
 
+// Mass, centre and inertia of an arm: a direction of them changes no motion, and combinations take their place.
+constexpr const char* arm = R"(gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.arm]
+points = { O = [0, 0] }
+mass = 2
+center = [0.3, 0]
+inertia = 0.05
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[torsion_spring]]
+bodies = ["ground", "arm"]
+stiffness = 3
+[[torsion_damper]]
+name = "D"
+bodies = ["ground", "arm"]
+coefficient = 0
+)";
+
+constexpr const char* arm_experiment = R"(scene = "arm.toml"
+[[sensor]]
+name = "turn"
+angle = "arm"
+noise = 1e-3
+[[unknown]]
+path = "body.arm.mass"
+name = "m"
+[[unknown]]
+path = "body.arm.center.x"
+name = "x"
+[[unknown]]
+path = "body.arm.inertia"
+name = "J"
+[[unknown]]
+path = "torsion_damper.D.coefficient"
+name = "c"
+min = -1
+scale = 1e-4
+[[run]]
+release = { arm = -0.7 }
+duration = 4
+rate = 100
+seed = 1
+)";
+
+TEST(IdentifiabilityCommand, GivesCombinationsInPlaceOfWhatIsWithheld) {
+  const TempFolder folder;
+  folder.write("arm.toml", arm);
+  const std::string file = folder.write("arm_experiment.toml", arm_experiment);
+  const json r = run_json(folder, {"identifiability", file}, 0);
+  EXPECT_EQ(r["identifiability"]["rank"], 3);
+  EXPECT_EQ(r["identifiability"]["structural_nulls"], 1);
+  EXPECT_EQ(r["identifiability"]["other_nulls"], 0);
+  for (const json& p : r["predicted"]) EXPECT_EQ(p["identifiable"], p["name"] == "c") << p;
+  ASSERT_EQ(r["identifiability"]["combinations"].size(), 2U);
+  for (const json& c : r["identifiability"]["combinations"]) {
+    const std::string name = c["words"].get<std::string>().substr(0, 1);
+    EXPECT_EQ(c["coefficient"][name], 1.0);
+    EXPECT_EQ(c["coefficient"].size(), 2U) << c;
+    EXPECT_TRUE(c["over"].is_null()) << c;
+    EXPECT_GT(c["standard_error"], 0.0);
+    EXPECT_EQ(c["exact"], name != "x" && !c["coefficient"].contains("x")) << c;
+  }
+  const Outcome run = run_poise({"identifiability", file});
+  EXPECT_TRUE(has(run.out,
+                  "3 of 4: 1 direction changes no motion of this mechanism (structural, from its equations "
+                  "of motion)"))
+      << run.out;
+  EXPECT_TRUE(has(run.out, "Combinations that are identifiable")) << run.out;
+  EXPECT_TRUE(has(run.out, "change no reading of any motion")) << run.out;
+}
+
+// A damping of zero, which its standard error of 0.0005 N m s/rad leaves poorly determined by a scale of 0.0001.
+TEST(IdentifyCommand, PrintsANumberThatIsZeroWithItsError) {
+  const TempFolder folder;
+  folder.write("arm.toml", arm);
+  const std::string file = folder.write("arm_experiment.toml", arm_experiment);
+  const json r = run_json(folder, {"identify", file}, 0);
+  EXPECT_EQ(r["status"], "converged");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(r["estimates"][i]["withheld"], "not identifiable from these data");
+  const json& c = r["estimates"][3];
+  EXPECT_TRUE(c["withheld"].is_null()) << c;
+  EXPECT_EQ(c["poorly_determined"], true) << c;
+  EXPECT_LT(std::abs(c["value"].get<double>()), 5 * c["standard_error"].get<double>());
+  EXPECT_GT(c["standard_error"], 1e-4 / 3);
+  const Outcome run = run_poise({"identify", file});
+  EXPECT_TRUE(has(run.out, "poorly determined")) << run.out;
+  EXPECT_TRUE(has(run.out, "Withheld: 3 of 4 estimates")) << run.out;
+  EXPECT_TRUE(has(run.out, "Combinations that are identifiable")) << run.out;
+  const json m = run_json(folder, {"montecarlo", file, "--trials", "10"}, 0);
+  EXPECT_EQ(m["converged"], 10);
+  for (const json& e : m["estimates"]) EXPECT_EQ(e["bound"].is_null(), e["name"] != "c") << e;
+}
+
 TEST(MonteCarloCommand, ReachesTheBoundOfAWheel) {
   const TempFolder folder;
   const json r = run_json(

@@ -405,6 +405,35 @@ deviation = 0.1
 data = "measured.csv"
 )";
 
+// Only ratios of mass, stiffness and damping matter: there are combinations.
+constexpr const char* oscillator = R"([ground]
+points = { O = [0, 0] }
+[body.wheel]
+points = { O = [0, 0] }
+inertia = 2
+[[pin]]
+points = ["ground.O", "wheel.O"]
+[[torsion_spring]]
+name = "S"
+bodies = ["ground", "wheel"]
+stiffness = 80
+)";
+constexpr const char* ratios = R"(scene = "oscillator.toml"
+[[sensor]]
+name = "turn"
+angle = "wheel"
+noise = 1e-4
+[[unknown]]
+path = "body.wheel.inertia"
+[[unknown]]
+path = "torsion_spring.S.stiffness"
+[[run]]
+release = { wheel = 0.1 }
+duration = 2
+rate = 100
+seed = 1
+)";
+
 TEST(JsonDocs, Identify) {
   const TempFolder folder;
   run_poise({"motion", scene("lift"), "--duration", "1", "--release", "obd=0.005", "--noise", "1e-4", "--csv",
@@ -415,6 +444,7 @@ TEST(JsonDocs, Identify) {
   ASSERT_NE(row, std::string::npos);
   data.insert(row + 5, "1");
   folder.write("measured.csv", data);
+  folder.write("oscillator.toml", oscillator);
   std::string experiment = measured;
   experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
   // A lift that oscillates at some 2.6 Hz, read 5 times a second.
@@ -426,7 +456,9 @@ TEST(JsonDocs, Identify) {
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
        {{"identify", scene("lift_experiment_empty")}},
        {{"identify", folder.write("measured.toml", experiment), "--profile", "spring.oil.stiffness", "--bootstrap",
-         "20"}}},
+         "20"}},
+       {{"identify", folder.write("aliased.toml", aliased)}},
+       {{"identify", folder.write("ratios.toml", ratios)}}},
       Shared::all);
 }
 

@@ -400,6 +400,230 @@ TEST(Identifiability, TheScaleOfTheLiftWithoutPayloadIsNotIdentifiable) {
   EXPECT_FALSE(found.null_directions.back().remedy.empty());
 }
 
+// An arm under gravity on a spring from above its pin, without free length: its moment is k a h sin, that of the weight
+// m g x sin. Released far from equilibrium.
+Experiment sprung_arm(double stiffness) {
+  Experiment e;
+  e.scene = parse_scene(R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0], S = [0, 0.4] }
+[body.arm]
+points = { O = [0, 0], B = [0.3, 0] }
+mass = 2
+center = [0.25, 0.04]
+inertia = 0.05
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[spring]]
+name = "s"
+points = ["ground.S", "arm.B"]
+stiffness = 100
+free_length = 0
+[[torsion_damper]]
+name = "d"
+bodies = ["ground", "arm"]
+coefficient = 0.1
+[start]
+arm = -1
+)",
+                        "sprung_arm");
+  set_value(e.scene, "spring.s.stiffness", stiffness);
+  e.sensors = {test::angle_of(e.scene, "arm", 1e-4)};
+  Release turn;
+  turn.body = 1;
+  turn.value = -0.2;
+  e.runs = {test::simulated(100, 300, {turn})};
+  return e;
+}
+
+void set_unknowns(Experiment& e, const std::vector<std::string>& paths) {
+  e.unknowns.clear();
+  for (const std::string& path : paths) e.unknowns.push_back(test::unknown(path));
+}
+
+// Along  d(m, x, y, J) = (1, -x/m, -y/m, x^2 + y^2) dm  the first moments and the inertia about the pin stay.
+TEST(Identifiability, MassCentreAndInertiaOfAnArm) {
+  Experiment e = sprung_arm(0);
+  const double m = 2, x = 0.25, y = 0.04;
+  set_unknowns(e, {"body.arm.mass", "body.arm.center.x", "body.arm.center.y", "body.arm.inertia"});
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.rank, 3);
+  EXPECT_EQ(found.structural_nulls, 1);
+  EXPECT_EQ(found.other_nulls, 0);
+  EXPECT_GT(found.gap, 1e10);
+  ASSERT_EQ(found.null_directions.size(), 1U);
+  EXPECT_TRUE(found.null_directions[0].structural);
+  const double truth[] = {m, x, y, 0.05};
+  const double null[] = {1, -x / m, -y / m, x * x + y * y};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_FALSE(found.identifiable[i]) << i;
+    EXPECT_TRUE(std::isinf(found.standard_error[i])) << i;
+    EXPECT_NEAR(found.null_directions[0].part[i] * truth[i] / found.null_directions[0].part[0] / truth[0], null[i],
+                1e-9);
+  }
+  // With the number known that is free here, the others have the errors of the combinations.
+  ASSERT_EQ(found.combinations.size(), 3U);
+  std::vector<std::string> free;
+  for (const Unknown& unknown : e.unknowns) free.push_back(unknown.path);
+  for (const auto& combination : found.combinations)
+    std::erase(free, e.unknowns[static_cast<std::size_t>(combination.unit_of)].path);
+  ASSERT_EQ(free.size(), 1U);
+  Experiment known = e;
+  std::erase_if(known.unknowns, [&](const Unknown& unknown) { return unknown.path == free[0]; });
+  const FitProblem smaller(known);
+  const Identifiability of_others = assess_at_truth(smaller);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Identifiability::Combination& combination = found.combinations[k];
+    double along = 0.0, value = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      along += combination.coefficient[i] * null[i];
+      value += combination.coefficient[i] * truth[i];
+    }
+    EXPECT_NEAR(along, 0.0, 1e-9) << combination.words;
+    EXPECT_NEAR(combination.value, value, 1e-9) << combination.words;
+    EXPECT_NEAR(combination.standard_error / of_others.standard_error[k], 1.0, 1e-6) << combination.words;
+    EXPECT_EQ(combination.over, -1);
+  }
+}
+
+// The moments of spring and weight differ by a factor only. Where the spring is much the stronger, its part in the null
+// is small, and it is as unknown as the others.
+TEST(Identifiability, ASpringBesideTheMomentOfTheWeight) {
+  Experiment e = sprung_arm(1e4);
+  set_unknowns(e, {"body.arm.inertia", "body.arm.center.x", "spring.s.stiffness", "torsion_damper.d.coefficient"});
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.rank, 3);
+  EXPECT_EQ(found.structural_nulls, 1);
+  ASSERT_EQ(found.null_directions.size(), 1U);
+  const std::vector<double>& part = found.null_directions[0].part;
+  //  g m dx = a h dk,  dJ = -2 m x dx
+  EXPECT_NEAR(part[2] * 1e4 / (part[1] * 0.25), 9.81 * 2 / (0.3 * 0.4), 1e-6);
+  EXPECT_NEAR(part[0] * 0.05 / (part[1] * 0.25), -2 * 2 * 0.25, 1e-6);
+  EXPECT_EQ(part[3], 0.0);
+  EXPECT_LT(std::abs(part[2]), 0.03);
+  EXPECT_EQ(found.identifiable, (std::vector<bool>{false, false, false, true}));
+  EXPECT_NE(found.null_directions[0].words.find("spring.s.stiffness"), std::string::npos)
+      << found.null_directions[0].words;
+}
+
+// 24 combinations can matter: 23 of the inertial numbers, stiffness and damping, less one, because the free length that
+// every equilibrium sets makes a stiffness of the weights.
+TEST(Identifiability, AllInertiasOfTheLift) {
+  Experiment e = test::experiment("lift_experiment");
+  e.unknowns.clear();
+  for (const char* body : {"obd", "def", "fa", "cylinder", "rod", "bpc", "ecg", "gl", "platform"}) {
+    for (const char* number : {"mass", "inertia", "center.x", "center.y"}) {
+      e.unknowns.push_back(test::unknown(std::string("body.") + body + "." + number));
+    }
+  }
+  e.unknowns.push_back(test::unknown("spring.oil.stiffness"));
+  e.unknowns.push_back(test::unknown("damper.oil film.coefficient"));
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.structural_nulls, 14);
+  EXPECT_EQ(found.other_nulls, 0);
+  EXPECT_EQ(found.rank, 24);
+  EXPECT_GT(found.gap, 1e6);
+  for (std::size_t i = 0; i < 36; ++i) EXPECT_FALSE(found.identifiable[i]) << problem.parameters()[i].name;
+}
+
+TEST(Identifiability, ACommonFactorLeavesRatios) {
+  const Experiment e = oscillator();
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  ASSERT_EQ(found.combinations.size(), 2U);
+  const double truth[] = {2, 80, 0.6};
+  for (const Identifiability::Combination& combination : found.combinations) {
+    ASSERT_GE(combination.over, 0);
+    const auto over = static_cast<std::size_t>(combination.over);
+    const auto of = static_cast<std::size_t>(combination.unit_of);
+    EXPECT_NEAR(combination.value / (truth[of] / truth[over]), 1.0, 1e-9);
+    EXPECT_EQ(combination.words, problem.parameters()[of].name + " / " + problem.parameters()[over].name);
+    EXPECT_TRUE(combination.exact);
+    EXPECT_GT(combination.standard_error, 0.0);
+    EXPECT_LT(combination.standard_error, 0.1 * combination.value);
+  }
+}
+
+// A number that is zero has a standard error, and no relative one that it could be judged by.
+TEST(Identifiability, ANumberThatIsZero) {
+  Experiment e = sprung_arm(100);
+  e.sensors[0].noise = 300;
+  set_value(e.scene, "torsion_damper.d.coefficient", 0);
+  set_unknowns(e, {"torsion_damper.d.coefficient"});
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_GT(found.standard_error[0], 1.0) << "N m s/rad";
+  EXPECT_TRUE(std::isfinite(found.standard_error[0]));
+  EXPECT_TRUE(found.identifiable[0]);
+  EXPECT_FALSE(found.poorly_determined[0]);
+  EXPECT_TRUE(found.null_directions.empty());
+  for (const double scale : {found.standard_error[0] * 2, found.standard_error[0] * 4}) {
+    e.unknowns[0].scale = scale;
+    const FitProblem judged(e);
+    const Identifiability with_scale = assess_at_truth(judged);
+    EXPECT_TRUE(with_scale.identifiable[0]);
+    EXPECT_EQ(with_scale.poorly_determined[0], scale < 3 * found.standard_error[0]) << scale;
+    EXPECT_EQ(with_scale.null_directions.size(), with_scale.poorly_determined[0] ? 1U : 0U);
+  }
+}
+
+// A damper that the runs never move: a null of these runs, not of the mechanism.
+TEST(Identifiability, NullsOfTheRunsAlone) {
+  Experiment e;
+  e.scene = test::chain(1, 1.0, 2.0);
+  test::add_link(e.scene, "other", 1.0, 2.0);
+  test::add_pin(e.scene, "ground.O", "other.a");
+  for (int i : {1, 2}) {
+    e.scene.bodies[static_cast<std::size_t>(i)].inertia = 0.2;
+    e.scene.elements.push_back(test::torsion_damper("d" + std::to_string(i), 0, i, 0.3));
+    test::add_torsion_spring(e.scene, 0, i, 50.0);
+  }
+  e.scene.gravity = {};
+  e.sensors = {test::angle_of(e.scene, "1", 1e-4)};
+  set_unknowns(e, {"torsion_damper.d1.coefficient", "torsion_damper.d2.coefficient"});
+  Release turn;
+  turn.body = 1;
+  turn.value = 0.3;
+  e.runs = {test::simulated(100, 300, {turn})};
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.structural_nulls, 0);
+  EXPECT_EQ(found.other_nulls, 1);
+  EXPECT_EQ(found.rank, 1);
+  EXPECT_EQ(found.identifiable, (std::vector<bool>{true, false}));
+  ASSERT_EQ(found.null_directions.size(), 1U);
+  EXPECT_FALSE(found.null_directions[0].structural);
+  EXPECT_NE(found.null_directions[0].words.find("changes no reading of these runs"), std::string::npos)
+      << found.null_directions[0].words;
+}
+
+TEST(Identifiability, APriorEndsANull) {
+  Experiment e = sprung_arm(100);
+  e.scene.gravity = {};
+  set_unknowns(e, {"body.arm.mass", "body.arm.inertia"});
+  {
+    const FitProblem problem(e);
+    EXPECT_EQ(assess_at_truth(problem).rank, 1);
+  }
+  e.unknowns[0].prior = 2.0;
+  e.unknowns[0].prior_deviation = 0.01;
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  EXPECT_EQ(found.rank, 2);
+  EXPECT_NEAR(found.standard_error[0] / 0.01, 1.0, 1e-6);
+  EXPECT_EQ(found.identifiable, (std::vector<bool>{true, true}));
+}
+
 TEST(Identifiability, NamesTheRunThatCannotBeComputed) {
   Experiment e = pendulum();
   const FitProblem problem(e);

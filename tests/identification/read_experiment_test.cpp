@@ -100,7 +100,7 @@ TEST(ReadExperiment, ReadsUnknownsInSi) {
   const std::vector<Unknown> unknowns =
       Bench(header + sensor +
             "[[unknown]]\npath = \"body.block.mass\"\nname = \"m\"\nincludes = 50\nstart = 400\nmin = 60\nmax = 2000\n"
-            "prior = [700, 100]\nper = \"load\"\n"
+            "prior = [700, 100]\nscale = 50\nper = \"load\"\n"
             "[[unknown]]\npath = \"spring.coil.stiffness\"\n[[unknown]]\npath = \"body.crank.inertia\"\nper = \"run\"\n"
             "[[unknown]]\npath = \"body.crank.center.x\"\n[[unknown]]\npath = \"torsion_damper.grease.coefficient\"\n" +
             run + "labels = { load = \"low\" }\n")
@@ -118,6 +118,7 @@ TEST(ReadExperiment, ReadsUnknownsInSi) {
   EXPECT_DOUBLE_EQ(unknowns[0].max, 2.0);
   EXPECT_DOUBLE_EQ(unknowns[0].prior.value(), 0.7);
   EXPECT_DOUBLE_EQ(unknowns[0].prior_deviation, 0.1);
+  EXPECT_DOUBLE_EQ(unknowns[0].scale.value(), 0.05);
   EXPECT_EQ(unknowns[1].name, "spring.coil.stiffness");
   EXPECT_EQ(unknowns[1].per, "");
   EXPECT_DOUBLE_EQ(unknowns[1].unit, 1e3);
@@ -125,6 +126,7 @@ TEST(ReadExperiment, ReadsUnknownsInSi) {
   EXPECT_EQ(unknowns[1].max, infinity);
   EXPECT_FALSE(unknowns[1].start);
   EXPECT_FALSE(unknowns[1].prior);
+  EXPECT_FALSE(unknowns[1].scale);
   EXPECT_DOUBLE_EQ(unknowns[2].unit, 1e-9);
   EXPECT_EQ(unknowns[2].min, 0.0);
   EXPECT_EQ(unknowns[2].per, "run");
@@ -221,7 +223,7 @@ TEST(ReadExperiment, RejectsUnknowns) {
   }
   const std::string eighth = "experiment.toml:8: unknown 1.";
   EXPECT_EQ(error_of_unknown(path + "from = 1\n"),
-            eighth + "from: expected one of the keys path, name, per, start, min, max, includes, prior");
+            eighth + "from: expected one of the keys path, name, per, start, min, max, includes, prior, scale");
   EXPECT_EQ(error_of_unknown(path + "min = 5\nmax = 5\n"),
             "experiment.toml:9: unknown 1.max: expected max > min = 5; exchange them");
   EXPECT_EQ(error_of_unknown(path + "max = -5\n"), eighth + "max: expected max > min = 0; exchange them");
@@ -233,6 +235,7 @@ TEST(ReadExperiment, RejectsUnknowns) {
   EXPECT_EQ(error_of_unknown(path + "max = 820\nincludes = 50\n"),
             "experiment.toml:6: unknown 1.start: expected a start from 0 to 820, found 850, the scene's value; add "
             "start = NUMBER");
+  EXPECT_EQ(error_of_unknown(path + "scale = 0\n"), eighth + "scale: expected a finite number > 0, found 0");
   EXPECT_EQ(error_of_unknown(path + "prior = [1, 0]\n"),
             eighth + "prior: expected [MEAN, STANDARD DEVIATION], the second > 0");
   EXPECT_EQ(error_of_unknown(path + "per = \"\"\n"),

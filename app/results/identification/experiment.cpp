@@ -35,6 +35,19 @@ std::vector<std::string> close_pairs(const FitProblem& problem, const Identifiab
   return out;
 }
 
+/// Units of combinations: "kg m²", "N/m / kg".
+std::vector<std::string> units_of(const FitProblem& problem,
+                                  const std::vector<Identifiability::Combination>& combinations) {
+  const std::vector<std::string> units = parameter_units(problem);
+  return each(combinations, [&](const Identifiability::Combination& combination) {
+    const std::string unit = units[static_cast<std::size_t>(combination.unit_of)];
+    if (combination.over < 0) return unit;
+    const std::string by = units[static_cast<std::size_t>(combination.over)];
+    if (by == unit) return std::string();
+    return by.find_first_of(" /") == std::string::npos ? unit + " / " + by : unit + " / (" + by + ")";
+  });
+}
+
 std::string runs_in_words(const Experiment& experiment) {
   const auto measured =
       std::count_if(experiment.runs.begin(), experiment.runs.end(), [](const Run& run) { return !run.is_simulated(); });
@@ -98,22 +111,43 @@ std::string rounded_to(double value, double standard_error) {
   const double size = std::max(std::abs(value), standard_error);
   const int digits = static_cast<int>(std::floor(std::log10(size))) - order + 1;
   const bool plain = size >= 1e-4 && size < 1e7 && digits < 16;
-  return plain ? fmt::format("{:.{}f}", value, std::max(0, 1 - order))
-               : fmt::format("{:.{}e}", value, std::clamp(digits, 0, 15));
+  std::string text = plain ? fmt::format("{:.{}f}", value, std::max(0, 1 - order))
+                           : fmt::format("{:.{}e}", value, std::clamp(digits, 0, 15));
+  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
+  return is_zero && value < 0 ? text.substr(1) : text;
 }
 
 std::string per_cent(double standard_error, double value) {
-  if (value == 0 || !std::isfinite(standard_error)) return "-";
+  if (value == 0) return "";
+  if (!std::isfinite(standard_error)) return "-";
   return significant(100 * standard_error / std::abs(value), 2);
 }
 
 void add_null_directions(Group& group, const Identifiability& known) {
   if (known.null_directions.empty()) return;
   Group& section = group.group("", "Not identifiable from these data");
-  for (const Identifiability::Direction& direction : known.null_directions) {
+  for (std::size_t k = 0; k < known.null_directions.size(); ++k) {
+    const Identifiability::Direction& direction = known.null_directions[k];
     section.note("  " + direction.words, Tone::bad);
-    section.note("    remedy: " + direction.remedy);
+    // One remedy for all directions in a row that have the same.
+    const bool last = k + 1 == known.null_directions.size() || known.null_directions[k + 1].remedy != direction.remedy;
+    if (last) section.note("    remedy: " + direction.remedy);
   }
+}
+
+void add_combinations(Group& group, const FitProblem& problem, const Identifiability& known) {
+  if (known.combinations.empty()) return;
+  const std::vector<Identifiability::Combination>& rows = known.combinations;
+  Table& table = group.table("", "Combinations that are identifiable", Rows::list);
+  table.words("", "combination", each(rows, &Identifiability::Combination::words));
+  table.numbers("", "value", "", {}).texts =
+      each(rows, [](const auto& row) { return rounded_to(row.value, row.standard_error); });
+  table.numbers("", "standard error", "", {}).texts =
+      each(rows, [](const auto& row) { return significant(row.standard_error, 2); });
+  table.numbers("", "per cent", "", {}).texts =
+      each(rows, [](const auto& row) { return per_cent(row.standard_error, row.value); });
+  table.words("", "unit", units_of(problem, rows));
+  table.remarks(each(rows, [](const auto& row) { return row.exact ? "" : "to first order"; }), Tone::plain);
 }
 
 void add_correlations(Group& group, const FitProblem& problem, const Identifiability& known) {
@@ -147,6 +181,9 @@ void add_identifiability_data(Group& group, const FitProblem& problem, const Ide
   out.data("ok", known.ok);
   out.data("why", known.why);
   out.data("rank", known.rank);
+  out.data("structural_nulls", known.structural_nulls);
+  out.data("other_nulls", known.other_nulls);
+  out.data("unclear", known.unclear);
   out.data("gap", known.gap);
   out.data("singular_values", known.singular_values);
   const std::vector<Parameter>& parameters = problem.parameters();
@@ -159,12 +196,30 @@ void add_identifiability_data(Group& group, const FitProblem& problem, const Ide
                        return known.identifiable[i] && known.identifiable[j] ? known.correlation[i][j] : std::nullopt;
                      }));
   }
+  Branch& combinations = out.array("combinations");
+  const std::vector<std::string> combined_units = units_of(problem, known.combinations);
+  for (std::size_t k = 0; k < known.combinations.size(); ++k) {
+    const Identifiability::Combination& combination = known.combinations[k];
+    Group& one = combinations.parts.emplace_back();
+    one.data("words", combination.words);
+    one.data("value", combination.value);
+    one.data("standard_error", combination.standard_error);
+    one.data("unit", combined_units[k]);
+    one.data("exact", combination.exact);
+    one.data("over",
+             combination.over < 0 ? Value() : Value(parameters[static_cast<std::size_t>(combination.over)].name));
+    Group& terms = one.group("coefficient", "", Verbosity::data);
+    for (std::size_t i = 0; i < combination.coefficient.size(); ++i) {
+      if (combination.coefficient[i] != 0) terms.data(parameters[i].name, combination.coefficient[i]);
+    }
+  }
   Branch& directions = out.array("not_identifiable");
   for (const Identifiability::Direction& direction : known.null_directions) {
     Group& one = directions.parts.emplace_back();
     one.data("words", direction.words);
     one.data("remedy", direction.remedy);
     one.data("exact", direction.exact);
+    one.data("structural", direction.structural);
     one.data("scale", direction.scale);
     one.data("singular_value", direction.singular_value);
     Group& part = one.group("part", "", Verbosity::data);

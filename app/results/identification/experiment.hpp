@@ -24,15 +24,17 @@ std::vector<std::string> parameter_units(const FitProblem& problem);
 
 /// A value with as many decimals as its standard error has with two digits: 64.692 where that is 0.024.
 std::string rounded_to(double value, double standard_error);
-/// "0.036": a standard error in per cent of the value; "-" of zero.
+/// "0.036": a standard error in per cent of the value; empty of zero.
 std::string per_cent(double standard_error, double value);
 
 /// As text: which parameters are not identifiable, and the remedies.
 void add_null_directions(Group& group, const Identifiability& known);
+/// As text: the combinations of these that are identifiable, with values and standard errors.
+void add_combinations(Group& group, const FitProblem& problem, const Identifiability& known);
 /// As text: correlations of the identifiable parameters; of many parameters the pairs beyond 0.9.
 void add_correlations(Group& group, const FitProblem& problem, const Identifiability& known);
-/// As data: identifiability {ok, why, rank, gap, singular_values[], correlation{}, not_identifiable[]}, without the
-/// value of any parameter. Correlations of parameters that are not identifiable are null.
+/// As data: identifiability {ok, why, rank, structural_nulls, other_nulls, unclear, gap, singular_values[],
+/// correlation{}, not_identifiable[], combinations[]}, without the value of any parameter that is not identifiable. Correlations of parameters that are not identifiable are null.
 void add_identifiability_data(Group& group, const FitProblem& problem, const Identifiability& known);
 
 }  // namespace poise::app

@@ -16,6 +16,11 @@ Line verdict(const FitProblem& problem, const Identifiability& known) {
   const int all = static_cast<int>(problem.parameters().size());
   const int not_identifiable =
       static_cast<int>(std::count(known.identifiable.begin(), known.identifiable.end(), false));
+  const auto poorly = std::count(known.poorly_determined.begin(), known.poorly_determined.end(), true);
+  if (not_identifiable == 0 && poorly > 0) {
+    return doubtful(fmt::format("{} of {} {} poorly determined by these data.", poorly,
+                                count(all, "parameter", "parameters"), poorly == 1 ? "is" : "are"));
+  }
   if (not_identifiable == 0) {
     return good(all == 1 ? "The parameter is identifiable from these data."
                          : fmt::format("All {} parameters are identifiable from these data.", all));
@@ -43,23 +48,41 @@ void add_predicted(Group& group, const FitProblem& problem, const Identifiabilit
       if_identifiable([&](std::size_t i) { return per_cent(known.standard_error[i], value(i)); });
   table.words("unit", "unit", known.ok ? parameter_units(problem) : std::vector<std::string>{});
   table.flags("identifiable", each(rows, [&](std::size_t i) -> bool { return known.identifiable[i]; }));
-  table.remarks(each(rows, [&](std::size_t i) { return known.identifiable[i] ? "" : "not identifiable"; }), Tone::bad);
+  table.flags("poorly_determined", each(rows, [&](std::size_t i) -> bool { return known.poorly_determined[i]; }));
+  table.remarks(
+      each(rows,
+           [&](std::size_t i) {
+             return !known.identifiable[i] ? "not identifiable" : known.poorly_determined[i] ? "poorly determined" : "";
+           }),
+      Tone::bad);
 }
 
-/// "3 of 4; singular values drop by 2.1e+08 there; 1 of them below 3, the limit of identifiability".
+/// "24 of 38: 13 directions change no motion of this mechanism (structural, from its equations of motion), 1 changes no
+/// reading of these runs; singular values drop there by a factor of 2.1e+08".
 std::string rank_in_words(const Identifiability& known) {
   const int all = static_cast<int>(known.singular_values.size());
   std::string text = fmt::format("{} of {}", known.rank, all);
-  if (known.rank < all) {
-    text += known.gap < INFINITY
-                ? fmt::format("; singular values drop there by a factor of {}", significant(known.gap, 2))
-                : "; the next singular value is zero";
+  const auto directions = [](int n, const char* what) {
+    return n == 1 ? fmt::format("1 direction changes no {}", what) : fmt::format("{} directions change no {}", n, what);
+  };
+  if (known.structural_nulls > 0) {
+    text += ": " +
+            directions(known.structural_nulls, "motion of this mechanism (structural, from its equations of motion)");
+  }
+  if (known.other_nulls > 0) {
+    text += (known.structural_nulls > 0 ? ", " : ": ") + directions(known.other_nulls, "reading of these runs");
+  }
+  if (known.rank < all && known.gap < INFINITY)
+    text += fmt::format("; singular values drop there by a factor of {}", significant(known.gap, 2));
+  if (known.unclear > 0) {
+    text += fmt::format("; of {} of the others the readings of these runs show nothing above errors of computation",
+                        known.unclear);
   }
   const auto weak = std::count_if(known.null_directions.begin(), known.null_directions.end(),
-                                  [](const auto& direction) { return !direction.exact; });
+                                  [](const auto& direction) { return direction.singular_value > 0; });
   if (weak > 0) {
-    text += fmt::format("; {} of these singular values below {}, too small to identify its direction", weak,
-                        identifiable_from);
+    text += fmt::format("; {} with singular values too small for the parameters in {}",
+                        count(static_cast<int>(weak), "direction", "directions"), weak == 1 ? "it" : "them");
   }
   return text;
 }
@@ -92,6 +115,7 @@ Result identifiability_result(const FitProblem& problem, const Identifiability& 
   Group& content = out.content;
   add_predicted(content, problem, known);
   add_null_directions(content, known);
+  add_combinations(content, problem, known);
   add_correlations(content, problem, known);
   add_identifiability_data(content, problem, known);
   add_numerics(content, problem, known, base, list_base);

@@ -82,6 +82,12 @@ std::vector<Line> warnings(const FitProblem& problem, const Fit& fitted) {
     const std::string all = count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates");
     out.push_back(bad(fmt::format("Withheld: {} of {}, see below.", withheld(fitted), all)));
   }
+  const auto poorly = std::count_if(fitted.estimates.begin(), fitted.estimates.end(),
+                                    [](const Estimate& e) { return !e.withheld && e.poorly_determined; });
+  if (poorly > 0) {
+    out.push_back(doubtful(fmt::format("Poorly determined: {} of {}.", poorly,
+                                       count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates"))));
+  }
   for (std::size_t r = 0; r < fitted.errors.disagreement.size(); ++r) {
     if (fitted.errors.disagreement[r] < disagrees_from) continue;
     out.push_back(doubtful(disagreement_in_words(problem, fitted, r)));
@@ -145,7 +151,8 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   errors.texts = text([&](const Estimate& e) { return significant(known ? e.standard_error / e.unit : NAN, 2); });
   errors.shown = any;
   Column& per_cents = table.numbers("", "per cent", "", {});
-  per_cents.texts = text([&](const Estimate& e) { return known ? per_cent(e.standard_error, e.value) : "-"; });
+  per_cents.texts =
+      text([&](const Estimate& e) { return known ? per_cent(e.standard_error, e.truth == 0 ? 0.0 : e.value) : "-"; });
   per_cents.shown = any;
   Column& interval = table.words(
       "", "95 % interval", text([&](const Estimate& e) { return known ? interval_in_words(e) : std::string("-"); }));
@@ -168,9 +175,16 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
     return !e.withheld && std::abs(difference_of(e)) > remarkable ? Tone::bad : Tone::plain;
   });
   difference.shown = any && simulated;
-  Column& why = table.remarks(each(rows, &Estimate::why), Tone::bad);
-  why.key = "withheld";
+  table.flags("poorly_determined",
+              each(rows, [&](const Estimate& e) -> bool { return !e.withheld && e.poorly_determined; }));
+  table.remarks(each(rows,
+                     [](const Estimate& e) {
+                       return !e.withheld && e.poorly_determined ? std::string("poorly determined") : e.why;
+                     }),
+                Tone::bad);
+  Column& why = table.words("withheld", "", each(rows, &Estimate::why));
   why.kind = Column::Kind::word_or_null;
+  why.shown = false;
 }
 
 /// The values of every minimum side by side, the best one first.
@@ -514,6 +528,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   add_profiles(content, problem, answer);
   add_alternatives(content, problem, fitted);
   add_null_directions(content, fitted.identifiability);
+  add_combinations(content, problem, fitted.identifiability);
   add_correlations(content, problem, fitted.identifiability);
   add_identifiability_data(content, problem, fitted.identifiability);
   add_residuals(content, problem, answer);

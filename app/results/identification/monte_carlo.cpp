@@ -34,8 +34,8 @@ Line verdict(const MonteCarloOptions& options, const MonteCarlo& answer) {
   }
   std::vector<std::string> differing;
   for (const TrialStatistics& s : answer.parameters) {
-    const bool agrees = s.is_identifiable() && against_bound(s, answer.converged).as_expected();
-    if (!agrees) differing.push_back(s.name);
+    // What is not identifiable has no standard error that its errors could disagree with.
+    if (s.is_identifiable() && !against_bound(s, answer.converged).as_expected()) differing.push_back(s.name);
   }
   if (!differing.empty()) {
     return doubtful(
@@ -69,7 +69,9 @@ void add_estimates(Group& group, const FitProblem& problem, const MonteCarlo& an
       .numbers("bound", "bound, per cent", "",
                each(rows, [&](const Row& row) { return if_known(row, row.of.bound / row.of.unit); }))
       .texts = each(rows, [](const Row& row) {
-    return row.of.is_identifiable() ? per_cent(row.of.bound, row.of.truth) : "not identifiable";
+    if (!row.of.is_identifiable()) return std::string("not identifiable");
+    return row.of.truth != 0 ? per_cent(row.of.bound, row.of.truth)
+                             : significant(row.of.bound / row.of.unit, 2) + " " + row.unit;
   });
   const auto add = [&](const std::string& title, Statistic BoundStatistics::*statistic, auto&& text) {
     table
