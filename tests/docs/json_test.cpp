@@ -449,8 +449,8 @@ TEST(JsonDocs, Identify) {
   experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
   // A lift that oscillates at some 2.6 Hz, read 5 times a second.
   const std::size_t run = experiment.find("[[run]]");
-  const std::string aliased = experiment.substr(0, run) +
-                              "[[run]]\nduration = 6\nrate = 5\nrelease = { obd = 0.005 }\nstart_known = true\n";
+  const std::string aliased =
+      experiment.substr(0, run) + "[[run]]\nduration = 6\nrate = 5\nrelease = { obd = 0.005 }\nstart_known = true\n";
   check_section(
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
@@ -460,6 +460,22 @@ TEST(JsonDocs, Identify) {
        {{"identify", folder.write("aliased.toml", aliased)}},
        {{"identify", folder.write("ratios.toml", ratios)}}},
       Shared::all);
+}
+
+TEST(JsonDocs, IdentifyWithSeveralExperiments) {
+  const TempFolder folder;
+  run_poise({"motion", scene("lift"), "--duration", "0.5", "--release", "obd=0.005", "--noise", "1e-4", "--csv",
+             folder.path("measured.csv").string()});
+  std::string experiment = measured;
+  experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
+  const std::string known =
+      experiment.substr(experiment.find("[[known]]"), experiment.find("[[run]]") - experiment.find("[[known]]"));
+  experiment.replace(experiment.find(known), known.size(), "");
+  experiment += "[[run]]\nname = \"again\"\ndata = \"measured.csv\"\n";
+  std::string fuller = experiment;
+  fuller.insert(fuller.find("[[run]]"), "[[unknown]]\npath = \"damper.oil film.coefficient\"\n");
+  check_section("identify with several experiments",
+                {{{"identify", folder.write("one.toml", experiment), folder.write("two.toml", fuller)}}});
 }
 
 TEST(JsonDocs, Identifiability) {
