@@ -76,9 +76,11 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   const solvers::SingularValues other = solvers::singular_value_decomposition(triangle(unit_again * rest));
   const Eigen::MatrixXd nulls_again = rest * other.right.rightCols(s.size() - rank);
   const Eigen::MatrixXd difference = nulls * nulls.transpose() - nulls_again * nulls_again.transpose();
+  // To first order an error E of A moves the null space by  -V S^-1 U^T E N,  with the other singular values S.
+  const Eigen::MatrixXd others = rest * svd.right.leftCols(rank) * s.head(rank).cwiseInverse().asDiagonal();
   out.basis = nulls;
   for (Eigen::Index i = 0; i < n; ++i) {
-    out.error[i] = std::max(margin * difference.row(i).norm(), rounding);
+    out.error[i] = std::max(margin * difference.row(i).norm(), rounding * std::max(1.0, others.row(i).norm()));
     if (out.error[i] < 1 && nulls.row(i).norm() <= out.error[i]) out.basis.row(i).setZero();
   }
   out.basis = length.cwiseInverse().asDiagonal() * out.basis;

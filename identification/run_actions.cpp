@@ -15,6 +15,8 @@ using Reduced = ReducedMotion<double>;
 
 /// Relative change of the scene's numbers that shows what their rounding, and that of all computation, may do.
 constexpr double disturbance = 4 * std::numeric_limits<double>::epsilon();
+/// What a change of a number by 100 % changes by this part of the acceleration at most is rounding.
+constexpr double negligible = 50 * std::numeric_limits<double>::epsilon();
 /// States of the run's own motion.
 constexpr std::size_t states_of_motion = 20;
 /// Poses nearer to a dead point are left out: rounding would grow with their condition.
@@ -137,6 +139,12 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
       there.leftCols(p) += there.col(p) * changed_follows;
     }
     if (!here.allFinite() || !there.allFinite()) return;
+    for (int k = 0; k < freedoms_; ++k) {
+      const double lost = negligible * std::abs(own.reduced.alpha()[k]);
+      for (Eigen::Index i = 0; i < p; ++i) {
+        if (unknowns[i] != 0 && std::abs(unknowns[i] * here(k, i)) <= lost) here(k, i) = there(k, i) = 0.0;
+      }
+    }
     rows.emplace_back(here.leftCols(p));
     rows_again.emplace_back(there.leftCols(p));
   };

@@ -177,9 +177,10 @@ JudgedNulls judge_nulls(std::uint64_t seed) {
     out.withheld_wrongly += moved && !exact.moved[i];
     if (moved != exact.moved[i]) out.words += (out.words.empty() ? "" : ", ") + problem.parameters()[i].name;
   }
-  out.words = fmt::format("{} bodies, {} runs, {} unknowns, {} nulls (found {}, gap {:.1e}{}) differ in: {}",
-                          experiment.scene.bodies.size() - 1, problem.runs(), out.unknowns, out.nulls,
-                          found.dimension(), found.gap, found.unclear ? ", unclear" : "", out.words);
+  out.words = fmt::format(
+      "{} bodies, {} runs, {} unknowns, {} nulls (found {}, gap {:.1e}{}) {} claimed wrongly, {} withheld wrongly: {}",
+      experiment.scene.bodies.size() - 1, problem.runs(), out.unknowns, out.nulls, found.dimension(), found.gap,
+      found.unclear ? ", unclear" : "", out.false_claims, out.withheld_wrongly, out.words);
   return out;
 }
 
