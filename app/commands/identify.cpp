@@ -136,7 +136,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   const ModelComparison answer = compare_models(all, options);
   const bool usable = !answer.interrupted && std::all_of(answer.models.begin(), answer.models.end(),
                                                          [](const ModelFit& model) { return model.fit.usable(); });
-  return finish(common, compare_models_result(all, answer, common.settings), &files, "", usable, progress, palette);
+  return finish(common, compare_models_result(all, answer), &files, "", usable, progress, palette);
 }
 
 }  // namespace

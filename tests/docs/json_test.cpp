@@ -442,15 +442,16 @@ TEST(JsonDocs, Identify) {
   std::string data = contents(folder.path("measured.csv"));
   const std::size_t row = data.find("\n0.5,");
   ASSERT_NE(row, std::string::npos);
-  data.insert(row + 5, "1");
+  data.replace(row + 5, 4, "0.38");
   folder.write("measured.csv", data);
   folder.write("oscillator.toml", oscillator);
   std::string experiment = measured;
   experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
-  // A lift that oscillates at some 2.6 Hz, read 5 times a second.
-  const std::size_t run = experiment.find("[[run]]");
-  const std::string aliased =
-      experiment.substr(0, run) + "[[run]]\nduration = 6\nrate = 5\nrelease = { obd = 0.005 }\nstart_known = true\n";
+  // An oscillator of 1.007 Hz, read 1.7 times a second.
+  std::string aliased = ratios;
+  const std::string inertia = "[[unknown]]\npath = \"body.wheel.inertia\"\n";
+  aliased.erase(aliased.find(inertia), inertia.size());
+  aliased.replace(aliased.find("duration = 2\nrate = 100"), 23, "duration = 20\nrate = 1.7");
   check_section(
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},

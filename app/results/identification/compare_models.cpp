@@ -158,14 +158,12 @@ void add_estimates(Group& content, const std::vector<const FitProblem*>& problem
 
 }  // namespace
 
-Result compare_models_result(const std::vector<const FitProblem*>& problems, const ModelComparison& answer,
-                             const std::vector<std::string>& settings) {
+Result compare_models_result(const std::vector<const FitProblem*>& problems, const ModelComparison& answer) {
   Result out;
   out.title = fmt::format("{} models of the same readings", problems.size());
   out.source = problems.front()->experiment().source;
   out.verdict = verdict(problems, answer);
   Group& content = out.content;
-  content.data("set", settings);
   content.data("readings", problems.front()->readings());
   content.data("runs", problems.front()->runs());
   content.data("folds", answer.folds);

@@ -9,7 +9,6 @@
 namespace poise::app {
 
 /// The models side by side: costs, criteria, errors of runs held out, tests of nested models, and which runs gain.
-Result compare_models_result(const std::vector<const FitProblem*>& problems, const ModelComparison& answer,
-                             const std::vector<std::string>& settings);
+Result compare_models_result(const std::vector<const FitProblem*>& problems, const ModelComparison& answer);
 
 }  // namespace poise::app
