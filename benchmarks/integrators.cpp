@@ -41,7 +41,7 @@ class FreeMotion : public solvers::OdeSystem {
     reduced_.start_drives(q.data());
     reduced_.choose(0.0, q.data(), false);
     reduced_.expect(q.data());
-    system_.emplace(model_.scaled_scene(), reduced_, no_influences_, 0);
+    system_.emplace(model_.scaled_scene(), reduced_, no_influences_, no_variations_, 0);
     MotionOptions options;
     options.duration = duration;
     const Motion motion = simulate(model_, start, options);
@@ -89,6 +89,7 @@ class FreeMotion : public solvers::OdeSystem {
   MotionModel model_;
   ReducedMotion<double> reduced_;
   std::vector<Influence> no_influences_;
+  std::vector<Variation> no_variations_;
   std::optional<ReducedSystem> system_;
   double end_;
   std::vector<double> from_, size_, y_, dydt_;

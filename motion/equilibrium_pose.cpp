@@ -43,10 +43,15 @@ std::vector<double> motion_coordinates(const MotionModel& motion, const StaticMo
                                    [&](const Coordinate& c) { return c.kind == wanted.kind && c.name == wanted.name; });
     if (same != end) q[i] = static_q[same - from.coordinates.begin()];
   }
-  std::vector<double> x = motion.from_si(std::move(q));
+  return closed_from(motion, motion.from_si(std::move(q)));
+}
+
+std::vector<double> closed_from(const MotionModel& motion, std::vector<double> x) {
   if (largest_gap(motion, x) <= closed_within) return x;
   const EquilibriumProblem problem(motion.mechanism());
-  solvers::Newton newton(problem);
+  solvers::NewtonOptions options;
+  options.closing_starts = 0;
+  solvers::Newton newton(problem, options);
   x = newton.close(x).x;
   const double gap = largest_gap(motion, x);
   if (gap > open_beyond) {

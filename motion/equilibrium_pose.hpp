@@ -16,4 +16,7 @@ namespace poise {
 std::vector<double> motion_coordinates(const MotionModel& motion, const StaticModel& statics,
                                        const std::vector<double>& static_x);
 
+/// Closes the loops of the scaled coordinates x by minimum-norm steps. Throws InputError if that fails.
+std::vector<double> closed_from(const MotionModel& motion, std::vector<double> x);
+
 }  // namespace poise

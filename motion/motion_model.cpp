@@ -9,8 +9,8 @@ MotionModel::MotionModel(Scene scene)
       scaled_(scaled(this->scene(), scales())),
       inertia_(scaled_, mechanism()) {}
 
-MotionModel::MotionModel(Scene scene, const Scales& scales)
-    : ScaledModel(std::move(scene), Purpose::dynamics, scales),
+MotionModel::MotionModel(Scene scene, const Scales& scales, const Scene* also)
+    : ScaledModel(std::move(scene), Purpose::dynamics, scales, also),
       scaled_(scaled(this->scene(), scales)),
       inertia_(scaled_, mechanism()) {}
 

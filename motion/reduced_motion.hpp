@@ -1,22 +1,41 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "model/inertia.hpp"
 #include "model/mechanism.hpp"
+#include "motion/motion_model.hpp"
 #include "motion/small_lu.hpp"
 
 namespace poise {
 
-/// A parameter of the scene for sensitivities of motion: part of a body's inertia, or a number of a force.
+/// A scene around the value of one of its numbers p, as models in the same coordinates and units: the derivative by p
+/// of anything that the model determines is the sum of weight times what each piece determines.
+struct Variation {
+  struct Piece {
+    std::shared_ptr<const MotionModel> model;
+    double weight = 0.0;  ///< per unit of the number
+  };
+  std::vector<Piece> pieces;
+};
+
+/// A parameter of the scene for sensitivities of motion: part of a body's inertia, a number of a force or of a drive,
+/// or any other number, which may move the dependent coordinates.
 struct Influence {
   int body =
       -1;  ///< inertial if >= 0: the change of (m, m x, m y, J about the body's origin) per unit of the parameter
   double mass = 0.0;
   Vec2 first{};
   double moment = 0.0;
-  ForceNumber force{};  ///< if not inertial
-  double by = 1.0;      ///< change of that number per unit
+  int drive = -1;        ///< a number of this drive if >= 0
+  int drive_number = 0;  ///< index into Drive::numbers
+  int variation = -1;    ///< if >= 0 an index into the variations
+  ForceNumber force{};   ///< if none of these
+  double by = 1.0;       ///< change of the number of the force or drive per unit
+
+  /// Coordinates depend on it where z and w are given.
+  bool moves() const { return drive >= 0 || variation >= 0; }
 };
 
 /// The equations of motion of a mechanism in its independent coordinates z, f = freedoms() of the n coordinates q.
@@ -26,6 +45,12 @@ struct Influence {
 /// With G = M a + velocity terms + (-Q) + resistances, d'Alembert's principle B^T G = 0 gives
 ///   (B^T M B) alpha = -B^T G(a0).
 /// Complete pivoting removes redundant closures and chooses z. Units are those of the scene given.
+///
+/// A number p of the scene that closures or drives depend on moves dependent coordinates at fixed z and w. With |p for
+/// the derivative at fixed coordinates, rates, accelerations and multipliers
+///   J q_p + c|p = 0,   J v_p + D2c[v, q_p] + (J v)|p = 0,
+///   J a_p + D3c[v, v, q_p] + 2 D2c[v, v_p] + D2c[a, q_p] + (J a + D2c[v, v] - accelerations of the drives)|p = 0,
+/// and alpha_p follows from  B^T (change of G + J^T multipliers along q_p, v_p, a_p, and its |p) = 0.
 ///
 /// One object per thread: it holds the last state evaluated. Call choose() once (again to change to better
 /// coordinates), then place(), move(), accelerate() and, for derivatives, linearize() in this order.
@@ -42,6 +67,7 @@ class ReducedMotion {
     no_inertia  ///< B^T M B is not positive definite: some degree of freedom has no inertia
   };
 
+  const Layout& layout() const { return mechanism_.layout(); }
   int coordinates() const { return n_; }
   int freedoms() const { return static_cast<int>(independent_.size()); }
   int drives() const { return static_cast<int>(drives_.size()); }
@@ -74,8 +100,14 @@ class ReducedMotion {
   Status accelerate();
   /// Computes the multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
   void linearize();
-  /// The derivative of alpha by a number of the scene, f values.
-  void influence(const Influence& influence, T* alpha) const;
+  /// Those that influences refer to; must outlive this.
+  void set_variations(const std::vector<Variation>& variations);
+  /// The derivative of alpha by a number of the scene, f values. After linearize() where the influence moves().
+  void influence(const Influence& influence, T* alpha);
+  /// After influence() of one that moves(): q_p, v_p and a_p, n values each.
+  const T* q_p() const { return q_p_.data(); }
+  const T* v_p() const { return v_p_.data(); }
+  const T* a_p() const { return a_p_.data(); }
 
   const T* q() const { return q_.data(); }
   const T* v() const { return v_.data(); }
@@ -109,6 +141,16 @@ class ReducedMotion {
     CompiledMeasure<T> on;
     T start{};
   };
+  // c, J v, the second derivatives of c, and G + J^T multipliers: their direct derivatives by a number.
+  struct Direct {
+    std::vector<T> gap, rate, acceleration, force;
+  };
+  struct Piece {
+    std::shared_ptr<const Mechanism<T>> mechanism;
+    std::shared_ptr<const Inertia<T>> inertia;
+    std::vector<DriveRow> drives;
+    T weight{};
+  };
   template <class S>
   friend class ReducedMotion;
   void make_room();
@@ -118,7 +160,9 @@ class ReducedMotion {
   void solve_rows(const T* rows, T* full) const;  // full[dependent] = -Jd^-1 rows, full[independent] = 0
   void place_accelerations();
   void find_multipliers();
-  void linearize_direction(const T* dq, const T* dv, const T* drive_rows, T* da, T* dalpha);
+  void linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha);
+  void linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
+  void add_direct(const Piece& piece);
   void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
   Configuration<T> here() const { return {mechanism_.phasors(), pose_.data(), drive_scratch_.data()}; }
   void project(const T* full, T* reduced) const;
@@ -147,6 +191,11 @@ class ReducedMotion {
   mutable std::vector<Planar<T>> pose_, work_, work2_, drive_scratch_;
   mutable std::vector<T> full_, rows_work_, small_, small_rows_;
   SmallLu<T> lu_;
+
+  std::vector<std::vector<Piece>> variations_;
+  Direct direct_;
+  std::vector<T> q_p_, v_p_, a_p_, varied_rows_, varied_values_, varied_force_;
+  std::vector<Planar<T>> varied_pose_;
 };
 
 extern template class ReducedMotion<double>;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "motion/reduced_motion.hpp"
 
@@ -110,13 +111,16 @@ void ReducedMotion<T>::find_multipliers() {
   }
 }
 
-// With q' = B_k or 0 and v' for one direction: from the phasors' known second time derivative change `work_`, and that
-// of the driven measures `drive_rows` (all but that of the unknown alpha'), finds a' = a'0 + B alpha' with  B^T dG = 0.
+// With q' and v' for one direction: from the phasors' known second time derivative change `work_`, and that of the
+// driven measures `drive_rows_` (all but that of the unknown alpha'), finds a' = a'0 + B alpha' with  B^T dG = 0.
 template <class T>
-void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const T* drive_rows, T* da, T* dalpha) {
+void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha) {
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
   mechanism_.closures_of(work_.data(), rows_work_.data());
-  for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = drive_rows[k];
+  for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = drive_rows_[k];
+  if (direct != nullptr) {
+    for (int r = 0; r < rows_; ++r) rows_work_[r] += direct->acceleration[r];
+  }
   solve_rows(rows_work_.data(), da);
   mechanism_.phasors().first(pose_.data(), da, work2_.data());
   for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
@@ -135,12 +139,41 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const T* dr
     for (int k = 0; k < drives(); ++k) drives_[k].on.add_bend(here(), dq, drive_multipliers_[k], force_.data());
   }
   mechanism_.add_resistance_change(pose_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv, force_.data());
+  if (direct != nullptr) {
+    for (int i = 0; i < n_; ++i) force_[i] += direct->force[i];
+  }
   project(force_.data(), dalpha);
   for (int j = 0; j < freedoms(); ++j) dalpha[j] = -dalpha[j];
   divide_by_mass(dalpha);
   for (int k = 0; k < freedoms(); ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
+}
+
+// Along q' = B_k, or q' = q_p with the direct derivatives by p:  J v' = -D2c[v, q'] - (J v)|p.
+template <class T>
+void ReducedMotion<T>::linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha) {
+  mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
+  std::fill(rows_work_.begin(), rows_work_.end(), T(0));
+  mechanism_.closures_of(work_.data(), rows_work_.data());
+  for (int d = 0; d < drives(); ++d) {
+    rows_work_[mechanism_.equalities() + d] = drives_[d].on.second(here(), v_.data(), dq);
+  }
+  if (direct != nullptr) {
+    for (int r = 0; r < rows_; ++r) rows_work_[r] += direct->rate[r];
+  }
+  solve_rows(rows_work_.data(), dv);
+  mechanism_.phasors().third(pose_.data(), v_.data(), v_.data(), dq, work_.data());
+  mechanism_.phasors().second(pose_.data(), v_.data(), dv, work2_.data());
+  for (int t = 0; t < n_; ++t) work_[t] += T(2) * work2_[t];
+  mechanism_.phasors().second(pose_.data(), a_.data(), dq, work2_.data());
+  for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
+  for (int d = 0; d < drives(); ++d) {
+    const CompiledMeasure<T>& on = drives_[d].on;
+    drive_rows_[d] = on.third(here(), v_.data(), v_.data(), dq) + 2 * on.second(here(), v_.data(), dv) +
+                     on.second(here(), a_.data(), dq);
+  }
+  linearize_direction(dq, dv, direct, da, dalpha);
 }
 
 template <class T>
@@ -151,31 +184,12 @@ void ReducedMotion<T>::linearize() {
     const std::size_t at = static_cast<std::size_t>(k) * n_;
     const std::size_t at_small = static_cast<std::size_t>(k) * freedoms();
     const T* dq = B(k);
-    T* dv = &v_z_[at];
-    // Along z_k: J v' = -D2c[v, q'].
-    mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
-    std::fill(rows_work_.begin(), rows_work_.end(), T(0));
-    mechanism_.closures_of(work_.data(), rows_work_.data());
-    for (int d = 0; d < drives(); ++d) {
-      rows_work_[mechanism_.equalities() + d] = drives_[d].on.second(here(), v_.data(), dq);
-    }
-    solve_rows(rows_work_.data(), dv);
-    mechanism_.phasors().third(pose_.data(), v_.data(), v_.data(), dq, work_.data());
-    mechanism_.phasors().second(pose_.data(), v_.data(), dv, work2_.data());
-    for (int t = 0; t < n_; ++t) work_[t] += T(2) * work2_[t];
-    mechanism_.phasors().second(pose_.data(), a_.data(), dq, work2_.data());
-    for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
-    for (int d = 0; d < drives(); ++d) {
-      const CompiledMeasure<T>& on = drives_[d].on;
-      drive_rows_[d] = on.third(here(), v_.data(), v_.data(), dq) + 2 * on.second(here(), v_.data(), dv) +
-                       on.second(here(), a_.data(), dq);
-    }
-    linearize_direction(dq, dv, drive_rows_.data(), &a_z_[at], &alpha_z_[at_small]);
+    linearize_pose(dq, nullptr, &v_z_[at], &a_z_[at], &alpha_z_[at_small]);
     // Along w_k: v' = B_k.
     mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
     for (int t = 0; t < n_; ++t) work_[t] = T(2) * work_[t];
     for (int d = 0; d < drives(); ++d) drive_rows_[d] = 2 * drives_[d].on.second(here(), v_.data(), dq);
-    linearize_direction(nullptr, dq, drive_rows_.data(), &a_w_[at], &alpha_w_[at_small]);
+    linearize_direction(nullptr, dq, nullptr, &a_w_[at], &alpha_w_[at_small]);
   }
 }
 
@@ -191,12 +205,105 @@ void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, con
 }
 
 template <class T>
-void ReducedMotion<T>::influence(const Influence& influence, T* alpha) const {
-  std::fill(full_.begin(), full_.end(), T(0));
-  add_influence(influence, a_.data(), second_.data(), full_.data());
-  project(full_.data(), alpha);
-  for (int j = 0; j < freedoms(); ++j) alpha[j] = -alpha[j];
-  divide_by_mass(alpha);
+void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) {
+  variations_.clear();
+  std::size_t pose = 0, values = 0, rows = c_.size();
+  for (const Variation& variation : variations) {
+    std::vector<Piece>& pieces = variations_.emplace_back();
+    for (const auto& [model, weight] : variation.pieces) {
+      Piece& piece = pieces.emplace_back();
+      const Scene& scene = model->scaled_scene();
+      if constexpr (std::is_same_v<T, double>) {
+        piece.mechanism = {model, &model->mechanism()};
+        piece.inertia = {model, &model->inertia()};
+      } else {
+        piece.mechanism = std::make_shared<const Mechanism<T>>(scene, model->layout(), Purpose::dynamics);
+        piece.inertia = std::make_shared<const Inertia<T>>(scene, *piece.mechanism);
+      }
+      piece.weight = static_cast<T>(weight);
+      int drive_scratch = 0;
+      for (const Drive& drive : scene.drives) {
+        piece.drives.push_back({drive,
+                                {scene, piece.mechanism->layout(), piece.mechanism->phasors(), drive.on},
+                                static_cast<T>(drive.start.value_or(0.0))});
+        drive_scratch = std::max(drive_scratch, piece.drives.back().on.scratch_size());
+      }
+      pose = std::max(pose, static_cast<std::size_t>(piece.mechanism->pose_size() + drive_scratch));
+      values = std::max(values, piece.mechanism->jacobian_row().size());
+      rows = std::max(rows, static_cast<std::size_t>(piece.mechanism->constraints()));
+    }
+  }
+  varied_pose_.resize(pose);
+  varied_values_.resize(values);
+  varied_rows_.resize(rows);
+}
+
+// Phasors are those of the pose placed, because they depend on coordinates only.
+template <class T>
+void ReducedMotion<T>::add_direct(const Piece& piece) {
+  const Mechanism<T>& m = *piece.mechanism;
+  const int equalities = mechanism_.equalities();
+  Planar<T>* pose = varied_pose_.data();
+  std::copy(pose_.begin(), pose_.begin() + m.phasors().pose_size(), pose);
+  const Configuration<T> there{m.phasors(), pose, pose + m.pose_size()};
+  const auto add_rows = [&](std::vector<T>& sum, const auto& driven) {
+    for (int r = 0; r < equalities; ++r) sum[r] += piece.weight * varied_rows_[r];
+    for (int k = 0; k < drives(); ++k) sum[equalities + k] += piece.weight * driven(piece.drives[k]);
+  };
+  T* g = varied_force_.data();
+  m.negative_force(q_.data(), pose, g);
+  m.add_resistance(pose, v_.data(), g);
+  piece.inertia->weigh(second_.data(), work2_.data());
+  m.phasors().add_projection(pose, work2_.data(), g);
+  for (int i = 0; i < n_; ++i) g[i] += piece.inertia->moment(i) * a_[i];
+  if (rows_ > 0) {
+    m.constraint(q_.data(), pose, varied_rows_.data());
+    add_rows(direct_.gap, [&](const DriveRow& d) { return d.on.value(there) - d.start; });
+    m.phasors().first(pose, v_.data(), work_.data());
+    m.closures_of(work_.data(), varied_rows_.data());
+    add_rows(direct_.rate, [&](const DriveRow& d) { return d.on.along(there, v_.data()); });
+    m.closures_of(second_.data(), varied_rows_.data());
+    add_rows(direct_.acceleration, [&](const DriveRow& d) {
+      return d.on.second(there, v_.data(), v_.data()) + d.on.along(there, a_.data());
+    });
+    m.jacobian(pose, varied_values_.data());
+    const auto& row = m.jacobian_row();
+    const auto& column = m.jacobian_column();
+    for (std::size_t e = 0; e < row.size(); ++e) {
+      if (row[e] < equalities) g[column[e]] += multipliers_[row[e]] * varied_values_[e];
+    }
+    for (int k = 0; k < drives(); ++k) piece.drives[k].on.add_gradient(there, drive_multipliers_[k], g);
+  }
+  for (int i = 0; i < n_; ++i) direct_.force[i] += piece.weight * g[i];
+}
+
+template <class T>
+void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
+  if (!influence.moves()) {
+    std::fill(full_.begin(), full_.end(), T(0));
+    add_influence(influence, a_.data(), second_.data(), full_.data());
+    project(full_.data(), alpha);
+    for (int j = 0; j < freedoms(); ++j) alpha[j] = -alpha[j];
+    divide_by_mass(alpha);
+    return;
+  }
+  for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force}) {
+    std::fill(part->begin(), part->end(), T(0));
+  }
+  if (influence.drive >= 0) {
+    const Drive& drive = drives_[influence.drive].drive;
+    const int row = mechanism_.equalities() + influence.drive;
+    const auto moved = [&](int order) {
+      return -static_cast<T>(influence.by) * drive.moved_by(influence.drive_number, t_, order);
+    };
+    direct_.gap[row] = moved(0);
+    direct_.rate[row] = moved(1);
+    direct_.acceleration[row] = moved(2);
+  } else {
+    for (const Piece& piece : variations_[influence.variation]) add_direct(piece);
+  }
+  solve_rows(direct_.gap.data(), q_p_.data());
+  linearize_pose(q_p_.data(), &direct_, v_p_.data(), a_p_.data(), alpha);
 }
 
 template <class T>

@@ -20,7 +20,13 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   drive_rows_.assign(drives_.size(), T(0));
   rows_ = mechanism.equalities() + drives();
   const std::size_t n = static_cast<std::size_t>(n_);
-  for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_}) full->assign(n, T(0));
+  for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_,
+                     &varied_force_}) {
+    full->assign(n, T(0));
+  }
+  for (auto* rows : {&direct_.gap, &direct_.rate, &direct_.acceleration}) {
+    rows->assign(static_cast<std::size_t>(rows_), T(0));
+  }
   const std::size_t constraints = static_cast<std::size_t>(mechanism.constraints()) + drives_.size();
   for (auto* rows : {&c_, &rows_work_, &multipliers_}) rows->assign(constraints, T(0));
   J_.resize(rows_ * n);

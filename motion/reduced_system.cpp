@@ -22,8 +22,11 @@ constexpr double small_pivot = 0.05;
 /// The same motion in long double.
 class ReducedSystem::Fine {
  public:
-  Fine(const Scene& scene, const ReducedMotion<double>& reduced)
-      : mechanism_(scene, Purpose::dynamics), inertia_(scene, mechanism_), motion_(scene, mechanism_, inertia_) {
+  Fine(const Scene& scene, const ReducedMotion<double>& reduced, const std::vector<Variation>& variations)
+      : mechanism_(scene, reduced.layout(), Purpose::dynamics),
+        inertia_(scene, mechanism_),
+        motion_(scene, mechanism_, inertia_) {
+    motion_.set_variations(variations);
     motion_.take_over(reduced);
     motion_.set_singular_limit(0.0L);
   }
@@ -47,13 +50,18 @@ class ReducedSystem::Fine {
 };
 
 ReducedSystem::ReducedSystem(const Scene& scene, ReducedMotion<double>& reduced,
-                             const std::vector<Influence>& influences, int columns)
+                             const std::vector<Influence>& influences, const std::vector<Variation>& variations,
+                             int columns)
     : scene_(scene),
       reduced_(reduced),
       influences_(influences),
+      variations_(variations),
       columns_(columns),
       freedoms_(reduced.freedoms()),
-      alpha_p_(influences.size() * static_cast<std::size_t>(freedoms_)) {}
+      alpha_p_(influences.size() * static_cast<std::size_t>(freedoms_)),
+      moved_p_(3 * influences.size() * static_cast<std::size_t>(reduced.coordinates())) {
+  reduced_.set_variations(variations);
+}
 
 ReducedSystem::~ReducedSystem() = default;
 
@@ -66,7 +74,7 @@ bool ReducedSystem::rates(double t, const double* y, double* dydt) {
   if (status != Status::ok) return false;
   if (columns_ > 0) reduced_.linearize();
   if (reduced_.rank() > 0 && reduced_.pivot() < small_pivot) {
-    if (!fine_) fine_ = std::make_unique<Fine>(scene_, reduced_);
+    if (!fine_) fine_ = std::make_unique<Fine>(scene_, reduced_, variations_);
     if (fine_->evaluate(t, y, reduced_)) {
       if (columns_ > 0) fine_->motion().linearize();
       fill(fine_->motion(), y, dydt);
@@ -78,7 +86,7 @@ bool ReducedSystem::rates(double t, const double* y, double* dydt) {
 }
 
 template <class T>
-void ReducedSystem::fill(const ReducedMotion<T>& motion, const double* y, double* dydt) {
+void ReducedSystem::fill(ReducedMotion<T>& motion, const double* y, double* dydt) {
   const int f = freedoms_;
   const auto alpha = [&](const T* values, int j) { return static_cast<double>(values[j]); };
   std::copy(y + f, y + 2 * f, dydt);
@@ -93,6 +101,11 @@ void ReducedSystem::fill(const ReducedMotion<T>& motion, const double* y, double
       std::vector<T> by(static_cast<std::size_t>(f));
       motion.influence(influences_[p], by.data());
       for (int j = 0; j < f; ++j) own[j] = alpha(by.data(), j);
+    }
+    if (!influences_[p].moves()) continue;
+    double* moved = &moved_p_[3 * p * static_cast<std::size_t>(motion.coordinates())];
+    for (const T* part : {motion.q_p(), motion.v_p(), motion.a_p()}) {
+      for (int i = 0; i < motion.coordinates(); ++i) *moved++ = static_cast<double>(part[i]);
     }
   }
   const double* s = y + 2 * f + 1;

@@ -19,7 +19,7 @@ class ReducedSystem : public solvers::OdeSystem {
  public:
   /// All must outlive this; `scene` is that of `reduced`, `columns` sensitivities are 0 or 2 f and one per influence.
   ReducedSystem(const Scene& scene, ReducedMotion<double>& reduced, const std::vector<Influence>& influences,
-                int columns);
+                const std::vector<Variation>& variations, int columns);
   ~ReducedSystem() override;
 
   int size() const override { return 2 * freedoms_ + 1 + 2 * freedoms_ * columns_; }
@@ -27,6 +27,8 @@ class ReducedSystem : public solvers::OdeSystem {
 
   /// The derivative of alpha by influence p, of the state evaluated last.
   const double* alpha_p(int p) const { return &alpha_p_[static_cast<std::size_t>(p * freedoms_)]; }
+  /// Of an influence that moves(): the derivatives of q, v and a at fixed z and w, one after the other.
+  const double* moved_p(int p) const { return &moved_p_[3 * static_cast<std::size_t>(p * reduced_.coordinates())]; }
 
   int evaluations = 0;
   /// Why rates() failed.
@@ -35,14 +37,15 @@ class ReducedSystem : public solvers::OdeSystem {
  private:
   class Fine;
   template <class T>
-  void fill(const ReducedMotion<T>& motion, const double* y, double* dydt);
+  void fill(ReducedMotion<T>& motion, const double* y, double* dydt);
 
   const Scene& scene_;
   ReducedMotion<double>& reduced_;
   const std::vector<Influence>& influences_;
+  const std::vector<Variation>& variations_;
   int columns_;
   int freedoms_;
-  std::vector<double> alpha_p_;
+  std::vector<double> alpha_p_, moved_p_;
   std::unique_ptr<Fine> fine_;  // made at first use
 };
 

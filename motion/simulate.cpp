@@ -239,7 +239,8 @@ class Simulation {
   }
 
   void remake() {
-    system_ = std::make_unique<ReducedSystem>(model_.scaled_scene(), reduced_, options_.influences, columns_);
+    system_ = std::make_unique<ReducedSystem>(model_.scaled_scene(), reduced_, options_.influences, options_.variations,
+                                              columns_);
     stepper_ = std::make_unique<solvers::RungeKutta78>(*system_);
     dydt_.resize(y_.size());
     dydt_new_.resize(y_.size());
@@ -317,15 +318,17 @@ class Simulation {
       const double* s = &y_[static_cast<std::size_t>(2 * f + 1 + 2 * f * c)];
       const double per = 1.0 / unit_of_column(c);
       const double* own = c < 2 * f ? nullptr : system_->alpha_p(c - 2 * f);
+      const bool moves = own != nullptr && options_.influences[static_cast<std::size_t>(c - 2 * f)].moves();
+      const double* moved = moves ? system_->moved_p(c - 2 * f) : nullptr;
       for (std::size_t i = 0; i < n_; ++i) {
-        double dq = 0.0;
-        double dv = 0.0;
-        double da = 0.0;
+        double dq = moves ? moved[i] : 0.0;
+        double dv = moves ? moved[n_ + i] : 0.0;
+        double da = moves ? moved[2 * n_ + i] : 0.0;
         for (int k = 0; k < f; ++k) {
           dq += reduced_.B(k)[i] * s[k];
           dv += reduced_.v_z(k)[i] * s[k] + reduced_.B(k)[i] * s[f + k];
           da += reduced_.a_z(k)[i] * s[k] + reduced_.a_w(k)[i] * s[f + k];
-          if (own != nullptr) da += reduced_.B(k)[i] * own[k];
+          if (own != nullptr && !moves) da += reduced_.B(k)[i] * own[k];
         }
         const std::size_t at = first + i * width + static_cast<std::size_t>(c);
         path.q_p[at] = unit_[i] * per * dq;

@@ -25,10 +25,11 @@ struct StartValue {
 };
 
 /// Closes the loops of the scene's start, or takes the closed `q` (SI), and moves to the values `wanted` with the least
-/// change of all other degrees of freedom; other independent rates are zero. Throws InputError if the loops cannot be
-/// closed there, or the values contradict each other.
+/// change of all other degrees of freedom; other independent rates are zero. Changes are those of the coordinates
+/// `independent`, where given. Throws InputError if the loops cannot be closed there, or the values contradict each
+/// other.
 MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted,
-                         const std::vector<double>* q = nullptr);
+                         const std::vector<double>* q = nullptr, const std::vector<int>* independent = nullptr);
 
 struct MotionOptions {
   double duration = 1.0;  ///< s
@@ -41,6 +42,7 @@ struct MotionOptions {
   /// Initial choice of independent coordinates, if it is to be the same in several motions; empty: chosen.
   std::vector<int> independent{};
   std::vector<Influence> influences{};  ///< in the units of the scaled scene, per unit of the caller's number
+  std::vector<Variation> variations{};  ///< that influences refer to
   int most_steps = 10'000'000;
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(double)> progress{};  ///< called with the time reached, at every step

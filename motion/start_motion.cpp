@@ -42,12 +42,12 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
 
 }  // namespace
 
-MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted,
-                         const std::vector<double>* q) {
+MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted, const std::vector<double>* q,
+                         const std::vector<int>* chosen) {
   std::vector<double> x = q != nullptr ? model.from_si(*q) : close_loops(model);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   reduced.start_drives(x.data());
-  reduced.choose(0.0, x.data(), false);
+  reduced.choose(0.0, x.data(), false, chosen);
   const auto unit = [&](int i) { return i < model.layout().angles ? 1.0 : model.scales().length; };
   std::vector<StartValue> places, rates;
   for (StartValue s : wanted) {

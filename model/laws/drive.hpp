@@ -38,6 +38,38 @@ struct Drive {
     return S(acceleration) - S(amplitude) * omega * omega * sin(turn);
   }
 
+  /// The derivative of moved(t, derivative) + start by numbers[number].
+  template <class S>
+  S moved_by(int number, const S& t, int derivative) const {
+    using std::cos;
+    using std::sin;
+    const S two_pi = 2 * static_cast<S>(std::numbers::pi);
+    const S omega = two_pi * static_cast<S>(frequency);
+    const S turn = omega * t + static_cast<S>(phase);
+    const S a(amplitude);
+    switch (number) {
+      case 0:
+        return derivative == 0 ? S(1) : S(0);
+      case 1:
+        return derivative == 0 ? t : derivative == 1 ? S(1) : S(0);
+      case 2:
+        return derivative == 0 ? t * t / 2 : derivative == 1 ? t : S(1);
+      case 3:
+        return derivative == 0   ? sin(turn) - sin(static_cast<S>(phase))
+               : derivative == 1 ? omega * cos(turn)
+                                 : -omega * omega * sin(turn);
+      case 4:
+        return two_pi * a *
+               (derivative == 0   ? t * cos(turn)
+                : derivative == 1 ? cos(turn) - omega * t * sin(turn)
+                                  : -omega * (2 * sin(turn) + omega * t * cos(turn)));
+      default:
+        return a * (derivative == 0   ? cos(turn) - cos(static_cast<S>(phase))
+                    : derivative == 1 ? -omega * sin(turn)
+                                      : -omega * omega * cos(turn));
+    }
+  }
+
   static const std::array<Number, 6> numbers;
 };
 
