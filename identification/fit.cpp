@@ -361,6 +361,8 @@ class Fitting {
     options.linear_solver_type = ceres::DENSE_QR;
     options.logging_type = ceres::SILENT;
     options.max_num_iterations = 60;
+    // Trial dimensions with which the mechanism cannot be assembled make a step invalid, and the next one shorter.
+    options.max_num_consecutive_invalid_steps = 20;
     options.function_tolerance = window < 1.0 ? 1e-4 : options_.function_tolerance;
     options.parameter_tolerance = 1e-14;
     options.gradient_tolerance = 1e-12;

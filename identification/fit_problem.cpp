@@ -40,8 +40,8 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
       const std::optional<SceneParameter> number = SceneParameter::find(experiment.scene, unknown.path);
       if (!number) {
         throw InputError(fmt::format(
-            "{}:{}: unknown \"{}\": expected a number that leaves the geometry as it is (a mass, centre, inertia, "
-            "stiffness, free length, damping, friction or load); fix it with set",
+            "{}:{}: unknown \"{}\": expected a number that the motion depends on: none of a stop or of [start], and no "
+            "start that its drive leaves out",
             experiment.file, unknown.line, unknown.path));
       }
       const std::string group = group_of(unknown.per, run);

@@ -37,13 +37,16 @@ Scene disturbed(Scene scene) {
 
 /// A run's model with what its unknowns change.
 struct Acting {
-  Acting(const MotionModel& m, const std::vector<Influence>& i, const std::vector<Sensor>& s)
-      : model(m), influences(i), sensors(s), reduced(m.scaled_scene(), m.mechanism(), m.inertia()) {
+  Acting(const MotionModel& m, const std::vector<Influence>& i, const std::vector<Variation>& v,
+         const std::vector<Sensor>& s)
+      : model(m), influences(i), variations(v), sensors(s), reduced(m.scaled_scene(), m.mechanism(), m.inertia()) {
     for (const Sensor& sensor : sensors) readers.emplace_back(model, sensor);
+    reduced.set_variations(variations);
   }
 
   const MotionModel& model;
   const std::vector<Influence>& influences;
+  const std::vector<Variation>& variations;
   const std::vector<Sensor>& sensors;
   Reduced reduced;
   std::vector<SensorReader> readers;
@@ -57,27 +60,49 @@ struct Acting {
     const Eigen::Index f = reduced.freedoms();
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows(), static_cast<Eigen::Index>(influences.size()));
     std::vector<double> alpha(static_cast<std::size_t>(f));
-    for (std::size_t p = 0; p < influences.size(); ++p) {
-      reduced.influence(influences[p], alpha.data());
-      out.col(static_cast<Eigen::Index>(p)).head(f) = Eigen::Map<const Eigen::VectorXd>(alpha.data(), f);
-    }
+    reduced.linearize();
     const std::size_t n = static_cast<std::size_t>(reduced.coordinates());
     const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + n});
     const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + n});
-    for (std::size_t k = 0; k < sensors.size(); ++k) {
-      if (!sensors[k].reads_force()) continue;
-      const std::vector<int>& on = readers[k].coordinates();
-      std::vector<double> own_q, own_v, by_q(on.size()), by_v(on.size());
-      for (const int i : on) {
-        own_q.push_back(q[static_cast<std::size_t>(i)]);
-        own_v.push_back(v[static_cast<std::size_t>(i)]);
-      }
-      readers[k].read(own_q.data(), own_v.data(), by_q.data(), by_v.data());
-      for (std::size_t p = 0; p < numbers.size(); ++p) {
-        out(f + static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(p)) =
-            numbers[p].force_by(model.scene(), sensors[k].element, readers[k].measure(), 0.0);
+    for (std::size_t p = 0; p < influences.size(); ++p) {
+      reduced.influence(influences[p], alpha.data());
+      out.col(static_cast<Eigen::Index>(p)).head(f) = Eigen::Map<const Eigen::VectorXd>(alpha.data(), f);
+      for (std::size_t k = 0; k < sensors.size(); ++k) {
+        double& by = out(f + static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(p));
+        if (sensors[k].reads_force()) {
+          const double g = read(readers[k], q, v, nullptr, nullptr).measure;
+          by += numbers[p].force_by(model.scene(), sensors[k].element, g, 0.0);
+        }
+        if (!influences[p].moves()) continue;
+        const std::vector<double> q_p = model.to_si({reduced.q_p(), reduced.q_p() + n});
+        const std::vector<double> v_p = model.to_si({reduced.v_p(), reduced.v_p() + n});
+        by += read(readers[k], q, v, q_p.data(), v_p.data()).change;
+        if (influences[p].variation < 0) continue;
+        for (const auto& [piece, weight] : variations[static_cast<std::size_t>(influences[p].variation)].pieces) {
+          SensorReader reader(*piece, sensors[k]);
+          by += weight * read(reader, q, v, nullptr, nullptr).value;
+        }
       }
     }
+    return out;
+  }
+
+  struct Read {
+    double value = 0.0, measure = 0.0, change = 0.0;  // the change along q' and v'
+  };
+  static Read read(SensorReader& reader, const std::vector<double>& q, const std::vector<double>& v, const double* q_p,
+                   const double* v_p) {
+    const std::vector<int>& on = reader.coordinates();
+    std::vector<double> own_q, own_v, by_q(on.size()), by_v(on.size());
+    for (const int i : on) {
+      own_q.push_back(q[static_cast<std::size_t>(i)]);
+      own_v.push_back(v[static_cast<std::size_t>(i)]);
+    }
+    Read out;
+    out.value = reader.read(own_q.data(), own_v.data(), by_q.data(), by_v.data());
+    out.measure = reader.measure();
+    for (std::size_t i = 0; q_p != nullptr && i < on.size(); ++i)
+      out.change += by_q[i] * q_p[on[i]] + by_v[i] * v_p[on[i]];
     return out;
   }
 };
@@ -86,27 +111,28 @@ struct Acting {
 
 RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisances, int states) const {
   Actions out;
-  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), false);
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), true);
   if (!built.model) return out;
   const MotionModel& model = *built.model;
   const Motion motion = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false);
-  const std::vector<double> x = model.from_si(built.q_equilibrium.empty() ? closed_ : built.q_equilibrium);
+  const std::vector<double> x = model.from_si(built.q);
   std::vector<Sensor> sensors;
   for (std::size_t k = 0; k < times_.size(); ++k) {
     if (!times_[k].empty()) sensors.push_back(experiment_.sensors[k]);
   }
-  Acting own(model, built.influences, sensors);
+  Acting own(model, built.influences, built.variations, sensors);
   own.reduced.start_drives(x.data());
   own.reduced.choose(0.0, x.data(), false, &independent_);
   own.reduced.expect(x.data());
 
   const Scene near = disturbed(model.scene());
-  const MotionModel near_model(near, scales_);
+  const MotionModel near_model(near, scales_, also());
   std::vector<SceneParameter> numbers = numbers_;
   if (set_by_equilibrium_) numbers.push_back(*set_by_equilibrium_);
-  std::vector<Influence> near_influences;
-  for (const SceneParameter& number : numbers) near_influences.push_back(number.influence(near, scales_));
-  Acting changed(near_model, near_influences, sensors);
+  Built changes;
+  vary(near, changes);
+  if (set_by_equilibrium_) changes.influences.push_back(set_by_equilibrium_->influence(near, scales_));
+  Acting changed(near_model, changes.influences, changes.variations, sensors);
   changed.reduced.start_drives(x.data());
   changed.reduced.choose(0.0, x.data(), false, &independent_);
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "identification/sensor_reader.hpp"
+#include "motion/equilibrium_pose.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -20,27 +21,41 @@ using Reduced = ReducedMotion<double>;
 
 std::string at(const Experiment& experiment, int line) { return fmt::format("{}:{}: ", experiment.file, line); }
 
-/// start_motion() to values that are written at a place of the experiment, which its errors name.
-MotionState start_at(const std::string& place, const MotionModel& model, const std::vector<StartValue>& wanted,
-                     const std::vector<double>* q = nullptr) {
+/// A start with values that are written at a place of the experiment, which its errors name.
+template <class Make>
+auto start_at(const std::string& place, Make make) {
   try {
-    return start_motion(model, wanted, q);
+    return make();
   } catch (const InputError& error) {
     throw InputError(place + error.what());
   }
 }
 
+/// A sensor in a piece of the variation of a number.
+struct VariedReader {
+  SensorReader reader;
+  std::vector<std::size_t> places;
+  std::size_t number;
+  double weight;
+};
+
 }  // namespace
 
-std::pair<int, double> RunModel::coordinate_of(const Scene& scene, const Layout& layout, int body, int joint,
-                                               int line) {
-  if (joint >= 0) return {layout.travel[static_cast<std::size_t>(joint)], 0.0};
+/// The value of an angle of a body, or of a travel, as one of a coordinate.
+StartValue RunModel::coordinate_at(const MotionModel& model, int body, int joint, int line, double value) {
+  const Layout& layout = model.layout();
+  if (joint >= 0) return {layout.travel[static_cast<std::size_t>(joint)], false, value};
   const Link& link = layout.links[static_cast<std::size_t>(body)];
   if (link.frame < 0 || link.frame >= layout.kept) {
-    throw InputError(fmt::format("{}:{}: {}: expected a body that turns and has inertia; name another", scene.file,
-                                 line, scene.bodies[static_cast<std::size_t>(body)].name));
+    throw InputError(fmt::format("{}:{}: {}: expected a body that turns and has inertia; name another",
+                                 model.scene().file, line, model.scene().bodies[static_cast<std::size_t>(body)].name));
   }
-  return {link.frame, layout.turns[static_cast<std::size_t>(link.turn)].to<double>()};
+  return {link.frame, false, value - layout.turns[static_cast<std::size_t>(link.turn)].to<double>()};
+}
+
+StartValue RunModel::equilibrium_in(const MotionModel& model, double at) const {
+  const EquilibriumPose& pose = *run_.equilibrium;
+  return coordinate_at(model, pose.body, pose.joint, pose.line, at);
 }
 
 RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers)
@@ -48,27 +63,46 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
   start_unknown_ = run_.unknown_start;
   equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
-  const MotionModel model(scene_);
-  scales_ = model.scales();
-  const Layout& layout = model.layout();
-  std::vector<StartValue> wanted;
+  const MotionModel as_written(scene_);
+  scales_ = as_written.scales();
+  size_ = as_written.layout().size * scales_.length;
+  const auto is_linear = [](const Measure& on) {
+    return on.kind == Measure::Kind::angle || on.kind == Measure::Kind::travel;
+  };
+  for (const Element& element : scene_.elements) quadratic_ = quadratic_ && is_linear(element.on);
+  for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
+  quadratic_ = quadratic_ && start_unknown_ && scene_.drives.empty();
+  for (const SceneParameter& number : numbers_) {
+    if (!number.is_geometric()) continue;
+    if (!also_) also_ = scene_;
+    // No other number that the scene has is likely to cancel these.
+    number.set(*also_, number.get(scene_) + 0.0618033988749895 * reach(number));
+  }
   std::string place;
+  std::vector<StartValue> wanted;
+  const MotionModel model(scene_, scales_, also());
   if (run_.equilibrium) {
     place = at(experiment, run_.equilibrium->line) + "rest.at: ";
     set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
-    if (!set_by_equilibrium_ || set_by_equilibrium_->scales_with_force()) {
+    if (!set_by_equilibrium_ || set_by_equilibrium_->place().owner != Owner::element ||
+        set_by_equilibrium_->scales_with_force()) {
       throw InputError(at(experiment, run_.equilibrium->line) +
                        "rest.by: expected the free length of a spring or the free angle "
                        "of a torsion spring, found \"" +
                        run_.equilibrium->by + "\"; give spring.NAME.free_length");
     }
-    std::tie(equilibrium_coordinate_, equilibrium_turn_) =
-        coordinate_of(scene_, layout, run_.equilibrium->body, run_.equilibrium->joint, run_.equilibrium->line);
-    wanted.push_back({equilibrium_coordinate_, false, run_.equilibrium->at - equilibrium_turn_});
+    wanted.push_back(equilibrium_in(model, run_.equilibrium->at));
+    equilibrium_coordinate_ = wanted.back().coordinate;
   }
-  closed_ = start_at(place, model, wanted).q;
-  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  const std::vector<double> x = model.from_si(closed_);
+  closed_ = start_at(place, [&] { return start_motion(model, wanted); }).q;
+  for (std::size_t k = 0; k < scene_.drives.size(); ++k) {
+    if (scene_.drives[k].start) continue;
+    measured_starts_.push_back(static_cast<int>(k));
+  }
+  const Assembled assembled = assemble(scene_, true);
+  scene_ = assembled.model->scene();
+  Reduced reduced(assembled.model->scaled_scene(), assembled.model->mechanism(), assembled.model->inertia());
+  const std::vector<double> x = assembled.model->from_si(closed_);
   reduced.start_drives(x.data());
   reduced.choose(0.0, x.data(), false);
   freedoms_ = reduced.freedoms();
@@ -80,27 +114,10 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
             "rest: expected a mechanism with one degree of freedom, found {}; make {} an unknown per run instead",
             freedoms_, run_.equilibrium->by));
   }
-  std::vector<StartValue> release;
-  for (const Release& r : run_.release) {
-    const auto [coordinate, turn] = coordinate_of(scene_, layout, r.body, r.joint, r.line);
-    const double base = run_.equilibrium && !r.rate ? closed_[static_cast<std::size_t>(coordinate)]
-                        : r.rate                    ? 0.0
-                                                    : -turn;
-    release.push_back({coordinate, r.rate, base + r.value});
-  }
   if (!run_.release.empty()) place = at(experiment, run_.release.front().line) + "release: ";
-  if (!start_unknown_ && !run_.is_simulated()) {
-    const std::vector<double> z = model.from_si(closed_);
-    reduced.expect(z.data());
-    std::vector<double> independent;
-    for (const int i : independent_) independent.push_back(z[static_cast<std::size_t>(i)]);
-    if (reduced.place(0.0, independent.data()) == Reduced::Status::ok) {
-      complete_start(model, reduced, experiment.records[run], release);
-    }
-  }
-  const MotionState state = start_at(place, model, release, &closed_);
-  for (const int i : independent_) released_.push_back(state.q[static_cast<std::size_t>(i)]);
-  for (const int i : independent_) released_.push_back(state.v[static_cast<std::size_t>(i)]);
+  if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
+  const std::vector<StartValue> release = start_values(*assembled.model, closed_);
+  released_ = start_at(place, [&] { return start_in(*assembled.model, release, closed_); });
   if (run_.is_simulated()) {
     const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
     std::vector<double> times;
@@ -177,11 +194,79 @@ std::size_t RunModel::readings(double until) const {
 
 double RunModel::span() const { return readings_.empty() ? 0.0 : readings_.back().time; }
 
+/// A length, angle or acceleration over which the mechanism changes considerably.
+double RunModel::reach(const SceneParameter& number) const {
+  if (number.place().owner == Owner::scene) return std::max(1.0, norm(scene_.gravity));
+  return number.is_length() ? size_ : std::max(1.0, std::abs(number.get(scene_)));
+}
+
+/// The scene in its coordinates and units, the loops closed if asked for. Drives without a start begin where they are
+/// then.
+RunModel::Assembled RunModel::assemble(Scene scene, bool closed) const {
+  Assembled out{std::make_shared<const MotionModel>(scene, scales_, also()), closed_};
+  if (closed && also_) out.q = out.model->to_si(closed_from(*out.model, out.model->from_si(closed_)));
+  if (measured_starts_.empty()) return out;
+  for (const int k : measured_starts_) {
+    Drive& drive = scene.drives[static_cast<std::size_t>(k)];
+    Sensor sensor;
+    sensor.on = drive.on;
+    SensorReader reader(*out.model, sensor);
+    std::vector<double> q, none(reader.coordinates().size(), 0.0), by_q(none), by_v(none);
+    for (const int i : reader.coordinates()) q.push_back(out.q[static_cast<std::size_t>(i)]);
+    drive.start = reader.read(q.data(), none.data(), by_q.data(), by_v.data());
+  }
+  out.model = std::make_shared<const MotionModel>(std::move(scene), scales_, also());
+  return out;
+}
+
+/// Where the run starts, from the closed pose q.
+std::vector<StartValue> RunModel::start_values(const MotionModel& model, const std::vector<double>& q) const {
+  std::vector<StartValue> wanted;
+  for (const Release& r : run_.release) {
+    StartValue value = coordinate_at(model, r.body, r.joint, r.line, r.value);
+    value.rate = r.rate;
+    if (r.rate) {
+      value.value = r.value;
+    } else if (run_.equilibrium) {
+      value.value = r.value + q[static_cast<std::size_t>(value.coordinate)];
+    }
+    wanted.push_back(value);
+  }
+  if (first_readings_ == nullptr) return wanted;
+  const std::vector<double> x = model.from_si(q);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.start_drives(x.data());
+  reduced.choose(0.0, x.data(), false, &independent_);
+  reduced.expect(x.data());
+  std::vector<double> z;
+  for (const int i : independent_) z.push_back(x[static_cast<std::size_t>(i)]);
+  if (reduced.place(0.0, z.data()) == Reduced::Status::ok) complete_start(model, reduced, *first_readings_, wanted);
+  return wanted;
+}
+
+/// Initial independent coordinates and rates of a run that starts so, from the closed pose q.
+std::vector<double> RunModel::start_in(const MotionModel& model, const std::vector<StartValue>& wanted,
+                                       const std::vector<double>& q) const {
+  const MotionState state = start_motion(model, wanted, &q, &independent_);
+  std::vector<double> out;
+  for (const int i : independent_) out.push_back(state.q[static_cast<std::size_t>(i)]);
+  for (const int i : independent_) out.push_back(state.v[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+/// The same of the run as it is released in this model.
+std::vector<double> RunModel::released_in(const MotionModel& model, std::vector<double> q) const {
+  if (run_.equilibrium) {
+    q = start_motion(model, {equilibrium_in(model, run_.equilibrium->at)}, &q, &independent_).q;
+  }
+  return start_in(model, start_values(model, q), q);
+}
+
 std::vector<std::string> RunModel::nuisance_names() const {
   std::vector<std::string> names;
   if (equilibrium_unknown_) names.emplace_back("equilibrium");
   if (!start_unknown_) return names;
-  const Layout layout = lay_out(scene_, Purpose::dynamics);
+  const Layout layout = lay_out(scene_, Purpose::dynamics, also());
   for (const char* what : {"start ", "start rate "}) {
     for (const int i : independent_) names.push_back(what + layout.coordinates[static_cast<std::size_t>(i)].name);
   }
@@ -192,7 +277,7 @@ std::vector<Dimension> RunModel::nuisance_dimensions() const {
   std::vector<Dimension> out;
   if (equilibrium_unknown_) out.push_back(run_.equilibrium->body >= 0 ? dimension::angle : dimension::length);
   if (!start_unknown_) return out;
-  const Layout layout = lay_out(scene_, Purpose::dynamics);
+  const Layout layout = lay_out(scene_, Purpose::dynamics, also());
   for (const int per_time : {0, -1}) {
     for (const int i : independent_) {
       const bool angle = layout.coordinates[static_cast<std::size_t>(i)].kind == Coordinate::Kind::angle;
@@ -215,80 +300,146 @@ std::vector<double> RunModel::released() const {
   return values;
 }
 
-const double* RunModel::start_of(const double* nuisances) const {
-  return start_unknown_ ? nuisances + (equilibrium_unknown_ ? 1 : 0) : released_.data();
-}
-
 std::vector<double> RunModel::start_of_run(const std::vector<double>& nuisances) const {
-  const double* start = start_of(nuisances.data());
-  return {start, start + freedoms_};
+  if (!start_unknown_) return {released_.begin(), released_.begin() + freedoms_};
+  const auto first = nuisances.begin() + (equilibrium_unknown_ ? 1 : 0);
+  return {first, first + freedoms_};
 }
 
-// In equilibrium alpha(z_e, L, p) = 0, which is linear in L: one step finds it.
 RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool derivatives) const {
   Built out;
   Scene scene = scene_;
-  for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i].set(scene, unknowns[i]);
-  if (run_.equilibrium) {
-    MotionModel model(scene, scales_);
-    try {
-      out.q_equilibrium =
-          start_motion(model, {{equilibrium_coordinate_, false, equilibrium - equilibrium_turn_}}, &closed_).q;
-    } catch (const InputError&) {
-      out.why = "it cannot take its equilibrium pose";
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    if (!numbers_[i].allows(unknowns[i])) {
+      out.why = fmt::format("{} is not positive", numbers_[i].path());
       return out;
     }
-    const std::vector<double> x = model.from_si(out.q_equilibrium);
-    Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-    reduced.choose(0.0, x.data(), false, &independent_);
-    const double still = 0.0;
-    const auto stand = [&](Reduced& motion) {
-      motion.expect(x.data());
-      const double z = x[static_cast<std::size_t>(independent_[0])];
-      if (motion.place(0.0, &z) != Reduced::Status::ok) return false;
-      motion.move(&still);
-      return motion.accelerate() == Reduced::Status::ok;
-    };
-    const Influence set = set_by_equilibrium_->influence(scene, scales_);
-    double by_set = 0.0;
-    if (stand(reduced)) reduced.influence(set, &by_set);
-    if (by_set == 0 || !std::isfinite(by_set)) {
-      out.why = fmt::format("{} cannot hold it in its equilibrium pose", run_.equilibrium->by);
-      return out;
+    numbers_[i].set(scene, unknowns[i]);
+  }
+  try {
+    Assembled assembled = assemble(scene, true);
+    out.q = std::move(assembled.q);
+    scene = assembled.model->scene();
+    out.released = start_unknown_ ? released_ : released_in(*assembled.model, out.q);
+    if (run_.equilibrium) {
+      if (!balance(scene, equilibrium, derivatives, out)) return out;
+      out.model = std::make_shared<const MotionModel>(scene, scales_, also());
+    } else {
+      if (derivatives) vary(scene, out);
+      out.model = std::move(assembled.model);
     }
-    set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
-    out.set_value = set_by_equilibrium_->get(scene);
-    if (derivatives) {
-      MotionModel balanced(scene, scales_);
-      Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
-      again.choose(0.0, x.data(), false, &independent_);
-      if (!stand(again)) {
-        out.why = "its motion cannot be computed in its equilibrium pose";
-        return out;
+  } catch (const InputError& error) {
+    out.why = error.what();
+  }
+  return out;
+}
+
+// In equilibrium alpha(z_e, L, p) = 0, which is linear in L: one step finds it.
+bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const {
+  const MotionModel model(scene, scales_, also());
+  try {
+    out.q = start_motion(model, {equilibrium_in(model, equilibrium)}, &out.q, &independent_).q;
+  } catch (const InputError&) {
+    out.why = "it cannot take its equilibrium pose";
+    return false;
+  }
+  const std::vector<double> x = model.from_si(out.q);
+  const double still = 0.0;
+  const auto stand = [&](Reduced& motion) {
+    motion.start_drives(x.data());
+    motion.choose(0.0, x.data(), false, &independent_);
+    motion.expect(x.data());
+    const double z = x[static_cast<std::size_t>(independent_[0])];
+    if (motion.place(0.0, &z) != Reduced::Status::ok) return false;
+    motion.move(&still);
+    return motion.accelerate() == Reduced::Status::ok;
+  };
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  const Influence set = set_by_equilibrium_->influence(scene, scales_);
+  double by_set = 0.0;
+  if (stand(reduced)) reduced.influence(set, &by_set);
+  if (by_set == 0 || !std::isfinite(by_set)) {
+    out.why = fmt::format("{} cannot hold it in its equilibrium pose", run_.equilibrium->by);
+    return false;
+  }
+  set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
+  if (!derivatives) return true;
+  vary(scene, out);
+  const MotionModel balanced(scene, scales_, also());
+  Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
+  again.set_variations(out.variations);
+  if (!stand(again)) {
+    out.why = "its motion cannot be computed in its equilibrium pose";
+    return false;
+  }
+  again.linearize();
+  again.influence(set, &by_set);
+  const double at_per_z = again.B(0)[equilibrium_coordinate_];
+  const double z_unit = equilibrium_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
+  out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const Influence& influence = out.influences[i];
+    double alpha = 0.0;
+    again.influence(influence, &alpha);
+    if (influence.moves()) {
+      // The equilibrium's coordinate stays where it is, but for turns of its body's frame.
+      double moved = again.q_p()[equilibrium_coordinate_];
+      if (influence.variation >= 0) {
+        for (const auto& [piece, weight] : out.variations[static_cast<std::size_t>(influence.variation)].pieces) {
+          moved -= weight * equilibrium_in(*piece, 0.0).value;
+        }
       }
-      again.linearize();
-      again.influence(set, &by_set);
-      const double at_per_z = again.B(0)[equilibrium_coordinate_];
-      const double z_unit = equilibrium_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
-      out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
-      for (const SceneParameter& number : numbers_) {
-        double alpha = 0.0;
-        again.influence(number.influence(scene, scales_), &alpha);
-        out.set_by.push_back(-alpha / by_set);
-      }
+      alpha -= again.alpha_z(0)[0] * moved / at_per_z;
+    }
+    out.set_by.push_back(-alpha / by_set);
+  }
+  out.influences.push_back(set);
+  return true;
+}
+
+/// How the motion, and a known start, depend on the numbers.
+void RunModel::vary(const Scene& scene, Built& out) const {
+  struct Step {
+    double steps, weight;
+  };
+  static constexpr Step central[] = {{-1, -0.5}, {1, 0.5}};
+  static constexpr Step stencil[] = {{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
+  const auto f = static_cast<std::size_t>(freedoms_);
+  if (!start_unknown_) out.released_by.assign(2 * f * numbers_.size(), 0.0);
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const SceneParameter& number = numbers_[i];
+    const Owner owner = number.place().owner;
+    const bool moves_start = owner == Owner::point || owner == Owner::joint || owner == Owner::drive;
+    if (number.is_geometric()) {
+      out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
+      out.variations.emplace_back();
+    } else {
+      out.influences.push_back(number.influence(scene, scales_));
+      if (start_unknown_ || !moves_start) continue;
+    }
+    // The force of gravity is linear in it.
+    const bool quadratic = owner == Owner::scene || (quadratic_ && number.is_length());
+    const double value = number.get(scene);
+    double step = std::exp2(std::round(std::log2(reach(number)))) * (quadratic ? 0x1p-3 : 0x1p-13);
+    while (!number.allows(value - 4 * step)) step /= 2;
+    const bool close = moves_start && (!start_unknown_ || !measured_starts_.empty());
+    for (const auto& [steps, weight] : quadratic ? std::span<const Step>(central) : std::span<const Step>(stencil)) {
+      Scene other = scene;
+      number.set(other, value + steps * step);
+      const Assembled assembled = assemble(std::move(other), close);
+      if (number.is_geometric()) out.variations.back().pieces.push_back({assembled.model, weight / step});
+      if (start_unknown_ || !moves_start) continue;
+      const std::vector<double> released = released_in(*assembled.model, assembled.q);
+      for (std::size_t k = 0; k < 2 * f; ++k) out.released_by[2 * f * i + k] += weight / step * released[k];
     }
   }
-  out.model = std::make_unique<MotionModel>(scene, scales_);
-  for (const SceneParameter& number : numbers_) out.influences.push_back(number.influence(scene, scales_));
-  if (set_by_equilibrium_) out.influences.push_back(set_by_equilibrium_->influence(scene, scales_));
-  return out;
 }
 
 MotionState RunModel::begin(const Built& built, const double* nuisances) const {
   MotionState state;
-  state.q = built.q_equilibrium.empty() ? closed_ : built.q_equilibrium;
+  state.q = built.q;
   state.v.assign(state.q.size(), 0.0);
-  const double* start = start_of(nuisances);
+  const double* start = start_unknown_ ? nuisances + (equilibrium_unknown_ ? 1 : 0) : built.released.data();
   for (int k = 0; k < freedoms_; ++k) {
     const auto i = static_cast<std::size_t>(independent_[static_cast<std::size_t>(k)]);
     state.q[i] = start[k];
@@ -306,13 +457,16 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
   options.sensitivities = sensitivities;
   // Steps that the readings could follow; a fit may start from a stiffness that would need a billion.
   options.most_steps = 20'000 + 20 * static_cast<int>(readings_.size());
-  if (sensitivities) options.influences = built.influences;
+  if (sensitivities) {
+    options.influences = built.influences;
+    options.variations = built.variations;
+  }
   return simulate(*built.model, begin(built, nuisances), options);
 }
 
 Motion RunModel::move(const double* unknowns, const double* nuisances, double duration, double accuracy,
                       bool sensitivities) const {
-  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), false);
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), sensitivities);
   if (!built.model) {
     Motion none;
     none.why = built.why;
@@ -339,13 +493,28 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
   std::vector<SensorReader> readers;
   std::vector<int> coordinates;
   std::vector<std::vector<std::size_t>> places;
+  const auto places_of = [&](const SensorReader& reader) {
+    std::vector<std::size_t> found;
+    for (const int i : reader.coordinates()) {
+      const auto known = std::find(coordinates.begin(), coordinates.end(), i);
+      found.push_back(static_cast<std::size_t>(known - coordinates.begin()));
+      if (known == coordinates.end()) coordinates.push_back(i);
+    }
+    return found;
+  };
+  std::vector<std::vector<VariedReader>> varied;  // per sensor
   for (const Sensor& sensor : experiment_.sensors) {
     readers.emplace_back(*built.model, sensor);
-    places.emplace_back();
-    for (const int i : readers.back().coordinates()) {
-      const auto known = std::find(coordinates.begin(), coordinates.end(), i);
-      places.back().push_back(static_cast<std::size_t>(known - coordinates.begin()));
-      if (known == coordinates.end()) coordinates.push_back(i);
+    places.push_back(places_of(readers.back()));
+    varied.emplace_back();
+    for (std::size_t i = 0; jacobian && i < numbers_.size(); ++i) {
+      const int variation = built.influences[i].variation;
+      if (variation < 0 || numbers_[i].place().owner == Owner::scene) continue;
+      for (const auto& [model, weight] : built.variations[static_cast<std::size_t>(variation)].pieces) {
+        SensorReader reader(*model, sensor);
+        std::vector<std::size_t> at = places_of(reader);
+        varied.back().push_back({std::move(reader), std::move(at), i, weight});
+      }
     }
   }
   TrajectoryReader trajectory(motion.trajectory, coordinates);
@@ -356,6 +525,13 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
   if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
   // Columns of the trajectory: f starts, f start rates, the numbers, the one that the equilibrium sets.
   std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
+  const auto read = [&](SensorReader& reader, const std::vector<std::size_t>& at) {
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      q[i] = trajectory.q(at[i]);
+      v[i] = trajectory.v(at[i]);
+    }
+    return reader.read(q.data(), v.data(), by_q.data(), by_v.data());
+  };
   std::vector<double> column(static_cast<std::size_t>(motion.trajectory.columns));
   double now = -INFINITY;
   for (const auto& [time, k, s] : readings_) {
@@ -365,12 +541,8 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     SensorReader& reader = readers[k];
     const Sensor& sensor = experiment_.sensors[k];
     const std::size_t n = reader.coordinates().size();
-    for (std::size_t i = 0; i < n; ++i) {
-      q[i] = trajectory.q(places[k][i]);
-      v[i] = trajectory.v(places[k][i]);
-    }
     const std::size_t row = first[k] + s;
-    out.reading[row] = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
+    out.reading[row] = read(reader, places[k]);
     if (!jacobian) continue;
     std::fill(column.begin(), column.end(), 0.0);
     for (std::size_t i = 0; i < n; ++i) {
@@ -390,6 +562,11 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
         numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
       }
     }
+    for (VariedReader& other : varied[k]) numbers[other.number] += other.weight * read(other.reader, other.places);
+    for (std::size_t i = 0; i < built.released_by.size(); ++i) {
+      numbers[i / static_cast<std::size_t>(2 * f)] +=
+          column[i % static_cast<std::size_t>(2 * f)] * built.released_by[i];
+    }
     double* to = &out.jacobian[row * width];
     for (int i = 0; i < p; ++i) {
       *to++ = numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0);
@@ -405,8 +582,9 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
   const Built built = build(unknowns, equilibrium, false);
   if (!built.model) return out;
   const MotionModel& model = *built.model;
-  const std::vector<double> x = model.from_si(built.q_equilibrium.empty() ? closed_ : built.q_equilibrium);
+  const std::vector<double> x = model.from_si(built.q);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.start_drives(x.data());
   reduced.choose(0.0, x.data(), false, &independent_);
   reduced.expect(x.data());
   const double z = x[static_cast<std::size_t>(independent_[0])];
@@ -443,8 +621,8 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
   const Built built = build(unknowns, equilibrium, false);
   if (!built.model) return {};
   const MotionModel& model = *built.model;
-  std::vector<double> q = built.q_equilibrium.empty() ? closed_ : built.q_equilibrium;
-  for (std::size_t k = 0; built.q_equilibrium.empty() && k < pose.size(); ++k) {
+  std::vector<double> q = built.q;
+  for (std::size_t k = 0; !run_.equilibrium && k < pose.size(); ++k) {
     q[static_cast<std::size_t>(independent_[k])] = pose[k];
   }
   const std::vector<double> x = model.from_si(q);
@@ -475,7 +653,7 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
 
 std::vector<double> RunModel::start_from_readings(const Record& record) const {
   // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
-  const MotionModel model(scene_, scales_);
+  const MotionModel model(scene_, scales_, also());
   std::vector<StartValue> wanted;
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
     const Sensor& sensor = experiment_.sensors[k];

@@ -26,6 +26,10 @@ struct Prediction {
 ///
 /// An equilibrium pose z_e sets one more number of the scene, a free length L say: the acceleration from rest is zero,
 /// alpha(z_e, L, p) = 0, so that  dL/dz_e = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
+///
+/// Numbers that change the geometry, or gravity, vary the compiled mechanism (see Variation): by a fourth-order
+/// stencil, or by a central difference where everything is quadratic in them. A known start is that of the run as it is
+/// written, sought again in the changed mechanism. Values at which it cannot be assembled have no prediction.
 class RunModel {
  public:
   /// `numbers`: those that are unknown in this run. Throws InputError where the run cannot be set up.
@@ -105,24 +109,39 @@ class RunModel {
   std::vector<double> start_from_readings(const Record& record) const;
 
  private:
-  struct Built {                         // the run's model at given values
-    std::unique_ptr<MotionModel> model;  // none where there is no such equilibrium
+  struct Assembled {
+    std::shared_ptr<const MotionModel> model;
+    std::vector<double> q;  // a closed pose, SI
+  };
+  struct Built {                               // the run's model at given values
+    std::shared_ptr<const MotionModel> model;  // none where it cannot be assembled, or has no such equilibrium
     std::string why;
-    std::vector<double> q_equilibrium;  // SI; empty without an equilibrium pose
+    std::vector<double> q;              // a closed pose, SI: the equilibrium pose, if it has one
+    std::vector<double> released;       // the known start
     std::vector<Influence> influences;  // of the numbers, then of the one that the equilibrium sets
-    double set_value = 0.0;             // the one that the equilibrium sets
-    double set_by_at = 0.0;             // its derivative by the equilibrium's coordinate
+    std::vector<Variation> variations;  // of the geometric numbers
+    std::vector<double> released_by;    // derivatives of the known start, 2 f values per number
+    double set_by_at = 0.0;             // of the one that the equilibrium sets, by the equilibrium's coordinate
     std::vector<double> set_by;         // and by the numbers
   };
   Built build(const double* unknowns, double equilibrium, bool derivatives) const;
+  bool balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const;
+  void vary(const Scene& scene, Built& out) const;
+  const Scene* also() const { return also_ ? &*also_ : nullptr; }
+  double reach(const SceneParameter& number) const;
+  Assembled assemble(Scene scene, bool closed) const;
+  std::vector<double> released_in(const MotionModel& model, std::vector<double> q) const;
+  std::vector<StartValue> start_values(const MotionModel& model, const std::vector<double>& q) const;
+  std::vector<double> start_in(const MotionModel& model, const std::vector<StartValue>& wanted,
+                               const std::vector<double>& q) const;
+  StartValue equilibrium_in(const MotionModel& model, double at) const;
   MotionState begin(const Built& built, const double* nuisances) const;
   Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities) const;
-  const double* start_of(const double* nuisances) const;
   /// Adds the first readings of angles, travels and their rates to a start that is known, where it does not have them
   /// yet. Throws InputError unless all degrees of freedom then have a value and a rate.
   void complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,
                       std::vector<StartValue>& start) const;
-  static std::pair<int, double> coordinate_of(const Scene& scene, const Layout& layout, int body, int joint, int line);
+  static StartValue coordinate_at(const MotionModel& model, int body, int joint, int line, double value);
 
   const Experiment& experiment_;
   const Run& run_;
@@ -130,12 +149,15 @@ class RunModel {
   std::vector<SceneParameter> numbers_;
   std::optional<SceneParameter> set_by_equilibrium_;
   Scales scales_;
-  std::vector<double> closed_;  // a closed pose, SI
+  double size_ = 1.0;                 // of the mechanism, m
+  std::optional<Scene> also_;         // with geometric numbers: the scene at other values of them
+  bool quadratic_ = true;             // everything is at most quadratic in points and lengths
+  std::vector<int> measured_starts_;  // drives that start from the assembled pose
+  std::vector<double> closed_;        // a closed pose, SI
   std::vector<int> independent_;
   int freedoms_ = 0;
   bool equilibrium_unknown_ = false, start_unknown_ = true;
   int equilibrium_coordinate_ = -1;
-  double equilibrium_turn_ = 0.0;  // value of the equilibrium = coordinate + turn
   std::vector<std::vector<double>> times_;
   struct Reading {
     double time;
@@ -143,6 +165,7 @@ class RunModel {
   };
   std::vector<Reading> readings_;  // of all sensors, in the order of time
   std::vector<double> released_;
+  const Record* first_readings_ = nullptr;  // of a known start of measured data
 };
 
 }  // namespace poise

@@ -5,15 +5,9 @@ namespace poise {
 std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::string_view path) {
   const std::optional<ParameterRow> row = find_parameter(scene, path);
   if (!row) return std::nullopt;
-  switch (row->place.owner) {
-    case Owner::body:
-    case Owner::element:
-    case Owner::force:
-    case Owner::torque:
-      return SceneParameter(*row);
-    default:
-      return std::nullopt;
-  }
+  if (row->place.owner == Owner::start || row->place.owner == Owner::stop) return std::nullopt;
+  if (!value_at(scene, row->place)) return std::nullopt;
+  return SceneParameter(*row);
 }
 
 void SceneParameter::set(Scene& scene, double si) const {
@@ -31,12 +25,17 @@ Influence SceneParameter::influence(const Scene& scene, const Scales& scales) co
     out.moment = dimension::inertia.per_scale(scales) * by.moment;
     return out;
   }
+  out.by = dimension_.per_scale(scales);
+  if (place_.owner == Owner::drive) {
+    out.drive = place_.item;
+    out.drive_number = place_.number;
+    return out;
+  }
   out.force.of = place_.owner == Owner::element ? ForceNumber::Of::element
                  : place_.owner == Owner::force ? ForceNumber::Of::force
                                                 : ForceNumber::Of::torque;
   out.force.item = place_.item;
   out.force.number = place_.number;
-  out.by = dimension_.per_scale(scales);
   return out;
 }
 

@@ -9,21 +9,23 @@
 
 namespace poise {
 
-/// A parameter of a scene that the equations of motion depend on without changing its geometry: these can be
-/// identified. These are the numbers of bodies, force elements and loads; see set_value() for paths.
+/// A number of a scene that its motion depends on: all of parameter_table() but stops and start guesses.
 class SceneParameter {
  public:
-  /// Empty where the scene has no such parameter, or it belongs to something else.
+  /// Empty where the scene has no such number, or motion does not depend on it.
   static std::optional<SceneParameter> find(const Scene& scene, std::string_view path);
 
   const std::string& path() const { return path_; }
   const ParameterPlace& place() const { return place_; }
   const Dimension& dimension() const { return dimension_; }
-  /// SI value. set() checks no range: a lumped mass beside others may be negative.
+  /// SI value. set() checks no range: a lumped mass beside others may be negative; allows() says whether the mechanism
+  /// exists: lengths that have to be > 0.
   double get(const Scene& scene) const { return value_at(scene, place_).value_or(0.0); }
   /// A force of magnitude zero has no direction and is left unchanged.
   void set(Scene& scene, double si) const;
-  /// How the scaled scene's equations of motion change per SI unit of the number; `scene` in SI.
+  bool allows(double si) const { return range_ != Range::positive || si > 0; }
+  /// How the scaled scene's equations of motion change per SI unit of the number; `scene` in SI. Not of one that
+  /// is_geometric(): its derivatives follow from a Variation.
   Influence influence(const Scene& scene, const Scales& scales) const;
   /// d(force of the element)/d(number), SI, at the measure g and its rate w; 0 where it belongs to something else.
   double force_by(const Scene& scene, int element, double g, double w) const;
@@ -33,12 +35,19 @@ class SceneParameter {
   bool scales_with_force() const { return dimension_.force + dimension_.mass != 0; }
   /// Number of a body's inertia.
   bool is_inertial() const { return place_.owner == Owner::body; }
+  bool is_length() const { return dimension_.length == 1 && dimension_.force == 0 && dimension_.time == 0; }
+  /// A point, a dimension of a joint, or gravity.
+  bool is_geometric() const {
+    return place_.owner == Owner::point || place_.owner == Owner::joint || place_.owner == Owner::scene;
+  }
 
  private:
-  SceneParameter(const ParameterRow& row) : place_(row.place), dimension_(row.dimension), path_(row.path.text()) {}
+  SceneParameter(const ParameterRow& row)
+      : place_(row.place), dimension_(row.dimension), range_(row.range), path_(row.path.text()) {}
 
   ParameterPlace place_;
   Dimension dimension_;
+  Range range_;
   std::string path_;
 };
 

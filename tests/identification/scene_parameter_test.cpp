@@ -49,12 +49,27 @@ TEST(SceneParameter, IsWhatItsPathReports) {
   }
 }
 
-TEST(SceneParameter, IsNoneWhereGeometryWouldChange) {
+TEST(SceneParameter, IsNoneWhereMotionDoesNotDependOnIt) {
   const Scene scene = test::four_bar_with_everything();
-  for (const char* path : {"point.crank.B.x", "gravity.y", "start.crank", "body.crank", "body.nobody.mass",
-                           "body.ground.mass", "friction.ground-crank.width", "load.G", ""}) {
+  for (const char* path : {"start.crank", "body.crank", "body.nobody.mass", "body.ground.mass",
+                           "friction.ground-crank.width", "load.G", ""}) {
     EXPECT_FALSE(SceneParameter::find(scene, path)) << path;
   }
+}
+
+TEST(SceneParameter, MayBeAPointOrGravityOrANumberOfADrive) {
+  const Scene scene = test::driven_five_bar();
+  for (const char* path : {"point.crank.B.x", "point.ground.A.y", "slide.track.angle", "gravity.y"}) {
+    const auto number = SceneParameter::find(scene, path);
+    ASSERT_TRUE(number) << path;
+    EXPECT_TRUE(number->is_geometric()) << path;
+    EXPECT_EQ(number->get(scene), get_value(scene, path)) << path;
+  }
+  const auto rate = SceneParameter::find(scene, "drive.motor.rate");
+  ASSERT_TRUE(rate);
+  EXPECT_FALSE(rate->is_geometric());
+  // This drive starts from the assembled pose.
+  EXPECT_FALSE(SceneParameter::find(scene, "drive.motor.start"));
 }
 
 TEST(SceneParameter, ALumpBesideOtherMassesMayBeNegative) {
