@@ -10,8 +10,11 @@ namespace {
 
 /// Relative error of the cost that follows from the integration errors of the motions.
 constexpr double noise_of_cost = 1e-4;
-/// Predicted relative decrease of the cost below which no further step is tried.
-constexpr double least_decrease = 1e-6;
+/// Predicted relative decrease of the cost below which no further step is tried after one that failed: the decrease is
+/// then smaller than what integration errors change, and shorter steps would fail, too.
+constexpr double least_decrease = 1e-5;
+/// The same where the result is a start for more readings.
+constexpr double least_decrease_of_start = 1e-3;
 
 }  // namespace
 
@@ -87,7 +90,8 @@ ceres::CallbackReturnType Watch::operator()(const ceres::IterationSummary& step)
   const bool idle = !step.step_is_successful && std::abs(step.cost_change) < noise_of_cost * step.cost;
   idle_ = idle ? idle_ + 1 : 0;
   const double predicted = step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
-  const bool done = idle && (idle_ >= 3 || predicted < least_decrease * step.cost);
+  const bool done = idle_ >= 3 || (!step.step_is_successful &&
+                                   predicted < (is_start_ ? least_decrease_of_start : least_decrease) * step.cost);
   return done ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
 }
 

@@ -70,11 +70,13 @@ class PriorCost : public ceres::SizedCostFunction<1, 1> {
 /// decrease of the cost that is left.
 class Watch : public ceres::IterationCallback {
  public:
-  explicit Watch(const std::atomic<bool>* interrupt) : interrupt_(interrupt) {}
+  /// `is_start`: the result only has to be a start for a fit to more readings.
+  Watch(const std::atomic<bool>* interrupt, bool is_start) : interrupt_(interrupt), is_start_(is_start) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override;
 
  private:
   const std::atomic<bool>* interrupt_;
+  bool is_start_;
   int idle_ = 0;  // successive steps that failed by no more than these errors
 };
 

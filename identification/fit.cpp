@@ -363,12 +363,12 @@ class Fitting {
     options.max_num_iterations = 60;
     // Trial dimensions with which the mechanism cannot be assembled make a step invalid, and the next one shorter.
     options.max_num_consecutive_invalid_steps = 20;
-    options.function_tolerance = window < 1.0 ? 1e-4 : options_.function_tolerance;
+    options.function_tolerance = window < 1.0 ? 1e-3 : options_.function_tolerance;
     options.parameter_tolerance = 1e-14;
     options.gradient_tolerance = 1e-12;
     // Full steps are tried first: small oscillations are nearly linear in the parameters.
     options.initial_trust_region_radius = 1e6;
-    Watch watch(options_.interrupt);
+    Watch watch(options_.interrupt, window < 1.0);
     options.callbacks.push_back(&watch);
     const std::optional<double> cost = minimise_within_ranges(problem, options, scaled);
     if (!cost) {

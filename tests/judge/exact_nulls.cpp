@@ -35,7 +35,7 @@ struct Compiled {
 };
 
 /// d alpha/d(number). The inertia of a body about its origin is (m, m c, J + m c.c), in doubles only rounded.
-std::vector<Real> alpha_by(const ReducedMotion<Real>& motion, const Scene& scene, const SceneParameter& number) {
+std::vector<Real> alpha_by(ReducedMotion<Real>& motion, const Scene& scene, const SceneParameter& number) {
   std::vector<Real> out(static_cast<std::size_t>(motion.freedoms()), Real(0));
   const auto add = [&](const Real& share, const Influence& influence) {
     std::vector<Real> alpha(out);
