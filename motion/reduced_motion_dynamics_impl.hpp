@@ -10,18 +10,18 @@
 
 namespace poise {
 
-// Cholesky factors are in mass_, lower part, with the reciprocals of the diagonal.
+// Cholesky factors are in mass_, lower part.
 template <class T>
 void ReducedMotion<T>::divide_by_mass(T* b) const {
   const int f = freedoms();
   const auto l = [&](int i, int j) -> const T& { return mass_[static_cast<std::size_t>(i) * f + j]; };
   for (int i = 0; i < f; ++i) {
     for (int j = 0; j < i; ++j) b[i] -= l(i, j) * b[j];
-    b[i] *= l(i, i);
+    b[i] /= l(i, i);
   }
   for (int i = f - 1; i >= 0; --i) {
     for (int j = i + 1; j < f; ++j) b[i] -= l(j, i) * b[j];
-    b[i] *= l(i, i);
+    b[i] /= l(i, i);
   }
 }
 
@@ -69,10 +69,10 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
         entry -= mass_[static_cast<std::size_t>(i) * f + k] * mass_[static_cast<std::size_t>(j) * f + k];
       }
       if (i > j) {
-        entry *= mass_[static_cast<std::size_t>(j) * f + j];
+        entry /= mass_[static_cast<std::size_t>(j) * f + j];
       } else {
         if (!(entry > static_cast<T>(1e-13) * whole) || !(whole > 0)) return Status::no_inertia;
-        entry = T(1) / sqrt(entry);
+        entry = sqrt(entry);
       }
     }
   }
