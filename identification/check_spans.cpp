@@ -40,7 +40,7 @@ void check_spans(const FitProblem& problem) {
         fmt::format("{}: {}: expected a record in seconds, found {:.3g} s = {:.2g} periods of {:.2g} s in run \"{}\"; "
                     "if the column is "
                     "in {}, add time_factor = {} to the run, if it is in seconds, time_factor = 1",
-                    run.data.string(), run.time_column, span, span * f, 1 / f, run.name,
+                    run.data.front().string(), run.time_column, span, span * f, 1 / f, run.name,
                     is_long ? "milliseconds" : "minutes", is_long ? "0.001" : "60"));
   }
 }

@@ -21,7 +21,8 @@ struct Sensor {
   Measure on;        ///< body_a is the ground for an absolute angle
   int element = -1;  ///< index into Scene::elements whose static force it reads, tension positive; else -1
   std::string name;
-  std::string column;       ///< of the data file
+  std::string column;       ///< of a data file
+  bool gaps = false;        ///< empty cells and NaN of the column mean that it was not read at that time
   bool rate = false;        ///< the time derivative of the above (not of a force)
   double noise = 0.0;       ///< standard deviation of one reading, SI
   bool noise_known = true;  ///< false: `noise` is a first guess from the readings, and a fit estimates it
@@ -91,16 +92,21 @@ struct Run {
   double duration = 0.0;                                    ///< s; simulated runs
   double sample_rate = 0.0;                                 ///< Hz
   std::optional<EquilibriumPose> equilibrium;
-  std::vector<Release> release;        ///< truth of a simulation; first guess of a fit (absent: from the data)
-  bool unknown_start = true;           ///< initial coordinates and rates are nuisance parameters
-  std::uint64_t seed = 0;              ///< of the noise of a simulated run
-  std::filesystem::path data;          ///< empty: simulated
-  std::string time_column;             ///< of the data file
-  std::optional<double> time_factor;   ///< seconds per unit of that column; absent: 1, which is then checked
-  std::optional<std::string> segment;  ///< value of the split column; absent: all of the file
+  std::vector<Release> release;             ///< truth of a simulation; first guess of a fit (absent: from the data)
+  bool unknown_start = true;                ///< initial coordinates and rates are nuisance parameters
+  std::uint64_t seed = 0;                   ///< of the noise of a simulated run
+  std::vector<std::filesystem::path> data;  ///< files of its readings; empty: simulated
+  std::string time_column;                  ///< of the first of them
+  std::optional<double> time_factor;        ///< seconds per unit of these columns; absent: 1, which is then checked
+  std::optional<std::string> segment;       ///< value of the split column; absent: all of the files
+  std::vector<std::size_t> sensors;         ///< those that are read in it, ascending; empty: all
   int line = 0;
 
   bool is_simulated() const { return data.empty(); }
+  /// Whether sensor k is read in it.
+  bool reads(std::size_t k) const {
+    return sensors.empty() || std::find(sensors.begin(), sensors.end(), k) != sensors.end();
+  }
 };
 
 /// The run or label whose value of a number a run uses: "" where all runs share one.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <glog/logging.h>
 
+#include "identification/autocorrelation.hpp"
 #include "identification/ceres_costs.hpp"
 #include "identification/first_readings.hpp"
 #include "identification/frequencies.hpp"
@@ -653,16 +654,13 @@ class Fitting {
     for (std::size_t k = 0; k < e.size(); ++k) {
       const auto samples = static_cast<double>(e[k].size());
       double square = 0.0;
-      double lagged = 0.0;
-      for (std::size_t s = 0; s < e[k].size(); ++s) {
-        square += e[k][s] * e[k][s];
-        if (s > 0) lagged += e[k][s] * e[k][s - 1];
-      }
+      for (const double x : e[k]) square += x * x;
       const double noise = out_.weighting.noise[k];
       squares[k] += square * noise * noise;
       out.rms.push_back(e[k].empty() ? nan : noise * std::sqrt(square / samples));
-      out.autocorrelation.push_back(square > 0 ? lagged / square : 0.0);
-      out.white = out.white && (e[k].empty() || std::abs(out.autocorrelation.back()) < 4 / std::sqrt(samples));
+      const Autocorrelation lagged = autocorrelation(records_[r].sensors[k].time, e[k]);
+      out.autocorrelation.push_back(lagged.value);
+      out.white = out.white && !(std::abs(lagged.value) >= 4 / std::sqrt(1.0 + lagged.pairs));
     }
     return out;
   }

@@ -29,10 +29,11 @@ struct Estimate {
 /// Residuals and nuisances of one run as fitted.
 struct RunFit {
   std::string name;
-  std::vector<double> nuisances;        ///< see RunModel
-  std::vector<double> rms;              ///< per sensor: root mean square residual, SI; NaN without readings
-  std::vector<double> autocorrelation;  ///< per sensor, at a lag of one sample; near 0 for white residuals
-  bool white = true;                    ///< all |autocorrelation| < 4 / sqrt(samples)
+  std::vector<double> nuisances;  ///< see RunModel
+  std::vector<double> rms;        ///< per sensor: root mean square residual, SI; NaN without readings
+  /// Per sensor, at a lag of one sample (see autocorrelation()); near 0 for white residuals, NaN without readings.
+  std::vector<double> autocorrelation;
+  bool white = true;  ///< all |autocorrelation| < 4 / sqrt(samples)
 };
 
 enum class FitStatus {

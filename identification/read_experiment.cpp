@@ -44,6 +44,7 @@ class ExperimentReader {
     for (const KnownNumber& known : experiment_.known) {
       check_label(fmt::format("known \"{}\"", known.path), known.line, known.per);
     }
+    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) check_is_read(k);
     guess_noise();
     return std::move(experiment_);
   }
@@ -82,10 +83,11 @@ class ExperimentReader {
       double squares = 0.0;
       std::size_t count = 0;
       for (std::size_t r = 0; r < experiment_.runs.size(); ++r) {
-        if (experiment_.runs[r].is_simulated()) {
+        if (experiment_.runs[r].is_simulated() && experiment_.runs[r].reads(k)) {
           TomlPlace{experiment_.file, sensor.line, "sensor \"" + sensor.name + "\".noise"}.fail(
               "expected a number, since run \"" + experiment_.runs[r].name + "\" is simulated; add noise = NUMBER");
         }
+        if (experiment_.runs[r].is_simulated()) continue;
         const std::vector<double>& y = experiment_.records[r].sensors[k].value;
         for (std::size_t i = 3; i < y.size(); ++i, ++count) {
           const double third = y[i] - 3 * y[i - 1] + 3 * y[i - 2] - y[i - 3];
@@ -118,8 +120,8 @@ class ExperimentReader {
   }
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
-    table.allow_keys(
-        {"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "noise", "zero", "factor"});
+    table.allow_keys({"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "gaps", "noise",
+                      "zero", "factor"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
@@ -139,6 +141,7 @@ class ExperimentReader {
       if (column->value.empty()) column->place.fail("expected the name of a column");
       sensor.column = column->value;
     }
+    sensor.gaps = table.flag("gaps", false);
     return sensor;
   }
 
@@ -286,16 +289,18 @@ class ExperimentReader {
       const double unit = located(path.place, [&] { return value_unit(experiment_.scene, path.value); });
       for (const Unknown& unknown : experiment_.unknowns) {
         if (unknown.path == known.path) {
-          path.place.fail(fmt::format("expected a number that is not unknown, it is in line {}; take one of them out, or "
-                                      "give the unknown a prior",
-                                      unknown.line));
+          path.place.fail(
+              fmt::format("expected a number that is not unknown, it is in line {}; take one of them out, or "
+                          "give the unknown a prior",
+                          unknown.line));
         }
       }
       if (!SceneParameter::find(experiment_.scene, known.path)) {
         path.place.fail("expected a number that the motion has derivatives by: of a body, an element or a load");
       }
       if (table.has("deviation") + table.has("relative") != 1) {
-        table.place().fail("expected one of the keys deviation (in the unit of the number) and relative (a part of it)");
+        table.place().fail(
+            "expected one of the keys deviation (in the unit of the number) and relative (a part of it)");
       }
       known.relative = table.has("relative");
       known.deviation = known.relative ? table.number("relative", 1.0, Range::positive)
@@ -323,6 +328,16 @@ class ExperimentReader {
                                  run.name, run.equilibrium->line));
       }
     }
+  }
+
+  /// A sensor must have readings in some run.
+  void check_is_read(std::size_t k) const {
+    for (std::size_t r = 0; r < experiment_.runs.size(); ++r) {
+      const Run& run = experiment_.runs[r];
+      if (run.is_simulated() ? run.reads(k) : !experiment_.records[r].sensors[k].value.empty()) return;
+    }
+    TomlPlace{experiment_.file, experiment_.sensors[k].line, "sensor \"" + experiment_.sensors[k].name + "\""}.fail(
+        "expected readings in at least one run, no run has any; name it in the sensors of a run, or leave it out");
   }
 
   TomlTable root_;

@@ -1,6 +1,7 @@
 #include "identification/read_runs.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -37,10 +38,10 @@ class RunsReader {
       runs.push_back(read_run(tables_[i], folder));
       runs.back().run.name = names[i];
     }
-    DataFiles files(experiment_.sensors);
     if (!data.empty()) take_data_from(data, runs);
-    for (const RunTable& written : runs) {
-      if (!written.run.data.empty()) files.want(written.run.data, written.source);
+    DataFiles files;
+    for (RunTable& written : runs) {
+      if (!written.source.files.empty()) files.want(written.source);
     }
     for (RunTable& written : runs) add(std::move(written), files);
   }
@@ -51,17 +52,19 @@ class RunsReader {
     Run& run = written.run;
     run.line = table.place().line;
     if (table.has("data")) {
-      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "data", "time",
-                        "time_factor", "split", "segments", "every"});
-      written.source = read_source(table);
-      run.time_column = written.source.time;
+      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "data",
+                        "time", "time_factor", "split", "segments", "every"});
+      written.source = read_source(table, folder);
+      run.time_column = written.source.files.front().time;
       run.time_factor = table.find_number("time_factor", 1.0, Range::positive);
-      run.data = (folder / table.text("data").value).lexically_normal();
+      for (DataFile& file : written.source.files) file.time_factor = run.time_factor.value_or(1.0);
     } else {
-      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "data", "duration",
-                        "rate", "seed"});
+      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "data",
+                        "duration", "rate", "seed"});
       read_simulation(table, run);
     }
+    read_sensors(table, run);
+    if (!written.source.files.empty()) want_columns(run, written.source);
     Scene scene = experiment_.scene;
     run.changes = read_parameter_changes(table, scene);
     read_labels(table, run);
@@ -72,11 +75,74 @@ class RunsReader {
     return written;
   }
 
-  static RunSource read_source(const TomlTable& table) {
-    const TomlText data = table.text("data");
-    if (data.value.empty()) data.place.fail("expected the path of a data file, relative to this file");
-    RunSource source{data.place, "time", "", table.texts("segments"), 1};
-    if (const auto time = table.find_text("time")) source.time = time->value;
+  /// The names of the sensors that are read in a run.
+  void read_sensors(const TomlTable& table, Run& run) const {
+    const std::vector<TomlText> names = table.texts("sensors");
+    if (table.has("sensors") && names.empty()) {
+      table.place_of("sensors").fail("expected the name of a sensor; leave the key out for all");
+    }
+    std::vector<std::string> valid;
+    for (const Sensor& sensor : experiment_.sensors) valid.push_back(sensor.name);
+    for (const TomlText& name : names) {
+      const auto at = std::find(valid.begin(), valid.end(), name.value);
+      if (at == valid.end()) {
+        name.place.fail("expected the name of a sensor, found \"" + name.value + "\"" +
+                        did_you_mean_or_list(name.value, valid));
+      }
+      run.sensors.push_back(static_cast<std::size_t>(at - valid.begin()));
+    }
+    std::sort(run.sensors.begin(), run.sensors.end());
+    if (std::adjacent_find(run.sensors.begin(), run.sensors.end()) != run.sensors.end()) {
+      table.place_of("sensors").fail("expected each sensor once; take one of the two out");
+    }
+  }
+
+  /// The sensors that are read in a run, as indices.
+  std::vector<std::size_t> sensors_of(const Run& run) const {
+    if (!run.sensors.empty()) return run.sensors;
+    std::vector<std::size_t> all(experiment_.sensors.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+  }
+
+  void want_columns(const Run& run, RunSource& source) const {
+    for (const std::size_t k : sensors_of(run)) {
+      const Sensor& sensor = experiment_.sensors[k];
+      source.columns.push_back(
+          {sensor.column, {experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""}, sensor.gaps});
+    }
+  }
+
+  /// One string, or a list of them.
+  static std::vector<TomlText> text_or_texts(const TomlTable& table, std::string_view key) {
+    if (table.holds_list(key)) return table.texts(key);
+    return {table.text(key)};
+  }
+
+  static RunSource read_source(const TomlTable& table, const fs::path& folder) {
+    RunSource source;
+    source.place = table.place_of("data");
+    for (const TomlText& name : text_or_texts(table, "data")) {
+      if (name.value.empty()) name.place.fail("expected the path of a data file, relative to this file");
+      const fs::path path = (folder / name.value).lexically_normal();
+      for (const DataFile& other : source.files) {
+        if (other.path == path) name.place.fail("expected each file once, found \"" + name.value + "\" again");
+      }
+      source.files.push_back({path, "time"});
+    }
+    if (source.files.empty()) source.place.fail("expected the path of a data file; leave the key out to simulate");
+    if (table.has("time")) {
+      const std::vector<TomlText> times = text_or_texts(table, "time");
+      if (times.size() != 1 && times.size() != source.files.size()) {
+        table.place_of("time").fail("expected one column, or one for each of the " +
+                                    std::to_string(source.files.size()) + " data files, found " +
+                                    std::to_string(times.size()));
+      }
+      for (std::size_t f = 0; f < source.files.size(); ++f) {
+        source.files[f].time = times[times.size() > 1 ? f : 0].value;
+      }
+    }
+    source.segments = table.texts("segments");
     if (const auto split = table.find_text("split")) {
       if (split->value.empty()) split->place.fail("expected the name of a column");
       source.split = split->value;
@@ -187,40 +253,47 @@ class RunsReader {
 
   static void take_data_from(const fs::path& data, std::vector<RunTable>& runs) {
     const fs::path* named = nullptr;
-    for (RunTable& written : runs) {
-      if (written.run.data.empty()) continue;
-      if (named != nullptr && written.run.data != *named) {
-        written.source.place.fail("expected all runs to name one data file, for --data to take its place");
+    for (const RunTable& written : runs) {
+      for (const DataFile& file : written.source.files) {
+        if (named != nullptr && file.path != *named) {
+          written.source.place.fail("expected all runs to name one data file, for --data to take its place");
+        }
+        named = &file.path;
       }
-      named = &written.run.data;
     }
     if (named == nullptr) {
       throw InputError("--data " + data.string() + ": expected an experiment with measured runs; give one a data file");
     }
     for (RunTable& written : runs) {
-      if (!written.run.data.empty()) written.run.data = data;
+      for (DataFile& file : written.source.files) file.path = data;
     }
   }
 
   void add(RunTable written, DataFiles& files) {
     const RunSource& source = written.source;
-    if (written.run.data.empty()) {
+    if (source.files.empty()) {
       add_run(std::move(written.run), {});
       return;
     }
-    const CsvTable& table = files.read(written.run.data);
-    if (source.split.empty()) {
-      Record record =
-          record_of(table, source, 0, table.line.size(), written.run.time_factor.value_or(1.0), experiment_.sensors);
-      add_run(std::move(written.run), std::move(record));
-      return;
-    }
-    for (const CsvPart& part : chosen_parts(table, source)) {
+    for (const DataFile& file : source.files) written.run.data.push_back(file.path);
+    for (RunData& data : files.read(source)) {
       Run run = written.run;
-      run.name += " " + part.value;
-      run.segment = part.value;
-      add_run(std::move(run), record_of(table, source, part.first, part.last, written.run.time_factor.value_or(1.0),
-                                        experiment_.sensors));
+      if (data.segment) run.name += " " + *data.segment;
+      run.segment = data.segment;
+      Record record;
+      record.sensors.resize(experiment_.sensors.size());
+      std::size_t column = 0;
+      for (const std::size_t k : sensors_of(run)) {
+        const Sensor& sensor = experiment_.sensors[k];
+        record.sensors[k] = std::move(data.columns[column++]);
+        for (double& value : record.sensors[k].value) value = sensor.zero + sensor.unit * value;
+      }
+      constexpr std::size_t least = 3;
+      if (record.count() < least) {
+        source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
+                          std::to_string(record.count()) + ", all others are gaps; leave the run out");
+      }
+      add_run(std::move(run), std::move(record));
     }
   }
 

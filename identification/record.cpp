@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -143,7 +144,9 @@ void expect_no_gap(const CsvRows& rows, std::string_view cell, const std::string
   if (cell.empty()) rows.place(column).fail("expected a value, found a gap; fill it or leave the row out");
 }
 
-double number_in(const CsvRows& rows, std::string_view cell, const std::string& column) {
+double number_in(const CsvRows& rows, std::string_view cell, const std::string& column, bool gaps) {
+  constexpr double gap = std::numeric_limits<double>::quiet_NaN();
+  if (gaps && cell.empty()) return gap;
   expect_no_gap(rows, cell, column);
   const char* begin = cell.data();
   const char* const end = begin + cell.size();
@@ -152,6 +155,7 @@ double number_in(const CsvRows& rows, std::string_view cell, const std::string& 
   const auto [stopped, error] = std::from_chars(begin, end, value);
   const bool is_read = error == std::errc() && stopped == end;
   if (is_read && std::abs(value) <= largest_value) return value;
+  if (gaps && is_read && std::isnan(value)) return gap;
   const bool is_number = stopped == end && error != std::errc::invalid_argument;
   const bool decimal_comma = cell.find(',') != std::string_view::npos;
   rows.place(column).fail((is_read && std::isfinite(value) ? "expected a number of at most 1e50, found "
@@ -206,7 +210,7 @@ std::vector<std::string> read_csv_header(const std::filesystem::path& file) {
 }
 
 CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
-                  const std::vector<std::string>& words) {
+                  const std::vector<std::string>& words, const std::vector<std::string>& gaps) {
   const std::string text = read_text_file(file, largest_file);
   CsvTable table;
   table.file = file.string();
@@ -214,10 +218,12 @@ CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::stri
   expect_header(rows);
   const std::size_t width = rows.cells().size();
   std::vector<std::size_t> number_cell, word_cell;
+  std::vector<char> may_have_gaps;
   for (const std::string& column : columns) {
     if (std::find(table.columns.begin(), table.columns.end(), column) != table.columns.end()) continue;
     number_cell.push_back(find_column(rows, column));
     table.columns.push_back(column);
+    may_have_gaps.push_back(std::find(gaps.begin(), gaps.end(), column) != gaps.end() ? 1 : 0);
   }
   for (const std::string& column : words) {
     word_cell.push_back(find_column(rows, column));
@@ -227,7 +233,7 @@ CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::stri
   while (rows.next()) {
     expect_cells(rows, width);
     for (std::size_t i = 0; i < number_cell.size(); ++i) {
-      table.values[i].push_back(number_in(rows, rows.cells()[number_cell[i]], table.columns[i]));
+      table.values[i].push_back(number_in(rows, rows.cells()[number_cell[i]], table.columns[i], may_have_gaps[i] != 0));
     }
     for (std::size_t i = 0; i < word_cell.size(); ++i) {
       const std::string_view cell = rows.cells()[word_cell[i]];

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the records of measured runs come from. Private to the readers of experiment files.
+// Where the readings of runs come from. Private to the readers of experiment files.
 
 #include <filesystem>
 #include <map>
@@ -8,48 +8,61 @@
 #include <string>
 #include <vector>
 
-#include "identification/experiment.hpp"
 #include "identification/record.hpp"
 #include "model/toml_reader.hpp"
 
 namespace poise {
 
-/// How a run was measured: the keys beside `data`.
+/// A data file, and its column of the time.
+struct DataFile {
+  std::filesystem::path path;
+  std::string time;
+  double time_factor = 1.0;  ///< seconds per unit of it
+};
+
+/// A column of numbers that a run needs.
+struct DataColumn {
+  std::string name;
+  TomlPlace wanted_by;  ///< the sensor or input
+  bool gaps = false;    ///< empty cells and NaN mean: not read at that time
+  std::size_t file{};   ///< index into RunSource::files, found by DataFiles::want()
+};
+
+/// What a run is read from.
 struct RunSource {
   TomlPlace place;  ///< of `data`
-  std::string time;
-  std::string split;  ///< empty: the file is one run
+  std::vector<DataFile> files;
+  std::string split;  ///< column that names the segments; empty: the files are one run
   std::vector<TomlText> segments;
   std::size_t every = 1;
+  std::vector<DataColumn> columns;
+};
+
+/// Readings of one run as they are written.
+struct RunData {
+  std::optional<std::string> segment;
+  std::vector<Series> columns;  ///< one per column of the source; time 0 is the earliest row of all its files
 };
 
 /// Data files, each of which is read once, with all the columns that any run needs of it.
 class DataFiles {
  public:
-  /// All sensors are read from every file.
-  explicit DataFiles(const std::vector<Sensor>& sensors);
-
-  /// To be called for every run before the first file is read. Throws InputError where there is no such file.
-  void want(const std::filesystem::path& file, const RunSource& source);
-  /// A file that was wanted. Throws InputError as read_csv.
-  const CsvTable& read(const std::filesystem::path& file);
+  /// Finds the file of each column. To be called for every run before the first is read. Throws InputError where there
+  /// is no such file, or where none of a run's files has a column, or several have it.
+  void want(RunSource& source);
+  /// The runs of a source that was wanted: one, or one for each segment. Throws InputError as read_csv(), parts_of()
+  /// and check_times(), for a gap in a column without gaps, and where a file has not all of the segments.
+  std::vector<RunData> read(const RunSource& source);
 
  private:
   struct Wanted {
-    std::vector<std::string> columns, words;
+    std::vector<std::string> header, columns, words, gaps;
     std::optional<CsvTable> table;
   };
-  std::vector<std::string> readings_;
+  const CsvTable& table(const DataFile& file);
+  std::vector<CsvPart> parts(const RunSource& source, std::size_t file);
+
   std::map<std::filesystem::path, Wanted> files_;
 };
-
-/// The parts of the file that a run with a `split` asks for: all, or those of its `segments` in their order. Throws
-/// InputError where the file has no such segment.
-std::vector<CsvPart> chosen_parts(const CsvTable& table, const RunSource& source);
-
-/// Rows first, first + every, ... of [first, last) in SI, the first of them at time 0; `time_factor`: seconds per unit
-/// of the time column. Throws InputError as check_times.
-Record record_of(const CsvTable& table, const RunSource& source, std::size_t first, std::size_t last,
-                 double time_factor, const std::vector<Sensor>& sensors);
 
 }  // namespace poise

@@ -122,7 +122,10 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
     std::vector<double> times;
     for (std::size_t i = 0; i < count; ++i) times.push_back(static_cast<double>(i) / run_.sample_rate);
-    times_.assign(experiment.sensors.size(), times);
+    times_.resize(experiment.sensors.size());
+    for (std::size_t k = 0; k < times_.size(); ++k) {
+      if (run_.reads(k)) times_[k] = times;
+    }
   } else {
     for (const Series& series : experiment.records[run].sensors) times_.push_back(series.time);
   }
@@ -654,18 +657,31 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
 std::vector<double> RunModel::start_from_readings(const Record& record) const {
   // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
   const MotionModel model(scene_, scales_, also());
-  std::vector<StartValue> wanted;
+  constexpr std::size_t most = 16;
+  std::vector<std::size_t> sensors;
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
     const Sensor& sensor = experiment_.sensors[k];
-    if (sensor.rate || sensor.reads_force() ||
-        (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel))
-      continue;
+    const bool places = sensor.on.kind == Measure::Kind::angle || sensor.on.kind == Measure::Kind::travel;
+    if (places && !sensor.rate && !sensor.reads_force() && record.sensors[k].time.size() >= 3) sensors.push_back(k);
+  }
+  // Those whose first readings end first come first: over a long time a motion is no quadratic.
+  const auto until = [&](std::size_t k) {
+    const std::vector<double>& time = record.sensors[k].time;
+    return time[std::min(time.size(), most) - 1];
+  };
+  std::stable_sort(sensors.begin(), sensors.end(), [&](std::size_t a, std::size_t b) { return until(a) < until(b); });
+  std::vector<StartValue> wanted;
+  for (const std::size_t k : sensors) {
     // More readings than degrees of freedom would contradict each other by their noise.
     if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
     const Series& series = record.sensors[k];
-    const auto count = static_cast<Eigen::Index>(std::min<std::size_t>(series.time.size(), 16));
-    const SensorReader reader(model, sensor);
-    if (count < 3 || reader.coordinates().size() != 1) continue;
+    const auto count = static_cast<Eigen::Index>(std::min(series.time.size(), most));
+    const SensorReader reader(model, experiment_.sensors[k]);
+    if (reader.coordinates().size() != 1) continue;
+    const int coordinate = reader.coordinates()[0];
+    if (std::any_of(wanted.begin(), wanted.end(), [&](const StartValue& s) { return s.coordinate == coordinate; })) {
+      continue;
+    }
     Eigen::MatrixXd powers(count, 3);
     for (Eigen::Index i = 0; i < count; ++i) {
       const double t = series.time[static_cast<std::size_t>(i)];
@@ -677,8 +693,8 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     const double zero = SensorReader(reader).read(one.data(), one.data(), &by_q, &by_v);
     const Eigen::VectorXd fit =
         solvers::LeastSquares<double>(powers).solve(Eigen::Map<const Eigen::VectorXd>(series.value.data(), count));
-    wanted.push_back({reader.coordinates()[0], false, fit[0] - zero});
-    wanted.push_back({reader.coordinates()[0], true, fit[1]});
+    wanted.push_back({coordinate, false, fit[0] - zero});
+    wanted.push_back({coordinate, true, fit[1]});
   }
   const MotionState state = start_motion(model, wanted, &closed_);
   std::vector<double> start;

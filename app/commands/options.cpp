@@ -296,7 +296,9 @@ Experiment load_experiment(const ExperimentRequest& request) {
 std::vector<std::string> files_read(const Experiment& experiment) {
   std::vector<std::string> files = {experiment.scene.file};
   for (const Run& run : experiment.runs) {
-    if (!run.data.empty() && run.data.string() != files.back()) files.push_back(run.data.string());
+    for (const std::filesystem::path& data : run.data) {
+      if (std::find(files.begin(), files.end(), data.string()) == files.end()) files.push_back(data.string());
+    }
   }
   return files;
 }

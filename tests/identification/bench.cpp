@@ -8,9 +8,10 @@
 
 namespace poise::test {
 
-Bench::Bench(const std::string& experiment, const std::string& data) {
+Bench::Bench(const std::string& experiment, const std::string& data, const std::string& slow) {
   folder_.write("scene.toml", bench_scene);
   if (!data.empty()) folder_.write("data.csv", data);
+  if (!slow.empty()) folder_.write("slow.csv", slow);
   file_ = folder_.write("experiment.toml", experiment);
 }
 

@@ -81,10 +81,10 @@ inline const std::string bench_sensor = "[[sensor]]\nname = \"a\"\nangle = \"cra
 inline const std::string bench_run = "[[run]]\nduration = 2\nrate = 100\n";
 inline const std::string bench_measured = "[[run]]\ndata = \"data.csv\"\n";
 
-/// A folder with the scene, an experiment (experiment.toml) and its data (data.csv).
+/// A folder with the scene, an experiment (experiment.toml) and its data (data.csv, and slow.csv of a second logger).
 class Bench {
  public:
-  explicit Bench(const std::string& experiment, const std::string& data = "");
+  explicit Bench(const std::string& experiment, const std::string& data = "", const std::string& slow = "");
 
   Experiment read(const ExperimentOptions& options = {}) const;
   /// What is said about it, without the folder's name; empty when it is taken.

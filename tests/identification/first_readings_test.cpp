@@ -38,6 +38,22 @@ TEST(FirstReadings, AreTheGuessOnlyWhereNoReleaseIsGiven) {
   EXPECT_NEAR(guess[1], record.sensors[0].value[0], 5e-5) << "rad: obd itself is read";
 }
 
+// Of two sensors of one angle the one that is read more often gives the guess: the other's first 16 readings are spread
+// over many oscillations.
+TEST(FirstReadings, AreTakenFromTheFastestSensor) {
+  Experiment lift = test::experiment("lift_experiment");
+  const Record record = FitProblem(lift).ideal_record(0);
+  lift.runs[0].release.clear();
+  lift.sensors.insert(lift.sensors.begin(), lift.sensors[0]);
+  const FitProblem problem(lift);
+  Record both{{{}, record.sensors[0]}};
+  for (std::size_t i = 0; i < record.sensors[0].time.size(); i += 50) {
+    both.sensors[0].time.push_back(record.sensors[0].time[i]);
+    both.sensors[0].value.push_back(record.sensors[0].value[i]);
+  }
+  EXPECT_NEAR(first_guess(problem.run(0), both)[1], record.sensors[0].value[0], 5e-5);
+}
+
 TEST(FirstReadings, StartWorseThanTheFit) {
   const Experiment lift = test::experiment("lift_experiment");
   const FitProblem problem(lift);

@@ -102,7 +102,7 @@ TEST(MonteCarlo, KeepsFinishedTrialsWhenInterrupted) {
 
 TEST(MonteCarlo, DoesNotAcceptMeasuredRuns) {
   Experiment e = small();
-  e.runs[1].data = "swing.csv";
+  e.runs[1].data = {"swing.csv"};
   e.runs[1].line = 31;
   e.records.resize(2);
   e.records[1].sensors = {{{0.0, 0.1, 0.2}, {0.0, 0.0, 0.0}}};

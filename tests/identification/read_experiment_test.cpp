@@ -174,10 +174,11 @@ TEST(ReadExperiment, RejectsSensors) {
       "experiment.toml:2: sensor \"sensor 1\".noise: expected a number, since run \"run 1\" is simulated; add noise = "
       "NUMBER");
   const std::string third = "experiment.toml:3: sensor 1.";
-  EXPECT_EQ(error_of_sensor("angles = \"crank\"\n"),
-            third +
-                "angles: expected one of the keys name, angle, travel, distance, x, y, force, rate, column, noise, "
-                "zero, factor; did you mean \"angle\"?");
+  EXPECT_EQ(
+      error_of_sensor("angles = \"crank\"\n"),
+      third +
+          "angles: expected one of the keys name, angle, travel, distance, x, y, force, rate, column, gaps, noise, "
+          "zero, factor; did you mean \"angle\"?");
   EXPECT_EQ(error_of_sensor("angle = \"crnk\"\n"),
             third + "angle: expected the name of a body other than ground, found \"crnk\"; did you mean \"crank\"?");
   EXPECT_EQ(error_of_sensor("angle = [\"rod\", \"rod\"]\n"), third + "angle: expected two different bodies");

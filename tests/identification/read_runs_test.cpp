@@ -127,7 +127,7 @@ TEST(ReadRuns, TakesAnotherDataFile) {
             "experiment.toml:7: run 1.data: expected a data file, there is no \"data.csv\"; give it with --data FILE");
   const std::string other = bench.folder().write("other.csv", "time,a\n0,1\n1,2\n2,3\n");
   const Experiment experiment = bench.read({.data = other});
-  EXPECT_EQ(experiment.runs[0].data, other);
+  EXPECT_EQ(experiment.runs[0].data, (std::vector<std::filesystem::path>{other}));
   EXPECT_DOUBLE_EQ(experiment.records[0].sensors[0].value[2], 3 * degree);
   EXPECT_EQ(bench.error({.data = bench.folder().path("none.csv")}),
             "experiment.toml:7: run 1.data: expected a data file, there is no \"none.csv\"; give it with --data FILE");
@@ -157,7 +157,7 @@ TEST(ReadRuns, RejectsRuns) {
   }
   EXPECT_EQ(error_of_run(given + "split = \"s\"\n"),
             "experiment.toml:9: run 1.split: expected one of the keys name, set, labels, rest, release, release_rate, "
-            "start_known, data, duration, rate, seed");
+            "start_known, sensors, data, duration, rate, seed");
   EXPECT_EQ(error_of_run(given + "labels = { run = \"a\" }\n"),
             "experiment.toml:9: run 1.labels.run: expected another label; per = \"run\" means each run by itself");
   EXPECT_EQ(error_of_run(given + "labels = { h = \"\" }\n"),
@@ -207,7 +207,7 @@ TEST(ReadRuns, RejectsMeasuredRuns) {
             "experiment.toml:7: run 1.data: expected the path of a data file, relative to this file");
   EXPECT_EQ(error_of_run(data + "duration = 2\n", good),
             "experiment.toml:8: run 1.duration: expected one of the keys name, set, labels, rest, release, "
-            "release_rate, start_known, data, time, time_factor, split, segments, every");
+            "release_rate, start_known, sensors, data, time, time_factor, split, segments, every");
   EXPECT_EQ(error_of_run(data + "time_factor = 0\n", good),
             "experiment.toml:8: run 1.time_factor: expected a finite number > 0, found 0");
   EXPECT_EQ(error_of_run(data + "every = 0\n", good),
@@ -237,11 +237,114 @@ TEST(ReadRuns, RejectsMeasuredRuns) {
             "data.csv:1: time: expected a column of this name in the header; known here: t, a");
   EXPECT_EQ(error_of_run(data, "time,phi\n0,1\n"),
             "data.csv:1: a: expected a column of this name in the header; known here: time, phi");
-  EXPECT_EQ(error_of_run(data, "time,a\n0,1\n1,\n2,3\n"),
-            "data.csv:3: a: expected a value, found a gap; fill it or leave the row out");
+  EXPECT_EQ(
+      error_of_run(data, "time,a\n0,1\n1,\n2,3\n"),
+      "data.csv:3: a: expected a value, found a gap; fill it, leave the row out, or add gaps = true to the sensor "
+      "\"a\" (experiment.toml:2)");
   EXPECT_EQ(error_of_run(data, "time,a\n0,1\n2,3\n1,2\n"),
             "data.csv:4: time: expected a time after that of the row before; sort the rows, or split the file by the "
             "column that names its segments");
+}
+
+TEST(ReadRuns, LeavesGapsOut) {
+  const std::string gaps = "gaps = true\n[[sensor]]\nname = \"b\"\ntravel = \"rail\"\nnoise = 1\n";
+  const std::string data = "time,a,b\n3,,1\n3.5,2,2\n4, ,3\n5,NaN,4\n6,5,5\n";
+  const Experiment experiment = Bench(header + sensor + gaps + measured, data).read();
+  const std::vector<Series>& series = experiment.records[0].sensors;
+  EXPECT_EQ(series[0].time, (Numbers{0.5, 3})) << "from the earliest row of the run";
+  EXPECT_DOUBLE_EQ(series[0].value[1], 5 * degree);
+  EXPECT_EQ(series[1].time, (Numbers{0, 0.5, 1, 2, 3}));
+  EXPECT_EQ(
+      Bench(header + sensor + gaps + measured, "time,a,b\n0,,1\n1,2,\n2,3,3\n").error(),
+      "data.csv:3: b: expected a value, found a gap; fill it, leave the row out, or add gaps = true to the sensor "
+      "\"b\" (experiment.toml:7)");
+  EXPECT_EQ(Bench(header + sensor + gaps + measured, "time,a,b\n0,inf,1\n1,2,2\n2,3,3\n").error(),
+            "data.csv:2: a: expected a finite number, found \"inf\"; correct it or leave the row out");
+  EXPECT_EQ(
+      Bench(header + sensor + "gaps = true\n" + measured, "time,a\n0,1\n1,2\n2,\n").error(),
+      "experiment.toml:8: run 1.data: expected at least 3 readings in run \"run 1\", found 2, all others are gaps; "
+      "leave the run out");
+  EXPECT_EQ(Bench(header + sensor + "gaps = true\ncolumn = \"time\"\n" + measured, "time\n0\n\"\"\n2\n").error(),
+            "data.csv:3: time: expected a value, found a gap; fill it or leave the row out")
+      << "times are never left out";
+}
+
+TEST(ReadRuns, ReadsSeveralFilesOfOneRun) {
+  const std::string sensors =
+      "[[sensor]]\nname = \"b\"\ntravel = \"rail\"\nnoise = 1\n[[sensor]]\nname = \"c\"\nangle = \"rod\"\nnoise = 1\n";
+  const std::string keys = "[[run]]\ndata = [\"data.csv\", \"slow.csv\"]\n";
+  const auto bench = [&](const std::string& run_keys, const std::string& data, const std::string& slow) {
+    return Bench(header + sensor + sensors + keys + run_keys, data, slow);
+  };
+  const std::string fast = "time,a,c\n10,1,2\n10.5,2,3\n11,3,4\n11.5,4,5\n";
+  const std::string slow = "s,b\n9,1\n10,2\n11,3\n";
+  const Experiment experiment = bench("time = [\"time\", \"s\"]\n", fast, slow).read();
+  EXPECT_EQ(experiment.runs[0].data.size(), 2u);
+  const std::vector<Series>& series = experiment.records[0].sensors;
+  EXPECT_EQ(series[0].time, (Numbers{1, 1.5, 2, 2.5})) << "one clock, 0 at the earliest row of both";
+  EXPECT_EQ(series[1].time, (Numbers{0, 1, 2}));
+  EXPECT_DOUBLE_EQ(series[1].value[2], 3e-3);
+  EXPECT_EQ(series[2].time, series[0].time);
+
+  const Experiment fewer = bench("sensors = [\"c\", \"a\"]\n[[run]]\nsensors = [\"b\"]\nduration = 1\nrate = 10\n",
+                                 fast, "time,x\n0,1\n1,2\n2,3\n")
+                               .read();
+  EXPECT_EQ(fewer.runs[0].sensors, (std::vector<std::size_t>{0, 2}));
+  EXPECT_TRUE(fewer.records[0].sensors[1].value.empty());
+  EXPECT_EQ(fewer.records[0].sensors[2].time, (Numbers{10, 10.5, 11, 11.5}));
+  EXPECT_EQ(fewer.runs[1].sensors, (std::vector<std::size_t>{1}));
+
+  const std::string place = "experiment.toml:15: run 1.data: ";
+  EXPECT_EQ(bench("", fast, "time,d\n0,1\n1,2\n2,3\n").error(),
+            "experiment.toml:6: sensor \"b\": expected the column \"b\" in a file of the run in line 15, none has it; "
+            "known here: time, a, c, d");
+  EXPECT_EQ(
+      bench("", fast, "time,b,a\n0,1,1\n1,2,1\n2,3,1\n").error(),
+      "experiment.toml:2: sensor \"a\": expected the column \"a\" in one file of the run in line 15, \"data.csv\" "
+      "and \"slow.csv\" have it; rename one of them");
+  EXPECT_EQ(bench("time = [\"time\", \"s\", \"t\"]\n", fast, slow).error(),
+            "experiment.toml:16: run 1.time: expected one column, or one for each of the 2 data files, found 3");
+  EXPECT_EQ(Bench(header + sensor + "[[run]]\ndata = [\"data.csv\", \"./data.csv\"]\n", fast).error(),
+            "experiment.toml:7: run 1.data: expected each file once, found \"./data.csv\" again");
+  EXPECT_EQ(Bench(header + sensor + "[[run]]\ndata = []\n", fast).error(),
+            "experiment.toml:7: run 1.data: expected the path of a data file; leave the key out to simulate");
+
+  const std::string split = "time = \"t\"\nsplit = \"part\"\n";
+  const std::string first = "part,t,a,c\nx,0,1,1\nx,1,2,1\nx,2,3,1\ny,5,4,1\ny,6,5,1\ny,7,6,1\n";
+  const std::string second = "t,part,b\n4.5,y,1\n5,y,2\n5.5,y,3\n1,x,4\n2,x,5\n3,x,6\n";
+  const Experiment parts = bench(split, first, second).read();
+  ASSERT_EQ(parts.runs.size(), 2u);
+  EXPECT_EQ(parts.records[1].sensors[0].time, (Numbers{0.5, 1.5, 2.5}));
+  EXPECT_EQ(parts.records[1].sensors[1].time, (Numbers{0, 0.5, 1}));
+  EXPECT_EQ(parts.records[0].sensors[1].time, (Numbers{1, 2, 3}));
+  EXPECT_EQ(bench(split, first, "t,b\n0,1\n1,2\n2,3\n").error(),
+            place +
+                "expected the column \"part\" of split in every file of the run, \"slow.csv\" has none; name its "
+                "segments there too");
+  EXPECT_EQ(bench(split, first, "t,part,b\n0,x,1\n1,x,2\n2,x,3\n").error(),
+            place +
+                "expected the same segments in every file of the run, \"slow.csv\" has no \"y\"; name those that all "
+                "have with segments = [...]");
+  EXPECT_EQ(bench(split, "part,t,a,c\ny,0,1,1\ny,1,2,1\ny,2,3,1\n", second).error(),
+            place +
+                "expected the same segments in every file of the run, \"data.csv\" has no \"x\"; name those that all "
+                "have with segments = [...]");
+  EXPECT_EQ(bench(split + "segments = [\"y\"]\n", first, second).read().runs.size(), 1u);
+}
+
+TEST(ReadRuns, RejectsSensorsOfARun) {
+  const std::string given = "duration = 2\nrate = 100\n";
+  EXPECT_EQ(error_of_run(given + "sensors = []\n"),
+            "experiment.toml:9: run 1.sensors: expected the name of a sensor; leave the key out for all");
+  EXPECT_EQ(error_of_run(given + "sensors = [\"b\"]\n"),
+            "experiment.toml:9: run 1.sensors: expected the name of a sensor, found \"b\"; known here: a");
+  EXPECT_EQ(error_of_run(given + "sensors = [\"a\", \"a\"]\n"),
+            "experiment.toml:9: run 1.sensors: expected each sensor once; take one of the two out");
+  EXPECT_EQ(Bench(header + sensor + "[[sensor]]\nname = \"b\"\ntravel = \"rail\"\nnoise = 1\n[[run]]\n" + given +
+                  "sensors = [\"a\"]\n")
+                .error(),
+            "experiment.toml:6: sensor \"b\": expected readings in at least one run, no run has any; name it in the "
+            "sensors of a run, or leave it out");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "identification/record.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -136,6 +137,19 @@ TEST(ReadCsv, NamesTheLineOfAnError) {
   EXPECT_EQ(
       error_of("t,x\n0," + std::string(100, 'a') + "\n", tx),
       "data.csv:2: x: expected a number, found \"" + std::string(40, 'a') + "...\"; correct it or leave the row out");
+}
+
+TEST(ReadCsv, ReadsGapsWhereTheyAreAllowed) {
+  const TempFolder folder;
+  const std::string file = folder.write("data.csv", "t,x,y\n0,,1\n1, nan ,2\n2,5,\n");
+  const CsvTable table = read_csv(file, {"t", "x"}, {}, {"x"});
+  EXPECT_TRUE(std::isnan(table.column("x")[0]));
+  EXPECT_TRUE(std::isnan(table.column("x")[1]));
+  EXPECT_EQ(table.column("x")[2], 5.0);
+  EXPECT_EQ(message_of([&] {
+              read_csv(file, {"x", "y"}, {}, {"x"});
+            }),
+            "data.csv:4: y: expected a value, found a gap; fill it or leave the row out");
 }
 
 TEST(ReadCsv, CountsLinesBehindQuotedOnes) {

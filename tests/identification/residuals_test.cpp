@@ -99,7 +99,7 @@ TEST(FitProblem, CountsNuisancesAndReadings) {
   EXPECT_EQ(problem.nuisances(), 4);
   EXPECT_EQ(problem.readings(), 150U);
   EXPECT_EQ(problem.unknown_of(0).path, "torsion_spring.coil.stiffness");
-  wheel.experiment.runs[1].data = "wheel.csv";
+  wheel.experiment.runs[1].data = {"wheel.csv"};
   EXPECT_FALSE(wheel.experiment.is_simulated());
 }
 

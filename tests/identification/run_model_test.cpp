@@ -112,7 +112,7 @@ Experiment everything() {
 // times; one without readings has no rows.
 TEST(RunModel, PredictsEverySensorAtItsOwnTimes) {
   Experiment all = everything();
-  all.runs[0].data = "measured.csv";
+  all.runs[0].data = {"measured.csv"};
   const std::vector<double> grid = {0.0, 0.1, 0.15, 0.3, 0.45, 0.5, 0.8};
   const std::vector<std::vector<std::size_t>> read = {{0, 1, 3, 6}, {}, {2, 3, 4}};
   Experiment some = all;

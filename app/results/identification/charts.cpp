@@ -26,14 +26,23 @@ std::string axis(const std::string& what, const Sensor& sensor, const Units& uni
   return fmt::format("{} ({})", what, sensor.dimension().unit_name(units));
 }
 
-/// Which sensors are drawn, those of one unit together: all, or those whose residuals are largest over their noise.
-std::vector<std::size_t> drawn_sensors(const FitProblem& problem, const Fit& fitted) {
+/// The runs, of these, in which sensor k is read.
+std::vector<std::size_t> reading(const std::vector<std::size_t>& runs, const FitAnswer& answer, std::size_t k) {
+  return chosen_of(runs, [&](std::size_t r) { return !answer.records[r].sensors[k].value.empty(); });
+}
+
+/// Which sensors of the worst run are drawn, those of one unit together: all, or those whose residuals are largest over
+/// their noise.
+std::vector<std::size_t> drawn_sensors(const FitProblem& problem, const FitAnswer& answer) {
+  const Fit& fitted = answer.fit;
   const std::vector<Sensor>& sensors = problem.experiment().sensors;
   const auto size = [&](std::size_t k) {
     const double over_noise = fitted.rms[k] / sensors[k].noise;
     return std::isnan(over_noise) ? 0.0 : over_noise;  // a sensor without readings
   };
-  std::vector<std::size_t> order = places(sensors.size());
+  const std::vector<std::size_t> worst = {worst_first(problem, fitted).front()};
+  std::vector<std::size_t> order =
+      chosen_of(places(sensors.size()), [&](std::size_t k) { return !reading(worst, answer, k).empty(); });
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
   if (order.size() > most_sensors_drawn) order.resize(most_sensors_drawn);
   std::sort(order.begin(), order.end());
@@ -139,7 +148,7 @@ int fit_columns(const Experiment& experiment) { return experiment.sensors.size()
 
 std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& answer) {
   if (answer.fit.runs.empty()) return {};
-  const std::vector<std::size_t> sensors = drawn_sensors(problem, answer.fit);
+  const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
   std::vector<std::string> others;
   for (std::size_t k = 0; k < problem.experiment().sensors.size(); ++k) {
     if (std::find(sensors.begin(), sensors.end(), k) != sensors.end()) continue;
@@ -153,7 +162,7 @@ std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& a
     other_parameters.push_back(problem.parameters()[static_cast<std::size_t>(problem.parameters_of(r)[c])].name);
   }
   std::vector<std::string> lines = {
-      left_out(sensors.size(), others, "sensors", "those with the largest residuals over their noise"),
+      left_out(sensors.size(), others, "sensors", "those of the worst run with the largest residuals over their noise"),
       left_out(parameters.size(), other_parameters, "sensitivities",
                "those of the parameters with the largest relative standard errors")};
   std::erase(lines, "");
@@ -163,12 +172,12 @@ std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& a
 std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer) {
   if (answer.fit.runs.empty()) return {};
   const std::vector<std::size_t> worst = worst_first(problem, answer.fit);
-  const std::vector<std::size_t> sensors = drawn_sensors(problem, answer.fit);
+  const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
   std::vector<Panel> sensitivities = sensitivity_panels(problem, answer, worst.front(), sensors);
   std::vector<Panel> panels;
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     panels.push_back(fitted_panel(problem, answer, worst.front(), sensors[i]));
-    panels.push_back(residual_panel(problem, answer, worst, sensors[i]));
+    panels.push_back(residual_panel(problem, answer, reading(worst, answer, sensors[i]), sensors[i]));
     panels.push_back(std::move(sensitivities[i]));
   }
   // One legend and one time axis for each column.
@@ -177,7 +186,8 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer
     for (Curve& curve : panels[i].curves) curve.name.clear();
     for (Band& band : panels[i].bands) band.name.clear();
   }
-  for (std::size_t i = sensors.size() > 1 ? last : last + 2; i < panels.size(); ++i) panels[i].x_label = "time (s)";
+  for (std::size_t i = fit_columns(problem.experiment()) > 1 ? last : last + 2; i < panels.size(); ++i)
+    panels[i].x_label = "time (s)";
   const std::size_t others = problem.experiment().sensors.size() - sensors.size();
   if (others > 0) panels[last].curves.push_back({.name = fmt::format("{} more not drawn, see the report", others)});
   return panels;

@@ -372,8 +372,9 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
   std::vector<RunFit> rows;
   for (const std::size_t r : worst_first(problem, fitted)) rows.push_back(fitted.runs[r]);
   const auto lagged = [](const RunFit& run) {
-    const auto largest = largest_by_size(run.autocorrelation);
-    return largest == run.autocorrelation.end() ? "-" : fmt::format("{:+.3f}", *largest);
+    const std::vector<double> known = chosen_of(run.autocorrelation, [](double a) { return !std::isnan(a); });
+    const auto largest = largest_by_size(known);
+    return largest == known.end() ? "-" : fmt::format("{:+.3f}", *largest);
   };
   Table& table = section.table("", "Residuals of the runs: root mean squares, the worst first", Rows::list);
   table.words("", "run", each(rows, [](const RunFit& run) { return one_line(run.name); }));
