@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "model/inertia.hpp"
 #include "model/mechanism.hpp"
+#include "motion/motion_input.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/small_lu.hpp"
 
@@ -75,6 +77,9 @@ class ReducedMotion {
   /// Rank of J when the coordinates were last chosen.
   int rank() const { return static_cast<int>(dependent_.size()); }
 
+  /// Loads and drives that follow curves of time, in the units of `scene`, which is the one given to the constructor.
+  void set_inputs(const Scene& scene, std::vector<MotionInput> inputs);
+  const std::vector<MotionInput>& inputs() const { return inputs_; }
   /// Sets the initial values of drives without a given start to those of q.
   void start_drives(const T* q);
   /// Chooses independent coordinates by complete pivoting of J at (q, t). With `keep_rank` the rank of the first pose
@@ -100,7 +105,7 @@ class ReducedMotion {
   Status accelerate();
   /// Computes the multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
   void linearize();
-  /// Those that influences refer to; must outlive this.
+  /// Those that influences refer to; must outlive this. After set_inputs().
   void set_variations(const std::vector<Variation>& variations);
   /// The derivative of alpha by a number of the scene, f values. After linearize() where the influence moves().
   void influence(const Influence& influence, T* alpha);
@@ -124,7 +129,8 @@ class ReducedMotion {
 
   T kinetic_energy() const;
   T potential_energy() const { return mechanism_.energy(q_.data(), pose_.data()); }
-  /// Power of everything without a potential: resistances (negative), follower loads, drives. After accelerate().
+  /// Power of everything without a potential: resistances (negative), follower loads, inputs less the constant loads in
+  /// whose place they are, drives. After accelerate().
   T power() const;
   /// Values of the measures that the stops limit, in the pose placed; the mechanism's stops() values.
   std::vector<T> stop_values() const;
@@ -136,10 +142,16 @@ class ReducedMotion {
   void reduced_inertia(int body, const BodyInertia<T>& part, T* f) const;
 
  private:
-  struct DriveRow {  // g(q) = start + moved(t)
+  struct DriveRow {  // g(q) = start + moved(t), or the input's curve
     Drive drive;
     CompiledMeasure<T> on;
     T start{};
+    std::optional<MotionInput> input{};
+
+    T target(const T& t, int derivative) const {
+      if (input) return static_cast<T>(input->unit * input->curve->at(static_cast<double>(t), derivative));
+      return (derivative == 0 ? start : T(0)) + drive.moved(t, derivative);
+    }
   };
   // c, J v, the second derivatives of c, and G + J^T multipliers: their direct derivatives by a number.
   struct Direct {
@@ -149,6 +161,7 @@ class ReducedMotion {
     std::shared_ptr<const Mechanism<T>> mechanism;
     std::shared_ptr<const Inertia<T>> inertia;
     std::vector<DriveRow> drives;
+    std::vector<InputLoad<T>> input_loads;
     T weight{};
   };
   template <class S>
@@ -162,7 +175,7 @@ class ReducedMotion {
   void find_multipliers();
   void linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha);
   void linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
-  void add_direct(const Piece& piece);
+  void add_direct(Piece& piece);
   void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
   Configuration<T> here() const { return {mechanism_.phasors(), pose_.data(), drive_scratch_.data()}; }
   void project(const T* full, T* reduced) const;
@@ -174,6 +187,8 @@ class ReducedMotion {
   const Inertia<T>& inertia_;
   int n_, rows_;
   std::vector<DriveRow> drives_;
+  std::vector<MotionInput> inputs_;
+  std::vector<InputLoad<T>> input_loads_;
   int first_rank_ = -1;
   std::vector<int> independent_, dependent_, used_rows_;
   T singular_limit_{};

@@ -33,7 +33,7 @@ void ReducedMotion<T>::place_accelerations() {
   mechanism_.closures_of(second_.data(), rows_work_.data());
   for (int k = 0; k < drives(); ++k) {
     rows_work_[mechanism_.equalities() + k] =
-        drives_[k].on.second(here(), v_.data(), v_.data()) - drives_[k].drive.moved(t_, 2);
+        drives_[k].on.second(here(), v_.data(), v_.data()) - drives_[k].target(t_, 2);
   }
   solve_rows(rows_work_.data(), a_.data());
   mechanism_.phasors().first(pose_.data(), a_.data(), work_.data());
@@ -48,6 +48,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   inertia_.weigh(second_.data(), weight_.data());
   mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
   mechanism_.add_resistance(pose_.data(), v_.data(), full_force_.data());
+  for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_force_.data());
   mechanism_.phasors().add_projection(pose_.data(), weight_.data(), full_force_.data());
   for (int i = 0; i < n_; ++i) full_force_[i] += inertia_.moment(i) * a_[i];
 
@@ -137,6 +138,7 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
       if (!full && row[e] != column[e]) force_[column[e]] += tangent_[e] * dq[row[e]];
     }
     for (int k = 0; k < drives(); ++k) drives_[k].on.add_bend(here(), dq, drive_multipliers_[k], force_.data());
+    for (const InputLoad<T>& load : input_loads_) load.add_change(pose_.data(), dq, force_.data());
   }
   mechanism_.add_resistance_change(pose_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv, force_.data());
   if (direct != nullptr) {
@@ -228,6 +230,9 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
                                 static_cast<T>(drive.start.value_or(0.0))});
         drive_scratch = std::max(drive_scratch, piece.drives.back().on.scratch_size());
       }
+      for (const MotionInput& input : inputs_) {
+        if (input.of != MotionInput::Of::drive) piece.input_loads.emplace_back(scene, *piece.mechanism, input);
+      }
       pose = std::max(pose, static_cast<std::size_t>(piece.mechanism->pose_size() + drive_scratch));
       values = std::max(values, piece.mechanism->jacobian_row().size());
       rows = std::max(rows, static_cast<std::size_t>(piece.mechanism->constraints()));
@@ -240,7 +245,7 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
 
 // Phasors are those of the pose placed, because they depend on coordinates only.
 template <class T>
-void ReducedMotion<T>::add_direct(const Piece& piece) {
+void ReducedMotion<T>::add_direct(Piece& piece) {
   const Mechanism<T>& m = *piece.mechanism;
   const int equalities = mechanism_.equalities();
   Planar<T>* pose = varied_pose_.data();
@@ -253,6 +258,10 @@ void ReducedMotion<T>::add_direct(const Piece& piece) {
   T* g = varied_force_.data();
   m.negative_force(q_.data(), pose, g);
   m.add_resistance(pose, v_.data(), g);
+  for (InputLoad<T>& load : piece.input_loads) {
+    load.set(static_cast<double>(t_));
+    load.add(pose, g);
+  }
   piece.inertia->weigh(second_.data(), work2_.data());
   m.phasors().add_projection(pose, work2_.data(), g);
   for (int i = 0; i < n_; ++i) g[i] += piece.inertia->moment(i) * a_[i];
@@ -300,7 +309,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     direct_.rate[row] = moved(1);
     direct_.acceleration[row] = moved(2);
   } else {
-    for (const Piece& piece : variations_[influence.variation]) add_direct(piece);
+    for (Piece& piece : variations_[influence.variation]) add_direct(piece);
   }
   solve_rows(direct_.gap.data(), q_p_.data());
   linearize_pose(q_p_.data(), &direct_, v_p_.data(), a_p_.data(), alpha);
@@ -338,9 +347,10 @@ template <class T>
 T ReducedMotion<T>::power() const {
   std::fill(full_.begin(), full_.end(), T(0));
   mechanism_.add_resistance(pose_.data(), v_.data(), full_.data());
+  for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_.data());
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];
-  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].drive.moved(t_, 1);
+  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1);
   return power;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/motion_input_impl.hpp"
 #include "motion/reduced_motion.hpp"
 
 namespace poise {
@@ -37,6 +38,19 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
 }
 
 template <class T>
+void ReducedMotion<T>::set_inputs(const Scene& scene, std::vector<MotionInput> inputs) {
+  inputs_ = std::move(inputs);
+  input_loads_.clear();
+  for (const MotionInput& input : inputs_) {
+    if (input.of == MotionInput::Of::drive) {
+      drives_[input.item].input = input;
+    } else {
+      input_loads_.emplace_back(scene, mechanism_, input);
+    }
+  }
+}
+
+template <class T>
 void ReducedMotion<T>::start_drives(const T* q) {
   known_ = false;
   mechanism_.place(q, pose_.data());
@@ -64,7 +78,7 @@ void ReducedMotion<T>::residual(const T& t) {
   mechanism_.constraint(q_.data(), pose_.data(), c_.data());
   for (int k = 0; k < drives(); ++k) {
     const DriveRow& d = drives_[k];
-    c_[mechanism_.equalities() + k] = d.on.value(here()) - d.start - d.drive.moved(t, 0);
+    c_[mechanism_.equalities() + k] = d.on.value(here()) - d.target(t, 0);
   }
 }
 
@@ -203,6 +217,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
   if (predicted) predict(t - t_, z);
   known_ = false;
   t_ = t;
+  for (InputLoad<T>& load : input_loads_) load.set(static_cast<double>(t));
   for (int k = 0; k < freedoms(); ++k) q_[independent_[k]] = z[k];
   const int r = rank();
   bool closed = r == 0;
@@ -254,7 +269,7 @@ template <class T>
 void ReducedMotion<T>::move(const T* w) {
   if (drives() > 0) {
     std::fill(rows_work_.begin(), rows_work_.end(), T(0));
-    for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = -drives_[k].drive.moved(t_, 1);
+    for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = -drives_[k].target(t_, 1);
     solve_rows(rows_work_.data(), drift_.data());
   }
   std::copy(drift_.begin(), drift_.end(), v_.begin());

@@ -26,6 +26,7 @@ class ReducedSystem::Fine {
       : mechanism_(scene, reduced.layout(), Purpose::dynamics),
         inertia_(scene, mechanism_),
         motion_(scene, mechanism_, inertia_) {
+    motion_.set_inputs(scene, reduced.inputs());
     motion_.set_variations(variations);
     motion_.take_over(reduced);
     motion_.set_singular_limit(0.0L);

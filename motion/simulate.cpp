@@ -36,6 +36,11 @@ class Simulation {
         speed_(n_, 0.0),
         overrun_(model.scene().stops.size(), 0) {
     for (std::size_t i = static_cast<std::size_t>(model.layout().angles); i < n_; ++i) unit_[i] = model.scales().length;
+    reduced_.set_inputs(model.scaled_scene(), scaled(options.inputs, model.scene(), model.scales()));
+    for (const MotionInput& input : options.inputs) {
+      breaks_.insert(breaks_.end(), input.curve->breaks().begin(), input.curve->breaks().end());
+    }
+    std::sort(breaks_.begin(), breaks_.end());
     reduced_.start_drives(q_start_.data());
     reduced_.choose(0.0, q_start_.data(), false, options.independent.empty() ? nullptr : &options.independent);
     out_.freedoms = reduced_.freedoms();
@@ -83,7 +88,8 @@ class Simulation {
       if (out_.steps + out_.rejected >= options_.most_steps) {
         return stop(MotionStatus::step_limit, fmt::format("{} steps reached only t = {:.6g} s", out_.steps, t));
       }
-      const double left = options_.duration - t;
+      const double end = next_break(t);
+      const double left = end - t;
       // A very short last step is shared with the one before.
       const bool last = h >= left * (1 - 1e-12);
       if (last)
@@ -94,20 +100,29 @@ class Simulation {
         if (h > 1e-13 * options_.duration && h > 1e-15 * (1 + t)) continue;
         return give_up(system_->status, t);
       }
-      t = last && taken_ == left ? options_.duration : t + taken_;
+      t = last && taken_ == left ? end : t + taken_;
       ++out_.steps;
       y_.swap(y_new_);
       dydt_.swap(dydt_new_);
       add_node(t);
+      if (t == end) smooth_from_ = out_.trajectory.nodes() - 1;
       if (options_.progress) options_.progress(t);
       if (reduced_.pivot() < good_pivot && reduced_.rank() > 0) choose_anew(t);
     }
     out_.status = MotionStatus::completed;
   }
 
+  /// The end of the motion, or of the smooth part of its inputs, after t. Breaks so near to t that the integrator could
+  /// not make a step to them are passed over.
+  double next_break(double t) {
+    const double shortest = 1e-9 * options_.duration;
+    while (next_ < breaks_.size() && breaks_[next_] <= t + shortest) ++next_;
+    return next_ < breaks_.size() && breaks_[next_] < options_.duration - shortest ? breaks_[next_] : options_.duration;
+  }
+
   /// Tries a step of h; on failure h is made shorter. On success taken_ is the step and h the next one.
   bool step_from(double t, double& h, double accuracy) {
-    if (reduced_.rank() > 0) h = std::min(steered_step(out_.trajectory.t, pivot_, h), options_.duration - t);
+    if (reduced_.rank() > 0) h = std::min(steered_step(out_.trajectory.t, pivot_, h), next_break(t) - t);
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);
@@ -184,7 +199,7 @@ class Simulation {
   double weigh_reading(double t, double h) const {
     if (h < taken_ / 20) return 0.0;
     const Trajectory& path = out_.trajectory;
-    const std::size_t known = std::min<std::size_t>(3, path.nodes());
+    const std::size_t known = std::min<std::size_t>(3, path.nodes() - smooth_from_);
     const std::size_t first = path.nodes() - known;
     double far = 0.0;
     for (std::size_t i = 0; i < n_; ++i) far = std::max({far, reach_[i], std::abs(reduced_.q()[i] - q_start_[i])});
@@ -209,15 +224,20 @@ class Simulation {
   double reach_of(int k, double h) const {
     const int f = reduced_.freedoms();
     const double w = std::abs(y_[static_cast<std::size_t>(f + k)]);
-    const double alpha = std::abs(dydt_[static_cast<std::size_t>(f + k)]);
+    const double alpha = acceleration_of(k);
     return std::max(reach_[static_cast<std::size_t>(reduced_.independent()[k])], h * (w + h * alpha / 2));
   }
 
   double speed_of(int k, double h) const {
     const int f = reduced_.freedoms();
-    return std::max(
-        speed_[static_cast<std::size_t>(reduced_.independent()[k])],
-        std::abs(y_[static_cast<std::size_t>(f + k)]) + h * std::abs(dydt_[static_cast<std::size_t>(f + k)]));
+    return std::max(speed_[static_cast<std::size_t>(reduced_.independent()[k])],
+                    std::abs(y_[static_cast<std::size_t>(f + k)]) + h * acceleration_of(k));
+  }
+
+  /// At the start of the step; with inputs also at its end, because they may begin to act on a mechanism at rest.
+  double acceleration_of(int k) const {
+    const auto i = static_cast<std::size_t>(reduced_.freedoms() + k);
+    return breaks_.empty() ? std::abs(dydt_[i]) : std::max(std::abs(dydt_[i]), std::abs(dydt_new_[i]));
   }
 
   double first_step() {
@@ -380,9 +400,12 @@ class Simulation {
   std::vector<char> overrun_;
   int columns_ = 0;
   double limit_ = 0.0, taken_ = 0.0;
-  double fastest_ = 0.0;       // rate of change at the start, 1/s
-  std::vector<double> node_;   // coordinates at the last node
-  std::vector<double> pivot_;  // per node
+  std::vector<double> breaks_;   // of the inputs, ascending
+  std::size_t next_ = 0;         // of these
+  std::size_t smooth_from_ = 0;  // node at the last break
+  double fastest_ = 0.0;         // rate of change at the start, 1/s
+  std::vector<double> node_;     // coordinates at the last node
+  std::vector<double> pivot_;    // per node
   std::vector<double> y_, dydt_, y_new_, dydt_new_, error_;
   std::unique_ptr<ReducedSystem> system_;
   std::unique_ptr<solvers::RungeKutta78> stepper_;

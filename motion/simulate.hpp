@@ -43,6 +43,8 @@ struct MotionOptions {
   std::vector<int> independent{};
   std::vector<Influence> influences{};  ///< in the units of the scaled scene, per unit of the caller's number
   std::vector<Variation> variations{};  ///< that influences refer to
+  /// Loads and drives that follow curves of time, SI. Steps end at the breaks of these curves.
+  std::vector<MotionInput> inputs{};
   int most_steps = 10'000'000;
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(double)> progress{};  ///< called with the time reached, at every step

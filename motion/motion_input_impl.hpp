@@ -1,0 +1,55 @@
+#pragma once
+
+#include "motion/motion_input.hpp"
+
+namespace poise {
+
+template <class T>
+InputLoad<T>::InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const MotionInput& input)
+    : phasors_(mechanism.phasors()), curve_(input.curve), unit_(input.unit) {
+  const Layout& layout = mechanism.layout();
+  if (input.of == MotionInput::Of::torque) {
+    const Torque& torque = scene.torques[static_cast<std::size_t>(input.item)];
+    const int frame = layout.links[static_cast<std::size_t>(torque.body)].frame;
+    if (frame < layout.kept) torque_coordinate_ = frame;
+    written_ = torque.value;
+    return;
+  }
+  const Force& force = scene.forces[static_cast<std::size_t>(input.item)];
+  written_ = norm(force.vector);
+  direction_ = planar_cast<T>((1 / written_) * force.vector);
+  if (force.follows >= 0) {
+    const Link& carrier = layout.links[static_cast<std::size_t>(force.follows)];
+    direction_ = direction_ * phasors_.turned(carrier.turn);
+    frame_ = carrier.frame;
+  }
+  path_ = {phasors_, layout.path(0, {0, 0}, force.at.body, scene.local(force.at))};
+  derivative_.resize(static_cast<std::size_t>(path_.size()));
+}
+
+template <class T>
+void InputLoad<T>::add(const Planar<T>* pose, T* g) const {
+  if (torque_coordinate_ >= 0) g[torque_coordinate_] -= extra_;
+  if (path_.size() == 0) return;
+  const Planar<T> force = extra_ * (frame_ >= 0 ? direction_ * pose[frame_] : direction_);
+  path_.derivative(phasors_, pose, derivative_.data());
+  for (int i = 0; i < path_.size(); ++i) g[path_.support()[i]] -= dot(force, derivative_[i]);
+}
+
+template <class T>
+void InputLoad<T>::add_change(const Planar<T>* pose, const T* dq, T* g) const {
+  if (path_.size() == 0) return;
+  const std::vector<int>& support = path_.support();
+  const Planar<T> force = extra_ * (frame_ >= 0 ? direction_ * pose[frame_] : direction_);
+  path_.second_derivative(phasors_, pose, [&](int i, int j, const Planar<T>& d_ij) {
+    const T along = dot(force, d_ij);
+    g[support[i]] -= along * dq[support[j]];
+    if (i != j) g[support[j]] -= along * dq[support[i]];
+  });
+  if (frame_ < 0) return;
+  const Planar<T> turned = dq[frame_] * quarter_turn(force);
+  path_.derivative(phasors_, pose, derivative_.data());
+  for (int i = 0; i < path_.size(); ++i) g[support[i]] -= dot(turned, derivative_[i]);
+}
+
+}  // namespace poise
