@@ -13,6 +13,7 @@
 #include "identification/weighting.hpp"
 #include "model/parameter_change.hpp"
 #include "model/scene.hpp"
+#include "motion/motion_input.hpp"
 
 namespace poise {
 
@@ -84,7 +85,15 @@ struct Release {
   int line = 0;
 };
 
-/// One free motion: simulated, or measured.
+/// A load or drive of the scene that was measured in a run: it follows the readings in place of the scene's numbers.
+struct RunInput {
+  std::string path;  ///< "load.motor", "drive.crank"
+  MotionInput motion;
+  std::filesystem::path file;  ///< of its readings
+  int line = 0;
+};
+
+/// One motion, free or driven: simulated, or measured.
 struct Run {
   std::string name;
   std::vector<ParameterChange> changes;                     ///< of the scene, known: a payload, say
@@ -92,7 +101,8 @@ struct Run {
   double duration = 0.0;                                    ///< s; simulated runs
   double sample_rate = 0.0;                                 ///< Hz
   std::optional<EquilibriumPose> equilibrium;
-  std::vector<Release> release;             ///< truth of a simulation; first guess of a fit (absent: from the data)
+  std::vector<Release> release;  ///< truth of a simulation; first guess of a fit (absent: from the data)
+  std::vector<RunInput> inputs;
   bool unknown_start = true;                ///< initial coordinates and rates are nuisance parameters
   std::uint64_t seed = 0;                   ///< of the noise of a simulated run
   std::vector<std::filesystem::path> data;  ///< files of its readings; empty: simulated

@@ -146,6 +146,7 @@ std::optional<OscillationStart> start_from_oscillations(const FitProblem& proble
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     if (run.freedoms() != 1 || !run.has_equilibrium() || !run.start_is_unknown()) return std::nullopt;
+    if (!run.run().inputs.empty()) return std::nullopt;
     const std::optional<DampedSine> sine = fit_damped_sine(records[r].sensors[0].time, records[r].sensors[0].value);
     // Noise alone may be a large part of a small oscillation.
     if (!sine || sine->relative_residual > pure_below + 2 * sensor.noise / std::hypot(sine->a, sine->b)) {

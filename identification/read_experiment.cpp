@@ -322,6 +322,13 @@ class ExperimentReader {
         fail("path", fmt::format("expected a number that no run sets, run \"{}\" does in line {}; take it out of one",
                                  run.name, change.line));
       }
+      for (const RunInput& input : run.inputs) {
+        if (unknown.path != input.path && !unknown.path.starts_with(input.path + ".")) continue;
+        fail("path",
+             fmt::format("expected a number that no input takes the place of, run \"{}\" has \"{}\" as an input "
+                         "in line {}; take one of the two out",
+                         run.name, input.path, input.line));
+      }
       if (run.equilibrium && run.equilibrium->by == unknown.path) {
         fail("path", fmt::format("expected a number that no equilibrium pose sets, rest of run \"{}\" sets it in line "
                                  "{}; take one of the two out",

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "identification/read_inputs.hpp"
 #include "identification/run_data.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
@@ -14,10 +15,12 @@ namespace poise {
 namespace {
 namespace fs = std::filesystem;
 
-/// A [[run]] as written; one whose data file is split becomes many runs.
+/// A [[run]] as written; one whose data files are split becomes many runs.
 struct RunTable {
   Run run;
   RunSource source;
+  std::vector<InputTable> inputs;
+  bool measured = false;
 };
 
 class RunsReader {
@@ -39,6 +42,12 @@ class RunsReader {
       runs.back().run.name = names[i];
     }
     if (!data.empty()) take_data_from(data, runs);
+    for (RunTable& written : runs) {
+      if (!written.measured) continue;
+      for (const DataFile& file : written.source.files) {
+        if (file.replaceable) written.run.data.push_back(file.path);
+      }
+    }
     DataFiles files;
     for (RunTable& written : runs) {
       if (!written.source.files.empty()) files.want(written.source);
@@ -52,19 +61,20 @@ class RunsReader {
     Run& run = written.run;
     run.line = table.place().line;
     if (table.has("data")) {
-      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "data",
-                        "time", "time_factor", "split", "segments", "every"});
+      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
+                        "data", "time", "time_factor", "split", "segments", "every"});
+      written.measured = true;
       written.source = read_source(table, folder);
       run.time_column = written.source.files.front().time;
       run.time_factor = table.find_number("time_factor", 1.0, Range::positive);
       for (DataFile& file : written.source.files) file.time_factor = run.time_factor.value_or(1.0);
     } else {
-      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "data",
-                        "duration", "rate", "seed"});
+      table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
+                        "data", "duration", "rate", "seed"});
       read_simulation(table, run);
     }
     read_sensors(table, run);
-    if (!written.source.files.empty()) want_columns(run, written.source);
+    if (written.measured) want_columns(run, written.source);
     Scene scene = experiment_.scene;
     run.changes = read_parameter_changes(table, scene);
     read_labels(table, run);
@@ -72,6 +82,7 @@ class RunsReader {
     read_release(table, "release", false, run);
     read_release(table, "release_rate", true, run);
     run.unknown_start = !table.flag("start_known", false);
+    written.inputs = read_inputs(table, folder, scene, written.measured, written.source);
     return written;
   }
 
@@ -128,7 +139,7 @@ class RunsReader {
       for (const DataFile& other : source.files) {
         if (other.path == path) name.place.fail("expected each file once, found \"" + name.value + "\" again");
       }
-      source.files.push_back({path, "time"});
+      source.files.push_back({path, "time", 1.0, name.place});
     }
     if (source.files.empty()) source.place.fail("expected the path of a data file; leave the key out to simulate");
     if (table.has("time")) {
@@ -255,6 +266,7 @@ class RunsReader {
     const fs::path* named = nullptr;
     for (const RunTable& written : runs) {
       for (const DataFile& file : written.source.files) {
+        if (!file.replaceable) continue;
         if (named != nullptr && file.path != *named) {
           written.source.place.fail("expected all runs to name one data file, for --data to take its place");
         }
@@ -265,7 +277,9 @@ class RunsReader {
       throw InputError("--data " + data.string() + ": expected an experiment with measured runs; give one a data file");
     }
     for (RunTable& written : runs) {
-      for (DataFile& file : written.source.files) file.path = data;
+      for (DataFile& file : written.source.files) {
+        if (file.replaceable) file.path = data;
+      }
     }
   }
 
@@ -275,26 +289,40 @@ class RunsReader {
       add_run(std::move(written.run), {});
       return;
     }
-    for (const DataFile& file : source.files) written.run.data.push_back(file.path);
     for (RunData& data : files.read(source)) {
       Run run = written.run;
       if (data.segment) run.name += " " + *data.segment;
       run.segment = data.segment;
       Record record;
-      record.sensors.resize(experiment_.sensors.size());
       std::size_t column = 0;
-      for (const std::size_t k : sensors_of(run)) {
-        const Sensor& sensor = experiment_.sensors[k];
-        record.sensors[k] = std::move(data.columns[column++]);
-        for (double& value : record.sensors[k].value) value = sensor.zero + sensor.unit * value;
+      if (written.measured) {
+        record.sensors.resize(experiment_.sensors.size());
+        for (const std::size_t k : sensors_of(run)) {
+          const Sensor& sensor = experiment_.sensors[k];
+          record.sensors[k] = in_si(std::move(data.columns[column++]), sensor.zero, sensor.unit);
+        }
+        constexpr std::size_t least = 3;
+        if (record.count() < least) {
+          source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
+                            std::to_string(record.count()) + ", all others are gaps; leave the run out");
+        }
       }
-      constexpr std::size_t least = 3;
-      if (record.count() < least) {
-        source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
-                          std::to_string(record.count()) + ", all others are gaps; leave the run out");
+      double end = run.duration;
+      for (const Series& series : record.sensors) {
+        if (!series.time.empty()) end = std::max(end, series.time.back());
+      }
+      for (const InputTable& table : written.inputs) {
+        run.inputs.push_back(
+            input_of(table, in_si(std::move(data.columns[column]), table.zero, table.unit), run.name, end));
+        run.inputs.back().file = source.files[*source.columns[column++].file].path;
       }
       add_run(std::move(run), std::move(record));
     }
+  }
+
+  static Series in_si(Series series, double zero, double unit) {
+    for (double& value : series.value) value = zero + unit * value;
+    return series;
   }
 
   void add_run(Run run, Record record) {

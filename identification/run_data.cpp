@@ -56,7 +56,8 @@ void DataFiles::want(RunSource& source) {
   for (const DataFile& file : source.files) {
     std::error_code unknown;
     if (!std::filesystem::exists(file.path, unknown)) {
-      source.place.fail("expected a data file, there is no \"" + file.path.string() + "\"; give it with --data FILE");
+      file.named.fail("expected a data file, there is no \"" + file.path.string() + "\"; " +
+                      (file.replaceable ? "give it with --data FILE" : "correct the path"));
     }
     Wanted& here = files_[file.path];
     files.push_back(&here);
@@ -72,7 +73,8 @@ void DataFiles::want(RunSource& source) {
   }
   for (DataColumn& column : source.columns) {
     std::vector<std::size_t> having;
-    for (std::size_t f = 0; f < files.size(); ++f) {
+    if (column.file) having.push_back(*column.file);
+    for (std::size_t f = 0; f < files.size() && !column.file; ++f) {
       // A file alone is asked for every column, so that the error is about its header.
       if (files.size() == 1 || holds(files[f]->header, column.name)) having.push_back(f);
     }
@@ -91,7 +93,7 @@ void DataFiles::want(RunSource& source) {
           source.files[having[1]].path.string()));
     }
     column.file = having.front();
-    Wanted& file = *files[column.file];
+    Wanted& file = *files[*column.file];
     add_once(file.columns, column.name);
     add_once(file.gaps, column.name);
   }
@@ -140,19 +142,22 @@ std::vector<RunData> DataFiles::read(const RunSource& source) {
       const CsvTable& table = this->table(source.files[f]);
       const auto part = find_segment(parts_of_file[f], first.value);
       check_times(table, source.files[f].time, part->first, part->last, source.every);
-      begin = std::min(begin, source.files[f].time_factor * table.column(source.files[f].time)[part->first]);
       rows.push_back(*part);
+      const bool begins = std::any_of(source.columns.begin(), source.columns.end(),
+                                      [&](const DataColumn& column) { return column.begins && column.file == f; });
+      if (begins)
+        begin = std::min(begin, source.files[f].time_factor * table.column(source.files[f].time)[part->first]);
     }
     for (const DataColumn& column : source.columns) {
-      const CsvTable& table = this->table(source.files[column.file]);
-      const CsvPart& part = rows[column.file];
+      const CsvTable& table = this->table(source.files[*column.file]);
+      const CsvPart& part = rows[*column.file];
       if (!column.gaps) expect_no_gaps(table, column, part, source.every);
-      const std::vector<double>& time = table.column(source.files[column.file].time);
+      const std::vector<double>& time = table.column(source.files[*column.file].time);
       const std::vector<double>& values = table.column(column.name);
       Series& series = run.columns.emplace_back();
       for (std::size_t row = part.first; row < part.last; row += source.every) {
         if (std::isnan(values[row])) continue;
-        series.time.push_back(source.files[column.file].time_factor * time[row] - begin);
+        series.time.push_back(source.files[*column.file].time_factor * time[row] - begin);
         series.value.push_back(values[row]);
       }
     }

@@ -18,14 +18,17 @@ struct DataFile {
   std::filesystem::path path;
   std::string time;
   double time_factor = 1.0;  ///< seconds per unit of it
+  TomlPlace named{};         ///< where
+  bool replaceable = true;   ///< by --data
 };
 
 /// A column of numbers that a run needs.
 struct DataColumn {
   std::string name;
-  TomlPlace wanted_by;  ///< the sensor or input
-  bool gaps = false;    ///< empty cells and NaN mean: not read at that time
-  std::size_t file{};   ///< index into RunSource::files, found by DataFiles::want()
+  TomlPlace wanted_by;                ///< the sensor or input
+  bool gaps = false;                  ///< empty cells and NaN mean: not read at that time
+  bool begins = true;                 ///< the run does not begin after the first row of its file
+  std::optional<std::size_t> file{};  ///< index into RunSource::files; absent: found by DataFiles::want()
 };
 
 /// What a run is read from.
@@ -41,7 +44,8 @@ struct RunSource {
 /// Readings of one run as they are written.
 struct RunData {
   std::optional<std::string> segment;
-  std::vector<Series> columns;  ///< one per column of the source; time 0 is the earliest row of all its files
+  std::vector<Series> columns;  ///< one per column of the source; time 0 is the earliest row of the files of those that
+                                ///< begin
 };
 
 /// Data files, each of which is read once, with all the columns that any run needs of it.

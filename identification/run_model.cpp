@@ -61,6 +61,15 @@ StartValue RunModel::equilibrium_in(const MotionModel& model, double at) const {
 RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers)
     : experiment_(experiment), run_(experiment.runs[run]), scene_(experiment.scene), numbers_(std::move(numbers)) {
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
+  for (const RunInput& input : run_.inputs) {
+    inputs_.push_back(input.motion);
+    if (input.motion.of != MotionInput::Of::drive) continue;
+    // The start is found with the scene's drive, which is here the input at time 0.
+    Drive& drive = scene_.drives[static_cast<std::size_t>(input.motion.item)];
+    drive.start = input.motion.curve->at(0);
+    drive.rate = input.motion.curve->at(0, 1);
+    drive.acceleration = drive.amplitude = 0.0;
+  }
   start_unknown_ = run_.unknown_start;
   equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
   const MotionModel as_written(scene_);
@@ -358,6 +367,7 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
     return motion.accelerate() == Reduced::Status::ok;
   };
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.set_inputs(model.scaled_scene(), scaled(inputs_, scene, scales_));
   const Influence set = set_by_equilibrium_->influence(scene, scales_);
   double by_set = 0.0;
   if (stand(reduced)) reduced.influence(set, &by_set);
@@ -370,6 +380,7 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
   vary(scene, out);
   const MotionModel balanced(scene, scales_, also());
   Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
+  again.set_inputs(balanced.scaled_scene(), scaled(inputs_, scene, scales_));
   again.set_variations(out.variations);
   if (!stand(again)) {
     out.why = "its motion cannot be computed in its equilibrium pose";
@@ -460,6 +471,8 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
   options.sensitivities = sensitivities;
   // Steps that the readings could follow; a fit may start from a stiffness that would need a billion.
   options.most_steps = 20'000 + 20 * static_cast<int>(readings_.size());
+  options.inputs = inputs_;
+  for (const MotionInput& input : inputs_) options.most_steps += 20 * static_cast<int>(input.curve->breaks().size());
   if (sensitivities) {
     options.influences = built.influences;
     options.variations = built.variations;
@@ -670,6 +683,21 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     return time[std::min(time.size(), most) - 1];
   };
   std::stable_sort(sensors.begin(), sensors.end(), [&](std::size_t a, std::size_t b) { return until(a) < until(b); });
+  const std::vector<double> x = model.from_si(closed_);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.start_drives(x.data());
+  reduced.choose(0.0, x.data(), false, &independent_);
+  reduced.expect(x.data());
+  std::vector<double> z;
+  for (const int i : independent_) z.push_back(x[static_cast<std::size_t>(i)]);
+  reduced.place(0.0, z.data());
+  const auto is_free = [&](int coordinate) {
+    constexpr double little = 1e-9;  // of an independent coordinate: drives alone move it
+    for (int k = 0; k < freedoms_; ++k) {
+      if (std::abs(reduced.B(k)[coordinate]) > little) return true;
+    }
+    return false;
+  };
   std::vector<StartValue> wanted;
   for (const std::size_t k : sensors) {
     // More readings than degrees of freedom would contradict each other by their noise.
@@ -679,9 +707,9 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     const SensorReader reader(model, experiment_.sensors[k]);
     if (reader.coordinates().size() != 1) continue;
     const int coordinate = reader.coordinates()[0];
-    if (std::any_of(wanted.begin(), wanted.end(), [&](const StartValue& s) { return s.coordinate == coordinate; })) {
-      continue;
-    }
+    const bool known =
+        std::any_of(wanted.begin(), wanted.end(), [&](const StartValue& s) { return s.coordinate == coordinate; });
+    if (known || !is_free(coordinate)) continue;
     Eigen::MatrixXd powers(count, 3);
     for (Eigen::Index i = 0; i < count; ++i) {
       const double t = series.time[static_cast<std::size_t>(i)];

@@ -24,8 +24,8 @@ struct Prediction {
 ///   the numbers of the scene that this run depends on, then its nuisances: the equilibrium pose where the run has an
 ///   unknown one, the f initial independent coordinates, the f initial independent rates (all SI).
 ///
-/// An equilibrium pose z_e sets one more number of the scene, a free length L say: the acceleration from rest is zero,
-/// alpha(z_e, L, p) = 0, so that  dL/dz_e = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
+/// An equilibrium pose z_e sets one more number of the scene, a free length L say: the acceleration from rest, under
+/// the inputs at time 0, is zero, alpha(z_e, L, p) = 0, so that  dL/dz_e = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
 ///
 /// Numbers that change the geometry, or gravity, vary the compiled mechanism (see Variation): by a fourth-order
 /// stencil, or by a central difference where everything is quadratic in them. A known start is that of the run as it is
@@ -147,6 +147,7 @@ class RunModel {
   const Run& run_;
   Scene scene_;
   std::vector<SceneParameter> numbers_;
+  std::vector<MotionInput> inputs_;
   std::optional<SceneParameter> set_by_equilibrium_;
   Scales scales_;
   double size_ = 1.0;                 // of the mechanism, m

@@ -295,10 +295,12 @@ Experiment load_experiment(const ExperimentRequest& request) {
 
 std::vector<std::string> files_read(const Experiment& experiment) {
   std::vector<std::string> files = {experiment.scene.file};
+  const auto add = [&](const std::filesystem::path& file) {
+    if (std::find(files.begin(), files.end(), file.string()) == files.end()) files.push_back(file.string());
+  };
   for (const Run& run : experiment.runs) {
-    for (const std::filesystem::path& data : run.data) {
-      if (std::find(files.begin(), files.end(), data.string()) == files.end()) files.push_back(data.string());
-    }
+    for (const std::filesystem::path& data : run.data) add(data);
+    for (const RunInput& input : run.inputs) add(input.file);
   }
   return files;
 }

@@ -157,7 +157,7 @@ TEST(ReadRuns, RejectsRuns) {
   }
   EXPECT_EQ(error_of_run(given + "split = \"s\"\n"),
             "experiment.toml:9: run 1.split: expected one of the keys name, set, labels, rest, release, release_rate, "
-            "start_known, sensors, data, duration, rate, seed");
+            "start_known, sensors, inputs, data, duration, rate, seed");
   EXPECT_EQ(error_of_run(given + "labels = { run = \"a\" }\n"),
             "experiment.toml:9: run 1.labels.run: expected another label; per = \"run\" means each run by itself");
   EXPECT_EQ(error_of_run(given + "labels = { h = \"\" }\n"),
@@ -207,7 +207,7 @@ TEST(ReadRuns, RejectsMeasuredRuns) {
             "experiment.toml:7: run 1.data: expected the path of a data file, relative to this file");
   EXPECT_EQ(error_of_run(data + "duration = 2\n", good),
             "experiment.toml:8: run 1.duration: expected one of the keys name, set, labels, rest, release, "
-            "release_rate, start_known, sensors, data, time, time_factor, split, segments, every");
+            "release_rate, start_known, sensors, inputs, data, time, time_factor, split, segments, every");
   EXPECT_EQ(error_of_run(data + "time_factor = 0\n", good),
             "experiment.toml:8: run 1.time_factor: expected a finite number > 0, found 0");
   EXPECT_EQ(error_of_run(data + "every = 0\n", good),
@@ -291,7 +291,7 @@ TEST(ReadRuns, ReadsSeveralFilesOfOneRun) {
                                .read();
   EXPECT_EQ(fewer.runs[0].sensors, (std::vector<std::size_t>{0, 2}));
   EXPECT_TRUE(fewer.records[0].sensors[1].value.empty());
-  EXPECT_EQ(fewer.records[0].sensors[2].time, (Numbers{10, 10.5, 11, 11.5}));
+  EXPECT_EQ(fewer.records[0].sensors[2].time, (Numbers{0, 0.5, 1, 1.5})) << "no sensor is read from the other file";
   EXPECT_EQ(fewer.runs[1].sensors, (std::vector<std::size_t>{1}));
 
   const std::string place = "experiment.toml:15: run 1.data: ";

@@ -1,0 +1,286 @@
+// Runs whose loads or drives follow measured columns.
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "identification/fit.hpp"
+#include "tests/app/run_poise.hpp"
+#include "tests/identification/experiments.hpp"
+
+namespace poise {
+namespace {
+
+using app_tests::TempFolder;
+
+/// A pendulum on a carriage that is driven along a rail; a motor turns the pendulum against the carriage's frame.
+const char* const scene = R"(
+title = "crane"
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.cart]
+points = { O = [0, 0] }
+mass = 3
+[body.arm]
+points = { A = [0, 0], T = [0.4, 0] }
+mass = 1.3
+center = [0.3, 0]
+inertia = 0.05
+[[slide]]
+name = "rail"
+points = ["ground.O", "cart.O"]
+axis = [1, 0]
+[[pin]]
+points = ["cart.O", "arm.A"]
+[[torsion_damper]]
+name = "grease"
+bodies = ["cart", "arm"]
+coefficient = 0.08
+[[torque]]
+name = "motor"
+on = "arm"
+value = 0
+[[force]]
+name = "wind"
+at = "arm.T"
+vector = [0.5, 0]
+[[drive]]
+name = "belt"
+slide = "rail"
+start = 0
+[start]
+arm = -1.5707963267948966
+)";
+
+double motor(double t) { return 0.9 * std::sin(5.1 * t) + 0.6 * std::sin(2.3 * t + 1); }
+double wind(double t) { return 0.7 * std::cos(3.7 * t); }
+double belt(double t) { return 0.15 * std::sin(2 * t) + 0.05 * std::cos(6 * t); }
+
+/// Readings of the inputs, `rate` per second up to `end`.
+std::string inputs_csv(double rate, double end, double noise) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  std::string text = "time,tau,wind,belt\n";
+  for (int i = 0; i <= std::lround(end * rate); ++i) {
+    const double t = i / rate;
+    text += fmt::format("{:.17g},{:.17g},{:.17g},{:.17g}\n", t, motor(t), wind(t), belt(t) + noise * normal(random));
+  }
+  return text;
+}
+
+const std::string sensor = R"(
+scene = "scene.toml"
+[[sensor]]
+name = "angle"
+angle = ["cart", "arm"]
+noise = 1e-4
+)";
+const std::string unknowns = R"(
+[[unknown]]
+path = "torsion_damper.grease.coefficient"
+name = "c"
+start = 0.05
+[[unknown]]
+path = "body.arm.inertia"
+name = "J"
+start = 0.08
+)";
+
+class DrivenRuns : public testing::Test {
+ protected:
+  DrivenRuns() { folder_.write("scene.toml", scene); }
+
+  Experiment read(const std::string& text) const { return read_experiment(folder_.write("experiment.toml", text)); }
+
+  std::string error(const std::string& text) const {
+    try {
+      read(text);
+    } catch (const InputError& error) {
+      std::string message = error.what();
+      const std::string prefix = folder_.path("");
+      for (std::size_t at = 0; (at = message.find(prefix)) != std::string::npos;) message.erase(at, prefix.size());
+      return message;
+    }
+    return "";
+  }
+
+  /// The error of the inputs of a simulated run.
+  std::string error_of(const std::string& inputs) const {
+    return error(sensor + "[[run]]\nduration = 2\nrate = 100\ninputs = " + inputs + "\n");
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(DrivenRuns, AreSimulatedByTheirInputs) {
+  folder_.write("inputs.csv", inputs_csv(1000, 3, 0));
+  const Experiment e = read(sensor + R"(
+[[run]]
+duration = 3
+rate = 200
+release_rate = { arm = 1 }
+inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "load.wind" = "wind", "drive.belt" = "belt" }
+)");
+  ASSERT_EQ(e.runs[0].inputs.size(), 3u);
+  EXPECT_TRUE(e.is_simulated());
+  EXPECT_NEAR(e.runs[0].inputs[2].motion.curve->at(1.2345), belt(1.2345), 1e-12);
+  EXPECT_NEAR(e.runs[0].inputs[2].motion.curve->at(1.2345, 2), -0.6 * std::sin(2.469) - 1.8 * std::cos(7.407), 1e-6);
+  const FitProblem problem(e);
+  const Record record = problem.ideal_record(0);
+  // The same by equations written out: (J + m r^2) a = motor + moments of weight, wind, carriage and grease.
+  const double J = 0.05 + 1.3 * 0.09;
+  const auto acceleration = [&](double t, double angle, double rate) {
+    const double x = -0.6 * std::sin(2 * t) - 1.8 * std::cos(6 * t);
+    return (motor(t) - 1.3 * 0.3 * (9.81 * std::cos(angle) - x * std::sin(angle)) - 0.4 * std::sin(angle) * wind(t) -
+            0.08 * rate) /
+           J;
+  };
+  double angle = -M_PI / 2, rate = 1.0;
+  constexpr double h = 1e-4;
+  std::size_t next = 0;
+  for (int i = 0; next < record.sensors[0].time.size(); ++i) {
+    const double t = i * h;
+    if (std::abs(t - record.sensors[0].time[next]) < h / 2) {
+      EXPECT_NEAR(record.sensors[0].value[next], angle, 5e-6) << "of straight lines between readings 1 ms apart";
+      ++next;
+    }
+    const double k1 = rate, l1 = acceleration(t, angle, rate);
+    const double k2 = rate + h / 2 * l1, l2 = acceleration(t + h / 2, angle + h / 2 * k1, k2);
+    const double k3 = rate + h / 2 * l2, l3 = acceleration(t + h / 2, angle + h / 2 * k2, k3);
+    const double k4 = rate + h * l3, l4 = acceleration(t + h, angle + h * k3, k4);
+    angle += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    rate += h / 6 * (l1 + 2 * l2 + 2 * l3 + l4);
+  }
+}
+
+TEST_F(DrivenRuns, HaveExactJacobians) {
+  folder_.write("inputs.csv", inputs_csv(100, 1, 0));
+  const Experiment e = read(sensor + unknowns + R"(
+[[run]]
+duration = 1
+rate = 50
+inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "load.wind" = "wind", "drive.belt" = "belt" }
+)");
+  const FitProblem problem(e);
+  const RunModel& run = problem.run(0);
+  ASSERT_EQ(run.columns(), 4);
+  const auto predict = [&](std::vector<double> at, bool jacobian) {
+    Prediction out;
+    run.predict(at.data(), at.data() + 2, INFINITY, jacobian ? 1e-11 : 1e-13, jacobian, out);
+    EXPECT_TRUE(out.ok) << out.why;
+    return out;
+  };
+  std::vector<double> at = run.scene_values();
+  const std::vector<double> start = run.released();
+  at.insert(at.end(), start.begin(), start.end());
+  const Prediction exact = predict(at, true);
+  for (std::size_t c = 0; c < 4; ++c) {
+    const std::vector<double> expected = test::derivative(
+        [&](double by) {
+          std::vector<double> moved = at;
+          moved[c] += by;
+          return predict(moved, false).reading;
+        },
+        1e-3);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR(exact.jacobian[4 * i + c], expected[i], 1e-7 * (1 + std::abs(expected[i]))) << c;
+    }
+  }
+}
+
+TEST_F(DrivenRuns, AreIdentifiedFromMeasuredTorqueAndPosition) {
+  // Truth: inputs without noise at 1 kHz. Measured: torque at 200 Hz, position with noise at 500 Hz, the angle at 100
+  // Hz.
+  folder_.write("inputs.csv", inputs_csv(1000, 4.1, 0));
+  const Experiment truth = read(sensor + R"(
+[[run]]
+duration = 4
+rate = 100
+seed = 3
+inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "drive.belt" = "belt", "load.wind" = "wind" }
+)");
+  const Record record = FitProblem(truth).records()[0];
+  std::string angles = "time,angle\n";
+  for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
+    angles += fmt::format("{:.9g},{:.12g}\n", 100 + record.sensors[0].time[i], record.sensors[0].value[i]);
+  }
+  folder_.write("angles.csv", angles);
+  constexpr double position_noise = 2e-5;
+  std::string motor_csv = "t,volt\n", belt_csv = "time,mm,wind\n";
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> normal;
+  for (int i = -20; i <= 820; ++i)
+    motor_csv += fmt::format("{:.9g},{:.12g}\n", 100 + i / 200.0, 10 * motor(i / 200.0) - 3);
+  for (int i = 0; i <= 2000; ++i) {
+    belt_csv += fmt::format("{:.9g},{:.12g},{:.12g}\n", 100 + i / 500.0,
+                            1e3 * (belt(i / 500.0) + position_noise * normal(random)), wind(i / 500.0));
+  }
+  folder_.write("motor.csv", motor_csv);
+  folder_.write("belt.csv", belt_csv);
+  const Experiment e = read(sensor + unknowns + R"(
+[[run]]
+data = ["angles.csv", "belt.csv"]
+[run.inputs]
+"load.motor" = { column = "volt", factor = 0.1, zero = 0.3, file = "motor.csv", time = "t" }
+"drive.belt" = { column = "mm", factor = 1e-3, noise = 2e-5 }
+"load.wind" = "wind"
+)");
+  ASSERT_EQ(e.runs[0].data.size(), 2u);
+  EXPECT_EQ(e.runs[0].inputs[0].file.filename(), "motor.csv");
+  EXPECT_LT(e.runs[0].inputs[0].motion.curve->breaks().front(), 0.0) << "before the first reading of a sensor";
+  EXPECT_LT(e.runs[0].inputs[1].motion.curve->breaks().size(), 60u) << "smoothed";
+  const FitProblem problem(e);
+  const Fit fitted = fit(problem, problem.records());
+  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  EXPECT_NEAR(fitted.residual_over_noise, 1.0, 5 * fitted.residual_over_noise_sigma);
+  for (const Estimate& estimate : fitted.estimates) {
+    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
+    EXPECT_LT(estimate.standard_error, 0.003 * estimate.truth) << estimate.name;
+  }
+}
+
+TEST_F(DrivenRuns, AreRefusedInWords) {
+  folder_.write("inputs.csv", inputs_csv(100, 1, 0));
+  const std::string place = "experiment.toml:10: run 1.inputs.";
+  EXPECT_EQ(error_of("{ \"load.moter\" = \"tau\" }"),
+            place +
+                "load.moter: expected load.NAME of a force or torque, or drive.NAME, in quotes; did you mean "
+                "\"load.motor\"?");
+  EXPECT_EQ(error_of("{ load.motor = \"tau\" }"),
+            place +
+                "load: expected load.NAME of a force or torque, or drive.NAME, in quotes; known here: load.wind, "
+                "load.motor, drive.belt");
+  EXPECT_EQ(error_of("{ \"load.motor\" = \"tau\" }"),
+            place + "load.motor: expected the file of the column; write { column = \"tau\", file = \"...\" }");
+  EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", file = \"none.csv\" } }"),
+            place + "load.motor.file: expected a data file, there is no \"none.csv\"; correct the path");
+  EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", file = \"inputs.csv\" } }"),
+            place +
+                "load.motor: expected readings from the start of run \"run 1\", 0 s, to its end, 2 s, found them from "
+                "0 s to 1 s; leave out the rows of the run before and after them");
+  EXPECT_EQ(
+      error_of("{ \"load.motor\" = { column = \"tau\", file = \"inputs.csv\", noise = 1 } }"),
+      place + "load.motor.noise: expected noise of a drive only; readings of a load are joined by straight lines");
+  EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", time = \"t\" } }"),
+            place + "load.motor.time: expected the key file as well; the times of data files are in time of the run");
+  EXPECT_EQ(error_of("{ \"load.motor\" = { file = \"inputs.csv\" } }"),
+            place + "load.motor: expected the key column; add column = \"...\"");
+  folder_.write("rough.csv", inputs_csv(100, 3, 1e-2));
+  EXPECT_EQ(error_of("{ \"drive.belt\" = { column = \"belt\", file = \"rough.csv\", noise = 1e-4 } }"),
+            place +
+                "drive.belt: expected readings that scatter about a smooth curve by their noise, found more, or fewer "
+                "than two for each interval of the curve; raise noise, or leave it out for a curve through every "
+                "reading");
+  EXPECT_EQ(error(sensor + "[[unknown]]\npath = \"load.motor\"\n[[run]]\nduration = 1\nrate = 100\ninputs = { "
+                           "\"load.motor\" = { column = \"tau\", file = \"inputs.csv\" } }\n"),
+            "experiment.toml:7: unknown \"load.motor\".path: expected a number that no input takes the place of, run "
+            "\"run 1\" has \"load.motor\" as an input in line 12; take one of the two out");
+}
+
+}  // namespace
+}  // namespace poise
