@@ -82,6 +82,11 @@ std::vector<double> aliases(const std::vector<double>& times, double frequency, 
 
 Frequencies::Frequencies(const FitProblem& problem, FitPoint point) : problem_(problem), point_(std::move(point)) {
   for (std::size_t r = 0; r < problem.runs(); ++r) {
+    // A driven run moves at the frequencies of its inputs too.
+    if (!problem.run(r).run().inputs.empty()) {
+      swings_.emplace_back();
+      continue;
+    }
     const double span = problem.run(r).span();
     swings_.push_back(swing_of(r, span));
     const std::vector<double> found = of_run(r, point_.parameters);

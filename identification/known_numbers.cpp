@@ -27,8 +27,9 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
     extended.predict(values.data(), fitted.runs[r].nuisances.data(), INFINITY, problem.accuracy(r), true, prediction);
     if (!prediction.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + prediction.why);
     const auto rows = static_cast<Eigen::Index>(prediction.reading.size());
-    Eigen::MatrixXd jacobian = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        prediction.jacobian.data(), rows, extended.columns());
+    Eigen::MatrixXd jacobian = Eigen::Map<
+        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(prediction.jacobian.data(), rows,
+                                                                                      extended.columns());
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < records[r].sensors.size(); ++k) {
       const auto readings = static_cast<Eigen::Index>(extended.times()[k].size());
