@@ -54,6 +54,7 @@ struct Unknown {
   std::optional<double> prior;  ///< prior knowledge: mean, with the standard deviation prior_deviation
   double prior_deviation = 0.0;
   std::optional<double> scale;  ///< a change of this size matters: standard errors are judged by it
+  std::size_t part = 0;         ///< of the experiment, whose scene has the path; unknowns of one name are one number
   int line = 0;
 };
 
@@ -63,6 +64,7 @@ struct KnownNumber {
   std::string per;         ///< as of Unknown: one error for all runs, one for each label's value, or for each run
   double deviation = 0.0;  ///< standard deviation, SI; with `relative` a part of the number, as each run has it
   bool relative = false;
+  std::size_t part = 0;  ///< as of Unknown; those of one path have one error
   int line = 0;
 };
 
@@ -110,6 +112,7 @@ struct Run {
   std::optional<double> time_factor;        ///< seconds per unit of these columns; absent: 1, which is then checked
   std::optional<std::string> segment;       ///< value of the split column; absent: all of the files
   std::vector<std::size_t> sensors;         ///< those that are read in it, ascending; empty: all
+  std::size_t part = 0;                     ///< of the experiment
   int line = 0;
 
   bool is_simulated() const { return data.empty(); }
@@ -122,12 +125,20 @@ struct Run {
 /// The run or label whose value of a number a run uses: "" where all runs share one.
 std::string group_of(const std::string& per, const Run& run);
 
-/// A scene, sensors, runs that were measured or are simulated, and the unknowns to be estimated from them.
+/// One of the experiments that are fitted together.
+struct ExperimentPart {
+  std::string file;
+  Scene scene;
+};
+
+/// A scene, sensors, runs that were measured or are simulated, and the unknowns to be estimated from them; or several
+/// such experiments for one fit, each with a scene of its own.
 struct Experiment {
   std::string file;
   std::string title;
   std::string source;
-  Scene scene;
+  Scene scene;                        ///< of all runs, or of the first part; it has the units of all
+  std::vector<ExperimentPart> parts;  ///< empty for a single experiment
   Loss loss = Loss::squares;
   std::vector<Sensor> sensors;
   std::vector<Unknown> unknowns;
@@ -135,6 +146,9 @@ struct Experiment {
   std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment
   std::vector<Record> records;  ///< one per run; empty where the run is simulated
 
+  /// Where a part is written, and its scene.
+  const std::string& file_of(std::size_t part) const { return parts.empty() ? file : parts[part].file; }
+  const Scene& scene_of(std::size_t part) const { return parts.empty() ? scene : parts[part].scene; }
   /// All of its runs are simulated.
   bool is_simulated() const {
     return std::all_of(runs.begin(), runs.end(), [](const Run& run) { return run.is_simulated(); });

@@ -30,29 +30,31 @@ std::string group_of(const std::string& per, const Run& run) {
 }
 
 FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
-  std::map<std::pair<std::size_t, std::string>, int> known;
+  std::map<std::pair<std::string, std::string>, int> known;  // by name and group
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
     const Run& run = experiment.runs[r];
     std::vector<SceneParameter> numbers;
     used_.emplace_back();
     for (std::size_t u = 0; u < experiment.unknowns.size(); ++u) {
       const Unknown& unknown = experiment.unknowns[u];
-      const std::optional<SceneParameter> number = SceneParameter::find(experiment.scene, unknown.path);
+      if (unknown.part != run.part) continue;
+      const Scene& scene = experiment.scene_of(run.part);
+      const std::optional<SceneParameter> number = SceneParameter::find(scene, unknown.path);
       if (!number) {
         throw InputError(fmt::format(
             "{}:{}: unknown \"{}\": expected a number that the motion depends on: none of a stop or of [start], and no "
             "start that its drive leaves out",
-            experiment.file, unknown.line, unknown.path));
+            experiment.file_of(unknown.part), unknown.line, unknown.path));
       }
       const std::string group = group_of(unknown.per, run);
-      const auto [at, fresh] = known.try_emplace({u, group}, static_cast<int>(parameters_.size()));
+      const auto [at, fresh] = known.try_emplace({unknown.name, group}, static_cast<int>(parameters_.size()));
       if (fresh) {
         Parameter p;
         p.unknown = static_cast<int>(u);
         p.name = group.empty() ? unknown.name : unknown.name + " (" + group + ")";
         p.min = unknown.min - unknown.includes;
         p.max = unknown.max - unknown.includes;
-        p.truth = number->get(experiment.scene);
+        p.truth = number->get(scene);
         p.start = unknown.start ? *unknown.start - unknown.includes : p.truth;
         parameters_.push_back(p);
         const double shown = p.start + unknown.includes;
@@ -66,7 +68,9 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   }
   for (const RunModel& model : models_) {
     double noise = INFINITY;
-    for (const Sensor& sensor : experiment.sensors) noise = std::min(noise, sensor.noise);
+    for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+      if (!model.times()[k].empty()) noise = std::min(noise, experiment.sensors[k].noise);
+    }
     const std::vector<double> start = model.released();
     // A motion's error is about its accuracy times how far it travels; radians and metres are both of order one.
     double amplitude = 1.0;

@@ -1,5 +1,6 @@
 #include "identification/known_numbers.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -12,13 +13,23 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
                                        const std::vector<Record>& records) {
   const Experiment& experiment = problem.experiment();
   const Eigen::Index count = static_cast<Eigen::Index>(problem.parameters().size());
+  // The first known number of the same path, as which it counts.
+  const auto first_of = [&](const KnownNumber& known) {
+    return static_cast<std::size_t>(std::find_if(experiment.known.begin(), experiment.known.end(),
+                                                 [&](const KnownNumber& other) { return other.path == known.path; }) -
+                                    experiment.known.begin());
+  };
   std::map<std::pair<std::size_t, std::string>, Eigen::VectorXd> sums;  // A^T (d e/d number) d
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     std::vector<SceneParameter> numbers = run.numbers();
     std::vector<double> values;
     for (const int p : problem.parameters_of(r)) values.push_back(fitted.parameters[static_cast<std::size_t>(p)]);
-    for (const KnownNumber& known : experiment.known) {
+    std::vector<std::size_t> own;  // known numbers of this run's scene
+    for (std::size_t n = 0; n < experiment.known.size(); ++n) {
+      const KnownNumber& known = experiment.known[n];
+      if (known.part != run.run().part) continue;
+      own.push_back(n);
       numbers.push_back(*SceneParameter::find(run.scene(), known.path));
       values.push_back(numbers.back().get(run.scene()));
     }
@@ -27,9 +38,8 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
     extended.predict(values.data(), fitted.runs[r].nuisances.data(), INFINITY, problem.accuracy(r), true, prediction);
     if (!prediction.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + prediction.why);
     const auto rows = static_cast<Eigen::Index>(prediction.reading.size());
-    Eigen::MatrixXd jacobian = Eigen::Map<
-        const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(prediction.jacobian.data(), rows,
-                                                                                      extended.columns());
+    Eigen::MatrixXd jacobian = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        prediction.jacobian.data(), rows, extended.columns());
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < records[r].sensors.size(); ++k) {
       const auto readings = static_cast<Eigen::Index>(extended.times()[k].size());
@@ -42,13 +52,14 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
       const Eigen::MatrixXd basis = solvers::orthonormal_columns(jacobian.rightCols(extended.nuisances()));
       a -= basis * (basis.transpose() * a);
     }
-    for (std::size_t n = 0; n < experiment.known.size(); ++n) {
-      const KnownNumber& known = experiment.known[n];
-      const auto column = unknowns + static_cast<Eigen::Index>(n);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const KnownNumber& known = experiment.known[own[i]];
+      const auto column = unknowns + static_cast<Eigen::Index>(i);
       const double value = values[static_cast<std::size_t>(column)];
       const double deviation = known.relative ? known.deviation * std::abs(value) : known.deviation;
       Eigen::VectorXd& sum =
-          sums.try_emplace({n, group_of(known.per, run.run())}, Eigen::VectorXd::Zero(count)).first->second;
+          sums.try_emplace({first_of(known), group_of(known.per, run.run())}, Eigen::VectorXd::Zero(count))
+              .first->second;
       sum(problem.parameters_of(r)) += a.transpose() * jacobian.col(column) * deviation;
     }
   }

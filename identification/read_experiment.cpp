@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "identification/experiment.hpp"
+#include "identification/join_experiments.hpp"
 #include "identification/read_runs.hpp"
 #include "identification/scene_parameter.hpp"
 #include "identification/set_parameter.hpp"
@@ -17,6 +18,17 @@
 namespace poise {
 namespace {
 namespace fs = std::filesystem;
+
+std::optional<Loss> read_loss(const TomlTable& root) {
+  const auto word = root.find_text("loss");
+  if (!word) return std::nullopt;
+  const std::optional<Loss> loss = loss_of(word->value);
+  if (!loss) {
+    const std::vector<std::string> valid(loss_words.begin(), loss_words.end());
+    word->place.fail("expected squares, huber, cauchy or student" + did_you_mean_or_list(word->value, valid));
+  }
+  return loss;
+}
 
 /// Reads the parts of an experiment, each after those that it refers to.
 class ExperimentReader {
@@ -34,7 +46,7 @@ class ExperimentReader {
     if (const auto title = root_.find_text("title")) experiment_.title = title->value;
     if (const auto source = root_.find_text("source")) experiment_.source = source->value;
     read_its_scene(options);
-    read_loss();
+    experiment_.loss = read_loss(root_).value_or(Loss::squares);
     const SceneNames names = names_of_scene();
     read_sensors(names);
     read_unknowns();
@@ -60,17 +72,6 @@ class ExperimentReader {
     experiment_.scene = read_scene(scene);
     read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
-  }
-
-  void read_loss() {
-    const auto word = root_.find_text("loss");
-    if (!word) return;
-    const std::optional<Loss> loss = loss_of(word->value);
-    if (!loss) {
-      const std::vector<std::string> valid(loss_words.begin(), loss_words.end());
-      word->place.fail("expected squares, huber, cauchy or student" + did_you_mean_or_list(word->value, valid));
-    }
-    experiment_.loss = *loss;
   }
 
   /// A first guess where the noise is not stated: third differences of readings contain little but noise, whose
@@ -352,13 +353,65 @@ class ExperimentReader {
   Experiment experiment_;
 };
 
+/// experiments = ["one.toml", "other.toml"]: all runs of several experiments.
+Experiment read_joint(const TomlTable& root, const fs::path& file, const ExperimentOptions& options) {
+  root.allow_keys({"title", "source", "loss", "experiments"});
+  const std::string own = ": expected an experiment with a scene of its own; ";
+  if (!options.data.empty()) {
+    throw InputError("--data " + options.data.string() + own + "name the file in the experiments");
+  }
+  if (!options.settings.empty()) {
+    throw InputError("--set " + options.settings.front() + own + "write set in the experiments");
+  }
+  const std::vector<TomlText> names = root.texts("experiments");
+  const TomlPlace place = root.place_of("experiments");
+  if (names.size() < 2) {
+    place.fail("expected two experiments at least; give a single one to the command itself");
+  }
+  std::vector<Experiment> parts;
+  for (const TomlText& name : names) {
+    const fs::path path = (file.parent_path() / name.value).lexically_normal();
+    std::error_code unknown;
+    if (!fs::is_regular_file(path, unknown)) {
+      name.place.fail(
+          fmt::format("expected an experiment file, relative to this file; there is no \"{}\"", path.string()));
+    }
+    for (const Experiment& other : parts) {
+      if (other.file == path.string()) {
+        name.place.fail("expected each experiment once, found \"" + name.value + "\" again");
+      }
+    }
+    const std::string text = read_text_file(path);
+    const toml::table document = parse_toml(text, path.string());
+    const TomlTable part(document, {path.native(), 1, ""});
+    if (part.has("experiments")) {
+      name.place.fail("expected experiments with scenes of their own, \"" + name.value + "\" names others");
+    }
+    parts.push_back(ExperimentReader(part, path).read({}));
+  }
+  std::optional<Loss> loss = read_loss(root);
+  for (const Experiment& part : parts) {
+    if (!loss && part.loss != parts.front().loss) {
+      place.fail(fmt::format("expected one loss in all experiments, found {} and {}; write loss = \"...\" in this file",
+                             to_string(parts.front().loss), to_string(part.loss)));
+    }
+  }
+  if (!loss) loss = parts.front().loss;
+  Experiment joint = join_experiments(file.string(), std::move(parts));
+  joint.loss = *loss;
+  if (const auto title = root.find_text("title")) joint.title = title->value;
+  if (const auto source = root.find_text("source")) joint.source = source->value;
+  return joint;
+}
+
 }  // namespace
 
 Experiment read_experiment(const fs::path& file, const ExperimentOptions& options) {
   const std::string text = read_text_file(file);
   const std::string name = file.string();
   const toml::table document = parse_toml(text, name);
-  return ExperimentReader(TomlTable(document, {name, 1, ""}), file).read(options);
+  const TomlTable root(document, {name, 1, ""});
+  return root.has("experiments") ? read_joint(root, file, options) : ExperimentReader(root, file).read(options);
 }
 
 }  // namespace poise

@@ -19,7 +19,7 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-std::string at(const Experiment& experiment, int line) { return fmt::format("{}:{}: ", experiment.file, line); }
+std::string at(const std::string& file, int line) { return fmt::format("{}:{}: ", file, line); }
 
 /// A start with values that are written at a place of the experiment, which its errors name.
 template <class Make>
@@ -59,7 +59,10 @@ StartValue RunModel::equilibrium_in(const MotionModel& model, double at) const {
 }
 
 RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers)
-    : experiment_(experiment), run_(experiment.runs[run]), scene_(experiment.scene), numbers_(std::move(numbers)) {
+    : experiment_(experiment),
+      run_(experiment.runs[run]),
+      scene_(experiment.scene_of(run_.part)),
+      numbers_(std::move(numbers)) {
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
   for (const RunInput& input : run_.inputs) {
     inputs_.push_back(input.motion);
@@ -91,11 +94,11 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   std::vector<StartValue> wanted;
   const MotionModel model(scene_, scales_, also());
   if (run_.equilibrium) {
-    place = at(experiment, run_.equilibrium->line) + "rest.at: ";
+    place = at(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
     set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
     if (!set_by_equilibrium_ || set_by_equilibrium_->place().owner != Owner::element ||
         set_by_equilibrium_->scales_with_force()) {
-      throw InputError(at(experiment, run_.equilibrium->line) +
+      throw InputError(at(experiment.file_of(run_.part), run_.equilibrium->line) +
                        "rest.by: expected the free length of a spring or the free angle "
                        "of a torsion spring, found \"" +
                        run_.equilibrium->by + "\"; give spring.NAME.free_length");
@@ -118,12 +121,12 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   independent_ = reduced.independent();
   if (run_.equilibrium && freedoms_ != 1) {
     throw InputError(
-        at(experiment, run_.equilibrium->line) +
+        at(experiment.file_of(run_.part), run_.equilibrium->line) +
         fmt::format(
             "rest: expected a mechanism with one degree of freedom, found {}; make {} an unknown per run instead",
             freedoms_, run_.equilibrium->by));
   }
-  if (!run_.release.empty()) place = at(experiment, run_.release.front().line) + "release: ";
+  if (!run_.release.empty()) place = at(experiment.file_of(run_.part), run_.release.front().line) + "release: ";
   if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
   const std::vector<StartValue> release = start_values(*assembled.model, closed_);
   released_ = start_at(place, [&] { return start_in(*assembled.model, release, closed_); });
@@ -163,7 +166,8 @@ void RunModel::complete_start(const MotionModel& model, const ReducedMotion<doub
     }
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
       const Sensor& sensor = experiment_.sensors[k];
-      if (sensor.rate != rate || sensor.reads_force() || record.sensors[k].value.empty() ||
+      const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
+      if (sensor.rate != rate || sensor.reads_force() || !read_at_start ||
           (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
         continue;
       }
@@ -179,7 +183,7 @@ void RunModel::complete_start(const MotionModel& model, const ReducedMotion<doub
       if (!adds(i)) continue;
       const std::string& name = model.layout().coordinates[static_cast<std::size_t>(i)].name;
       throw InputError(
-          at(experiment_, run_.line) +
+          at(experiment_.file_of(run_.part), run_.line) +
           (rate ? fmt::format(
                       "run \"{}\".start_known: expected the rate of \"{}\" at the start; add release_rate = "
                       "{{ \"{}\" = NUMBER }} (0 where it is released without speed) or a sensor with rate = true",
@@ -506,7 +510,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     out.why = motion.why;
     return;
   }
-  std::vector<SensorReader> readers;
+  std::vector<std::optional<SensorReader>> readers(times_.size());  // none of a sensor that is not read in this run
   std::vector<int> coordinates;
   std::vector<std::vector<std::size_t>> places;
   const auto places_of = [&](const SensorReader& reader) {
@@ -519,10 +523,13 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     return found;
   };
   std::vector<std::vector<VariedReader>> varied;  // per sensor
-  for (const Sensor& sensor : experiment_.sensors) {
-    readers.emplace_back(*built.model, sensor);
-    places.push_back(places_of(readers.back()));
+  for (std::size_t k = 0; k < times_.size(); ++k) {
+    places.emplace_back();
     varied.emplace_back();
+    if (times_[k].empty()) continue;
+    const Sensor& sensor = experiment_.sensors[k];
+    readers[k].emplace(*built.model, sensor);
+    places[k] = places_of(*readers[k]);
     for (std::size_t i = 0; jacobian && i < numbers_.size(); ++i) {
       const int variation = built.influences[i].variation;
       if (variation < 0 || numbers_[i].place().owner == Owner::scene) continue;
@@ -554,7 +561,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     if (time > until) break;
     if (time > now) trajectory.at(time);
     now = time;
-    SensorReader& reader = readers[k];
+    SensorReader& reader = *readers[k];
     const Sensor& sensor = experiment_.sensors[k];
     const std::size_t n = reader.coordinates().size();
     const std::size_t row = first[k] + s;
@@ -616,6 +623,7 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
   reduced.linearize();
   out.stiffness = -out.mass * reduced.alpha_z(0)[0];
   out.damping = -out.mass * reduced.alpha_w(0)[0];
+  if (times_.front().empty()) return out;
   SensorReader reader(model, experiment_.sensors.front());
   const std::vector<double> q = model.to_si(x);
   const std::size_t n = reader.coordinates().size();

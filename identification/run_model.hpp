@@ -85,7 +85,7 @@ class RunModel {
   struct Oscillator {
     double mass = 0.0, stiffness = 0.0, damping = 0.0;
     double z = 0.0;        ///< the independent coordinate there
-    double reading = 0.0;  ///< of the first sensor there
+    double reading = 0.0;  ///< of the first sensor there; not set where that is not read in this run
     double reading_by_z = 0.0, equilibrium_by_z = 0.0;
   };
   /// Of mass 0 where there is no such equilibrium.

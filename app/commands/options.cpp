@@ -298,6 +298,10 @@ std::vector<std::string> files_read(const Experiment& experiment) {
   const auto add = [&](const std::filesystem::path& file) {
     if (std::find(files.begin(), files.end(), file.string()) == files.end()) files.push_back(file.string());
   };
+  for (const ExperimentPart& part : experiment.parts) {
+    add(part.file);
+    add(part.scene.file);
+  }
   for (const Run& run : experiment.runs) {
     for (const std::filesystem::path& data : run.data) add(data);
     for (const RunInput& input : run.inputs) add(input.file);

@@ -162,7 +162,7 @@ std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& a
     other_parameters.push_back(problem.parameters()[static_cast<std::size_t>(problem.parameters_of(r)[c])].name);
   }
   std::vector<std::string> lines = {
-      left_out(sensors.size(), others, "sensors", "those of the worst run with the largest residuals over their noise"),
+      left_out(sensors.size(), others, "sensors", "those with the largest residuals over their noise"),
       left_out(parameters.size(), other_parameters, "sensitivities",
                "those of the parameters with the largest relative standard errors")};
   std::erase(lines, "");

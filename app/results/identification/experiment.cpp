@@ -80,7 +80,9 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
   of_experiment.data("file", experiment.file);
   of_experiment.data("title", experiment.title);
   of_experiment.data("source", experiment.source);
-  of_experiment.data("scene", experiment.scene.file);
+  std::string scenes = experiment.scene_of(0).file;
+  for (std::size_t part = 1; part < experiment.parts.size(); ++part) scenes += ", " + experiment.scene_of(part).file;
+  of_experiment.data("scene", scenes);
   of_experiment.data("set", settings);
   of_experiment.data("simulated", experiment.is_simulated());
   add_units(out.content, experiment.scene.units);
