@@ -22,6 +22,12 @@ class Resampling {
       fits_.push_back(residuals_of(problem, fitted, records, r));
       values += static_cast<double>(fitted.runs[r].nuisances.size());
     }
+    for (std::size_t r = 0; r < problem.runs(); ++r) {
+      std::vector<std::size_t>& sources = sources_.emplace_back();
+      for (std::size_t from = 0; from < problem.runs(); ++from) {
+        if (reads_all(from, r)) sources.push_back(from);
+      }
+    }
     const double readings = fitted.readings;
     enlarged_ = std::sqrt(readings / std::max(1.0, readings - values));
     const double independent = fitted.errors.independent;
@@ -41,8 +47,9 @@ class Resampling {
       for (std::size_t k = 0; k < out[r].sensors.size(); ++k) out[r].sensors[k].value = fits_[r].prediction[k];
       // Blocks of all sensors at once; a random sign makes their mean vanish, as that of the noise does.
       for (double begin = 0.0; begin <= span; begin += std::max(block, 1e-12)) {
-        const auto from = std::min(records_.size() - 1,
-                                   static_cast<std::size_t>(random.uniform() * static_cast<double>(records_.size())));
+        const std::vector<std::size_t>& sources = sources_[r];
+        const std::size_t from = sources[std::min(
+            sources.size() - 1, static_cast<std::size_t>(random.uniform() * static_cast<double>(sources.size())))];
         const double slack = std::max(0.0, problem_.run(from).span() - block);
         const double at = std::isinf(block_) ? 0.0 : slack * random.uniform();
         const double sign = random.uniform() < 0.5 ? -enlarged_ : enlarged_;
@@ -54,13 +61,21 @@ class Resampling {
   }
 
  private:
+  // Whether run `from` has residuals of every sensor that is read in run r.
+  bool reads_all(std::size_t from, std::size_t r) const {
+    for (std::size_t k = 0; k < records_[r].sensors.size(); ++k) {
+      if (!problem_.run(r).times()[k].empty() && problem_.run(from).times()[k].empty()) return false;
+    }
+    return true;
+  }
+
   // Adds to the readings of sensor k in run r at begin .. begin + block the residuals of run `from` at `at` and later.
   void add(std::size_t r, std::size_t k, double begin, double block, std::size_t from, double at, double sign,
            Record& out) const {
     const std::vector<double>& times = problem_.run(r).times()[k];
     const std::vector<double>& source = problem_.run(from).times()[k];
     const std::vector<double>& e = fits_[from].residual[k];
-    if (source.empty()) return;
+    if (times.empty()) return;
     const auto first = std::lower_bound(times.begin(), times.end(), begin) - times.begin();
     const auto offset = std::lower_bound(source.begin(), source.end(), at) - source.begin();
     const auto length = static_cast<std::ptrdiff_t>(source.size());
@@ -75,6 +90,7 @@ class Resampling {
   const FitProblem& problem_;
   const std::vector<Record>& records_;
   std::vector<RunResiduals> fits_;
+  std::vector<std::vector<std::size_t>> sources_;  // per run: those whose residuals it may be given
   double enlarged_ = 1.0, block_ = INFINITY;
 };
 
