@@ -160,7 +160,9 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "load.wind" =
 
 TEST_F(DrivenRuns, HaveExactJacobians) {
   folder_.write("inputs.csv", inputs_csv(100, 1, 0));
-  const Experiment e = read(sensor + unknowns + R"(
+  const Experiment e = read(sensor + unknowns + R"([[unknown]]
+path = "point.arm.T.x"
+
 [[run]]
 duration = 1
 rate = 50
@@ -168,10 +170,10 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "load.wind" =
 )");
   const FitProblem problem(e);
   const RunModel& run = problem.run(0);
-  ASSERT_EQ(run.columns(), 4);
+  ASSERT_EQ(run.columns(), 5);
   const auto predict = [&](std::vector<double> at, bool jacobian) {
     Prediction out;
-    run.predict(at.data(), at.data() + 2, INFINITY, jacobian ? 1e-11 : 1e-13, jacobian, out);
+    run.predict(at.data(), at.data() + 3, INFINITY, jacobian ? 1e-11 : 1e-13, jacobian, out);
     EXPECT_TRUE(out.ok) << out.why;
     return out;
   };
@@ -179,7 +181,7 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "load.wind" =
   const std::vector<double> start = run.released();
   at.insert(at.end(), start.begin(), start.end());
   const Prediction exact = predict(at, true);
-  for (std::size_t c = 0; c < 4; ++c) {
+  for (std::size_t c = 0; c < 5; ++c) {
     const std::vector<double> expected = test::derivative(
         [&](double by) {
           std::vector<double> moved = at;
@@ -188,7 +190,7 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "load.wind" =
         },
         1e-3);
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      EXPECT_NEAR(exact.jacobian[4 * i + c], expected[i], 1e-7 * (1 + std::abs(expected[i]))) << c;
+      EXPECT_NEAR(exact.jacobian[5 * i + c], expected[i], 1e-7 * (1 + std::abs(expected[i]))) << c;
     }
   }
 }
