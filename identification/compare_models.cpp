@@ -171,19 +171,29 @@ class Comparing {
     if (problems_[a]->parameters().size() >= problems_[b]->parameters().size()) return false;
     for (const Unknown& unknown : simple.unknowns) {
       const auto same = [&](const Unknown& u) {
-        return u.path == unknown.path && (u.per == unknown.per || u.per == "run");
+        return u.part == unknown.part && u.path == unknown.path && (u.per == unknown.per || u.per == "run");
       };
       if (std::none_of(full.unknowns.begin(), full.unknowns.end(), same)) return false;
     }
-    const std::vector<ParameterRow> rows = parameter_table(simple.scene);
-    const std::vector<ParameterRow> others = parameter_table(full.scene);
+    for (const Run& run : simple.runs) {
+      if (!differ_by_unknowns(simple.scene_of(run.part), full, run.part)) return false;
+    }
+    return true;
+  }
+
+  /// Whether a scene is that of a part of an experiment but for the values of the part's unknowns.
+  static bool differ_by_unknowns(const Scene& scene, const Experiment& full, std::size_t part) {
+    const Scene& other = full.scene_of(part);
+    const std::vector<ParameterRow> rows = parameter_table(scene);
+    const std::vector<ParameterRow> others = parameter_table(other);
     if (rows.size() != others.size()) return false;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const std::string path = rows[i].path.text();
       if (path != others[i].path.text()) return false;
-      const bool is_free = std::any_of(full.unknowns.begin(), full.unknowns.end(),
-                                       [&](const Unknown& unknown) { return unknown.path == path; });
-      if (!is_free && value_at(simple.scene, rows[i].place) != value_at(full.scene, others[i].place)) return false;
+      const bool is_free = std::any_of(full.unknowns.begin(), full.unknowns.end(), [&](const Unknown& unknown) {
+        return unknown.part == part && unknown.path == path;
+      });
+      if (!is_free && value_at(scene, rows[i].place) != value_at(other, others[i].place)) return false;
     }
     return true;
   }
@@ -204,7 +214,8 @@ class Comparing {
           ++test.added;
           inflated += inflation(full, p);
           const Parameter& parameter = problems_[b]->parameters()[p];
-          const double fixed = value_in(*problems_[a], problems_[b]->unknown_of(p).path);
+          const Unknown& unknown = problems_[b]->unknown_of(p);
+          const double fixed = value_in(problems_[a]->experiment().scene_of(unknown.part), unknown.path);
           at_bound = at_bound || fixed <= parameter.min || fixed >= parameter.max;
         }
         const double size = std::max(1.0, 2 * out_.models[b].cost / std::max(1, full.degrees_of_freedom));
@@ -223,9 +234,9 @@ class Comparing {
     }
   }
 
-  static double value_in(const FitProblem& problem, const std::string& path) {
-    const std::optional<ParameterRow> row = find_parameter(problem.experiment().scene, path);
-    return row ? value_at(problem.experiment().scene, row->place).value_or(0.0) : 0.0;
+  static double value_in(const Scene& scene, const std::string& path) {
+    const std::optional<ParameterRow> row = find_parameter(scene, path);
+    return row ? value_at(scene, row->place).value_or(0.0) : 0.0;
   }
 
   Part part_of(std::size_t m, const std::vector<std::size_t>& runs) const {

@@ -38,9 +38,10 @@ Scene disturbed(Scene scene) {
 /// A run's model with what its unknowns change.
 struct Acting {
   Acting(const MotionModel& m, const std::vector<Influence>& i, const std::vector<Variation>& v,
-         const std::vector<Sensor>& s)
+         const std::vector<Sensor>& s, const std::vector<MotionInput>& inputs)
       : model(m), influences(i), variations(v), sensors(s), reduced(m.scaled_scene(), m.mechanism(), m.inertia()) {
     for (const Sensor& sensor : sensors) readers.emplace_back(model, sensor);
+    reduced.set_inputs(m.scaled_scene(), scaled(inputs, m.scene(), m.scales()));
     reduced.set_variations(variations);
   }
 
@@ -120,7 +121,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   for (std::size_t k = 0; k < times_.size(); ++k) {
     if (!times_[k].empty()) sensors.push_back(experiment_.sensors[k]);
   }
-  Acting own(model, built.influences, built.variations, sensors);
+  Acting own(model, built.influences, built.variations, sensors, inputs_);
   own.reduced.start_drives(x.data());
   own.reduced.choose(0.0, x.data(), false, &independent_);
   own.reduced.expect(x.data());
@@ -132,7 +133,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   Built changes;
   vary(near, changes);
   if (set_by_equilibrium_) changes.influences.push_back(set_by_equilibrium_->influence(near, scales_));
-  Acting changed(near_model, changes.influences, changes.variations, sensors);
+  Acting changed(near_model, changes.influences, changes.variations, sensors, inputs_);
   changed.reduced.start_drives(x.data());
   changed.reduced.choose(0.0, x.data(), false, &independent_);
 
@@ -175,7 +176,8 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     rows_again.emplace_back(there.leftCols(p));
   };
   std::vector<double> w(static_cast<std::size_t>(freedoms_), 0.0);
-  visit_random_states(own.reduced, x, states, own.reduced.drives() > 0 ? span() : 0.0, [&](const RandomState& state) {
+  const bool timed = own.reduced.drives() > 0 || !inputs_.empty();
+  visit_random_states(own.reduced, x, states, timed ? span() : 0.0, [&](const RandomState& state) {
     // Rates at which forces of inertia are about as large as the others.
     std::fill(w.begin(), w.end(), 0.0);
     own.reduced.move(w.data());

@@ -58,7 +58,7 @@ struct Rig {
         x = phi * x + std::sqrt(1 - phi * phi) * random.normal();
       }
       records.push_back(record);
-      measured.runs[r].data = "wheel.csv";
+      measured.runs[r].data = {"wheel.csv"};
     }
     measured.records = records;
   }
