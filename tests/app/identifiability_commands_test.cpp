@@ -224,7 +224,8 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
       folder.write("no_rest.toml", of_lift + "rest = { angle = \"obd\", at = 5, by = \"spring.oil.free_length\" }\n");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"identify"}, "EXPERIMENT is required"},
-      {{"identify", good, "b.toml"}, "expected one experiment"},
+      {{"identifiability", good, "b.toml"}, "expected one experiment"},
+      {{"identify", good, "b.toml"}, "b.toml: cannot be read"},
       {{"identify", folder.path("none.toml").string()}, "none.toml"},
       {{"identify", scene}, "wheel.toml:5: body: expected an experiment, found a scene; give a file that names it"},
       {{"solve", good}, "experiment.toml:2: scene: expected a scene, found a file that names one: an experiment"},
