@@ -9,8 +9,8 @@ namespace poise {
 
 /// What the uncertainty of one number that is taken as known does to the estimates.
 struct KnownEffect {
-  std::string name;             ///< of the number, with the label where its errors are independent per label
-  std::vector<double> change;   ///< of every parameter for one standard deviation of the number, SI
+  std::string name;            ///< of the number, with the label where its errors are independent per label
+  std::vector<double> change;  ///< of every parameter for one standard deviation of the number, SI
 };
 
 /// Propagates the uncertainty of the experiment's known numbers to the estimates, to first order: with the error d of a

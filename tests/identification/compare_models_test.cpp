@@ -19,32 +19,11 @@ struct Rig {
   std::vector<Record> records;
 
   Rig(double damping, double phi, std::uint64_t seed, int runs = 6) {
-    measured.scene = parse_scene(R"(
-      [ground]
-      points = { O = [0, 0] }
-      [body.wheel]
-      points = { O = [0, 0] }
-      inertia = 0.5
-      [[pin]]
-      points = ["ground.O", "wheel.O"]
-      [[torsion_spring]]
-      name = "coil"
-      bodies = ["ground", "wheel"]
-      stiffness = 20
-      [[torsion_damper]]
-      name = "air"
-      bodies = ["ground", "wheel"]
-      coefficient = 0
-    )",
-                                 "wheel.toml");
-    measured.sensors = {test::angle_of(measured.scene, "wheel", test::Wheel::noise)};
-    measured.unknowns = {test::unknown("torsion_spring.coil.stiffness")};
-    Release turn;
-    turn.body = 1;
-    turn.value = 0.3;
+    measured = test::Wheel(runs).experiment;
     for (int r = 0; r < runs; ++r) {
-      measured.runs.push_back(test::simulated(100, 100, {turn}));
-      measured.runs.back().name = std::to_string(r);
+      Run& run = measured.runs[static_cast<std::size_t>(r)];
+      run.duration = 1.0;
+      run.name = std::to_string(r);
     }
     Experiment truth = measured;
     set_value(truth.scene, "torsion_damper.air.coefficient", damping);

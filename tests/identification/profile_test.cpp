@@ -31,24 +31,6 @@ TEST(Profile, OfALinearProblemIsTheInterval) {
 // Damping that is not there is at its bound, 0: the interval begins there and ends at a one-sided limit.
 TEST(Profile, AtABoundIsOneSided) {
   test::Wheel wheel(2);
-  wheel.experiment.scene = parse_scene(R"(
-    [ground]
-    points = { O = [0, 0] }
-    [body.wheel]
-    points = { O = [0, 0] }
-    inertia = 0.5
-    [[pin]]
-    points = ["ground.O", "wheel.O"]
-    [[torsion_spring]]
-    name = "coil"
-    bodies = ["ground", "wheel"]
-    stiffness = 20
-    [[torsion_damper]]
-    name = "air"
-    bodies = ["ground", "wheel"]
-    coefficient = 0
-  )",
-                                       "wheel.toml");
   Unknown damping = test::unknown("torsion_damper.air.coefficient");
   damping.min = 0.0;
   damping.start = 1e-4;

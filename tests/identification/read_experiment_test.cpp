@@ -141,10 +141,10 @@ TEST(ReadExperiment, RejectsTheFile) {
   EXPECT_EQ(error_of(sensor + run), "experiment.toml:1: expected the key scene; add scene = \"...\"");
   EXPECT_EQ(error_of("scene = \"s.toml\"\n" + sensor + run),
             "experiment.toml:1: scene: expected a scene file, relative to this file; there is no \"s.toml\"");
-  EXPECT_EQ(
-      error_of("sensors = 1\n" + header),
-      "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, loss, sensor, unknown, known, run; did "
-      "you mean \"sensor\"?");
+  EXPECT_EQ(error_of("sensors = 1\n" + header),
+            "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, loss, sensor, unknown, "
+            "known, run; did "
+            "you mean \"sensor\"?");
   EXPECT_EQ(error_of(header + run), "experiment.toml:1: sensor: expected at least one sensor; add [[sensor]]");
   EXPECT_EQ(error_of(header + sensor), "experiment.toml:1: run: expected at least one run; add [[run]]");
   EXPECT_EQ(error_of("set = { \"body.block.mas\" = 1 }\n" + header + sensor + run),

@@ -6,7 +6,8 @@
 
 namespace poise::test {
 
-// A wheel of inertia I on a torsion spring k, released at the angle a: it moves as a cos(w t), w^2 = k / I.
+// A wheel of inertia I on a torsion spring k with a damper that does nothing, released at the angle a: it moves as
+// a cos(w t), w^2 = k / I.
 struct Wheel {
   static constexpr double inertia = 0.5, stiffness = 20, noise = 1e-4, angle = 0.3;
   Experiment experiment;
@@ -24,6 +25,10 @@ struct Wheel {
       name = "coil"
       bodies = ["ground", "wheel"]
       stiffness = 20
+      [[torsion_damper]]
+      name = "air"
+      bodies = ["ground", "wheel"]
+      coefficient = 0
     )",
                                    "wheel.toml");
     experiment.sensors = {test::angle_of(experiment.scene, "wheel", noise)};

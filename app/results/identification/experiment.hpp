@@ -34,7 +34,8 @@ void add_combinations(Group& group, const FitProblem& problem, const Identifiabi
 /// As text: correlations of the identifiable parameters; of many parameters the pairs beyond 0.9.
 void add_correlations(Group& group, const FitProblem& problem, const Identifiability& known);
 /// As data: identifiability {ok, why, rank, structural_nulls, other_nulls, unclear, gap, singular_values[],
-/// correlation{}, not_identifiable[], combinations[]}, without the value of any parameter that is not identifiable. Correlations of parameters that are not identifiable are null.
+/// correlation{}, not_identifiable[], combinations[]}, without the value of any parameter that is not identifiable.
+/// Correlations of parameters that are not identifiable are null.
 void add_identifiability_data(Group& group, const FitProblem& problem, const Identifiability& known);
 
 }  // namespace poise::app
