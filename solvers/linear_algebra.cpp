@@ -66,10 +66,14 @@ Eigen::Index SingularValues::rank(double tolerance) const {
 }
 
 SingularValues singular_value_decomposition(const MatrixXd& a) {
+  // Eigen reads an entry of a matrix that has none.
+  if (a.size() == 0) return {VectorXd(0), MatrixXd(a.rows(), 0), MatrixXd::Identity(a.cols(), a.cols())};
   const Eigen::JacobiSVD<MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeFullV);
   return {svd.singularValues(), svd.matrixU(), svd.matrixV()};
 }
 
-VectorXd singular_values(const MatrixXd& a) { return Eigen::BDCSVD<MatrixXd>(a).singularValues(); }
+VectorXd singular_values(const MatrixXd& a) {
+  return a.size() == 0 ? VectorXd(0) : VectorXd(Eigen::BDCSVD<MatrixXd>(a).singularValues());
+}
 
 }  // namespace poise::solvers

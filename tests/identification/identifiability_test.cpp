@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "identification/fit.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
@@ -630,6 +631,39 @@ TEST(Identifiability, NamesTheRunThatCannotBeComputed) {
   const Identifiability found = assess(problem, {std::nan("")}, test::released(problem));
   EXPECT_FALSE(found.ok);
   EXPECT_NE(found.why.find("run \"run\""), std::string::npos) << found.why;
+}
+
+// A point that nothing refers to, or that is the only unknown, acts on nothing: a null of its own.
+TEST(Identifiability, AnUnknownThatActsOnNothing) {
+  Experiment e;
+  e.scene = parse_scene(R"(
+    gravity = [0, -9.81]
+    [ground]
+    points = { O = [0, 0] }
+    [body.arm]
+    points = { O = [0, 0], E = [0.4, 0] }
+    mass = 1.5
+    center = [0.2, 0]
+    inertia = 0.02
+    [[pin]]
+    points = ["ground.O", "arm.O"]
+  )",
+                        "arm.toml");
+  e.sensors = {test::angle_of(e.scene, "arm", 1e-3)};
+  e.unknowns = {test::unknown("point.arm.E.x")};
+  Release lift;
+  lift.body = 1;
+  lift.value = -1.0;
+  e.runs = {test::simulated(100, 200, {lift})};
+  const FitProblem problem(e);
+  const Identifiability known = assess(problem, problem.truths(), test::released(problem));
+  ASSERT_TRUE(known.ok) << known.why;
+  EXPECT_EQ(known.rank, 0);
+  EXPECT_FALSE(known.identifiable[0]);
+  EXPECT_TRUE(std::isinf(known.standard_error[0]));
+  const Fit found = fit(problem, problem.records());
+  ASSERT_EQ(found.estimates.size(), 1U);
+  EXPECT_TRUE(found.estimates[0].withheld);
 }
 
 }  // namespace
