@@ -48,6 +48,7 @@ std::vector<Entry> all_commands() {
       {design_command(), "datasets/lift_design.toml --scene found.toml"},
       {identify_command(), "datasets/lift_experiment.toml --svg fit.svg"},
       {identifiability_command(), "datasets/lift_experiment_empty.toml"},
+      {plan_command(), "datasets/lift_plan.toml --experiment planned.toml"},
       {montecarlo_command(), "datasets/lift_experiment.toml --trials 300"},
       {stress_command(), "--methods virtual-work,energy --starts 100"},
   };

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "identification/plan_limits.hpp"
 #include "identification/record.hpp"
 #include "identification/weighting.hpp"
 #include "model/parameter_change.hpp"
@@ -145,6 +146,7 @@ struct Experiment {
   std::vector<KnownNumber> known;
   std::vector<Run> runs;        ///< a run whose data file is split has been multiplied: one for each segment
   std::vector<Record> records;  ///< one per run; empty where the run is simulated
+  std::optional<PlanLimits> plan;
 
   /// Where a part is written, and its scene.
   const std::string& file_of(std::size_t part) const { return parts.empty() ? file : parts[part].file; }
@@ -163,5 +165,9 @@ struct ExperimentOptions {
 /// Reads an experiment file (TOML; grammar in docs/experiment-files.md), its scene and its data. Throws InputError
 /// naming file, line, item, what was expected and a likely fix.
 Experiment read_experiment(const std::filesystem::path& file, const ExperimentOptions& options = {});
+
+/// The same of a text that takes the place of what the file holds.
+Experiment parse_experiment(const std::string& text, const std::filesystem::path& file,
+                            const ExperimentOptions& options = {});
 
 }  // namespace poise

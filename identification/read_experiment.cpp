@@ -6,6 +6,7 @@
 
 #include "identification/experiment.hpp"
 #include "identification/join_experiments.hpp"
+#include "identification/read_plan.hpp"
 #include "identification/read_runs.hpp"
 #include "identification/scene_parameter.hpp"
 #include "identification/set_parameter.hpp"
@@ -42,7 +43,7 @@ class ExperimentReader {
       root_.place_of("body").fail(
           "expected an experiment, found a scene; give a file that names it with scene = \"...\"");
     }
-    root_.allow_keys({"title", "source", "scene", "set", "loss", "sensor", "unknown", "known", "run"});
+    root_.allow_keys({"title", "source", "scene", "set", "loss", "sensor", "unknown", "known", "run", "plan"});
     if (const auto title = root_.find_text("title")) experiment_.title = title->value;
     if (const auto source = root_.find_text("source")) experiment_.source = source->value;
     read_its_scene(options);
@@ -58,6 +59,7 @@ class ExperimentReader {
     }
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) check_is_read(k);
     guess_noise();
+    if (const auto plan = root_.find_table("plan")) experiment_.plan = read_plan(*plan, names, experiment_);
     return std::move(experiment_);
   }
 
@@ -407,7 +409,10 @@ Experiment read_joint(const TomlTable& root, const fs::path& file, const Experim
 }  // namespace
 
 Experiment read_experiment(const fs::path& file, const ExperimentOptions& options) {
-  const std::string text = read_text_file(file);
+  return parse_experiment(read_text_file(file), file, options);
+}
+
+Experiment parse_experiment(const std::string& text, const fs::path& file, const ExperimentOptions& options) {
   const std::string name = file.string();
   const toml::table document = parse_toml(text, name);
   const TomlTable root(document, {name, 1, ""});

@@ -178,6 +178,18 @@ std::optional<Vec2> TomlTable::find_vector(std::string_view key, double unit) co
   return Vec2{component(0), component(1)};
 }
 
+std::vector<double> TomlTable::numbers(std::string_view key) const {
+  std::vector<double> result;
+  const toml::node* const node = find(key);
+  if (node == nullptr) return result;
+  const toml::array* const list = node->as_array();
+  if (list == nullptr) place_of(*node, key).fail("expected a list of numbers [A, ...]" + found(*node));
+  for (const toml::node& element : *list) {
+    result.push_back(read_number(element, place_of(element, key), 1.0, Range::finite));
+  }
+  return result;
+}
+
 TomlText TomlTable::text(std::string_view key) const {
   require(key, "\"...\"");
   return *find_text(key);

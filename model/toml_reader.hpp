@@ -82,6 +82,9 @@ class TomlTable {
   Vec2 vector(std::string_view key, double unit) const;
   std::optional<Vec2> find_vector(std::string_view key, double unit) const;
 
+  /// A list of finite numbers as they are written, none when the key is absent.
+  std::vector<double> numbers(std::string_view key) const;
+
   TomlText text(std::string_view key) const;
   std::optional<TomlText> find_text(std::string_view key) const;
   /// A list of exactly two strings.

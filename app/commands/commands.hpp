@@ -51,6 +51,10 @@ Command identify_command();
 /// that could be computed.
 Command identifiability_command();
 
+/// `poise plan EXPERIMENT`: the runs within the limits of its [plan] that determine its parameters best. Ctrl-C keeps
+/// the best plan so far. Exit code solved where a plan was found.
+Command plan_command();
+
 /// `poise montecarlo EXPERIMENT`: simulate and fit many times, each with new noise and a new start. Ctrl-C keeps the
 /// trials that have ended. Exit code solved where all trials ended and fits converged.
 Command montecarlo_command();

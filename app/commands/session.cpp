@@ -41,7 +41,8 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
                 {"--svg", request.svg, {}},
                 {"--csv", request.csv, {}},
                 {"--markdown", request.markdown, {}},
-                {"--scene", request.geometry, {}}}} {
+                {"--scene", request.geometry, {}},
+                {"--experiment", request.experiment, {}}}} {
   if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
   for (const Output& output : outputs_) {
     expect_different(output.path, output.option, request.scene, "the " + request.kind);
@@ -57,7 +58,7 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
   }
 }
 
-std::string OutputFiles::write(const Result& result, const std::string& svg, const std::string& geometry) {
+std::string OutputFiles::write(const Result& result, const std::string& svg, const std::string& found) {
   std::vector<OutputFile*> prepared;
   const auto prepare = [&](Form::Place form, auto&& text_of) {
     std::optional<OutputFile>& file = outputs_[form].file;
@@ -70,7 +71,8 @@ std::string OutputFiles::write(const Result& result, const std::string& svg, con
   prepare(Form::svg, [&] { return svg; });
   prepare(Form::csv, [&] { return result.csv() != nullptr ? csv_text(*result.csv()) : ""; });
   prepare(Form::markdown, [&] { return markdown_text(result); });
-  prepare(Form::geometry, [&] { return geometry; });
+  prepare(Form::geometry, [&] { return found; });
+  prepare(Form::experiment, [&] { return found; });
   std::string lines;
   for (OutputFile* file : prepared) {
     file->commit();

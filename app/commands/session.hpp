@@ -28,13 +28,13 @@ class OutputFiles {
 
   bool wants_svg() const { return outputs_[Form::svg].file.has_value(); }
   bool wants_csv() const { return outputs_[Form::csv].file.has_value(); }
-  /// Writes the result in the forms asked for, a picture and a geometry, or, where that fails, throws InputError. A
-  /// text that is empty is not written. Returns one line for each file written.
-  std::string write(const Result& result, const std::string& svg, const std::string& geometry = "");
+  /// Writes the result in the forms asked for, a picture and the scene or experiment that was found, or, where that
+  /// fails, throws InputError. A text that is empty is not written. Returns one line for each file written.
+  std::string write(const Result& result, const std::string& svg, const std::string& found = "");
 
  private:
   struct Form {
-    enum Place : std::size_t { json, svg, csv, markdown, geometry, count };
+    enum Place : std::size_t { json, svg, csv, markdown, geometry, experiment, count };
   };
   struct Output {
     std::string option, path;

@@ -108,6 +108,12 @@ std::vector<Command> all_commands() {
                    {{"motion.csv", "time,wheel,wheel.rate\n0,0,1\n0.1,5.7,1\n0.2,11,1\n0.3,17,1\n"}, wheel_scene}});
     out.push_back({{"identify", "simulated.toml", "--start", "given"}, {simulated, wheel_scene}});
     out.push_back(
+        {{"plan", "plan.toml", "--jobs", "1", "--experiment", "o.toml"},
+         {{"plan.toml", simulated.text + "[plan]\nruns = 2\ncriterion = \"D\"\ntime = 1.5\ncandidates = 4\n"
+                                         "[[plan.vary]]\nwhat = \"release.wheel\"\nmin = 5\nmax = 20\n"
+                                         "[[plan.vary]]\nwhat = \"duration\"\nvalues = [0.5, 1]\n"},
+          wheel_scene}});
+    out.push_back(
         {{"montecarlo", "simulated.toml", "--trials", "2", "--jobs", "1", "--seed", "1"}, {simulated, wheel_scene}});
     out.push_back({{"design", "lift_design.toml", "--starts", "1", "--scene", "found.toml"},
                    {dataset_file("lift_design"), dataset_file("lift")}});

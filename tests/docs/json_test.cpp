@@ -484,6 +484,15 @@ TEST(JsonDocs, Identifiability) {
                                     {{"identifiability", scene("lift_experiment_empty")}}});
 }
 
+TEST(JsonDocs, Plan) {
+  const TempFolder folder;
+  std::string text = contents(scene("lift_plan"));
+  text.replace(text.find("\"lift.toml\""), 11, '"' + scene("lift") + '"');
+  text.replace(text.find("[0, 200]"), 8, "[0]");  // no payload: nothing gives the scale
+  text.replace(text.find("runs = 6"), 8, "runs = 2\ntime = 4\ncandidates = 8");
+  check_section("plan", {{{"plan", folder.write("plan.toml", text)}}});
+}
+
 TEST(JsonDocs, MonteCarlo) {
   check_section("montecarlo", {{{"montecarlo", scene("lift_experiment_four_runs"), "--trials", "3"}}});
 }

@@ -1,0 +1,75 @@
+#include "app/results/identification/plan.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
+#include "app/commands/session.hpp"
+#include "app/terminal/interrupt.hpp"
+#include "identification/check_spans.hpp"
+
+namespace poise::app {
+namespace {
+
+struct PlanRequest {
+  ExperimentRequest experiment;
+  std::uint64_t seed = 1;
+  int jobs = 0;
+};
+
+int run_plan(const PlanRequest& request, const Palette& palette) {
+  const Request& common = request.experiment.common;
+  PlanOptions options;
+  options.seed = request.seed;
+  options.jobs = read_jobs(request.jobs);
+  Progress progress;
+  progress.now("reading the experiment");
+  const Experiment experiment = load_experiment(request.experiment);
+  if (!experiment.plan) {
+    throw InputError(experiment.file + ": plan: expected what may be chosen; add [plan] (docs/planning.md)");
+  }
+  const FitProblem problem(experiment);
+  check_spans(problem);
+  const ExperimentText text(experiment, {request.experiment.data, common.settings});
+  OutputFiles files(common, files_read(experiment));
+  options.interrupt = &watch_for_interrupt();
+  options.progress = [&](const std::string& what) { progress.now_and_then([&] { return what; }); };
+  const auto begin = std::chrono::steady_clock::now();
+  const Plan plan = plan_runs(problem, text, options);
+  const double microseconds =
+      std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+
+  progress.now("writing the result");
+  const Result result = plan_result(problem, text, options, plan, microseconds, common.settings);
+  std::string planned;
+  if (!plan.runs.empty()) {
+    planned = fmt::format("# Runs that poise plan --seed {} has chosen within the limits of {}.\n", options.seed,
+                          std::filesystem::path(experiment.file).filename().string()) +
+              text.with(plan.runs, true, std::filesystem::path(common.experiment).parent_path());
+  }
+  const std::string written = files.write(result, "", planned);
+  progress.done();
+  print(common, result, written, palette);
+  return !plan.runs.empty() && !plan.interrupted && plan.steps.back().ok ? solved : not_solved;
+}
+
+}  // namespace
+
+Command plan_command() {
+  const auto request = std::make_shared<PlanRequest>();
+  Command command{"plan", "Choose the runs of an experiment that determine its parameters best"};
+  add_experiment_options(command, request->experiment);
+  command.add({"--seed", &request->seed, "N", "Of the runs that are tried (1)"});
+  add_jobs_option(command, request->jobs, "Threads (all cores)");
+  command.add({"--experiment", &request->experiment.common.experiment, "FILE",
+               "Write the experiment with the planned runs to FILE"});
+  add_output_options(command, request->experiment.common, {});
+  command.run = [request](const Palette& palette) { return run_plan(*request, palette); };
+  return command;
+}
+
+}  // namespace poise::app

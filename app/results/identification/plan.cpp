@@ -1,0 +1,180 @@
+#include "app/results/identification/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/identification/experiment.hpp"
+
+namespace poise::app {
+namespace {
+
+// Of more runs, the standard errors after some of them are shown.
+constexpr std::size_t most_steps = 8;
+
+const PlanLimits& limits_of(const FitProblem& problem) { return problem.experiment().plan.value(); }
+
+/// "0.036 per cent".
+std::string part(double relative) { return significant(100 * relative, 2) + " per cent"; }
+
+std::vector<std::string> not_identifiable(const FitProblem& problem, const PlanStep& step) {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < step.standard_error.size(); ++i) {
+    if (!std::isfinite(step.standard_error[i])) out.push_back(problem.parameters()[i].name);
+  }
+  return out;
+}
+
+Line verdict(const FitProblem& problem, const Plan& plan) {
+  if (plan.runs.empty()) return bad("No plan: " + plan.why + ".");
+  const std::string interrupted = plan.interrupted ? "Interrupted; the best plan so far: " : "";
+  const std::string runs =
+      interrupted + count(static_cast<int>(plan.runs.size()), "run", "runs") + (plan.interrupted ? "" : " planned");
+  const PlanStep& last = plan.steps.back();
+  if (!last.ok) return bad(runs + ", but what they determine is not known: " + last.why + ".");
+  if (!std::isfinite(last.worst)) {
+    return bad(runs + "; not identifiable from them: " + listed(not_identifiable(problem, last)) + ".");
+  }
+  std::string text = runs + ": the worst standard error is " + part(last.worst);
+  if (plan.own.ok) {
+    const std::string own = count(static_cast<int>(problem.runs()), "run", "runs") + " of the file";
+    text += std::isfinite(plan.own.worst)
+                ? fmt::format("; with the {}, {}: {} times as large", own, part(plan.own.worst),
+                              significant(plan.own.worst / last.worst, 3))
+                : fmt::format("; the {} do not identify {}", own, listed(not_identifiable(problem, plan.own)));
+  }
+  return {.text = text + ".", .tone = plan.interrupted ? Tone::doubtful : Tone::good};
+}
+
+void add_runs(Group& content, const FitProblem& problem, const ExperimentText& text, const Plan& plan) {
+  const std::vector<PlanChoice>& vary = limits_of(problem).vary;
+  const std::vector<std::size_t> rows = places(plan.runs.size());
+  Table& table = content.table("", "Planned runs, the most useful first", Rows::list);
+  table.shown = Table::Shown::all;
+  table.words("", "run", each(rows, [&](std::size_t r) { return text.name_of(r + 1); }));
+  if (plan.templates > 1) {
+    table.words("", "like", each(plan.runs, [&](const PlannedRun& run) { return text.templates()[run.like]; }));
+  }
+  for (std::size_t c = 0; c < vary.size(); ++c) {
+    table.numbers("", vary[c].what, "", {}).texts =
+        each(plan.runs, [&](const PlannedRun& run) { return significant(run.values[c], 6); });
+  }
+  table.numbers("", "worst standard error, per cent", "", {}).texts = each(rows, [&](std::size_t r) -> std::string {
+    const PlanStep& step = plan.steps[r];
+    return step.ok && std::isfinite(step.worst) ? significant(100 * step.worst, 2) : "not identifiable";
+  });
+  table.footnotes = {"errors: after this run and those above; other columns: in the units of the file"};
+
+  Branch& planned = content.array("planned");
+  for (std::size_t r = 0; r < plan.runs.size(); ++r) {
+    Group& run = planned.parts.emplace_back();
+    run.data("name", text.name_of(r + 1));
+    run.data("like", text.templates()[plan.runs[r].like]);
+    run.data("duration", text.duration(plan.runs[r]));
+    Group& values = run.group("values", "", Verbosity::data);
+    for (std::size_t c = 0; c < vary.size(); ++c) values.data(vary[c].what, plan.runs[r].values[c]);
+  }
+}
+
+/// The places of at most `most_steps` of them, the first and the last among them.
+std::vector<std::size_t> shown_steps(std::size_t steps) {
+  std::vector<std::size_t> out;
+  const std::size_t shown = std::min(steps, most_steps);
+  for (std::size_t i = 0; i < shown; ++i) out.push_back(shown == steps ? i : i * (steps - 1) / (shown - 1));
+  return out;
+}
+
+void add_errors(Group& content, const FitProblem& problem, const Plan& plan) {
+  const std::vector<std::size_t> rows = places(problem.parameters().size());
+  Table& table = content.table("", "Standard errors (Cramer-Rao bound), per cent", Rows::list);
+  table.shown = Table::Shown::all;
+  table.words("", "parameter", each(rows, [&](std::size_t i) { return problem.parameters()[i].name; }));
+  const auto add = [&](const std::string& title, const PlanStep& step) {
+    table.numbers("", title, "", {}).texts = each(rows, [&](std::size_t i) -> std::string {
+      const double value = problem.parameters()[i].truth + problem.unknown_of(i).includes;
+      return step.ok ? per_cent(step.standard_error[i], value) : "-";
+    });
+  };
+  add("runs of the file", plan.own);
+  for (const std::size_t k : shown_steps(plan.steps.size())) {
+    add(fmt::format("{}{}", k == 0 ? "planned: " : "", k + 1), plan.steps[k]);
+  }
+}
+
+void add_not_identifiable(Group& content, const PlanStep& last) {
+  if (last.not_identifiable.empty() && last.without_run.empty()) return;
+  Group& section = content.group("", "Not identifiable from the plan");
+  for (const Identifiability::Direction& direction : last.not_identifiable) {
+    section.note("  " + direction.words, Tone::bad);
+    section.note("    remedy: " + direction.remedy + "; or widen the limits of the plan");
+  }
+  if (last.without_run.empty()) return;
+  section.note("  " + listed(last.without_run) + ": no run of the plan has the label", Tone::bad);
+  section.note("    remedy: allow more runs");
+}
+
+void add_step_data(Group& out, const FitProblem& problem, const PlanStep& step, std::size_t runs) {
+  out.data("runs", runs);
+  out.data("ok", step.ok);
+  out.data("why", step.why);
+  out.data("worst", step.worst);
+  out.data("singular_values", step.singular_values);
+  Group& errors = out.group("standard_error", "", Verbosity::data);
+  for (std::size_t i = 0; i < step.standard_error.size(); ++i) {
+    errors.data(problem.parameters()[i].name, step.standard_error[i] / problem.unknown_of(i).unit);
+  }
+  std::vector<std::string> words;
+  for (const Identifiability::Direction& direction : step.not_identifiable) words.push_back(direction.words);
+  for (const std::string& name : step.without_run) words.push_back(name + ": no run has its label");
+  out.data("not_identifiable", words);
+}
+
+}  // namespace
+
+Result plan_result(const FitProblem& problem, const ExperimentText& text, const PlanOptions& options, const Plan& plan,
+                   double microseconds, const std::vector<std::string>& settings) {
+  const PlanLimits& limits = limits_of(problem);
+  Result out = experiment_result(problem, settings);
+  out.verdict = verdict(problem, plan);
+  Group& content = out.content;
+  const char* const criterion = limits.criterion == PlanCriterion::determinant ? "D"
+                                : limits.criterion == PlanCriterion::trace     ? "A"
+                                                                               : "E";
+  content.data("criterion", criterion);
+  content.data("time", limits.time);
+  content.data("seed", options.seed);
+  content.data("interrupted", plan.interrupted);
+  content.data("why", plan.why);
+  content.data("candidates", plan.candidates);
+  content.data("skipped", plan.skipped);
+  content.data("skipped_because", plan.skipped_because);
+  content.data("evaluations", plan.evaluations);
+  content.data("seconds", microseconds / 1e6);
+  if (!plan.runs.empty()) {
+    add_runs(content, problem, text, plan);
+    add_errors(content, problem, plan);
+    add_not_identifiable(content, plan.steps.back());
+  }
+  add_step_data(content.group("own", "", Verbosity::data), problem, plan.own, problem.runs());
+  Branch& steps = content.array("steps");
+  for (std::size_t k = 0; k < plan.steps.size(); ++k) {
+    add_step_data(steps.parts.emplace_back(), problem, plan.steps[k], k + 1);
+  }
+  Group& numerics = content.group("", "Numerics");
+  numerics.fact("data", data_in_words(problem));
+  numerics.fact("criterion",
+                limits.criterion == PlanCriterion::determinant ? "D: the determinant of the relative covariance"
+                : limits.criterion == PlanCriterion::trace     ? "A: the sum of the squared relative standard errors"
+                                                           : "E: the largest eigenvalue of the relative covariance");
+  std::string candidates = count(static_cast<int>(plan.candidates), "candidate", "candidates");
+  if (plan.skipped > 0) {
+    candidates += fmt::format(", {} of them cannot be made; the first: {}", plan.skipped, plan.skipped_because);
+  }
+  numerics.fact("candidates", candidates);
+  numerics.fact("effort", fmt::format("{} motions with sensitivities, {}", plan.evaluations, duration(microseconds)));
+  return out;
+}
+
+}  // namespace poise::app
