@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -239,13 +240,20 @@ class ExperimentReader {
     }
     unknown.includes = table.find_number("includes", unknown.unit, Range::finite).value_or(0.0);
     if (may_not_be_negative(path.value)) unknown.min = 0.0;
+    unknown.start = table.find_number("start", unknown.unit, Range::finite);
+    // The direction of a line turns into its opposite after half a turn, which other numbers may make up for.
+    const ParameterRow row = parameter(experiment_.scene, path.value);
+    if (row.place.owner == Owner::joint && row.path.parts[3] == "angle") {
+      const double middle = unknown.start.value_or(value * unknown.unit + unknown.includes);
+      unknown.min = middle - std::numbers::pi / 2;
+      unknown.max = middle + std::numbers::pi / 2;
+    }
     unknown.min = table.find_number("min", unknown.unit, Range::finite).value_or(unknown.min);
     unknown.max = table.find_number("max", unknown.unit, Range::finite).value_or(unknown.max);
     if (!(unknown.min < unknown.max)) {
       table.place_of("max").fail(
           fmt::format("expected max > min = {:.12g}; exchange them", unknown.min / unknown.unit));
     }
-    unknown.start = table.find_number("start", unknown.unit, Range::finite);
     unknown.scale = table.find_number("scale", unknown.unit, Range::positive);
     const double first = unknown.start.value_or(value * unknown.unit + unknown.includes);
     if (first < unknown.min || first > unknown.max) {

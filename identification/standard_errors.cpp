@@ -158,11 +158,12 @@ class Analysis {
   // In least squares the root mean square; of a robust fit the median size, which outliers leave as it is.
   NoiseTest test(const Eigen::VectorXd& e, double leverage, std::size_t k) const {
     const auto readings = static_cast<double>(e.size());
-    if (!(readings > leverage)) return {nan, nan};
+    if (!(readings > leverage)) return {nan, nan, nan};
     const double correction = std::sqrt(readings / (readings - leverage));
     const double deviation = std::sqrt(spread_[k] / (2 * readings));
-    if (weighting_.loss == Loss::squares) return {correction * e.norm() / std::sqrt(readings), deviation};
-    return {correction * robust_scale({e.begin(), e.end()}), median_deviation * deviation};
+    const double white = std::sqrt(1 / (2 * readings));
+    if (weighting_.loss == Loss::squares) return {correction * e.norm() / std::sqrt(readings), deviation, white};
+    return {correction * robust_scale({e.begin(), e.end()}), median_deviation * deviation, median_deviation * white};
   }
 
   // By how much residuals scatter more than the noise that errors are computed with.
@@ -342,7 +343,9 @@ class Analysis {
 
 }  // namespace
 
-bool NoiseTest::agrees() const { return std::abs(ratio - 1) <= std::max(5 * sigma, 0.02); }
+bool NoiseTest::agrees() const {
+  return std::abs(ratio - 1) <= std::min(std::max(5 * sigma, 0.02), std::max(5 * white_sigma, 0.3));
+}
 
 std::string to_string(StandardErrors::Kind kind) {
   switch (kind) {

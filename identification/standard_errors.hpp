@@ -15,8 +15,10 @@ namespace poise {
 struct NoiseTest {
   double ratio = 0.0;
   double sigma = 0.0;
+  double white_sigma = 0.0;  ///< the same without correlation: sqrt(1 / (2 readings))
 
-  /// Within 5 sigma or 2 % of 1.
+  /// Within 5 sigma or 2 % of 1, but not by more than 30 % or 5 white_sigma: of residuals that are correlated over most
+  /// of a run the size is hardly known, and they are no such noise as is stated.
   bool agrees() const;
 };
 

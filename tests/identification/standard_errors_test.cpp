@@ -182,6 +182,27 @@ TEST(StandardErrors, NoiseIsTestedOnBothSides) {
   EXPECT_EQ(found.status, FitStatus::misfit);
 }
 
+// Residuals more than twice the noise are no agreement, however long their correlation is: those of a wheel whose
+// inertia is taken for a tenth too large, over a tenth of its period.
+TEST(StandardErrors, LongCorrelationHidesNoMisfit) {
+  EXPECT_TRUE((NoiseTest{1.2, 0.05, 0.01}).agrees());
+  EXPECT_FALSE((NoiseTest{1.4, 0.1, 0.01}).agrees());
+  EXPECT_FALSE((NoiseTest{2.4, 0.4, 0.07}).agrees());
+  EXPECT_TRUE((NoiseTest{1.35, 0.4, 0.08}).agrees()) << "few readings";
+  EXPECT_FALSE((NoiseTest{0.6, 0.4, 0.01}).agrees());
+  Wheel wheel = wheel_of(1, 100);
+  wheel.experiment.runs[0].unknown_start = false;
+  const FitProblem problem(wheel.experiment);
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  std::vector<Record> records = noisy(problem, [&] { return normal(random); });
+  for (std::size_t i = 0; i < 100; ++i) {
+    records[0].sensors[0].value[i] += 3 * Wheel::noise * std::sin(0.03 * static_cast<double>(i));
+  }
+  const Fit found = fit(problem, records);
+  EXPECT_EQ(found.status, FitStatus::misfit) << found.errors.sensors[0].ratio;
+}
+
 // Two sensors of one wheel, of which the noise is not known: restricted maximum likelihood finds both, and the
 // estimate is as good as with the noise known.
 TEST(StandardErrors, UnknownNoiseOfEverySensor) {
