@@ -6,8 +6,8 @@
 
 namespace poise {
 
-/// What a plan makes small, of the covariance C of the parameters, each over its `scale` where it has one, else over its
-/// value.
+/// What a plan makes small, of the covariance C of the parameters, each over its `scale` where it has one, else over
+/// its value.
 enum class PlanCriterion {
   determinant,  ///< "D": det C, the volume of the confidence ellipsoid
   trace,        ///< "A": trace C, the sum of the squared relative standard errors

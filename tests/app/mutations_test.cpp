@@ -107,12 +107,11 @@ std::vector<Command> all_commands() {
     out.push_back({{"forces", "wheel.toml", "--motion", "motion.csv"},
                    {{"motion.csv", "time,wheel,wheel.rate\n0,0,1\n0.1,5.7,1\n0.2,11,1\n0.3,17,1\n"}, wheel_scene}});
     out.push_back({{"identify", "simulated.toml", "--start", "given"}, {simulated, wheel_scene}});
-    out.push_back(
-        {{"plan", "plan.toml", "--jobs", "1", "--experiment", "o.toml"},
-         {{"plan.toml", simulated.text + "[plan]\nruns = 2\ncriterion = \"D\"\ntime = 1.5\ncandidates = 4\n"
-                                         "[[plan.vary]]\nwhat = \"release.wheel\"\nmin = 5\nmax = 20\n"
-                                         "[[plan.vary]]\nwhat = \"duration\"\nvalues = [0.5, 1]\n"},
-          wheel_scene}});
+    out.push_back({{"plan", "plan.toml", "--jobs", "1", "--experiment", "o.toml"},
+                   {{"plan.toml", simulated.text + "[plan]\nruns = 2\ncriterion = \"D\"\ntime = 1.5\ncandidates = 4\n"
+                                                   "[[plan.vary]]\nwhat = \"release.wheel\"\nmin = 5\nmax = 20\n"
+                                                   "[[plan.vary]]\nwhat = \"duration\"\nvalues = [0.5, 1]\n"},
+                    wheel_scene}});
     out.push_back(
         {{"montecarlo", "simulated.toml", "--trials", "2", "--jobs", "1", "--seed", "1"}, {simulated, wheel_scene}});
     out.push_back({{"design", "lift_design.toml", "--starts", "1", "--scene", "found.toml"},
@@ -292,8 +291,8 @@ std::string objection_to_bad_input(const Case& damaged, const Outcome& run, cons
   const bool folder = std::any_of(damaged.folders.begin(), damaged.folders.end(), names);
   const bool word = names("--") || line.starts_with("poise: ");
   const bool missing = names("cannot be read") || names("there is no");
-  const bool known_case = line.starts_with("CASE: ");
-  if (!file && !folder && !word && !missing && !known_case) return "no place";
+  const bool listed = line.starts_with("CASE: ") || line.starts_with("EXPERIMENT: ");  // words without an option
+  if (!file && !folder && !word && !missing && !listed) return "no place";
   if (!names("expected") && !names("; ") && !names("TOML syntax")) return "nothing is expected";
   return "";
 }

@@ -143,7 +143,7 @@ TEST(ReadExperiment, RejectsTheFile) {
             "experiment.toml:1: scene: expected a scene file, relative to this file; there is no \"s.toml\"");
   EXPECT_EQ(error_of("sensors = 1\n" + header),
             "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, loss, sensor, unknown, "
-            "known, run; did "
+            "known, run, plan; did "
             "you mean \"sensor\"?");
   EXPECT_EQ(error_of(header + run), "experiment.toml:1: sensor: expected at least one sensor; add [[sensor]]");
   EXPECT_EQ(error_of(header + sensor), "experiment.toml:1: run: expected at least one run; add [[run]]");
