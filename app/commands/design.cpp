@@ -63,7 +63,7 @@ Command design_command() {
   command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required});
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
   command.add({"--starts", &request->starts, "N", "Searches before it gives up (300)"});
-  command.add({"--scene", &request->common.geometry, "FILE", "Write the geometry found to FILE, as a scene"});
+  command.add({"--scene", &request->common.written_scene, "FILE", "Write the geometry found to FILE, as a scene"});
   add_output_options(command, request->common, {});
   command.run = [request](const Palette& palette) { return run_design(*request, palette); };
   return command;

@@ -14,6 +14,7 @@
 #include "app/commands/session.hpp"
 #include "app/results/identification/charts.hpp"
 #include "app/results/identification/compare_models.hpp"
+#include "app/results/identification/fitted_scene.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/check_spans.hpp"
 #include "identification/first_readings.hpp"
@@ -102,15 +103,20 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     for (const std::string& line : not_drawn(problem, answer)) result.content.note("picture: " + line);
   }
   if (files.wants_csv()) add_readings(result, problem, answer);
+  FittedScene scene;
+  if (!common.written_scene.empty()) scene = fitted_scene(problem, answer);
+  for (const std::string& line : scene.left) result.content.note("scene: " + line);
   return finish(common, result, &files, drawn ? draw_plot(fit_panels(problem, answer), fit_columns(experiment)) : "",
-                answer.fit.usable(), progress, palette);
+                answer.fit.usable(), progress, palette, scene.text);
 }
 
 /// Several models of the same readings.
 int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
-  if (!request.profiles.empty() || request.bootstrap > 0 || !common.svg.empty() || !common.csv.empty()) {
-    throw InputError("several experiments: expected no --profile, --bootstrap, --svg or --csv, which are of one fit");
+  if (!request.profiles.empty() || request.bootstrap > 0 || !common.svg.empty() || !common.csv.empty() ||
+      !common.written_scene.empty()) {
+    throw InputError(
+        "several experiments: expected no --profile, --bootstrap, --svg, --csv or --scene, which are of one fit");
   }
   CompareOptions options;
   options.fit.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
@@ -153,6 +159,8 @@ Command identify_command() {
        "Refit N records resampled from blocks of the residuals, for standard\nerrors that assume no model of them"});
   command.add({"--profile", &request->profiles, "NAME",
                "Find the profile likelihood of an unknown, and its 95 % interval;\ncan be given several times"});
+  command.add({"--scene", &request->experiment.common.written_scene, "FILE",
+               "Write the scene with the estimates in place to FILE"});
   add_jobs_option(command, request->jobs, "Threads for the motions of the runs (all cores)");
   add_output_options(command, request->experiment.common,
                      {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",

@@ -22,7 +22,7 @@ struct Request {
   std::string kind = "scene";            ///< what that file is
   std::vector<std::string> settings;     ///< "load.P=40"
   std::string json, svg, csv, markdown;  ///< files to write, empty for none
-  std::string geometry;                  ///< the same: the scene that design found
+  std::string written_scene;             ///< the same: the scene that was designed or fitted
   std::string experiment;                ///< the same: the experiment that plan made
   bool quiet = false, verbose = false;   ///< what text shows: verdict and warnings alone; everything
 };

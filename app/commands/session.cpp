@@ -41,7 +41,7 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
                 {"--svg", request.svg, {}},
                 {"--csv", request.csv, {}},
                 {"--markdown", request.markdown, {}},
-                {"--scene", request.geometry, {}},
+                {"--scene", request.written_scene, {}},
                 {"--experiment", request.experiment, {}}}} {
   if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
   for (const Output& output : outputs_) {
@@ -71,7 +71,7 @@ std::string OutputFiles::write(const Result& result, const std::string& svg, con
   prepare(Form::svg, [&] { return svg; });
   prepare(Form::csv, [&] { return result.csv() != nullptr ? csv_text(*result.csv()) : ""; });
   prepare(Form::markdown, [&] { return markdown_text(result); });
-  prepare(Form::geometry, [&] { return found; });
+  prepare(Form::scene, [&] { return found; });
   prepare(Form::experiment, [&] { return found; });
   std::string lines;
   for (OutputFile* file : prepared) {
@@ -88,9 +88,9 @@ void print(const Request& request, const Result& result, const std::string& writ
 }
 
 int finish(const Request& request, const Result& result, OutputFiles* files, const std::string& svg, bool is_solved,
-           Progress& progress, const Palette& palette) {
+           Progress& progress, const Palette& palette, const std::string& scene) {
   progress.now("writing the result");
-  const std::string written = files != nullptr ? files->write(result, svg) : "";
+  const std::string written = files != nullptr ? files->write(result, svg, scene) : "";
   progress.done();
   print(request, result, written, palette);
   return is_solved ? solved : not_solved;

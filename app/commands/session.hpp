@@ -34,7 +34,7 @@ class OutputFiles {
 
  private:
   struct Form {
-    enum Place : std::size_t { json, svg, csv, markdown, geometry, experiment, count };
+    enum Place : std::size_t { json, svg, csv, markdown, scene, experiment, count };
   };
   struct Output {
     std::string option, path;
@@ -43,10 +43,10 @@ class OutputFiles {
   std::array<Output, Form::count> outputs_;
 };
 
-/// The end of a command: writes a result and a picture to the files asked for, none where `files` is null (the work was
-/// interrupted), and prints it. Returns the exit code.
+/// The end of a command: writes a result, a picture and a scene to the files asked for, none where `files` is null (the
+/// work was interrupted), and prints it. Returns the exit code.
 int finish(const Request& request, const Result& result, OutputFiles* files, const std::string& svg, bool is_solved,
-           Progress& progress, const Palette& palette);
+           Progress& progress, const Palette& palette, const std::string& scene = "");
 
 /// Prints a result as text, at the level of detail asked for, and the lines on the files written.
 void print(const Request& request, const Result& result, const std::string& written, const Palette& palette);

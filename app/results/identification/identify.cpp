@@ -24,6 +24,14 @@ int withheld(const Fit& fitted) {
       std::count_if(fitted.estimates.begin(), fitted.estimates.end(), [](const Estimate& e) { return e.withheld; }));
 }
 
+std::vector<double> in_units(const std::vector<double>& rms, const Experiment& experiment) {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    out.push_back(rms[k] / experiment.sensors[k].dimension().unit(experiment.scene.units));
+  }
+  return out;
+}
+
 std::string in_words(StandardErrors::Kind kind) {
   switch (kind) {
     case StandardErrors::Kind::white:
@@ -229,34 +237,6 @@ void add_alternatives(Group& content, const FitProblem& problem, const Fit& fitt
   table.words("unit", "unit", units);
 }
 
-std::vector<double> in_units(const std::vector<double>& rms, const Experiment& experiment) {
-  std::vector<double> out;
-  for (std::size_t k = 0; k < rms.size(); ++k) {
-    out.push_back(rms[k] / experiment.sensors[k].dimension().unit(experiment.scene.units));
-  }
-  return out;
-}
-
-/// "phi1 0.00292 rad, phi2 0.00403 rad; all angles 0.00351 rad".
-std::string rms_in_words(const std::vector<double>& rms, const Experiment& experiment) {
-  const Units& units = experiment.scene.units;
-  const std::vector<double> shown = in_units(rms, experiment);
-  std::string text;
-  double squares = 0.0;
-  int angles = 0;
-  for (std::size_t k = 0; k < rms.size(); ++k) {
-    const Sensor& sensor = experiment.sensors[k];
-    text += fmt::format("{}{} {} {}", k > 0 ? ", " : "", sensor.name, significant(shown[k], residual_digits),
-                        sensor.dimension().unit_name(units));
-    if (sensor.reads_force() || sensor.rate || !sensor.on.is_angle()) continue;
-    squares += rms[k] * rms[k];
-    ++angles;
-  }
-  if (angles < 2) return text;
-  return text + fmt::format("; all angles {} {}",
-                            significant(std::sqrt(squares / angles) / units.angle, residual_digits), units.angle_name);
-}
-
 /// The standard errors under each assumption about the residuals, where they are not white.
 void add_standard_errors(Group& content, const Fit& fitted) {
   if (fitted.errors.error.empty() || !fitted.usable()) return;
@@ -454,6 +434,8 @@ void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& a
 void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   const Experiment& experiment = problem.experiment();
+}  // namespace
+
   const Units& units = experiment.scene.units;
   const bool reached = !fitted.runs.empty();
   content.data("status", to_string(fitted.status));
@@ -514,7 +496,24 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
   }
 }
 
-}  // namespace
+std::string rms_in_words(const std::vector<double>& rms, const Experiment& experiment) {
+  const Units& units = experiment.scene.units;
+  const std::vector<double> shown = in_units(rms, experiment);
+  std::string text;
+  double squares = 0.0;
+  int angles = 0;
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    const Sensor& sensor = experiment.sensors[k];
+    text += fmt::format("{}{} {} {}", k > 0 ? ", " : "", sensor.name, significant(shown[k], residual_digits),
+                        sensor.dimension().unit_name(units));
+    if (sensor.reads_force() || sensor.rate || !sensor.on.is_angle()) continue;
+    squares += rms[k] * rms[k];
+    ++angles;
+  }
+  if (angles < 2) return text;
+  return text + fmt::format("; all angles {} {}",
+                            significant(std::sqrt(squares / angles) / units.angle, residual_digits), units.angle_name);
+}
 
 Result identify_result(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings) {
   const Fit& fitted = answer.fit;

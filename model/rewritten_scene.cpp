@@ -1,0 +1,316 @@
+#include "model/rewritten_scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "model/parameters.hpp"
+#include "model/toml_reader.hpp"
+#include "model/toml_text.hpp"
+
+namespace poise {
+namespace {
+
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
+class Rewriter {
+ public:
+  Rewriter(std::string_view text, const std::string& file, const Scene& wanted)
+      : text_(text), file_(file), wanted_(wanted), old_(parse_scene(text, file)), document_(parse_toml(text, file)) {
+    lines_.push_back(0);
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] == '\n') lines_.push_back(i + 1);
+    }
+  }
+
+  std::string run() {
+    const std::vector<ParameterRow> rows = parameter_table(old_);
+    if (rows.size() != parameter_table(wanted_).size()) fail();
+    for (const ParameterRow& row : rows) {
+      const std::optional<double> value = value_at(wanted_, row.place);
+      if (value && value != value_at(old_, row.place)) write(row);
+    }
+    for (const auto& [place, numbers] : additions_) add(place, numbers);
+    std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.from < b.from; });
+    std::string out;
+    std::size_t at = 0;
+    for (const Edit& edit : edits_) {
+      out.append(text_.substr(at, edit.from - at)).append(edit.text);
+      at = edit.to;
+    }
+    out.append(text_.substr(at)).append(appendix_);
+    check(out, rows);
+    return out;
+  }
+
+ private:
+  struct Edit {
+    std::size_t from, to;
+    std::string text;
+  };
+  /// Where a number is written: under the key of a table, there as it is, or as a component of a vector.
+  struct Spot {
+    const toml::table* table = nullptr;  // none where the file does not have it
+    std::string header;                  // of that table
+    std::string key;
+    int component = -1;
+  };
+
+  [[noreturn]] void fail() const {
+    throw InputError(file_ + ": expected the scene that was read before; leave it unchanged until the end");
+  }
+
+  const toml::table* table(const toml::table* in, std::string_view key) const {
+    return in != nullptr && in->contains(key) ? in->get(key)->as_table() : nullptr;
+  }
+
+  const toml::table* item(std::string_view key, std::size_t index) const {
+    const toml::array* const list = document_.contains(key) ? document_.get(key)->as_array() : nullptr;
+    if (list == nullptr || index >= list->size()) fail();
+    return list->get(index)->as_table();
+  }
+
+  /// Place of an item among those of its list that `same` holds for: each table of a file has a list of its own.
+  template <class Items, class Same>
+  static std::size_t rank(const Items& items, int index, Same same) {
+    return static_cast<std::size_t>(std::count_if(items.begin(), items.begin() + index, same));
+  }
+
+  Spot spot_of(const ParameterRow& row) const {
+    const auto at = static_cast<std::size_t>(row.place.item);
+    const std::string_view kind = row.path.parts[0];
+    std::string key(row.path.parts[3]);
+    switch (row.place.owner) {
+      case Owner::scene:
+        return {&document_, "", "gravity", row.place.number};
+      case Owner::force:
+        return {item("force", at), "", "vector", 0};
+      case Owner::torque:
+        return {item("torque", at), "", "value"};
+      case Owner::body: {
+        const std::string& name = old_.bodies[at].name;
+        const toml::table* const body = table(table(&document_, "body"), name);
+        const std::string header = "body." + toml_key(name);
+        return row.place.number < 2 ? Spot{body, header, key} : Spot{body, header, "center", row.place.number - 2};
+      }
+      case Owner::point: {
+        const Body& body = old_.bodies[at];
+        const toml::table* const owner =
+            at == 0 ? table(&document_, "ground") : table(table(&document_, "body"), body.name);
+        return {table(owner, "points"), "", body.points[static_cast<std::size_t>(row.place.part)].name,
+                row.place.number};
+      }
+      case Owner::element: {
+        const auto same = [&](const Element& other) { return other.table == kind; };
+        return {item(kind, rank(old_.elements, row.place.item, same)), "", key};
+      }
+      case Owner::joint: {
+        const auto same = [&](const Joint& other) { return other.kind == old_.joints[at].kind; };
+        return {item(kind, rank(old_.joints, row.place.item, same)), "", key};
+      }
+      case Owner::drive:
+      case Owner::stop:
+        return {item(kind, at), "", key};
+      case Owner::start:
+        break;
+    }
+    const toml::table* const start = table(&document_, "start");
+    const std::string name(row.path.parts[1]);
+    if (row.place.part < 2) return {start, "start", name};
+    const toml::table* const position = table(start, "position");
+    return {position, "start.position", name, row.place.number};
+  }
+
+  /// In the units of the file, so that reading it gives exactly this number where that is possible.
+  static double in_unit(double si, double unit) {
+    const double near = si / unit;
+    for (const double value : {near, std::nextafter(near, -INFINITY), std::nextafter(near, INFINITY)}) {
+      if (value * unit == si) return value;
+    }
+    return near;
+  }
+
+  void write(const ParameterRow& row) {
+    const Spot spot = spot_of(row);
+    const double unit = row.dimension.unit(wanted_.units);
+    const toml::node* const node = spot.table != nullptr ? spot.table->get(spot.key) : nullptr;
+    const auto number = [&](const std::optional<double>& si) { return toml_number(in_unit(si.value_or(0.0), unit)); };
+    if (row.place.owner == Owner::force) {
+      const Vec2& vector = wanted_.forces[static_cast<std::size_t>(row.place.item)].vector;
+      if (node == nullptr) fail();
+      replace(*node, 0, number(vector.x));
+      replace(*node, 1, number(vector.y));
+    } else if (node != nullptr) {
+      replace(*node, spot.component, number(value_at(wanted_, row.place)));
+    } else if (spot.component < 0) {
+      additions_[{spot.header, spot.table}][spot.key] = number(value_at(wanted_, row.place));
+    } else {
+      std::array<std::string, 2> components;
+      for (int c = 0; c < 2; ++c) {
+        ParameterPlace place = row.place;
+        place.number += c - spot.component;
+        components[static_cast<std::size_t>(c)] = number(value_at(wanted_, place));
+      }
+      additions_[{spot.header, spot.table}][spot.key] = fmt::format("[{}, {}]", components[0], components[1]);
+    }
+  }
+
+  void replace(const toml::node& node, int component, std::string number) {
+    const toml::array* const vector = node.as_array();
+    if (component >= 0 && (vector == nullptr || vector->size() != 2)) fail();
+    const toml::node& old = component < 0 ? node : *vector->get(static_cast<std::size_t>(component));
+    edits_.push_back({offset(old.source().begin), offset(old.source().end), std::move(number)});
+  }
+
+  /// Columns count characters, in UTF-8 of one byte or more.
+  std::size_t offset(const toml::source_position& position) const {
+    std::size_t at = lines_.at(position.line - 1);
+    for (toml::source_index column = 1; column < position.column; ++column) {
+      do {
+        ++at;
+      } while (at < text_.size() && (static_cast<unsigned char>(text_[at]) & 0xC0U) == 0x80U);
+    }
+    return at;
+  }
+
+  using TablePlace = std::pair<std::string, const toml::table*>;  // by its header, to be added in that order
+  using Numbers = std::map<std::string, std::string>;
+
+  /// Behind the last value of the table where it has one: comments in front of values stay in front of them.
+  void add(const TablePlace& place, const Numbers& numbers) {
+    const auto& [header, table] = place;
+    if (table == nullptr) return append(header, numbers);
+    if (table->is_inline()) {
+      const std::size_t inside = offset(table->source().begin) + 1;
+      return insert(inside, " " + listed(numbers, "", ", ") + (table->empty() ? " " : ","));
+    }
+    const toml::key* last_key = nullptr;
+    toml::source_position end{};
+    bool implied = false;  // only by the headers of tables in it
+    for (auto&& [key, node] : *table) {
+      if (is_header(node)) {
+        implied = implied || node.source().begin == table->source().begin;
+      } else if (last_key == nullptr || end < end_of(node)) {
+        last_key = &key;
+        end = end_of(node);
+      }
+    }
+    const std::string line_end = text_.find("\r\n") != std::string_view::npos ? "\r\n" : "\n";
+    if (last_key == nullptr && table == &document_) return insert(0, listed(numbers, "", line_end) + line_end);
+    if (last_key == nullptr && implied) return append(header, numbers);
+    if (last_key == nullptr) {
+      return insert(end_of_line(offset(table->source().end)), line_end + listed(numbers, "", line_end));
+    }
+    const std::size_t key = offset(last_key->source().begin);
+    const std::size_t first = begin_of_dotted(key);
+    const std::size_t line = lines_.at(last_key->source().begin.line - 1);
+    const std::string_view before = text_.substr(line, first - line);
+    const std::string prefix(text_.substr(first, key - first));
+    if (before.find_first_not_of(" \t") != std::string_view::npos) {  // in an inline table
+      return insert(offset(end), ", " + listed(numbers, prefix, ", "));
+    }
+    const std::string indented = std::string(before) + prefix;
+    insert(end_of_line(offset(end)), line_end + listed(numbers, indented, line_end));
+  }
+
+  static std::string listed(const Numbers& numbers, const std::string& prefix, const std::string& between) {
+    std::string out;
+    for (const auto& [key, number] : numbers) {
+      out += fmt::format("{}{}{} = {}", out.empty() ? "" : between, prefix, toml_key(key), number);
+    }
+    return out;
+  }
+
+  void append(const std::string& header, const Numbers& numbers) {
+    appendix_ += fmt::format("\n[{}]\n{}\n", header, listed(numbers, "", "\n"));
+  }
+
+  void insert(std::size_t at, std::string text) { edits_.push_back({at, at, std::move(text)}); }
+
+  /// Whether a node is a table, or a list of tables, that is written under headers.
+  bool is_header(const toml::node& node) const {
+    if (const toml::table* const table = node.as_table()) {
+      return !table->is_inline() && text_.at(offset(node.source().begin)) == '[';
+    }
+    const toml::array* const list = node.as_array();
+    return list != nullptr && !list->empty() && list->front().is_table() && !list->front().as_table()->is_inline();
+  }
+
+  /// Of a table that dotted keys make, where the last of its values ends.
+  static toml::source_position end_of(const toml::node& node) {
+    const toml::table* const table = node.as_table();
+    if (table == nullptr || table->is_inline()) return node.source().end;
+    toml::source_position end = node.source().end;
+    for (auto&& [key, below] : *table) end = std::max(end, end_of(below));
+    return end;
+  }
+
+  std::size_t end_of_line(std::size_t at) const {
+    const std::size_t end = std::min(text_.find('\n', at), text_.size());
+    return end > at && text_[end - 1] == '\r' ? end - 1 : end;
+  }
+
+  /// Where the dotted key begins of which the last part is at `key`.
+  std::size_t begin_of_dotted(std::size_t key) const {
+    const auto skip_blanks = [&](std::size_t at) {
+      while (at > 0 && (text_[at - 1] == ' ' || text_[at - 1] == '\t')) --at;
+      return at;
+    };
+    for (std::size_t at = skip_blanks(key); at > 0 && text_[at - 1] == '.'; at = skip_blanks(key)) {
+      at = skip_blanks(at - 1);
+      const char quote = at > 0 ? text_[at - 1] : ' ';
+      if (quote == '"' || quote == '\'') {
+        do {
+          at = text_.rfind(quote, at - 2) + 1;
+        } while (quote == '"' && at > 1 && text_[at - 2] == '\\');
+        key = at - 1;
+      } else {
+        while (at > 0 && (std::isalnum(static_cast<unsigned char>(text_[at - 1])) != 0 || text_[at - 1] == '_' ||
+                          text_[at - 1] == '-')) {
+          --at;
+        }
+        key = at;
+      }
+    }
+    return key;
+  }
+
+  /// Rounding to the unit of the file and back is all that may differ.
+  void check(const std::string& out, const std::vector<ParameterRow>& rows) const {
+    constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+    const Scene back = parse_scene(out, file_);
+    for (const ParameterRow& row : rows) {
+      const std::optional<double> value = value_at(wanted_, row.place);
+      const std::optional<double> read = value_at(back, row.place);
+      if (!value || value == read || (read && std::abs(*value - *read) <= rounding * std::abs(*value))) continue;
+      throw InputError(fmt::format("{}: {}: expected a number that can be written into this file; write it there as {}",
+                                   file_, row.path.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
+    }
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  const Scene& wanted_;
+  Scene old_;
+  toml::table document_;
+  std::vector<std::size_t> lines_;  // offsets of their first characters
+  std::map<TablePlace, Numbers> additions_;
+  std::vector<Edit> edits_;
+  std::string appendix_;
+};
+
+}  // namespace
+
+std::string rewritten_scene(std::string_view text, const std::string& file, const Scene& wanted) {
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  return Rewriter(text, file, wanted).run();
+}
+
+}  // namespace poise
