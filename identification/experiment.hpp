@@ -138,8 +138,9 @@ struct Experiment {
   std::string file;
   std::string title;
   std::string source;
-  Scene scene;                        ///< of all runs, or of the first part; it has the units of all
-  std::vector<ExperimentPart> parts;  ///< empty for a single experiment
+  Scene scene;                           ///< of all runs, or of the first part; it has the units of all
+  std::vector<ExperimentPart> parts;     ///< empty for a single experiment
+  std::vector<ParameterChange> changes;  ///< of the scene by `set` of the file, or of all parts; already made
   Loss loss = Loss::squares;
   std::vector<Sensor> sensors;
   std::vector<Unknown> unknowns;

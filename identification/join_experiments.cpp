@@ -54,6 +54,7 @@ class Joining {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       expect_same_units(p);
       const std::vector<std::size_t> sensors = add_sensors(p);
+      for (const ParameterChange& change : parts_[p].changes) out_.changes.push_back(change);
       for (const Unknown& unknown : parts_[p].unknowns) add_unknown(p, unknown);
       for (const KnownNumber& known : parts_[p].known) add_known(p, known);
       add_runs(p, sensors);

@@ -73,7 +73,7 @@ class ExperimentReader {
       name.place.fail(fmt::format("expected a scene file, relative to this file; there is no \"{}\"", scene.string()));
     }
     experiment_.scene = read_scene(scene);
-    read_parameter_changes(root_, experiment_.scene);
+    experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }
 

@@ -60,6 +60,7 @@ class Analysis {
     add_independent();
     add_clustered();
     lead();
+    correlate_leading();
     compare_runs();
     return std::move(out_);
   }
@@ -193,8 +194,10 @@ class Analysis {
         }
       }
     }
-    out_.white = errors_of(V_ * white * V_);
-    out_.serial = errors_of(V_ * serial * V_);
+    white_ = V_ * white * V_;
+    serial_ = V_ * serial * V_;
+    out_.white = errors_of(white_);
+    out_.serial = errors_of(serial_);
   }
 
   static std::vector<double> errors_of(const Eigen::MatrixXd& covariance) {
@@ -249,6 +252,18 @@ class Analysis {
       for (std::vector<double>& change : out_.without_run) {
         if (none) change[static_cast<std::size_t>(p)] = nan;
       }
+    }
+  }
+
+  void correlate_leading() {
+    const bool white = out_.leading == StandardErrors::Kind::white;
+    out_.covariance = white ? white_ : serial_;
+    const std::vector<double>& errors = white ? out_.white : out_.serial;
+    for (std::size_t p = 0; p < errors.size(); ++p) {
+      const auto at = static_cast<Eigen::Index>(p);
+      const double larger = errors[p] > 0 ? out_.error[p] / errors[p] : 0.0;
+      out_.covariance.row(at) *= larger;
+      out_.covariance.col(at) *= larger;
     }
   }
 
@@ -332,6 +347,7 @@ class Analysis {
   const Eigen::MatrixXd& V_;
   const Weighting& weighting_;
   std::size_t sensors_;
+  Eigen::MatrixXd white_, serial_;  // covariances
   std::vector<Scores> runs_;
   std::vector<solvers::Autoregression> series_;  // per sensor
   std::vector<double> spread_;                   // of these

@@ -38,7 +38,10 @@ struct StandardErrors {
   std::vector<double> white, serial, runs;  ///< per parameter, SI; NaN where there is none
   std::vector<double> runs_degrees;         ///< degrees of freedom of the third, per parameter
   std::vector<double> error;                ///< the leading one; of `runs` the larger of that and `serial`
-  std::vector<double> reach;                ///< half the width of the 95 % interval, Student's t
+  /// Of the estimates, SI: the leading standard errors, correlated as by `white` or, where that does not lead,
+  /// `serial`.
+  Eigen::MatrixXd covariance;
+  std::vector<double> reach;  ///< half the width of the 95 % interval, Student's t
   /// Per run, per parameter: by how much an estimate changes without that run, to first order, SI; NaN where the run
   /// alone determines it.
   std::vector<std::vector<double>> without_run;

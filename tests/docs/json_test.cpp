@@ -392,6 +392,7 @@ TEST(JsonDocs, Design) { check_section("design", {{{"design", scene("lift_design
 /// A measured run beside simulated ones.
 constexpr const char* measured = R"(
 scene = "SCENE"
+set = { "gravity.y" = -9.81 }
 [[sensor]]
 angle = "obd"
 name = "obd"

@@ -83,6 +83,9 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
   std::string scenes = experiment.scene_of(0).file;
   for (std::size_t part = 1; part < experiment.parts.size(); ++part) scenes += ", " + experiment.scene_of(part).file;
   of_experiment.data("scene", scenes);
+  of_experiment.data("changes", each(experiment.changes, [](const ParameterChange& change) {
+                       return fmt::format("{}={}", change.path, change.value);
+                     }));
   of_experiment.data("set", settings);
   of_experiment.data("simulated", experiment.is_simulated());
   add_units(out.content, experiment.scene.units);

@@ -12,8 +12,8 @@
 
 namespace poise::app {
 
-/// A result with title and source of the experiment, and in its data: experiment {file, title, source, scene, set,
-/// simulated}, units, and the numbers of runs, readings, parameters and nuisances.
+/// A result with title and source of the experiment, and in its data: experiment {file, title, source, scene,
+/// changes, set, simulated}, units, and the numbers of runs, readings, parameters and nuisances.
 Result experiment_result(const FitProblem& problem, const std::vector<std::string>& settings);
 
 /// "6 simulated runs; 12000 readings of 1 sensor; 4 parameters, 18 nuisances (equilibrium and start of each run)".

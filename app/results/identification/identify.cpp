@@ -146,6 +146,9 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   table.words("name", "parameter", each(rows, &Estimate::name));
   table.words("path", "", each(places(rows.size()), [&](std::size_t i) { return problem.unknown_of(i).path; })).shown =
       false;
+  table.words("unknown", "", each(places(rows.size()), [&](std::size_t i) { return problem.unknown_of(i).name; }))
+      .shown = false;
+  table.data("unit_si", each(rows, &Estimate::unit));
   table
       .words("", "estimate",
              each(rows,
@@ -155,6 +158,9 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
                   }))
       .tones = each(rows, [](const Estimate& e) { return e.withheld ? Tone::bad : Tone::plain; });
   table.data("value", number(&Estimate::value, true));
+  table.data("scene_value", each(places(rows.size()), [&](std::size_t i) {
+               return rows[i].withheld ? nan : fitted.parameters[i] / rows[i].unit;
+             }));
   Column& errors = table.numbers("standard_error", "standard error", "", number(&Estimate::standard_error, known));
   errors.texts = text([&](const Estimate& e) { return significant(known ? e.standard_error / e.unit : NAN, 2); });
   errors.shown = any;
@@ -193,6 +199,22 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   Column& why = table.words("withheld", "", each(rows, &Estimate::why));
   why.kind = Column::Kind::word_or_null;
   why.shown = false;
+}
+
+/// What later predictions are uncertain by, with the effect of known numbers on the standard errors.
+void add_covariance(Group& content, const Fit& fitted) {
+  Table& table = content.table("covariance", "", Rows::by_name, Verbosity::data);
+  if (fitted.errors.error.empty()) return;
+  const std::vector<Estimate>& rows = fitted.estimates;
+  const auto larger = [&](std::size_t i) { return rows[i].standard_error / fitted.errors.error[i] / rows[i].unit; };
+  table.words("name", "", each(rows, &Estimate::name));
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    table.data(rows[j].name, each(places(rows.size()), [&](std::size_t i) {
+                 const double covariance =
+                     fitted.errors.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+                 return rows[i].withheld || rows[j].withheld ? nan : covariance * larger(i) * larger(j);
+               }));
+  }
 }
 
 /// The values of every minimum side by side, the best one first.
@@ -412,6 +434,8 @@ void add_outliers(Group& section, const FitProblem& problem, const Fit& fitted) 
   table.words("", "times (s)", each(rows, &Row::times));
 }
 
+}  // namespace
+
 void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   if (fitted.runs.empty()) return;
@@ -434,8 +458,6 @@ void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& a
 void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   const Experiment& experiment = problem.experiment();
-}  // namespace
-
   const Units& units = experiment.scene.units;
   const bool reached = !fitted.runs.empty();
   content.data("status", to_string(fitted.status));
@@ -451,6 +473,7 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
   Table& sensors = content.table("sensors", "", Rows::list, Verbosity::data);
   sensors.words("name", "", each(experiment.sensors, &Sensor::name));
   sensors.words("unit", "", each(experiment.sensors, [&](const Sensor& s) { return s.dimension().unit_name(units); }));
+  sensors.data("unit_si", each(experiment.sensors, [&](const Sensor& s) { return s.dimension().unit(units); }));
   sensors.data("noise", each(places(experiment.sensors.size()), [&](std::size_t k) {
                  return fitted.weighting.noise[k] / experiment.sensors[k].dimension().unit(units);
                }));
@@ -522,6 +545,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   out.warnings = warnings(problem, fitted);
   Group& content = out.content;
   add_estimates(content, problem, fitted);
+  add_covariance(content, fitted);
   add_standard_errors(content, fitted);
   add_known(content, problem, answer);
   add_bootstrap(content, problem, answer);
