@@ -47,6 +47,7 @@ std::vector<Entry> all_commands() {
       {forces_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg"},
       {design_command(), "datasets/lift_design.toml --scene found.toml"},
       {identify_command(), "datasets/lift_experiment.toml --svg fit.svg"},
+      {validate_command(), "datasets/lift_experiment.toml --with fit.json"},
       {identifiability_command(), "datasets/lift_experiment_empty.toml"},
       {plan_command(), "datasets/lift_plan.toml --experiment planned.toml"},
       {montecarlo_command(), "datasets/lift_experiment.toml --trials 300"},

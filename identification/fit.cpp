@@ -78,7 +78,8 @@ class Fitting {
         signal_ += (reading - reading.mean()).square().sum() / (noise * noise);
       }
     }
-    const int found = static_cast<int>(problem_.parameters().size()) + problem_.nuisances();
+    const auto parameters = static_cast<int>(problem_.parameters().size() - options_.held.size());
+    const int found = parameters + (options_.holds_starts ? 0 : problem_.nuisances());
     out_.degrees_of_freedom = out_.readings - found;
     if (out_.degrees_of_freedom <= 0) {
       out_.status = FitStatus::failed;
@@ -95,10 +96,18 @@ class Fitting {
       FitPoint point{options_.from->parameters, {}};
       for (const RunFit& run : options_.from->runs) point.nuisances.push_back(run.nuisances);
       for (const auto& [p, value] : options_.held) point.parameters[static_cast<std::size_t>(p)] = value;
-      attempt(std::move(point), {1.0});
-      if (!(best_cost_ < INFINITY)) {
+      if (options_.holds_starts || found == 0) {
+        best_cost_ = cost_of(point);
+        best_ = std::move(point);
+        failure_ = "the motion could not be computed";
+      } else if (parameters == 0) {
+        attempt(std::move(point), {0.1, 0.35, 1.0});  // other records: the starts are guesses
+      } else {
+        attempt(std::move(point), {1.0});
+      }
+      if (stopped() || !(best_cost_ < INFINITY)) {
         out_.status = stopped() ? FitStatus::interrupted : FitStatus::failed;
-        out_.why = failure_;
+        out_.why = stopped() ? "interrupted" : failure_;
       }
       return;
     }
@@ -408,7 +417,7 @@ class Fitting {
       for (std::size_t i = 0; i < parameters.size(); ++i) {
         const double kept =
             std::clamp(scaled[i], parameters[i].min / parameters[i].scale, parameters[i].max / parameters[i].scale);
-        if (kept == scaled[i]) continue;
+        if (kept == scaled[i] || is_given(i)) continue;
         scaled[i] = kept;
         held[i] = 1;
         problem.SetParameterBlockConstant(&scaled[i]);

@@ -57,6 +57,7 @@ struct FitOptions {
   /// Starts from the values and the noise of this fit of the same problem, without a search.
   const Fit* from = nullptr;
   std::vector<std::pair<int, double>> held{};  ///< parameters that keep these values in the scene, SI; with `from`
+  bool holds_starts = false;                   ///< the nuisances are kept too, where all parameters are
   int jobs = 0;  ///< threads that the runs are computed on; 0: all cores. The result does not depend on it.
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string&)> progress{};
@@ -87,7 +88,7 @@ struct Fit {
   std::vector<Outlier> outliers;
   std::vector<double> rms;  ///< per sensor over all runs, SI
   int readings = 0;
-  int degrees_of_freedom = 0;  ///< readings less parameters and nuisances
+  int degrees_of_freedom = 0;  ///< readings less the parameters and nuisances that are not held
   int iterations = 0;
   int evaluations = 0;  ///< of all runs, with their sensitivities
   int tries = 0;

@@ -47,6 +47,10 @@ Command design_command();
 /// converged, also where its residuals are larger than the noise (with a warning and enlarged standard errors).
 Command identify_command();
 
+/// `poise validate EXPERIMENT --with FIT.json`: other records predicted with the parameters of a fit. Exit code solved
+/// where they could be predicted, also where the residuals are larger than the noise.
+Command validate_command();
+
 /// `poise identifiability EXPERIMENT`: which parameters it determines, before any data. Exit code solved where
 /// that could be computed.
 Command identifiability_command();

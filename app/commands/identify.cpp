@@ -62,6 +62,10 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the experiment");
   const Experiment experiment = load_experiment(request.experiment);
+  if (!common.written_scene.empty() && !experiment.parts.empty()) {
+    throw InputError("--scene: expected an experiment with one scene, " + experiment.file +
+                     " joins several; leave it out");
+  }
   const FitProblem problem(experiment);
   check_spans(problem);
   OutputFiles files(common, files_read(experiment));

@@ -412,7 +412,7 @@ TEST(CommandLine, VersionAndHelpExitZero) {
   EXPECT_EQ(all.exit_code, 0);
   EXPECT_EQ(all.err, "");
   for (const char* name : {"check", "solve", "compare", "kinematics", "motion", "modes", "forces", "design", "identify",
-                           "identifiability", "plan", "montecarlo"}) {
+                           "validate", "identifiability", "plan", "montecarlo"}) {
     const std::string example = std::string("poise ") + name + " datasets/";
     EXPECT_TRUE(contains(all.out, example)) << all.out;
     const Outcome help = run_poise({name, "--help"});

@@ -480,6 +480,15 @@ TEST(JsonDocs, IdentifyWithSeveralExperiments) {
                 {{{"identify", folder.write("one.toml", experiment), folder.write("two.toml", fuller)}}});
 }
 
+TEST(JsonDocs, Validate) {
+  const TempFolder folder;
+  const std::string fit = folder.path("fit.json").string();
+  run_poise({"identify", scene("lift_experiment_four_runs"), "--json", fit});
+  check_section("validate",
+                {{{"validate", scene("lift_experiment"), "--with", fit, "--set", "gravity.y=-9.8"}, with_csv},
+                 {{"validate", scene("lift_experiment"), "--with", fit, "--starts", "measured"}}});
+}
+
 TEST(JsonDocs, Identifiability) {
   check_section("identifiability", {{{"identifiability", scene("lift_experiment")}},
                                     {{"identifiability", scene("lift_experiment_empty")}}});
