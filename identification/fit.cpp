@@ -568,6 +568,7 @@ class Fitting {
       }
       const double near = 1e-9 * p.scale;
       if (best_.parameters[i] <= p.min + near || best_.parameters[i] >= p.max - near) {
+        estimate.at_bound = true;
         estimate.why = fmt::format("at the bound {:.6g}", estimate.value / estimate.unit);
       }
       if (out_.status == FitStatus::ambiguous) estimate.why = "several minima";

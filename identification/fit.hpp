@@ -23,6 +23,7 @@ struct Estimate {
   double unit = 1.0;               ///< SI value of the unit it is written in
   bool withheld = false;           ///< not identifiable from these data, or at a bound: the value is no measurement
   bool poorly_determined = false;  ///< its standard error is above a third of its scale (FitProblem::scale_of)
+  bool at_bound = false;           ///< of its range: withheld, but a model of later runs has it there
   std::string why;                 ///< reason for withholding it
 };
 

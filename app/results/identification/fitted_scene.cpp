@@ -15,6 +15,7 @@ namespace {
 
 std::string shown(const FitProblem& problem, const Fit& fitted, std::size_t p) {
   const Estimate& e = fitted.estimates[p];
+  if (e.at_bound) return fmt::format("{} {}, its bound", significant(e.value / e.unit, 9), parameter_units(problem)[p]);
   const double error = fitted.identifiability.ok ? e.standard_error / e.unit : 0.0;
   return fmt::format("{}{} {}", rounded_to(e.value / e.unit, error),
                      error > 0 ? " ± " + significant(error, 2) : std::string(), parameter_units(problem)[p]);
@@ -47,7 +48,7 @@ FittedScene fitted_scene(const FitProblem& problem, const FitAnswer& answer) {
       continue;
     }
     for (const std::size_t p : values) {
-      if (fitted.estimates[p].withheld) {
+      if (fitted.estimates[p].withheld && !fitted.estimates[p].at_bound) {
         out.left.push_back(fmt::format("{} keeps its value, since the estimate is withheld: {}", unknown.path,
                                        fitted.estimates[p].why));
         continue;

@@ -159,7 +159,7 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
       .tones = each(rows, [](const Estimate& e) { return e.withheld ? Tone::bad : Tone::plain; });
   table.data("value", number(&Estimate::value, true));
   table.data("scene_value", each(places(rows.size()), [&](std::size_t i) {
-               return rows[i].withheld ? nan : fitted.parameters[i] / rows[i].unit;
+               return rows[i].withheld && !rows[i].at_bound ? nan : fitted.parameters[i] / rows[i].unit;
              }));
   Column& errors = table.numbers("standard_error", "standard error", "", number(&Estimate::standard_error, known));
   errors.texts = text([&](const Estimate& e) { return significant(known ? e.standard_error / e.unit : NAN, 2); });
@@ -196,6 +196,7 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
                        return !e.withheld && e.poorly_determined ? std::string("poorly determined") : e.why;
                      }),
                 Tone::bad);
+  table.flags("at_bound", each(rows, [](const Estimate& e) { return e.at_bound ? 1.0 : 0.0; }));
   Column& why = table.words("withheld", "", each(rows, &Estimate::why));
   why.kind = Column::Kind::word_or_null;
   why.shown = false;
@@ -212,6 +213,7 @@ void add_covariance(Group& content, const Fit& fitted) {
     table.data(rows[j].name, each(places(rows.size()), [&](std::size_t i) {
                  const double covariance =
                      fitted.errors.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+                 if (rows[i].at_bound || rows[j].at_bound) return 0.0;
                  return rows[i].withheld || rows[j].withheld ? nan : covariance * larger(i) * larger(j);
                }));
   }

@@ -31,7 +31,8 @@ FittedModel model_of(const json& fit) {
     parameter.path = one.at("path").get<std::string>();
     const double unit = one.at("unit_si");
     parameter.value = number(one.at("scene_value")) * unit;
-    if (!one.at("withheld").is_null()) parameter.withheld = one.at("withheld").get<std::string>();
+    if (!one.at("withheld").is_null() && !one.at("at_bound").get<bool>())
+      parameter.withheld = one.at("withheld").get<std::string>();
     const auto row = static_cast<Eigen::Index>(out.parameters.size());
     for (Eigen::Index column = 0; column < count && covariance.contains(parameter.name); ++column) {
       const json& other = estimates.at(static_cast<std::size_t>(column));
