@@ -92,6 +92,15 @@ std::string readings() {
   return text;
 }
 
+/// What `poise identify --json` writes for an experiment.
+File fit_of(const std::vector<File>& files) {
+  const TempFolder folder;
+  for (const File& file : files) folder.write(file.name, file.text);
+  const std::string json = folder.path("fit.json");
+  EXPECT_EQ(run_poise({"identify", folder.path(files.front().name), "--json", json}).exit_code, 0);
+  return {"fit.json", contents(json)};
+}
+
 std::vector<Command> all_commands() {
   std::vector<Command> out;
   const File wheel_scene{"wheel.toml", wheel}, csv{"turn.csv", readings()};
@@ -100,8 +109,21 @@ std::vector<Command> all_commands() {
                                              "release = { wheel = 20 }\nrelease_rate = { wheel = 1 }\nduration = 1\n"
                                              "rate = 20\nseed = 3\n"};
   const File measured{"measured.toml", std::string(wheel_unknowns) + measured_run};
+  const File joint{"joint.toml", "title = \"Both\"\nexperiments = [\"measured.toml\", \"simulated.toml\"]\n"};
+  const File undamped{"undamped.toml",
+                      std::string(wheel_unknowns).substr(0, std::string(wheel_unknowns).rfind("[[")) + measured_run};
+  const File fitted = fit_of({measured, wheel_scene, csv});
   for (int weight = 0; weight < 10; ++weight) {
     out.push_back({{"identify", "measured.toml", "--json", "o.json", "--csv", "o.csv"}, {measured, wheel_scene, csv}});
+    out.push_back({{"identify", "measured.toml", "--bootstrap", "20", "--profile", "k", "--scene", "o.toml"},
+                   {measured, wheel_scene, csv}});
+    out.push_back({{"identify", "joint.toml", "--json", "o.json"}, {joint, measured, simulated, wheel_scene, csv}});
+    out.push_back(
+        {{"identify", "undamped.toml", "measured.toml", "--json", "o.json"}, {undamped, measured, wheel_scene, csv}});
+    out.push_back({{"validate", "measured.toml", "--with", "fit.json", "--json", "o.json"},
+                   {fitted, measured, wheel_scene, csv}});
+    out.push_back({{"validate", "simulated.toml", "--with", "fit.json", "--starts", "measured", "--csv", "o.csv"},
+                   {fitted, simulated, wheel_scene}});
     out.push_back({{"identify", "measured.toml", "--data", "turn.csv"}, {csv, measured, wheel_scene}});
     out.push_back({{"identifiability", "measured.toml", "--base"}, {measured, wheel_scene, csv}});
     out.push_back({{"forces", "wheel.toml", "--motion", "motion.csv"},
@@ -188,8 +210,9 @@ struct Case {
         break;
       case 2: {
         how = "empty option";
-        const Words options = {"--json", "--svg",     "--csv",  "--markdown", "--set",   "--data",    "--motion",
-                               "--from", "--methods", "--seek", "--scene",    "--drive", "--release", "--tolerances"};
+        const Words options = {"--json",    "--svg",        "--csv",     "--markdown", "--set",   "--data",
+                               "--motion",  "--from",       "--methods", "--seek",     "--scene", "--drive",
+                               "--release", "--tolerances", "--with",    "--profile",  "--jobs"};
         const std::string& option = random.of(options);
         if (random.below(2) == 0) {
           words.push_back(option + "=");
