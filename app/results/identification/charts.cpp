@@ -90,7 +90,7 @@ Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size
   const Units& units = problem.experiment().scene.units;
   const Series& read = answer.records[r].sensors[k];
   std::vector<double> predicted = residuals_of(problem, answer.fit, answer.records, r).prediction[k];
-  Panel panel{.title = fmt::format("{} of run {}, the worst", sensor.name, problem.run(r).run().name),
+  Panel panel{.title = fmt::format("{}: {}, the worst run", sensor.name, problem.run(r).run().name),
               .y_label = axis("reading", sensor, units)};
   panel.curves = {
       {.name = "read", .x = read.time, .y = shown(read.value, sensor, units), .style = Curve::Style::points},
