@@ -19,7 +19,14 @@
 #include "motion/modes.hpp"
 #include "motion/simulate.hpp"
 
-// Identification: parameters from measured or simulated motion
+// Identification: parameters from measured or simulated motion, how well they are known, models compared, runs planned
+#include "identification/bootstrap.hpp"
+#include "identification/compare_models.hpp"
 #include "identification/experiment.hpp"
 #include "identification/fit.hpp"
+#include "identification/known_numbers.hpp"
 #include "identification/monte_carlo.hpp"
+#include "identification/plan.hpp"
+#include "identification/profile.hpp"
+#include "identification/read_plan.hpp"
+#include "identification/validation.hpp"
