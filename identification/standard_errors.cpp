@@ -303,9 +303,9 @@ class Analysis {
     using Kind = StandardErrors::Kind;
     const bool white = std::all_of(series_.begin(), series_.end(), [](const auto& s) { return s.is_white(); });
     double fewest = INFINITY;  // independent residuals in a series of one run
-    for (std::size_t r = 0; r < runs_.size(); ++r) {
+    for (const auto& run : runs_) {
       for (std::size_t k = 0; k < sensors_; ++k) {
-        const Eigen::Index readings = runs_[r].first[k + 1] - runs_[r].first[k];
+        const Eigen::Index readings = run.first[k + 1] - run.first[k];
         if (readings > 0) fewest = std::min(fewest, static_cast<double>(readings) / spread_[k]);
       }
     }
@@ -329,10 +329,9 @@ class Analysis {
       out_.why = "the residuals are " + correlation + "; that is too few, and one run shows no more: add runs";
     }
     double readings = 0.0;
-    for (std::size_t r = 0; r < runs_.size(); ++r) {
+    for (const auto& run : runs_) {
       for (std::size_t k = 0; k < sensors_; ++k) {
-        readings +=
-            (static_cast<double>(runs_[r].first[k + 1] - runs_[r].first[k])) / spread_[k] - runs_[r].leverage[k];
+        readings += static_cast<double>(run.first[k + 1] - run.first[k]) / spread_[k] - run.leverage[k];
       }
     }
     for (std::size_t p = 0; p < out_.white.size(); ++p) {
