@@ -64,10 +64,10 @@ void add_models(Group& content, const std::vector<const FitProblem*>& problems, 
   for (Column& one : table.columns) {
     if (one.key == "loss" || one.key == "loss_error") one.shown = false;
   }
-  table.footnotes.push_back(
+  table.footnotes.emplace_back(
       "over noise: root mean square of the residuals; held out: the same of runs that were not fitted, but for their "
       "starts");
-  table.footnotes.push_back("AIC and BIC more than those of the best model, corrected for correlation");
+  table.footnotes.emplace_back("AIC and BIC more than those of the best model, corrected for correlation");
 }
 
 void add_tests(Group& content, const std::vector<const FitProblem*>& problems, const ModelComparison& answer) {
@@ -124,8 +124,8 @@ void add_runs(Group& content, const std::vector<const FitProblem*>& problems, co
 
 void add_estimates(Group& content, const std::vector<const FitProblem*>& problems, const ModelComparison& answer) {
   Branch& array = content.array("fits");
-  for (std::size_t m = 0; m < answer.models.size(); ++m) {
-    const Fit& fitted = answer.models[m].fit;
+  for (const ModelFit& model : answer.models) {
+    const Fit& fitted = model.fit;
     Group& one = array.parts.emplace_back();
     one.data("why", fitted.why);
     Table& table = one.table("estimates", "", Rows::list, Verbosity::data);
