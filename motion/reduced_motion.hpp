@@ -80,8 +80,12 @@ class ReducedMotion {
   /// Loads and drives that follow curves of time, in the units of `scene`, which is the one given to the constructor.
   void set_inputs(const Scene& scene, std::vector<MotionInput> inputs);
   const std::vector<MotionInput>& inputs() const { return inputs_; }
-  /// Sets the initial values of drives without a given start to those of q.
-  void start_drives(const T* q);
+  /// Sets the initial values of drives without a given start to those of q. Those with a given start have the part
+  /// `share` of the way from their values at q to it behind them.
+  void start_drives(const T* q, const T& share = T(1));
+  /// After start_drives(): the largest distance of a measure that is driven, at the pose given there, from its value at
+  /// t.
+  T farthest_drive(const T& t) const;
   /// Chooses independent coordinates by complete pivoting of J at (q, t). With `keep_rank` the rank of the first pose
   /// is kept at a pose of lower rank. Returns singular if the rank has grown. With `fixed`, these are the independent
   /// coordinates and only the rows are chosen.

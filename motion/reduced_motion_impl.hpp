@@ -51,10 +51,22 @@ void ReducedMotion<T>::set_inputs(const Scene& scene, std::vector<MotionInput> i
 }
 
 template <class T>
-void ReducedMotion<T>::start_drives(const T* q) {
+void ReducedMotion<T>::start_drives(const T* q, const T& share) {
   known_ = false;
   mechanism_.place(q, pose_.data());
-  for (DriveRow& d : drives_) d.start = d.drive.start ? static_cast<T>(*d.drive.start) : d.on.value(here());
+  for (DriveRow& d : drives_) {
+    const T value = d.on.value(here());
+    d.start =
+        d.drive.start ? share * static_cast<T>(*d.drive.start) + (1 - share) * (value - d.drive.moved(T(0), 0)) : value;
+  }
+}
+
+template <class T>
+T ReducedMotion<T>::farthest_drive(const T& t) const {
+  using std::abs;
+  T farthest(0);
+  for (const DriveRow& d : drives_) farthest = std::max<T>(farthest, abs(d.on.value(here()) - d.target(t, 0)));
+  return farthest;
 }
 
 template <class T>

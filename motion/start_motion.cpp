@@ -40,13 +40,40 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
                   where(model), what, names));
 }
 
+[[noreturn]] void fail_to_drive(const MotionModel& model) {
+  throw InputError(
+      fmt::format("{}cannot reach the start values of its drives; expected a [start] near them, or "
+                  "leave the drives' start out",
+                  where(model)));
+}
+
+/// Moves a closed pose, by its drives alone, to the values that they start with: in steps, so that the mechanism stays
+/// in the branch of assembly of the pose given.
+void reach_starts_of_drives(const MotionModel& model, Reduced& reduced, std::vector<double>& x) {
+  constexpr double longest = 0.1;  // rad, lengths of the scaled scene
+  reduced.start_drives(x.data());
+  const double farthest = reduced.farthest_drive(0.0);
+  if (!(farthest > longest)) return;
+  const std::vector<double> begin = x;
+  const int steps = static_cast<int>(std::min(std::ceil(farthest / longest), 1e5));
+  for (int step = 1; step <= steps; ++step) {
+    reduced.start_drives(begin.data(), static_cast<double>(step) / steps);
+    reduced.choose(0.0, x.data(), false);
+    std::vector<double> z;
+    for (const int i : reduced.independent()) z.push_back(x[static_cast<std::size_t>(i)]);
+    reduced.expect(x.data());
+    if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail_to_drive(model);
+    x.assign(reduced.q(), reduced.q() + x.size());
+  }
+}
+
 }  // namespace
 
 MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted, const std::vector<double>* q,
                          const std::vector<int>* chosen) {
   std::vector<double> x = q != nullptr ? model.from_si(*q) : close_loops(model);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  reduced.start_drives(x.data());
+  reach_starts_of_drives(model, reduced, x);
   reduced.choose(0.0, x.data(), false, chosen);
   const auto unit = [&](int i) { return i < model.layout().angles ? 1.0 : model.scales().length; };
   std::vector<StartValue> places, rates;
@@ -62,12 +89,7 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
   };
   std::vector<double> z = independent(x.data());
   reduced.expect(x.data());
-  if (reduced.place(0.0, z.data()) != Reduced::Status::ok) {
-    throw InputError(
-        fmt::format("{}cannot reach the start values of its drives; expected a [start] near them, or "
-                    "leave the drives' start out",
-                    where(model)));
-  }
+  if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail_to_drive(model);
   // Newton's method on the wanted coordinates, in steps short enough for the loops to close.
   for (int iteration = 0;; ++iteration) {
     Eigen::VectorXd miss(static_cast<Eigen::Index>(places.size()));

@@ -69,6 +69,64 @@ TEST(StartMotion, GivesDrivesTheirStartAndRate) {
   EXPECT_NEAR(value(moved, test::released(moved, {}).q, "crank"), 0.65, 1e-14);
 }
 
+/// A crank-rocker, shortest link 0.3 m: s + l = 1.3 m < 1.5 m of the other two, so that the crank turns round.
+Scene crank_rocker(double rocker, double start) {
+  return parse_scene(fmt::format(R"(
+[ground]
+points = {{ O = [0, 0], C = [1, 0] }}
+[body.crank]
+points = {{ O = [0, 0], A = [0.3, 0] }}
+[body.coupler]
+points = {{ A = [0, 0], B = [0.9, 0] }}
+[body.rocker]
+points = {{ C = [0, 0], B = [{}, 0] }}
+mass = 1
+[body.arm]
+points = {{ B = [0, 0] }}
+mass = 0.5
+center = [0.2, 0]
+[[pin]]
+points = ["ground.O", "crank.O"]
+[[pin]]
+points = ["crank.A", "coupler.A"]
+[[pin]]
+points = ["coupler.B", "rocker.B"]
+[[pin]]
+points = ["ground.C", "rocker.C"]
+[[pin]]
+points = ["coupler.B", "arm.B"]
+[[drive]]
+bodies = ["ground", "crank"]
+start = {}
+[start]
+crank = 0.3
+coupler = 0.5
+rocker = 1.8
+arm = -1.5
+)",
+                                 rocker, start),
+                     "crank_rocker");
+}
+
+// The rocker of a crank-rocker stays on one side of the line from C to A: the sign of (A - C) x (B - C) names its
+// branch.
+TEST(StartMotion, DrivesFarAndStaysInTheBranchOfAssembly) {
+  for (const double turn : {-7.5, -3.0, 1.2, 4.5, 6.0, 19.0}) {
+    const MotionModel model(crank_rocker(0.6, turn));
+    const MotionState start = test::released(model, {});
+    expect_closed(model, start.q);
+    const double crank = value(model, start.q, "crank"), rocker = value(model, start.q, "rocker");
+    EXPECT_NEAR(crank, turn, 1e-13);
+    EXPECT_NEAR(value(model, start.q, "arm"), -1.5, 1e-13) << "free, and left alone";
+    const double ax = 0.3 * std::cos(crank) - 1, ay = 0.3 * std::sin(crank);
+    EXPECT_LT(ax * std::sin(rocker) - ay * std::cos(rocker), 0.0) << turn;
+    EXPECT_GT(std::sin(rocker), 0.0) << turn;
+  }
+  // 0.9 + 0.35 < 1 + 0.3: the crank cannot pass pi - 0.25 or so, where coupler and rocker are in line.
+  const MotionModel stuck(crank_rocker(0.35, 4.5));
+  EXPECT_NE(complaint(stuck, {}).find("cannot reach the start values of its drives"), std::string::npos);
+}
+
 TEST(StartMotion, RefusesWhatTheMechanismCannotHave) {
   const MotionModel four_bar(test::four_bar_with_everything());
   // The rocker of this crank-rocker swings between 1.41 and 2.36 rad only.
