@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -147,6 +148,32 @@ TEST(IdentifyCommand, ReadsBackWhatMotionWrote) {
   ASSERT_EQ(r["rms_from_first_readings"].size(), 1U);
   EXPECT_GT(r["rms_from_first_readings"][0], r["rms"][0]) << "the fitted start is the better one";
   EXPECT_LT(r["rms_from_first_readings"][0], 5.0) << "degrees";
+}
+
+// Of a measured run the number in the scene is no truth: 0 there does not make the estimate one of zero.
+TEST(IdentifyCommand, GivesPerCentsOfEstimatesWhereTheSceneHasZero) {
+  const TempFolder folder;
+  const std::string undamped = std::string(wheel).replace(std::string(wheel).find("0.01047"), 20, "0");
+  const std::string file =
+      experiment(folder, std::string(wheel_unknowns) + "start = 0.01\n[[run]]\ndata = \"wheel.csv\"\n");
+  const Outcome moved =
+      run_poise({"motion", folder.path("wheel.toml").string(), "--duration", "6", "--rate", "200", "--from", "start",
+                 "--release", "wheel=20", "--noise", "0.02", "--csv", folder.path("wheel.csv").string()});
+  ASSERT_EQ(moved.exit_code, 0) << moved.out << moved.err;
+  const std::string text = contents(folder.path("wheel.csv"));
+  folder.write("wheel.csv", "time,turn" + text.substr(text.find(",wheel") + 6));
+  folder.write("wheel.toml", undamped);
+  const Outcome run = run_poise({"identify", file});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  std::istringstream lines(run.out);
+  std::string line;
+  while (std::getline(lines, line) && !line.starts_with("  c ")) continue;
+  std::istringstream words(line);
+  std::string name;
+  double estimate = 0, error = 0, per_cent = 0;
+  words >> name >> estimate >> error >> per_cent;
+  EXPECT_NEAR(estimate, 0.6 * M_PI / 180, 4 * error) << line;
+  EXPECT_NEAR(per_cent, 100 * error / estimate, 0.1 * per_cent) << line;
 }
 
 TEST(IdentifyCommand, WarnsOfAnIncompleteModel) {

@@ -166,7 +166,7 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   errors.shown = any;
   Column& per_cents = table.numbers("", "per cent", "", {});
   per_cents.texts =
-      text([&](const Estimate& e) { return known ? per_cent(e.standard_error, e.truth == 0 ? 0.0 : e.value) : "-"; });
+      text([&](const Estimate& e) { return known ? per_cent(e.standard_error, simulated && e.truth == 0 ? 0.0 : e.value) : "-"; });
   per_cents.shown = any;
   Column& interval = table.words(
       "", "95 % interval", text([&](const Estimate& e) { return known ? interval_in_words(e) : std::string("-"); }));
