@@ -302,9 +302,14 @@ void add_known(Group& content, const FitProblem& problem, const FitAnswer& answe
     if (!answer.fit.estimates[p].withheld) rows.push_back(p);
   }
   table.words("", "parameter", each(rows, [&](std::size_t p) { return answer.fit.estimates[p].name; }));
+  // What is this much less than the standard error is rounding.
+  constexpr double rounding = 1e-9;
   for (const KnownEffect& effect : answer.known) {
-    table.numbers("", effect.name, "", {}).texts =
-        each(rows, [&](std::size_t p) { return significant(effect.change[p] / answer.fit.estimates[p].unit, 2); });
+    table.numbers("", effect.name, "", {}).texts = each(rows, [&](std::size_t p) {
+      const Estimate& e = answer.fit.estimates[p];
+      const bool none = std::abs(effect.change[p]) < rounding * e.standard_error;
+      return significant(none ? 0.0 : effect.change[p] / e.unit, 2);
+    });
   }
 }
 
