@@ -150,6 +150,20 @@ TEST(IdentifyCommand, ReadsBackWhatMotionWrote) {
   EXPECT_LT(r["rms_from_first_readings"][0], 5.0) << "degrees";
 }
 
+TEST(IdentifyCommand, NamesTheFilesOfExperimentsFittedTogether) {
+  const TempFolder folder;
+  experiment(folder, std::string(wheel_unknowns) + one_run);
+  folder.write("other.toml", std::string(wheel_unknowns) + one_run);
+  const json r = run_json(
+      folder, {"identify", folder.write("joint.toml", "experiments = [\"experiment.toml\", \"other.toml\"]\n")}, 0);
+  EXPECT_EQ(r["experiment"]["scene"], "");
+  ASSERT_EQ(r["experiment"]["parts"].size(), 2U);
+  EXPECT_EQ(r["experiment"]["parts"][0]["file"], folder.path("experiment.toml").string());
+  EXPECT_EQ(r["experiment"]["parts"][1]["file"], folder.path("other.toml").string());
+  EXPECT_EQ(r["experiment"]["parts"][1]["scene"], folder.path("wheel.toml").string());
+  EXPECT_EQ(run_json(folder, {"identify", folder.path("other.toml").string()}, 0)["experiment"]["parts"].size(), 0U);
+}
+
 // Of a measured run the number in the scene is no truth: 0 there does not make the estimate one of zero.
 TEST(IdentifyCommand, GivesPerCentsOfEstimatesWhereTheSceneHasZero) {
   const TempFolder folder;

@@ -453,6 +453,7 @@ TEST(JsonDocs, Identify) {
   const std::string inertia = "[[unknown]]\npath = \"body.wheel.inertia\"\n";
   aliased.erase(aliased.find(inertia), inertia.size());
   aliased.replace(aliased.find("duration = 2\nrate = 100"), 23, "duration = 20\nrate = 1.7");
+  folder.write("again.toml", ratios);
   check_section(
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
@@ -460,7 +461,8 @@ TEST(JsonDocs, Identify) {
        {{"identify", folder.write("measured.toml", experiment), "--profile", "spring.oil.stiffness", "--bootstrap",
          "20"}},
        {{"identify", folder.write("aliased.toml", aliased)}},
-       {{"identify", folder.write("ratios.toml", ratios)}}},
+       {{"identify", folder.write("ratios.toml", ratios)}},
+       {{"identify", folder.write("joint.toml", "experiments = [\"ratios.toml\", \"again.toml\"]\n")}}},
       Shared::all);
 }
 

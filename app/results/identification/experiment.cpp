@@ -80,9 +80,13 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
   of_experiment.data("file", experiment.file);
   of_experiment.data("title", experiment.title);
   of_experiment.data("source", experiment.source);
-  std::string scenes = experiment.scene_of(0).file;
-  for (std::size_t part = 1; part < experiment.parts.size(); ++part) scenes += ", " + experiment.scene_of(part).file;
-  of_experiment.data("scene", scenes);
+  of_experiment.data("scene", experiment.parts.empty() ? experiment.scene.file : "");
+  Branch& parts = of_experiment.array("parts");
+  for (const ExperimentPart& part : experiment.parts) {
+    Group& one = parts.parts.emplace_back();
+    one.data("file", part.file);
+    one.data("scene", part.scene.file);
+  }
   of_experiment.data("changes", each(experiment.changes, [](const ParameterChange& change) {
                        return fmt::format("{}={}", change.path, change.value);
                      }));
