@@ -82,6 +82,18 @@ std::vector<double> explained(const FitProblem& problem, const Fit& fitted, cons
   return out;
 }
 
+/// Root mean squares of a prediction over others, of the sensors that have both, each over its noise.
+std::optional<double> ratio_of(const Fit& predicted, const std::vector<double>& rms) {
+  double held_out = 0.0, own = 0.0;
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    const double noise = predicted.weighting.noise[k];
+    if (!(rms[k] > 0) || !std::isfinite(predicted.rms[k])) continue;
+    held_out += std::pow(predicted.rms[k] / noise, 2);
+    own += std::pow(rms[k] / noise, 2);
+  }
+  return own > 0 ? std::optional(std::sqrt(held_out / own)) : std::nullopt;
+}
+
 }  // namespace
 
 void take_noise(const FittedModel& model, Experiment& experiment) {
@@ -130,16 +142,16 @@ Validation validate(const FitProblem& problem, const std::vector<Record>& record
   }
   out.fit.errors.disagreement.clear();  // of estimates, which there are none of
   out.from_parameters = explained(problem, out.fit, records, out.covariance, starts);
-  double held_out = 0.0, own = 0.0;
-  for (std::size_t k = 0; k < problem.experiment().sensors.size(); ++k) {
-    const FittedModel::Sensor* const found = sensor_of(model, problem.experiment().sensors[k].name);
+  for (const Sensor& sensor : problem.experiment().sensors) {
+    const FittedModel::Sensor* const found = sensor_of(model, sensor.name);
     out.identification.push_back(found != nullptr ? found->rms : nan);
-    const double noise = out.fit.weighting.noise[k];
-    if (!(out.identification[k] > 0) || !std::isfinite(out.fit.rms[k])) continue;
-    held_out += std::pow(out.fit.rms[k] / noise, 2);
-    own += std::pow(out.identification[k] / noise, 2);
   }
-  if (own > 0) out.ratio = std::sqrt(held_out / own);
+  out.ratio = ratio_of(out.fit, out.identification);
+  with.held.clear();
+  const Fit again = fit(problem, records, with);
+  if (!again.usable()) return out;
+  out.refitted = again.rms;
+  out.ratio_refitted = ratio_of(out.fit, out.refitted);
   return out;
 }
 

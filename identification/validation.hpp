@@ -39,12 +39,15 @@ enum class Starts {
 /// Records predicted by a model that was fitted to other ones, the held-out error e:
 ///   V = covariance of the parameters,  A = d readings / d parameters, fitted starts and equilibria eliminated:
 ///   the uncertainty of the parameters alone explains a root mean square of  sqrt(mean diag(A V A^T)).
+/// A fit of the parameters to the records predicted shows what no parameters of this model can explain in them.
 struct Validation {
-  Fit fit;                              ///< of the starts, with the parameters held
-  Eigen::MatrixXd covariance;           ///< of the experiment's parameters
-  std::vector<double> identification;   ///< per sensor: root mean square of the fit's own residuals; NaN if unknown
-  std::vector<double> from_parameters;  ///< per sensor: what the uncertainty of the parameters explains
-  std::optional<double> ratio;          ///< held-out error over the fit's own: rms over noise of the common sensors
+  Fit fit;                               ///< of the starts, with the parameters held
+  Eigen::MatrixXd covariance;            ///< of the experiment's parameters
+  std::vector<double> identification;    ///< per sensor: root mean square of the fit's own residuals; NaN if unknown
+  std::vector<double> from_parameters;   ///< per sensor: what the uncertainty of the parameters explains
+  std::vector<double> refitted;          ///< per sensor: root mean square that a fit of these records leaves; or empty
+  std::optional<double> ratio;           ///< held-out error over the fit's own: rms over noise of the common sensors
+  std::optional<double> ratio_refitted;  ///< the same over what a fit of these records leaves
 };
 
 /// The experiment's parameters, SI, in the scene: those of the model by name. Throws InputError naming one that the

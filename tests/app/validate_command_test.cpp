@@ -113,6 +113,7 @@ TEST(ValidateCommand, ReproducesTheResidualsOfTheFit) {
   const json held =
       run_json(folder, {"validate", dataset("lift_experiment_heights"), "--with", folder.path("fit.json").string()}, 0);
   EXPECT_NEAR(held["ratio"], 1.0, 1e-4);
+  EXPECT_NEAR(held["ratio_refitted"], 1.0, 1e-4);
   EXPECT_EQ(held["status"], "converged");
   EXPECT_TRUE(has(held["verdict"], "The prediction agrees with the noise, 1")) << held["verdict"];
   EXPECT_NEAR(held["rms"][0].get<double>(), fit["rms"][0].get<double>(), 1e-4 * fit["rms"][0].get<double>());
@@ -170,6 +171,10 @@ data = "other.csv"
   const json wrong = run_json(folder, {"validate", other, "--with", with}, 0);
   EXPECT_EQ(wrong["status"], "misfit");
   EXPECT_GT(wrong["ratio"], 20.0);
+  // With its own stiffness the model explains these records, too.
+  EXPECT_NEAR(wrong["held_out"][0]["refitted"], 0.02, 0.002);
+  EXPECT_NEAR(wrong["ratio_refitted"].get<double>() * wrong["held_out"][0]["refitted"].get<double>(), wrong["rms"][0],
+              1e-9);
   EXPECT_TRUE(has(wrong["verdict"], "The prediction's error is ")) << wrong["verdict"];
 }
 
@@ -225,7 +230,8 @@ void expect_predicts_halves(const std::string& experiment) {
     const json held =
         run_json(folder, {"validate", halves[1 - half], "--with", folder.path("fit.json").string(), "--data", data}, 0);
     std::cout << experiment << ", half " << half << ": rms fitted " << fit["rms"] << " rad, held out " << held["rms"]
-              << ", ratio " << held["ratio"] << "\n";
+              << ", ratio " << held["ratio"] << ", over a fit to them " << held["ratio_refitted"] << "\n";
+    EXPECT_LT(held["ratio_refitted"], 1.05);
     for (const int sensor : {0, 1}) {
       own += std::pow(fit["rms"][sensor].get<double>(), 2);
       held_out += std::pow(held["rms"][sensor].get<double>(), 2);

@@ -11,7 +11,8 @@
 namespace poise::app {
 namespace {
 
-// A held-out error of at most so many times the fit's own is one that the fit has, too.
+// A held-out error of at most so many times the fit's own, or what a fit of these records leaves, is the model's, not
+// that of its parameters.
 constexpr double as_good = 1.05;
 
 Line verdict(const Validation& validation) {
@@ -22,7 +23,12 @@ Line verdict(const Validation& validation) {
           ? "The prediction agrees with the noise"
           : fmt::format("The prediction's error is {} times the noise", significant(fitted.residual_over_noise, 3));
   if (validation.ratio) words += fmt::format(", {} times the identification's", significant(*validation.ratio, 4));
-  const bool fine = fitted.status == FitStatus::converged || (validation.ratio && *validation.ratio <= as_good);
+  if (validation.ratio_refitted) {
+    words += fmt::format(", {} times that of a fit to these records", significant(*validation.ratio_refitted, 4));
+  }
+  const auto small = [](const std::optional<double>& ratio) { return ratio && *ratio <= as_good; };
+  const bool fine =
+      fitted.status == FitStatus::converged || small(validation.ratio) || small(validation.ratio_refitted);
   return fine ? good(words + ".") : doubtful(words + ".");
 }
 
@@ -30,6 +36,7 @@ void add_held_out(Group& content, const FitProblem& problem, const Validation& v
   const Fit& fitted = validation.fit;
   const Experiment& experiment = problem.experiment();
   content.data("ratio", validation.ratio);
+  content.data("ratio_refitted", validation.ratio_refitted);
   Table& table = content.table("held_out", "Held-out error: root mean squares beside the identification's", Rows::list);
   if (!fitted.usable()) return;
   const std::vector<std::size_t> rows = places(experiment.sensors.size());
@@ -44,12 +51,16 @@ void add_held_out(Group& content, const FitProblem& problem, const Validation& v
   table.numbers("ratio", "ratio", "",
                 each(rows, [&](std::size_t k) { return fitted.rms[k] / validation.identification[k]; }),
                 {.style = Format::Style::significant, .digits = 4});
+  add("refitted", "fit of these",
+      validation.refitted.empty() ? std::vector<double>(rows.size(), NAN) : validation.refitted);
   add("noise", "noise", fitted.weighting.noise);
   add("from_parameters", "from parameters", validation.from_parameters);
   table.words("unit", "unit", each(rows, [&](std::size_t k) {
                 return experiment.sensors[k].dimension().unit_name(experiment.scene.units);
               }));
-  table.footnotes.emplace_back("from parameters: the part that their uncertainty explains");
+  table.footnotes.emplace_back(
+      "fit of these: what a fit of the parameters to these records leaves; from parameters: the part that their "
+      "uncertainty explains");
 }
 
 void add_parameters(Group& content, const FitProblem& problem, const Validation& validation) {
