@@ -1,5 +1,6 @@
 #include "identification/ceres_costs.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -15,15 +16,18 @@ constexpr double noise_of_cost = 1e-4;
 constexpr double least_decrease = 1e-5;
 /// The same where the result is a start for more readings.
 constexpr double least_decrease_of_start = 1e-3;
+/// A step was as predicted if the decrease of the cost was, but for this part.
+constexpr double as_predicted_within = 0.1;
 
 }  // namespace
 
-RunCost::RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until,
+RunCost::RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, double accuracy,
                  const Weighting& weighting, std::vector<double> nuisances, int& evaluations)
     : problem_(problem),
       run_(run),
       record_(record),
       until_(until),
+      accuracy_(accuracy),
       weighting_(weighting),
       from_(std::move(nuisances)),
       evaluations_(evaluations) {
@@ -39,8 +43,11 @@ void RunCost::compute(const double* const* blocks) const {
   std::vector<double> at;
   for (int i = 0; i < p; ++i) at.push_back(*blocks[i]);
   for (int i = 0; i < m; ++i) at.push_back(blocks[p][i]);
-  // Ceres asks for the residuals first and, where it accepts the point, for the Jacobian: one motion gives both.
-  if (at == at_) return;
+  // Ceres asks for the residuals first and, where it accepts the point, for the Jacobian: one motion gives both. Where
+  // it does not accept it, it may return to the point before.
+  if (at == last_.at) return;
+  std::swap(last_, before_);
+  if (at == last_.at) return;
   std::vector<double> parameters(problem_.parameters().size());
   for (int i = 0; i < p; ++i) {
     const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
@@ -48,27 +55,28 @@ void RunCost::compute(const double* const* blocks) const {
   }
   std::vector<double> nuisances = from_;
   for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
-  triangle_ = problem_.triangle(run_, parameters, nuisances, &record_, until_, problem_.accuracy(run_), weighting_);
+  last_.triangle = problem_.triangle(run_, parameters, nuisances, &record_, until_, accuracy_, weighting_);
   if (run_ == 0) ++evaluations_;
-  at_ = std::move(at);
+  last_.at = std::move(at);
 }
 
 bool RunCost::Evaluate(const double* const* blocks, double* residuals, double** jacobians) const {
   const int p = problem_.run(run_).unknowns();
   const int m = problem_.run(run_).nuisances();
   compute(blocks);
-  if (triangle_.size() == 0) return false;
+  const Eigen::MatrixXd& triangle = last_.triangle;
+  if (triangle.size() == 0) return false;
   const Eigen::Index columns = p + m;
-  Eigen::Map<Eigen::VectorXd>(residuals, columns + 1) = triangle_.col(columns);
+  Eigen::Map<Eigen::VectorXd>(residuals, columns + 1) = triangle.col(columns);
   if (jacobians == nullptr) return true;
   for (int i = 0; i < p; ++i) {
     if (jacobians[i] == nullptr) continue;
     const auto k = static_cast<std::size_t>(problem_.parameters_of(run_)[static_cast<std::size_t>(i)]);
-    Eigen::Map<Eigen::VectorXd>(jacobians[i], columns + 1) = problem_.parameters()[k].scale * triangle_.col(m + i);
+    Eigen::Map<Eigen::VectorXd>(jacobians[i], columns + 1) = problem_.parameters()[k].scale * triangle.col(m + i);
   }
   if (m > 0 && jacobians[p] != nullptr) {
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[p], columns + 1, m) =
-        triangle_.leftCols(m);
+        triangle.leftCols(m);
   }
   return true;
 }
@@ -84,14 +92,34 @@ bool PriorCost::Evaluate(const double* const* blocks, double* residuals, double*
   return true;
 }
 
+// The factor between successive predicted decreases also leads to the next one, which is not computed then. For a start
+// the part by which a decrease differed from its prediction may stand for it.
+bool Watch::converges(const ceres::IterationSummary& step, double predicted) {
+  const double next = is_start_ ? std::min(predicted * predicted / predicted_, std::abs(step.cost_change - predicted))
+                                : predicted * predicted / predicted_;
+  predicted_ = predicted;
+  return next < tolerance_ * step.cost;
+}
+
 ceres::CallbackReturnType Watch::operator()(const ceres::IterationSummary& step) {
   // Not as a failure: then Ceres would not hand over the values reached.
   if (interrupt_ != nullptr && interrupt_->load()) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  if (step.iteration == 0) {
+    idle_ = 0;
+    predicted_ = 0.0;
+    return ceres::SOLVER_CONTINUE;
+  }
   const bool idle = !step.step_is_successful && std::abs(step.cost_change) < noise_of_cost * step.cost;
   idle_ = idle ? idle_ + 1 : 0;
   const double predicted = step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
-  const bool done = idle_ >= 3 || (!step.step_is_successful &&
-                                   predicted < (is_start_ ? least_decrease_of_start : least_decrease) * step.cost);
+  bool done = false;
+  if (step.step_is_successful) {
+    const bool as_predicted = std::abs(step.relative_decrease - 1) < as_predicted_within;
+    done = converges(step, predicted) || (as_predicted && leaves_range_());
+  } else {
+    predicted_ = 0.0;
+    done = idle_ >= 3 || predicted < (is_start_ ? least_decrease_of_start : least_decrease) * step.cost;
+  }
   return done ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
 }
 

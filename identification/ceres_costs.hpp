@@ -3,6 +3,7 @@
 // The cost functions of identification/fit.cpp for Ceres. Private to this folder.
 
 #include <atomic>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -17,11 +18,12 @@ namespace poise {
 /// value each, in units of their scale; then all nuisances, SI, as differences from their initial values.
 class RunCost : public ceres::CostFunction {
  public:
-  /// The record is fitted up to the time `until`, s. `evaluations` counts those of the first run.
-  RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, const Weighting& weighting,
-          std::vector<double> nuisances, int& evaluations);
+  /// The record is fitted up to the time `until`, s, with motions of this `accuracy`, see simulate(). `evaluations`
+  /// counts those of the first run.
+  RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, double accuracy,
+          const Weighting& weighting, std::vector<double> nuisances, int& evaluations);
 
-  /// Computes the motion at these values, unless it was computed for them the last time.
+  /// Computes the motion at these values, unless it was computed for them the last time or the time before.
   void compute(const double* const* blocks) const;
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
 
@@ -29,12 +31,15 @@ class RunCost : public ceres::CostFunction {
   const FitProblem& problem_;
   std::size_t run_;
   const Record& record_;
-  double until_;
+  double until_, accuracy_;
   const Weighting& weighting_;
   std::vector<double> from_;
   int& evaluations_;
-  mutable std::vector<double> at_;
-  mutable Eigen::MatrixXd triangle_;
+  struct Point {
+    std::vector<double> at;
+    Eigen::MatrixXd triangle;
+  };
+  mutable Point last_, before_;
 };
 
 /// Computes the motions of all runs on several threads before Ceres asks for them. Ceres' own threads would add the
@@ -66,18 +71,26 @@ class PriorCost : public ceres::SizedCostFunction<1, 1> {
   double mean_, deviation_, scale_;
 };
 
-/// Stops Ceres when interrupted, and when steps fail only because the integration errors of the motions exceed the
-/// decrease of the cost that is left.
+/// Stops Ceres when interrupted; when steps fail only because the integration errors of the motions exceed the decrease
+/// of the cost that is left; when the next step will decrease the cost by less than `tolerance` of it; and when a step
+/// that went as predicted leaves the ranges, which Ceres does not know.
 class Watch : public ceres::IterationCallback {
  public:
-  /// `is_start`: the result only has to be a start for a fit to more readings.
-  Watch(const std::atomic<bool>* interrupt, bool is_start) : interrupt_(interrupt), is_start_(is_start) {}
+  /// `is_start`: the result only has to be a start for a fit to more readings. `leaves_range` asks of the present
+  /// values.
+  Watch(const std::atomic<bool>* interrupt, bool is_start, double tolerance, std::function<bool()> leaves_range)
+      : interrupt_(interrupt), is_start_(is_start), tolerance_(tolerance), leaves_range_(std::move(leaves_range)) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override;
 
  private:
   const std::atomic<bool>* interrupt_;
+  bool converges(const ceres::IterationSummary& step, double predicted);
+
   bool is_start_;
-  int idle_ = 0;  // successive steps that failed by no more than these errors
+  double tolerance_;
+  std::function<bool()> leaves_range_;
+  int idle_ = 0;            // successive steps that failed by no more than these errors
+  double predicted_ = 0.0;  // decrease of the cost by the step before; 0 if there was none or it failed
 };
 
 }  // namespace poise

@@ -40,6 +40,8 @@ constexpr int most_octaves = 2;
 constexpr std::size_t most_scaled = 3, most_aliases = 8;
 /// As many equally good minima are sought.
 constexpr std::size_t enough_alternatives = 3;
+/// Motions of a fit that only has to be a start for more readings are less accurate by this factor, down to this.
+constexpr double accuracy_of_start = 100.0, least_accuracy = 1e-4;
 
 class Fitting {
  public:
@@ -344,6 +346,7 @@ class Fitting {
     for (std::size_t i = 0; i < parameters.size(); ++i) scaled.push_back(point.parameters[i] / parameters[i].scale);
     std::vector<std::vector<double>> shifts;
     for (const auto& nuisances : point.nuisances) shifts.emplace_back(nuisances.size(), 0.0);
+    const bool is_start = window < 1.0;
     RunsInParallel runs(options_.jobs);
     ceres::Problem::Options problem_options;
     problem_options.evaluation_callback = &runs;
@@ -352,8 +355,10 @@ class Fitting {
       std::vector<double*> blocks;
       for (const int p : problem_.parameters_of(r)) blocks.push_back(&scaled[static_cast<std::size_t>(p)]);
       if (!shifts[r].empty()) blocks.push_back(shifts[r].data());
-      auto* cost =
-          new RunCost(problem_, r, records_[r], until(r, window), out_.weighting, point.nuisances[r], out_.evaluations);
+      const double accuracy =
+          is_start ? std::min(least_accuracy, accuracy_of_start * problem_.accuracy(r)) : problem_.accuracy(r);
+      auto* cost = new RunCost(problem_, r, records_[r], until(r, window), accuracy, out_.weighting, point.nuisances[r],
+                               out_.evaluations);
       problem.AddResidualBlock(cost, nullptr, blocks);
       runs.add(*cost, blocks);
     }
@@ -373,12 +378,19 @@ class Fitting {
     options.max_num_iterations = 60;
     // Trial dimensions with which the mechanism cannot be assembled make a step invalid, and the next one shorter.
     options.max_num_consecutive_invalid_steps = 20;
-    options.function_tolerance = window < 1.0 ? 1e-3 : options_.function_tolerance;
+    options.function_tolerance = is_start ? 1e-3 : options_.function_tolerance;
     options.parameter_tolerance = 1e-14;
     options.gradient_tolerance = 1e-12;
     // Full steps are tried first: small oscillations are nearly linear in the parameters.
     options.initial_trust_region_radius = 1e6;
-    Watch watch(options_.interrupt, window < 1.0);
+    options.update_state_every_iteration = true;
+    Watch watch(options_.interrupt, is_start, options.function_tolerance, [&] {
+      for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const Parameter& p = parameters[i];
+        if (scaled[i] < p.min / p.scale || scaled[i] > p.max / p.scale) return true;
+      }
+      return false;
+    });
     options.callbacks.push_back(&watch);
     const std::optional<double> cost = minimise_within_ranges(problem, options, scaled);
     if (!cost) {
