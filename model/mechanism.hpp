@@ -126,10 +126,14 @@ class Mechanism {
   /// The equalities' derivatives from those of the phasors, equalities() values: sum_t C_lt f_t of every closure.
   void closures_of(const Planar<T>* f, T* c) const;
 
-  /// g += generalized forces of dampers and friction at the rates v; v . g is the power they dissipate.
-  void add_resistance(Planar<T>* pose, const T* v, T* g) const;
-  /// g += its change along dq and dv.
-  void add_resistance_change(Planar<T>* pose, const T* v, const T* dq, const T* dv, T* g) const;
+  /// Size of the buffer `resistances` that resist() fills.
+  int resistances_size() const { return resistances_size_; }
+  /// Evaluates dampers and friction at the rates v into `resistances`, which the next two read.
+  void resist(Planar<T>* pose, const T* v, T* resistances) const;
+  /// g += their generalized forces; v . g is the power they dissipate.
+  void add_resistance(const T* resistances, T* g) const;
+  /// g += the change of these along dq and dv.
+  void add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv, T* g) const;
   /// Power of follower loads at the rates v.
   T follower_power(Planar<T>* pose, const T* v) const;
 
@@ -183,8 +187,6 @@ class Mechanism {
   Planar<T> world_force(const Planar<T>& force, int frame, const Planar<T>* pose) const {
     return frame >= 0 ? force * pose[frame] : force;
   }
-  // Dg over the support, as .x of the scratch after that of the measure.
-  const Planar<T>* slopes_of(const ForceElement& e, const Configuration<T>& here) const;
   void need_scratch(int size);
   PhasorSum<T> path_to(const Scene& scene, PointRef point) const;
   void compile_loads(const Scene& scene);
@@ -211,6 +213,8 @@ class Mechanism {
   std::vector<ConstraintBlock> blocks_;
   int equalities_ = 0;
   std::vector<ForceElement> elements_;  // for dynamics all, in the order of the scene
+  std::vector<int> resisting_;          // those that resist motion
+  int resistances_size_ = 0;            // of each of them the three values of its LawForce, then Dg over its support
   std::vector<LoadAt> loads_;           // one per force; only for dynamics
   std::vector<int> torque_coordinate_;
   std::vector<Follower> followers_;

@@ -123,8 +123,11 @@ void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
     ForceElement compiled = compiled_element(scene, element, purpose);
     const bool acts = stores_energy(element.law) && idle(element.law).empty() && !compiled.on.support().empty();
     if (!acts && purpose == Purpose::statics) continue;
-    need_scratch(compiled.on.scratch_size() +
-                 (resists_motion(element.law) ? static_cast<int>(compiled.on.support().size()) : 0));
+    need_scratch(compiled.on.scratch_size());
+    if (resists_motion(element.law)) {
+      resisting_.push_back(elements());
+      resistances_size_ += 3 + static_cast<int>(compiled.on.support().size());
+    }
     elements_.push_back(std::move(compiled));
   }
 }

@@ -21,45 +21,56 @@ void Mechanism<T>::closures_of(const Planar<T>* f, T* c) const {
 }
 
 template <class T>
-const Planar<T>* Mechanism<T>::slopes_of(const ForceElement& e, const Configuration<T>& here) const {
-  Planar<T>* slopes = here.scratch + e.on.scratch_size();
-  std::fill(slopes, slopes + e.on.support().size(), Planar<T>{});
-  e.on.gradient(here, [&](int i, const T& by) { slopes[i].x = by; });
-  return slopes;
+void Mechanism<T>::resist(Planar<T>* pose, const T* v, T* resistances) const {
+  const Configuration<T> here = at(pose);
+  for (const int r : resisting_) {
+    const ForceElement& e = elements_[r];
+    const std::vector<int>& support = e.on.support();
+    T* slopes = resistances + 3;
+    std::fill(slopes, slopes + support.size(), T(0));
+    T w(0);
+    e.on.gradient(here, [&](int i, const T& by) {
+      slopes[i] = by;
+      w += by * v[support[i]];
+    });
+    const LawForce<T> force = force_of_motion(e.law, e.on.value(here), w);
+    resistances[0] = force.value;
+    resistances[1] = force.by_measure;
+    resistances[2] = force.by_rate;
+    resistances = slopes + support.size();
+  }
 }
 
 template <class T>
-void Mechanism<T>::add_resistance(Planar<T>* pose, const T* v, T* g) const {
-  const Configuration<T> here = at(pose);
-  for (const ForceElement& e : elements_) {
-    if (!resists_motion(e.law)) continue;
-    const std::vector<int>& support = e.on.support();
-    const Planar<T>* slopes = slopes_of(e, here);
-    T w(0);
-    for (std::size_t i = 0; i < support.size(); ++i) w += slopes[i].x * v[support[i]];
-    const T force = force_of_motion(e.law, e.on.value(here), w).value;
-    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += force * slopes[i].x;
+void Mechanism<T>::add_resistance(const T* resistances, T* g) const {
+  for (const int r : resisting_) {
+    const std::vector<int>& support = elements_[r].on.support();
+    const T* slopes = resistances + 3;
+    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += resistances[0] * slopes[i];
+    resistances = slopes + support.size();
   }
 }
 
 // Of  T(g, w) Dg  with  w = Dg[v]:  (T_g Dg[dq] + T_w (D2g[v, dq] + Dg[dv])) Dg + T D2g[dq, .].
 template <class T>
-void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* v, const T* dq, const T* dv, T* g) const {
+void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv,
+                                         T* g) const {
   const Configuration<T> here = at(pose);
-  for (const ForceElement& e : elements_) {
-    if (!resists_motion(e.law)) continue;
+  for (const int r : resisting_) {
+    const ForceElement& e = elements_[r];
     const std::vector<int>& support = e.on.support();
-    const Planar<T>* slopes = slopes_of(e, here);
-    T w(0), w_change = e.on.second(here, v, dq), g_change(0);
+    const T* slopes = resistances + 3;
+    const bool bends = !e.on.is_linear();
+    T w_change = bends ? e.on.second(here, v, dq) : T(0);
+    T g_change(0);
     for (std::size_t i = 0; i < support.size(); ++i) {
-      w += slopes[i].x * v[support[i]];
-      w_change += slopes[i].x * dv[support[i]];
-      g_change += slopes[i].x * dq[support[i]];
+      w_change += slopes[i] * dv[support[i]];
+      g_change += slopes[i] * dq[support[i]];
     }
-    const LawForce<T> force = force_of_motion(e.law, e.on.value(here), w);
-    const T change = force.by_measure * g_change + force.by_rate * w_change;
-    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += change * slopes[i].x;
-    e.on.add_bend(here, dq, force.value, g);
+    const T change = resistances[1] * g_change + resistances[2] * w_change;
+    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += change * slopes[i];
+    if (bends) e.on.add_bend(here, dq, resistances[0], g);
+    resistances = slopes + support.size();
   }
 }
 

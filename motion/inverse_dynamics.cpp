@@ -203,7 +203,9 @@ class InverseDynamics {
     VectorXd loads(inertia.size());
     m_.negative_force(x_.data(), pose.data(), loads.data());
     VectorXd resistance = VectorXd::Zero(inertia.size());
-    m_.add_resistance(pose.data(), v_.data(), resistance.data());
+    std::vector<double> resistances(static_cast<std::size_t>(m_.resistances_size()));
+    m_.resist(pose.data(), v_.data(), resistances.data());
+    m_.add_resistance(resistances.data(), resistance.data());
 
     const double energy = model_.scales().energy();
     const Eigen::Map<const VectorXd> rates(v_.data(), static_cast<Index>(n));

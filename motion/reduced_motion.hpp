@@ -184,6 +184,7 @@ class ReducedMotion {
   Configuration<T> here() const { return {mechanism_.phasors(), pose_.data(), drive_scratch_.data()}; }
   void project(const T* full, T* reduced) const;
   void divide_by_mass(T* reduced) const;
+  void divide_change_by_mass(T* reduced) const;
   T& jacobian(int row, int column) { return J_[static_cast<std::size_t>(row) * n_ + column]; }
   const T& jacobian(int row, int column) const { return J_[static_cast<std::size_t>(row) * n_ + column]; }
 
@@ -202,7 +203,9 @@ class ReducedMotion {
   bool known_ = false;  // B and the factors belong to q
 
   // State, and scratch that is mutable because it carries no meaning between calls.
-  std::vector<T> q_, v_, a_, alpha_, c_, J_, values_, B_, drift_, force_, full_force_, mass_, multipliers_;
+  std::vector<T> q_, v_, a_, alpha_, c_, J_, values_, B_, drift_, force_, full_force_, mass_, inverse_diagonal_,
+      multipliers_;
+  std::vector<T> resistances_;  // at q, v
   std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_;
   std::vector<T> mass_columns_, drive_multipliers_, drive_rows_, zero_;
   std::vector<Planar<T>> weight_columns_;
@@ -213,7 +216,7 @@ class ReducedMotion {
 
   std::vector<std::vector<Piece>> variations_;
   Direct direct_;
-  std::vector<T> q_p_, v_p_, a_p_, varied_rows_, varied_values_, varied_force_;
+  std::vector<T> q_p_, v_p_, a_p_, varied_rows_, varied_values_, varied_force_, varied_resistances_;
   std::vector<Planar<T>> varied_pose_;
 };
 

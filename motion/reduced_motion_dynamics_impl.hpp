@@ -25,6 +25,24 @@ void ReducedMotion<T>::divide_by_mass(T* b) const {
   }
 }
 
+// The same for derivatives, by the reciprocals of the factors' diagonal, which round once more.
+template <class T>
+void ReducedMotion<T>::divide_change_by_mass(T* b) const {
+  const int f = freedoms();
+  const T* mass = mass_.data();
+  const T* inverse = inverse_diagonal_.data();
+  for (int i = 0; i < f; ++i) {
+    T x = b[i];
+    for (int j = 0; j < i; ++j) x -= mass[i * f + j] * b[j];
+    b[i] = x * inverse[i];
+  }
+  for (int i = f - 1; i >= 0; --i) {
+    T x = b[i];
+    for (int j = i + 1; j < f; ++j) x -= mass[j * f + i] * b[j];
+    b[i] = x * inverse[i];
+  }
+}
+
 // a0: the accelerations for alpha = 0.
 template <class T>
 void ReducedMotion<T>::place_accelerations() {
@@ -47,7 +65,8 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   place_accelerations();
   inertia_.weigh(second_.data(), weight_.data());
   mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
-  mechanism_.add_resistance(pose_.data(), v_.data(), full_force_.data());
+  mechanism_.resist(pose_.data(), v_.data(), resistances_.data());
+  mechanism_.add_resistance(resistances_.data(), full_force_.data());
   for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_force_.data());
   mechanism_.phasors().add_projection(pose_.data(), weight_.data(), full_force_.data());
   for (int i = 0; i < n_; ++i) full_force_[i] += inertia_.moment(i) * a_[i];
@@ -74,6 +93,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
       } else {
         if (!(entry > static_cast<T>(1e-13) * whole) || !(whole > 0)) return Status::no_inertia;
         entry = sqrt(entry);
+        inverse_diagonal_[j] = T(1) / entry;
       }
     }
   }
@@ -116,15 +136,18 @@ void ReducedMotion<T>::find_multipliers() {
 // driven measures `drive_rows_` (all but that of the unknown alpha'), finds a' = a'0 + B alpha' with  B^T dG = 0.
 template <class T>
 void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha) {
-  std::fill(rows_work_.begin(), rows_work_.end(), T(0));
-  mechanism_.closures_of(work_.data(), rows_work_.data());
-  for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = drive_rows_[k];
-  if (direct != nullptr) {
-    for (int r = 0; r < rows_; ++r) rows_work_[r] += direct->acceleration[r];
+  std::fill(da, da + n_, T(0));
+  if (rank() > 0) {
+    std::fill(rows_work_.begin(), rows_work_.end(), T(0));
+    mechanism_.closures_of(work_.data(), rows_work_.data());
+    for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = drive_rows_[k];
+    if (direct != nullptr) {
+      for (int r = 0; r < rows_; ++r) rows_work_[r] += direct->acceleration[r];
+    }
+    solve_rows(rows_work_.data(), da);
+    mechanism_.phasors().first(pose_.data(), da, work2_.data());
+    for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
   }
-  solve_rows(rows_work_.data(), da);
-  mechanism_.phasors().first(pose_.data(), da, work2_.data());
-  for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
   inertia_.weigh(work_.data(), work2_.data());
   for (int i = 0; i < n_; ++i) force_[i] = inertia_.moment(i) * da[i];
   mechanism_.phasors().add_projection(pose_.data(), work2_.data(), force_.data());
@@ -140,13 +163,14 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
     for (int k = 0; k < drives(); ++k) drives_[k].on.add_bend(here(), dq, drive_multipliers_[k], force_.data());
     for (const InputLoad<T>& load : input_loads_) load.add_change(pose_.data(), dq, force_.data());
   }
-  mechanism_.add_resistance_change(pose_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv, force_.data());
+  mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv,
+                                   force_.data());
   if (direct != nullptr) {
     for (int i = 0; i < n_; ++i) force_[i] += direct->force[i];
   }
   project(force_.data(), dalpha);
   for (int j = 0; j < freedoms(); ++j) dalpha[j] = -dalpha[j];
-  divide_by_mass(dalpha);
+  divide_change_by_mass(dalpha);
   for (int k = 0; k < freedoms(); ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
@@ -155,19 +179,24 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
 // Along q' = B_k, or q' = q_p with the direct derivatives by p:  J v' = -D2c[v, q'] - (J v)|p.
 template <class T>
 void ReducedMotion<T>::linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha) {
-  mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
-  std::fill(rows_work_.begin(), rows_work_.end(), T(0));
-  mechanism_.closures_of(work_.data(), rows_work_.data());
-  for (int d = 0; d < drives(); ++d) {
-    rows_work_[mechanism_.equalities() + d] = drives_[d].on.second(here(), v_.data(), dq);
+  std::fill(dv, dv + n_, T(0));
+  if (rank() > 0) {
+    mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
+    std::fill(rows_work_.begin(), rows_work_.end(), T(0));
+    mechanism_.closures_of(work_.data(), rows_work_.data());
+    for (int d = 0; d < drives(); ++d) {
+      rows_work_[mechanism_.equalities() + d] = drives_[d].on.second(here(), v_.data(), dq);
+    }
+    if (direct != nullptr) {
+      for (int r = 0; r < rows_; ++r) rows_work_[r] += direct->rate[r];
+    }
+    solve_rows(rows_work_.data(), dv);
   }
-  if (direct != nullptr) {
-    for (int r = 0; r < rows_; ++r) rows_work_[r] += direct->rate[r];
-  }
-  solve_rows(rows_work_.data(), dv);
   mechanism_.phasors().third(pose_.data(), v_.data(), v_.data(), dq, work_.data());
-  mechanism_.phasors().second(pose_.data(), v_.data(), dv, work2_.data());
-  for (int t = 0; t < n_; ++t) work_[t] += T(2) * work2_[t];
+  if (rank() > 0) {
+    mechanism_.phasors().second(pose_.data(), v_.data(), dv, work2_.data());
+    for (int t = 0; t < n_; ++t) work_[t] += T(2) * work2_[t];
+  }
   mechanism_.phasors().second(pose_.data(), a_.data(), dq, work2_.data());
   for (int t = 0; t < n_; ++t) work_[t] += work2_[t];
   for (int d = 0; d < drives(); ++d) {
@@ -209,7 +238,7 @@ void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, con
 template <class T>
 void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) {
   variations_.clear();
-  std::size_t pose = 0, values = 0, rows = c_.size();
+  std::size_t pose = 0, values = 0, rows = c_.size(), resistances = 0;
   for (const Variation& variation : variations) {
     std::vector<Piece>& pieces = variations_.emplace_back();
     for (const auto& [model, weight] : variation.pieces) {
@@ -236,11 +265,13 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
       pose = std::max(pose, static_cast<std::size_t>(piece.mechanism->pose_size() + drive_scratch));
       values = std::max(values, piece.mechanism->jacobian_row().size());
       rows = std::max(rows, static_cast<std::size_t>(piece.mechanism->constraints()));
+      resistances = std::max(resistances, static_cast<std::size_t>(piece.mechanism->resistances_size()));
     }
   }
   varied_pose_.resize(pose);
   varied_values_.resize(values);
   varied_rows_.resize(rows);
+  varied_resistances_.resize(resistances);
 }
 
 // Phasors are those of the pose placed, because they depend on coordinates only.
@@ -257,7 +288,8 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
   };
   T* g = varied_force_.data();
   m.negative_force(q_.data(), pose, g);
-  m.add_resistance(pose, v_.data(), g);
+  m.resist(pose, v_.data(), varied_resistances_.data());
+  m.add_resistance(varied_resistances_.data(), g);
   for (InputLoad<T>& load : piece.input_loads) {
     load.set(static_cast<double>(t_));
     load.add(pose, g);
@@ -293,7 +325,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     add_influence(influence, a_.data(), second_.data(), full_.data());
     project(full_.data(), alpha);
     for (int j = 0; j < freedoms(); ++j) alpha[j] = -alpha[j];
-    divide_by_mass(alpha);
+    divide_change_by_mass(alpha);
     return;
   }
   for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force}) {
@@ -346,7 +378,7 @@ T ReducedMotion<T>::kinetic_energy() const {
 template <class T>
 T ReducedMotion<T>::power() const {
   std::fill(full_.begin(), full_.end(), T(0));
-  mechanism_.add_resistance(pose_.data(), v_.data(), full_.data());
+  mechanism_.add_resistance(resistances_.data(), full_.data());
   for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_.data());
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];

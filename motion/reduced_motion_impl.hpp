@@ -34,6 +34,7 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   values_.resize(mechanism.jacobian_row().size());
   tangent_.resize(mechanism.tangent_row().size());
   pose_.resize(mechanism.pose_size());
+  resistances_.resize(mechanism.resistances_size());
   for (auto* phasors : {&second_, &weight_, &work_, &work2_}) phasors->resize(n);
 }
 
@@ -177,7 +178,7 @@ void ReducedMotion<T>::make_room() {
   for (auto* columns_of : {&B_, &v_z_, &a_z_, &a_w_, &mass_columns_}) columns_of->assign(f * n, T(0));
   for (auto* square : {&alpha_z_, &alpha_w_, &mass_}) square->assign(f * f, T(0));
   weight_columns_.resize(f * n);
-  for (auto* few : {&alpha_, &small_}) few->assign(f, T(0));
+  for (auto* few : {&alpha_, &small_, &inverse_diagonal_}) few->assign(f, T(0));
 }
 
 // full[dependent] = -Jd^-1 rows, full[independent] = 0.
@@ -293,6 +294,10 @@ void ReducedMotion<T>::move(const T* w) {
 
 template <class T>
 void ReducedMotion<T>::project(const T* full, T* reduced) const {
+  if (rank() == 0) {
+    for (int k = 0; k < freedoms(); ++k) reduced[k] = full[independent_[k]];
+    return;
+  }
   for (int k = 0; k < freedoms(); ++k) {
     const T* column = B(k);
     T sum(0);

@@ -109,15 +109,22 @@ void ReducedSystem::fill(ReducedMotion<T>& motion, const double* y, double* dydt
       for (int i = 0; i < motion.coordinates(); ++i) *moved++ = static_cast<double>(part[i]);
     }
   }
-  const double* s = y + 2 * f + 1;
-  double* ds = dydt + 2 * f + 1;
-  for (int c = 0; c < columns_; ++c, s += 2 * f, ds += 2 * f) {
-    std::copy(s + f, s + 2 * f, ds);
-    const double* own = c < 2 * f ? nullptr : &alpha_p_[static_cast<std::size_t>((c - 2 * f) * f)];
-    for (int j = 0; j < f; ++j) {
-      double sum = own != nullptr ? own[j] : 0.0;
-      for (int k = 0; k < f; ++k) sum += alpha(motion.alpha_z(k), j) * s[k] + alpha(motion.alpha_w(k), j) * s[f + k];
-      ds[f + j] = sum;
+  // Rows of all columns, so that the innermost loops run along memory.
+  const int columns = columns_;
+  const double* dz = y + 2 * f + 1;
+  const double* dw = dz + f * columns;
+  double* out = dydt + 2 * f + 1;
+  std::copy(dw, dw + f * columns, out);
+  out += f * columns;
+  for (int j = 0; j < f; ++j, out += columns) {
+    std::fill(out, out + 2 * f, 0.0);
+    for (int c = 2 * f; c < columns; ++c) out[c] = alpha_p_[static_cast<std::size_t>((c - 2 * f) * f + j)];
+    for (int k = 0; k < f; ++k) {
+      const double by_z = alpha(motion.alpha_z(k), j);
+      const double by_w = alpha(motion.alpha_w(k), j);
+      const double* z = dz + k * columns;
+      const double* w = dw + k * columns;
+      for (int c = 0; c < columns; ++c) out[c] += by_z * z[c] + by_w * w[c];
     }
   }
 }

@@ -9,8 +9,9 @@
 namespace poise {
 
 /// Equations of motion as a first-order system, with f degrees of freedom:
-///   y = z, w, work, then for each sensitivity  dz (f), dw (f)
-///   y' = w, alpha, power,                      dw, alpha_z dz + alpha_w dw + alpha_p.
+///   y = z, w, work, then of z and of w a row of sensitivities for each coordinate,  dz (f rows), dw (f rows)
+///   y' = w, alpha, power,                                                           dw, alpha_z dz + alpha_w dw +
+///   alpha_p.
 /// The first 2 f sensitivities are those of the initial z and w, the others those of the influences.
 ///
 /// Rounding eps of the loops' closure makes alpha uncertain by eps rate^2 / pivot^3. Near singular poses it is

@@ -56,7 +56,7 @@ class Simulation {
       y_[static_cast<std::size_t>(k)] = q_start_[static_cast<std::size_t>(reduced_.independent()[k])];
       y_[static_cast<std::size_t>(f + k)] = v[static_cast<std::size_t>(reduced_.independent()[k])];
     }
-    for (int c = 0; c < std::min(columns_, 2 * f); ++c) y_[static_cast<std::size_t>(2 * f + 1 + 2 * f * c + c)] = 1.0;
+    for (int c = 0; c < std::min(columns_, 2 * f); ++c) y_[sensitivity(c, c)] = 1.0;
   }
 
   Motion run() {
@@ -71,6 +71,11 @@ class Simulation {
   }
 
  private:
+  /// Place in y of column c of row k: of z_k, or of w_(k - f).
+  std::size_t sensitivity(int k, int c) const {
+    return static_cast<std::size_t>(2 * reduced_.freedoms() + 1 + k * columns_ + c);
+  }
+
   void move_along() {
     reduced_.set_singular_limit(0.0);
     reduced_.expect(q_start_.data());
@@ -284,10 +289,9 @@ class Simulation {
         y_[static_cast<std::size_t>(f + k)] = v[i];
         for (int c = 0; c < columns_; ++c) {
           const std::size_t from = (node * n_ + i) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c);
-          const std::size_t to = static_cast<std::size_t>(2 * f + 1 + 2 * f * c + k);
           const double unit = unit_of_column(c) / unit_[i];
-          y_[to] = path.q_p[from] * unit;
-          y_[to + static_cast<std::size_t>(f)] = path.v_p[from] * unit;
+          y_[sensitivity(k, c)] = path.q_p[from] * unit;
+          y_[sensitivity(f + k, c)] = path.v_p[from] * unit;
         }
       }
       out_.evaluations += system_->evaluations;
@@ -335,7 +339,6 @@ class Simulation {
     const std::size_t first = path.q_p.size();
     for (auto* part : {&path.q_p, &path.v_p, &path.a_p}) part->resize(first + n_ * width);
     for (int c = 0; c < columns_; ++c) {
-      const double* s = &y_[static_cast<std::size_t>(2 * f + 1 + 2 * f * c)];
       const double per = 1.0 / unit_of_column(c);
       const double* own = c < 2 * f ? nullptr : system_->alpha_p(c - 2 * f);
       const bool moves = own != nullptr && options_.influences[static_cast<std::size_t>(c - 2 * f)].moves();
@@ -345,9 +348,11 @@ class Simulation {
         double dv = moves ? moved[n_ + i] : 0.0;
         double da = moves ? moved[2 * n_ + i] : 0.0;
         for (int k = 0; k < f; ++k) {
-          dq += reduced_.B(k)[i] * s[k];
-          dv += reduced_.v_z(k)[i] * s[k] + reduced_.B(k)[i] * s[f + k];
-          da += reduced_.a_z(k)[i] * s[k] + reduced_.a_w(k)[i] * s[f + k];
+          const double dz = y_[sensitivity(k, c)];
+          const double dw = y_[sensitivity(f + k, c)];
+          dq += reduced_.B(k)[i] * dz;
+          dv += reduced_.v_z(k)[i] * dz + reduced_.B(k)[i] * dw;
+          da += reduced_.a_z(k)[i] * dz + reduced_.a_w(k)[i] * dw;
           if (own != nullptr && !moves) da += reduced_.B(k)[i] * own[k];
         }
         const std::size_t at = first + i * width + static_cast<std::size_t>(c);

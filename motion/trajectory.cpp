@@ -33,10 +33,11 @@ double reading_error(std::span<const NodeValues> nodes, double t) {
   return std::abs(others) * (std::abs(row[last - 1]) + std::abs(row[last] * (at - s[last - 1])));
 }
 
-TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates)
+TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates, bool rates)
     : trajectory_(trajectory),
       coordinates_(std::move(coordinates)),
       stride_(1 + static_cast<std::size_t>(trajectory.columns)),
+      rates_(rates),
       value_(coordinates_.size() * stride_),
       rate_(value_.size()) {}
 
@@ -123,6 +124,14 @@ void TrajectoryReader::at(double t) {
   // Horner's scheme for the polynomial and its derivative.
   const double* top = &newton_[(conditions - 1) * width];
   std::copy(top, top + width, value_.begin());
+  if (!rates_) {
+    for (std::size_t m = conditions - 1; m-- > 0;) {
+      const double* row = &newton_[m * width];
+      const double from = s - node_[m];
+      for (std::size_t i = 0; i < width; ++i) value_[i] = value_[i] * from + row[i];
+    }
+    return;
+  }
   std::fill(rate_.begin(), rate_.end(), 0.0);
   for (std::size_t m = conditions - 1; m-- > 0;) {
     const double* row = &newton_[m * width];

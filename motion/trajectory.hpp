@@ -32,7 +32,8 @@ double reading_error(std::span<const NodeValues> nodes, double t);
 class TrajectoryReader {
  public:
   /// `trajectory` must outlive this and have at least two nodes. Only `coordinates` are read.
-  TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates);
+  /// Without `rates` v() and v_p() are zero.
+  TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates, bool rates = true);
 
   /// Interpolates at time t, which may lie anywhere, but is fastest between the nodes of the last one.
   void at(double t);
@@ -54,6 +55,7 @@ class TrajectoryReader {
   const Trajectory& trajectory_;
   std::vector<int> coordinates_;
   std::size_t stride_;  // 1 + columns
+  bool rates_;
   std::size_t interval_ = static_cast<std::size_t>(-1);
   double origin_ = 0.0, scale_ = 1.0;  // s = (t - origin) / scale
   std::vector<double> node_;           // s of each condition, every node three times

@@ -56,6 +56,7 @@ Eigen::MatrixXd Autoregression::weighted_square(const Eigen::MatrixXd& a) const 
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns, columns);
   // The rows after the present one, as a ring.
   Eigen::MatrixXd later = Eigen::MatrixXd::Zero(columns, order);
+  Eigen::Index newest = 0;
   Eigen::VectorXd b(columns);
   double quiet = 0.0;  // of the last `order` rows
   for (Eigen::Index t = rows - 1; t > -50 * rows; --t) {
@@ -65,9 +66,11 @@ Eigen::MatrixXd Autoregression::weighted_square(const Eigen::MatrixXd& a) const 
       b.setZero();
     }
     for (Eigen::Index j = 1; j <= order; ++j) {
-      b += coefficient[static_cast<std::size_t>(j - 1)] * later.col((t + j + 51 * rows) % order);
+      const Eigen::Index place = newest + j - 1;
+      b += coefficient[static_cast<std::size_t>(j - 1)] * later.col(place < order ? place : place - order);
     }
-    later.col((t + 51 * rows) % order) = b;
+    newest = newest > 0 ? newest - 1 : order - 1;
+    later.col(newest) = b;
     sum.selfadjointView<Eigen::Lower>().rankUpdate(b);
     if (t >= 0) continue;
     quiet += b.squaredNorm();

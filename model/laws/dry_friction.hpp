@@ -17,6 +17,7 @@ struct DryFriction {
   template <class S>
   LawForce<S> resisting(const S&, const S& rate) const {
     using std::tanh;
+    if (force == 0.0) return {};
     const S shape = tanh(rate / S(width));
     return {S(force) * shape, S(0), S(force) * (1 - shape * shape) / S(width)};
   }

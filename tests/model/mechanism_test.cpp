@@ -281,7 +281,9 @@ TEST(Mechanism, ResistanceTakesThePowerSeenInThePlacesOfBodies) {
     std::vector<Planar<double>> pose(mechanism.pose_size());
     mechanism.place(q.data(), pose.data());
     VectorXd force = VectorXd::Zero(q.size());
-    mechanism.add_resistance(pose.data(), v.data(), force.data());
+    std::vector<double> resistances(mechanism.resistances_size());
+    mechanism.resist(pose.data(), v.data(), resistances.data());
+    mechanism.add_resistance(resistances.data(), force.data());
     EXPECT_LT(error_against_differences(frozen, q, force.transpose()), 1e-9);
   });
 }

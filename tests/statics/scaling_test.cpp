@@ -197,8 +197,10 @@ std::vector<double> all_values(const Scene& scene, Purpose purpose, const Scales
         return scales.energy() /
                (units.coordinate[mechanism.tangent_row()[e]] * units.coordinate[mechanism.tangent_column()[e]]);
       });
+  std::vector<double> resistances(mechanism.resistances_size());
+  mechanism.resist(pose.data(), q.data(), resistances.data());
   add(
-      n, [&](double* g) { mechanism.add_resistance(pose.data(), q.data(), g); }, force_unit);
+      n, [&](double* g) { mechanism.add_resistance(resistances.data(), g); }, force_unit);
   for (const auto* limits : {&mechanism.lower(), &mechanism.upper()}) {
     for (std::size_t s = 0; s < limits->size(); ++s) out.push_back((*limits)[s] * units.row[mechanism.stop_row(s)]);
   }
