@@ -20,9 +20,8 @@ void check_spans(const FitProblem& problem) {
     const RunModel& model = problem.run(r);
     const Run& run = model.run();
     if (run.is_simulated() || run.time_factor) continue;
-    std::vector<double> unknowns;
-    for (const int p : problem.parameters_of(r)) unknowns.push_back(starts[static_cast<std::size_t>(p)]);
-    const std::vector<double> nuisances = first_guess(model, problem.experiment().records[r]);
+    const std::vector<double> unknowns = problem.unknowns_of(r, starts);
+    const std::vector<double> nuisances = first_guess(model, unknowns, problem.experiment().records[r]);
     const std::vector<double> begin = model.start_of_run(nuisances);
     const std::vector<double> all = model.natural_frequencies(unknowns.data(), model.equilibrium_at(), begin);
     const auto slowest = std::find_if(all.begin(), all.end(), [](double f) { return f > 0; });

@@ -178,7 +178,19 @@ class Comparing {
     for (const Run& run : simple.runs) {
       if (!differ_by_unknowns(simple.scene_of(run.part), full, run.part)) return false;
     }
+    for (std::size_t k = 0; k < simple.sensors.size(); ++k) {
+      if (!differ_by_unknowns(simple.sensors[k], full, k)) return false;
+    }
     return true;
+  }
+
+  /// The same of the numbers of a sensor. Readings are compared in its quantity: of zero and factor, only what is
+  /// unknown of them counts.
+  static bool differ_by_unknowns(const Sensor& sensor, const Experiment& full, std::size_t k) {
+    const bool is_free = std::any_of(full.unknowns.begin(), full.unknowns.end(), [&](const Unknown& unknown) {
+      return unknown.of_sensor && unknown.of_sensor->sensor == k && unknown.of_sensor->of == SensorNumber::Of::delay;
+    });
+    return is_free || sensor.delay == full.sensors[k].delay;
   }
 
   /// Whether a scene is that of a part of an experiment but for the values of the part's unknowns.
@@ -215,7 +227,7 @@ class Comparing {
           inflated += inflation(full, p);
           const Parameter& parameter = problems_[b]->parameters()[p];
           const Unknown& unknown = problems_[b]->unknown_of(p);
-          const double fixed = value_in(problems_[a]->experiment().scene_of(unknown.part), unknown.path);
+          const double fixed = written_value(problems_[a]->experiment(), unknown);
           at_bound = at_bound || fixed <= parameter.min || fixed >= parameter.max;
         }
         const double size = std::max(1.0, 2 * out_.models[b].cost / std::max(1, full.degrees_of_freedom));
@@ -232,11 +244,6 @@ class Comparing {
         out_.tests.push_back(test);
       }
     }
-  }
-
-  static double value_in(const Scene& scene, const std::string& path) {
-    const std::optional<ParameterRow> row = find_parameter(scene, path);
-    return row ? value_at(scene, row->place).value_or(0.0) : 0.0;
   }
 
   Part part_of(std::size_t m, const std::vector<std::size_t>& runs) const {
@@ -370,6 +377,25 @@ class Comparing {
 };
 
 }  // namespace
+
+void leave_out_alike(const std::vector<Experiment*>& experiments) {
+  const std::vector<Record>& first = experiments.front()->records;
+  for (std::size_t r = 0; r < first.size(); ++r) {
+    for (std::size_t k = 0; k < first[r].sensors.size(); ++k) {
+      TimeRange common{-INFINITY, INFINITY};
+      std::vector<std::pair<Experiment*, Series*>> all;
+      for (Experiment* const experiment : experiments) {
+        if (r >= experiment->records.size() || k >= experiment->records[r].sensors.size()) return;
+        Series& series = experiment->records[r].sensors[k];
+        if (series.time.empty()) continue;
+        common.from = std::max(common.from, series.time.front());
+        common.to = std::min(common.to, series.time.back());
+        all.emplace_back(experiment, &series);
+      }
+      for (const auto& [experiment, series] : all) experiment->runs[r].left_out += leave_out(common, *series);
+    }
+  }
+}
 
 ModelComparison compare_models(const std::vector<const FitProblem*>& problems, const CompareOptions& options) {
   for (const FitProblem* problem : problems) expect_same_readings(*problems.front(), *problem);

@@ -50,6 +50,10 @@ struct CompareOptions {
   FitOptions fit{};
 };
 
+/// Leaves out of all experiments the readings of measured runs that one of them leaves out for its delays
+/// (compared_times()), so that models of one record can be compared. Leaves alone what does not correspond.
+void leave_out_alike(const std::vector<Experiment*>& experiments);
+
 /// Fits all models to the same records, one per run, and compares them. `problems` must have the same runs and sensors,
 /// and outlive nothing. Sources: K. P. Burnham, D. R. Anderson, Model Selection and Multimodel Inference, ch. 2
 /// (criteria under overdispersion); A. Rotnitzky, N. P. Jewell, Hypothesis testing of regression parameters in

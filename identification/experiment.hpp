@@ -18,7 +18,15 @@
 
 namespace poise {
 
-/// A sensor reads a measure of the pose, or the force of an element of the scene; values SI.
+/// A number of a sensor, "sensor.NAME.zero", ".factor" or ".delay", that is unknown in place of one of the scene.
+struct SensorNumber {
+  enum class Of { zero, factor, delay };
+  std::size_t sensor = 0;  ///< index into Experiment::sensors
+  Of of = Of::zero;
+};
+
+/// A sensor reads a measure of the pose, or the force of an element of the scene; values SI. At time t its column has
+///   (g(t - delay) - zero) / unit,  g the quantity.
 struct Sensor {
   Measure on;        ///< body_a is the ground for an absolute angle
   int element = -1;  ///< index into Scene::elements whose static force it reads, tension positive; else -1
@@ -30,6 +38,8 @@ struct Sensor {
   bool noise_known = true;  ///< false: `noise` is a first guess from the readings, and a fit estimates it
   double unit = 1.0;        ///< SI value of one unit of the file's column
   double zero = 0.0;        ///< SI value of the quantity where the column reads 0:  quantity = zero + unit column
+  double delay = 0.0;       ///< s
+  double least_delay = 0.0, most_delay = 0.0;  ///< that a fit may try; where it is known, that
   int line = 0;
 
   bool reads_force() const { return element >= 0; }
@@ -38,12 +48,21 @@ struct Sensor {
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();
     return rate ? read * dimension::time.power(-1) : read;
   }
+  /// Of one of its numbers.
+  Dimension dimension(SensorNumber::Of of) const {
+    return of == SensorNumber::Of::delay ? dimension::time : dimension();
+  }
+  double number(SensorNumber::Of of) const {
+    return of == SensorNumber::Of::zero ? zero : of == SensorNumber::Of::factor ? unit : delay;
+  }
 };
 
-/// A number of the scene that is to be estimated, by its path (see model/set_value): SI throughout.
+/// A number of the scene or of a sensor that is to be estimated, by its path (see model/set_value): SI throughout. What
+/// is said below of the scene's value is said of the sensor's too.
 struct Unknown {
-  std::string path;   ///< "spring.oil.stiffness"
-  std::string name;   ///< for tables; the path where none was given
+  std::string path;                       ///< "spring.oil.stiffness", "sensor.angle.zero"
+  std::optional<SensorNumber> of_sensor;  ///< absent: a number of the scene
+  std::string name;                       ///< for tables; the path where none was given
   std::string per;    ///< "" one value for all runs; "run" one for each; else a label: one for each of its values
   double unit = 1.0;  ///< SI value of the unit in which the file gives it
   double includes =
@@ -113,6 +132,7 @@ struct Run {
   std::optional<double> time_factor;        ///< seconds per unit of these columns; absent: 1, which is then checked
   std::optional<std::string> segment;       ///< value of the split column; absent: all of the files
   std::vector<std::size_t> sensors;         ///< those that are read in it, ascending; empty: all
+  std::size_t left_out = 0;                 ///< readings of the files that compared_times() leaves out
   std::size_t part = 0;                     ///< of the experiment
   int line = 0;
 
@@ -157,6 +177,26 @@ struct Experiment {
     return std::all_of(runs.begin(), runs.end(), [](const Run& run) { return run.is_simulated(); });
   }
 };
+
+/// The value of an unknown in its scene or sensor as written, SI, and its dimension.
+double written_value(const Experiment& experiment, const Unknown& unknown);
+Dimension dimension_of(const Experiment& experiment, const Unknown& unknown);
+
+/// Whether the mechanism is still until a run's time 0, at its start: that is known, without speed, and nothing drives
+/// it.
+bool is_held(const Experiment& experiment, const Run& run);
+
+/// The times at which readings of sensor k in a run can be compared: where the motion is known at the time less the
+/// delay, whichever that is. It is known from 0 on, before where the run is_held(), and, where there are inputs, up to
+/// `end`, the time of the run's last reading.
+struct TimeRange {
+  double from = 0.0, to = 0.0;
+};
+TimeRange compared_times(const Experiment& experiment, const Run& run, std::size_t k, double end);
+/// Leaves out readings at other times; returns their number.
+std::size_t leave_out(const TimeRange& compared, Series& series);
+/// Those of a simulated run, of which all others are left out.
+std::vector<double> simulated_times(const Experiment& experiment, const Run& run, std::size_t k);
 
 struct ExperimentOptions {
   std::filesystem::path data{};         ///< takes the place of the data file that the runs name

@@ -59,8 +59,9 @@ toml::table bare(toml::table run, const Experiment& experiment) {
   return run;
 }
 
-/// Takes out sensors that none of the runs reads.
-void leave_out_unread(toml::array& sensors, const toml::array& runs) {
+/// Takes out sensors that none of the runs reads, and unknowns that are numbers of these.
+void leave_out_unread(toml::table& root, const toml::array& runs) {
+  toml::array& sensors = *root.get_as<toml::array>("sensor");
   std::set<std::string> read;
   for (const toml::node& node : runs) {
     const toml::array* const names = node.as_table()->get_as<toml::array>("sensors");
@@ -69,7 +70,18 @@ void leave_out_unread(toml::array& sensors, const toml::array& runs) {
   }
   for (auto sensor = sensors.begin(); sensor != sensors.end();) {
     const std::string name = (*sensor->as_table())["name"].value_or(std::string());
-    sensor = read.contains(name) ? std::next(sensor) : sensors.erase(sensor);
+    if (read.contains(name)) {
+      ++sensor;
+      continue;
+    }
+    sensor = sensors.erase(sensor);
+    toml::array* const unknowns = root.get_as<toml::array>("unknown");
+    if (unknowns == nullptr) continue;
+    for (auto unknown = unknowns->begin(); unknown != unknowns->end();) {
+      const std::string path = (*unknown->as_table())["path"].value_or(std::string());
+      const bool of_it = path.starts_with("sensor." + name + ".") && path.rfind('.') == name.size() + 7;
+      unknown = of_it ? unknowns->erase(unknown) : std::next(unknown);
+    }
   }
 }
 
@@ -240,7 +252,7 @@ std::string ExperimentText::with(const std::vector<PlannedRun>& runs, bool measu
     }
     list.push_back(std::move(run));
   }
-  leave_out_unread(*root.get_as<toml::array>("sensor"), list);
+  leave_out_unread(root, list);
   root.insert_or_assign("run", std::move(list));
   return TomlWriter().text(root);
 }

@@ -5,16 +5,17 @@
 
 namespace poise {
 
-std::vector<double> started_from_readings(const RunModel& run, std::vector<double> nuisances, const Record& record) {
+std::vector<double> started_from_readings(const RunModel& run, const std::vector<double>& unknowns,
+                                          std::vector<double> nuisances, const Record& record) {
   if (!run.start_is_unknown()) return nuisances;
-  const std::vector<double> start = run.start_from_readings(record);
+  const std::vector<double> start = run.start_from_readings(unknowns.data(), record);
   std::copy(start.begin(), start.end(), nuisances.begin() + (run.equilibrium_is_unknown() ? 1 : 0));
   return nuisances;
 }
 
-std::vector<double> first_guess(const RunModel& run, const Record& record) {
+std::vector<double> first_guess(const RunModel& run, const std::vector<double>& unknowns, const Record& record) {
   if (record.empty() || !run.run().release.empty()) return run.released();
-  return started_from_readings(run, run.released(), record);
+  return started_from_readings(run, unknowns, run.released(), record);
 }
 
 std::vector<double> rms_from_first_readings(const FitProblem& problem, const Fit& fitted,
@@ -25,7 +26,8 @@ std::vector<double> rms_from_first_readings(const FitProblem& problem, const Fit
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     std::vector<double> nuisances;
     try {
-      nuisances = started_from_readings(problem.run(r), fitted.runs[r].nuisances, records[r]);
+      nuisances = started_from_readings(problem.run(r), problem.unknowns_of(r, fitted.parameters),
+                                        fitted.runs[r].nuisances, records[r]);
     } catch (const InputError&) {
       return {};  // no pose has these readings and closes the loops
     }

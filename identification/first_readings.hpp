@@ -7,12 +7,13 @@
 namespace poise {
 
 /// Nuisances of a run, its start, where that is unknown, replaced by an estimate from its first readings (see
-/// RunModel::start_from_readings).
-std::vector<double> started_from_readings(const RunModel& run, std::vector<double> nuisances, const Record& record);
+/// RunModel::start_from_readings); `unknowns` as of the run.
+std::vector<double> started_from_readings(const RunModel& run, const std::vector<double>& unknowns,
+                                          std::vector<double> nuisances, const Record& record);
 
 /// Initial nuisances of a fit: the release where the run states one, else an estimate from the first readings of
 /// `record`, which may be empty.
-std::vector<double> first_guess(const RunModel& run, const Record& record);
+std::vector<double> first_guess(const RunModel& run, const std::vector<double>& unknowns, const Record& record);
 
 /// Per sensor, over all runs: root mean square of predicted - read, SI, at the parameters that were fitted, but with
 /// every run started from its own first readings in place of the start that was fitted. Compared with

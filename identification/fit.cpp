@@ -166,7 +166,7 @@ class Fitting {
     }
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       const RunModel& run = problem_.run(r);
-      point.nuisances.push_back(first_guess(run, for_guesses()[r]));
+      point.nuisances.push_back(first_guess(run, problem_.unknowns_of(r, point.parameters), for_guesses()[r]));
     }
     return point;
   }

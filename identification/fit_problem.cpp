@@ -12,11 +12,14 @@
 namespace poise {
 namespace {
 
-/// The values at some places.
-std::vector<double> chosen(const std::vector<double>& values, const std::vector<int>& places) {
-  std::vector<double> out;
-  for (const int p : places) out.push_back(values[static_cast<std::size_t>(p)]);
-  return out;
+/// The number of the scene that an unknown is. Throws InputError where the motion does not depend on it.
+SceneParameter scene_number(const Experiment& experiment, const Unknown& unknown) {
+  const std::optional<SceneParameter> number = SceneParameter::find(experiment.scene_of(unknown.part), unknown.path);
+  if (number) return *number;
+  throw InputError(fmt::format(
+      "{}:{}: unknown \"{}\": expected a number that the motion depends on: none of a stop or of [start], and no "
+      "start that its drive leaves out",
+      experiment.file_of(unknown.part), unknown.line, unknown.path));
 }
 
 }  // namespace
@@ -34,37 +37,36 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
     const Run& run = experiment.runs[r];
     std::vector<SceneParameter> numbers;
+    std::vector<SensorNumber> sensor_numbers;
+    std::vector<int> of_sensors;
     used_.emplace_back();
     for (std::size_t u = 0; u < experiment.unknowns.size(); ++u) {
       const Unknown& unknown = experiment.unknowns[u];
       if (unknown.part != run.part) continue;
-      const Scene& scene = experiment.scene_of(run.part);
-      const std::optional<SceneParameter> number = SceneParameter::find(scene, unknown.path);
-      if (!number) {
-        throw InputError(fmt::format(
-            "{}:{}: unknown \"{}\": expected a number that the motion depends on: none of a stop or of [start], and no "
-            "start that its drive leaves out",
-            experiment.file_of(unknown.part), unknown.line, unknown.path));
-      }
       const std::string group = group_of(unknown.per, run);
       const auto [at, fresh] = known.try_emplace({unknown.name, group}, static_cast<int>(parameters_.size()));
-      if (fresh) {
-        Parameter p;
-        p.unknown = static_cast<int>(u);
-        p.name = group.empty() ? unknown.name : unknown.name + " (" + group + ")";
-        p.min = unknown.min - unknown.includes;
-        p.max = unknown.max - unknown.includes;
-        p.truth = number->get(scene);
-        p.start = unknown.start ? *unknown.start - unknown.includes : p.truth;
-        parameters_.push_back(p);
-        const double shown = p.start + unknown.includes;
-        const Scale scale = scale_of(parameters_.size() - 1);
-        parameters_.back().scale = shown != 0 ? std::abs(shown) : scale.size > 0 ? scale.size : unknown.unit;
+      if (unknown.of_sensor) {
+        sensor_numbers.push_back(*unknown.of_sensor);
+        of_sensors.push_back(at->second);
+      } else {
+        numbers.push_back(scene_number(experiment, unknown));
+        used_.back().push_back(at->second);
       }
-      used_.back().push_back(at->second);
-      numbers.push_back(*number);
+      if (!fresh) continue;
+      Parameter p;
+      p.unknown = static_cast<int>(u);
+      p.name = group.empty() ? unknown.name : unknown.name + " (" + group + ")";
+      p.min = unknown.min - unknown.includes;
+      p.max = unknown.max - unknown.includes;
+      p.truth = written_value(experiment, unknown);
+      p.start = unknown.start ? *unknown.start - unknown.includes : p.truth;
+      parameters_.push_back(p);
+      const double shown = p.start + unknown.includes;
+      const Scale scale = scale_of(parameters_.size() - 1);
+      parameters_.back().scale = shown != 0 ? std::abs(shown) : scale.size > 0 ? scale.size : unknown.unit;
     }
-    models_.emplace_back(experiment, r, std::move(numbers));
+    used_.back().insert(used_.back().end(), of_sensors.begin(), of_sensors.end());
+    models_.emplace_back(experiment, r, std::move(numbers), std::move(sensor_numbers));
   }
   for (const RunModel& model : models_) {
     double noise = INFINITY;
@@ -82,12 +84,23 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   }
 }
 
-const SceneParameter& FitProblem::number(int parameter) const {
+std::vector<double> FitProblem::unknowns_of(std::size_t r, const std::vector<double>& parameters) const {
+  std::vector<double> out;
+  for (const int p : used_[r]) out.push_back(parameters[static_cast<std::size_t>(p)]);
+  return out;
+}
+
+const SceneParameter* FitProblem::number(int parameter) const {
   for (std::size_t r = 0; r < models_.size(); ++r) {
-    const auto at = std::find(used_[r].begin(), used_[r].end(), parameter);
-    if (at != used_[r].end()) return models_[r].numbers()[static_cast<std::size_t>(at - used_[r].begin())];
+    const auto at = static_cast<std::size_t>(std::find(used_[r].begin(), used_[r].end(), parameter) - used_[r].begin());
+    if (at < models_[r].numbers().size()) return &models_[r].numbers()[at];
   }
-  throw std::logic_error("a parameter without a run");
+  return nullptr;
+}
+
+bool FitProblem::scales_with_force(int parameter) const {
+  const SceneParameter* const of_scene = number(parameter);
+  return of_scene != nullptr && of_scene->scales_with_force();
 }
 
 FitProblem::Scale FitProblem::scale_of(std::size_t parameter) const {
@@ -172,7 +185,7 @@ LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& param
                                  const std::vector<double>& nuisances, const Record* record, double until,
                                  double accuracy, const Weighting& weighting) const {
   const RunModel& model = models_[r];
-  const std::vector<double> unknowns = chosen(parameters, used_[r]);
+  const std::vector<double> unknowns = unknowns_of(r, parameters);
   Prediction prediction;
   model.predict(unknowns.data(), nuisances.data(), until, accuracy, true, prediction);
   if (!prediction.ok) return {};
@@ -225,7 +238,7 @@ Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& p
 Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parameters,
                                 const std::vector<double>& nuisances, const Record& record) const {
   const RunModel& model = models_[r];
-  const std::vector<double> unknowns = chosen(parameters, used_[r]);
+  const std::vector<double> unknowns = unknowns_of(r, parameters);
   Prediction prediction;
   model.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy_[r], false, prediction);
   if (!prediction.ok) return {};
@@ -244,7 +257,7 @@ std::vector<std::vector<std::vector<double>>> FitProblem::sensitivities(std::siz
                                                                         const std::vector<double>& parameters,
                                                                         const std::vector<double>& nuisances) const {
   const RunModel& model = models_[r];
-  const std::vector<double> unknowns = chosen(parameters, used_[r]);
+  const std::vector<double> unknowns = unknowns_of(r, parameters);
   Prediction prediction;
   model.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy_[r], true, prediction);
   if (!prediction.ok) return {};

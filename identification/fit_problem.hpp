@@ -16,8 +16,8 @@ namespace poise {
 struct Parameter {
   int unknown = 0;   ///< index into Experiment::unknowns
   std::string name;  ///< "k", or "k (low)"
-  double start = 0;  ///< value in the scene, SI, from which a fit starts
-  double truth = 0;  ///< value of the scene as it is written
+  double start = 0;  ///< value in the scene, or of the sensor, SI, from which a fit starts
+  double truth = 0;  ///< value as it is written there
   double scale = 1;  ///< |start|; where it is 0 the scale, or one unit
   double min, max;   ///< of the value in the scene
 };
@@ -51,7 +51,15 @@ class FitProblem {
   const RunModel& run(std::size_t r) const { return models_[r]; }
   /// Parameters that run r depends on, in the order of its unknowns.
   const std::vector<int>& parameters_of(std::size_t r) const { return used_[r]; }
-  const SceneParameter& number(int parameter) const;
+  /// The values of these, in that order, among the values of all parameters.
+  std::vector<double> unknowns_of(std::size_t r, const std::vector<double>& parameters) const;
+  /// The number of the scene that a parameter is; null for one of a sensor.
+  const SceneParameter* number(int parameter) const;
+  /// Whether it is one of the numbers that change no motion if all are multiplied by one factor.
+  bool scales_with_force(int parameter) const;
+  Dimension dimension(int parameter) const {
+    return dimension_of(experiment_, unknown_of(static_cast<std::size_t>(parameter)));
+  }
   /// The unknown that a parameter is a value of.
   const Unknown& unknown_of(std::size_t parameter) const {
     return experiment_.unknowns[static_cast<std::size_t>(parameters_[parameter].unknown)];

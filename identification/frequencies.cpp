@@ -111,8 +111,7 @@ Frequencies::Swing Frequencies::swing_of(std::size_t r, double span) const {
   const std::vector<double>& nuisances = point_.nuisances[r];
   Swing out;
   out.equilibrium = run.equilibrium_is_unknown() ? nuisances[0] : run.equilibrium_at();
-  std::vector<double> unknowns;
-  for (const int p : problem_.parameters_of(r)) unknowns.push_back(point_.parameters[static_cast<std::size_t>(p)]);
+  const std::vector<double> unknowns = problem_.unknowns_of(r, point_.parameters);
   const Motion motion = run.move(unknowns.data(), nuisances.data(), span, 1e-4, false);
   if (!motion.completed()) return out;
   const Trajectory& path = motion.trajectory;
@@ -146,8 +145,7 @@ std::vector<double> Frequencies::of_run(std::size_t r, const std::vector<double>
   const Swing& swing = swings_[r];
   const RunModel& run = problem_.run(r);
   if (swing.pose.empty() && !run.has_equilibrium()) return {};
-  std::vector<double> unknowns;
-  for (const int p : problem_.parameters_of(r)) unknowns.push_back(parameters[static_cast<std::size_t>(p)]);
+  const std::vector<double> unknowns = problem_.unknowns_of(r, parameters);
   std::vector<double> out = run.natural_frequencies(unknowns.data(), swing.equilibrium, swing.pose);
   for (double& f : out) f *= swing.ratio;
   return out;

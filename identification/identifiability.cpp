@@ -132,8 +132,7 @@ void name_scale(const FitProblem& problem, const std::vector<double>& parameters
   is_scale.assign(nulls.free.size(), false);
   VectorXd factor = VectorXd::Zero(scale.size());
   for (Index i = 0; i < scale.size(); ++i) {
-    if (problem.number(static_cast<int>(i)).scales_with_force())
-      factor[i] = parameters[static_cast<std::size_t>(i)] / scale[i];
+    if (problem.scales_with_force(static_cast<int>(i))) factor[i] = parameters[static_cast<std::size_t>(i)] / scale[i];
   }
   VectorXd left = factor;
   Index largest = -1;
@@ -277,7 +276,8 @@ class Assessment {
     Identifiability::Combination out;
     out.unit_of = static_cast<int>(of);
     out.standard_error = scale_[of] * (weighted_.transpose() * c).norm();
-    out.exact = true;
+    bool all_scale = true;  // a null multiplies them by one factor
+    bool all_shift = true;  // a null adds to them
     double largest = 0.0;
     double sum = 0.0;
     Index divisor = -1;
@@ -290,7 +290,8 @@ class Assessment {
       out.coefficient.push_back(by_si * unknown.unit / unit);
       if (c[i] == 0) continue;
       out.value += by_si * (parameters_[at] + unknown.includes);
-      out.exact = out.exact && problem_.number(static_cast<int>(i)).scales_with_force();
+      all_scale = all_scale && problem_.scales_with_force(static_cast<int>(i));
+      all_shift = all_shift && unknown.of_sensor && unknown.of_sensor->of != SensorNumber::Of::factor;
       plain = plain && unknown.includes == 0;
       const double term = by_si * parameters_[at];
       sum += term;
@@ -298,13 +299,14 @@ class Assessment {
       divisor = i;
       largest = std::abs(term);
     }
-    if (divisor >= 0 && plain && std::abs(sum) <= 1e-6 * largest) {
+    if (divisor >= 0 && plain && !all_shift && std::abs(sum) <= 1e-6 * largest) {
       const auto at = static_cast<std::size_t>(divisor);
       out.over = static_cast<int>(divisor);
       out.value = -c[divisor] * scale_[of] / scale_[divisor];
       out.standard_error /= std::abs(parameters_[at]);
       out.coefficient[at] = 0.0;
     }
+    out.exact = all_scale || all_shift;
     out.words = in_words(problem_, out);
     return out;
   }

@@ -29,7 +29,14 @@ bool same_scene(const Scene& a, const Scene& b) {
 bool same_sensor(const Sensor& a, const Sensor& b) {
   return a.on.kind == b.on.kind && a.on.body_a == b.on.body_a && a.on.body_b == b.on.body_b &&
          a.on.joint == b.on.joint && a.on.a == b.on.a && a.on.b == b.on.b && a.element == b.element &&
-         a.rate == b.rate && a.noise_known == b.noise_known && (a.noise == b.noise || !a.noise_known);
+         a.rate == b.rate && a.noise_known == b.noise_known && (a.noise == b.noise || !a.noise_known) &&
+         a.delay == b.delay && a.least_delay == b.least_delay && a.most_delay == b.most_delay;
+}
+
+/// Whether the zero or factor of sensor k is unknown.
+bool is_scaled(const Experiment& part, std::size_t k) {
+  return std::any_of(part.unknowns.begin(), part.unknowns.end(),
+                     [&](const Unknown& unknown) { return unknown.of_sensor && unknown.of_sensor->sensor == k; });
 }
 
 class Joining {
@@ -93,7 +100,12 @@ class Joining {
         const auto other =
             std::find_if(others.begin(), others.end(), [&](const Sensor& s) { return s.name == sensor.name; });
         if (other == others.end()) continue;
-        if (!same_sensor(sensor, *other) || !same_scene(parts_[p].scene, parts_[q].scene)) {
+        const bool scaled = is_scaled(parts_[p], places.size()) ||
+                            is_scaled(parts_[q], static_cast<std::size_t>(other - others.begin()));
+        // What is unknown of a column is so of columns that were converted alike.
+        const bool converted_alike = sensor.zero == other->zero && sensor.unit == other->unit;
+        if (!same_sensor(sensor, *other) || !same_scene(parts_[p].scene, parts_[q].scene) ||
+            (scaled && !converted_alike)) {
           alone = false;
         } else if (q < p) {
           place = places_[q][static_cast<std::size_t>(other - others.begin())];
@@ -116,6 +128,15 @@ class Joining {
 
   void add_unknown(std::size_t p, Unknown unknown) {
     unknown.part = p;
+    if (unknown.of_sensor) {
+      const std::string& own = parts_[p].sensors[unknown.of_sensor->sensor].name;
+      unknown.of_sensor->sensor = places_[p][unknown.of_sensor->sensor];
+      // A sensor of another name is another one, with numbers of its own.
+      const bool by_path = unknown.name == unknown.path;
+      unknown.path.replace(std::string_view("sensor.").size(), own.size(),
+                           out_.sensors[unknown.of_sensor->sensor].name);
+      if (by_path) unknown.name = unknown.path;
+    }
     const auto first = find_unknown(unknown.name);
     if (first != out_.unknowns.end()) reconcile(*first, unknown);
     out_.unknowns.push_back(std::move(unknown));
@@ -123,16 +144,16 @@ class Joining {
 
   /// Makes the first of the unknowns of one name what is known of both.
   void reconcile(Unknown& first, const Unknown& other) const {
-    const Experiment& here = parts_[other.part];
-    const Experiment& there = parts_[first.part];
+    const std::string& here = parts_[other.part].file;
+    const std::string& there = parts_[first.part].file;
     const auto fail = [&](const std::string& key, const std::string& expected) {
       const std::string item = fmt::format("unknown \"{}\"{}", other.name, key.empty() ? "" : "." + key);
-      TomlPlace{here.file, other.line, item}.fail(fmt::format("expected {}, which is the same number in {}:{}; {}",
-                                                              expected, there.file, first.line,
-                                                              "make them agree, or give one of them another name"));
+      TomlPlace{here, other.line, item}.fail(fmt::format("expected {}, which is the same number in {}:{}; {}", expected,
+                                                         there, first.line,
+                                                         "make them agree, or give one of them another name"));
     };
-    const Dimension a = parameter(there.scene, first.path).dimension;
-    const Dimension b = parameter(here.scene, other.path).dimension;
+    const Dimension a = dimension_of(out_, first);
+    const Dimension b = dimension_of(out_, other);
     const auto exponents = [](const Dimension& d) { return std::array{d.mass, d.force, d.length, d.angle, d.time}; };
     if (exponents(a) != exponents(b)) fail("path", "the dimension of " + first.path);
     if (first.per != other.per) fail("per", first.per.empty() ? "none" : "\"" + first.per + "\"");
@@ -145,11 +166,12 @@ class Joining {
     if (first.prior && other.prior && !same_prior) {
       fail("prior", fmt::format("[{:.12g}, {:.12g}]", *first.prior / unit, first.prior_deviation / unit));
     }
-    const double value = get_value(there.scene, first.path);
-    const bool same_value = get_value(here.scene, other.path) == value;
-    if (!same_value && !first.start && !other.start) fail("", fmt::format("a start, or {:.12g} in the scene", value));
+    const double value = written_value(out_, first);
+    const bool same_value = written_value(out_, other) == value;
+    if (!same_value && !first.start && !other.start)
+      fail("", fmt::format("a start, or {:.12g} in the scene", value / unit));
     if (!same_value && (simulated_[first.part] || simulated_[other.part])) {
-      fail("", fmt::format("{:.12g} in the scene of a simulation", value));
+      fail("", fmt::format("{:.12g} in the scene of a simulation", value / unit));
     }
     if (first.scale && other.scale && *first.scale != *other.scale) {
       fail("scale", fmt::format("{:.12g}", *first.scale / unit));
@@ -159,7 +181,7 @@ class Joining {
     if (!first.prior) std::tie(first.prior, first.prior_deviation) = std::tie(other.prior, other.prior_deviation);
     first.min = std::max(first.min, other.min);
     first.max = std::min(first.max, other.max);
-    const double start = first.start.value_or(value * unit + first.includes);
+    const double start = first.start.value_or(value + first.includes);
     if (!(first.min < first.max) || start < first.min || start > first.max) {
       fail("", fmt::format("a range with the start {:.12g} in common with the one", start / unit));
     }

@@ -23,17 +23,17 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     std::vector<SceneParameter> numbers = run.numbers();
-    std::vector<double> values;
-    for (const int p : problem.parameters_of(r)) values.push_back(fitted.parameters[static_cast<std::size_t>(p)]);
-    std::vector<std::size_t> own;  // known numbers of this run's scene
+    std::vector<double> values = problem.unknowns_of(r, fitted.parameters);
+    const auto of_scene = static_cast<Eigen::Index>(numbers.size());
+    std::vector<std::size_t> own;  // known numbers of this run's scene, behind its unknowns of the scene
     for (std::size_t n = 0; n < experiment.known.size(); ++n) {
       const KnownNumber& known = experiment.known[n];
       if (known.part != run.run().part) continue;
       own.push_back(n);
       numbers.push_back(*SceneParameter::find(run.scene(), known.path));
-      values.push_back(numbers.back().get(run.scene()));
+      values.insert(values.begin() + static_cast<std::ptrdiff_t>(numbers.size()) - 1, numbers.back().get(run.scene()));
     }
-    const RunModel extended(experiment, r, numbers);
+    const RunModel extended(experiment, r, numbers, run.sensor_numbers());
     Prediction prediction;
     extended.predict(values.data(), fitted.runs[r].nuisances.data(), INFINITY, problem.accuracy(r), true, prediction);
     if (!prediction.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + prediction.why);
@@ -47,14 +47,17 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
       row += readings;
     }
     const Eigen::Index unknowns = run.unknowns();
-    Eigen::MatrixXd a = jacobian.leftCols(unknowns);
+    const Eigen::Index of_sensors = unknowns - of_scene;
+    Eigen::MatrixXd a(rows, unknowns);
+    a.leftCols(of_scene) = jacobian.leftCols(of_scene);
+    a.rightCols(of_sensors) = jacobian.middleCols(extended.unknowns() - of_sensors, of_sensors);
     if (extended.nuisances() > 0) {
       const Eigen::MatrixXd basis = solvers::orthonormal_columns(jacobian.rightCols(extended.nuisances()));
       a -= basis * (basis.transpose() * a);
     }
     for (std::size_t i = 0; i < own.size(); ++i) {
       const KnownNumber& known = experiment.known[own[i]];
-      const auto column = unknowns + static_cast<Eigen::Index>(i);
+      const auto column = of_scene + static_cast<Eigen::Index>(i);
       const double value = values[static_cast<std::size_t>(column)];
       const double deviation = known.relative ? known.deviation * std::abs(value) : known.deviation;
       Eigen::VectorXd& sum =

@@ -19,8 +19,7 @@ std::string part_in_words(const FitProblem& problem, std::size_t i, double value
   const Unknown& unknown = problem.unknown_of(i);
   const std::string& name = problem.parameters()[i].name;
   if (value + unknown.includes == 0) {
-    const std::string unit =
-        problem.number(static_cast<int>(i)).dimension().unit_name(problem.experiment().scene.units);
+    const std::string unit = problem.dimension(static_cast<int>(i)).unit_name(problem.experiment().scene.units);
     return fmt::format("{} {:+.2g}{}{}", name, part * scale / unknown.unit, unit.empty() ? "" : " ", unit);
   }
   const double percent = 100 * part * scale / std::abs(value + unknown.includes);
@@ -43,9 +42,9 @@ void explain(const FitProblem& problem, const std::vector<double>& parameters, c
     if (std::abs(direction.part[i]) < main_part) continue;
     ++main_parts;
     alike += direction.part[i] > 0 ? 1 : -1;
-    const SceneParameter& number = problem.number(static_cast<int>(i));
-    all_scale = all_scale && number.scales_with_force();
-    inertial = inertial || number.is_inertial();
+    const SceneParameter* const number = problem.number(static_cast<int>(i));
+    all_scale = all_scale && problem.scales_with_force(static_cast<int>(i));
+    inertial = inertial || (number != nullptr && number->is_inertial());
   }
   if (direction.singular_value > 0)
     direction.scale = main_parts > 1 && std::abs(alike) == main_parts && all_scale && inertial;

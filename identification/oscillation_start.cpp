@@ -48,8 +48,7 @@ std::optional<OscillationStart> solve_oscillations(const FitProblem& problem, co
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     const DampedSine& sine = sines[r];
-    std::vector<double> unknowns;
-    for (const int p : problem.parameters_of(r)) unknowns.push_back(out.parameters[static_cast<std::size_t>(p)]);
+    std::vector<double> unknowns = problem.unknowns_of(r, out.parameters);
     RunModel::Oscillator at = run.oscillator(unknowns.data(), run.equilibrium_at());
     if (!(at.mass > 0) || at.reading_by_z == 0) return std::nullopt;
     double equilibrium = run.equilibrium_at();
@@ -138,7 +137,7 @@ std::optional<DampedSine> fit_damped_sine(const std::vector<double>& time, const
 
 std::optional<OscillationStart> start_from_oscillations(const FitProblem& problem, const std::vector<Record>& records) {
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
-    if (!problem.number(static_cast<int>(i)).scales_with_force()) return std::nullopt;
+    if (!problem.scales_with_force(static_cast<int>(i))) return std::nullopt;
   }
   const Sensor& sensor = problem.experiment().sensors.front();
   if (sensor.rate || sensor.reads_force()) return std::nullopt;
@@ -147,7 +146,9 @@ std::optional<OscillationStart> start_from_oscillations(const FitProblem& proble
     const RunModel& run = problem.run(r);
     if (run.freedoms() != 1 || !run.has_equilibrium() || !run.start_is_unknown()) return std::nullopt;
     if (!run.run().inputs.empty()) return std::nullopt;
-    const std::optional<DampedSine> sine = fit_damped_sine(records[r].sensors[0].time, records[r].sensors[0].value);
+    std::vector<double> times = records[r].sensors[0].time;
+    for (double& time : times) time -= sensor.delay;
+    const std::optional<DampedSine> sine = fit_damped_sine(times, records[r].sensors[0].value);
     // Noise alone may be a large part of a small oscillation.
     if (!sine || sine->relative_residual > pure_below + 2 * sensor.noise / std::hypot(sine->a, sine->b)) {
       return std::nullopt;

@@ -55,7 +55,8 @@ std::map<std::string, std::size_t> places_of(const FitProblem& problem) {
 std::vector<std::vector<double>> nuisances_of(const FitProblem& problem) {
   std::vector<std::vector<double>> out;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    out.push_back(first_guess(problem.run(r), problem.experiment().records[r]));
+    out.push_back(
+        first_guess(problem.run(r), problem.unknowns_of(r, problem.truths()), problem.experiment().records[r]));
   }
   return out;
 }

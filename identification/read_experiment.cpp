@@ -125,7 +125,7 @@ class ExperimentReader {
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
     table.allow_keys({"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "gaps", "noise",
-                      "zero", "factor"});
+                      "zero", "factor", "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
@@ -140,6 +140,8 @@ class ExperimentReader {
     sensor.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
     sensor.unit = table.find_number("factor", unit, Range::finite).value_or(unit);
     if (sensor.unit == 0.0) table.place_of("factor").fail("expected a number other than 0; leave it out for 1");
+    sensor.delay = table.find_number("delay", 1.0, Range::finite).value_or(0.0);
+    sensor.least_delay = sensor.most_delay = sensor.delay;
     sensor.column = name;
     if (const auto column = table.find_text("column")) {
       if (column->value.empty()) column->place.fail("expected the name of a column");
@@ -216,7 +218,93 @@ class ExperimentReader {
       paths.push_back(path.value);
     }
     const std::vector<std::string> names = names_of({tables.begin(), tables.end()}, paths, {});
-    for (std::size_t i = 0; i < tables.size(); ++i) experiment_.unknowns.push_back(read_unknown(tables[i], names[i]));
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      const Unknown unknown = read_unknown(tables[i], names[i]);
+      experiment_.unknowns.push_back(unknown);
+      if (!unknown.of_sensor || unknown.of_sensor->of != SensorNumber::Of::delay) continue;
+      Sensor& sensor = experiment_.sensors[unknown.of_sensor->sensor];
+      sensor.least_delay = std::min(sensor.delay, unknown.min);
+      sensor.most_delay = std::max(sensor.delay, unknown.max);
+    }
+  }
+
+  /// The number of a sensor that a path names; none where it is one of the scene.
+  std::optional<SensorNumber> find_sensor_number(const TomlText& path) const {
+    constexpr std::string_view owner = "sensor.";
+    if (!path.value.starts_with(owner)) return std::nullopt;
+    const std::size_t dot = path.value.rfind('.');
+    const std::string key = path.value.substr(dot + 1);
+    const std::vector<std::string> keys = {"zero", "factor", "delay"};
+    const auto of = std::find(keys.begin(), keys.end(), key);
+    if (dot < owner.size() || of == keys.end()) {
+      path.place.fail(fmt::format("expected sensor.NAME.zero, sensor.NAME.factor or sensor.NAME.delay, found \"{}\"{}",
+                                  path.value, did_you_mean_or_list(key, keys)));
+    }
+    const std::string name = path.value.substr(owner.size(), dot - owner.size());
+    std::vector<std::string> valid;
+    for (const Sensor& sensor : experiment_.sensors) valid.push_back(sensor.name);
+    const auto at = std::find(valid.begin(), valid.end(), name);
+    if (at == valid.end()) {
+      path.place.fail("expected the name of a sensor, found \"" + name + "\"" + did_you_mean_or_list(name, valid));
+    }
+    return SensorNumber{static_cast<std::size_t>(at - valid.begin()), static_cast<SensorNumber::Of>(of - keys.begin())};
+  }
+
+  /// Sets the unit of an unknown; returns its number as written, SI.
+  double read_written(const TomlText& path, Unknown& unknown) const {
+    unknown.of_sensor = find_sensor_number(path);
+    if (!unknown.of_sensor) {
+      // First, because it fails for a path that does not exist.
+      const double value = located(path.place, [&] { return get_value(experiment_.scene, path.value); });
+      if (path.value.starts_with("start.") || path.value.starts_with("stop.")) {
+        path.place.fail(
+            "expected a number that the motion depends on; start values of a run are estimated unless start_known = "
+            "true");
+      }
+      unknown.unit = value_unit(experiment_.scene, path.value);
+      return value * unknown.unit;
+    }
+    const Sensor& sensor = experiment_.sensors[unknown.of_sensor->sensor];
+    unknown.unit = sensor.dimension(unknown.of_sensor->of).unit(experiment_.scene.units);
+    return sensor.number(unknown.of_sensor->of);
+  }
+
+  /// The range that an unknown has by default; `written` and its start, SI.
+  void set_default_range(const TomlText& path, double written, Unknown& unknown) const {
+    if (unknown.of_sensor) {
+      // A factor of 0 would divide by it, so that its sign stays.
+      if (unknown.of_sensor->of == SensorNumber::Of::factor) (written > 0 ? unknown.min : unknown.max) = 0.0;
+      return;
+    }
+    if (may_not_be_negative(path.value)) unknown.min = 0.0;
+    // The direction of a line turns into its opposite after half a turn, which other numbers may make up for.
+    const ParameterRow row = parameter(experiment_.scene, path.value);
+    if (row.place.owner == Owner::joint && row.path.parts[3] == "angle") {
+      const double middle = unknown.start.value_or(written + unknown.includes);
+      unknown.min = middle - std::numbers::pi / 2;
+      unknown.max = middle + std::numbers::pi / 2;
+    }
+  }
+
+  /// What the range and the start of a sensor's number must be.
+  static void check_sensor_number(const TomlTable& table, const Unknown& unknown, double first) {
+    if (table.has("includes")) {
+      table.place_of("includes").fail("expected a number of the scene, this is one of a sensor; leave includes out");
+    }
+    if (unknown.of_sensor->of == SensorNumber::Of::delay && !std::isfinite(unknown.max - unknown.min)) {
+      table.place().fail(
+          fmt::format("expected the range of the delay in s, which says how many readings are left out; "
+                      "add {}",
+                      std::isfinite(unknown.min)   ? "max = NUMBER"
+                      : std::isfinite(unknown.max) ? "min = NUMBER"
+                                                   : "min = NUMBER and max = NUMBER"));
+    }
+    if (unknown.of_sensor->of != SensorNumber::Of::factor) return;
+    if (unknown.min < 0 && unknown.max > 0) {
+      table.place_of(table.has("min") ? "min" : "max")
+          .fail("expected a range of the factor without 0 inside; leave min and max out to keep its sign");
+    }
+    if (first == 0) table.place_of("start").fail("expected a factor other than 0");
   }
 
   Unknown read_unknown(const TomlTable& table, const std::string& name) const {
@@ -226,28 +314,14 @@ class ExperimentReader {
     unknown.path = path.value;
     unknown.name = name;
     unknown.line = table.place().line;
-    // First, because it fails for a path that does not exist.
-    const double value = located(path.place, [&] { return get_value(experiment_.scene, path.value); });
-    if (path.value.starts_with("start.") || path.value.starts_with("stop.")) {
-      path.place.fail(
-          "expected a number that the motion depends on; start values of a run are estimated unless start_known = "
-          "true");
-    }
-    unknown.unit = value_unit(experiment_.scene, path.value);
+    const double written = read_written(path, unknown);
     if (const auto per = table.find_text("per")) {
       if (per->value.empty()) per->place.fail("expected \"run\" or a label of the runs; leave it out for one value");
       unknown.per = per->value;
     }
     unknown.includes = table.find_number("includes", unknown.unit, Range::finite).value_or(0.0);
-    if (may_not_be_negative(path.value)) unknown.min = 0.0;
     unknown.start = table.find_number("start", unknown.unit, Range::finite);
-    // The direction of a line turns into its opposite after half a turn, which other numbers may make up for.
-    const ParameterRow row = parameter(experiment_.scene, path.value);
-    if (row.place.owner == Owner::joint && row.path.parts[3] == "angle") {
-      const double middle = unknown.start.value_or(value * unknown.unit + unknown.includes);
-      unknown.min = middle - std::numbers::pi / 2;
-      unknown.max = middle + std::numbers::pi / 2;
-    }
+    set_default_range(path, written, unknown);
     unknown.min = table.find_number("min", unknown.unit, Range::finite).value_or(unknown.min);
     unknown.max = table.find_number("max", unknown.unit, Range::finite).value_or(unknown.max);
     if (!(unknown.min < unknown.max)) {
@@ -255,12 +329,14 @@ class ExperimentReader {
           fmt::format("expected max > min = {:.12g}; exchange them", unknown.min / unknown.unit));
     }
     unknown.scale = table.find_number("scale", unknown.unit, Range::positive);
-    const double first = unknown.start.value_or(value * unknown.unit + unknown.includes);
+    const double first = unknown.start.value_or(written + unknown.includes);
+    if (unknown.of_sensor) check_sensor_number(table, unknown, first);
     if (first < unknown.min || first > unknown.max) {
-      table.place_of("start").fail(
-          fmt::format("expected a start from {:.12g} to {:.12g}, found {:.12g}{}", unknown.min / unknown.unit,
-                      unknown.max / unknown.unit, first / unknown.unit,
-                      unknown.start ? "; change one of the three" : ", the scene's value; add start = NUMBER"));
+      table.place_of("start").fail(fmt::format(
+          "expected a start from {:.12g} to {:.12g}, found {:.12g}{}", unknown.min / unknown.unit,
+          unknown.max / unknown.unit, first / unknown.unit,
+          unknown.start ? "; change one of the three"
+                        : fmt::format(", the {}'s value; add start = NUMBER", unknown.of_sensor ? "sensor" : "scene")));
     }
     if (const auto prior = table.find_vector("prior", unknown.unit)) {
       if (!(prior->y > 0.0)) table.place_of("prior").fail("expected [MEAN, STANDARD DEVIATION], the second > 0");

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "identification/read_inputs.hpp"
 #include "identification/run_data.hpp"
 #include "model/nearest_name.hpp"
@@ -14,6 +16,8 @@
 namespace poise {
 namespace {
 namespace fs = std::filesystem;
+
+constexpr std::size_t least_readings = 3;
 
 /// A [[run]] as written; one whose data files are split becomes many runs.
 struct RunTable {
@@ -286,6 +290,7 @@ class RunsReader {
   void add(RunTable written, DataFiles& files) {
     const RunSource& source = written.source;
     if (source.files.empty()) {
+      check_delays(written.run, written.run.duration);
       add_run(std::move(written.run), {});
       return;
     }
@@ -301,8 +306,7 @@ class RunsReader {
           const Sensor& sensor = experiment_.sensors[k];
           record.sensors[k] = in_si(std::move(data.columns[column++]), sensor.zero, sensor.unit);
         }
-        constexpr std::size_t least = 3;
-        if (record.count() < least) {
+        if (record.count() < least_readings) {
           source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
                             std::to_string(record.count()) + ", all others are gaps; leave the run out");
         }
@@ -316,8 +320,41 @@ class RunsReader {
             input_of(table, in_si(std::move(data.columns[column]), table.zero, table.unit), run.name, end));
         run.inputs.back().file = source.files[*source.columns[column++].file].path;
       }
+      check_delays(run, end);
+      if (written.measured) leave_out_of(run, record, end);
       add_run(std::move(run), std::move(record));
     }
+  }
+
+  /// Delays must be shorter than the run, and leave readings of it.
+  void check_delays(const Run& run, double end) const {
+    for (const std::size_t k : sensors_of(run)) {
+      const Sensor& sensor = experiment_.sensors[k];
+      const bool late = sensor.most_delay >= end;
+      if (!late && -sensor.least_delay < end) continue;
+      TomlPlace{experiment_.file, sensor.line, "sensor \"" + sensor.name + "\".delay"}.fail(
+          fmt::format("expected delays shorter than run \"{}\" of {:.6g} s, found {:.6g} s, or an unknown of it with "
+                      "that as {}",
+                      run.name, end, late ? sensor.most_delay : sensor.least_delay, late ? "max" : "min"));
+    }
+    if (!run.is_simulated()) return;
+    std::size_t left = 0;
+    for (const std::size_t k : sensors_of(run)) left += simulated_times(experiment_, run, k).size();
+    if (left < least_readings) fail_left_out(run, left);
+  }
+
+  void leave_out_of(Run& run, Record& record, double end) const {
+    for (std::size_t k = 0; k < record.sensors.size(); ++k) {
+      run.left_out += leave_out(compared_times(experiment_, run, k, end), record.sensors[k]);
+    }
+    if (record.count() < least_readings) fail_left_out(run, record.count());
+  }
+
+  [[noreturn]] void fail_left_out(const Run& run, std::size_t left) const {
+    TomlPlace{experiment_.file, run.line, "run \"" + run.name + "\""}.fail(
+        fmt::format("expected at least 3 readings, found {} at which the motion is known for all delays that its "
+                    "sensors may have; narrow min and max of the delays, or leave the run out",
+                    left));
   }
 
   static Series in_si(Series series, double zero, double unit) {

@@ -35,6 +35,13 @@ Scene disturbed(Scene scene) {
   return scene;
 }
 
+/// An unknown number of a sensor that is read.
+struct ReadNumber {
+  SensorNumber::Of of;
+  std::size_t reader;
+  double zero, factor;
+};
+
 /// A run's model with what its unknowns change.
 struct Acting {
   Acting(const MotionModel& m, const std::vector<Influence>& i, const std::vector<Variation>& v,
@@ -53,6 +60,25 @@ struct Acting {
   std::vector<SensorReader> readers;
 
   Eigen::Index rows() const { return reduced.freedoms() + static_cast<Eigen::Index>(sensors.size()); }
+
+  /// d(reading)/d(number), one column for each number of the sensors, as the readings of at(), which are before they
+  /// are multiplied by what turns the quantity into the column. At the state of the last at().
+  Eigen::MatrixXd by_sensor_numbers(const std::vector<ReadNumber>& numbers) {
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows(), static_cast<Eigen::Index>(numbers.size()));
+    const std::size_t n = static_cast<std::size_t>(reduced.coordinates());
+    const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + n});
+    const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + n});
+    const std::vector<double> a = model.to_si({reduced.a(), reduced.a() + n});
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const ReadNumber& number = numbers[i];
+      const Read now = read(readers[number.reader], q, v, v.data(), a.data());
+      out(reduced.freedoms() + static_cast<Eigen::Index>(number.reader), static_cast<Eigen::Index>(i)) =
+          number.of == SensorNumber::Of::zero     ? -1.0
+          : number.of == SensorNumber::Of::factor ? (number.zero - now.value) / number.factor
+                                                  : -now.change;
+    }
+    return out;
+  }
 
   /// At the pose placed and the rates w; empty where there is no acceleration.
   Eigen::MatrixXd at(const double* w, const std::vector<SceneParameter>& numbers) {
@@ -118,8 +144,17 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   const Motion motion = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false);
   const std::vector<double> x = model.from_si(built.q);
   std::vector<Sensor> sensors;
+  std::vector<ReadNumber> of_sensors;
+  std::vector<Eigen::Index> places;  // of these among the unknowns
+  const std::vector<Scaling> scaling = scalings(unknowns);
   for (std::size_t k = 0; k < times_.size(); ++k) {
-    if (!times_[k].empty()) sensors.push_back(experiment_.sensors[k]);
+    if (times_[k].empty()) continue;
+    for (std::size_t i = 0; i < sensor_numbers_.size(); ++i) {
+      if (sensor_numbers_[i].sensor != k) continue;
+      of_sensors.push_back({sensor_numbers_[i].of, sensors.size(), scaling[k].zero, scaling[k].factor});
+      places.push_back(static_cast<Eigen::Index>(numbers_.size() + i));
+    }
+    sensors.push_back(experiment_.sensors[k]);
   }
   Acting own(model, built.influences, built.variations, sensors, inputs_);
   own.reduced.start_drives(x.data());
@@ -172,8 +207,14 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
         if (unknowns[i] != 0 && std::abs(unknowns[i] * here(k, i)) <= lost) here(k, i) = there(k, i) = 0.0;
       }
     }
-    rows.emplace_back(here.leftCols(p));
-    rows_again.emplace_back(there.leftCols(p));
+    const auto whole = [&](Acting& acting, const Eigen::MatrixXd& of_scene) {
+      Eigen::MatrixXd all = Eigen::MatrixXd::Zero(acting.rows(), this->unknowns());
+      all.leftCols(p) = of_scene.leftCols(p);
+      all(Eigen::all, places) = acting.by_sensor_numbers(of_sensors);
+      return all;
+    };
+    rows.push_back(whole(own, here));
+    rows_again.push_back(whole(changed, there));
   };
   std::vector<double> w(static_cast<std::size_t>(freedoms_), 0.0);
   const bool timed = own.reduced.drives() > 0 || !inputs_.empty();
@@ -208,8 +249,8 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     add(path.t[node], z.data(), w.data());
   }
   out.rows_per_state = static_cast<int>(own.rows());
-  out.rows.resize(static_cast<Eigen::Index>(rows.size()) * own.rows(), p);
-  out.again.resize(out.rows.rows(), p);
+  out.rows.resize(static_cast<Eigen::Index>(rows.size()) * own.rows(), this->unknowns());
+  out.again.resize(out.rows.rows(), out.rows.cols());
   for (std::size_t s = 0; s < rows.size(); ++s) {
     out.rows.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows[s];
     out.again.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows_again[s];

@@ -21,6 +21,9 @@ using Reduced = ReducedMotion<double>;
 
 std::string at(const std::string& file, int line) { return fmt::format("{}:{}: ", file, line); }
 
+/// Of times, relative to the length of a run.
+constexpr double rounding = 1e-12;
+
 /// A start with values that are written at a place of the experiment, which its errors name.
 template <class Make>
 auto start_at(const std::string& place, Make make) {
@@ -58,11 +61,14 @@ StartValue RunModel::equilibrium_in(const MotionModel& model, double at) const {
   return coordinate_at(model, pose.body, pose.joint, pose.line, at);
 }
 
-RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers)
+RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers,
+                   std::vector<SensorNumber> sensor_numbers)
     : experiment_(experiment),
       run_(experiment.runs[run]),
       scene_(experiment.scene_of(run_.part)),
-      numbers_(std::move(numbers)) {
+      numbers_(std::move(numbers)),
+      sensor_numbers_(std::move(sensor_numbers)),
+      held_(is_held(experiment, run_)) {
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
   for (const RunInput& input : run_.inputs) {
     inputs_.push_back(input.motion);
@@ -130,18 +136,19 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
   const std::vector<StartValue> release = start_values(*assembled.model, closed_);
   released_ = start_at(place, [&] { return start_in(*assembled.model, release, closed_); });
-  if (run_.is_simulated()) {
-    const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
-    std::vector<double> times;
-    for (std::size_t i = 0; i < count; ++i) times.push_back(static_cast<double>(i) / run_.sample_rate);
-    times_.resize(experiment.sensors.size());
-    for (std::size_t k = 0; k < times_.size(); ++k) {
-      if (run_.reads(k)) times_[k] = times;
+  left_out_ = run_.left_out;
+  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    if (run_.is_simulated()) {
+      times_.push_back(simulated_times(experiment, run_, k));
+      const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
+      if (run_.reads(k)) left_out_ += count - times_[k].size();
+    } else {
+      times_.push_back(experiment.records[run].sensors[k].time);
     }
-  } else {
-    for (const Series& series : experiment.records[run].sensors) times_.push_back(series.time);
-  }
-  for (std::size_t k = 0; k < times_.size(); ++k) {
+    if (times_[k].empty()) continue;
+    const Sensor& sensor = experiment.sensors[k];
+    delayed_ = delayed_ || sensor.least_delay != 0 || sensor.most_delay != 0;
+    end_ = std::max(end_, times_[k].back() - sensor.least_delay);
     for (std::size_t i = 0; i < times_[k].size(); ++i) readings_.push_back({times_[k][i], k, i});
   }
   std::stable_sort(readings_.begin(), readings_.end(),
@@ -167,7 +174,7 @@ void RunModel::complete_start(const MotionModel& model, const ReducedMotion<doub
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
       const Sensor& sensor = experiment_.sensors[k];
       const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
-      if (sensor.rate != rate || sensor.reads_force() || !read_at_start ||
+      if (sensor.rate != rate || sensor.reads_force() || !read_at_start || is_unknown(k) || sensor.delay != 0 ||
           (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
         continue;
       }
@@ -209,6 +216,36 @@ std::size_t RunModel::readings(double until) const {
 }
 
 double RunModel::span() const { return readings_.empty() ? 0.0 : readings_.back().time; }
+
+/// Whether a number of a sensor is.
+bool RunModel::is_unknown(std::size_t sensor) const {
+  return std::any_of(sensor_numbers_.begin(), sensor_numbers_.end(),
+                     [&](const SensorNumber& number) { return number.sensor == sensor; });
+}
+
+std::vector<RunModel::Scaling> RunModel::scalings(const double* unknowns) const {
+  std::vector<Scaling> out;
+  for (const Sensor& sensor : experiment_.sensors) out.push_back({sensor.zero, sensor.unit, sensor.delay});
+  const double* value = unknowns + numbers_.size();
+  for (const SensorNumber& number : sensor_numbers_) {
+    Scaling& own = out[number.sensor];
+    (number.of == SensorNumber::Of::zero     ? own.zero
+     : number.of == SensorNumber::Of::factor ? own.factor
+                                             : own.delay) = *value++;
+  }
+  return out;
+}
+
+/// The readings up to the time `until`, in the order of the times of which they are.
+std::vector<RunModel::Reading> RunModel::due(const std::vector<Scaling>& scalings, double until) const {
+  const auto last = std::upper_bound(readings_.begin(), readings_.end(), until,
+                                     [](double time, const Reading& reading) { return time < reading.time; });
+  std::vector<Reading> out(readings_.begin(), last);
+  if (!delayed_) return out;
+  for (Reading& reading : out) reading.time -= scalings[reading.sensor].delay;
+  std::stable_sort(out.begin(), out.end(), [](const Reading& a, const Reading& b) { return a.time < b.time; });
+  return out;
+}
 
 /// A length, angle or acceleration over which the mechanism changes considerably.
 double RunModel::reach(const SceneParameter& number) const {
@@ -306,6 +343,7 @@ std::vector<Dimension> RunModel::nuisance_dimensions() const {
 std::vector<double> RunModel::scene_values() const {
   std::vector<double> values;
   for (const SceneParameter& number : numbers_) values.push_back(number.get(scene_));
+  for (const SensorNumber& n : sensor_numbers_) values.push_back(experiment_.sensors[n.sensor].number(n.of));
   return values;
 }
 
@@ -505,7 +543,15 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     out.why = built.why;
     return;
   }
-  const Motion motion = move(built, nuisances, std::max(std::min(until, span()), 1e-9), accuracy, jacobian);
+  const std::vector<Scaling> scaling = scalings(unknowns);
+  for (const SensorNumber& number : sensor_numbers_) {
+    if (scaling[number.sensor].factor != 0) continue;
+    out.why = fmt::format("the factor of sensor \"{}\" is 0", experiment_.sensors[number.sensor].name);
+    return;
+  }
+  const std::vector<Reading> readings = due(scaling, until);
+  const double duration = std::clamp(readings.empty() ? 0.0 : readings.back().time, 1e-9, std::max(end_, 1e-9));
+  const Motion motion = move(built, nuisances, duration, accuracy, jacobian);
   if (!motion.completed()) {
     out.why = motion.why;
     return;
@@ -550,31 +596,47 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
   if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
   // Columns of the trajectory: f starts, f start rates, the numbers, the one that the equilibrium sets.
   std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
+  double beyond = 0.0;  // time after the end of the motion, or before its start
   const auto read = [&](SensorReader& reader, const std::vector<std::size_t>& at) {
     for (std::size_t i = 0; i < at.size(); ++i) {
-      q[i] = trajectory.q(at[i]);
+      q[i] = trajectory.q(at[i]) + beyond * trajectory.v(at[i]);
       v[i] = trajectory.v(at[i]);
     }
     return reader.read(q.data(), v.data(), by_q.data(), by_v.data());
   };
+  // Of the reading, after read().
+  const auto rate_of_change = [&](const std::vector<std::size_t>& at) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      sum += by_q[i] * v[i];
+      if (by_v[i] != 0 && beyond == 0) sum += by_v[i] * trajectory.a(at[i]);
+    }
+    return sum;
+  };
   std::vector<double> column(static_cast<std::size_t>(motion.trajectory.columns));
   double now = -INFINITY;
-  for (const auto& [time, k, s] : readings_) {
-    if (time > until) break;
-    if (time > now) trajectory.at(time);
-    now = time;
+  for (const auto& [time, k, s] : readings) {
+    const double within = std::clamp(time, 0.0, duration);
+    if (within > now) trajectory.at(within);
+    now = within;
+    const bool still = held_ && time < 0;
+    beyond = still || std::abs(time - within) < rounding * end_ ? 0.0 : time - within;
     SensorReader& reader = *readers[k];
     const Sensor& sensor = experiment_.sensors[k];
     const std::size_t n = reader.coordinates().size();
     const std::size_t row = first[k] + s;
-    out.reading[row] = read(reader, places[k]);
+    const Scaling& own = scaling[k];
+    const double gain = sensor.unit / own.factor;
+    const double quantity = read(reader, places[k]);
+    out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
     if (!jacobian) continue;
+    const double change = still ? 0.0 : rate_of_change(places[k]);
     std::fill(column.begin(), column.end(), 0.0);
     for (std::size_t i = 0; i < n; ++i) {
       const std::span<const double> q_p = trajectory.q_p(places[k][i]);
       const std::span<const double> v_p = trajectory.v_p(places[k][i]);
       const double on_q = by_q[i];
-      const double on_v = by_v[i];
+      const double on_v = by_v[i] + by_q[i] * beyond;
       for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_q * q_p[c];
       if (on_v == 0) continue;
       for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
@@ -594,10 +656,18 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     }
     double* to = &out.jacobian[row * width];
     for (int i = 0; i < p; ++i) {
-      *to++ = numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0);
+      *to++ =
+          gain * (numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0));
     }
-    if (equilibrium_unknown_) *to++ = numbers[p] * built.set_by_at;
-    if (start_unknown_) std::copy(column.begin(), column.begin() + 2 * f, to);
+    for (const SensorNumber& number : sensor_numbers_) {
+      const double by = number.of == SensorNumber::Of::zero     ? -1.0
+                        : number.of == SensorNumber::Of::factor ? (own.zero - quantity) / own.factor
+                                                                : -change;
+      *to++ = number.sensor == k ? gain * by : 0.0;
+    }
+    if (equilibrium_unknown_) *to++ = gain * numbers[p] * built.set_by_at;
+    if (start_unknown_)
+      std::transform(column.begin(), column.begin() + 2 * f, to, [&](double by) { return gain * by; });
   }
   out.ok = true;
 }
@@ -677,7 +747,7 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
   return out;
 }
 
-std::vector<double> RunModel::start_from_readings(const Record& record) const {
+std::vector<double> RunModel::start_from_readings(const double* unknowns, const Record& record) const {
   // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
   const MotionModel model(scene_, scales_, also());
   constexpr std::size_t most = 16;
@@ -708,6 +778,7 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
     }
     return false;
   };
+  const std::vector<Scaling> scaling = scalings(unknowns);
   std::vector<StartValue> wanted;
   for (const std::size_t k : sensors) {
     // More readings than degrees of freedom would contradict each other by their noise.
@@ -721,16 +792,20 @@ std::vector<double> RunModel::start_from_readings(const Record& record) const {
         std::any_of(wanted.begin(), wanted.end(), [&](const StartValue& s) { return s.coordinate == coordinate; });
     if (known || !is_free(coordinate)) continue;
     Eigen::MatrixXd powers(count, 3);
+    Eigen::VectorXd quantity(count);
+    const Sensor& sensor = experiment_.sensors[k];
+    const double factor = scaling[k].factor / sensor.unit;
     for (Eigen::Index i = 0; i < count; ++i) {
-      const double t = series.time[static_cast<std::size_t>(i)];
+      const auto at = static_cast<std::size_t>(i);
+      const double t = series.time[at] - scaling[k].delay;
       powers.row(i) << 1.0, t, t * t;
+      quantity[i] = factor * series.value[at] + (scaling[k].zero - factor * sensor.zero);
     }
     const std::vector<double> one{0.0};
     double by_q = 0.0;
     double by_v = 0.0;
     const double zero = SensorReader(reader).read(one.data(), one.data(), &by_q, &by_v);
-    const Eigen::VectorXd fit =
-        solvers::LeastSquares<double>(powers).solve(Eigen::Map<const Eigen::VectorXd>(series.value.data(), count));
+    const Eigen::VectorXd fit = solvers::LeastSquares<double>(powers).solve(quantity);
     wanted.push_back({coordinate, false, fit[0] - zero});
     wanted.push_back({coordinate, true, fit[1]});
   }

@@ -21,8 +21,14 @@ struct Prediction {
 };
 
 /// One run of an experiment as a function of its unknowns:
-///   the numbers of the scene that this run depends on, then its nuisances: the equilibrium pose where the run has an
-///   unknown one, the f initial independent coordinates, the f initial independent rates (all SI).
+///   the numbers of the scene that this run depends on, those of its sensors, then its nuisances: the equilibrium pose
+///   where the run has an unknown one, the f initial independent coordinates, the f initial independent rates (all SI).
+///
+/// A reading is predicted as the sensor's zero and factor as written (z, f) turn the column into its quantity:
+///   z + f column,  column = (g(t - d) - z') / f',
+/// with zero z', factor f' and delay d, which may be unknown, so that the noise is that of the column. Before time 0
+/// the mechanism is_held(), or the readings are left out (compared_times()); for delays beyond their range, which only
+/// trial steps have, the motion goes on from its ends at constant rates.
 ///
 /// An equilibrium pose z_e sets one more number of the scene, a free length L say: the acceleration from rest, under
 /// the inputs at time 0, is zero, alpha(z_e, L, p) = 0, so that  dL/dz_e = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
@@ -32,23 +38,28 @@ struct Prediction {
 /// written, sought again in the changed mechanism. Values at which it cannot be assembled have no prediction.
 class RunModel {
  public:
-  /// `numbers`: those that are unknown in this run. Throws InputError where the run cannot be set up.
-  RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers);
+  /// `numbers`: those of the scene that are unknown in this run, `sensor_numbers`: those of its sensors. Throws
+  /// InputError where the run cannot be set up.
+  RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers,
+           std::vector<SensorNumber> sensor_numbers = {});
 
-  int unknowns() const { return static_cast<int>(numbers_.size()); }
+  int unknowns() const { return static_cast<int>(numbers_.size() + sensor_numbers_.size()); }
   int nuisances() const { return (equilibrium_unknown_ ? 1 : 0) + (start_unknown_ ? 2 * freedoms_ : 0); }
   int columns() const { return unknowns() + nuisances(); }
   int sensors() const { return static_cast<int>(experiment_.sensors.size()); }
   int freedoms() const { return freedoms_; }
   const Run& run() const { return run_; }
+  /// The first unknowns.
   const std::vector<SceneParameter>& numbers() const { return numbers_; }
+  /// The ones after these.
+  const std::vector<SensorNumber>& sensor_numbers() const { return sensor_numbers_; }
   /// The scene of this run with its known changes, SI.
   const Scene& scene() const { return scene_; }
   /// Names of the nuisances: "equilibrium", "start obd", "start rate obd".
   std::vector<std::string> nuisance_names() const;
   std::vector<Dimension> nuisance_dimensions() const;
 
-  /// Values of the scene as it is written, and nuisances as the run is released.
+  /// Values of the scene and its sensors as they are written, and nuisances as the run is released.
   std::vector<double> scene_values() const;
   std::vector<double> released() const;
   /// Per sensor: the times of its readings, of the record or of the simulated run; empty where it is not read.
@@ -59,6 +70,8 @@ class RunModel {
   std::size_t readings(double until) const;
   /// Time of the last reading, s.
   double span() const;
+  /// Readings of the run that are not compared (see compared_times()).
+  std::size_t left_out() const { return left_out_; }
 
   /// Predicts the readings up to the time `until`, s; with the Jacobian where asked. `accuracy` as of simulate().
   void predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
@@ -69,7 +82,7 @@ class RunModel {
 
   /// How the unknowns act at single states (t, z, w) of this run, whatever led there. Each state has rows
   ///   d alpha/d(unknown)  at fixed z, w, of each degree of freedom,
-  ///   d(reading)/d(unknown)  at fixed z, w, of each sensor that is read,
+  ///   d(quantity - what the sensor's numbers add)/d(unknown)  at fixed z, w, of each sensor that is read,
   /// exact to rounding. Where a direction of the unknowns is in the null space of the rows of all states, it changes no
   /// motion and no reading of this run. (A number that an equilibrium sets follows the unknowns.)
   struct Actions {
@@ -105,8 +118,8 @@ class RunModel {
   /// Indices of the independent coordinates.
   const std::vector<int>& independent() const { return independent_; }
   /// Initial independent coordinates and rates guessed from the first readings; the release where the sensors do not
-  /// determine them.
-  std::vector<double> start_from_readings(const Record& record) const;
+  /// determine them. Of the unknowns, the numbers of the sensors count.
+  std::vector<double> start_from_readings(const double* unknowns, const Record& record) const;
 
  private:
   struct Assembled {
@@ -137,6 +150,16 @@ class RunModel {
   StartValue equilibrium_in(const MotionModel& model, double at) const;
   MotionState begin(const Built& built, const double* nuisances) const;
   Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities) const;
+  struct Scaling {  // of the readings of a sensor: zero', factor', delay
+    double zero, factor, delay;
+  };
+  std::vector<Scaling> scalings(const double* unknowns) const;
+  struct Reading {
+    double time;
+    std::size_t sensor, at;  // index into times_[sensor]
+  };
+  std::vector<Reading> due(const std::vector<Scaling>& scalings, double until) const;
+  bool is_unknown(std::size_t sensor) const;
   /// Adds the first readings of angles, travels and their rates to a start that is known, where it does not have them
   /// yet. Throws InputError unless all degrees of freedom then have a value and a rate.
   void complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,
@@ -147,6 +170,7 @@ class RunModel {
   const Run& run_;
   Scene scene_;
   std::vector<SceneParameter> numbers_;
+  std::vector<SensorNumber> sensor_numbers_;
   std::vector<MotionInput> inputs_;
   std::optional<SceneParameter> set_by_equilibrium_;
   Scales scales_;
@@ -160,11 +184,11 @@ class RunModel {
   bool equilibrium_unknown_ = false, start_unknown_ = true;
   int equilibrium_coordinate_ = -1;
   std::vector<std::vector<double>> times_;
-  struct Reading {
-    double time;
-    std::size_t sensor, at;  // index into times_[sensor]
-  };
   std::vector<Reading> readings_;  // of all sensors, in the order of time
+  std::size_t left_out_ = 0;
+  double end_ = 0.0;      // to which the motion may have to be known, s
+  bool delayed_ = false;  // the delay of a sensor is unknown or not zero
+  bool held_ = false;     // until time 0
   std::vector<double> released_;
   const Record* first_readings_ = nullptr;  // of a known start of measured data
 };

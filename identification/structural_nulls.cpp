@@ -37,8 +37,7 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     const std::vector<int>& used = problem.parameters_of(r);
-    std::vector<double> unknowns;
-    for (const int p : used) unknowns.push_back(parameters[static_cast<std::size_t>(p)]);
+    const std::vector<double> unknowns = problem.unknowns_of(r, parameters);
     const int states = 20 + 3 * run.unknowns() / std::max(1, run.freedoms());
     const RunModel::Actions actions = run.actions(unknowns.data(), nuisances[r].data(), states);
     for (int kind = 0; kind < actions.rows_per_state; ++kind) {

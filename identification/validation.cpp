@@ -123,9 +123,10 @@ Validation validate(const FitProblem& problem, const std::vector<Record>& record
   from.weighting = problem.weighting();
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
+    const std::vector<double> unknowns = problem.unknowns_of(r, from.parameters);
     RunFit& start = from.runs.emplace_back();
-    start.nuisances = starts == Starts::measured ? started_from_readings(run, run.released(), records[r])
-                                                 : first_guess(run, records[r]);
+    start.nuisances = starts == Starts::measured ? started_from_readings(run, unknowns, run.released(), records[r])
+                                                 : first_guess(run, unknowns, records[r]);
   }
   FitOptions with = options;
   with.from = &from;

@@ -119,6 +119,7 @@ void TrajectoryReader::at(double t) {
   }
   if (interval != interval_) enter(interval);
   const double s = (t - origin_) / scale_;
+  s_ = s;
   const std::size_t width = value_.size();
   const std::size_t conditions = node_.size();
   // Horner's scheme for the polynomial and its derivative.
@@ -142,6 +143,20 @@ void TrajectoryReader::at(double t) {
     }
   }
   for (double& r : rate_) r /= scale_;
+}
+
+double TrajectoryReader::a(std::size_t i) const {
+  const std::size_t width = value_.size();
+  double value = newton_[(node_.size() - 1) * width + i * stride_];
+  double rate = 0.0;
+  double half_bend = 0.0;
+  for (std::size_t m = node_.size() - 1; m-- > 0;) {
+    const double from = s_ - node_[m];
+    half_bend = half_bend * from + rate;
+    rate = rate * from + value;
+    value = value * from + newton_[m * width + i * stride_];
+  }
+  return 2 * half_bend / (scale_ * scale_);
 }
 
 }  // namespace poise

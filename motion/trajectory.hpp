@@ -40,6 +40,7 @@ class TrajectoryReader {
   /// Of the i-th coordinate read; valid until the next at().
   double q(std::size_t i) const { return value_[i * stride_]; }
   double v(std::size_t i) const { return rate_[i * stride_]; }
+  double a(std::size_t i) const;
   /// `columns` sensitivities of the same.
   std::span<const double> q_p(std::size_t i) const { return {value_.data() + i * stride_ + 1, stride_ - 1}; }
   std::span<const double> v_p(std::size_t i) const { return {rate_.data() + i * stride_ + 1, stride_ - 1}; }
@@ -58,6 +59,7 @@ class TrajectoryReader {
   bool rates_;
   std::size_t interval_ = static_cast<std::size_t>(-1);
   double origin_ = 0.0, scale_ = 1.0;  // s = (t - origin) / scale
+  double s_ = 0.0;                     // of the last at()
   std::vector<double> node_;           // s of each condition, every node three times
   std::vector<double> newton_;         // divided differences, one row per condition
   std::vector<double> value_, rate_;

@@ -28,7 +28,7 @@ int run_identifiability(const IdentifiabilityRequest& request, const Palette& pa
   progress.now("computing the sensitivities of the runs");
   std::vector<std::vector<double>> nuisances;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
-    nuisances.push_back(first_guess(problem.run(r), experiment.records[r]));
+    nuisances.push_back(first_guess(problem.run(r), problem.unknowns_of(r, problem.truths()), experiment.records[r]));
   }
   const Identifiability known = assess(problem, problem.truths(), nuisances);
   progress.now("computing base parameters");

@@ -129,16 +129,21 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   progress.now("reading the experiments");
   std::deque<Experiment> experiments;
   std::deque<FitProblem> problems;
+  std::vector<Experiment*> models;
   std::vector<const FitProblem*> all;
   std::vector<std::string> read;
   for (const std::string& file : request.files) {
     ExperimentRequest one = request.experiment;
     one.common.scene = file;
     experiments.push_back(load_experiment(one));
-    problems.emplace_back(experiments.back());
+    models.push_back(&experiments.back());
+    for (const std::string& name : files_read(experiments.back())) read.push_back(name);
+  }
+  leave_out_alike(models);
+  for (const Experiment& experiment : experiments) {
+    problems.emplace_back(experiment);
     check_spans(problems.back());
     all.push_back(&problems.back());
-    for (const std::string& name : files_read(experiments.back())) read.push_back(name);
   }
   OutputFiles files(common, read);
   options.fit.interrupt = &watch_for_interrupt();

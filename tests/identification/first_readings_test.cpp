@@ -16,7 +16,8 @@ TEST(FirstReadings, GiveTheStartAndNoOtherNuisance) {
   std::vector<double> displaced = run.released();
   displaced[0] += 0.001;
   displaced[1] += 1.0;
-  const std::vector<double> started = started_from_readings(run, displaced, problem.ideal_record(2));
+  const std::vector<double> started =
+      started_from_readings(run, run.scene_values(), displaced, problem.ideal_record(2));
   ASSERT_EQ(started.size(), 3U);
   EXPECT_EQ(started[0], displaced[0]) << "the first readings do not determine the equilibrium";
   // A quarter of a period takes 46 ms: over 15 ms a parabola follows it to about 1 % of its 5 mrad.
@@ -28,13 +29,14 @@ TEST(FirstReadings, AreTheGuessOnlyWhereNoReleaseIsGiven) {
   Experiment lift = test::experiment("lift_experiment");
   {
     const FitProblem problem(lift);
-    EXPECT_EQ(first_guess(problem.run(0), problem.ideal_record(3)), problem.run(0).released());
+    EXPECT_EQ(first_guess(problem.run(0), problem.run(0).scene_values(), problem.ideal_record(3)),
+              problem.run(0).released());
   }
   const Record record = FitProblem(lift).ideal_record(0);
   lift.runs[0].release.clear();
   const FitProblem problem(lift);
-  EXPECT_EQ(first_guess(problem.run(0), Record{}), problem.run(0).released());
-  const std::vector<double> guess = first_guess(problem.run(0), record);
+  EXPECT_EQ(first_guess(problem.run(0), problem.run(0).scene_values(), Record{}), problem.run(0).released());
+  const std::vector<double> guess = first_guess(problem.run(0), problem.run(0).scene_values(), record);
   EXPECT_NEAR(guess[1], record.sensors[0].value[0], 5e-5) << "rad: obd itself is read";
 }
 
@@ -51,7 +53,7 @@ TEST(FirstReadings, AreTakenFromTheFastestSensor) {
     both.sensors[0].time.push_back(record.sensors[0].time[i]);
     both.sensors[0].value.push_back(record.sensors[0].value[i]);
   }
-  EXPECT_NEAR(first_guess(problem.run(0), both)[1], record.sensors[0].value[0], 5e-5);
+  EXPECT_NEAR(first_guess(problem.run(0), problem.run(0).scene_values(), both)[1], record.sensors[0].value[0], 5e-5);
 }
 
 TEST(FirstReadings, StartWorseThanTheFit) {

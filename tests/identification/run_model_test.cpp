@@ -285,7 +285,8 @@ TEST(RunModel, StartsFromReadings) {
   e.runs.push_back(test::simulated(1000, 200, {turn}));
   const FitProblem problem(e);
   const std::vector<double> truth = problem.run(0).released();
-  const std::vector<double> found = problem.run(0).start_from_readings(problem.ideal_record(0));
+  const std::vector<double> found =
+      problem.run(0).start_from_readings(problem.truths().data(), problem.ideal_record(0));
   ASSERT_EQ(found.size(), truth.size());
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], truth[i], i < 2 ? 2e-5 : 1e-2);
 }

@@ -71,6 +71,13 @@ std::string nuisances_in_words(const FitProblem& problem) {
                                           : "start");
 }
 
+/// Readings that are not compared because of the delays that their sensors may have.
+std::size_t left_out(const FitProblem& problem) {
+  std::size_t sum = 0;
+  for (std::size_t r = 0; r < problem.runs(); ++r) sum += problem.run(r).left_out();
+  return sum;
+}
+
 }  // namespace
 
 Result experiment_result(const FitProblem& problem, const std::vector<std::string>& settings) {
@@ -95,6 +102,7 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
   add_units(out.content, experiment.scene.units);
   out.content.data("runs", problem.runs());
   out.content.data("readings", problem.readings());
+  out.content.data("readings_left_out", left_out(problem));
   out.content.data("parameters", problem.parameters().size());
   out.content.data("nuisances", problem.nuisances());
   return out;
@@ -102,15 +110,17 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
 
 std::string data_in_words(const FitProblem& problem) {
   const Experiment& experiment = problem.experiment();
-  return fmt::format("{}; {} readings of {}; {}{}", runs_in_words(experiment), problem.readings(),
+  const std::size_t less = left_out(problem);
+  return fmt::format("{}; {} readings of {}{}; {}{}", runs_in_words(experiment), problem.readings(),
                      count(static_cast<int>(experiment.sensors.size()), "sensor", "sensors"),
+                     less > 0 ? fmt::format(", {} left out for their delays", less) : "",
                      count(static_cast<int>(problem.parameters().size()), "parameter", "parameters"),
                      nuisances_in_words(problem));
 }
 
 std::vector<std::string> parameter_units(const FitProblem& problem) {
   return each(places(problem.parameters().size()), [&](std::size_t i) {
-    return problem.number(static_cast<int>(i)).dimension().unit_name(problem.experiment().scene.units);
+    return problem.dimension(static_cast<int>(i)).unit_name(problem.experiment().scene.units);
   });
 }
 

@@ -38,6 +38,17 @@ FittedScene fitted_scene(const FitProblem& problem, const FitAnswer& answer) {
     const std::vector<std::size_t> values = chosen_of(places(problem.parameters().size()), [&](std::size_t p) {
       return problem.parameters()[p].unknown == static_cast<int>(u);
     });
+    if (unknown.of_sensor) {
+      std::string list;
+      for (const std::size_t p : values) {
+        const bool known = !fitted.estimates[p].withheld || fitted.estimates[p].at_bound;
+        list += fmt::format("{}{} {}", list.empty() ? "" : ", ", fitted.estimates[p].name,
+                            known ? shown(problem, fitted, p) : "withheld");
+      }
+      out.left.push_back(
+          fmt::format("{} is a number of the experiment, to be written into its [[sensor]]: {}", unknown.path, list));
+      continue;
+    }
     if (values.size() > 1) {
       std::string list;
       for (const std::size_t p : values) {
@@ -53,7 +64,7 @@ FittedScene fitted_scene(const FitProblem& problem, const FitAnswer& answer) {
                                        fitted.estimates[p].why));
         continue;
       }
-      problem.number(static_cast<int>(p)).set(scene, fitted.parameters[p]);
+      problem.number(static_cast<int>(p))->set(scene, fitted.parameters[p]);
       const double includes = unknown.includes / unknown.unit;
       written +=
           fmt::format("#   {} = {}{}\n", one_line(unknown.path), shown(problem, fitted, p),
