@@ -332,10 +332,13 @@ class RunsReader {
       const Sensor& sensor = experiment_.sensors[k];
       const bool late = sensor.most_delay >= end;
       if (!late && -sensor.least_delay < end) continue;
+      const double found = late ? sensor.most_delay : sensor.least_delay;
       TomlPlace{experiment_.file, sensor.line, "sensor \"" + sensor.name + "\".delay"}.fail(
-          fmt::format("expected delays shorter than run \"{}\" of {:.6g} s, found {:.6g} s, or an unknown of it with "
-                      "that as {}",
-                      run.name, end, late ? sensor.most_delay : sensor.least_delay, late ? "max" : "min"));
+          fmt::format("expected delays shorter than run \"{}\" of {:.6g} s, found {}", run.name, end,
+                      found == sensor.delay
+                          ? fmt::format("{:.6g} s; correct it, or leave the run out", found)
+                          : fmt::format("{} = {:.6g} s where it is unknown; narrow min and max, or leave the run out",
+                                        late ? "max" : "min", found)));
     }
     if (!run.is_simulated()) return;
     std::size_t left = 0;

@@ -179,7 +179,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     acting.reduced.expect(x.data());
     if (acting.reduced.place(0.0, z) != Reduced::Status::ok) return false;
     const Eigen::MatrixXd rows = acting.at(still.data(), numbers);
-    if (rows.size() == 0 || rows(0, p) == 0) return false;
+    if (rows.rows() == 0 || rows(0, p) == 0) return false;
     by = -rows.row(0).head(p) / rows(0, p);
     return true;
   };
@@ -193,9 +193,9 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   const auto add = [&](double t, const double* z, const double* w) {
     Eigen::MatrixXd here = own.at(w, numbers);
     changed.reduced.expect(own.reduced.q());
-    if (here.size() == 0 || changed.reduced.place(t, z) != Reduced::Status::ok) return;
+    if (here.rows() == 0 || changed.reduced.place(t, z) != Reduced::Status::ok) return;
     Eigen::MatrixXd there = changed.at(w, numbers);
-    if (there.size() == 0) return;
+    if (there.rows() == 0) return;
     if (set_by_equilibrium_) {
       here.leftCols(p) += here.col(p) * own_follows;
       there.leftCols(p) += there.col(p) * changed_follows;

@@ -138,7 +138,7 @@ void expect_exact_jacobian(const FitProblem& problem) {
           },
           5e-4);
       for (std::size_t i = 0; i < expected.size(); ++i) {
-        ASSERT_NEAR(exact.jacobian[width * i + c], expected[i], 2e-7 * (1 + std::abs(expected[i])))
+        ASSERT_NEAR(exact.jacobian[width * i + c], expected[i], 1e-6 * (1 + std::abs(expected[i])))
             << "column " << c << ", reading " << i;
       }
     }
@@ -416,19 +416,20 @@ TEST_F(SensorUnknowns, BelongToASession) {
 }
 
 TEST_F(SensorUnknowns, StandBesideNumbersThatAreKnownHowWell) {
-  const Experiment e = read(scaled_angles + all_unknowns + "[[known]]\npath = \"body.upper.mass\"\nrelative = 0.01\n" +
+  const Experiment e = read(scaled_angles + all_unknowns + "[[known]]\npath = \"body.upper.mass\"\nrelative = 0.001\n" +
                             swing + "seed = 2\n");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
-  const Fit fitted = fit(problem, records);
+  FitOptions options;
+  options.function_tolerance = 1e-14;
+  const Fit fitted = fit(problem, records, options);
   ASSERT_TRUE(fitted.usable()) << fitted.why;
   const std::vector<KnownEffect> effects = known_effects(problem, fitted, records);
   ASSERT_EQ(effects.size(), 1u);
   // The same by a fit with the mass changed.
   Experiment heavier = e;
-  heavier.scene.bodies[1].mass *= 1.01;
+  heavier.scene.bodies[1].mass *= 1.001;
   const FitProblem other(heavier);
-  FitOptions options;
   options.from = &fitted;
   const Fit again = fit(other, records, options);
   for (std::size_t p = 0; p < effects[0].change.size(); ++p) {
@@ -470,8 +471,8 @@ TEST_F(SensorUnknowns, AreKeptForLaterRuns) {
   const std::string fit_file = folder_.path("fit.json"), scene_file = folder_.path("fitted.toml");
   app_tests::Outcome run = run_poise({"identify", file, "--json", fit_file, "--scene", scene_file});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
-  EXPECT_NE(run.out.find(", 4 left out for their delays"), std::string::npos) << run.out;
-  EXPECT_NE(app_tests::contents(fit_file).find("\"readings_left_out\": 4"), std::string::npos);
+  EXPECT_NE(run.out.find(", 3 left out for their delays"), std::string::npos) << run.out;
+  EXPECT_NE(app_tests::contents(fit_file).find("\"readings_left_out\": 3"), std::string::npos);
   EXPECT_NE(app_tests::contents(scene_file)
                 .find("# sensor.two.delay is a number of the experiment, to be written into its [[sensor]]: "
                       "sensor.two.delay 0.02"),
@@ -487,9 +488,9 @@ TEST_F(SensorUnknowns, AreKeptForLaterRuns) {
       EXPECT_NE(run.out.find("agrees with the noise"), std::string::npos) << run.out;
     }
   }
-  run = run_poise({"montecarlo", file, "--fits", "4"});
+  run = run_poise({"montecarlo", file, "--trials", "4"});
   EXPECT_EQ(run.exit_code, 0) << run.err << run.out;
-  run = run_poise({"identify", file, "--profile", "sensor.two.delay", "--bootstrap", "5"});
+  run = run_poise({"identify", file, "--profile", "sensor.two.delay", "--bootstrap", "20"});
   EXPECT_EQ(run.exit_code, 0) << run.err << run.out;
 }
 
@@ -506,20 +507,42 @@ TEST_F(SensorUnknowns, ArePlanned) {
 
 TEST_F(SensorUnknowns, AreRefusedInWords) {
   const auto of = [&](const std::string& table) { return error(angles + table + swing); };
-  const std::string place = "experiment.toml:11: ";
-  EXPECT_EQ(of(unknown("sensor.one.offset")), "?");
-  EXPECT_EQ(of(unknown("sensor.too.zero")), "?");
-  EXPECT_EQ(of(unknown("sensor.zero")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.delay")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.delay", "min = 0")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.delay", "min = 0\nmax = 3")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.delay", "min = 0\nmax = 2.99")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.factor", "min = -1")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.factor", "start = 0")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.factor", "start = -1")), "?");
-  EXPECT_EQ(of(unknown("sensor.one.zero", "includes = 1")), "?");
-  EXPECT_EQ(of("delay = -4\n"), "?");
-  EXPECT_EQ(of("delay = \"late\"\n"), "?");
+  const std::string unknown_1 = "experiment.toml:12: unknown 1.path: expected ";
+  EXPECT_EQ(of(unknown("sensor.one.offset")),
+            unknown_1 +
+                "sensor.NAME.zero, sensor.NAME.factor or sensor.NAME.delay, found \"sensor.one.offset\"; known here: "
+                "zero, factor, delay");
+  EXPECT_EQ(of(unknown("sensor.too.zero")), unknown_1 + "the name of a sensor, found \"too\"; did you mean \"two\"?");
+  EXPECT_EQ(of(unknown("sensor.zero")),
+            unknown_1 +
+                "sensor.NAME.zero, sensor.NAME.factor or sensor.NAME.delay, found \"sensor.zero\"; did you mean "
+                "\"zero\"?");
+  const std::string range =
+      "experiment.toml:11: unknown 1: expected the range of the delay in s, which says how many readings are left "
+      "out; ";
+  EXPECT_EQ(of(unknown("sensor.one.delay")), range + "add min = NUMBER and max = NUMBER");
+  EXPECT_EQ(of(unknown("sensor.one.delay", "min = 0")), range + "add max = NUMBER");
+  EXPECT_EQ(of(unknown("sensor.one.delay", "max = 1")), range + "add min = NUMBER");
+  EXPECT_EQ(of(unknown("sensor.one.delay", "min = 0\nmax = 3")),
+            "experiment.toml:3: sensor \"one\".delay: expected delays shorter than run \"run 1\" of 3 s, found max = 3 "
+            "s where it is unknown; narrow min and max, or leave the run out");
+  EXPECT_EQ(of("delay = -4\n"),
+            "experiment.toml:7: sensor \"two\".delay: expected delays shorter than run \"run 1\" of 3 s, found -4 s; "
+            "correct it, or leave the run out");
+  EXPECT_EQ(error(angles + "delay = 2.97\n" + swing + "sensors = [\"two\"]\n"),
+            "experiment.toml:13: run \"run 1\": expected at least 3 readings, found 1 at which the motion is known for "
+            "all delays that its sensors may have; narrow min and max of the delays, or leave the run out");
+  EXPECT_EQ(of("delay = \"late\"\n"), "experiment.toml:11: sensor \"two\".delay: expected a number, found a string");
+  EXPECT_EQ(of(unknown("sensor.one.factor", "min = -1")),
+            "experiment.toml:13: unknown 1.min: expected a range of the factor without 0 inside; leave min and max out "
+            "to keep its sign");
+  EXPECT_EQ(of(unknown("sensor.one.factor", "start = 0")),
+            "experiment.toml:13: unknown 1.start: expected a factor other than 0");
+  EXPECT_EQ(of(unknown("sensor.one.factor", "start = -1")),
+            "experiment.toml:13: unknown 1.start: expected a start from 0 to inf, found -1; change one of the three");
+  EXPECT_EQ(of(unknown("sensor.one.zero", "includes = 1")),
+            "experiment.toml:13: unknown 1.includes: expected a number of the scene, this is one of a sensor; leave "
+            "includes out");
   const app_tests::Outcome run = run_poise(
       {"identify", folder_.write("experiment.toml", angles + unknown("sensor.one.delay", "max = 1") + swing)});
   EXPECT_EQ(run.exit_code, 2);
