@@ -36,9 +36,12 @@ void explain(const FitProblem& problem, const std::vector<double>& parameters, c
   int alike = 0;
   bool all_scale = true;
   bool inertial = false;
+  bool all_delays = true;
   for (std::size_t i = 0; i < direction.part.size(); ++i) {
     if (direction.part[i] == 0) continue;
     parts.push_back(i);
+    const std::optional<SensorNumber>& of_sensor = problem.unknown_of(i).of_sensor;
+    all_delays = all_delays && of_sensor && of_sensor->of == SensorNumber::Of::delay;
     if (std::abs(direction.part[i]) < main_part) continue;
     ++main_parts;
     alike += direction.part[i] > 0 ? 1 : -1;
@@ -73,6 +76,8 @@ void explain(const FitProblem& problem, const std::vector<double>& parameters, c
     direction.words = changes + " together ";
     direction.remedy = "fix one of them, give one a prior, or add runs from other poses or with another payload";
   }
+  // Starts that are estimated follow a delay of all sensors.
+  if (all_delays) direction.remedy = "leave the delay of one sensor out of the unknowns, or add a run with start_known";
   if (!direction.exact && direction.singular_value == 0) {
     direction.words += parts.size() == 1 ? "changes" : "change";
     direction.words += " the readings of these runs by less than errors of computation, if at all";

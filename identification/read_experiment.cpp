@@ -428,7 +428,10 @@ class ExperimentReader {
   void check_is_read(std::size_t k) const {
     for (std::size_t r = 0; r < experiment_.runs.size(); ++r) {
       const Run& run = experiment_.runs[r];
-      if (run.is_simulated() ? run.reads(k) : !experiment_.records[r].sensors[k].value.empty()) return;
+      if (run.is_simulated() ? !simulated_times(experiment_, run, k).empty()
+                             : !experiment_.records[r].sensors[k].value.empty()) {
+        return;
+      }
     }
     TomlPlace{experiment_.file, experiment_.sensors[k].line, "sensor \"" + experiment_.sensors[k].name + "\""}.fail(
         "expected readings in at least one run, no run has any; name it in the sensors of a run, or leave it out");

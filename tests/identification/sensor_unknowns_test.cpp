@@ -474,8 +474,7 @@ TEST_F(SensorUnknowns, AreKeptForLaterRuns) {
   EXPECT_NE(run.out.find(", 3 left out for their delays"), std::string::npos) << run.out;
   EXPECT_NE(app_tests::contents(fit_file).find("\"readings_left_out\": 3"), std::string::npos);
   EXPECT_NE(app_tests::contents(scene_file)
-                .find("# sensor.two.delay is a number of the experiment, to be written into its [[sensor]]: "
-                      "sensor.two.delay 0.02"),
+                .find("# sensor.two.delay is a number of the experiment, for its [[sensor]]: 0.02"),
             std::string::npos)
       << app_tests::contents(scene_file);
   const std::string other =

@@ -42,11 +42,10 @@ FittedScene fitted_scene(const FitProblem& problem, const FitAnswer& answer) {
       std::string list;
       for (const std::size_t p : values) {
         const bool known = !fitted.estimates[p].withheld || fitted.estimates[p].at_bound;
-        list += fmt::format("{}{} {}", list.empty() ? "" : ", ", fitted.estimates[p].name,
+        list += fmt::format("{}{}{}", list.empty() ? "" : ", ", values.size() > 1 ? fitted.estimates[p].name + " " : "",
                             known ? shown(problem, fitted, p) : "withheld");
       }
-      out.left.push_back(
-          fmt::format("{} is a number of the experiment, to be written into its [[sensor]]: {}", unknown.path, list));
+      out.left.push_back(fmt::format("{} is a number of the experiment, for its [[sensor]]: {}", unknown.path, list));
       continue;
     }
     if (values.size() > 1) {
