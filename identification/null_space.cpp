@@ -25,6 +25,10 @@ Eigen::MatrixXd triangle(const Eigen::MatrixXd& a) {
 
 }  // namespace
 
+bool is_rounding(const Eigen::VectorXd& column, const Eigen::VectorXd& again) {
+  return column.norm() <= margin * (again - column).norm();
+}
+
 Eigen::MatrixXd complement(const Eigen::MatrixXd& basis) {
   const Eigen::Index n = basis.rows();
   if (basis.cols() == 0) return Eigen::MatrixXd::Identity(n, n);
@@ -43,17 +47,15 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   Eigen::MatrixXd unit_again = again;
   double apart = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double own = a.col(i).norm();
-    const double wrong = (again.col(i) - a.col(i)).norm();
-    if (own <= margin * wrong) {
+    if (is_rounding(a.col(i), again.col(i))) {
       unit.col(i).setZero();
       unit_again.col(i).setZero();
       continue;
     }
-    length[i] = own;
-    unit.col(i) /= own;
-    unit_again.col(i) /= own;
-    apart = std::hypot(apart, wrong / own);
+    length[i] = a.col(i).norm();
+    unit.col(i) /= length[i];
+    unit_again.col(i) /= length[i];
+    apart = std::hypot(apart, (again.col(i) - a.col(i)).norm() / length[i]);
   }
   // Coordinates: numbers times the lengths of their columns, orthogonal to what is known.
   const Eigen::MatrixXd rest =

@@ -23,6 +23,9 @@ struct NullSpace {
 /// The part of the null space of `a` that is not in `known`, where `again` is the other evaluation of `a`.
 NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, const NullSpace& known);
 
+/// Whether a column of a matrix is no larger than its errors, `again` being the other evaluation of it.
+bool is_rounding(const Eigen::VectorXd& column, const Eigen::VectorXd& again);
+
 /// Orthonormal columns that span the complement of the columns of `basis`.
 Eigen::MatrixXd complement(const Eigen::MatrixXd& basis);
 

@@ -11,6 +11,15 @@ struct Block {
   Eigen::MatrixXd rows, again;
 };
 
+/// Sets the columns of a block to zero that are no larger than their errors: a factor may not make an effect of them.
+void drop_rounding(Block& block) {
+  for (Eigen::Index i = 0; i < block.rows.cols(); ++i) {
+    if (!is_rounding(block.rows.col(i), block.again.col(i))) continue;
+    block.rows.col(i).setZero();
+    block.again.col(i).setZero();
+  }
+}
+
 /// Multiplies every block by a factor such that its largest column, relative to the column of all, is 1.
 void balance(std::vector<Block>& blocks, Eigen::Index columns) {
   for (int pass = 0; pass < 3; ++pass) {
@@ -51,6 +60,7 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
           block.again(s, used[c]) = actions.again(row, static_cast<Eigen::Index>(c));
         }
       }
+      drop_rounding(block);
       blocks.push_back(std::move(block));
     }
   }

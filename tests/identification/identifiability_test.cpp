@@ -666,5 +666,22 @@ TEST(Identifiability, AnUnknownThatActsOnNothing) {
   EXPECT_TRUE(found.estimates[0].withheld);
 }
 
+// A dimension of a loop that the sensor's own coordinate does not depend on: the readings change by it through the
+// motion alone, and what rounding leaves of the rest is no effect beside which that would count as an error.
+TEST(Identifiability, ADimensionThatReadingsDependOnThroughTheMotionAlone) {
+  for (const std::string path : {"point.def.D.y", "point.def.F.y"}) {
+    const Experiment e = parse_experiment(
+        "scene = \"lift.toml\"\n[[sensor]]\nname = \"s\"\nangle = \"fa\"\nnoise = 1e-4\n"
+        "[[unknown]]\npath = \"" +
+            path + "\"\n[[run]]\nrelease = { fa = 0.005 }\nduration = 0.2\nrate = 100\n",
+        test::dataset("lift_dimension.toml"));
+    const FitProblem problem(e);
+    const Identifiability found = assess_at_truth(problem);
+    ASSERT_TRUE(found.ok) << found.why;
+    EXPECT_EQ(found.rank, 1) << path;
+    EXPECT_LT(found.standard_error[0], 1e-3) << path;
+  }
+}
+
 }  // namespace
 }  // namespace poise
