@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "solvers/parallel.hpp"
@@ -104,21 +105,27 @@ bool Watch::converges(const ceres::IterationSummary& step, double predicted) {
 ceres::CallbackReturnType Watch::operator()(const ceres::IterationSummary& step) {
   // Not as a failure: then Ceres would not hand over the values reached.
   if (interrupt_ != nullptr && interrupt_->load()) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
-  if (step.iteration == 0) {
+  if (step.iteration == 0 || step.step_is_successful) {
+    cost_ = step.cost;
     idle_ = 0;
+  }
+  if (step.iteration == 0) {
     predicted_ = 0.0;
     return ceres::SOLVER_CONTINUE;
   }
-  const bool idle = !step.step_is_successful && std::abs(step.cost_change) < noise_of_cost * step.cost;
-  idle_ = idle ? idle_ + 1 : 0;
-  const double predicted = step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
+  // Of a step that failed `cost` is what it led to: without limit where the motion could not be computed.
+  const bool computed = step.cost < std::numeric_limits<double>::max();
+  const double predicted =
+      computed && step.relative_decrease != 0 ? std::abs(step.cost_change / step.relative_decrease) : INFINITY;
   bool done = false;
   if (step.step_is_successful) {
     const bool as_predicted = std::abs(step.relative_decrease - 1) < as_predicted_within;
     done = converges(step, predicted) || (as_predicted && leaves_range_());
   } else {
+    const bool idle = computed && std::abs(step.cost_change) < noise_of_cost * cost_;
+    idle_ = idle ? idle_ + 1 : 0;
     predicted_ = 0.0;
-    done = idle_ >= 3 || predicted < (is_start_ ? least_decrease_of_start : least_decrease) * step.cost;
+    done = idle_ >= 3 || predicted < (is_start_ ? least_decrease_of_start : least_decrease) * cost_;
   }
   return done ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
 }

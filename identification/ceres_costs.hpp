@@ -89,6 +89,7 @@ class Watch : public ceres::IterationCallback {
   bool is_start_;
   double tolerance_;
   std::function<bool()> leaves_range_;
+  double cost_ = 0.0;       // at the point reached
   int idle_ = 0;            // successive steps that failed by no more than these errors
   double predicted_ = 0.0;  // decrease of the cost by the step before; 0 if there was none or it failed
 };

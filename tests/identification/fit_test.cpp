@@ -176,6 +176,23 @@ TEST(Fit, LeavesABoundThatIsNotActive) {
   EXPECT_LT(apart(free, found), 0.01);
 }
 
+// The mass of a pendulum of one mass is a null: a step along it that makes the mass negative, so that the motion cannot
+// be computed, must not end the fit.
+TEST(Fit, GoesOnAfterAStepThatLeavesTheRange) {
+  const std::string text =
+      "scene = \"pendulum_a01.toml\"\n[[sensor]]\nname = \"s\"\nangle = \"arm\"\nnoise = 1.83532e-05\n"
+      "[[unknown]]\npath = \"point.arm.O.x\"\n[[unknown]]\npath = \"body.arm.mass\"\n"
+      "[[run]]\nrelease = { arm = 0.17307431386598882 }\nduration = 2\nrate = 100\nseed = 365\n"
+      "[[run]]\nrelease = { arm = -0.036427346197223376 }\nduration = 2\nrate = 200\nseed = 365\n"
+      "[[run]]\nrelease = { arm = -0.18425759850399248 }\nduration = 1\nrate = 50\nseed = 365\n";
+  const Experiment e = parse_experiment(text, test::dataset("pendulum_masses.toml"));
+  const FitProblem problem(e);
+  const Fit found = fit(problem, problem.records());
+  EXPECT_EQ(found.status, FitStatus::converged) << found.why;
+  EXPECT_LT(std::abs(found.estimates[0].value), 4 * found.estimates[0].standard_error);
+  EXPECT_TRUE(found.estimates[1].withheld);
+}
+
 // A prior as precise as the data moves the estimate half way towards it.
 TEST(Fit, APriorAddsItsInformation) {
   Experiment e = test::experiment("lift_experiment");
