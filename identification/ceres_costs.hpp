@@ -83,9 +83,9 @@ class Watch : public ceres::IterationCallback {
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override;
 
  private:
-  const std::atomic<bool>* interrupt_;
   bool converges(const ceres::IterationSummary& step, double predicted);
 
+  const std::atomic<bool>* interrupt_;
   bool is_start_;
   double tolerance_;
   std::function<bool()> leaves_range_;
