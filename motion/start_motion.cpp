@@ -91,6 +91,8 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
   reduced.expect(x.data());
   if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail_to_drive(model);
   // Newton's method on the wanted coordinates, in steps short enough for the loops to close.
+  constexpr double longest_step = 0.1;
+  int most = 200;
   for (int iteration = 0;; ++iteration) {
     Eigen::VectorXd miss(static_cast<Eigen::Index>(places.size()));
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -99,9 +101,11 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
     if (places.empty() || miss.lpNorm<Eigen::Infinity>() < 1e-14) break;
     const bool settled = miss.lpNorm<Eigen::Infinity>() < 1e-12 && iteration > 20;
     if (settled) break;
-    if (f == 0 || iteration == 200) fail(model, f, places, "places");
     const double largest = miss.lpNorm<Eigen::Infinity>();
-    Eigen::VectorXd dz = least_change(reduced, places, largest > 0.1 ? Eigen::VectorXd(miss * (0.1 / largest)) : miss);
+    if (iteration == 0) most += static_cast<int>(std::min(largest / longest_step, 1e5));
+    if (f == 0 || iteration == most) fail(model, f, places, "places");
+    Eigen::VectorXd dz =
+        least_change(reduced, places, largest > longest_step ? Eigen::VectorXd(miss * (longest_step / largest)) : miss);
     if (!dz.allFinite() || dz.lpNorm<Eigen::Infinity>() > 1.0) fail(model, f, places, "places");
     for (int k = 0; k < f; ++k) z[static_cast<std::size_t>(k)] += dz[k];
     if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail(model, f, places, "places");

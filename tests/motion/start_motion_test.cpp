@@ -35,40 +35,6 @@ void expect_closed(const MotionModel& model, const std::vector<double>& q) {
   }
 }
 
-TEST(StartMotion, BringsAnyCoordinateToItsPlaceAndRate) {
-  const MotionModel model(test::four_bar_with_everything());
-  // The rocker is no independent coordinate; 2.3 rad is half a radian from the assembled start.
-  const MotionState start = test::released(model, {{{"rocker", 2.3}}, {{"coupler", -0.7}}});
-  expect_closed(model, start.q);
-  EXPECT_NEAR(value(model, start.q, "rocker"), 2.3, 1e-13);
-  EXPECT_NEAR(value(model, start.v, "coupler"), -0.7, 1e-13);
-}
-
-TEST(StartMotion, LeavesOtherFreedomsAlone) {
-  const MotionModel model(test::quick_return());
-  const MotionState plain = test::released(model, {});
-  const MotionState start = test::released(model, {{{"rail", 0.31}}, {{"rail", 0.2}}});
-  expect_closed(model, start.q);
-  EXPECT_NEAR(value(model, start.q, "rail"), 0.31, 1e-14);
-  EXPECT_NEAR(value(model, start.q, "crank"), value(model, plain.q, "crank"), 1e-14);
-  EXPECT_NEAR(value(model, start.v, "rail"), 0.2, 1e-14);
-  EXPECT_NEAR(value(model, start.v, "crank"), 0.0, 1e-14);
-  for (double v : plain.v) EXPECT_EQ(v, 0.0);
-}
-
-TEST(StartMotion, GivesDrivesTheirStartAndRate) {
-  const MotionModel model(test::driven_five_bar());
-  const MotionState start = test::released(model, {});
-  expect_closed(model, start.q);
-  // rate + amplitude 2 pi frequency cos(phase)
-  EXPECT_NEAR(value(model, start.v, "crank"), 2 + 0.3 * 2 * M_PI * 0.8 * std::cos(0.4), 1e-13);
-  EXPECT_NEAR(value(model, start.v, "track"), 0.08 * 2 * M_PI * 0.7, 1e-13);
-  Scene scene = test::driven_five_bar();
-  scene.drives[0].start = 0.65;
-  const MotionModel moved(scene);
-  EXPECT_NEAR(value(moved, test::released(moved, {}).q, "crank"), 0.65, 1e-14);
-}
-
 /// A crank-rocker, shortest link 0.3 m: s + l = 1.3 m < 1.5 m of the other two, so that the crank turns round.
 Scene crank_rocker(double rocker, double start) {
   return parse_scene(fmt::format(R"(
@@ -106,6 +72,49 @@ arm = -1.5
 )",
                                  rocker, start),
                      "crank_rocker");
+}
+
+TEST(StartMotion, BringsAnyCoordinateToItsPlaceAndRate) {
+  const MotionModel model(test::four_bar_with_everything());
+  // The rocker is no independent coordinate; 2.3 rad is half a radian from the assembled start.
+  const MotionState start = test::released(model, {{{"rocker", 2.3}}, {{"coupler", -0.7}}});
+  expect_closed(model, start.q);
+  EXPECT_NEAR(value(model, start.q, "rocker"), 2.3, 1e-13);
+  EXPECT_NEAR(value(model, start.v, "coupler"), -0.7, 1e-13);
+}
+
+// An encoder counts turns: 40 of them are 2513 steps of Newton's method.
+TEST(StartMotion, TurnsABodyManyTimes) {
+  const MotionModel model(crank_rocker(0.6, 0.3));
+  const double turns = 40 * 2 * M_PI;
+  const MotionState start = test::released(model, {{{"arm", turns}}});
+  EXPECT_NEAR(value(model, start.q, "arm"), turns, 1e-12);
+  expect_closed(model, start.q);
+}
+
+TEST(StartMotion, LeavesOtherFreedomsAlone) {
+  const MotionModel model(test::quick_return());
+  const MotionState plain = test::released(model, {});
+  const MotionState start = test::released(model, {{{"rail", 0.31}}, {{"rail", 0.2}}});
+  expect_closed(model, start.q);
+  EXPECT_NEAR(value(model, start.q, "rail"), 0.31, 1e-14);
+  EXPECT_NEAR(value(model, start.q, "crank"), value(model, plain.q, "crank"), 1e-14);
+  EXPECT_NEAR(value(model, start.v, "rail"), 0.2, 1e-14);
+  EXPECT_NEAR(value(model, start.v, "crank"), 0.0, 1e-14);
+  for (double v : plain.v) EXPECT_EQ(v, 0.0);
+}
+
+TEST(StartMotion, GivesDrivesTheirStartAndRate) {
+  const MotionModel model(test::driven_five_bar());
+  const MotionState start = test::released(model, {});
+  expect_closed(model, start.q);
+  // rate + amplitude 2 pi frequency cos(phase)
+  EXPECT_NEAR(value(model, start.v, "crank"), 2 + 0.3 * 2 * M_PI * 0.8 * std::cos(0.4), 1e-13);
+  EXPECT_NEAR(value(model, start.v, "track"), 0.08 * 2 * M_PI * 0.7, 1e-13);
+  Scene scene = test::driven_five_bar();
+  scene.drives[0].start = 0.65;
+  const MotionModel moved(scene);
+  EXPECT_NEAR(value(moved, test::released(moved, {}).q, "crank"), 0.65, 1e-14);
 }
 
 // The rocker of a crank-rocker stays on one side of the line from C to A: the sign of (A - C) x (B - C) names its
