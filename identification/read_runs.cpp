@@ -1,6 +1,7 @@
 #include "identification/read_runs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -342,8 +343,12 @@ class RunsReader {
     }
     if (!run.is_simulated()) return;
     std::size_t left = 0;
-    for (const std::size_t k : sensors_of(run)) left += simulated_times(experiment_, run, k).size();
-    if (left < least_readings) fail_left_out(run, left);
+    std::size_t all = 0;
+    for (const std::size_t k : sensors_of(run)) {
+      left += simulated_times(experiment_, run, k).size();
+      all += static_cast<std::size_t>(std::llround(run.duration * run.sample_rate));
+    }
+    if (left < least_readings && left < all) fail_left_out(run, left);
   }
 
   void leave_out_of(Run& run, Record& record, double end) const {
