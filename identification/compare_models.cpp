@@ -379,20 +379,28 @@ class Comparing {
 }  // namespace
 
 void leave_out_alike(const std::vector<Experiment*>& experiments) {
-  const std::vector<Record>& first = experiments.front()->records;
-  for (std::size_t r = 0; r < first.size(); ++r) {
-    for (std::size_t k = 0; k < first[r].sensors.size(); ++k) {
-      TimeRange common{-INFINITY, INFINITY};
-      std::vector<std::pair<Experiment*, Series*>> all;
-      for (Experiment* const experiment : experiments) {
-        if (r >= experiment->records.size() || k >= experiment->records[r].sensors.size()) return;
-        Series& series = experiment->records[r].sensors[k];
-        if (series.time.empty()) continue;
-        common.from = std::max(common.from, series.time.front());
-        common.to = std::min(common.to, series.time.back());
-        all.emplace_back(experiment, &series);
+  const std::size_t runs = experiments.front()->runs.size();
+  const std::size_t sensors = experiments.front()->sensors.size();
+  for (const Experiment* const experiment : experiments) {
+    if (experiment->runs.size() != runs || experiment->sensors.size() != sensors) return;
+  }
+  for (std::size_t r = 0; r < runs; ++r) {
+    double end = 0.0;
+    for (const Experiment* const experiment : experiments) {
+      for (const Series& series : experiment->records[r].sensors) {
+        if (!series.time.empty()) end = std::max(end, series.time.back());
       }
-      for (const auto& [experiment, series] : all) experiment->runs[r].left_out += leave_out(common, *series);
+    }
+    for (std::size_t k = 0; k < sensors; ++k) {
+      TimeRange common{-INFINITY, INFINITY};
+      for (const Experiment* const experiment : experiments) {
+        const TimeRange own = compared_times(*experiment, experiment->runs[r], k, end);
+        common = {std::max(common.from, own.from), std::min(common.to, own.to)};
+      }
+      for (Experiment* const experiment : experiments) {
+        if (experiment->runs[r].is_simulated()) continue;
+        experiment->runs[r].left_out += leave_out(common, experiment->records[r].sensors[k]);
+      }
     }
   }
 }
