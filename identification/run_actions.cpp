@@ -80,6 +80,16 @@ struct Acting {
     return out;
   }
 
+  /// d(reading)/d(time) of the rows of by_sensor_numbers(), zero of the others.
+  Eigen::VectorXd rates() {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(rows());
+    for (std::size_t k = 0; k < readers.size(); ++k) {
+      const ReadNumber delay{SensorNumber::Of::delay, k, 0.0, 1.0};
+      out -= by_sensor_numbers({delay});
+    }
+    return out;
+  }
+
   /// At the pose placed and the rates w; empty where there is no acceleration.
   Eigen::MatrixXd at(const double* w, const std::vector<SceneParameter>& numbers) {
     reduced.move(w);
@@ -189,7 +199,12 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     if (!follow(own, &z, own_follows) || !follow(changed, &z, changed_follows)) return out;
   }
 
+  const bool timed = own.reduced.drives() > 0 || !inputs_.empty();
+  const bool any_delay = std::any_of(of_sensors.begin(), of_sensors.end(),
+                                     [](const ReadNumber& number) { return number.of == SensorNumber::Of::delay; });
+  const bool shifts = start_unknown_ && any_delay && !timed;
   std::vector<Eigen::MatrixXd> rows, rows_again;
+  std::vector<Eigen::VectorXd> rates, rates_again;
   const auto add = [&](double t, const double* z, const double* w) {
     Eigen::MatrixXd here = own.at(w, numbers);
     changed.reduced.expect(own.reduced.q());
@@ -215,9 +230,11 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     };
     rows.push_back(whole(own, here));
     rows_again.push_back(whole(changed, there));
+    if (!shifts) return;
+    rates.push_back(own.rates());
+    rates_again.push_back(changed.rates());
   };
   std::vector<double> w(static_cast<std::size_t>(freedoms_), 0.0);
-  const bool timed = own.reduced.drives() > 0 || !inputs_.empty();
   visit_random_states(own.reduced, x, states, timed ? span() : 0.0, [&](const RandomState& state) {
     // Rates at which forces of inertia are about as large as the others.
     std::fill(w.begin(), w.end(), 0.0);
@@ -254,6 +271,13 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   for (std::size_t s = 0; s < rows.size(); ++s) {
     out.rows.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows[s];
     out.again.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows_again[s];
+  }
+  if (!shifts) return out;
+  out.rate.resize(out.rows.rows());
+  out.rate_again.resize(out.rows.rows());
+  for (std::size_t s = 0; s < rates.size(); ++s) {
+    out.rate.segment(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rates[s];
+    out.rate_again.segment(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rates_again[s];
   }
   return out;
 }

@@ -37,6 +37,26 @@ void balance(std::vector<Block>& blocks, Eigen::Index columns) {
   }
 }
 
+/// Adds rows below others.
+template <class Matrix>
+void append(const Matrix& more, Matrix& to) {
+  const Eigen::Index before = to.rows();
+  to.conservativeResize(before + more.rows(), more.cols());
+  to.bottomRows(more.rows()) = more;
+}
+
+/// Takes out of each column its part along `rate`, by which the start of a run can make up for it.
+void take_out(const Eigen::VectorXd& rate, Eigen::MatrixXd& rows) {
+  constexpr double rounding = 1e-13;
+  const double square = rate.squaredNorm();
+  if (square == 0) return;
+  for (Eigen::Index i = 0; i < rows.cols(); ++i) {
+    const double before = rows.col(i).norm();
+    rows.col(i) -= rate.dot(rows.col(i)) / square * rate;
+    if (rows.col(i).norm() <= rounding * before) rows.col(i).setZero();
+  }
+}
+
 }  // namespace
 
 NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>& parameters,
@@ -49,9 +69,12 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
     const std::vector<double> unknowns = problem.unknowns_of(r, parameters);
     const int states = 20 + 3 * run.unknowns() / std::max(1, run.freedoms());
     const RunModel::Actions actions = run.actions(unknowns.data(), nuisances[r].data(), states);
+    const Eigen::Index count = actions.rows.rows() / std::max(1, actions.rows_per_state);
+    const bool shifts = actions.rate.size() > 0;
+    Block of_sensors;  // all of them, relative to their rates, where these count
+    Eigen::VectorXd rate(0), rate_again(0);
     for (int kind = 0; kind < actions.rows_per_state; ++kind) {
       Block block;
-      const Eigen::Index count = actions.rows.rows() / actions.rows_per_state;
       block.rows = block.again = Eigen::MatrixXd::Zero(count, n);
       for (std::size_t c = 0; c < used.size(); ++c) {
         for (Eigen::Index s = 0; s < count; ++s) {
@@ -61,8 +84,25 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
         }
       }
       drop_rounding(block);
-      blocks.push_back(std::move(block));
+      if (!shifts || kind < run.freedoms()) {
+        blocks.push_back(std::move(block));
+        continue;
+      }
+      Eigen::VectorXd own(count), own_again(count);
+      for (Eigen::Index s = 0; s < count; ++s) {
+        own[s] = actions.rate[s * actions.rows_per_state + kind];
+        own_again[s] = actions.rate_again[s * actions.rows_per_state + kind];
+      }
+      const double size = own.norm() > 0 ? own.norm() : block.rows.norm() > 0 ? block.rows.norm() : 1.0;
+      append<Eigen::MatrixXd>(block.rows / size, of_sensors.rows);
+      append<Eigen::MatrixXd>(block.again / size, of_sensors.again);
+      append<Eigen::VectorXd>(own / size, rate);
+      append<Eigen::VectorXd>(own_again / size, rate_again);
     }
+    if (!shifts) continue;
+    take_out(rate, of_sensors.rows);
+    take_out(rate_again, of_sensors.again);
+    blocks.push_back(std::move(of_sensors));
   }
   balance(blocks, n);
   Eigen::Index rows = n;
