@@ -128,8 +128,10 @@ class Mechanism {
 
   /// Size of the buffer `resistances` that resist() fills.
   int resistances_size() const { return resistances_size_; }
-  /// Evaluates dampers and friction at the rates v into `resistances`, which the next two read.
-  void resist(Planar<T>* pose, const T* v, T* resistances) const;
+  /// Evaluates dampers and friction at the rates v into `resistances`, which the next two read. `slides`, where given,
+  /// has a value per element, of which those of friction that sticks are used: the direction in which it slides, 1 or
+  /// -1, in place of the sign of its rate; 0 of what is held, which has no force here.
+  void resist(Planar<T>* pose, const T* v, const int* slides, T* resistances) const;
   /// g += their generalized forces; v . g is the power they dissipate.
   void add_resistance(const T* resistances, T* g) const;
   /// g += the change of these along dq and dv.
@@ -138,8 +140,9 @@ class Mechanism {
   T follower_power(Planar<T>* pose, const T* v) const;
 
   /// g += by d(-Q)/dp at the rates v, for p a number that forces depend on, of a force its magnitude. Only for
-  /// Purpose::dynamics, which keeps every item.
-  void add_force_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const;
+  /// Purpose::dynamics, which keeps every item. `slides` as of resist().
+  void add_force_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, const int* slides,
+                            T* g) const;
 
   /// Poses of all bodies (indices of Scene::bodies) and then of all bars, dropped coordinates at their start value.
   /// Origins are measured from the point `from` of the world; the ground's is then -from.

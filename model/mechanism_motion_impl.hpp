@@ -21,7 +21,7 @@ void Mechanism<T>::closures_of(const Planar<T>* f, T* c) const {
 }
 
 template <class T>
-void Mechanism<T>::resist(Planar<T>* pose, const T* v, T* resistances) const {
+void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* resistances) const {
   const Configuration<T> here = at(pose);
   for (const int r : resisting_) {
     const ForceElement& e = elements_[r];
@@ -33,6 +33,7 @@ void Mechanism<T>::resist(Planar<T>* pose, const T* v, T* resistances) const {
       slopes[i] = by;
       w += by * v[support[i]];
     });
+    if (slides != nullptr && sticks(e.law)) w = T(slides[r]);
     const LawForce<T> force = force_of_motion(e.law, e.on.value(here), w);
     resistances[0] = force.value;
     resistances[1] = force.by_measure;
@@ -87,12 +88,14 @@ T Mechanism<T>::follower_power(Planar<T>* pose, const T* v) const {
 
 template <class T>
 void Mechanism<T>::add_force_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v,
-                                        T* g) const {
+                                        const int* slides, T* g) const {
   const Configuration<T> here = at(pose);
   switch (number.of) {
     case ForceNumber::Of::element: {
       const ForceElement& e = elements_[number.item];
-      e.on.add_gradient(here, by * force_by_number(e.law, number.number, e.on.value(here), e.on.along(here, v)), g);
+      const bool directed = slides != nullptr && sticks(e.law);
+      const T w = directed ? T(slides[number.item]) : e.on.along(here, v);
+      e.on.add_gradient(here, by * force_by_number(e.law, number.number, e.on.value(here), w), g);
       break;
     }
     case ForceNumber::Of::force: {

@@ -204,7 +204,7 @@ class InverseDynamics {
     m_.negative_force(x_.data(), pose.data(), loads.data());
     VectorXd resistance = VectorXd::Zero(inertia.size());
     std::vector<double> resistances(static_cast<std::size_t>(m_.resistances_size()));
-    m_.resist(pose.data(), v_.data(), resistances.data());
+    m_.resist(pose.data(), v_.data(), nullptr, resistances.data());
     m_.add_resistance(resistances.data(), resistance.data());
 
     const double energy = model_.scales().energy();

@@ -72,6 +72,7 @@ class ReducedMotion {
   const Layout& layout() const { return mechanism_.layout(); }
   int coordinates() const { return n_; }
   int freedoms() const { return static_cast<int>(independent_.size()); }
+  /// Drives, and rows of friction that is held.
   int drives() const { return static_cast<int>(drives_.size()); }
   const std::vector<int>& independent() const { return independent_; }
   /// Rank of J when the coordinates were last chosen.
@@ -80,6 +81,17 @@ class ReducedMotion {
   /// Loads and drives that follow curves of time, in the units of `scene`, which is the one given to the constructor.
   void set_inputs(const Scene& scene, std::vector<MotionInput> inputs);
   const std::vector<MotionInput>& inputs() const { return inputs_; }
+  /// How friction that sticks (DryFriction of width 0) moves: per element of the scene, which is the one given to the
+  /// constructor, the direction 1 or -1 in which it slides, or 0 where it is held: its measure keeps the value that it
+  /// has at q, by one more row after those of the drives. Without a call the signs of the rates are the directions.
+  /// Call choose() thereafter.
+  void set_slides(const Scene& scene, std::vector<int> slides, const T* q);
+  /// As set; null without.
+  const int* slides() const { return slides_.empty() ? nullptr : slides_.data(); }
+  /// Elements that are held, in the order of their rows.
+  const std::vector<int>& held() const { return held_; }
+  /// Force T of the law of the h-th of these; after accelerate().
+  const T& holding_force(int h) const { return drive_multipliers_[drives_.size() - held_.size() + h]; }
   /// Sets the initial values of drives without a given start to those of q. Those with a given start have the part
   /// `share` of the way from their values at q to it behind them.
   void start_drives(const T* q, const T& share = T(1));
@@ -170,6 +182,7 @@ class ReducedMotion {
   };
   template <class S>
   friend class ReducedMotion;
+  void make_rows();
   void make_room();
   void predict(const T& dt, const T* z);
   void residual(const T& t);
@@ -205,7 +218,8 @@ class ReducedMotion {
   // State, and scratch that is mutable because it carries no meaning between calls.
   std::vector<T> q_, v_, a_, alpha_, c_, J_, values_, B_, drift_, force_, full_force_, mass_, inverse_diagonal_,
       multipliers_;
-  std::vector<T> resistances_;  // at q, v
+  std::vector<int> slides_, held_;  // see set_slides()
+  std::vector<T> resistances_;      // at q, v
   std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_;
   std::vector<T> mass_columns_, drive_multipliers_, drive_rows_, zero_;
   std::vector<Planar<T>> weight_columns_;

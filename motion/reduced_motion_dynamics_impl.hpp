@@ -65,7 +65,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   place_accelerations();
   inertia_.weigh(second_.data(), weight_.data());
   mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
-  mechanism_.resist(pose_.data(), v_.data(), resistances_.data());
+  mechanism_.resist(pose_.data(), v_.data(), slides(), resistances_.data());
   mechanism_.add_resistance(resistances_.data(), full_force_.data());
   for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_force_.data());
   mechanism_.phasors().add_projection(pose_.data(), weight_.data(), full_force_.data());
@@ -227,7 +227,8 @@ void ReducedMotion<T>::linearize() {
 template <class T>
 void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const {
   if (influence.body < 0) {
-    mechanism_.add_force_derivative(influence.force, static_cast<T>(influence.by), pose_.data(), v_.data(), g);
+    mechanism_.add_force_derivative(influence.force, static_cast<T>(influence.by), pose_.data(), v_.data(), slides(),
+                                    g);
     return;
   }
   inertia_.add_body(influence.body,
@@ -259,6 +260,11 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
                                 static_cast<T>(drive.start.value_or(0.0))});
         drive_scratch = std::max(drive_scratch, piece.drives.back().on.scratch_size());
       }
+      for (const int e : held_) {
+        piece.drives.push_back(
+            {Drive{}, {scene, piece.mechanism->layout(), piece.mechanism->phasors(), scene.elements[e].on}, T(0)});
+        drive_scratch = std::max(drive_scratch, piece.drives.back().on.scratch_size());
+      }
       for (const MotionInput& input : inputs_) {
         if (input.of != MotionInput::Of::drive) piece.input_loads.emplace_back(scene, *piece.mechanism, input);
       }
@@ -288,7 +294,7 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
   };
   T* g = varied_force_.data();
   m.negative_force(q_.data(), pose, g);
-  m.resist(pose, v_.data(), varied_resistances_.data());
+  m.resist(pose, v_.data(), slides(), varied_resistances_.data());
   m.add_resistance(varied_resistances_.data(), g);
   for (InputLoad<T>& load : piece.input_loads) {
     load.set(static_cast<double>(t_));

@@ -12,30 +12,55 @@ namespace poise {
 template <class T>
 ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanism, const Inertia<T>& inertia)
     : mechanism_(mechanism), inertia_(inertia), n_(mechanism.coordinates()), singular_limit_(1e-9) {
-  int scratch = 0;
   for (const Drive& drive : scene.drives) {
     drives_.push_back({drive, {scene, mechanism.layout(), mechanism.phasors(), drive.on}, T(0)});
-    scratch = std::max(scratch, drives_.back().on.scratch_size());
   }
-  drive_scratch_.resize(scratch);
-  drive_rows_.assign(drives_.size(), T(0));
-  rows_ = mechanism.equalities() + drives();
   const std::size_t n = static_cast<std::size_t>(n_);
   for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_,
                      &varied_force_}) {
     full->assign(n, T(0));
   }
-  for (auto* rows : {&direct_.gap, &direct_.rate, &direct_.acceleration}) {
-    rows->assign(static_cast<std::size_t>(rows_), T(0));
-  }
-  const std::size_t constraints = static_cast<std::size_t>(mechanism.constraints()) + drives_.size();
-  for (auto* rows : {&c_, &rows_work_, &multipliers_}) rows->assign(constraints, T(0));
-  J_.resize(rows_ * n);
+  make_rows();
   values_.resize(mechanism.jacobian_row().size());
   tangent_.resize(mechanism.tangent_row().size());
   pose_.resize(mechanism.pose_size());
   resistances_.resize(mechanism.resistances_size());
   for (auto* phasors : {&second_, &weight_, &work_, &work2_}) phasors->resize(n);
+}
+
+// Sizes the buffers that depend on the number of rows.
+template <class T>
+void ReducedMotion<T>::make_rows() {
+  rows_ = mechanism_.equalities() + drives();
+  int scratch = 0;
+  for (const DriveRow& row : drives_) scratch = std::max(scratch, row.on.scratch_size());
+  drive_scratch_.resize(scratch);
+  drive_rows_.assign(drives_.size(), T(0));
+  for (auto* rows : {&direct_.gap, &direct_.rate, &direct_.acceleration}) {
+    rows->assign(static_cast<std::size_t>(rows_), T(0));
+  }
+  const std::size_t constraints = static_cast<std::size_t>(mechanism_.constraints()) + drives_.size();
+  for (auto* rows : {&c_, &rows_work_, &multipliers_}) rows->assign(constraints, T(0));
+  J_.resize(rows_ * static_cast<std::size_t>(n_));
+}
+
+template <class T>
+void ReducedMotion<T>::set_slides(const Scene& scene, std::vector<int> slides, const T* q) {
+  known_ = false;
+  first_rank_ = -1;
+  slides_ = std::move(slides);
+  held_.clear();
+  drives_.resize(scene.drives.size());
+  for (std::size_t e = 0; e < slides_.size(); ++e) {
+    if (slides_[e] != 0) continue;
+    held_.push_back(static_cast<int>(e));
+    drives_.push_back({Drive{}, {scene, mechanism_.layout(), mechanism_.phasors(), scene.elements[e].on}, T(0)});
+  }
+  make_rows();
+  mechanism_.place(q, pose_.data());
+  for (std::size_t row = scene.drives.size(); row < drives_.size(); ++row) {
+    drives_[row].start = drives_[row].on.value(here());
+  }
 }
 
 template <class T>

@@ -27,6 +27,10 @@ class ReducedSystem::Fine {
         inertia_(scene, mechanism_),
         motion_(scene, mechanism_, inertia_) {
     motion_.set_inputs(scene, reduced.inputs());
+    if (reduced.slides() != nullptr) {
+      const std::vector<Long> q(reduced.q(), reduced.q() + reduced.coordinates());
+      motion_.set_slides(scene, {reduced.slides(), reduced.slides() + scene.elements.size()}, q.data());
+    }
     motion_.set_variations(variations);
     motion_.take_over(reduced);
     motion_.set_singular_limit(0.0L);
@@ -60,7 +64,9 @@ ReducedSystem::ReducedSystem(const Scene& scene, ReducedMotion<double>& reduced,
       columns_(columns),
       freedoms_(reduced.freedoms()),
       alpha_p_(influences.size() * static_cast<std::size_t>(freedoms_)),
-      moved_p_(3 * influences.size() * static_cast<std::size_t>(reduced.coordinates())) {
+      moved_p_(3 * influences.size() * static_cast<std::size_t>(reduced.coordinates())),
+      alpha_held_(reduced.held().size() * static_cast<std::size_t>(freedoms_)),
+      moved_held_(3 * reduced.held().size() * static_cast<std::size_t>(reduced.coordinates())) {
   reduced_.set_variations(variations);
 }
 
@@ -94,31 +100,44 @@ void ReducedSystem::fill(ReducedMotion<T>& motion, const double* y, double* dydt
   for (int j = 0; j < f; ++j) dydt[f + j] = alpha(motion.alpha(), j);
   dydt[2 * f] = static_cast<double>(motion.power());
   if (columns_ == 0) return;
-  for (std::size_t p = 0; p < influences_.size(); ++p) {
-    double* own = &alpha_p_[p * static_cast<std::size_t>(f)];
+  const auto act = [&](const Influence& influence, double* own, double* moved) {
     if constexpr (std::is_same_v<T, double>) {
-      motion.influence(influences_[p], own);
+      motion.influence(influence, own);
     } else {
       std::vector<T> by(static_cast<std::size_t>(f));
-      motion.influence(influences_[p], by.data());
+      motion.influence(influence, by.data());
       for (int j = 0; j < f; ++j) own[j] = alpha(by.data(), j);
     }
-    if (!influences_[p].moves()) continue;
-    double* moved = &moved_p_[3 * p * static_cast<std::size_t>(motion.coordinates())];
+    if (!influence.moves()) return;
     for (const T* part : {motion.q_p(), motion.v_p(), motion.a_p()}) {
       for (int i = 0; i < motion.coordinates(); ++i) *moved++ = static_cast<double>(part[i]);
     }
+  };
+  const auto n = static_cast<std::size_t>(motion.coordinates());
+  for (std::size_t p = 0; p < influences_.size(); ++p) {
+    act(influences_[p], alpha_p_.data() + p * static_cast<std::size_t>(f), &moved_p_[3 * p * n]);
+  }
+  const std::size_t held = motion.held().size();
+  for (std::size_t h = 0; h < held; ++h) {
+    Influence value;
+    value.drive = motion.drives() - static_cast<int>(held - h);
+    act(value, alpha_held_.data() + h * static_cast<std::size_t>(f), &moved_held_[3 * h * n]);
   }
   // Rows of all columns, so that the innermost loops run along memory.
   const int columns = columns_;
+  const int start = columns - static_cast<int>(influences_.size());
   const double* dz = y + 2 * f + 1;
   const double* dw = dz + f * columns;
   double* out = dydt + 2 * f + 1;
   std::copy(dw, dw + f * columns, out);
   out += f * columns;
   for (int j = 0; j < f; ++j, out += columns) {
-    std::fill(out, out + 2 * f, 0.0);
-    for (int c = 2 * f; c < columns; ++c) out[c] = alpha_p_[static_cast<std::size_t>((c - 2 * f) * f + j)];
+    std::fill(out, out + start, 0.0);
+    for (int c = start; c < columns; ++c) out[c] = alpha_p_[static_cast<std::size_t>((c - start) * f + j)];
+    for (std::size_t h = 0; h < held; ++h) {
+      const double by_value = alpha_held_[h * static_cast<std::size_t>(f) + static_cast<std::size_t>(j)];
+      for (int c = 0; c < columns; ++c) out[c] += by_value * held_by(h)[c];
+    }
     for (int k = 0; k < f; ++k) {
       const double by_z = alpha(motion.alpha_z(k), j);
       const double by_w = alpha(motion.alpha_w(k), j);

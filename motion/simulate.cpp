@@ -11,6 +11,7 @@
 #include "motion/motion_error.hpp"
 #include "motion/reduced_system.hpp"
 #include "motion/singular_passage.hpp"
+#include "motion/stick_slip.hpp"
 #include "solvers/runge_kutta.hpp"
 
 namespace poise {
@@ -22,6 +23,8 @@ using Reduced = ReducedMotion<double>;
 constexpr double comfortable_pivot = 1e-3;
 /// Other independent coordinates are chosen if the pivot has decreased below this.
 constexpr double good_pivot = 0.05;
+/// Margin of friction beyond which an event has passed: rounding at its start leaves less.
+constexpr double past = 1e-12;
 
 class Simulation {
  public:
@@ -29,6 +32,7 @@ class Simulation {
       : model_(model),
         options_(options),
         reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
+        friction_(model, options.variations),
         n_(static_cast<std::size_t>(model.mechanism().coordinates())),
         unit_(n_, 1.0),
         q_start_(model.from_si(start.q)),
@@ -45,7 +49,7 @@ class Simulation {
     reduced_.choose(0.0, q_start_.data(), false, options.independent.empty() ? nullptr : &options.independent);
     out_.freedoms = reduced_.freedoms();
     out_.independent = reduced_.independent();
-    out_.drive_force.resize(static_cast<std::size_t>(reduced_.drives()));
+    out_.drive_force.resize(model.scene().drives.size());
     columns_ = options.sensitivities ? 2 * out_.freedoms + static_cast<int>(options.influences.size()) : 0;
     out_.trajectory.coordinates = static_cast<int>(n_);
     out_.trajectory.columns = columns_;
@@ -81,11 +85,18 @@ class Simulation {
     reduced_.expect(q_start_.data());
     remake();
     if (!system_->rates(0.0, y_.data(), dydt_.data())) return give_up(system_->status, 0.0);
+    if (friction_.acts()) {
+      reduced_.set_slides(model_.scaled_scene(), friction_.directions(reduced_), q_start_.data());
+      reduced_.choose(0.0, q_start_.data(), false, &out_.independent);
+      reduced_.expect(q_start_.data());
+      if (!system_->rates(0.0, y_.data(), dydt_.data())) return give_up(system_->status, 0.0);
+    }
     limit_ = std::min(comfortable_pivot, 0.1 * reduced_.pivot());
     const double accuracy = options_.accuracy / 1000;
     double t = 0.0;
     double h = first_step();
     add_node(t);
+    if (friction_.acts() && !change_friction(t)) return;
     while (t < options_.duration) {
       if (options_.interrupt != nullptr && options_.interrupt->load()) {
         return stop(MotionStatus::interrupted, fmt::format("interrupted at t = {:.6g} s", t));
@@ -105,16 +116,125 @@ class Simulation {
         if (h > 1e-13 * options_.duration && h > 1e-15 * (1 + t)) continue;
         return give_up(system_->status, t);
       }
+      const bool event = friction_.acts() && meets_event(t);
       t = last && taken_ == left ? end : t + taken_;
       ++out_.steps;
       y_.swap(y_new_);
       dydt_.swap(dydt_new_);
       add_node(t);
       if (t == end) smooth_from_ = out_.trajectory.nodes() - 1;
+      if (event) friction_.meet(reduced_);
+      if (event && !change_friction(t)) return;
       if (options_.progress) options_.progress(t);
       if (reduced_.pivot() < good_pivot && reduced_.rank() > 0) choose_anew(t);
     }
     out_.status = MotionStatus::completed;
+  }
+
+  /// Repeats the step just made, from t, with the length h; the margin of friction there, NaN where that fails.
+  double shortened_step(double t, double h) {
+    if (!stepper_->step(t, y_, dydt_, h, y_new_, error_) || !system_->rates(t + h, y_new_.data(), dydt_new_.data())) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    taken_ = h;
+    return friction_.margin(reduced_);
+  }
+
+  /// Shortens the step just made from t to the first event of friction in it, to rounding, by regula falsi. False if
+  /// there is none.
+  bool meets_event(double t) {
+    double after = taken_;
+    double margin_after = friction_.margin(reduced_);
+    if (!(margin_after < -past)) {
+      const double dip = friction_.dip(reduced_, taken_);
+      if (dip == 0.0) return false;
+      const double whole = taken_;
+      after = dip;
+      margin_after = shortened_step(t, dip);
+      if (std::isnan(margin_after)) shortened_step(t, whole);
+      if (!(margin_after < -past)) return false;
+    }
+    double before = 0.0;
+    double margin_before = margin_;
+    double margin = margin_after;
+    bool was_before = false;
+    for (int k = 0; k < 100; ++k) {
+      const double crossing = before + (after - before) * margin_before / (margin_before - margin_after);
+      const double h = margin_before > past && crossing > before && crossing < after ? crossing : (before + after) / 2;
+      if (!(h > before && h < after)) break;
+      margin = shortened_step(t, h);
+      if (std::abs(margin) <= eps) break;
+      // An end that stays is given half its weight the next time.
+      if (!(margin >= 0)) {
+        after = h;
+        margin_after = std::isnan(margin) ? -1.0 : margin;
+        if (k > 0 && !was_before) margin_before /= 2;
+        was_before = false;
+      } else {
+        before = h;
+        margin_before = margin;
+        if (k > 0 && was_before) margin_after /= 2;
+        was_before = true;
+      }
+    }
+    if (std::isnan(margin)) shortened_step(t, before);
+    return true;
+  }
+
+  /// Goes on from the last node with other friction sliding or held. Rates stay and accelerations jump, so that with
+  /// the time T(p) of the event the derivatives of the rates jump by  (accelerations before - after) dT/dp.
+  bool change_friction(double t) {
+    Trajectory& path = out_.trajectory;
+    const std::size_t node = path.nodes() - 1;
+    const auto width = static_cast<std::size_t>(columns_);
+    const double work = y_[static_cast<std::size_t>(2 * reduced_.freedoms())];
+    const bool started = node > 0;
+    if (!friction_.choose(reduced_, t)) {
+      stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s friction that sticks acts on more than {} places without "
+                                            "rate, or in a singular pose; give some of it a width",
+                                            t, StickSlip::most_at_once));
+      return false;
+    }
+    const int f = reduced_.freedoms();
+    y_.assign(static_cast<std::size_t>(2 * f + 1 + 2 * f * columns_), 0.0);
+    y_[static_cast<std::size_t>(2 * f)] = work;
+    for (int k = 0; k < f; ++k) {
+      const auto i = static_cast<std::size_t>(reduced_.independent()[k]);
+      y_[static_cast<std::size_t>(k)] = reduced_.q()[i];
+      y_[static_cast<std::size_t>(f + k)] = reduced_.v()[i];
+    }
+    held_by_.assign(reduced_.held().size() * width, 0.0);
+    std::vector<double> dq(n_), dv(n_);
+    for (std::size_t c = 0; c < width; ++c) {
+      const int influence = static_cast<int>(c) - 2 * out_.freedoms;
+      const int variation = influence >= 0 ? options_.influences[static_cast<std::size_t>(influence)].variation : -1;
+      const double unit = unit_of_column(static_cast<int>(c));
+      for (std::size_t i = 0; i < n_; ++i) {
+        const std::size_t at = (node * n_ + i) * width + c;
+        dq[i] = path.q_p[at] * unit / unit_[i];
+        dv[i] = path.v_p[at] * unit / unit_[i];
+      }
+      const double later = started ? friction_.event_time_by(dq.data(), dv.data(), variation) : 0.0;
+      for (std::size_t i = 0; i < n_; ++i) dv[i] += (path.a[node * n_ + i] / unit_[i] - reduced_.a()[i]) * later;
+      for (int k = 0; k < f; ++k) {
+        const auto i = static_cast<std::size_t>(reduced_.independent()[k]);
+        y_[sensitivity(k, static_cast<int>(c))] = dq[i];
+        y_[sensitivity(f + k, static_cast<int>(c))] = dv[i];
+      }
+      for (std::size_t h = 0; h < reduced_.held().size(); ++h) {
+        held_by_[h * width + c] = friction_.held_value_by(reduced_, h, dq.data(), variation);
+      }
+    }
+    out_.evaluations += system_->evaluations;
+    remake();
+    if (!system_->rates(t, y_.data(), dydt_.data())) {
+      give_up(system_->status, t);
+      return false;
+    }
+    limit_ = std::min(comfortable_pivot, 0.1 * reduced_.pivot());
+    add_node(t);
+    smooth_from_ = piece_from_ = path.nodes() - 1;
+    return true;
   }
 
   /// The end of the motion, or of the smooth part of its inputs, after t. Breaks so near to t that the integrator could
@@ -127,7 +247,9 @@ class Simulation {
 
   /// Tries a step of h; on failure h is made shorter. On success taken_ is the step and h the next one.
   bool step_from(double t, double& h, double accuracy) {
-    if (reduced_.rank() > 0) h = std::min(steered_step(out_.trajectory.t, pivot_, h), next_break(t) - t);
+    if (reduced_.rank() > 0 && out_.trajectory.nodes() > piece_from_ + 2) {
+      h = std::min(steered_step(out_.trajectory.t, pivot_, h), next_break(t) - t);
+    }
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);
@@ -266,6 +388,7 @@ class Simulation {
   void remake() {
     system_ = std::make_unique<ReducedSystem>(model_.scaled_scene(), reduced_, options_.influences, options_.variations,
                                               columns_);
+    system_->set_held(held_by_);
     stepper_ = std::make_unique<solvers::RungeKutta78>(*system_);
     dydt_.resize(y_.size());
     dydt_new_.resize(y_.size());
@@ -302,7 +425,7 @@ class Simulation {
 
   /// SI value of the initial coordinate that a column refers to; influences are per the caller's own unit.
   double unit_of_column(int c) const {
-    const int f = out_.freedoms;
+    const int f = out_.freedoms;  // at the start
     return c < 2 * f ? unit_[static_cast<std::size_t>(out_.independent[c % f])] : 1.0;
   }
 
@@ -323,13 +446,14 @@ class Simulation {
     out_.kinetic.push_back(energy * reduced_.kinetic_energy());
     out_.potential.push_back(energy * reduced_.potential_energy());
     out_.work.push_back(energy * y_[static_cast<std::size_t>(2 * f)]);
-    for (int d = 0; d < reduced_.drives(); ++d) {
+    for (int d = 0; d < static_cast<int>(out_.drive_force.size()); ++d) {
       const bool turns = model_.scene().drives[static_cast<std::size_t>(d)].on.is_angle();
       out_.drive_force[static_cast<std::size_t>(d)].push_back(reduced_.drive_force(d) *
                                                               (turns ? energy : model_.scales().force));
     }
     if (columns_ > 0) add_sensitivities();
     watch_stops(t);
+    if (friction_.acts()) margin_ = friction_.watch(reduced_);
   }
 
   void add_sensitivities() {
@@ -340,9 +464,10 @@ class Simulation {
     for (auto* part : {&path.q_p, &path.v_p, &path.a_p}) part->resize(first + n_ * width);
     for (int c = 0; c < columns_; ++c) {
       const double per = 1.0 / unit_of_column(c);
-      const double* own = c < 2 * f ? nullptr : system_->alpha_p(c - 2 * f);
-      const bool moves = own != nullptr && options_.influences[static_cast<std::size_t>(c - 2 * f)].moves();
-      const double* moved = moves ? system_->moved_p(c - 2 * f) : nullptr;
+      const int influence = c - 2 * out_.freedoms;
+      const double* own = influence < 0 ? nullptr : system_->alpha_p(influence);
+      const bool moves = own != nullptr && options_.influences[static_cast<std::size_t>(influence)].moves();
+      const double* moved = moves ? system_->moved_p(influence) : nullptr;
       for (std::size_t i = 0; i < n_; ++i) {
         double dq = moves ? moved[i] : 0.0;
         double dv = moves ? moved[n_ + i] : 0.0;
@@ -354,6 +479,13 @@ class Simulation {
           dv += reduced_.v_z(k)[i] * dz + reduced_.B(k)[i] * dw;
           da += reduced_.a_z(k)[i] * dz + reduced_.a_w(k)[i] * dw;
           if (own != nullptr && !moves) da += reduced_.B(k)[i] * own[k];
+        }
+        for (std::size_t h = 0; h < reduced_.held().size(); ++h) {
+          const double* by = system_->moved_held(h);
+          const double value = system_->held_by(h)[c];
+          dq += by[i] * value;
+          dv += by[n_ + i] * value;
+          da += by[2 * n_ + i] * value;
         }
         const std::size_t at = first + i * width + static_cast<std::size_t>(c);
         path.q_p[at] = unit_[i] * per * dq;
@@ -399,6 +531,7 @@ class Simulation {
   const MotionModel& model_;
   const MotionOptions& options_;
   Reduced reduced_;
+  StickSlip friction_;
   std::size_t n_;
   std::vector<double> unit_;  // SI value of each coordinate's unit
   std::vector<double> q_start_, reach_, speed_;
@@ -407,7 +540,10 @@ class Simulation {
   double limit_ = 0.0, taken_ = 0.0;
   std::vector<double> breaks_;   // of the inputs, ascending
   std::size_t next_ = 0;         // of these
-  std::size_t smooth_from_ = 0;  // node at the last break
+  std::size_t smooth_from_ = 0;  // node at the last break, or the last event of friction
+  std::size_t piece_from_ = 0;   // of the latter alone
+  double margin_ = 0.0;          // of friction at the last node
+  std::vector<double> held_by_;  // sensitivities of the values at which friction is held
   double fastest_ = 0.0;         // rate of change at the start, 1/s
   std::vector<double> node_;     // coordinates at the last node
   std::vector<double> pivot_;    // per node

@@ -49,6 +49,9 @@ TrajectoryReader::Nodes TrajectoryReader::best_nodes(std::size_t interval) const
   for (std::size_t count = 4; count >= 2; --count) {
     for (std::size_t first = interval + 2 > count ? interval + 2 - count : 0; first <= interval; ++first) {
       if (first + count > trajectory_.nodes()) break;
+      const auto from = trajectory_.t.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto to = from + static_cast<std::ptrdiff_t>(count);
+      if (count > 2 && std::adjacent_find(from, to) != to) continue;
       double error = 0.0;
       for (const int i : coordinates_) {
         std::array<NodeValues, 4> values;
@@ -117,6 +120,7 @@ void TrajectoryReader::at(double t) {
     const auto after = std::upper_bound(times.begin() + static_cast<std::ptrdiff_t>(interval), times.end(), t);
     interval = std::min(last, static_cast<std::size_t>(after - times.begin()) - 1);
   }
+  while (interval < last && times[interval + 1] == times[interval]) ++interval;
   if (interval != interval_) enter(interval);
   const double s = (t - origin_) / scale_;
   s_ = s;

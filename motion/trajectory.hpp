@@ -8,7 +8,8 @@ namespace poise {
 
 /// A motion stored at the nodes of an integrator; SI (rad, m, s). Between nodes it is the polynomial through values,
 /// rates and accelerations of four neighbours (degree 11), or of fewer where those are more accurate: near a corner
-/// they lie on one side of it.
+/// they lie on one side of it. Where accelerations jump, two nodes have the same time, and no polynomial goes through
+/// both.
 struct Trajectory {
   int coordinates = 0;  ///< n
   int columns = 0;      ///< sensitivities of each coordinate

@@ -10,14 +10,19 @@
 namespace poise {
 
 /// Dry friction: T = F tanh((dg/dt) / width), regularized Coulomb friction, so that bodies creep instead of sticking.
+/// With width 0 Coulomb friction itself, T = F sign(dg/dt), which in motion also sticks: where dg/dt = 0 it holds with
+/// any |T| <= F (motion/stick_slip.hpp).
 struct DryFriction {
   double force = 0.0;   ///< F, of sliding: N or N m
   double width = 0.01;  ///< m/s or rad/s
+
+  bool sticks() const { return width == 0.0; }
 
   template <class S>
   LawForce<S> resisting(const S&, const S& rate) const {
     using std::tanh;
     if (force == 0.0) return {};
+    if (sticks()) return {S(force) * sign(rate), S(0), S(0)};
     const S shape = tanh(rate / S(width));
     return {S(force) * shape, S(0), S(force) * (1 - shape * shape) / S(width)};
   }
@@ -25,6 +30,7 @@ struct DryFriction {
   template <class S>
   S force_by(int number, const S& g, const S& rate) const {
     using std::tanh;
+    if (sticks()) return number == 0 ? sign(rate) : S(0);
     if (number == 0) return tanh(rate / S(width));
     return -resisting(g, rate).by_rate * rate / S(width);
   }
@@ -37,6 +43,12 @@ struct DryFriction {
       "nothing moves in statics; friction may also hold the mechanism in other poses, which are not searched";
   static constexpr std::array tables{LawTable{"friction"}};
   static const std::array<Number, 2> numbers;
+
+ private:
+  template <class S>
+  static S sign(const S& rate) {
+    return rate > 0 ? S(1) : rate < 0 ? S(-1) : S(0);
+  }
 };
 
 inline constexpr std::array<Number, 2> DryFriction::numbers = [] {
@@ -44,7 +56,7 @@ inline constexpr std::array<Number, 2> DryFriction::numbers = [] {
   F.angle_key = "torque";
   F.effort_power = 1;
   F.needed = Number::Needed::always;
-  Number w = plain_number<&DryFriction::width>("width", dimension::time.power(-1), Range::positive);
+  Number w = plain_number<&DryFriction::width>("width", dimension::time.power(-1), Range::not_negative);
   w.measure_power = 1;
   return std::array{F, w};
 }();

@@ -48,6 +48,12 @@ inline bool damps_small_motion(const Law& law) {
       law);
 }
 
+/// True of friction that sticks at rate zero, see DryFriction.
+inline bool sticks(const Law& law) {
+  const auto* friction = std::get_if<DryFriction>(&law);
+  return friction != nullptr && friction->sticks();
+}
+
 inline std::span<const Number> numbers_of(const Law& law) {
   return std::visit([](const auto& l) { return std::span<const Number>(l.numbers); }, law);
 }

@@ -282,7 +282,7 @@ TEST(Mechanism, ResistanceTakesThePowerSeenInThePlacesOfBodies) {
     mechanism.place(q.data(), pose.data());
     VectorXd force = VectorXd::Zero(q.size());
     std::vector<double> resistances(mechanism.resistances_size());
-    mechanism.resist(pose.data(), v.data(), resistances.data());
+    mechanism.resist(pose.data(), v.data(), nullptr, resistances.data());
     mechanism.add_resistance(resistances.data(), force.data());
     EXPECT_LT(error_against_differences(frozen, q, force.transpose()), 1e-9);
   });

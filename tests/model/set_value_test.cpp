@@ -255,7 +255,7 @@ TEST_F(SetValue, RejectsValuesOutOfRangeAndKeepsTheOld) {
   EXPECT_EQ(message("torsion_damper.grease.coefficient", -1),
             "torsion_damper.grease.coefficient: expected a finite number >= 0, found -1");
   EXPECT_EQ(message("friction.dry.torque", -1), "friction.dry.torque: expected a finite number >= 0, found -1");
-  EXPECT_EQ(message("friction.dry.width", 0), "friction.dry.width: expected a finite number > 0, found 0");
+  EXPECT_EQ(message("friction.dry.width", -1), "friction.dry.width: expected a finite number >= 0, found -1");
   EXPECT_EQ(message("drive.motor.frequency", -1), "drive.motor.frequency: expected a finite number >= 0, found -1");
   EXPECT_EQ(message("drive.motor.start", nan), "drive.motor.start: expected a finite number, found nan");
   EXPECT_EQ(message("point.crank.B.x", nan), "point.crank.B.x: expected a finite number, found nan");

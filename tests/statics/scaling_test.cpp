@@ -198,7 +198,7 @@ std::vector<double> all_values(const Scene& scene, Purpose purpose, const Scales
                (units.coordinate[mechanism.tangent_row()[e]] * units.coordinate[mechanism.tangent_column()[e]]);
       });
   std::vector<double> resistances(mechanism.resistances_size());
-  mechanism.resist(pose.data(), q.data(), resistances.data());
+  mechanism.resist(pose.data(), q.data(), nullptr, resistances.data());
   add(
       n, [&](double* g) { mechanism.add_resistance(resistances.data(), g); }, force_unit);
   for (const auto* limits : {&mechanism.lower(), &mechanism.upper()}) {

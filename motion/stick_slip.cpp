@@ -1,0 +1,244 @@
+#include "motion/stick_slip.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+namespace poise {
+namespace {
+
+using Reduced = ReducedMotion<double>;
+
+/// Rates below this part of the largest yet are zero: events are located far more closely.
+constexpr double no_rate = 1e-9;
+/// Accelerations below this part of the largest of any choice are zero.
+constexpr double no_acceleration = 1e-9;
+/// A choice is consistent if forces and accelerations have the right sign but for this part.
+constexpr double consistent = 1e-6;
+/// What rounding may leave of a rate, as a part of the largest yet.
+constexpr double rounding = 1e-12;
+constexpr double tiny = std::numeric_limits<double>::min();
+
+}  // namespace
+
+StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& variations)
+    : model_(model), variations_(variations) {
+  const Scene& scene = model.scaled_scene();
+  const Phasors<double>& phasors = model.mechanism().phasors();
+  int scratch = 0;
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    if (!sticks(scene.elements[e].law)) continue;
+    const Measure& on = scene.elements[e].on;
+    Contact contact{static_cast<int>(e), std::get<DryFriction>(scene.elements[e].law).force, {}, {}};
+    contact.on = {scene, model.layout(), phasors, on};
+    scratch = std::max(scratch, contact.on.scratch_size());
+    for (const Variation& variation : variations) {
+      std::vector<CompiledMeasure<double>>& pieces = contact.varied.emplace_back();
+      for (const auto& [piece, weight] : variation.pieces) {
+        const Mechanism<double>& own = piece->mechanism();
+        pieces.emplace_back(piece->scaled_scene(), own.layout(), own.phasors(), piece->scaled_scene().elements[e].on);
+        scratch = std::max(scratch, pieces.back().scratch_size());
+      }
+    }
+    contacts_.push_back(std::move(contact));
+  }
+  pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));
+  met_ = none();
+}
+
+Configuration<double> StickSlip::place(const CompiledMeasure<double>& on, const double* q) {
+  const Phasors<double>& phasors = model_.mechanism().phasors();
+  if (!on.is_linear()) phasors.place(q, pose_.data());
+  return {phasors, pose_.data(), pose_.data() + phasors.pose_size()};
+}
+
+double StickSlip::rate(const Contact& contact, const Reduced& motion) {
+  return contact.on.along(place(contact.on, motion.q()), motion.v());
+}
+
+double StickSlip::acceleration(const Contact& contact, const Reduced& motion) {
+  const Configuration<double> here = place(contact.on, motion.q());
+  return contact.on.along(here, motion.a()) + contact.on.second(here, motion.v(), motion.v());
+}
+
+std::vector<int> StickSlip::directions(const Reduced& motion) {
+  std::vector<int> slides(model_.scaled_scene().elements.size(), 1);
+  for (const Contact& contact : contacts_) {
+    slides[static_cast<std::size_t>(contact.element)] = rate(contact, motion) < 0 ? -1 : 1;
+  }
+  return slides;
+}
+
+double StickSlip::watch(const Reduced& motion) {
+  for (Contact& contact : contacts_) {
+    contact.rate = rate(contact, motion);
+    contact.acceleration = acceleration(contact, motion);
+    contact.speed = std::max(contact.speed, std::abs(contact.rate));
+  }
+  return margin(motion);
+}
+
+double StickSlip::dip(const Reduced& motion, double h) {
+  for (const Contact& contact : contacts_) {
+    const int s = motion.slides()[contact.element];
+    if (s == 0 || contact.idle) continue;
+    const double from = s * contact.rate, to = s * rate(contact, motion);
+    const double falls = s * contact.acceleration * h, rises = s * acceleration(contact, motion) * h;
+    if (!(falls < 0 && rises > 0)) continue;
+    // from + falls x + b x^2 + a x^3,  0 < x < 1
+    const double a = 2 * (from - to) + falls + rises;
+    const double b = 3 * (to - from) - 2 * falls - rises;
+    const double x = -falls / (b + std::sqrt(std::max(0.0, b * b - 3 * a * falls)));
+    const double least = from + x * (falls + x * (b + x * a));
+    if (x > 0 && x < 1 && least < -rounding * contact.speed) return x * h;
+  }
+  return 0.0;
+}
+
+double StickSlip::margin_of(const Contact& contact, const Reduced& motion) {
+  const int slides = motion.slides()[contact.element];
+  if (slides != 0) {
+    const double now = rate(contact, motion);
+    return slides * now / (std::max(contact.speed, std::abs(now)) + tiny);
+  }
+  const auto h = std::find(motion.held().begin(), motion.held().end(), contact.element) - motion.held().begin();
+  const double force = std::abs(motion.holding_force(static_cast<int>(h)));
+  return (contact.force - force) / (std::max(contact.force, force) + tiny);
+}
+
+double StickSlip::margin(const Reduced& motion) {
+  double least = std::numeric_limits<double>::infinity();
+  least_ = none();
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (contacts_[c].idle) continue;
+    const double own = margin_of(contacts_[c], motion);
+    if (!(own < least)) continue;
+    least = own;
+    least_ = c;
+  }
+  return least;
+}
+
+void StickSlip::meet(const Reduced& motion) {
+  met_ = least_;
+  const Contact& contact = contacts_[met_];
+  by_force_ = motion.slides()[contact.element] == 0;
+  if (by_force_) return;
+  const auto n = static_cast<std::size_t>(motion.coordinates());
+  const Configuration<double> here = place(contact.on, motion.q());
+  slope_.assign(n, 0.0);
+  bend_.assign(n, 0.0);
+  contact.on.add_gradient(here, 1.0, slope_.data());
+  contact.on.add_bend(here, motion.v(), 1.0, bend_.data());
+  direct_.clear();
+  for (std::size_t v = 0; v < variations_.size(); ++v) {
+    double& sum = direct_.emplace_back(0.0);
+    for (std::size_t p = 0; p < contact.varied[v].size(); ++p) {
+      sum += variations_[v].pieces[p].weight * contact.varied[v][p].along(here, motion.v());
+    }
+  }
+  met_acceleration_ = acceleration(contact, motion);
+}
+
+double StickSlip::event_time_by(const double* dq, const double* dv, int variation) const {
+  if (by_force_) return 0.0;
+  double change = variation >= 0 ? direct_[static_cast<std::size_t>(variation)] : 0.0;
+  for (std::size_t i = 0; i < slope_.size(); ++i) change += slope_[i] * dv[i] + bend_[i] * dq[i];
+  return -change / met_acceleration_;
+}
+
+bool StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
+                    const std::vector<int>& slides) const {
+  motion.set_slides(model_.scaled_scene(), slides, q.data());
+  motion.choose(t, q.data(), false);
+  motion.expect(q.data());
+  std::vector<double> z, w;
+  for (const int i : motion.independent()) {
+    z.push_back(q[static_cast<std::size_t>(i)]);
+    w.push_back(v[static_cast<std::size_t>(i)]);
+  }
+  if (motion.place(t, z.data()) != Reduced::Status::ok) return false;
+  motion.move(w.data());
+  if (motion.accelerate() != Reduced::Status::ok) return false;
+  return true;
+}
+
+bool StickSlip::choose(Reduced& motion, double t) {
+  const auto n = static_cast<std::size_t>(motion.coordinates());
+  const std::vector<double> q(motion.q(), motion.q() + n);
+  const std::vector<double> v(motion.v(), motion.v() + n);
+  std::vector<int> slides = directions(motion);
+  std::vector<std::size_t> still;
+  std::size_t choices = 1;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    contacts_[c].idle = false;
+    const bool moves = c != met_ && std::abs(rate(contacts_[c], motion)) > no_rate * contacts_[c].speed;
+    if (moves) continue;
+    still.push_back(c);
+    choices *= 3;
+  }
+  if (still.size() > most_at_once) return false;
+  std::vector<Trial> trials;
+  std::vector<double> largest(still.size(), tiny);
+  for (std::size_t choice = 0; choice < choices; ++choice) {
+    std::size_t rest = choice;
+    bool held_again = false;
+    for (const std::size_t c : still) {
+      constexpr int options[] = {0, 1, -1};
+      const int option = options[rest % 3];
+      slides[static_cast<std::size_t>(contacts_[c].element)] = option;
+      held_again = held_again || (option == 0 && c == met_ && by_force_);
+      rest /= 3;
+    }
+    if (held_again || !set(motion, t, q, v, slides)) continue;
+    Trial trial{slides, {}, {}};
+    for (std::size_t k = 0; k < still.size(); ++k) {
+      const Contact& contact = contacts_[still[k]];
+      trial.acceleration.push_back(acceleration(contact, motion));
+      largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
+      trial.force.push_back(slides[static_cast<std::size_t>(contact.element)] == 0 ? margin_of(contact, motion) : 0.0);
+    }
+    trials.push_back(std::move(trial));
+  }
+  double least = consistent;
+  const Trial* best = nullptr;
+  for (const Trial& trial : trials) {
+    double violation = 0.0;
+    for (std::size_t k = 0; k < still.size(); ++k) {
+      const int s = trial.slides[static_cast<std::size_t>(contacts_[still[k]].element)];
+      violation = std::max(violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / largest[k]);
+    }
+    if (!(violation < least)) continue;
+    least = std::max(violation, no_acceleration);  // choices as consistent as this are the same motion
+    best = &trial;
+  }
+  if (best == nullptr || !set(motion, t, q, v, best->slides)) return false;
+  for (std::size_t k = 0; k < still.size(); ++k) {
+    const bool slides_on = best->slides[static_cast<std::size_t>(contacts_[still[k]].element)] != 0;
+    contacts_[still[k]].idle = slides_on && !(still[k] == met_ && by_force_) &&
+                               std::abs(best->acceleration[k]) <= no_acceleration * largest[k];
+  }
+  met_ = none();
+  by_force_ = false;
+  return true;
+}
+
+double StickSlip::held_value_by(const Reduced& motion, std::size_t h, const double* dq, int variation) {
+  const int element = motion.held()[h];
+  const Contact& contact =
+      *std::find_if(contacts_.begin(), contacts_.end(), [&](const Contact& one) { return one.element == element; });
+  const Phasors<double>& phasors = model_.mechanism().phasors();
+  phasors.place(motion.q(), pose_.data());
+  const Configuration<double> here{phasors, pose_.data(), pose_.data() + phasors.pose_size()};
+  double sum = contact.on.along(here, dq);
+  if (variation < 0) return sum;
+  const auto v = static_cast<std::size_t>(variation);
+  for (std::size_t p = 0; p < contact.varied[v].size(); ++p) {
+    sum += variations_[v].pieces[p].weight * contact.varied[v][p].value(here);
+  }
+  return sum;
+}
+
+}  // namespace poise

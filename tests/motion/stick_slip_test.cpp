@@ -1,0 +1,124 @@
+#include "motion/stick_slip.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "motion/simulate.hpp"
+#include "tests/support/build_scene.hpp"
+#include "tests/support/elements.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/motions.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double inertia = 0.01, stiffness = 1.0;
+
+// A wheel on a torsion spring, with friction of these torques between it and the ground.
+Scene wheel(const std::vector<double>& torques) {
+  Scene scene;
+  scene.gravity = {0, 0};
+  scene.add_point(0, "O", {0, 0});
+  test::add_link(scene, "wheel", 1.0);
+  scene.bodies[1].inertia = inertia;
+  test::add_pin(scene, "ground.O", "wheel.a");
+  scene.elements.push_back(test::torsion_spring("spring", 0, 1, stiffness, 0.0));
+  for (const double torque : torques) scene.elements.push_back(test::friction("rub", 0, 1, torque, 0.0));
+  return scene;
+}
+
+// From x0 at rest half swings of time pi / omega about -+ T / k, each 2 T / k less far, until |x| <= T / k.
+double place_of_wheel(double x0, double torque, double t) {
+  const double omega = std::sqrt(stiffness / inertia), offset = torque / stiffness;
+  double x = x0;
+  for (; std::abs(x) > offset; x = x > 0 ? 2 * offset - x : -2 * offset - x) {
+    const double middle = x > 0 ? offset : -offset;
+    if (omega * t < std::numbers::pi) return middle + (x - middle) * std::cos(omega * t);
+    t -= std::numbers::pi / omega;
+  }
+  return x;
+}
+
+void expect_wheel(const std::vector<double>& torques, double total) {
+  const MotionModel model(wheel(torques));
+  const Motion motion = test::moved(model, test::released(model, {{{"wheel", 1.05}}, {}}), 3.0);
+  std::vector<double> t;
+  for (int k = 0; k <= 300; ++k) t.push_back(0.01 * k);
+  const std::vector<test::Reading> read = test::read_at(motion, t);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    ASSERT_NEAR(read[i].q[0], place_of_wheel(1.05, total, t[i]), 1e-12) << "at " << t[i];
+  }
+  EXPECT_EQ(read.back().v[0], 0.0) << "it stays";
+  EXPECT_LT(motion.energy_error, 1e-12);
+}
+
+TEST(StickSlip, StopsAWheelAfterTheHalfSwingsOfItsClosedForm) { expect_wheel({0.1}, 0.1); }
+
+// Whichever of them is thought of as sliding where both are held.
+TEST(StickSlip, ForcesInOneJointAddUp) {
+  expect_wheel({0.04, 0.06}, 0.1);
+  expect_wheel({0.09, 0.01}, 0.1);
+  expect_wheel({0.05, 0.05}, 0.1);
+}
+
+TEST(StickSlip, HoldsWhatStartsWithinItsForce) {
+  const MotionModel model(wheel({0.1}));
+  const Motion motion = test::moved(model, test::released(model, {{{"wheel", -0.099}}, {}}), 2.0);
+  EXPECT_EQ(test::q_at(motion, motion.trajectory.nodes() - 1)[0], test::q_at(motion, 0)[0]);
+}
+
+// A wheel in a driven ring, on a spring to the ground: the ring carries it along until the spring overcomes the
+// friction, at the angle T / k; then it slips.
+TEST(StickSlip, SlipsWhereTheHoldingForcePassesItsLimit) {
+  constexpr double speed = 0.2, torque = 0.04;
+  Scene scene = wheel({});
+  test::add_link(scene, "ring", 1.0);
+  test::add_pin(scene, "ground.O", "ring.a");
+  scene.elements.push_back(test::friction("rub", 2, 1, torque, 0.0));
+  Drive drive;
+  drive.name = "motor";
+  drive.on = Measure::angle_between(0, 2);
+  drive.rate = speed;
+  scene.drives.push_back(drive);
+  const MotionModel model(scene);
+  const double slip = torque / stiffness / speed;
+  const Motion motion = test::moved(model, test::released(model, {{{"wheel", 0.0}}, {{"wheel", speed}}}), 2.0 * slip);
+  const auto wheel = static_cast<std::size_t>(test::coordinate_of(model, "wheel"));
+  for (const test::Reading& read : test::read_at(motion, {0.3 * slip, 0.7 * slip, 0.99 * slip})) {
+    EXPECT_NEAR(read.v[wheel], speed, 1e-13);
+  }
+  // I x'' = T - k x from x = T / k with the ring's speed.
+  const double omega = std::sqrt(stiffness / inertia), later = 0.5 / omega;
+  const test::Reading read = test::read_at(motion, {slip + later}).front();
+  EXPECT_NEAR(read.q[wheel], torque / stiffness + speed / omega * std::sin(omega * later), 1e-12);
+}
+
+Scene two_arms(double width) {
+  Scene scene = read_scene(test::dataset("double_pendulum.toml"));
+  for (Element& element : scene.elements) {
+    if (auto* dry = std::get_if<DryFriction>(&element.law)) *dry = {3e-3, width};
+  }
+  return scene;
+}
+
+Motion swing(const Scene& scene) {
+  const MotionModel model(scene);
+  return test::moved(model, test::released(model, {{{"arm1", -0.55}, {"arm2", 0.4}}, {}}), 2.0);
+}
+
+TEST(StickSlip, IsTheLimitOfNarrowWidths) {
+  const Motion sharp = swing(two_arms(0.0));
+  EXPECT_LT(sharp.energy_error, 1e-11);
+  const double wide = difference(swing(two_arms(1e-2)), sharp);
+  const double narrow = difference(swing(two_arms(1e-3)), sharp);
+  EXPECT_LT(wide, 1e-4);
+  EXPECT_LT(narrow, 0.2 * wide);
+}
+
+}  // namespace
+}  // namespace poise
