@@ -586,8 +586,8 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
       }
     }
   }
-  const bool rates = std::any_of(experiment_.sensors.begin(), experiment_.sensors.end(),
-                                 [](const Sensor& sensor) { return sensor.rate; });
+  const bool rates = delayed_ || std::any_of(experiment_.sensors.begin(), experiment_.sensors.end(),
+                                             [](const Sensor& sensor) { return sensor.rate; });
   TrajectoryReader trajectory(motion.trajectory, coordinates, rates);
   const std::size_t width = static_cast<std::size_t>(columns());
   std::vector<std::size_t> first{0};  // row of each sensor's first reading
