@@ -523,16 +523,22 @@ class Fitting {
     return solvers::triangular_factor(rows);
   }
 
-  /// Standard errors of combinations grow by the largest factor by which those of their parameters do.
-  void enlarge(Identifiability::Combination& combination) const {
-    double factor = 1.0;
-    for (std::size_t i = 0; i < combination.coefficient.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      const double white = std::sqrt(out_.identifiability.covariance(at, at));
-      if (combination.coefficient[i] != 0 && white > 0 && std::isfinite(out_.errors.error[i]))
-        factor = std::max(factor, out_.errors.error[i] / white);
+  /// Standard errors of combinations, and correlations, by what the residuals allow.
+  void lead_with_residuals() {
+    std::vector<double> shown;
+    for (const Estimate& estimate : out_.estimates) shown.push_back(estimate.value);
+    for (Identifiability::Combination& known : out_.identifiability.combinations) {
+      known.standard_error = out_.errors.of(known.gradient(shown));
     }
-    combination.standard_error *= factor;
+    auto& correlation = out_.identifiability.correlation;
+    const Eigen::VectorXd error = out_.errors.covariance.diagonal().cwiseSqrt();
+    for (std::size_t i = 0; i < correlation.size(); ++i) {
+      for (std::size_t j = 0; j < correlation.size(); ++j) {
+        const auto row = static_cast<Eigen::Index>(i);
+        const auto column = static_cast<Eigen::Index>(j);
+        if (correlation[i][j]) correlation[i][j] = out_.errors.covariance(row, column) / (error[row] * error[column]);
+      }
+    }
   }
 
   /// Fills the result from the best point.
@@ -559,7 +565,6 @@ class Fitting {
     }
     if (out_.status == FitStatus::not_run) judge();
     out_.outliers = outliers(problem_, linear_, out_.weighting);
-    for (Identifiability::Combination& known : out_.identifiability.combinations) enlarge(known);
     for (std::size_t i = 0; i < problem_.parameters().size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
       const Unknown& unknown = problem_.unknown_of(i);
@@ -587,6 +592,7 @@ class Fitting {
       estimate.withheld = !estimate.why.empty();
       out_.estimates.push_back(std::move(estimate));
     }
+    if (out_.identifiability.ok) lead_with_residuals();
   }
 
   /// "the readings do not distinguish frequencies of 4.6 Hz and 5.4 Hz; ..."

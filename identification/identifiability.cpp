@@ -282,14 +282,14 @@ class Assessment {
     double sum = 0.0;
     Index divisor = -1;
     bool plain = true;
-    const double unit = problem_.unknown_of(static_cast<std::size_t>(of)).unit;
+    std::vector<double> shown;
     for (Index i = 0; i < n_; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const Unknown& unknown = problem_.unknown_of(at);
       const double by_si = c[i] * scale_[of] / scale_[i];
-      out.coefficient.push_back(by_si * unknown.unit / unit);
+      out.coefficient.push_back(by_si);
+      shown.push_back(parameters_[at] + unknown.includes);
       if (c[i] == 0) continue;
-      out.value += by_si * (parameters_[at] + unknown.includes);
       all_scale = all_scale && problem_.scales_with_force(static_cast<int>(i));
       all_shift = all_shift && unknown.of_sensor && unknown.of_sensor->of != SensorNumber::Of::factor;
       plain = plain && unknown.includes == 0;
@@ -302,11 +302,11 @@ class Assessment {
     if (divisor >= 0 && plain && !all_shift && std::abs(sum) <= 1e-6 * largest) {
       const auto at = static_cast<std::size_t>(divisor);
       out.over = static_cast<int>(divisor);
-      out.value = -c[divisor] * scale_[of] / scale_[divisor];
       out.standard_error /= std::abs(parameters_[at]);
       out.coefficient[at] = 0.0;
     }
     out.exact = all_scale || all_shift;
+    out.value = out.at(shown);
     out.words = in_words(problem_, out);
     return out;
   }
@@ -323,6 +323,19 @@ class Assessment {
 };
 
 }  // namespace
+
+double Identifiability::Combination::at(const std::vector<double>& shown) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < coefficient.size(); ++i) sum += coefficient[i] * shown[i];
+  return over < 0 ? sum : sum / shown[static_cast<std::size_t>(over)];
+}
+
+Eigen::VectorXd Identifiability::Combination::gradient(const std::vector<double>& shown) const {
+  VectorXd out = Eigen::Map<const VectorXd>(coefficient.data(), static_cast<Index>(coefficient.size()));
+  if (over < 0) return out;
+  out[over] = -at(shown);
+  return out / shown[static_cast<std::size_t>(over)];
+}
 
 Identifiability assess(const FitProblem& problem, const std::vector<double>& parameters,
                        const std::vector<std::vector<double>>& nuisances) {

@@ -37,13 +37,18 @@ struct Identifiability {
   /// A function of parameters that no null changes:  sum of coefficient x parameter, or that sum over one more
   /// parameter where the sum alone is zero, because a null is a common factor of all.
   struct Combination {
-    std::vector<double> coefficient;  ///< per parameter, for the units in which the experiment gives them
+    std::vector<double> coefficient;  ///< per parameter, SI
     int over = -1;                    ///< the parameter that divides
-    int unit_of = -1;                 ///< value and standard error are in the unit of this one (over that of the other)
-    double value = 0.0;
-    double standard_error = 0.0;  ///< Cramer-Rao bound
-    bool exact = false;           ///< holds for any change along the nulls; else to first order
-    std::string words;            ///< "k / m", "J + 0.25 m"
+    int unit_of = -1;                 ///< to be shown in the unit of this one (over that of the other)
+    double value = 0.0;               ///< SI
+    double standard_error = 0.0;      ///< SI: Cramer-Rao bound; in a Fit the leading one of StandardErrors
+    bool exact = false;               ///< holds for any change along the nulls; else to first order
+    std::string words;                ///< "k / m", "J + 0.25 m"
+
+    /// Its value at shown values of the parameters, SI.
+    double at(const std::vector<double>& shown) const;
+    /// The derivatives of that.
+    Eigen::VectorXd gradient(const std::vector<double>& shown) const;
   };
   bool ok = false;
   std::string why;
@@ -60,7 +65,7 @@ struct Identifiability {
   std::vector<double> standard_error;   ///< per parameter: Cramer-Rao bound, SI; infinite where it has a part in a null
   /// Of all parameters, SI, for white noise as stated; of changes in the nulls it knows nothing.
   Eigen::MatrixXd covariance;
-  /// Of the parameters, [i][j]; empty where a standard error is infinite.
+  /// Of the parameters, [i][j]; empty where a standard error is infinite. In a Fit those of the leading errors.
   std::vector<std::vector<std::optional<double>>> correlation;
 };
 

@@ -22,16 +22,19 @@ constexpr std::uint32_t stream_of_starts = 0, stream_of_first_run = 1;
 /// The numbers of a trial that come before value and standard error of each parameter.
 enum Column : std::size_t { has_converged, residual_over_noise, evaluations, first_estimate };
 
-std::vector<std::string> column_names(const FitProblem& problem) {
+std::vector<std::string> column_names(const MonteCarlo& answer) {
   std::vector<std::string> names = {"converged", "residual_over_noise", "evaluations"};
-  for (const Parameter& parameter : problem.parameters()) {
-    names.push_back(parameter.name);
-    names.push_back(parameter.name + " standard error");
+  for (const auto* all : {&answer.parameters, &answer.combinations}) {
+    for (const TrialStatistics& one : *all) {
+      names.push_back(one.name);
+      names.push_back(one.name + " standard error");
+    }
   }
   return names;
 }
 
 std::vector<double> run_trial(const FitProblem& problem, const std::vector<Record>& ideal,
+                              const std::vector<Identifiability::Combination>& combined,
                               const MonteCarloOptions& options, std::uint64_t trial) {
   std::vector<Record> records = ideal;
   for (std::size_t r = 0; r < records.size(); ++r) {
@@ -51,13 +54,21 @@ std::vector<double> run_trial(const FitProblem& problem, const std::vector<Recor
     fit_options.starts.push_back(std::clamp(start, p.min, p.max));
   }
   const Fit fitted = fit(problem, records, fit_options);
-  std::vector<double> row(first_estimate + 2 * problem.parameters().size(), NAN);
+  std::vector<double> row(first_estimate + 2 * (problem.parameters().size() + combined.size()), NAN);
   row[has_converged] = fitted.status == FitStatus::converged ? 1 : 0;
   row[residual_over_noise] = fitted.residual_over_noise;
   row[evaluations] = fitted.evaluations;
   for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
     row[first_estimate + 2 * i] = fitted.estimates[i].value;
     row[first_estimate + 2 * i + 1] = fitted.estimates[i].standard_error;
+  }
+  if (!fitted.identifiability.ok) return row;
+  std::vector<double> shown;
+  for (const Estimate& estimate : fitted.estimates) shown.push_back(estimate.value);
+  for (std::size_t k = 0; k < combined.size(); ++k) {
+    const std::size_t at = first_estimate + 2 * (problem.parameters().size() + k);
+    row[at] = combined[k].at(shown);
+    row[at + 1] = fitted.errors.of(combined[k].gradient(shown));
   }
   return row;
 }
@@ -70,23 +81,28 @@ void add_trial(const double* row, MonteCarlo& sums) {
   ++sums.converged;
   sums.residual_over_noise += row[residual_over_noise];
   bool near = true;
-  for (std::size_t i = 0; i < sums.parameters.size(); ++i) {
-    TrialStatistics& s = sums.parameters[i];
-    const double error = row[first_estimate + 2 * i] - s.truth;
-    s.bias += error;
-    s.rmse += error * error;
-    s.coverage += std::abs(error) <= quantile * row[first_estimate + 2 * i + 1] ? 1.0 : 0.0;
-    near = near && std::abs(error) <= 6 * s.bound;
+  const double* estimate = row + first_estimate;
+  for (auto* all : {&sums.parameters, &sums.combinations}) {
+    for (TrialStatistics& s : *all) {
+      const double error = estimate[0] - s.truth;
+      s.bias += error;
+      s.rmse += error * error;
+      s.coverage += std::abs(error) <= quantile * estimate[1] ? 1.0 : 0.0;
+      near = near && std::abs(error) <= 6 * s.bound;
+      estimate += 2;
+    }
   }
   sums.near_truth += near ? 1 : 0;
 }
 
 void summarise(MonteCarlo& sums) {
   const double converged = std::max(1, sums.converged);
-  for (TrialStatistics& s : sums.parameters) {
-    s.bias /= converged;
-    s.rmse = std::sqrt(s.rmse / converged);
-    s.coverage /= converged;
+  for (auto* all : {&sums.parameters, &sums.combinations}) {
+    for (TrialStatistics& s : *all) {
+      s.bias /= converged;
+      s.rmse = std::sqrt(s.rmse / converged);
+      s.coverage /= converged;
+    }
   }
   sums.residual_over_noise /= converged;
   sums.evaluations /= std::max(1, sums.trials);
@@ -135,6 +151,17 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
     s.bound = bound.ok ? bound.standard_error[i] : 0.0;
     out.parameters.push_back(s);
   }
+  for (const Identifiability::Combination& one : bound.combinations) {
+    if (!one.exact) continue;
+    const double divisor = one.over < 0 ? 1.0 : problem.unknown_of(static_cast<std::size_t>(one.over)).unit;
+    TrialStatistics s;
+    s.name = one.words;
+    s.truth = one.value;
+    s.unit = problem.unknown_of(static_cast<std::size_t>(one.unit_of)).unit / divisor;
+    s.bound = one.standard_error;
+    out.combined.push_back(one);
+    out.combinations.push_back(s);
+  }
   studies::Study study;
   study.name = "montecarlo";
   study.identity = options.identity;
@@ -142,9 +169,9 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
                                                {"seed", std::to_string(options.seed)},
                                                {"start", options.use_starts ? "given" : "auto"},
                                                {"start error", fmt::format("{}", options.start_error)}});
-  study.columns = column_names(problem);
+  study.columns = column_names(out);
   study.samples = static_cast<std::uint64_t>(std::max(0, options.trials));
-  study.compute = [&](std::uint64_t trial) { return run_trial(problem, ideal, options, trial); };
+  study.compute = [&](std::uint64_t trial) { return run_trial(problem, ideal, out.combined, options, trial); };
   const studies::StudyOutcome outcome =
       studies::run_study(study, options.study, [&](std::uint64_t, const double* row) { add_trial(row, out); });
   summarise(out);

@@ -61,8 +61,12 @@ struct MonteCarlo {
   int near_truth = 0;  ///< of these, within 6 standard errors of the truth in every parameter
   bool interrupted = false;
   std::vector<TrialStatistics> parameters;  ///< over the converged ones
-  double residual_over_noise = 0.0;         ///< mean
-  double evaluations = 0.0;                 ///< mean
+  /// The same of the combinations that are identifiable where parameters are not, those that hold for any change along
+  /// the nulls; at the truth, SI.
+  std::vector<Identifiability::Combination> combined;
+  std::vector<TrialStatistics> combinations;
+  double residual_over_noise = 0.0;  ///< mean
+  double evaluations = 0.0;          ///< mean
   double seconds = 0.0;
   std::vector<std::string> warnings;  ///< of damaged files
 };

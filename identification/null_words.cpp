@@ -96,7 +96,7 @@ std::string in_words(const FitProblem& problem, const Identifiability::Combinati
   std::string words = name(first);
   std::size_t terms = 1;
   for (std::size_t i = 0; i < combination.coefficient.size(); ++i) {
-    const double by = combination.coefficient[i];
+    const double by = combination.coefficient[i] * problem.unknown_of(i).unit / problem.unknown_of(first).unit;
     if (i == first || by == 0) continue;
     if (++terms <= most_parts) words += fmt::format(" {} {:.6g} {}", by < 0 ? '-' : '+', std::abs(by), name(i));
   }

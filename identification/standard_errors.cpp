@@ -253,11 +253,12 @@ class Analysis {
         if (none) change[static_cast<std::size_t>(p)] = nan;
       }
     }
+    out_.by_runs = std::move(moved);
   }
 
   void correlate_leading() {
     const bool white = out_.leading == StandardErrors::Kind::white;
-    out_.covariance = white ? white_ : serial_;
+    out_.covariance = out_.by_readings = white ? white_ : serial_;
     const std::vector<double>& errors = white ? out_.white : out_.serial;
     for (std::size_t p = 0; p < errors.size(); ++p) {
       const auto at = static_cast<Eigen::Index>(p);
@@ -360,6 +361,16 @@ class Analysis {
 
 bool NoiseTest::agrees() const {
   return std::abs(ratio - 1) <= std::min(std::max(5 * sigma, 0.02), std::max(5 * white_sigma, 0.3));
+}
+
+double StandardErrors::of(const Eigen::VectorXd& gradient) const {
+  double square = gradient.dot(by_readings * gradient);
+  bool by_both = leading == Kind::runs;
+  for (std::size_t p = 0; p < runs.size(); ++p) {
+    if (gradient[static_cast<Eigen::Index>(p)] != 0 && std::isnan(runs[p])) by_both = false;
+  }
+  if (by_both) square = std::max(square, (by_runs.transpose() * gradient).squaredNorm());
+  return std::sqrt(std::max(0.0, square));
 }
 
 std::string to_string(StandardErrors::Kind kind) {

@@ -41,6 +41,9 @@ struct StandardErrors {
   /// Of the estimates, SI: the leading standard errors, correlated as by `white` or, where that does not lead,
   /// `serial`.
   Eigen::MatrixXd covariance;
+  /// Covariance of the estimates by white or, where that does not lead, by serial, and a root of the one by runs: that
+  /// is its product with its transpose. SI.
+  Eigen::MatrixXd by_readings, by_runs;
   std::vector<double> reach;  ///< half the width of the 95 % interval, Student's t
   /// Per run, per parameter: by how much an estimate changes without that run, to first order, SI; NaN where the run
   /// alone determines it.
@@ -49,6 +52,9 @@ struct StandardErrors {
   std::vector<double> disagreement;
   std::vector<NoiseTest> sensors;                  ///< over all runs
   std::vector<std::vector<NoiseTest>> runs_noise;  ///< per run, per sensor; ratio NaN without readings
+
+  /// The leading one of  sum gradient_i parameter_i,  by the same rule as for single parameters; SI.
+  double of(const Eigen::VectorXd& gradient) const;
 };
 
 /// A run with a larger disagreement is named: among 100 runs with 5 parameters one does so by chance once in 60 fits.

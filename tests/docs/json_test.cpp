@@ -506,7 +506,10 @@ TEST(JsonDocs, Plan) {
 }
 
 TEST(JsonDocs, MonteCarlo) {
-  check_section("montecarlo", {{{"montecarlo", scene("lift_experiment_four_runs"), "--trials", "3"}}});
+  const TempFolder folder;
+  folder.write("oscillator.toml", oscillator);
+  check_section("montecarlo", {{{"montecarlo", scene("lift_experiment_four_runs"), "--trials", "3"}},
+                               {{"montecarlo", folder.write("ratios.toml", ratios), "--trials", "3"}}});
 }
 
 TEST(JsonDocs, Stress) {

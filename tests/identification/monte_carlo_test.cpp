@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/identification/experiments.hpp"
+#include "tests/identification/wheel.hpp"
 
 namespace poise {
 namespace {
@@ -145,6 +145,25 @@ TEST(MonteCarlo, ComparesStatisticsWithTheBound) {
   s.rmse = 2.0;
   s.coverage = 0.95 - 4.2 * std::sqrt(0.0475) / 20;
   EXPECT_FALSE(against_bound(s, 400).as_expected());
+}
+
+// Of stiffness and inertia of a wheel only the ratio is identifiable: it reaches its bound.
+TEST(MonteCarlo, CombinationsReachTheirBounds) {
+  Experiment e = test::Wheel(2).experiment;
+  e.unknowns.push_back(test::unknown("body.wheel.inertia"));
+  const FitProblem problem(e);
+  MonteCarloOptions options;
+  options.trials = 200;
+  options.seed = 3;
+  options.start_error = 0.2;
+  const MonteCarlo found = monte_carlo(problem, options);
+  EXPECT_EQ(found.converged, 200);
+  for (const TrialStatistics& s : found.parameters) EXPECT_FALSE(s.is_identifiable());
+  ASSERT_EQ(found.combinations.size(), 1U);
+  const TrialStatistics& ratio = found.combinations[0];
+  EXPECT_TRUE(ratio.is_identifiable());
+  EXPECT_TRUE(against_bound(ratio, found.converged).as_expected())
+      << ratio.name << ": rms " << ratio.rmse / ratio.bound << ", coverage " << ratio.coverage;
 }
 
 TEST(MonteCarlo, WithoutABoundNothingIsIdentifiable) {

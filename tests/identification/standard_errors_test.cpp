@@ -124,6 +124,27 @@ TEST(StandardErrors, RunsInClosedForm) {
 }
 
 // Leaving out a run changes the estimate as a fit without it says.
+// Of a ratio, by every kind of residuals: as of the one number where the other is known.
+TEST(StandardErrors, OfACombination) {
+  for (const double phi : {0.0, 0.9, 0.999}) {
+    Wheel wheel = wheel_of(4, 400);
+    const FitProblem one(wheel.experiment);
+    Correlated noise{phi, std::mt19937_64(5)};
+    const std::vector<Record> records = noisy(
+        one, [&] { return noise(); }, [&] { noise.x = noise.normal(noise.random); });
+    const Fit of_one = fit(one, records);
+    wheel.experiment.unknowns.push_back(test::unknown("body.wheel.inertia"));
+    const FitProblem both(wheel.experiment);
+    const Fit of_both = fit(both, records);
+    EXPECT_EQ(of_one.errors.leading, of_both.errors.leading);
+    ASSERT_EQ(of_both.identifiability.combinations.size(), 1U) << phi;
+    const Identifiability::Combination& ratio = of_both.identifiability.combinations[0];
+    ASSERT_GE(ratio.over, 0);
+    const double relative = of_one.errors.error[0] / of_one.parameters[0];
+    EXPECT_NEAR(ratio.standard_error / std::abs(ratio.value) / relative, 1.0, 1e-3) << phi;
+  }
+}
+
 TEST(StandardErrors, WithoutARunAsAFitWithoutIt) {
   const Wheel wheel = wheel_of(4, 80);
   const FitProblem problem(wheel.experiment);

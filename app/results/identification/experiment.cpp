@@ -35,17 +35,9 @@ std::vector<std::string> close_pairs(const FitProblem& problem, const Identifiab
   return out;
 }
 
-/// Units of combinations: "kg m²", "N/m / kg".
-std::vector<std::string> units_of(const FitProblem& problem,
-                                  const std::vector<Identifiability::Combination>& combinations) {
-  const std::vector<std::string> units = parameter_units(problem);
-  return each(combinations, [&](const Identifiability::Combination& combination) {
-    const std::string& unit = units[static_cast<std::size_t>(combination.unit_of)];
-    if (combination.over < 0) return unit;
-    const std::string& by = units[static_cast<std::size_t>(combination.over)];
-    if (by == unit) return std::string();
-    return by.find_first_of(" /") == std::string::npos ? unit + " / " + by : unit + " / (" + by + ")";
-  });
+double unit_of(const FitProblem& problem, const Identifiability::Combination& combination) {
+  const double unit = problem.unknown_of(static_cast<std::size_t>(combination.unit_of)).unit;
+  return combination.over < 0 ? unit : unit / problem.unknown_of(static_cast<std::size_t>(combination.over)).unit;
 }
 
 std::string runs_in_words(const Experiment& experiment) {
@@ -124,6 +116,18 @@ std::vector<std::string> parameter_units(const FitProblem& problem) {
   });
 }
 
+std::vector<std::string> combination_units(const FitProblem& problem,
+                                           const std::vector<Identifiability::Combination>& combinations) {
+  const std::vector<std::string> units = parameter_units(problem);
+  return each(combinations, [&](const Identifiability::Combination& combination) {
+    const std::string unit = units[static_cast<std::size_t>(combination.unit_of)];
+    if (combination.over < 0) return unit;
+    const std::string by = units[static_cast<std::size_t>(combination.over)];
+    if (by == unit) return std::string();
+    return by.find_first_of(" /") == std::string::npos ? unit + " / " + by : unit + " / (" + by + ")";
+  });
+}
+
 std::string rounded_to(double value, double standard_error) {
   if (!(standard_error > 0) || !std::isfinite(standard_error) || !std::isfinite(value)) return significant(value, 6);
   const int order = static_cast<int>(std::floor(std::log10(standard_error)));
@@ -159,13 +163,15 @@ void add_combinations(Group& group, const FitProblem& problem, const Identifiabi
   const std::vector<Identifiability::Combination>& rows = known.combinations;
   Table& table = group.table("", "Combinations that are identifiable", Rows::list);
   table.words("", "combination", each(rows, &Identifiability::Combination::words));
-  table.numbers("", "value", "", {}).texts =
-      each(rows, [](const auto& row) { return rounded_to(row.value, row.standard_error); });
+  table.numbers("", "value", "", {}).texts = each(rows, [&](const auto& row) {
+    const double unit = unit_of(problem, row);
+    return rounded_to(row.value / unit, row.standard_error / unit);
+  });
   table.numbers("", "standard error", "", {}).texts =
-      each(rows, [](const auto& row) { return significant(row.standard_error, 2); });
+      each(rows, [&](const auto& row) { return significant(row.standard_error / unit_of(problem, row), 2); });
   table.numbers("", "per cent", "", {}).texts =
       each(rows, [](const auto& row) { return per_cent(row.standard_error, row.value); });
-  table.words("", "unit", units_of(problem, rows));
+  table.words("", "unit", combination_units(problem, rows));
   table.remarks(each(rows, [](const auto& row) { return row.exact ? "" : "to first order"; }), Tone::plain);
 }
 
@@ -216,20 +222,23 @@ void add_identifiability_data(Group& group, const FitProblem& problem, const Ide
                      }));
   }
   Branch& combinations = out.array("combinations");
-  const std::vector<std::string> combined_units = units_of(problem, known.combinations);
+  const std::vector<std::string> combined_units = combination_units(problem, known.combinations);
   for (std::size_t k = 0; k < known.combinations.size(); ++k) {
     const Identifiability::Combination& combination = known.combinations[k];
     Group& one = combinations.parts.emplace_back();
     one.data("words", combination.words);
-    one.data("value", combination.value);
-    one.data("standard_error", combination.standard_error);
+    const double unit = unit_of(problem, combination);
+    one.data("value", combination.value / unit);
+    one.data("standard_error", combination.standard_error / unit);
     one.data("unit", combined_units[k]);
     one.data("exact", combination.exact);
     one.data("over",
              combination.over < 0 ? Value() : Value(parameters[static_cast<std::size_t>(combination.over)].name));
     Group& terms = one.group("coefficient", "", Verbosity::data);
     for (std::size_t i = 0; i < combination.coefficient.size(); ++i) {
-      if (combination.coefficient[i] != 0) terms.data(parameters[i].name, combination.coefficient[i]);
+      const double by =
+          problem.unknown_of(i).unit / problem.unknown_of(static_cast<std::size_t>(combination.unit_of)).unit;
+      if (combination.coefficient[i] != 0) terms.data(parameters[i].name, combination.coefficient[i] * by);
     }
   }
   Branch& directions = out.array("not_identifiable");

@@ -21,6 +21,9 @@ std::string data_in_words(const FitProblem& problem);
 
 /// Names of the units of the parameters.
 std::vector<std::string> parameter_units(const FitProblem& problem);
+/// Units of combinations: "kg m²", "N/m / kg".
+std::vector<std::string> combination_units(const FitProblem& problem,
+                                           const std::vector<Identifiability::Combination>& combinations);
 
 /// A value with as many decimals as its standard error has with two digits: 64.692 where that is 0.024.
 std::string rounded_to(double value, double standard_error);

@@ -33,9 +33,11 @@ Line verdict(const MonteCarloOptions& options, const MonteCarlo& answer) {
         .tone = Tone::bad};
   }
   std::vector<std::string> differing;
-  for (const TrialStatistics& s : answer.parameters) {
-    // What is not identifiable has no standard error that its errors could disagree with.
-    if (s.is_identifiable() && !against_bound(s, answer.converged).as_expected()) differing.push_back(s.name);
+  for (const auto* all : {&answer.parameters, &answer.combinations}) {
+    for (const TrialStatistics& s : *all) {
+      // What is not identifiable has no standard error that its errors could disagree with.
+      if (s.is_identifiable() && !against_bound(s, answer.converged).as_expected()) differing.push_back(s.name);
+    }
   }
   if (!differing.empty()) {
     return doubtful(
@@ -45,23 +47,24 @@ Line verdict(const MonteCarloOptions& options, const MonteCarlo& answer) {
           .tone = answer.interrupted ? Tone::doubtful : Tone::good};
 }
 
-void add_estimates(Group& group, const FitProblem& problem, const MonteCarlo& answer) {
+/// `what`: "parameter" or "combination".
+void add_errors(Group& group, const std::string& key, const std::string& heading, const std::string& what,
+                const std::vector<TrialStatistics>& all, const std::vector<std::string>& units, int converged) {
   struct Row {
     TrialStatistics of;
     BoundStatistics found;
     std::string unit;
   };
   std::vector<Row> rows;
-  const std::vector<std::string> units = parameter_units(problem);
-  for (std::size_t i = 0; answer.converged > 0 && i < answer.parameters.size(); ++i) {
-    rows.push_back({answer.parameters[i], against_bound(answer.parameters[i], answer.converged), units[i]});
+  for (std::size_t i = 0; converged > 0 && i < all.size(); ++i) {
+    rows.push_back({all[i], against_bound(all[i], converged), units[i]});
   }
   const auto si = [&](double TrialStatistics::*value) {
     return each(rows, [&](const Row& row) { return row.of.*value / row.of.unit; });
   };
   const auto if_known = [](const Row& row, double value) { return row.of.is_identifiable() ? value : NAN; };
-  Table& table = group.table("estimates", "Errors of the estimates over the Cramer-Rao bound", Rows::list);
-  table.words("name", "parameter", each(rows, [](const Row& row) { return row.of.name; }));
+  Table& table = group.table(key, heading, Rows::list);
+  table.words("name", what, each(rows, [](const Row& row) { return row.of.name; }));
   table.numbers("truth", "truth", "", si(&TrialStatistics::truth)).texts =
       each(rows, [](const Row& row) { return significant(row.of.truth / row.of.unit, 6); });
   table.words("unit", "unit", each(rows, &Row::unit));
@@ -102,7 +105,12 @@ Result monte_carlo_result(const FitProblem& problem, const MonteCarloOptions& op
   Result out = experiment_result(problem, settings);
   out.verdict = verdict(options, answer);
   Group& content = out.content;
-  add_estimates(content, problem, answer);
+  add_errors(content, "estimates", "Errors of the estimates over the Cramer-Rao bound", "parameter", answer.parameters,
+             parameter_units(problem), answer.converged);
+  if (!answer.combinations.empty()) {
+    add_errors(content, "combinations", "Errors of the combinations that are identifiable", "combination",
+               answer.combinations, combination_units(problem, answer.combined), answer.converged);
+  }
   content.data("trials_requested", options.trials);
   content.data("shard", is_shard(options) ? Value(shard_in_words(options)) : Value());
   content.data("trials", answer.trials);
