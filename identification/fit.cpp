@@ -12,6 +12,7 @@
 
 #include "identification/autocorrelation.hpp"
 #include "identification/ceres_costs.hpp"
+#include "identification/curvature.hpp"
 #include "identification/first_readings.hpp"
 #include "identification/frequencies.hpp"
 #include "identification/oscillation_start.hpp"
@@ -38,6 +39,10 @@ constexpr double next_frequency = 1.15;
 constexpr int most_octaves = 2;
 /// Of these, and of those at aliases, so many are fitted to the whole records: the best ones of a shorter fit.
 constexpr std::size_t most_scaled = 3, most_aliases = 8;
+/// How often a lower cost found beside the minimum leads to another one.
+constexpr int most_improvements = 3;
+/// An interval that is longer by this part of it is said to be.
+constexpr double straight_within = 0.1;
 /// As many equally good minima are sought.
 constexpr std::size_t enough_alternatives = 3;
 /// Motions of a fit that only has to be a start for more readings are less accurate by this factor, down to this.
@@ -54,8 +59,12 @@ class Fitting {
     const auto begun = std::chrono::steady_clock::now();
     search();
     if (best_cost_ < INFINITY) {
-      if (options_.from == nullptr) estimate_noise();
-      evaluate();
+      if (options_.values_only) {
+        keep_values();
+      } else {
+        if (options_.from == nullptr) estimate_noise();
+        evaluate();
+      }
     }
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
     out_.microseconds = took.count();
@@ -102,7 +111,7 @@ class Fitting {
         best_cost_ = cost_of(point);
         best_ = std::move(point);
         failure_ = "the motion could not be computed";
-      } else if (parameters == 0) {
+      } else if (parameters == 0 && !options_.values_only) {
         attempt(std::move(point), {0.1, 0.35, 1.0});  // other records: the starts are guesses
       } else {
         attempt(std::move(point), {1.0});
@@ -194,21 +203,7 @@ class Fitting {
 
   /// Of the whole records; infinite where a motion fails.
   double cost_of(const FitPoint& point) const {
-    double squares = 0.0;
-    for (std::size_t r = 0; r < problem_.runs(); ++r) {
-      const Residuals e = problem_.residuals(r, point.parameters, point.nuisances[r], records_[r]);
-      if (e.empty()) return INFINITY;
-      for (std::size_t k = 0; k < e.size(); ++k) {
-        const double scale = problem_.experiment().sensors[k].noise / out_.weighting.noise[k];
-        for (const double x : e[k]) squares += out_.weighting.cost(scale * scale * x * x);
-      }
-    }
-    for (std::size_t i = 0; i < point.parameters.size(); ++i) {
-      const Unknown& unknown = problem_.unknown_of(i);
-      if (!unknown.prior) continue;
-      squares += std::pow((point.parameters[i] + unknown.includes - *unknown.prior) / unknown.prior_deviation, 2);
-    }
-    return squares / 2;
+    return problem_.cost(point.parameters, point.nuisances, records_, out_.weighting, options_.jobs);
   }
 
   /// A start with a wrong frequency ends in a local minimum: the experiment's starts with all frequencies scaled, over
@@ -541,8 +536,78 @@ class Fitting {
     }
   }
 
-  /// Fills the result from the best point.
+  void keep_values() {
+    out_.parameters = best_.parameters;
+    out_.cost = best_cost_;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      RunFit& run = out_.runs.emplace_back();
+      run.name = problem_.run(r).run().name;
+      run.nuisances = best_.nuisances[r];
+    }
+    if (out_.status == FitStatus::not_run) out_.status = FitStatus::converged;
+  }
+
+  /// Fills the result from the best point, and again from a better one that it leads to.
   void evaluate() {
+    const FitStatus so_far = out_.status;
+    describe();
+    for (int round = 0; round < most_improvements && correct_for_curvature(); ++round) {
+      out_.status = so_far;
+      out_.runs.clear();
+      out_.rms.clear();
+      out_.estimates.clear();
+      describe();
+    }
+  }
+
+  /// Intervals where the cost is no parabola. True where a lower cost was found instead.
+  bool correct_for_curvature() {
+    if (!out_.usable() || !out_.identifiability.ok || options_.from != nullptr) return false;
+    Curvature found = find_curvature(problem_, records_, out_, linear_, options_);
+    if (found.better) {
+      best_.parameters = found.better->parameters;
+      for (std::size_t r = 0; r < problem_.runs(); ++r) best_.nuisances[r] = found.better->runs[r].nuisances;
+      FitPoint point = best_;
+      const double cost = minimise(point, 1.0);
+      best_cost_ = std::min(cost, found.better->cost);
+      if (cost <= found.better->cost) best_ = std::move(point);
+      return true;
+    }
+    out_.traces = found.traces;
+    for (std::size_t i = 0; i < out_.estimates.size(); ++i) {
+      if (std::isnan(found.low[i])) continue;
+      const double includes = problem_.unknown_of(i).includes;
+      widen(i, found.low[i] + includes, found.high[i] + includes);
+      if (found.open[i] == 0 || out_.estimates[i].withheld) continue;
+      withhold(i, fmt::format("not identifiable from these data: the cost grows {:.2g} times slower than the parabola "
+                              "at its minimum",
+                              found.open[i]));
+    }
+    return false;
+  }
+
+  void widen(std::size_t i, double low, double high) {
+    Estimate& estimate = out_.estimates[i];
+    const double reach = out_.errors.reach[i];
+    const double longer = std::max({reach, estimate.value - low, high - estimate.value});
+    estimate.low = std::min(estimate.low, low);
+    estimate.high = std::max(estimate.high, high);
+    if (longer <= (1 + straight_within) * reach) return;
+    estimate.is_curved = true;
+    estimate.standard_error = out_.errors.error[i] * longer / reach;
+    const FitProblem::Scale scale = problem_.scale_of(i);
+    const bool large = scale.size > 0 && estimate.standard_error > scale.size / identifiable_from;
+    estimate.poorly_determined = large;
+    if (large && scale.is_own_size && !estimate.withheld) withhold(i, "not identifiable from these data");
+  }
+
+  void withhold(std::size_t i, const std::string& why) {
+    out_.estimates[i].withheld = true;
+    out_.estimates[i].why = why;
+    out_.identifiability.identifiable[i] = false;
+  }
+
+  void describe() {
     out_.parameters = best_.parameters;
     out_.cost = best_cost_;
     linearize();

@@ -19,6 +19,7 @@ struct Estimate {
   double value = 0.0;              ///< shown: value in the scene + includes, SI
   double standard_error = 0.0;     ///< SI; the leading one of StandardErrors
   double low = 0.0, high = 0.0;    ///< 95 % interval of the shown value, SI
+  bool is_curved = false;          ///< interval and standard error are those of profile likelihoods: Fit::traces
   double truth = 0.0;              ///< shown value of the scene as written
   double unit = 1.0;               ///< SI value of the unit it is written in
   bool withheld = false;           ///< not identifiable from these data, or at a bound: the value is no measurement
@@ -58,10 +59,19 @@ struct FitOptions {
   /// Starts from the values and the noise of this fit of the same problem, without a search.
   const Fit* from = nullptr;
   std::vector<std::pair<int, double>> held{};  ///< parameters that keep these values in the scene, SI; with `from`
-  bool holds_starts = false;                   ///< the nuisances are kept too, where all parameters are
+  bool values_only = false;   ///< with `from`: of the result only cost, parameters, nuisances and status are needed
+  bool holds_starts = false;  ///< the nuisances are kept too, where all parameters are
   int jobs = 0;  ///< threads that the runs are computed on; 0: all cores. The result does not depend on it.
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string&)> progress{};
+};
+
+/// The cost where one parameter was held away from its estimate and all others were fitted anew: see Curvature.
+struct CostTrace {
+  int held = 0;                            ///< the parameter
+  double slow_low = 1.0, slow_high = 1.0;  ///< growth of the parabola over that of the cost, at the two ends
+  bool open_low = false;                   ///< the cost does not grow to the limit of the interval on this side
+  bool open_high = false;
 };
 
 /// One of several minima that the readings do not distinguish.
@@ -86,6 +96,7 @@ struct Fit {
   double residual_over_noise_sigma = 0.0;  ///< its standard deviation about 1 for normal noise: sqrt(1 / (2 degrees))
   Weighting weighting;                     ///< with the noise of every sensor, estimated where it is not known
   StandardErrors errors;                   ///< empty where they are not known
+  std::vector<CostTrace> traces;           ///< where the cost is no parabola
   std::vector<Outlier> outliers;
   std::vector<double> rms;  ///< per sensor over all runs, SI
   int readings = 0;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "solvers/linear_algebra.hpp"
+#include "solvers/parallel.hpp"
 
 namespace poise {
 namespace {
@@ -251,6 +252,27 @@ Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parame
     }
   }
   return e;
+}
+
+double FitProblem::cost(const std::vector<double>& parameters, const std::vector<std::vector<double>>& nuisances,
+                        const std::vector<Record>& records, const Weighting& weighting, int jobs) const {
+  std::vector<double> squares(runs(), 0.0);
+  solvers::parallel_for(runs(), {.jobs = jobs}, [&](std::size_t r) {
+    const Residuals e = residuals(r, parameters, nuisances[r], records[r]);
+    if (e.empty()) squares[r] = INFINITY;
+    for (std::size_t k = 0; k < e.size(); ++k) {
+      const double scale = experiment_.sensors[k].noise / weighting.noise[k];
+      for (const double x : e[k]) squares[r] += weighting.cost(scale * scale * x * x);
+    }
+  });
+  double sum = 0.0;
+  for (const double of_run : squares) sum += of_run;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const Unknown& unknown = unknown_of(i);
+    if (!unknown.prior) continue;
+    sum += std::pow((parameters[i] + unknown.includes - *unknown.prior) / unknown.prior_deviation, 2);
+  }
+  return sum / 2;
 }
 
 std::vector<std::vector<std::vector<double>>> FitProblem::sensitivities(std::size_t r,

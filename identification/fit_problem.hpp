@@ -101,6 +101,11 @@ class FitProblem {
   Residuals residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                       const Record& record) const;
 
+  /// Half the sum of rho over all residuals and priors, without derivatives; infinite where a motion fails. The runs
+  /// are computed on `jobs` threads, 0: all cores; the result does not depend on it.
+  double cost(const std::vector<double>& parameters, const std::vector<std::vector<double>>& nuisances,
+              const std::vector<Record>& records, const Weighting& weighting, int jobs) const;
+
   /// Relative sensitivities  p dy/dp / noise  of run r: by how many standard deviations of the noise a reading would
   /// change if a parameter grew by 100 %, to first order. Per sensor, per parameter as in parameters_of(r), per time;
   /// p is the shown value. Empty where the motion fails.

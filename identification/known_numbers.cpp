@@ -82,10 +82,10 @@ void add_known_effects(const std::vector<KnownEffect>& effects, Fit& fitted) {
     for (const KnownEffect& effect : effects) squares += effect.change[p] * effect.change[p];
     if (!(squares > 0) || !std::isfinite(estimate.standard_error) || !(estimate.standard_error > 0)) continue;
     const double total = std::hypot(estimate.standard_error, std::sqrt(squares));
-    const double reach = (estimate.high - estimate.value) * total / estimate.standard_error;
+    const double longer = total / estimate.standard_error;
     estimate.standard_error = total;
-    estimate.low = estimate.value - reach;
-    estimate.high = estimate.value + reach;
+    estimate.low = estimate.value - longer * (estimate.value - estimate.low);
+    estimate.high = estimate.value + longer * (estimate.high - estimate.value);
   }
 }
 

@@ -30,15 +30,15 @@ class Profiler {
     out_.parameter = static_cast<int>(place_);
     const Parameter& p = problem_.parameters()[place_];
     const Estimate& estimate = fitted_.estimates[place_];
-    error_ = estimate.standard_error;
+    error_ = estimate.is_curved ? fitted_.errors.error[place_] : estimate.standard_error;
     ratio_ = fitted_.identifiability.standard_error[place_] / error_;
     const double near = 1e-9 * p.scale;
     const double at = fitted_.parameters[place_];
     const bool at_min = at <= p.min + near;
     const bool at_max = at >= p.max - near;
     out_.one_sided = at_min || at_max;
-    limit_ =
-        out_.one_sided ? boost::math::quantile(boost::math::normal(), 0.95) : (estimate.high - estimate.value) / error_;
+    limit_ = out_.one_sided ? boost::math::quantile(boost::math::normal(), 0.95)
+                            : fitted_.errors.reach[place_] / fitted_.errors.error[place_];
     const double includes = problem_.unknown_of(place_).includes;
     points_.push_back({at, 0.0});
     out_.low = at_min ? at : end(-1, p.min);
@@ -116,6 +116,7 @@ class Profiler {
     FitOptions options;
     options.from = &from;
     options.held = {{static_cast<int>(place_), x}};
+    options.values_only = true;
     options.interrupt = options_.interrupt;
     Fit there = fit(problem_, records_, options);
     if (there.status == FitStatus::failed || there.status == FitStatus::interrupted) return std::nullopt;

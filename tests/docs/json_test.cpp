@@ -435,6 +435,23 @@ rate = 100
 seed = 1
 )";
 
+// A wheel moves by the square of its centre's distance from the pin: the cost is no parabola.
+constexpr const char* curved = R"(scene = "oscillator.toml"
+set = { "body.wheel.inertia" = 0.5, "torsion_spring.S.stiffness" = 20, "body.wheel.mass" = 1, "body.wheel.center.x" = 0.1 }
+[[sensor]]
+name = "turn"
+angle = "wheel"
+noise = 1.4e-3
+[[unknown]]
+path = "body.wheel.center.x"
+scale = 1
+[[run]]
+release = { wheel = 0.3 }
+duration = 0.5
+rate = 100
+seed = 1
+)";
+
 TEST(JsonDocs, Identify) {
   const TempFolder folder;
   run_poise({"motion", scene("lift"), "--duration", "1", "--release", "obd=0.005", "--noise", "1e-4", "--csv",
@@ -461,6 +478,7 @@ TEST(JsonDocs, Identify) {
        {{"identify", folder.write("measured.toml", experiment), "--profile", "spring.oil.stiffness", "--bootstrap",
          "20"}},
        {{"identify", folder.write("aliased.toml", aliased)}},
+       {{"identify", folder.write("curved.toml", curved)}},
        {{"identify", folder.write("ratios.toml", ratios)}},
        {{"identify", folder.write("joint.toml", "experiments = [\"ratios.toml\", \"again.toml\"]\n")}}},
       Shared::all);

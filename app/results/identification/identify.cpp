@@ -193,13 +193,39 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
               each(rows, [&](const Estimate& e) -> bool { return !e.withheld && e.poorly_determined; }));
   table.remarks(each(rows,
                      [](const Estimate& e) {
-                       return !e.withheld && e.poorly_determined ? std::string("poorly determined") : e.why;
+                       if (e.withheld) return e.why;
+                       return std::string(e.poorly_determined ? "poorly determined" : e.is_curved ? "curved" : "");
                      }),
                 Tone::bad);
+  table.flags("curved", each(rows, [](const Estimate& e) -> bool { return !e.withheld && e.is_curved; }));
   table.flags("at_bound", each(rows, [](const Estimate& e) { return e.at_bound ? 1.0 : 0.0; }));
   Column& why = table.words("withheld", "", each(rows, &Estimate::why));
   why.kind = Column::Kind::word_or_null;
   why.shown = false;
+}
+
+/// Where intervals do not follow from the parabola at the minimum.
+void add_traces(Group& content, const FitProblem& problem, const Fit& fitted) {
+  Branch& array = content.array("traces");
+  const auto name = [&](const CostTrace& trace) {
+    return problem.parameters()[static_cast<std::size_t>(trace.held)].name;
+  };
+  for (const CostTrace& trace : fitted.traces) {
+    Group& one = array.parts.emplace_back();
+    one.data("name", name(trace));
+    one.data("slower_low", trace.slow_low);
+    one.data("slower_high", trace.slow_high);
+    one.data("open_low", trace.open_low);
+    one.data("open_high", trace.open_high);
+  }
+  if (fitted.traces.empty()) return;
+  const auto side = [](double slower, bool open) { return significant(slower, 2) + (open ? ", without an end" : ""); };
+  Group& section = content.group("", "The cost is no parabola: by how much more slowly it grows");
+  section.note("one parameter held, all others fitted anew; the intervals above contain what the estimates do there");
+  Table& table = section.table("", "", Rows::list);
+  table.words("", "held", each(fitted.traces, name));
+  table.words("", "below", each(fitted.traces, [&](const CostTrace& t) { return side(t.slow_low, t.open_low); }));
+  table.words("", "above", each(fitted.traces, [&](const CostTrace& t) { return side(t.slow_high, t.open_high); }));
 }
 
 /// What later predictions are uncertain by, with the effect of known numbers on the standard errors.
@@ -554,6 +580,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   add_estimates(content, problem, fitted);
   add_covariance(content, fitted);
   add_standard_errors(content, fitted);
+  add_traces(content, problem, fitted);
   add_known(content, problem, answer);
   add_bootstrap(content, problem, answer);
   add_profiles(content, problem, answer);
