@@ -17,6 +17,9 @@ constexpr double noise_of_cost = 1e-4;
 constexpr double least_decrease = 1e-5;
 /// The same where the result is a start for more readings.
 constexpr double least_decrease_of_start = 1e-3;
+/// A fit ends without its next step only where that is expected to decrease the cost by less than this part of the
+/// tolerance.
+constexpr double sure = 1e-2;
 /// A step was as predicted if the decrease of the cost was, but for this part.
 constexpr double as_predicted_within = 0.1;
 
@@ -99,7 +102,7 @@ bool Watch::converges(const ceres::IterationSummary& step, double predicted) {
   const double next = is_start_ ? std::min(predicted * predicted / predicted_, std::abs(step.cost_change - predicted))
                                 : predicted * predicted / predicted_;
   predicted_ = predicted;
-  return next < tolerance_ * step.cost;
+  return next < (is_start_ ? 1.0 : sure) * tolerance_ * step.cost;
 }
 
 ceres::CallbackReturnType Watch::operator()(const ceres::IterationSummary& step) {
