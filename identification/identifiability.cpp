@@ -261,8 +261,10 @@ class Assessment {
   // c = e_i - sum of the parts of i in the nulls' directions, so that c^T N = 0.
   void add_combinations(const NullSpace& all) {
     const NullDirections nulls = by_free_numbers(all);
+    const std::vector<bool> straight = straight_numbers(nulls);
     for (Index i = 0; i < n_; ++i) {
       if (!all.touches(i) || std::find(nulls.free.begin(), nulls.free.end(), i) != nulls.free.end()) continue;
+      if (!straight[static_cast<std::size_t>(i)]) continue;
       VectorXd c = VectorXd::Zero(n_);
       c[i] = 1.0;
       for (std::size_t k = 0; k < nulls.free.size(); ++k) {
@@ -272,11 +274,37 @@ class Assessment {
     }
   }
 
+  /// Which numbers keep their part in the nulls along them. Those that forces, moments and inertias are proportional to
+  /// do, and those that readings or times shift by; the nulls of lengths curve, and take the numbers beside them along.
+  std::vector<bool> straight_numbers(const NullDirections& nulls) const {
+    std::vector<bool> out;
+    for (Index i = 0; i < n_; ++i) out.push_back(problem_.scales_with_force(static_cast<int>(i)) || is_shift(i));
+    std::vector<bool> curved(nulls.free.size(), false);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t k = 0; k < nulls.free.size(); ++k) {
+        for (Index i = 0; i < n_; ++i) {
+          if (nulls.directions(i, static_cast<Index>(k)) == 0) continue;
+          const auto at = static_cast<std::size_t>(i);
+          if (curved[k] == !out[at]) continue;
+          curved[k] = true;
+          out[at] = false;
+          changed = true;
+        }
+      }
+    }
+    return out;
+  }
+
+  bool is_shift(Index i) const {
+    const Unknown& unknown = problem_.unknown_of(static_cast<std::size_t>(i));
+    return unknown.of_sensor && unknown.of_sensor->of != SensorNumber::Of::factor;
+  }
+
   Identifiability::Combination combination(Index of, const VectorXd& c) const {
     Identifiability::Combination out;
     out.unit_of = static_cast<int>(of);
     out.standard_error = scale_[of] * (weighted_.transpose() * c).norm();
-    bool all_scale = true;  // a null multiplies them by one factor
     bool all_shift = true;  // a null adds to them
     double largest = 0.0;
     double sum = 0.0;
@@ -290,8 +318,7 @@ class Assessment {
       out.coefficient.push_back(by_si);
       shown.push_back(parameters_[at] + unknown.includes);
       if (c[i] == 0) continue;
-      all_scale = all_scale && problem_.scales_with_force(static_cast<int>(i));
-      all_shift = all_shift && unknown.of_sensor && unknown.of_sensor->of != SensorNumber::Of::factor;
+      all_shift = all_shift && is_shift(i);
       plain = plain && unknown.includes == 0;
       const double term = by_si * parameters_[at];
       sum += term;
@@ -305,7 +332,6 @@ class Assessment {
       out.standard_error /= std::abs(parameters_[at]);
       out.coefficient[at] = 0.0;
     }
-    out.exact = all_scale || all_shift;
     out.value = out.at(shown);
     out.words = in_words(problem_, out);
     return out;

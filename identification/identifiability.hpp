@@ -15,7 +15,9 @@ namespace poise {
 /// A null is a direction of the parameters along which no reading changes. Structural nulls change no motion of the
 /// mechanism whatever the runs do (structural_nulls.hpp); further ones are nulls of these runs only, found by a gap in
 /// the singular values of A = d(readings / noise)/d(parameters), nuisances eliminated and priors added. A parameter
-/// that has a part in any null has no estimate of its own; combinations of such parameters that no null changes have.
+/// that has a part in any null has no estimate of its own; combinations of such parameters that no null changes have,
+/// where all of the parameters that share the null enter the equations linearly: with a length among them the null
+/// curves, and no sum of parameters is constant along it.
 /// On the complement of the nulls Fisher's information is A^T A and no unbiased estimate can have a smaller covariance
 /// than its inverse (Cramer and Rao). Nuisances are unknowns of a run of no interest themselves: its initial state, its
 /// equilibrium pose.
@@ -42,7 +44,6 @@ struct Identifiability {
     int unit_of = -1;                 ///< to be shown in the unit of this one (over that of the other)
     double value = 0.0;               ///< SI
     double standard_error = 0.0;      ///< SI: Cramer-Rao bound; in a Fit the leading one of StandardErrors
-    bool exact = false;               ///< holds for any change along the nulls; else to first order
     std::string words;                ///< "k / m", "J + 0.25 m"
 
     /// Its value at shown values of the parameters, SI.

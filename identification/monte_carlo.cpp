@@ -152,7 +152,6 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
     out.parameters.push_back(s);
   }
   for (const Identifiability::Combination& one : bound.combinations) {
-    if (!one.exact) continue;
     const double divisor = one.over < 0 ? 1.0 : problem.unknown_of(static_cast<std::size_t>(one.over)).unit;
     TrialStatistics s;
     s.name = one.words;

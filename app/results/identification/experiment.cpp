@@ -172,7 +172,6 @@ void add_combinations(Group& group, const FitProblem& problem, const Identifiabi
   table.numbers("", "per cent", "", {}).texts =
       each(rows, [](const auto& row) { return per_cent(row.standard_error, row.value); });
   table.words("", "unit", combination_units(problem, rows));
-  table.remarks(each(rows, [](const auto& row) { return row.exact ? "" : "to first order"; }), Tone::plain);
 }
 
 void add_correlations(Group& group, const FitProblem& problem, const Identifiability& known) {
@@ -231,7 +230,6 @@ void add_identifiability_data(Group& group, const FitProblem& problem, const Ide
     one.data("value", combination.value / unit);
     one.data("standard_error", combination.standard_error / unit);
     one.data("unit", combined_units[k]);
-    one.data("exact", combination.exact);
     one.data("over",
              combination.over < 0 ? Value() : Value(parameters[static_cast<std::size_t>(combination.over)].name));
     Group& terms = one.group("coefficient", "", Verbosity::data);
