@@ -32,9 +32,10 @@ struct NoiseTest {
 /// errors for linear regression with multi-stage samples, 2002, for the third and its degrees of freedom.
 struct StandardErrors {
   enum class Kind { white, serial, runs };
-  Kind leading = Kind::white;               ///< the one that the residuals allow
-  std::string why;                          ///< why that one, one sentence; with what limits it
-  double independent = 0.0;                 ///< residuals that the series of a run is worth, the fewest
+  Kind leading = Kind::white;  ///< the one that the residuals allow
+  std::string why;             ///< why that one, one sentence; with what limits it
+  bool runs_scatter = false;   ///< by more than the errors by residuals explain, by chance once in 1000 fits
+  double independent = 0.0;    ///< residuals that the series of a run is worth, the fewest
   std::vector<double> white, serial, runs;  ///< per parameter, SI; NaN where there is none
   std::vector<double> runs_degrees;         ///< degrees of freedom of the third, per parameter
   std::vector<double> error;                ///< the leading one; of `runs` the larger of that and `serial`
@@ -48,7 +49,8 @@ struct StandardErrors {
   /// Per run, per parameter: by how much an estimate changes without that run, to first order, SI; NaN where the run
   /// alone determines it.
   std::vector<std::vector<double>> without_run;
-  /// Per run: the largest of these over its standard deviation where all runs agree.
+  /// Per run: the largest of these over its standard deviation where all runs agree, and, of three or more runs, where
+  /// all others agree.
   std::vector<double> disagreement;
   std::vector<NoiseTest> sensors;                  ///< over all runs
   std::vector<std::vector<NoiseTest>> runs_noise;  ///< per run, per sensor; ratio NaN without readings

@@ -86,7 +86,7 @@ TEST(StandardErrors, CorrelatedResidualsStillCoverTheTruth) {
   const Coverage found = coverage(FitProblem(wheel.experiment), 0.9, 200);
   EXPECT_NEAR(found.leading, 0.95, 0.046);
   EXPECT_LT(found.white, 0.6) << "what independent readings would say";
-  EXPECT_EQ(found.of_kind[1], 200);
+  EXPECT_GE(found.of_kind[1], 198) << "runs lead by chance in one of a thousand";
 }
 
 // Correlated over a large part of each run: only the runs are independent, and the intervals may be too wide.
@@ -160,23 +160,48 @@ TEST(StandardErrors, WithoutARunAsAFitWithoutIt) {
   EXPECT_LT(all.errors.disagreement[1], disagrees_from);
 }
 
+// However far it is off: a run contributes to the errors that it is compared with.
 TEST(StandardErrors, NameARunThatDisagrees) {
-  Wheel wheel = wheel_of(6, 80);
+  const Wheel wheel = wheel_of(6, 80);
   const FitProblem problem(wheel.experiment);
-  std::mt19937_64 random(6);
-  std::normal_distribution<double> normal;
-  std::vector<Record> records = noisy(problem, [&] { return normal(random); });
-  // One run of a wheel whose spring is stiffer by ten of the errors of a single run.
-  Experiment stiffer = wheel.experiment;
-  const Fit all = fit(problem, records);
-  set_value(stiffer.scene, "torsion_spring.coil.stiffness", Wheel::stiffness + 25 * all.errors.white[0]);
-  const FitProblem other(stiffer);
-  records[2] = other.ideal_record(2);
-  other.add_noise(records[2], solvers::RandomStream(9));
-  const Fit found = fit(problem, records);
-  for (std::size_t r = 0; r < problem.runs(); ++r) {
-    EXPECT_EQ(found.errors.disagreement[r] > disagrees_from, r == 2) << r << ": " << found.errors.disagreement[r];
+  for (const double sizes : {25.0, 100.0, 1000.0, 5000.0}) {
+    std::mt19937_64 random(6);
+    std::normal_distribution<double> normal;
+    std::vector<Record> records = noisy(problem, [&] { return normal(random); });
+    // One run of a wheel whose spring is stiffer by so many errors.
+    Experiment stiffer = wheel.experiment;
+    const Fit all = fit(problem, records);
+    set_value(stiffer.scene, "torsion_spring.coil.stiffness", Wheel::stiffness + sizes * all.errors.white[0]);
+    const FitProblem other(stiffer);
+    records[2] = other.ideal_record(2);
+    other.add_noise(records[2], solvers::RandomStream(9));
+    const Fit found = fit(problem, records);
+    for (std::size_t r = 0; r < problem.runs(); ++r) {
+      EXPECT_EQ(found.errors.disagreement[r] > disagrees_from, r == 2)
+          << sizes << ", " << r << ": " << found.errors.disagreement[r];
+    }
+    EXPECT_EQ(found.errors.leading, StandardErrors::Kind::runs) << found.errors.why;
+    EXPECT_TRUE(found.errors.runs_scatter || sizes > 25) << "its own residuals explain larger changes";
+    EXPECT_LT(std::abs(found.estimates[0].value - found.estimates[0].truth), sizes * all.errors.white[0]);
   }
+}
+
+TEST(StandardErrors, NameNoRunWhereAllAgree) {
+  const Wheel wheel = wheel_of(4, 200);
+  const FitProblem problem(wheel.experiment);
+  int named = 0, by_runs = 0;
+  for (const double phi : {0.0, 0.9}) {
+    for (unsigned t = 0; t < 100; ++t) {
+      Correlated noise{phi, std::mt19937_64(t)};
+      const Fit found =
+          fit(problem, noisy(
+                           problem, [&] { return noise(); }, [&] { noise.x = noise.normal(noise.random); }));
+      for (const double disagreement : found.errors.disagreement) named += disagreement > disagrees_from ? 1 : 0;
+      by_runs += phi == 0 && found.errors.leading == StandardErrors::Kind::runs ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(named, 0);
+  EXPECT_LE(by_runs, 1);
 }
 
 // Noise that is a third below or above what is stated is no agreement, in total or in one run.

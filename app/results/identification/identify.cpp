@@ -53,8 +53,13 @@ bool all_noise_estimated(const FitProblem& problem, const Fit& fitted) {
 Line verdict(const FitProblem& problem, const Fit& fitted) {
   switch (fitted.status) {
     case FitStatus::converged:
-      return good(all_noise_estimated(problem, fitted) ? "Converged, with the noise estimated from the residuals."
-                                                       : "Converged: residuals agree with the stated noise.");
+      if (!all_noise_estimated(problem, fitted)) return good("Converged: residuals agree with the stated noise.");
+      if (fitted.errors.leading == StandardErrors::Kind::white) {
+        return good("Converged, with the noise estimated from the residuals.");
+      }
+      return doubtful(
+          "Converged, with the noise estimated from the residuals; they are correlated, as where the model is "
+          "incomplete.");
     case FitStatus::misfit:
       return doubtful(fmt::format("Converged with a misfit: {}.", fitted.why));
     case FitStatus::ambiguous:
@@ -95,6 +100,11 @@ std::vector<Line> warnings(const FitProblem& problem, const Fit& fitted) {
   if (poorly > 0) {
     out.push_back(doubtful(fmt::format("Poorly determined: {} of {}.", poorly,
                                        count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates"))));
+  }
+  if (fitted.errors.runs_scatter) {
+    out.push_back(
+        doubtful("The runs differ by more than their residuals explain, as where the model is incomplete; the standard "
+                 "errors contain that scatter."));
   }
   for (std::size_t r = 0; r < fitted.errors.disagreement.size(); ++r) {
     if (fitted.errors.disagreement[r] < disagrees_from) continue;
@@ -165,8 +175,9 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   errors.texts = text([&](const Estimate& e) { return significant(known ? e.standard_error / e.unit : NAN, 2); });
   errors.shown = any;
   Column& per_cents = table.numbers("", "per cent", "", {});
-  per_cents.texts =
-      text([&](const Estimate& e) { return known ? per_cent(e.standard_error, simulated && e.truth == 0 ? 0.0 : e.value) : "-"; });
+  per_cents.texts = text([&](const Estimate& e) {
+    return known ? per_cent(e.standard_error, simulated && e.truth == 0 ? 0.0 : e.value) : "-";
+  });
   per_cents.shown = any;
   Column& interval = table.words(
       "", "95 % interval", text([&](const Estimate& e) { return known ? interval_in_words(e) : std::string("-"); }));
