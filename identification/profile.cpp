@@ -15,6 +15,8 @@ constexpr double farthest = 20.0;
 constexpr int most_points = 60;
 /// Of the limit, relative: where an end is found.
 constexpr double found_within = 1e-3;
+/// Or where the end lies within so many standard errors.
+constexpr double placed_within = 5e-3;
 
 class Profiler {
  public:
@@ -99,7 +101,9 @@ class Profiler {
   // Regula falsi between a point below the limit and one above.
   std::optional<double> cross(const Fit& from, double below, double growth_below, double above, double growth_above) {
     for (int n = 0; n < 20; ++n) {
-      const double share = std::clamp((limit_ - growth_below) / (growth_above - growth_below), 0.02, 0.98);
+      // The cost is not known better than the motions: beyond that the growth is no smooth function of x.
+      if (std::abs(above - below) < placed_within * error_) return (above + below) / 2;
+      const double share = std::clamp((limit_ - growth_below) / (growth_above - growth_below), 0.1, 0.9);
       const double x = below + share * (above - below);
       const std::optional<Fit> there = fit_at(from, x);
       if (!there) return std::nullopt;

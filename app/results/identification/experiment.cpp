@@ -120,9 +120,9 @@ std::vector<std::string> combination_units(const FitProblem& problem,
                                            const std::vector<Identifiability::Combination>& combinations) {
   const std::vector<std::string> units = parameter_units(problem);
   return each(combinations, [&](const Identifiability::Combination& combination) {
-    const std::string unit = units[static_cast<std::size_t>(combination.unit_of)];
+    const std::string& unit = units[static_cast<std::size_t>(combination.unit_of)];
     if (combination.over < 0) return unit;
-    const std::string by = units[static_cast<std::size_t>(combination.over)];
+    const std::string& by = units[static_cast<std::size_t>(combination.over)];
     if (by == unit) return std::string();
     return by.find_first_of(" /") == std::string::npos ? unit + " / " + by : unit + " / (" + by + ")";
   });
