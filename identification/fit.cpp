@@ -28,6 +28,9 @@ constexpr double noise_is_found = 1e-3;
 /// A ratio of residuals to noise above this indicates a local minimum or an incomplete model.
 constexpr double suspicious = 1.3;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+/// From here on other starts are tried although the model is in phase with the records: an incomplete model leads from
+/// all of them to one minimum.
+constexpr double doubtful_from = 3.0;
 /// A local minimum leaves at least this part of the readings' variation in the residuals.
 constexpr double lost_from = 0.1;
 
@@ -134,7 +137,7 @@ class Fitting {
       out_.start = "as given, fitted over windows that grow to the whole records";
       attempt(given(0), {0.1, 0.35, 1.0});
     }
-    for (int retry = 1; retry <= options_.retries && !stopped() && is_suspicious(); ++retry) {
+    for (int retry = 1; retry <= options_.retries && !stopped() && (is_suspicious() || is_doubtful()); ++retry) {
       say(fmt::format("residuals are {:.3g} times the noise: trying another start, {} of {}",
                       residual_over_noise(best_cost_), retry, options_.retries));
       const double before = best_cost_;
@@ -163,6 +166,8 @@ class Fitting {
   bool is_suspicious() const {
     return residual_over_noise(best_cost_) > suspicious && 2 * best_cost_ > lost_from * lost_from * signal_;
   }
+
+  bool is_doubtful() const { return residual_over_noise(best_cost_) > doubtful_from; }
 
   /// The experiment's starts, from the first retry on changed at random by up to 30 %.
   FitPoint given(int retry) {
@@ -733,6 +738,10 @@ class Fitting {
       out_.why +=
           "the model is incomplete, or the noise is larger than stated; standard errors are multiplied by that "
           "factor";
+      if (out_.residual_over_noise > doubtful_from) {
+        out_.why += fmt::format("; or a better minimum exists, {} tried",
+                                out_.tries == 1 ? "1 start was" : fmt::format("{} starts were", out_.tries));
+      }
     } else {
       out_.why +=
           "the noise is smaller than stated, or the readings have been smoothed; standard errors are those of "

@@ -150,6 +150,76 @@ TEST(IdentifyCommand, ReadsBackWhatMotionWrote) {
   EXPECT_LT(r["rms_from_first_readings"][0], 5.0) << "degrees";
 }
 
+// Gravity, a length, inertia and damping from starts a fifth to a third off: with the third seed the starts lead to a
+// minimum that is in phase with the records, with residuals of 9.4 times the noise.
+TEST(IdentifyCommand, TriesOtherStartsBeforeItCallsAMisfit) {
+  const TempFolder folder;
+  const std::string scene = folder.write("scene.toml", R"(gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.lever]
+points = { O = [0, 0], hook = [0.25, 0] }
+mass = 0.5
+center = [0.12, 0]
+inertia = 0.003
+[body.weight]
+points = { hook = [0, 0] }
+mass = 0.2
+[[pin]]
+points = ["ground.O", "lever.O"]
+[[pin]]
+points = ["lever.hook", "weight.hook"]
+[[torsion_damper]]
+name = "g"
+bodies = ["ground", "lever"]
+coefficient = 0.002
+[start]
+lever = -1.2
+)");
+  const std::string file = folder.write("experiment.toml", R"(scene = "scene.toml"
+[[sensor]]
+name = "a"
+angle = "lever"
+column = "lever"
+noise = 0.002
+[[unknown]]
+path = "gravity.y"
+[[unknown]]
+path = "point.lever.hook.x"
+[[unknown]]
+path = "body.lever.inertia"
+[[unknown]]
+path = "torsion_damper.g.coefficient"
+[[run]]
+set = { "body.weight.mass" = 0 }
+data = "empty.csv"
+[[run]]
+set = { "body.weight.mass" = 0.2 }
+data = "loaded.csv"
+)");
+  for (const int seed : {1, 2, 3}) {
+    const auto record = [&](const std::string& name, const std::string& mass, const std::string& release, int noise) {
+      run_poise({"motion",     scene,
+                 "--set",      "point.lever.hook.x=0.31",
+                 "--set",      "body.lever.inertia=0.004",
+                 "--set",      "torsion_damper.g.coefficient=0.003",
+                 "--set",      "body.weight.mass=" + mass,
+                 "--release",  "lever=" + release,
+                 "--duration", "5",
+                 "--rate",     "60",
+                 "--noise",    "0.002",
+                 "--seed",     std::to_string(noise),
+                 "--csv",      folder.path(name).string()});
+    };
+    record("empty.csv", "0", "0.667", seed);
+    record("loaded.csv", "0.2", "-0.527", 100 + seed);
+    const json r = run_json(folder, {"identify", file}, 0);
+    EXPECT_EQ(r["status"], "converged") << seed;
+    const json& hook = r["estimates"][1];
+    EXPECT_NEAR(hook["value"], 0.31, 4 * hook["standard_error"].get<double>()) << seed;
+  }
+}
+
 TEST(IdentifyCommand, NamesTheFilesOfExperimentsFittedTogether) {
   const TempFolder folder;
   experiment(folder, std::string(wheel_unknowns) + one_run);
