@@ -28,5 +28,4 @@
 #include "identification/monte_carlo.hpp"
 #include "identification/plan.hpp"
 #include "identification/profile.hpp"
-#include "identification/read_plan.hpp"
 #include "identification/validation.hpp"
