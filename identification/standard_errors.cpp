@@ -168,10 +168,22 @@ class Analysis {
     return {correction * robust_scale({e.begin(), e.end()}), median_deviation * deviation, median_deviation * white};
   }
 
-  // By how much residuals scatter more than the noise that errors are computed with.
-  double excess(std::size_t k) const {
+  // The mean square of sensor k's residuals that errors are computed with: at least that of the noise where it is
+  // stated.
+  double excess(std::size_t k, double mean_square) const {
     const bool stated = problem_.experiment().sensors[k].noise_known && weighting_.loss == Loss::squares;
-    return stated ? std::max(1.0, size_[k]) : size_[k];
+    return stated ? std::max(1.0, mean_square) : mean_square;
+  }
+
+  // Adds  size A_r^T R A_r  of sensor k in run r, R the autocorrelation of the series.
+  void add_serial(std::size_t r, std::size_t k, double size, const solvers::Autoregression& series,
+                  Eigen::MatrixXd& serial) const {
+    const std::vector<int>& used = problem_.parameters_of(r);
+    for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
+      serial(used, used) +=
+          size * series.weighted_square(runs_[r].a.middleRows(runs_[r].first[k] + static_cast<Eigen::Index>(first),
+                                                              static_cast<Eigen::Index>(last - first)));
+    }
   }
 
   void add_independent() {
@@ -186,13 +198,10 @@ class Analysis {
       const Scores& run = runs_[r];
       const std::vector<int>& used = problem_.parameters_of(r);
       for (std::size_t k = 0; k < sensors_; ++k) {
-        const double size = excess(k) * excess(k);
+        const double size = excess(k, size_[k] * size_[k]);
         const auto rows = run.a.middleRows(run.first[k], run.first[k + 1] - run.first[k]);
         white(used, used) += size * rows.transpose() * rows;
-        for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
-          serial(used, used) += size * series_[k].weighted_square(rows.middleRows(
-                                           static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)));
-        }
+        add_serial(r, k, size, series_[k], serial);
       }
     }
     white_ = V_ * white * V_;
@@ -313,7 +322,7 @@ class Analysis {
       residuals[s] = runs_[s].u + runs_[s].a * d(used);
       scatter += (V(Eigen::all, used) * (runs_[s].a.transpose() * residuals[s])).cwiseAbs2();
     }
-    for (std::size_t k = 0; k < sensors_; ++k) add_serial(k, r, residuals, serial);
+    for (std::size_t k = 0; k < sensors_; ++k) add_serial_of_others(r, k, residuals, serial);
     const auto others = static_cast<double>(runs_.size() - 1);
     const double few = boost::math::quantile(boost::math::students_t(others - 1), 0.9975) / disagrees_from;
     const Eigen::VectorXd variance = (V * serial * V).diagonal();
@@ -328,8 +337,8 @@ class Analysis {
 
   // Adds  sum_s A_s^T R A_s  of sensor k over all runs but r, R the autocorrelation of these residuals times their
   // size.
-  void add_serial(std::size_t k, std::size_t r, const std::vector<Eigen::VectorXd>& residuals,
-                  Eigen::MatrixXd& serial) const {
+  void add_serial_of_others(std::size_t r, std::size_t k, const std::vector<Eigen::VectorXd>& residuals,
+                            Eigen::MatrixXd& serial) const {
     std::vector<std::vector<double>> pieces;
     double squares = 0.0;
     double left = 0.0;
@@ -343,17 +352,9 @@ class Analysis {
         pieces.emplace_back(u + first, u + last);
     }
     const solvers::Autoregression series = solvers::fit_autoregression(pieces, most_coefficients);
-    const double size = left > 0 ? squares / left : 1.0;
-    const bool stated = problem_.experiment().sensors[k].noise_known && weighting_.loss == Loss::squares;
+    const double size = excess(k, left > 0 ? squares / left : 1.0);
     for (std::size_t s = 0; s < runs_.size(); ++s) {
-      if (s == r) continue;
-      const std::vector<int>& used = problem_.parameters_of(s);
-      const auto rows = runs_[s].a.middleRows(runs_[s].first[k], runs_[s].first[k + 1] - runs_[s].first[k]);
-      for (const auto& [first, last] : even_pieces(problem_.run(s).times()[k])) {
-        serial(used, used) += (stated ? std::max(1.0, size) : size) *
-                              series.weighted_square(rows.middleRows(static_cast<Eigen::Index>(first),
-                                                                     static_cast<Eigen::Index>(last - first)));
-      }
+      if (s != r) add_serial(s, k, size, series, serial);
     }
   }
 
