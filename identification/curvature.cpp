@@ -46,8 +46,8 @@ class Explorer {
         n_(static_cast<Index>(fitted.parameters.size())),
         scale_(n_) {
     for (Index i = 0; i < n_; ++i) {
-      const double size = problem.scale_of(static_cast<std::size_t>(i)).size;
-      scale_[i] = size > 0 ? size : problem.unknown_of(static_cast<std::size_t>(i)).unit;
+      const auto at = static_cast<std::size_t>(i);
+      scale_[i] = problem.scale_of(at).size_or(problem.unknown_of(at).unit);
     }
     const auto count = static_cast<std::size_t>(n_);
     out_.low.assign(count, nan);

@@ -63,8 +63,7 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
       p.start = unknown.start ? *unknown.start - unknown.includes : p.truth;
       parameters_.push_back(p);
       const double shown = p.start + unknown.includes;
-      const Scale scale = scale_of(parameters_.size() - 1);
-      parameters_.back().scale = shown != 0 ? std::abs(shown) : scale.size > 0 ? scale.size : unknown.unit;
+      parameters_.back().scale = shown != 0 ? std::abs(shown) : scale_of(parameters_.size() - 1).size_or(unknown.unit);
     }
     used_.back().insert(used_.back().end(), of_sensors.begin(), of_sensors.end());
     models_.emplace_back(experiment, r, std::move(numbers), std::move(sensor_numbers));

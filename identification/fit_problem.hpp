@@ -70,6 +70,8 @@ class FitProblem {
   struct Scale {
     double size = 0.0;
     bool is_own_size = false;  ///< the last of these
+
+    double size_or(double otherwise) const { return size > 0 ? size : otherwise; }
   };
   Scale scale_of(std::size_t parameter) const;
   /// Nuisances of all runs together.

@@ -156,7 +156,7 @@ class Assessment {
       const FitProblem::Scale scale = problem.scale_of(at);
       known_scale_.push_back(scale.size > 0);
       own_size_.push_back(scale.is_own_size);
-      scale_[i] = scale.size > 0 ? scale.size : problem.unknown_of(at).unit;
+      scale_[i] = scale.size_or(problem.unknown_of(at).unit);
     }
   }
 

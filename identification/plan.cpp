@@ -40,7 +40,7 @@ std::vector<double> scales_of(const FitProblem& problem) {
   for (std::size_t i = 0; i < truths.size(); ++i) {
     const Unknown& unknown = problem.unknown_of(i);
     const double shown = std::abs(truths[i] + unknown.includes);
-    const double other = problem.scale_of(i).size > 0 ? problem.scale_of(i).size : unknown.unit;
+    const double other = problem.scale_of(i).size_or(unknown.unit);
     scales.push_back(unknown.scale ? *unknown.scale : shown > 0 ? shown : other);
   }
   return scales;
