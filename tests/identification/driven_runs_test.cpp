@@ -9,13 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "identification/fit.hpp"
-#include "tests/app/run_poise.hpp"
 #include "tests/identification/experiments.hpp"
+#include "tests/identification/written_experiment.hpp"
 
 namespace poise {
 namespace {
-
-using app_tests::TempFolder;
 
 /// A pendulum on a carriage that is driven along a rail; a motor turns the pendulum against the carriage's frame.
 const char* const scene = R"(
@@ -91,30 +89,14 @@ name = "J"
 start = 0.08
 )";
 
-class DrivenRuns : public testing::Test {
+class DrivenRuns : public test::WrittenExperiment {
  protected:
-  DrivenRuns() { folder_.write("scene.toml", scene); }
-
-  Experiment read(const std::string& text) const { return read_experiment(folder_.write("experiment.toml", text)); }
-
-  std::string error(const std::string& text) const {
-    try {
-      read(text);
-    } catch (const InputError& error) {
-      std::string message = error.what();
-      const std::string prefix = folder_.path("");
-      for (std::size_t at = 0; (at = message.find(prefix)) != std::string::npos;) message.erase(at, prefix.size());
-      return message;
-    }
-    return "";
-  }
+  DrivenRuns() : WrittenExperiment(scene) {}
 
   /// The error of the inputs of a simulated run.
   std::string error_of(const std::string& inputs) const {
     return error(sensor + "[[run]]\nduration = 2\nrate = 100\ninputs = " + inputs + "\n");
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(DrivenRuns, AreSimulatedByTheirInputs) {

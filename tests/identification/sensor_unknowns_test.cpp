@@ -13,12 +13,12 @@
 #include "identification/known_numbers.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/identification/experiments.hpp"
+#include "tests/identification/written_experiment.hpp"
 
 namespace poise {
 namespace {
 
 using app_tests::run_poise;
-using app_tests::TempFolder;
 
 /// An arm on a torsion spring that carries another one on a line spring.
 const char* const scene = R"(
@@ -81,23 +81,9 @@ rate = 50
 release = { upper = -0.9, lower = -2.1 }
 )";
 
-class SensorUnknowns : public testing::Test {
+class SensorUnknowns : public test::WrittenExperiment {
  protected:
-  SensorUnknowns() { folder_.write("scene.toml", scene); }
-
-  Experiment read(const std::string& text) const { return read_experiment(folder_.write("experiment.toml", text)); }
-
-  std::string error(const std::string& text) const {
-    try {
-      read(text);
-    } catch (const InputError& error) {
-      std::string message = error.what();
-      const std::string prefix = folder_.path("");
-      for (std::size_t at = 0; (at = message.find(prefix)) != std::string::npos;) message.erase(at, prefix.size());
-      return message;
-    }
-    return "";
-  }
+  SensorUnknowns() : WrittenExperiment(scene) {}
 
   /// A record of a problem's run as a CSV file, with all digits.
   std::string write_csv(const std::string& name, const Experiment& experiment, const Record& record) const {
@@ -109,8 +95,6 @@ class SensorUnknowns : public testing::Test {
     }
     return folder_.write(name, text + "\n");
   }
-
-  TempFolder folder_;
 };
 
 void expect_exact_jacobian(const FitProblem& problem) {
