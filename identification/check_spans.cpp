@@ -1,10 +1,13 @@
 #include "identification/check_spans.hpp"
 
 #include <algorithm>
+#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "identification/first_readings.hpp"
+#include "model/laws/linear_spring.hpp"
 
 namespace poise {
 namespace {
@@ -12,19 +15,40 @@ namespace {
 constexpr double most_periods = 1e5, least_periods = 0.01;
 constexpr double many_periods = 1e3, least_readings = 2.0;
 
+/// The experiment with springs that act in both directions.
+Experiment without_slack(Experiment experiment) {
+  const auto tighten = [](Scene& scene) {
+    for (Element& element : scene.elements) {
+      if (auto* spring = std::get_if<LinearSpring>(&element.law)) spring->acts = LinearSpring::Acts::both;
+    }
+  };
+  tighten(experiment.scene);
+  for (ExperimentPart& part : experiment.parts) tighten(part.scene);
+  return experiment;
+}
+
+/// Hz, ascending, at the starts of the parameters in the pose in which run r begins.
+std::vector<double> frequencies(const FitProblem& problem, std::size_t r) {
+  const RunModel& model = problem.run(r);
+  const std::vector<double> unknowns = problem.unknowns_of(r, problem.starts());
+  const std::vector<double> nuisances = first_guess(model, unknowns, problem.experiment().records[r]);
+  return model.natural_frequencies(unknowns.data(), model.equilibrium_at(), model.start_of_run(nuisances));
+}
+
 }  // namespace
 
 void check_spans(const FitProblem& problem) {
-  const std::vector<double> starts = problem.starts();
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& model = problem.run(r);
     const Run& run = model.run();
-    if (run.is_simulated() || run.time_factor) continue;
-    const std::vector<double> unknowns = problem.unknowns_of(r, starts);
-    const std::vector<double> nuisances = first_guess(model, unknowns, problem.experiment().records[r]);
-    const std::vector<double> begin = model.start_of_run(nuisances);
-    const std::vector<double> all = model.natural_frequencies(unknowns.data(), model.equilibrium_at(), begin);
-    const auto slowest = std::find_if(all.begin(), all.end(), [](double f) { return f > 0; });
+    if (run.is_simulated() || run.states_time_factor) continue;
+    std::vector<double> all = frequencies(problem, r);
+    const auto restores = [](double f) { return f > 0; };
+    if (std::none_of(all.begin(), all.end(), restores)) {
+      const Experiment experiment = without_slack(problem.experiment());
+      all = frequencies(FitProblem(experiment), r);
+    }
+    const auto slowest = std::find_if(all.begin(), all.end(), restores);
     if (slowest == all.end()) continue;
     const double span = model.span();
     std::size_t readings = 0;

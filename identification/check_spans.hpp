@@ -11,7 +11,8 @@ namespace poise {
 ///   span f > 1000 with fewer than two readings per oscillation of the slowest mode,
 ///   span f < 0.01 of the fastest one.
 /// Records of oscillations hold some 5 to 10 000 of them, and a start that is wrong by a factor of 10 in stiffness
-/// moves f by 3. A run that states its time_factor is believed. So is one whose pose nothing restores.
+/// moves f by 3. Where nothing restores the pose, its frequencies are those with springs that act in both directions. A
+/// run that states its time_factor is believed. So is one whose pose nothing restores even then.
 void check_spans(const FitProblem& problem);
 
 }  // namespace poise

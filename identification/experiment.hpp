@@ -31,8 +31,10 @@ struct Sensor {
   Measure on;        ///< body_a is the ground for an absolute angle
   int element = -1;  ///< index into Scene::elements whose static force it reads, tension positive; else -1
   std::string name;
-  std::string column;       ///< of a data file
-  bool gaps = false;        ///< empty cells and NaN of the column mean that it was not read at that time
+  std::string column;  ///< of a data file
+  bool gaps = false;   ///< empty cells and NaN of the column mean that it was not read at that time
+  std::optional<double>
+      wraps{};              ///< the column starts again after so much, SI; 0: it does not; absent: expected not to
   bool rate = false;        ///< the time derivative of the above (not of a force)
   double noise = 0.0;       ///< standard deviation of one reading, SI
   bool noise_known = true;  ///< false: `noise` is a first guess from the readings, and a fit estimates it
@@ -129,7 +131,7 @@ struct Run {
   std::uint64_t seed = 0;                   ///< of the noise of a simulated run
   std::vector<std::filesystem::path> data;  ///< files of its readings; empty: simulated
   std::string time_column;                  ///< of the first of them
-  std::optional<double> time_factor;        ///< seconds per unit of these columns; absent: 1, which is then checked
+  bool states_time_factor = false;          ///< seconds per unit of these columns; else 1, which check_spans() checks
   std::optional<std::string> segment;       ///< value of the split column; absent: all of the files
   std::vector<std::size_t> sensors;         ///< those that are read in it, ascending; empty: all
   std::size_t left_out = 0;                 ///< readings of the files that compared_times() leaves out

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -124,8 +125,8 @@ class ExperimentReader {
   }
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
-    table.allow_keys({"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "gaps", "noise",
-                      "zero", "factor", "delay"});
+    table.allow_keys({"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "gaps", "wraps",
+                      "noise", "zero", "factor", "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
@@ -148,6 +149,10 @@ class ExperimentReader {
       sensor.column = column->value;
     }
     sensor.gaps = table.flag("gaps", false);
+    if (table.has("wraps") && (!sensor.on.is_angle() || sensor.rate || sensor.reads_force())) {
+      table.place_of("wraps").fail("expected wraps of a sensor of an angle only; leave it out");
+    }
+    sensor.wraps = table.find_number("wraps", std::abs(sensor.unit), Range::not_negative);
     return sensor;
   }
 

@@ -1,6 +1,6 @@
 #include "identification/read_inputs.hpp"
 
-#include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -72,12 +72,16 @@ std::size_t file_of(const TomlTable& input, const TomlText& file, const fs::path
 /// Reads { column = "COLUMN", ... }.
 void read_table(const TomlTable& table, const fs::path& folder, InputTable& input, DataColumn& column,
                 RunSource& source) {
-  table.allow_keys({"column", "file", "time", "time_factor", "zero", "factor", "gaps", "noise"});
+  table.allow_keys({"column", "file", "time", "time_factor", "zero", "factor", "gaps", "wraps", "noise"});
   column.name = table.text("column").value;
   column.gaps = table.flag("gaps", false);
   const double unit = input.unit;
   input.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
   input.unit = table.find_number("factor", unit, Range::finite).value_or(unit);
+  if (table.has("wraps") && !input.is_angle) {
+    table.place_of("wraps").fail("expected wraps of a drive of an angle only; leave it out");
+  }
+  input.wraps = table.find_number("wraps", std::abs(input.unit), Range::not_negative);
   if (table.has("noise")) {
     if (input.input.motion.of != MotionInput::Of::drive) {
       table.place_of("noise").fail("expected noise of a drive only; readings of a load are joined by straight lines");
@@ -105,6 +109,8 @@ std::vector<InputTable> read_inputs(const TomlTable& run, const fs::path& folder
     input.place = table->place_of(path);
     input.input = find_input(path, input.place, scene);
     input.unit = unit_of(input.input, scene);
+    input.is_angle = input.input.motion.of == MotionInput::Of::drive &&
+                     scene.drives[static_cast<std::size_t>(input.input.motion.item)].on.is_angle();
     DataColumn column;
     column.wanted_by = {input.place.file, input.place.line, "input \"" + path + "\""};
     column.begins = !measured;
@@ -148,11 +154,7 @@ RunInput input_of(const InputTable& table, Series series, const std::string& run
         "expected readings that scatter about a smooth curve by their noise, found more, or fewer than two for each "
         "interval of the curve; raise noise, or leave it out for a curve through every reading");
   }
-  std::vector<double> coefficients;
-  for (const std::array<double, 6>& piece : spline->pieces) {
-    coefficients.insert(coefficients.end(), piece.begin(), piece.end());
-  }
-  input.motion.curve = std::make_shared<TimeCurve>(spline->breaks, std::move(coefficients));
+  input.motion.curve = std::make_shared<TimeCurve>(TimeCurve::along(*spline));
   return input;
 }
 

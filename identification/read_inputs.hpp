@@ -3,6 +3,7 @@
 // The inputs of runs: loads and drives that follow a column of a data file. Private to the readers of experiment files.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct InputTable {
   RunInput input;
   double zero = 0.0, unit = 1.0;  // SI value = zero + unit column
   double noise = 0.0;             // 0: none given
+  bool is_angle = false;
+  std::optional<double> wraps{};  // as of Sensor
   TomlPlace place;
 };
 

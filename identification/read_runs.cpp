@@ -71,8 +71,7 @@ class RunsReader {
       written.measured = true;
       written.source = read_source(table, folder);
       run.time_column = written.source.files.front().time;
-      run.time_factor = table.find_number("time_factor", 1.0, Range::positive);
-      for (DataFile& file : written.source.files) file.time_factor = run.time_factor.value_or(1.0);
+      run.states_time_factor = read_time_factors(table, written.source);
     } else {
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
                         "data", "duration", "rate", "seed"});
@@ -171,6 +170,27 @@ class RunsReader {
     }
     source.every = static_cast<std::size_t>(table.whole_number("every", 1, 1));
     return source;
+  }
+
+  /// One for all data files, or one for each. Whether there are any.
+  static bool read_time_factors(const TomlTable& table, RunSource& source) {
+    if (!table.has("time_factor")) return false;
+    const bool is_list = table.holds_list("time_factor");
+    const std::vector<double> factors =
+        is_list ? table.numbers("time_factor") : std::vector{table.number("time_factor", 1.0, Range::positive)};
+    if (factors.size() != 1 && factors.size() != source.files.size()) {
+      table.place_of("time_factor")
+          .fail("expected one number, or one for each of the " + std::to_string(source.files.size()) +
+                " data files, found " + std::to_string(factors.size()));
+    }
+    for (std::size_t f = 0; f < source.files.size(); ++f) {
+      const double factor = factors[factors.size() > 1 ? f : 0];
+      if (!(factor > 0)) {
+        table.place_of("time_factor").fail(fmt::format("expected numbers > 0, seconds per unit, found {:.6g}", factor));
+      }
+      source.files[f].time_factor = factor;
+    }
+    return true;
   }
 
   static void read_simulation(const TomlTable& table, Run& run) {
@@ -306,6 +326,9 @@ class RunsReader {
         for (const std::size_t k : sensors_of(run)) {
           const Sensor& sensor = experiment_.sensors[k];
           record.sensors[k] = in_si(std::move(data.columns[column++]), sensor.zero, sensor.unit);
+          if (!sensor.on.is_angle() || sensor.rate || sensor.reads_force()) continue;
+          make_continuous({experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""}, sensor.wraps, sensor.unit,
+                          run.name, record.sensors[k]);
         }
         if (record.count() < least_readings) {
           source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
@@ -317,8 +340,9 @@ class RunsReader {
         if (!series.time.empty()) end = std::max(end, series.time.back());
       }
       for (const InputTable& table : written.inputs) {
-        run.inputs.push_back(
-            input_of(table, in_si(std::move(data.columns[column]), table.zero, table.unit), run.name, end));
+        Series series = in_si(std::move(data.columns[column]), table.zero, table.unit);
+        if (table.is_angle) make_continuous(table.place, table.wraps, table.unit, run.name, series);
+        run.inputs.push_back(input_of(table, std::move(series), run.name, end));
         run.inputs.back().file = source.files[*source.columns[column++].file].path;
       }
       check_delays(run, end);

@@ -190,6 +190,32 @@ void expect_cells(const CsvRows& rows, std::size_t expected) {
 
 }  // namespace
 
+void unwrap(Series& series, double period) {
+  for (std::size_t i = 1; i < series.value.size(); ++i) {
+    series.value[i] -= period * std::round((series.value[i] - series.value[i - 1]) / period);
+  }
+}
+
+std::optional<std::size_t> wrapped_at(const Series& series, double period) {
+  const auto largest_step = [](const std::vector<double>& values) {
+    std::size_t largest = 0;
+    double size = 0.0;
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      const double step = std::abs(values[i] - values[i - 1]);
+      if (step <= size) continue;
+      size = step;
+      largest = i;
+    }
+    return std::pair(largest, size);
+  };
+  const auto [at, jump] = largest_step(series.value);
+  if (!(jump > 0.75 * period)) return std::nullopt;
+  Series continuous = series;
+  unwrap(continuous, period);
+  if (largest_step(continuous.value).second > 0.25 * period) return std::nullopt;
+  return at;
+}
+
 std::size_t Record::count() const {
   std::size_t sum = 0;
   for (const Series& series : sensors) sum += series.value.size();

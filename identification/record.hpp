@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,6 +13,13 @@ struct Series {
   std::vector<double> time;   ///< s, ascending
   std::vector<double> value;  ///< SI, one per time
 };
+
+/// Adds whole periods to readings of a column that starts again after each, so that no two successive ones differ by
+/// more than half a period.
+void unwrap(Series& series, double period);
+/// The reading before which a series must have started again: where it jumps by more than 3/4 of the period and,
+/// unwrapped, never by more than 1/4. None where there is no such jump.
+std::optional<std::size_t> wrapped_at(const Series& series, double period);
 
 /// What was read in one run.
 struct Record {

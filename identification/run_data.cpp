@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -50,6 +51,22 @@ void expect_same_segments(const RunSource& source, const std::vector<std::vector
 }
 
 }  // namespace
+
+void make_continuous(const TomlPlace& wanted_by, const std::optional<double>& wraps, double unit,
+                     const std::string& run, Series& series) {
+  constexpr double turn = 2 * std::numbers::pi;
+  if (wraps) {
+    if (*wraps > 0) unwrap(series, *wraps);
+    return;
+  }
+  const std::optional<std::size_t> at = wrapped_at(series, turn);
+  if (!at) return;
+  wanted_by.fail(fmt::format(
+      "expected readings of a continuous angle, found a jump by {:.4g} at {:.6g} s of run \"{}\", as of an encoder "
+      "that "
+      "starts again after each turn; add wraps = {:.10g} (a turn in the column's unit), or wraps = 0 if it does not",
+      (series.value[*at] - series.value[*at - 1]) / unit, series.time[*at], run, turn / std::abs(unit)));
+}
 
 void DataFiles::want(RunSource& source) {
   std::vector<Wanted*> files;

@@ -31,6 +31,11 @@ struct DataColumn {
   std::optional<std::size_t> file{};  ///< index into RunSource::files; absent: found by DataFiles::want()
 };
 
+/// Makes the readings of an angle continuous: those of a column that `wraps` after so much, SI. Throws InputError where
+/// that is not stated and they must have started again after a full turn; `unit` is the SI value of the column's unit.
+void make_continuous(const TomlPlace& wanted_by, const std::optional<double>& wraps, double unit,
+                     const std::string& run, Series& series);
+
 /// What a run is read from.
 struct RunSource {
   TomlPlace place;  ///< of `data`

@@ -1,6 +1,7 @@
 #include "motion/time_curve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace poise {
@@ -12,6 +13,14 @@ TimeCurve TimeCurve::through(std::vector<double> time, const std::vector<double>
     coefficients.push_back((value[i + 1] - value[i]) / (time[i + 1] - time[i]));
   }
   return {std::move(time), std::move(coefficients)};
+}
+
+TimeCurve TimeCurve::along(const solvers::QuinticSpline& spline) {
+  std::vector<double> coefficients;
+  for (const std::array<double, 6>& piece : spline.pieces) {
+    coefficients.insert(coefficients.end(), piece.begin(), piece.end());
+  }
+  return {spline.breaks, std::move(coefficients)};
 }
 
 TimeCurve::TimeCurve(std::vector<double> breaks, std::vector<double> coefficients)

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "solvers/quintic_spline.hpp"
+
 namespace poise {
 
 /// A function of time, s, made of polynomials: from breaks[i] to breaks[i + 1] it is
@@ -11,6 +13,7 @@ class TimeCurve {
  public:
   /// Straight lines between points: two at least, times ascending.
   static TimeCurve through(std::vector<double> time, const std::vector<double>& value);
+  static TimeCurve along(const solvers::QuinticSpline& spline);
   /// The coefficients of each interval of `breaks` in turn, the same number for each.
   TimeCurve(std::vector<double> breaks, std::vector<double> coefficients);
 

@@ -68,5 +68,18 @@ TEST(CheckSpans, SecondsAreTaken) {
   EXPECT_EQ(objection(wheel_read_in(folder, 1e-3, 200, 1200, "time_factor = 1\n")), "");
 }
 
+TEST(CheckSpans, SlackSpringsAreTakenAsTight) {
+  const TempFolder folder;
+  const auto one_way = [&](double unit) {
+    wheel_read_in(folder, unit, 200, 1200, "");
+    std::string scene = app_tests::wheel;
+    scene.insert(scene.find("stiffness"), "acts = \"tension\"\nfree_angle = 30\n");  // slack at 20 degrees
+    folder.write("wheel.toml", scene);
+    return objection(read_experiment(folder.path("experiment.toml")));
+  };
+  EXPECT_EQ(one_way(1), "");
+  EXPECT_NE(one_way(1e-3).find("time_factor = 0.001"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace poise

@@ -177,8 +177,8 @@ TEST(ReadExperiment, RejectsSensors) {
   EXPECT_EQ(
       error_of_sensor("angles = \"crank\"\n"),
       third +
-          "angles: expected one of the keys name, angle, travel, distance, x, y, force, rate, column, gaps, noise, "
-          "zero, factor, delay; did you mean \"angle\"?");
+          "angles: expected one of the keys name, angle, travel, distance, x, y, force, rate, column, gaps, wraps, "
+          "noise, zero, factor, delay; did you mean \"angle\"?");
   EXPECT_EQ(error_of_sensor("angle = \"crnk\"\n"),
             third + "angle: expected the name of a body other than ground, found \"crnk\"; did you mean \"crank\"?");
   EXPECT_EQ(error_of_sensor("angle = [\"rod\", \"rod\"]\n"), third + "angle: expected two different bodies");

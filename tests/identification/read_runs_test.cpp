@@ -269,6 +269,33 @@ TEST(ReadRuns, LeavesGapsOut) {
       << "times are never left out";
 }
 
+TEST(ReadRuns, WrappedAnglesAreRefusedOrUnwrapped) {
+  // A rod that turns once in 4 s, backwards: 5 counts of an encoder of 20 in each second.
+  std::string counts = "time,c\n";
+  for (int i = 0; i <= 48; ++i)
+    counts += std::to_string(i / 4.0) + "," + std::to_string((1000 - 5 * i / 4) % 20) + "\n";
+  const auto bench = [&](const std::string& keys, const std::string& data) {
+    return Bench(header + "[[sensor]]\nname = \"c\"\nangle = \"rod\"\nnoise = 1\nfactor = 18\n" + keys +
+                     "[[run]]\ndata = \"data.csv\"\n",
+                 data);
+  };
+  EXPECT_EQ(bench("", counts).error(),
+            "experiment.toml:2: sensor \"c\": expected readings of a continuous angle, found a jump by 19 at 0.25 s of "
+            "run \"run 1\", as of an encoder that starts again after each turn; add wraps = 20 (a turn in the column's "
+            "unit), or wraps = 0 if it does not");
+  const Series turned = bench("wraps = 20\n", counts).read().records[0].sensors[0];
+  for (std::size_t i = 0; i < turned.value.size(); ++i) {
+    EXPECT_NEAR(turned.value[i] - turned.value[0], -0.3141592653589793 * (5 * i / 4), 1e-12);
+  }
+  EXPECT_NEAR(bench("wraps = 0\n", counts).read().records[0].sensors[0].value[1], 19 * 0.3141592653589793, 1e-12);
+  // Two turns in a second, read five times in it, may be what they say.
+  EXPECT_EQ(bench("", "time,c\n0,0\n0.2,8\n0.4,16\n0.6,24\n").error(), "");
+  EXPECT_EQ(bench("wraps = -1\n", counts).error(),
+            "experiment.toml:7: sensor \"c\".wraps: expected a finite number >= 0, found -1");
+  EXPECT_EQ(Bench(header + sensor + "rate = true\nwraps = 1\n" + measured, counts).error(),
+            "experiment.toml:7: sensor \"a\".wraps: expected wraps of a sensor of an angle only; leave it out");
+}
+
 TEST(ReadRuns, ReadsSeveralFilesOfOneRun) {
   const std::string sensors =
       "[[sensor]]\nname = \"b\"\ntravel = \"rail\"\nnoise = 1\n[[sensor]]\nname = \"c\"\nangle = \"rod\"\nnoise = 1\n";
@@ -285,6 +312,19 @@ TEST(ReadRuns, ReadsSeveralFilesOfOneRun) {
   EXPECT_EQ(series[1].time, (Numbers{0, 1, 2}));
   EXPECT_DOUBLE_EQ(series[1].value[2], 3e-3);
   EXPECT_EQ(series[2].time, series[0].time);
+
+  const std::vector<Series> units = bench("time = [\"time\", \"s\"]\ntime_factor = [0.1, 0.001]\n",
+                                          "time,a,c\n1,1,2\n6,2,3\n11,3,4\n", "s,b\n90,1\n190,2\n290,3\n")
+                                        .read()
+                                        .records[0]
+                                        .sensors;
+  EXPECT_NEAR(units[0].time[2], 0.1 * 11 - 0.09, 1e-15) << "each file in its own unit";
+  EXPECT_NEAR(units[1].time[2], 0.2, 1e-15);
+  const std::string factors = "time = [\"time\", \"s\"]\ntime_factor = ";
+  EXPECT_EQ(bench(factors + "[1, 1, 1]\n", fast, slow).error(),
+            "experiment.toml:17: run 1.time_factor: expected one number, or one for each of the 2 data files, found 3");
+  EXPECT_EQ(bench(factors + "[1, -1]\n", fast, slow).error(),
+            "experiment.toml:17: run 1.time_factor: expected numbers > 0, seconds per unit, found -1");
 
   const Experiment fewer = bench("sensors = [\"c\", \"a\"]\n[[run]]\nsensors = [\"b\"]\nduration = 1\nrate = 10\n",
                                  fast, "time,x\n0,1\n1,2\n2,3\n")
