@@ -26,7 +26,8 @@ constexpr double as_predicted_within = 0.1;
 }  // namespace
 
 RunCost::RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, double accuracy,
-                 const Weighting& weighting, std::vector<double> nuisances, int& evaluations)
+                 const Weighting& weighting, std::vector<double> nuisances, int& evaluations,
+                 const std::atomic<bool>* interrupt)
     : problem_(problem),
       run_(run),
       record_(record),
@@ -34,7 +35,8 @@ RunCost::RunCost(const FitProblem& problem, std::size_t run, const Record& recor
       accuracy_(accuracy),
       weighting_(weighting),
       from_(std::move(nuisances)),
-      evaluations_(evaluations) {
+      evaluations_(evaluations),
+      interrupt_(interrupt) {
   const RunModel& model = problem.run(run);
   for (int i = 0; i < model.unknowns(); ++i) mutable_parameter_block_sizes()->push_back(1);
   if (model.nuisances() > 0) mutable_parameter_block_sizes()->push_back(model.nuisances());
@@ -59,7 +61,7 @@ void RunCost::compute(const double* const* blocks) const {
   }
   std::vector<double> nuisances = from_;
   for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
-  last_.triangle = problem_.triangle(run_, parameters, nuisances, &record_, until_, accuracy_, weighting_);
+  last_.triangle = problem_.triangle(run_, parameters, nuisances, &record_, until_, accuracy_, weighting_, interrupt_);
   if (run_ == 0) ++evaluations_;
   last_.at = std::move(at);
 }

@@ -19,9 +19,10 @@ namespace poise {
 class RunCost : public ceres::CostFunction {
  public:
   /// The record is fitted up to the time `until`, s, with motions of this `accuracy`, see simulate(). `evaluations`
-  /// counts those of the first run.
+  /// counts those of the first run. A motion that `interrupt` ends has no cost.
   RunCost(const FitProblem& problem, std::size_t run, const Record& record, double until, double accuracy,
-          const Weighting& weighting, std::vector<double> nuisances, int& evaluations);
+          const Weighting& weighting, std::vector<double> nuisances, int& evaluations,
+          const std::atomic<bool>* interrupt);
 
   /// Computes the motion at these values, unless it was computed for them the last time or the time before.
   void compute(const double* const* blocks) const;
@@ -35,6 +36,7 @@ class RunCost : public ceres::CostFunction {
   const Weighting& weighting_;
   std::vector<double> from_;
   int& evaluations_;
+  const std::atomic<bool>* interrupt_;
   struct Point {
     std::vector<double> at;
     Eigen::MatrixXd triangle;

@@ -358,7 +358,7 @@ class Fitting {
       const double accuracy =
           is_start ? std::min(least_accuracy, accuracy_of_start * problem_.accuracy(r)) : problem_.accuracy(r);
       auto* cost = new RunCost(problem_, r, records_[r], until(r, window), accuracy, out_.weighting, point.nuisances[r],
-                               out_.evaluations);
+                               out_.evaluations, options_.interrupt);
       problem.AddResidualBlock(cost, nullptr, blocks);
       runs.add(*cost, blocks);
     }

@@ -183,11 +183,12 @@ Weighting FitProblem::weighting() const {
 
 LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& parameters,
                                  const std::vector<double>& nuisances, const Record* record, double until,
-                                 double accuracy, const Weighting& weighting) const {
+                                 double accuracy, const Weighting& weighting,
+                                 const std::atomic<bool>* interrupt) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = unknowns_of(r, parameters);
   Prediction prediction;
-  model.predict(unknowns.data(), nuisances.data(), until, accuracy, true, prediction);
+  model.predict(unknowns.data(), nuisances.data(), until, accuracy, true, prediction, interrupt);
   if (!prediction.ok) return {};
   LinearRun out;
   const Eigen::Index p = model.unknowns();
@@ -215,8 +216,9 @@ LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& param
 
 Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& parameters,
                                      const std::vector<double>& nuisances, const Record* record, double until,
-                                     double accuracy, const Weighting& weighting) const {
-  Eigen::MatrixXd rows = linearized(r, parameters, nuisances, record, until, accuracy, weighting).rows;
+                                     double accuracy, const Weighting& weighting,
+                                     const std::atomic<bool>* interrupt) const {
+  Eigen::MatrixXd rows = linearized(r, parameters, nuisances, record, until, accuracy, weighting, interrupt).rows;
   if (rows.size() == 0) return {};
   const Eigen::Index last = rows.cols() - 1;
   double beyond = 0.0;  // sum of rho(s) - weight(s) s, which is not negative since rho is concave

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -91,14 +92,17 @@ class FitProblem {
   /// Noise as stated, or first guessed from the readings, and the loss of the experiment.
   Weighting weighting() const;
 
-  /// Of run r up to the time `until`, s. Without `record` e is 0. Without rows where the motion fails.
+  /// Of run r up to the time `until`, s. Without `record` e is 0. Without rows where the motion fails, or `interrupt`
+  /// is set before it ends.
   LinearRun linearized(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
-                       const Record* record, double until, double accuracy, const Weighting& weighting) const;
+                       const Record* record, double until, double accuracy, const Weighting& weighting,
+                       const std::atomic<bool>* interrupt = nullptr) const;
   /// The triangle R of  Q R = W linearized().rows,  W^2 the weights of the residuals: everything that an iteration
   /// needs of a run, (columns + 1) square. Its last column R_e has  |R_e|^2 = sum rho(e^2),  and R^T R_e holds the
-  /// gradient of half of that. Empty where the motion fails.
+  /// gradient of half of that. Empty where the motion fails, or is interrupted.
   Eigen::MatrixXd triangle(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
-                           const Record* record, double until, double accuracy, const Weighting& weighting) const;
+                           const Record* record, double until, double accuracy, const Weighting& weighting,
+                           const std::atomic<bool>* interrupt = nullptr) const;
   /// e itself over the whole record at the stated noise, without derivatives; empty where the motion fails.
   Residuals residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                       const Record& record) const;

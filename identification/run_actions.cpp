@@ -151,7 +151,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), true);
   if (!built.model) return out;
   const MotionModel& model = *built.model;
-  const Motion motion = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false);
+  const Motion motion = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false, nullptr);
   const std::vector<double> x = model.from_si(built.q);
   std::vector<Sensor> sensors;
   std::vector<ReadNumber> of_sensors;

@@ -34,6 +34,17 @@ auto start_at(const std::string& place, Make make) {
   }
 }
 
+/// Places the motion at time 0 in the pose of x, scaled, near which it is; its drives start from `closed`.
+bool place(Reduced& motion, const std::vector<double>& closed, const std::vector<double>& x,
+           const std::vector<int>& independent) {
+  motion.start_drives(closed.data());
+  motion.choose(0.0, closed.data(), false, &independent);
+  motion.expect(x.data());
+  std::vector<double> z;
+  for (const int i : independent) z.push_back(x[static_cast<std::size_t>(i)]);
+  return motion.place(0.0, z.data()) == Reduced::Status::ok;
+}
+
 /// A sensor in a piece of the variation of a number.
 struct VariedReader {
   SensorReader reader;
@@ -96,11 +107,11 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     // No other number that the scene has is likely to cancel these.
     number.set(*also_, number.get(scene_) + 0.0618033988749895 * reach(number));
   }
-  std::string place;
+  std::string written;
   std::vector<StartValue> wanted;
   const MotionModel model(scene_, scales_, also());
   if (run_.equilibrium) {
-    place = at(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
+    written = at(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
     set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
     if (!set_by_equilibrium_ || set_by_equilibrium_->place().owner != Owner::element ||
         set_by_equilibrium_->scales_with_force()) {
@@ -112,7 +123,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     wanted.push_back(equilibrium_in(model, run_.equilibrium->at));
     equilibrium_coordinate_ = wanted.back().coordinate;
   }
-  closed_ = start_at(place, [&] { return start_motion(model, wanted); }).q;
+  closed_ = start_at(written, [&] { return start_motion(model, wanted); }).q;
   for (std::size_t k = 0; k < scene_.drives.size(); ++k) {
     if (scene_.drives[k].start) continue;
     measured_starts_.push_back(static_cast<int>(k));
@@ -132,10 +143,16 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
             "rest: expected a mechanism with one degree of freedom, found {}; make {} an unknown per run instead",
             freedoms_, run_.equilibrium->by));
   }
-  if (!run_.release.empty()) place = at(experiment.file_of(run_.part), run_.release.front().line) + "release: ";
   if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
+  if (!run_.release.empty() || first_readings_ != nullptr) {
+    written = at(experiment.file_of(run_.part), run_.release.empty() ? run_.line : run_.release.front().line) +
+              fmt::format("run \"{}\".{}: ", run_.name,
+                          run_.release.empty()         ? "start_known, by its first readings"
+                          : first_readings_ != nullptr ? "release, with its first readings"
+                                                       : "release");
+  }
   const std::vector<StartValue> release = start_values(*assembled.model, closed_);
-  released_ = start_at(place, [&] { return start_in(*assembled.model, release, closed_); });
+  released_ = start_at(written, [&] { return start_in(*assembled.model, release, closed_); });
   left_out_ = run_.left_out;
   for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
     if (run_.is_simulated()) {
@@ -288,12 +305,7 @@ std::vector<StartValue> RunModel::start_values(const MotionModel& model, const s
   if (first_readings_ == nullptr) return wanted;
   const std::vector<double> x = model.from_si(q);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  reduced.start_drives(x.data());
-  reduced.choose(0.0, x.data(), false, &independent_);
-  reduced.expect(x.data());
-  std::vector<double> z;
-  for (const int i : independent_) z.push_back(x[static_cast<std::size_t>(i)]);
-  if (reduced.place(0.0, z.data()) == Reduced::Status::ok) complete_start(model, reduced, *first_readings_, wanted);
+  if (place(reduced, x, x, independent_)) complete_start(model, reduced, *first_readings_, wanted);
   return wanted;
 }
 
@@ -400,11 +412,7 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
   const std::vector<double> x = model.from_si(out.q);
   const double still = 0.0;
   const auto stand = [&](Reduced& motion) {
-    motion.start_drives(x.data());
-    motion.choose(0.0, x.data(), false, &independent_);
-    motion.expect(x.data());
-    const double z = x[static_cast<std::size_t>(independent_[0])];
-    if (motion.place(0.0, &z) != Reduced::Status::ok) return false;
+    if (!place(motion, x, x, independent_)) return false;
     motion.move(&still);
     return motion.accelerate() == Reduced::Status::ok;
   };
@@ -504,9 +512,10 @@ MotionState RunModel::begin(const Built& built, const double* nuisances) const {
   return state;
 }
 
-Motion RunModel::move(const Built& built, const double* nuisances, double duration, double accuracy,
-                      bool sensitivities) const {
+Motion RunModel::move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities,
+                      const std::atomic<bool>* interrupt) const {
   MotionOptions options;
+  options.interrupt = interrupt;
   options.duration = duration;
   options.accuracy = accuracy;
   options.independent = independent_;
@@ -530,11 +539,11 @@ Motion RunModel::move(const double* unknowns, const double* nuisances, double du
     none.why = built.why;
     return none;
   }
-  return move(built, nuisances, duration, accuracy, sensitivities);
+  return move(built, nuisances, duration, accuracy, sensitivities, nullptr);
 }
 
 void RunModel::predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
-                       Prediction& out) const {
+                       Prediction& out, const std::atomic<bool>* interrupt) const {
   out.ok = false;
   const int p = static_cast<int>(numbers_.size());
   const int f = freedoms_;
@@ -551,7 +560,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
   }
   const std::vector<Reading> readings = due(scaling, until);
   const double duration = std::clamp(readings.empty() ? 0.0 : readings.back().time, 1e-9, std::max(end_, 1e-9));
-  const Motion motion = move(built, nuisances, duration, accuracy, jacobian);
+  const Motion motion = move(built, nuisances, duration, accuracy, jacobian, interrupt);
   if (!motion.completed()) {
     out.why = motion.why;
     return;
@@ -679,12 +688,8 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
   const MotionModel& model = *built.model;
   const std::vector<double> x = model.from_si(built.q);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  reduced.start_drives(x.data());
-  reduced.choose(0.0, x.data(), false, &independent_);
-  reduced.expect(x.data());
-  const double z = x[static_cast<std::size_t>(independent_[0])];
+  if (!place(reduced, x, x, independent_)) return out;
   const double still = 0.0;
-  if (reduced.place(0.0, &z) != Reduced::Status::ok) return out;
   const double one = 1.0;
   reduced.move(&one);
   // SI: energies per square of the independent coordinate's unit.
@@ -723,14 +728,8 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
   }
   const std::vector<double> x = model.from_si(q);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  const std::vector<double> closed = model.from_si(closed_);
-  reduced.start_drives(closed.data());
-  reduced.choose(0.0, closed.data(), false, &independent_);
-  reduced.expect(x.data());
-  std::vector<double> z;
-  for (const int i : independent_) z.push_back(x[static_cast<std::size_t>(i)]);
-  const std::vector<double> still(z.size(), 0.0);
-  if (reduced.place(0.0, z.data()) != Reduced::Status::ok) return {};
+  if (!place(reduced, model.from_si(closed_), x, independent_)) return {};
+  const std::vector<double> still(independent_.size(), 0.0);
   reduced.move(still.data());
   if (reduced.accelerate() != Reduced::Status::ok) return {};
   reduced.linearize();
@@ -765,12 +764,7 @@ std::vector<double> RunModel::start_from_readings(const double* unknowns, const 
   std::stable_sort(sensors.begin(), sensors.end(), [&](std::size_t a, std::size_t b) { return until(a) < until(b); });
   const std::vector<double> x = model.from_si(closed_);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  reduced.start_drives(x.data());
-  reduced.choose(0.0, x.data(), false, &independent_);
-  reduced.expect(x.data());
-  std::vector<double> z;
-  for (const int i : independent_) z.push_back(x[static_cast<std::size_t>(i)]);
-  reduced.place(0.0, z.data());
+  place(reduced, x, x, independent_);
   const auto is_free = [&](int coordinate) {
     constexpr double little = 1e-9;  // of an independent coordinate: drives alone move it
     for (int k = 0; k < freedoms_; ++k) {

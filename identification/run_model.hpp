@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -73,9 +74,10 @@ class RunModel {
   /// Readings of the run that are not compared (see compared_times()).
   std::size_t left_out() const { return left_out_; }
 
-  /// Predicts the readings up to the time `until`, s; with the Jacobian where asked. `accuracy` as of simulate().
+  /// Predicts the readings up to the time `until`, s; with the Jacobian where asked. `accuracy` as of simulate(), and
+  /// `interrupt`, where there is one: there is no prediction where it is set before the motion ends.
   void predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
-               Prediction& out) const;
+               Prediction& out, const std::atomic<bool>* interrupt = nullptr) const;
   /// The motion behind a prediction.
   Motion move(const double* unknowns, const double* nuisances, double duration, double accuracy,
               bool sensitivities) const;
@@ -152,7 +154,8 @@ class RunModel {
                                const std::vector<double>& q) const;
   StartValue equilibrium_in(const MotionModel& model, double at) const;
   MotionState begin(const Built& built, const double* nuisances) const;
-  Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities) const;
+  Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities,
+              const std::atomic<bool>* interrupt) const;
   struct Scaling {  // of the readings of a sensor: zero', factor', delay
     double zero, factor, delay;
   };
