@@ -82,10 +82,12 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     progress.now("moving the runs from their first readings");
     answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
   }
-  if (answer.fit.usable() && answer.fit.identifiability.ok && !experiment.known.empty()) {
-    progress.now("propagating the uncertainty of known numbers");
-    answer.known = known_effects(problem, answer.fit, answer.records);
+  if (answer.fit.usable() && answer.fit.identifiability.ok) {
+    progress.now("propagating the uncertainty of known numbers and inputs");
+    answer.inputs = input_effects(problem, answer.fit, answer.records);
+    if (!experiment.known.empty()) answer.known = known_effects(problem, answer.fit, answer.records);
     add_known_effects(answer.known, answer.fit);
+    add_known_effects(answer.inputs, answer.fit);
   }
   for (const int p : profiled) {
     const auto& errors = answer.fit.identifiability.standard_error;

@@ -1,5 +1,6 @@
 // Runs whose loads or drives follow measured columns.
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "identification/fit.hpp"
+#include "identification/input_readings.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 
@@ -225,6 +227,47 @@ data = ["angles.csv", "belt.csv"]
   for (const Estimate& estimate : fitted.estimates) {
     EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
     EXPECT_LT(estimate.standard_error, 0.003 * estimate.truth) << estimate.name;
+  }
+}
+
+// A torque that is read too rarely: the error of the straight lines is what input_effects() says.
+TEST_F(DrivenRuns, SayWhatTheLinesBetweenReadingsChange) {
+  folder_.write("inputs.csv", inputs_csv(1000, 4.1, 0));
+  const Experiment truth = read(sensor + R"(
+[[run]]
+duration = 4
+rate = 100
+seed = 4
+inputs = { "load.motor" = { column = "tau", file = "inputs.csv" } }
+)");
+  const Record record = FitProblem(truth).records()[0];
+  std::string angles = "time,angle\n";
+  for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
+    angles += fmt::format("{:.9g},{:.12g}\n", record.sensors[0].time[i], record.sensors[0].value[i]);
+  }
+  folder_.write("angles.csv", angles);
+  for (const double rate : {15.0, 300.0}) {
+    folder_.write("motor.csv", inputs_csv(rate, 4.1, 0));
+    const Experiment e = read(sensor + unknowns + R"(
+[[run]]
+data = "angles.csv"
+inputs = { "load.motor" = { column = "tau", file = "motor.csv" } }
+)");
+    const FitProblem problem(e);
+    const std::vector<Record> records = problem.records();
+    const Fit fitted = fit(problem, records);
+    ASSERT_TRUE(fitted.usable()) << fitted.why;
+    const std::vector<KnownEffect> effects = input_effects(problem, fitted, records);
+    ASSERT_EQ(effects.size(), 1u);
+    EXPECT_EQ(effects[0].name, "load.motor between readings");
+    for (std::size_t p = 0; p < fitted.estimates.size(); ++p) {
+      const Estimate& estimate = fitted.estimates[p];
+      const double white = fitted.errors.white[p] / std::max(1.0, fitted.residual_over_noise);
+      const double change = effects[0].change[p];
+      EXPECT_NEAR(estimate.value + change, estimate.truth, 4 * white + 0.1 * std::abs(change)) << estimate.name;
+      EXPECT_EQ(std::abs(change) > 10 * white, rate == 15) << "the test shows something";
+      EXPECT_EQ(std::abs(change) < 0.3 * white, rate == 300);
+    }
   }
 }
 

@@ -88,7 +88,25 @@ std::string disagreement_in_words(const FitProblem& problem, const Fit& fitted, 
                      fitted.errors.without_run[run][most] / fitted.errors.error[most]);
 }
 
-std::vector<Line> warnings(const FitProblem& problem, const Fit& fitted) {
+/// Of a standard error that is mostly due to what a load did between its readings: the estimate where it is so most.
+std::optional<std::string> coarse_input_in_words(const Fit& fitted, const KnownEffect& effect) {
+  const double from = std::sqrt(0.5);  // of the standard error
+  const Estimate* most = nullptr;
+  double largest = from;
+  for (std::size_t p = 0; p < fitted.estimates.size(); ++p) {
+    const Estimate& e = fitted.estimates[p];
+    const double part = std::abs(effect.change[p]) / e.standard_error;
+    if (e.withheld || !(part > largest)) continue;
+    largest = part;
+    most = &e;
+  }
+  if (most == nullptr) return std::nullopt;
+  return fmt::format("Input {}: more than half of the variance of {} is due to it; read that input faster.",
+                     effect.name, most->name);
+}
+
+std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
+  const Fit& fitted = answer.fit;
   std::vector<Line> out;
   if (!fitted.usable()) return out;
   if (withheld(fitted) > 0) {
@@ -109,6 +127,9 @@ std::vector<Line> warnings(const FitProblem& problem, const Fit& fitted) {
   for (std::size_t r = 0; r < fitted.errors.disagreement.size(); ++r) {
     if (fitted.errors.disagreement[r] < disagrees_from) continue;
     out.push_back(doubtful(disagreement_in_words(problem, fitted, r)));
+  }
+  for (const KnownEffect& effect : answer.inputs) {
+    if (const auto words = coarse_input_in_words(fitted, effect)) out.push_back(doubtful(*words));
   }
   if (!fitted.outliers.empty()) {
     std::vector<std::size_t> runs;
@@ -319,33 +340,57 @@ void add_standard_errors(Group& content, const Fit& fitted) {
   }
 }
 
-/// What known numbers contribute to the standard errors.
+/// Those of several origins, one after the other.
+std::vector<const KnownEffect*> all_effects(const FitAnswer& answer) {
+  std::vector<const KnownEffect*> out;
+  for (const KnownEffect& effect : answer.known) out.push_back(&effect);
+  for (const KnownEffect& effect : answer.inputs) out.push_back(&effect);
+  return out;
+}
+
+/// What known numbers and inputs contribute to the standard errors.
 void add_known(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+  const std::vector<const KnownEffect*> effects = all_effects(answer);
   Branch& array = content.array("known");
-  for (const KnownEffect& effect : answer.known) {
+  for (const KnownEffect* effect : effects) {
     Group& one = array.parts.emplace_back();
-    one.data("name", effect.name);
+    one.data("name", effect->name);
     Group& change = one.group("change", "", Verbosity::data);
     for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
-      change.data(problem.parameters()[p].name, effect.change[p] / problem.unknown_of(p).unit);
+      change.data(problem.parameters()[p].name, effect->change[p] / problem.unknown_of(p).unit);
     }
   }
-  if (answer.known.empty()) return;
-  Group& section = content.group("", "Changes by one standard deviation of the numbers taken as known");
-  section.note("contained in the standard errors above");
-  Table& table = section.table("", "", Rows::list);
   std::vector<std::size_t> rows;
   for (std::size_t p = 0; p < answer.fit.estimates.size(); ++p) {
     if (!answer.fit.estimates[p].withheld) rows.push_back(p);
   }
-  table.words("", "parameter", each(rows, [&](std::size_t p) { return answer.fit.estimates[p].name; }));
-  // What is this much less than the standard error is rounding.
+  // What is this much less than the standard error is rounding; of an input it is not worth a column.
   constexpr double rounding = 1e-9;
-  for (const KnownEffect& effect : answer.known) {
-    table.numbers("", effect.name, "", {}).texts = each(rows, [&](std::size_t p) {
+  constexpr double little = 0.1;
+  const auto matters = [&](const KnownEffect& effect, double part) {
+    return std::any_of(rows.begin(), rows.end(), [&](std::size_t p) {
+      return std::abs(effect.change[p]) >= part * answer.fit.estimates[p].standard_error;
+    });
+  };
+  std::vector<const KnownEffect*> shown;
+  for (const KnownEffect& effect : answer.known) shown.push_back(&effect);
+  for (const KnownEffect& effect : answer.inputs) {
+    if (matters(effect, little)) shown.push_back(&effect);
+  }
+  if (shown.empty()) return;
+  const bool inputs = shown.size() > answer.known.size();
+  Group& section = content.group(
+      "", answer.known.empty() ? "Changes if the readings of an input are joined by a smooth curve, not by lines"
+          : inputs ? "Changes by one standard deviation of the numbers taken as known, and with smooth inputs"
+                   : "Changes by one standard deviation of the numbers taken as known");
+  section.note("contained in the standard errors above");
+  Table& table = section.table("", "", Rows::list);
+  table.words("", "parameter", each(rows, [&](std::size_t p) { return answer.fit.estimates[p].name; }));
+  for (const KnownEffect* effect : shown) {
+    table.numbers("", effect->name, "", {}).texts = each(rows, [&](std::size_t p) {
       const Estimate& e = answer.fit.estimates[p];
-      const bool none = std::abs(effect.change[p]) < rounding * e.standard_error;
-      return significant(none ? 0.0 : effect.change[p] / e.unit, 2);
+      const bool none = std::abs(effect->change[p]) < rounding * e.standard_error;
+      return significant(none ? 0.0 : effect->change[p] / e.unit, 2);
     });
   }
 }
@@ -586,7 +631,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   const Fit& fitted = answer.fit;
   Result out = experiment_result(problem, settings);
   out.verdict = verdict(problem, fitted);
-  out.warnings = warnings(problem, fitted);
+  out.warnings = warnings(problem, answer);
   Group& content = out.content;
   add_estimates(content, problem, fitted);
   add_covariance(content, fitted);

@@ -7,6 +7,7 @@
 #include "app/result/result.hpp"
 #include "identification/bootstrap.hpp"
 #include "identification/fit.hpp"
+#include "identification/input_readings.hpp"
 #include "identification/known_numbers.hpp"
 #include "identification/profile.hpp"
 
@@ -18,7 +19,9 @@ struct FitAnswer {
   std::vector<Record> records;
   /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not computed.
   std::vector<double> rms_from_readings;
-  std::vector<KnownEffect> known;  ///< already in the fit's standard errors
+  // Already in the fit's standard errors:
+  std::vector<KnownEffect> known;
+  std::vector<KnownEffect> inputs;  ///< input_effects()
   std::vector<Profile> profiles;
   std::optional<Bootstrap> bootstrap;
 };
