@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include <boost/math/distributions/normal.hpp>
 #include <ceres/ceres.h>
 #include <fmt/format.h>
 #include <glog/logging.h>
@@ -25,6 +26,8 @@ namespace {
 /// Of the estimated noise: rounds, and the relative change at which they end.
 constexpr int most_noise_rounds = 30;
 constexpr double noise_is_found = 1e-3;
+/// Of a fit whose residuals are as stated, that one of its tests says they are not.
+constexpr double by_chance = 1e-3;
 /// A ratio of residuals to noise above this indicates a local minimum or an incomplete model.
 constexpr double suspicious = 1.3;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -616,7 +619,6 @@ class Fitting {
     out_.parameters = best_.parameters;
     out_.cost = best_cost_;
     linearize();
-    out_.residual_over_noise_sigma = std::sqrt(0.5 / out_.degrees_of_freedom);
     double squares_over_noise = 0.0;
     const std::size_t sensors = problem_.experiment().sensors.size();
     std::vector<double> squares(sensors, 0.0);
@@ -630,6 +632,7 @@ class Fitting {
       }
     }
     out_.residual_over_noise = std::sqrt(squares_over_noise / out_.degrees_of_freedom);
+    out_.residual_over_noise_sigma = size_error(readings);
     for (std::size_t k = 0; k < sensors; ++k) {
       out_.rms.push_back(std::sqrt(squares[k] / static_cast<double>(readings[k])));
     }
@@ -705,32 +708,52 @@ class Fitting {
     }
   }
 
+  /// By how much the root mean square of all residuals over their noise scatters.
+  double size_error(const std::vector<std::size_t>& readings) const {
+    if (out_.errors.sensors.empty()) return std::sqrt(0.5 / out_.degrees_of_freedom);
+    double variance = 0.0;
+    double all = 0.0;
+    for (std::size_t k = 0; k < readings.size(); ++k) {
+      const double degrees = out_.errors.sensors[k].degrees;
+      const auto count = static_cast<double>(readings[k]);
+      if (degrees > 0) variance += count * count / (2 * degrees);
+      all += count;
+    }
+    return std::sqrt(variance) / all;
+  }
+
   /// Converged if the residuals of every stated noise, in total and in every run, are as large as it says.
   void compare_with_noise() {
     out_.status = FitStatus::converged;
     const std::vector<Sensor>& sensors = problem_.experiment().sensors;
+    struct Tested {
+      std::string of;
+      NoiseTest test;
+    };
+    std::vector<Tested> totals, parts;
+    for (std::size_t k = 0; k < sensors.size() && k < out_.errors.sensors.size(); ++k) {
+      if (estimates_noise(k)) continue;
+      totals.push_back({sensors.size() > 1 ? " of " + sensors[k].name : "", out_.errors.sensors[k]});
+      for (std::size_t r = 0; problem_.runs() > 1 && r < problem_.runs(); ++r) {
+        const NoiseTest& test = out_.errors.runs_noise[r][k];
+        if (std::isnan(test.ratio)) continue;
+        parts.push_back({fmt::format(" of {} in run \"{}\"", sensors[k].name, problem_.run(r).run().name), test});
+      }
+    }
+    const double least = by_chance / static_cast<double>(totals.size() + parts.size());
     std::string sizes;
     bool larger = false;
     bool smaller = false;
-    const auto add = [&](const std::string& what, const NoiseTest& test) {
-      if (std::isnan(test.ratio) || test.agrees()) return;
-      (test.ratio > 1 ? larger : smaller) = true;
-      sizes += fmt::format("{}{:.3g} times the stated noise{}, expected 1 ± {:.2g}", sizes.empty() ? "" : "; ",
-                           test.ratio, what, 2 * test.sigma);
-    };
-    for (std::size_t k = 0; k < sensors.size() && k < out_.errors.sensors.size(); ++k) {
-      if (!estimates_noise(k)) add(sensors.size() > 1 ? " of " + sensors[k].name : "", out_.errors.sensors[k]);
-    }
-    if (sizes.empty()) {
-      for (std::size_t r = 0; r < out_.errors.runs_noise.size(); ++r) {
-        for (std::size_t k = 0; k < sensors.size(); ++k) {
-          if (!estimates_noise(k)) {
-            add(fmt::format(" of {} in run \"{}\"", sensors[k].name, problem_.run(r).run().name),
-                out_.errors.runs_noise[r][k]);
-          }
-        }
+    const auto compare = [&](const std::vector<Tested>& all) {
+      for (const Tested& one : all) {
+        if (one.test.chance() >= least) continue;
+        (one.test.ratio > 1 ? larger : smaller) = true;
+        sizes += fmt::format("{}{:.3g} times the stated noise{}, expected 1 ± {:.2g}", sizes.empty() ? "" : "; ",
+                             one.test.ratio, one.of, one.test.reach());
       }
-    }
+    };
+    compare(totals);
+    if (sizes.empty()) compare(parts);
     if (sizes.empty()) return;
     out_.status = FitStatus::misfit;
     out_.why = "the residuals are " + sizes + ": ";
@@ -753,6 +776,9 @@ class Fitting {
     RunFit out;
     out.name = problem_.run(r).run().name;
     out.nuisances = best_.nuisances[r];
+    // Of all that are compared, of runs and sensors, one exceeds it by chance.
+    const double remarkable = boost::math::quantile(
+        complement(boost::math::normal(), by_chance / static_cast<double>(2 * problem_.runs() * e.size())));
     for (std::size_t k = 0; k < e.size(); ++k) {
       const auto samples = static_cast<double>(e[k].size());
       double square = 0.0;
@@ -762,7 +788,10 @@ class Fitting {
       out.rms.push_back(e[k].empty() ? nan : noise * std::sqrt(square / samples));
       const Autocorrelation lagged = autocorrelation(records_[r].sensors[k].time, e[k]);
       out.autocorrelation.push_back(lagged.value);
-      out.white = out.white && !(std::abs(lagged.value) >= 4 / std::sqrt(1.0 + lagged.pairs));
+      out.correlated.push_back(std::abs(lagged.value) * std::sqrt(1.0 + lagged.pairs) > remarkable);
+      out.mean.push_back(-noise * std::accumulate(e[k].begin(), e[k].end(), 0.0) / samples);
+      out.shifted.push_back(!out_.errors.runs_noise.empty() &&
+                            std::abs(out_.errors.runs_noise[r][k].offset) > remarkable);
     }
     return out;
   }

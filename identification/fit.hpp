@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <string>
@@ -35,13 +36,19 @@ struct RunFit {
   std::vector<double> rms;        ///< per sensor: root mean square residual, SI; NaN without readings
   /// Per sensor, at a lag of one sample (see autocorrelation()); near 0 for white residuals, NaN without readings.
   std::vector<double> autocorrelation;
-  bool white = true;  ///< all |autocorrelation| < 4 / sqrt(samples)
+  std::vector<double> mean;  ///< per sensor: mean residual, read - fitted, SI; NaN without readings
+  /// Per sensor: whether the residuals are no independent noise, by the correlation of neighbours, and whether they are
+  /// off on one side, by more than that correlation explains. Each happens by chance in at most one of 1000 fits.
+  std::vector<bool> correlated, shifted;
+
+  bool is_white() const { return std::find(correlated.begin(), correlated.end(), true) == correlated.end(); }
+  bool is_shifted() const { return std::find(shifted.begin(), shifted.end(), true) != shifted.end(); }
 };
 
 enum class FitStatus {
   not_run,
-  converged,  ///< and the residuals agree with the stated noise
-  misfit,     ///< converged, but the residuals are larger or smaller than the stated noise of a sensor, or in a run
+  converged,  ///< and the residuals are as large as the stated noise
+  misfit,     ///< converged, but they are not, of a sensor or in a run: as by chance in one of 1000 fits (NoiseTest)
   ambiguous,  ///< several minima explain the readings equally well: Fit::alternatives
   failed,     ///< no minimum was reached
   interrupted
@@ -93,10 +100,12 @@ struct Fit {
   Identifiability identifiability;
   /// sqrt(sum of (residual / noise)^2 / degrees of freedom): 1 where the stated noise explains the residuals.
   double residual_over_noise = 0.0;
-  double residual_over_noise_sigma = 0.0;  ///< its standard deviation about 1 for normal noise: sqrt(1 / (2 degrees))
-  Weighting weighting;                     ///< with the noise of every sensor, estimated where it is not known
-  StandardErrors errors;                   ///< empty where they are not known
-  std::vector<CostTrace> traces;           ///< where the cost is no parabola
+  /// Its standard deviation about 1 for normal noise with the residuals' autocorrelation: sqrt(1 / (2 degrees)) of one
+  /// sensor (see NoiseTest).
+  double residual_over_noise_sigma = 0.0;
+  Weighting weighting;            ///< with the noise of every sensor, estimated where it is not known
+  StandardErrors errors;          ///< empty where they are not known
+  std::vector<CostTrace> traces;  ///< where the cost is no parabola
   std::vector<Outlier> outliers;
   std::vector<double> rms;  ///< per sensor over all runs, SI
   int readings = 0;

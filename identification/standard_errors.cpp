@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
@@ -24,6 +25,8 @@ constexpr double enough_residuals = 20.0;
 constexpr double median_deviation = 1.6494;
 /// Readings are evenly spaced where a step is within this part of the shortest.
 constexpr double uneven = 0.01;
+/// What is left of a sum of residuals below this part of its variance is the error at which a fit ends.
+constexpr double unseen = 0.01;
 /// A run that alone determines a combination of the parameters cannot show how much that scatters.
 constexpr double alone = 1e-6;
 
@@ -72,7 +75,9 @@ class Analysis {
     Eigen::VectorXd e;                // residuals
     Eigen::VectorXd u;                // the same; of a robust loss psi(e) over the mean slope of psi
     std::vector<Eigen::Index> first;  // as of LinearRun
-    std::vector<double> leverage;     // per sensor: values that its readings determine
+    Eigen::MatrixXd nuisances;        // orthonormal basis of what the run's own values explain
+    std::vector<double> leverage;     // per sensor: tr H R of its readings
+    std::vector<double> sum_error;    // per sensor: standard deviation of sum e at unit noise
   };
 
   void eliminate_nuisances(std::size_t r, const LinearRun& run) {
@@ -83,7 +88,7 @@ class Analysis {
     scores.first = run.first;
     scores.a = run.rows.middleCols(nuisances, unknowns);
     scores.e = scores.u = run.rows.col(last);
-    Eigen::MatrixXd basis;
+    Eigen::MatrixXd& basis = scores.nuisances;
     if (nuisances > 0) {
       basis = solvers::orthonormal_columns(run.rows.leftCols(nuisances));
       scores.a -= basis * (basis.transpose() * scores.a);
@@ -97,15 +102,6 @@ class Analysis {
       scores.u /= std::max(slope, 0.05);
     }
     if (nuisances > 0) scores.u -= basis * (basis.transpose() * scores.u);
-    const Eigen::MatrixXd spread = scores.a * own(r);
-    for (std::size_t k = 0; k < sensors_; ++k) {
-      double sum = 0.0;
-      for (Eigen::Index i = scores.first[k]; i < scores.first[k + 1]; ++i) {
-        sum += spread.row(i).dot(scores.a.row(i));
-        if (nuisances > 0) sum += basis.row(i).squaredNorm();
-      }
-      scores.leverage.push_back(sum);
-    }
     runs_.push_back(std::move(scores));
   }
 
@@ -135,6 +131,38 @@ class Analysis {
     }
   }
 
+  // tr H R of sensor k in run r, and the standard deviation of its sum of residuals, M = 1 - H:  sqrt(1^T M R M 1), at
+  // least that of white ones: few readings seem to be correlated by chance. Infinite where the estimates, an unknown
+  // zero say, take the sum.
+  void find_leverage(std::size_t r, std::size_t k) {
+    Scores& run = runs_[r];
+    const Eigen::MatrixXd V = own(r);
+    const Eigen::Index count = run.first[k + 1] - run.first[k];
+    const auto a = run.a.middleRows(run.first[k], count);
+    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(count);
+    Eigen::VectorXd left = ones - a * (V * (a.transpose() * ones));
+    if (run.nuisances.size() > 0) {
+      const auto basis = run.nuisances.middleRows(run.first[k], count);
+      left -= basis * (basis.transpose() * ones);
+    }
+    double leverage = 0.0;
+    double square = 0.0;
+    for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
+      const auto at = static_cast<Eigen::Index>(first);
+      const auto rows = static_cast<Eigen::Index>(last - first);
+      leverage += V.cwiseProduct(series_[k].weighted_square(a.middleRows(at, rows))).sum();
+      if (run.nuisances.size() > 0) {
+        leverage += series_[k].weighted_square(run.nuisances.middleRows(run.first[k] + at, rows)).trace();
+      }
+      square += series_[k].weighted_square(left.segment(at, rows))(0, 0);
+    }
+    run.leverage.push_back(leverage);
+    // 1^T M M 1 = 1^T M 1: what is not of these readings comes from all others.
+    const double others = left.sum() - left.squaredNorm();
+    const bool is_seen = left.sum() > unseen * static_cast<double>(count);
+    run.sum_error.push_back(is_seen ? std::sqrt(std::max(square, left.squaredNorm()) + others) : INFINITY);
+  }
+
   void test_noise() {
     out_.runs_noise.assign(runs_.size(), {});
     for (std::size_t k = 0; k < sensors_; ++k) {
@@ -142,6 +170,7 @@ class Analysis {
       double squares = 0.0;
       double leverage = 0.0;
       for (std::size_t r = 0; r < runs_.size(); ++r) {
+        find_leverage(r, k);
         const Scores& run = runs_[r];
         const Eigen::Index count = run.first[k + 1] - run.first[k];
         const Eigen::VectorXd e = run.e.segment(run.first[k], count);
@@ -154,6 +183,11 @@ class Analysis {
       out_.sensors.push_back(test(all, leverage, k));
       const double left = static_cast<double>(all.size()) - leverage;
       size_.push_back(left > 0 ? std::sqrt(squares / left) : 1.0);
+      for (std::size_t r = 0; r < runs_.size(); ++r) {
+        const Scores& run = runs_[r];
+        const double sum = run.u.segment(run.first[k], run.first[k + 1] - run.first[k]).sum();
+        out_.runs_noise[r][k].offset = sum / (size_[k] * run.sum_error[k]);
+      }
     }
   }
 
@@ -162,10 +196,9 @@ class Analysis {
     const auto readings = static_cast<double>(e.size());
     if (!(readings > leverage)) return {nan, nan, nan};
     const double correction = std::sqrt(readings / (readings - leverage));
-    const double deviation = std::sqrt(spread_[k] / (2 * readings));
-    const double white = std::sqrt(1 / (2 * readings));
-    if (weighting_.loss == Loss::squares) return {correction * e.norm() / std::sqrt(readings), deviation, white};
-    return {correction * robust_scale({e.begin(), e.end()}), median_deviation * deviation, median_deviation * white};
+    const double degrees = (readings - leverage) / spread_[k];
+    if (weighting_.loss == Loss::squares) return {correction * e.norm() / std::sqrt(readings), degrees, 0.0};
+    return {correction * robust_scale({e.begin(), e.end()}), degrees / (median_deviation * median_deviation), 0.0};
   }
 
   // The mean square of sensor k's residuals that errors are computed with: at least that of the noise where it is
@@ -434,7 +467,7 @@ class Analysis {
     double readings = 0.0;
     for (const auto& run : runs_) {
       for (std::size_t k = 0; k < sensors_; ++k) {
-        readings += static_cast<double>(run.first[k + 1] - run.first[k]) / spread_[k] - run.leverage[k];
+        readings += (static_cast<double>(run.first[k + 1] - run.first[k]) - run.leverage[k]) / spread_[k];
       }
     }
     for (std::size_t p = 0; p < out_.white.size(); ++p) {
@@ -462,8 +495,13 @@ class Analysis {
 
 }  // namespace
 
-bool NoiseTest::agrees() const {
-  return std::abs(ratio - 1) <= std::min(std::max(5 * sigma, 0.02), std::max(5 * white_sigma, 0.3));
+double NoiseTest::reach() const { return boost::math::quantile(boost::math::normal(), 0.975) / std::sqrt(2 * degrees); }
+
+double NoiseTest::chance() const {
+  if (std::isnan(ratio)) return 1.0;
+  const boost::math::chi_squared by_chance(degrees);
+  const double square = ratio * ratio * degrees;
+  return 2 * std::min({0.5, cdf(by_chance, square), cdf(complement(by_chance, square))});
 }
 
 double StandardErrors::of(const Eigen::VectorXd& gradient) const {

@@ -9,17 +9,21 @@
 
 namespace poise {
 
-/// Residuals against the noise that the fit weighs them by:  ratio = sqrt(sum e^2 / (readings - values estimated from
-/// them)),  1 where the noise is so; its standard deviation is sqrt(spread / (2 readings)), spread as of
-/// solvers::Autoregression. Of robust fits the ratio is that of the median |e| to the one of normal noise.
+/// Residuals e against the noise that the fit weighs them by, of one sensor in one run or in all:
+///   ratio^2 = sum e^2 / (n - tr H R),   ratio^2 degrees ~ chi^2(degrees),   degrees = (n - tr H R) / spread
+/// where the noise is as stated, with n readings, H what the fit takes of them, R the autocorrelation and spread as of
+/// solvers::Autoregression; of white residuals tr H R is the number of values estimated from them, and spread 1. Of
+/// robust fits the ratio is that of the median |e| to the one of normal noise, of as many degrees as that is worth.
 struct NoiseTest {
-  double ratio = 0.0;
-  double sigma = 0.0;
-  double white_sigma = 0.0;  ///< the same without correlation: sqrt(1 / (2 readings))
+  double ratio = 0.0;    ///< NaN without readings
+  double degrees = 0.0;  ///< independent residuals that they are worth
+  double offset = 0.0;   ///< sum e over its standard deviation with this autocorrelation
 
-  /// Within 5 sigma or 2 % of 1, but not by more than 30 % or 5 white_sigma: of residuals that are correlated over most
-  /// of a run the size is hardly known, and they are no such noise as is stated.
-  bool agrees() const;
+  /// Half the width of the interval in which 95 % of the ratios are where the noise is as stated: 1.96 / sqrt(2
+  /// degrees).
+  double reach() const;
+  /// Of a ratio at least so far from 1, to either side, where the noise is as stated.
+  double chance() const;
 };
 
 /// Standard errors of a fit under three assumptions about its residuals e. With the estimates' covariance V for white

@@ -54,7 +54,7 @@ TEST(Fit, LiftNeedsNoStart) {
   }
   ASSERT_EQ(found.runs.size(), 6U);
   for (std::size_t r = 0; r < 6; ++r) {
-    EXPECT_TRUE(found.runs[r].white) << found.runs[r].name;
+    EXPECT_TRUE(found.runs[r].is_white()) << found.runs[r].name;
     EXPECT_NEAR(found.runs[r].nuisances[0], e.runs[r].equilibrium->at, 2e-5);
   }
 }

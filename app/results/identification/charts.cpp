@@ -109,7 +109,7 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const s
         {.name = problem.run(worst[i]).run().name,
          .x = answer.records[worst[i]].sensors[k].time,
          .y = shown(residuals_of(problem, answer.fit, answer.records, worst[i]).residual[k], sensor, units),
-         .style = answer.fit.runs[worst[i]].white ? Curve::Style::points : Curve::Style::line});
+         .style = answer.fit.runs[worst[i]].is_white() ? Curve::Style::points : Curve::Style::line});
   }
   const double two = 2 * sensor.noise / sensor.dimension().unit(units);
   panel.bands = {{.low = -two, .high = two, .name = "2 sigma of the noise"}};

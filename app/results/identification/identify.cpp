@@ -51,15 +51,18 @@ bool all_noise_estimated(const FitProblem& problem, const Fit& fitted) {
 }
 
 Line verdict(const FitProblem& problem, const Fit& fitted) {
+  const bool independent = std::all_of(fitted.runs.begin(), fitted.runs.end(),
+                                       [](const RunFit& run) { return run.is_white() && !run.is_shifted(); });
   switch (fitted.status) {
     case FitStatus::converged:
-      if (!all_noise_estimated(problem, fitted)) return good("Converged: residuals agree with the stated noise.");
-      if (fitted.errors.leading == StandardErrors::Kind::white) {
-        return good("Converged, with the noise estimated from the residuals.");
+      if (all_noise_estimated(problem, fitted)) {
+        return independent
+                   ? good("Converged, with the noise estimated from the residuals.")
+                   : doubtful(
+                         "Converged, with the noise estimated from the residuals; these are no independent noise.");
       }
-      return doubtful(
-          "Converged, with the noise estimated from the residuals; they are correlated, as where the model is "
-          "incomplete.");
+      return independent ? good("Converged: residuals agree with the stated noise.")
+                         : doubtful("Converged: residuals are as large as the stated noise, but no independent noise.");
     case FitStatus::misfit:
       return doubtful(fmt::format("Converged with a misfit: {}.", fitted.why));
     case FitStatus::ambiguous:
@@ -105,6 +108,46 @@ std::optional<std::string> coarse_input_in_words(const Fit& fitted, const KnownE
                      effect.name, most->name);
 }
 
+/// "2 of 6 runs, most in \"low\"", of `size` in each, 0 where it is not remarkable; empty where it is so in none.
+std::string runs_in_words(const FitProblem& problem, const std::vector<double>& size) {
+  const auto some = std::count_if(size.begin(), size.end(), [](double x) { return x > 0; });
+  if (some == 0) return "";
+  const auto most = static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
+  const std::string name = fmt::format("run \"{}\"", one_line(problem.run(most).run().name));
+  if (some == 1) return name;
+  return fmt::format("{} of {} runs, most in {}", some, size.size(), name);
+}
+
+/// What residuals have that independent noise has not, sensor by sensor.
+void add_patterns(std::vector<Line>& out, const FitProblem& problem, const Fit& fitted) {
+  const Experiment& experiment = problem.experiment();
+  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    const Sensor& sensor = experiment.sensors[k];
+    std::vector<double> correlated, shifted;
+    double most = 0.0;  // SI
+    for (const RunFit& run : fitted.runs) {
+      correlated.push_back(run.correlated[k] ? std::abs(run.autocorrelation[k]) : 0.0);
+      shifted.push_back(run.shifted[k] ? std::abs(run.mean[k]) : 0.0);
+      if (shifted.back() > std::abs(most)) most = run.mean[k];
+    }
+    const std::string where = runs_in_words(problem, correlated);
+    if (!where.empty()) {
+      out.push_back(
+          doubtful(fmt::format("Residuals of {} are correlated from one reading to the next in {}: the model "
+                               "is incomplete, or the noise is not white.",
+                               sensor.name, where)));
+    }
+    const std::string off = runs_in_words(problem, shifted);
+    if (!off.empty()) {
+      out.push_back(
+          doubtful(fmt::format("Residuals of {} are off on one side, by {:+.3g} {} on average, in {}: its zero "
+                               "may be wrong, or the model is incomplete.",
+                               sensor.name, most / sensor.dimension().unit(experiment.scene.units),
+                               sensor.dimension().unit_name(experiment.scene.units), off)));
+    }
+  }
+}
+
 std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   std::vector<Line> out;
@@ -119,6 +162,7 @@ std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
     out.push_back(doubtful(fmt::format("Poorly determined: {} of {}.", poorly,
                                        count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates"))));
   }
+  add_patterns(out, problem, fitted);
   if (fitted.errors.runs_scatter) {
     out.push_back(
         doubtful("The runs differ by more than their residuals explain, as where the model is incomplete; the standard "
@@ -481,8 +525,22 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
         });
   }
   table.numbers("", "autocorrelation", "", {}).texts = each(rows, lagged);
-  table.words("", "", each(rows, [](const RunFit& run) { return run.white ? "white" : "not white"; })).tones =
-      each(rows, [](const RunFit& run) { return run.white ? Tone::plain : Tone::doubtful; });
+  table.words("", "", each(rows, [](const RunFit& run) { return run.is_white() ? "white" : "not white"; })).tones =
+      each(rows, [](const RunFit& run) { return run.is_white() ? Tone::plain : Tone::doubtful; });
+}
+
+/// "angle 1.02, expected 1 ± 0.031": the tests of the verdict, 95 of 100 fits are within ±.
+std::string over_noise_in_words(const FitProblem& problem, const Fit& fitted) {
+  const std::vector<Sensor>& sensors = problem.experiment().sensors;
+  std::string out;
+  for (std::size_t k = 0; k < fitted.errors.sensors.size(); ++k) {
+    const NoiseTest& test = fitted.errors.sensors[k];
+    if (std::isnan(test.ratio)) continue;
+    out +=
+        fmt::format("{}{}{}, expected 1 ± {}", out.empty() ? "" : "; ", sensors.size() > 1 ? sensors[k].name + " " : "",
+                    significant(test.ratio, 4), significant(test.reach(), 2));
+  }
+  return out.empty() ? significant(fitted.residual_over_noise, 4) : out + " in 95 of 100 fits";
 }
 
 /// Run by run and sensor by sensor: how many, the first times, the largest.
@@ -530,11 +588,10 @@ void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& a
   if (fitted.runs.empty()) return;
   const Experiment& experiment = problem.experiment();
   Group& section = content.group("", "Residuals");
-  const auto white = std::count_if(fitted.runs.begin(), fitted.runs.end(), [](const RunFit& r) { return r.white; });
-  section.fact("over noise",
-               fmt::format("{}, expected 1 ± {}; white in {} of {}", significant(fitted.residual_over_noise, 4),
-                           significant(2 * fitted.residual_over_noise_sigma, 2), white,
-                           count(static_cast<int>(fitted.runs.size()), "run", "runs")));
+  const auto white =
+      std::count_if(fitted.runs.begin(), fitted.runs.end(), [](const RunFit& r) { return r.is_white(); });
+  section.fact("over noise", fmt::format("{}; white in {} of {}", over_noise_in_words(problem, fitted), white,
+                                         count(static_cast<int>(fitted.runs.size()), "run", "runs")));
   section.fact("rms", rms_in_words(fitted.rms, experiment));
   if (!answer.rms_from_readings.empty()) {
     section.fact("unfitted", rms_in_words(answer.rms_from_readings, experiment) +
@@ -591,7 +648,9 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
     one.data("rms", in_units(run.rms, experiment));
     one.data("rms_over_noise", rms_over_noise(problem, run));
     one.data("autocorrelation", run.autocorrelation);
-    one.data("white", run.white);
+    one.data("white", run.is_white());
+    one.data("mean", in_units(run.mean, experiment));
+    one.data("shifted", run.is_shifted());
     if (!fitted.errors.disagreement.empty()) {
       one.data("disagreement", fitted.errors.disagreement[r]);
       Group& without = one.group("without_run", "", Verbosity::data);
