@@ -9,6 +9,10 @@ namespace {
 constexpr std::size_t most_lags = 200'000;
 /// Sums over rows or lags without end stop where what is added is below this part.
 constexpr double negligible = 1e-6;
+/// Rows that are filtered before they are summed.
+constexpr Eigen::Index block = 256;
+/// Columns that are filtered together.
+constexpr int strip = 8;
 
 }  // namespace
 
@@ -54,45 +58,42 @@ Eigen::MatrixXd Autoregression::weighted_square(const Eigen::MatrixXd& a) const 
   const auto order = static_cast<Eigen::Index>(coefficient.size());
   if (order == 0) return a.transpose() * a;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns, columns);
-  // The rows after the present one, as a ring.
-  Eigen::MatrixXd later = Eigen::MatrixXd::Zero(columns, order);
-  Eigen::Index newest = 0;
-  Eigen::VectorXd b(columns);
-  double quiet = 0.0;  // of the last `order` rows
-  for (Eigen::Index t = rows - 1; t > -50 * rows; --t) {
-    if (t >= 0) {
-      b = a.row(t).transpose();
-    } else {
-      b.setZero();
+  const Eigen::VectorXd backwards =
+      Eigen::Map<const Eigen::VectorXd>(coefficient.data(), order).reverse();  // the farthest row first
+  // One column for each row of b: the last ones of the block before, then those of a block.
+  const Eigen::Index strips = (columns + strip - 1) / strip;
+  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(strip * strips, order + block);
+  for (Eigen::Index begin = 0; begin < 50 * rows; begin += block) {
+    for (Eigen::Index i = 0; i < block; ++i) {
+      b.col(order + i).setZero();
+      if (begin + i < rows) b.col(order + i).head(columns) = a.row(rows - 1 - begin - i).transpose();
+      for (Eigen::Index k = 0; k < strips; ++k) {
+        Eigen::Matrix<double, strip, 1> sum_of_strip = b.block<strip, 1>(strip * k, order + i);
+        for (Eigen::Index j = 0; j < order; ++j) sum_of_strip += backwards[j] * b.block<strip, 1>(strip * k, i + j);
+        b.block<strip, 1>(strip * k, order + i) = sum_of_strip;
+      }
     }
-    for (Eigen::Index j = 1; j <= order; ++j) {
-      const Eigen::Index place = newest + j - 1;
-      b += coefficient[static_cast<std::size_t>(j - 1)] * later.col(place < order ? place : place - order);
-    }
-    newest = newest > 0 ? newest - 1 : order - 1;
-    later.col(newest) = b;
-    sum.selfadjointView<Eigen::Lower>().rankUpdate(b);
-    if (t >= 0) continue;
-    quiet += b.squaredNorm();
-    if ((-t) % (order + 8) == 0) {
-      if (quiet < negligible * sum.trace()) break;
-      quiet = 0.0;
-    }
+    const auto present = b.topRightCorner(columns, block);
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(present);
+    if (begin >= rows && present.squaredNorm() < negligible * sum.trace()) break;
+    b.leftCols(order) = b.rightCols(order).eval();
   }
   sum.triangularView<Eigen::StrictlyUpper>() = sum.transpose();
   return innovation * sum;
 }
 
 Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, int most) {
-  std::vector<std::vector<double>> forward, backward;
+  // Of the present order m: errors of the forward prediction of x_t at t, of the backward prediction of x_{t-m} at t -
+  // m.
+  std::vector<Eigen::VectorXd> forward, backward;
   double total = 0.0;
   std::size_t count = 0;
   std::size_t longest = 0;
   for (const std::vector<double>& piece : pieces) {
     if (piece.size() < 4) continue;
-    forward.push_back(piece);
-    backward.push_back(piece);
-    for (const double x : piece) total += x * x;
+    forward.emplace_back(Eigen::Map<const Eigen::VectorXd>(piece.data(), static_cast<Eigen::Index>(piece.size())));
+    backward.push_back(forward.back());
+    total += forward.back().squaredNorm();
     count += piece.size();
     longest = std::max(longest, piece.size());
   }
@@ -104,16 +105,14 @@ Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, i
   double least = 0.0;  // of the criterion; 0 for white
   const int limit = std::min(most, static_cast<int>(longest / 4));
   for (int order = 1; order <= limit; ++order) {
-    const auto lag = static_cast<std::size_t>(order);
     double product = 0.0;
     double squares = 0.0;
     for (std::size_t p = 0; p < forward.size(); ++p) {
-      for (std::size_t t = lag; t < forward[p].size(); ++t) {
-        const double f = forward[p][t];
-        const double b = backward[p][t - 1];
-        product += f * b;
-        squares += f * f + b * b;
-      }
+      const Eigen::Index both = std::max<Eigen::Index>(forward[p].size() - order, 0);
+      const auto f = forward[p].tail(both);
+      const auto b = backward[p].head(both);
+      product += f.dot(b);
+      squares += f.squaredNorm() + b.squaredNorm();
     }
     if (!(squares > 0)) break;
     const double k = 2 * product / squares;
@@ -124,12 +123,12 @@ Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, i
     part *= 1 - k * k;
     if (!(part > 0)) break;
     for (std::size_t p = 0; p < forward.size(); ++p) {
-      for (std::size_t t = forward[p].size(); t-- > lag;) {
-        const double f = forward[p][t];
-        const double b = backward[p][t - 1];
-        forward[p][t] = f - k * b;
-        backward[p][t] = b - k * f;
-      }
+      const Eigen::Index both = std::max<Eigen::Index>(forward[p].size() - order, 0);
+      auto f = forward[p].tail(both);
+      auto b = backward[p].head(both);
+      const Eigen::VectorXd before = f;
+      f -= k * b;
+      b -= k * before;
     }
     const double criterion = n * std::log(part) + order * std::log(n);
     if (criterion < least) {
