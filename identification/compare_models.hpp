@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct ModelFit {
   /// of other folds, where only the run's own start and equilibrium are fitted to it. NaN where that fit failed, or
   /// the run has a parameter of its own.
   std::vector<double> own, held_out;
-  double held_out_all = 0.0;  ///< root mean square of the latter over all readings; NaN where a run has none
+  double held_out_all = std::numeric_limits<double>::quiet_NaN();  ///< root mean square of the latter over all
+                                                                   ///< readings; NaN where a run has none
 };
 
 /// A model against one that contains it.

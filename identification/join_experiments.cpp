@@ -199,6 +199,20 @@ class Joining {
     out_.known.push_back(std::move(known));
   }
 
+  /// Readings that count twice would make the estimates look better than they are.
+  void expect_own_readings(const Run& run) const {
+    for (const Run& other : out_.runs) {
+      if (run.is_simulated() || other.data != run.data || other.segment != run.segment) continue;
+      for (const std::size_t k : run.sensors) {
+        const auto same = [&](std::size_t i) { return out_.sensors[i].column == out_.sensors[k].column; };
+        if (std::none_of(other.sensors.begin(), other.sensors.end(), same)) continue;
+        TomlPlace{parts_[run.part].file, run.line, "run \"" + run.name + "\""}.fail(fmt::format(
+            "expected the column \"{}\" of its data once, run \"{}\" reads it too; leave one of the runs out",
+            out_.sensors[k].column, other.name));
+      }
+    }
+  }
+
   void add_runs(std::size_t p, const std::vector<std::size_t>& sensors) {
     for (std::size_t r = 0; r < parts_[p].runs.size(); ++r) {
       Run run = std::move(parts_[p].runs[r]);
@@ -210,6 +224,7 @@ class Joining {
       }
       std::sort(read.begin(), read.end());
       run.sensors = std::move(read);
+      expect_own_readings(run);
       out_.runs.push_back(std::move(run));
       Record& record = out_.records.emplace_back();
       std::vector<Series>& series = parts_[p].records[r].sensors;

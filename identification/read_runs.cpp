@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -86,6 +89,7 @@ class RunsReader {
     read_release(table, "release", false, run);
     read_release(table, "release_rate", true, run);
     run.unknown_start = !table.flag("start_known", false);
+    written.source.begins_at_first_row = !run.unknown_start;
     written.inputs = read_inputs(table, folder, scene, written.measured, written.source);
     return written;
   }
@@ -335,6 +339,7 @@ class RunsReader {
                             std::to_string(record.count()) + ", all others are gaps; leave the run out");
         }
       }
+      if (written.measured) expect_own_columns(run, source);
       double end = run.duration;
       for (const Series& series : record.sensors) {
         if (!series.time.empty()) end = std::max(end, series.time.back());
@@ -348,6 +353,27 @@ class RunsReader {
       check_delays(run, end);
       if (written.measured) leave_out_of(run, record, end);
       add_run(std::move(run), std::move(record));
+    }
+  }
+
+  /// Readings that count twice would make the estimates look better than they are.
+  void expect_own_columns(const Run& run, const RunSource& source) {
+    const std::vector<std::size_t> sensors = sensors_of(run);
+    for (std::size_t i = 0; i < sensors.size(); ++i) {
+      const DataColumn& column = source.columns[i];
+      const fs::path& file = source.files[*column.file].path;
+      const std::string& sensor = experiment_.sensors[sensors[i]].name;
+      const auto [other, is_new] =
+          columns_.emplace(std::tuple(file, run.segment, column.name), std::pair(run.name, sensor));
+      if (is_new) continue;
+      const std::string read = fmt::format("the column \"{}\" of \"{}\" once", column.name, file.filename().string());
+      if (other->second.first != run.name) {
+        source.place.fail(
+            fmt::format("expected {}, run \"{}\" reads it too; leave one of the runs out", read, other->second.first));
+      }
+      TomlPlace{experiment_.file, experiment_.sensors[sensors[i]].line, "sensor \"" + sensor + "\""}.fail(
+          fmt::format("expected {}, sensor \"{}\" reads it too; leave one of the two out, or give it its own column",
+                      read, other->second.second));
     }
   }
 
@@ -409,6 +435,8 @@ class RunsReader {
   const SceneNames& names_;
   Experiment& experiment_;
   NameLines taken_;
+  /// Of a file and segment: the run and sensor that read it.
+  std::map<std::tuple<fs::path, std::optional<std::string>, std::string>, std::pair<std::string, std::string>> columns_;
 };
 
 }  // namespace

@@ -28,27 +28,40 @@ RunResiduals residuals_of(const FitProblem& problem, const Fit& fitted, const st
   return out;
 }
 
-double rms_over_noise(const FitProblem& problem, const RunFit& run) {
+double rms_over_noise(const Fit& fitted, const RunFit& run) {
   if (run.rms.empty()) return nan;
   double squares = 0.0;
   int sensors = 0;
   for (std::size_t k = 0; k < run.rms.size(); ++k) {
     if (std::isnan(run.rms[k])) continue;
-    squares += std::pow(run.rms[k] / problem.experiment().sensors[k].noise, 2);
+    squares += std::pow(run.rms[k] / fitted.weighting.noise[k], 2);
     ++sensors;
   }
   return std::sqrt(squares / sensors);
 }
 
-std::vector<std::size_t> worst_first(const FitProblem& problem, const Fit& fitted) {
+std::vector<std::size_t> worst_first(const Fit& fitted) {
   std::vector<std::size_t> order(fitted.runs.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto badness = [&](std::size_t r) {
-    const double rms = rms_over_noise(problem, fitted.runs[r]);
+    const double rms = rms_over_noise(fitted, fitted.runs[r]);
     return std::isnan(rms) ? std::numeric_limits<double>::infinity() : rms;
   };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return badness(a) > badness(b); });
   return order;
+}
+
+std::vector<std::vector<std::string>> stops_passed(const FitProblem& problem, const Fit& fitted) {
+  std::vector<std::vector<std::string>> out(fitted.runs.size());
+  for (std::size_t r = 0; r < fitted.runs.size(); ++r) {
+    const RunModel& run = problem.run(r);
+    if (run.scene().stops.empty() || fitted.runs[r].nuisances.size() < static_cast<std::size_t>(run.nuisances()))
+      continue;
+    out[r] = run.move(problem.unknowns_of(r, fitted.parameters).data(), fitted.runs[r].nuisances.data(), run.span(),
+                      problem.accuracy(r), false)
+                 .overrun;
+  }
+  return out;
 }
 
 }  // namespace poise

@@ -160,10 +160,16 @@ std::vector<RunData> DataFiles::read(const RunSource& source) {
       const auto part = find_segment(parts_of_file[f], first.value);
       check_times(table, source.files[f].time, part->first, part->last, source.every);
       rows.push_back(*part);
-      const bool begins = std::any_of(source.columns.begin(), source.columns.end(),
-                                      [&](const DataColumn& column) { return column.begins && column.file == f; });
-      if (begins)
-        begin = std::min(begin, source.files[f].time_factor * table.column(source.files[f].time)[part->first]);
+    }
+    for (const DataColumn& column : source.columns) {
+      if (!column.begins) continue;
+      const DataFile& file = source.files[*column.file];
+      const CsvTable& table = this->table(file);
+      const std::vector<double>& values = table.column(column.name);
+      std::size_t row = rows[*column.file].first;
+      const auto is_gap = [&] { return !source.begins_at_first_row && std::isnan(values[row]); };
+      while (row < rows[*column.file].last && is_gap()) row += source.every;
+      if (row < rows[*column.file].last) begin = std::min(begin, file.time_factor * table.column(file.time)[row]);
     }
     for (const DataColumn& column : source.columns) {
       const CsvTable& table = this->table(source.files[*column.file]);

@@ -43,14 +43,15 @@ struct RunSource {
   std::string split;  ///< column that names the segments; empty: the files are one run
   std::vector<TomlText> segments;
   std::size_t every = 1;
+  /// Time 0 is the first row; else the first in which a column that begins was read.
+  bool begins_at_first_row = false;
   std::vector<DataColumn> columns;
 };
 
 /// Readings of one run as they are written.
 struct RunData {
   std::optional<std::string> segment;
-  std::vector<Series> columns;  ///< one per column of the source; time 0 is the earliest row of the files of those that
-                                ///< begin
+  std::vector<Series> columns;  ///< one per column of the source; time 0 is the earliest row of those that begin
 };
 
 /// Data files, each of which is read once, with all the columns that any run needs of it.

@@ -18,6 +18,7 @@
 #include "app/terminal/interrupt.hpp"
 #include "identification/check_spans.hpp"
 #include "identification/first_readings.hpp"
+#include "identification/residuals.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise::app {
@@ -82,6 +83,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     progress.now("moving the runs from their first readings");
     answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
   }
+  if (answer.fit.usable()) answer.stops = stops_passed(problem, answer.fit);
   if (answer.fit.usable() && answer.fit.identifiability.ok) {
     progress.now("propagating the uncertainty of known numbers and inputs");
     answer.inputs = input_effects(problem, answer.fit, answer.records);

@@ -43,6 +43,19 @@ TEST(IdentifyCommand, PutsTheEstimatesBeforeTheNumerics) {
   EXPECT_EQ(run_poise({"identify", file, "--quiet"}).out, "Converged: residuals agree with the stated noise.\n");
 }
 
+TEST(IdentifyCommand, SaysWhichStopsTheMotionPasses) {
+  const TempFolder folder;
+  const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
+  folder.write("wheel.toml", std::string(wheel) +
+                                 "[[stop]]\nname = \"bar\"\nbodies = [\"ground\", \"wheel\"]\nmin = -10\n"
+                                 "[[stop]]\nname = \"far\"\nbodies = [\"ground\", \"wheel\"]\nmax = 90\n");
+  const Outcome run = run_poise({"identify", file, "--quiet"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_TRUE(has(run.out, "The motion runs through bar in 1 run, first in \"only\": stops do not act in motion."))
+      << run.out;
+  EXPECT_FALSE(has(run.out, "far")) << run.out;
+}
+
 TEST(IdentifyCommand, FindsTheLift) {
   const TempFolder folder;
   const json r = run_json(folder, {"identify", dataset("lift_experiment")}, 0);

@@ -269,6 +269,28 @@ TEST(ReadRuns, LeavesGapsOut) {
       << "times are never left out";
 }
 
+TEST(ReadRuns, BeginsWhereASensorIsReadFirst) {
+  const std::string late = "time,a\n0,\n0.5,\n1,7\n1.5,8\n2,9\n";
+  const std::string gaps = header + sensor + "gaps = true\n" + measured;
+  EXPECT_EQ(Bench(gaps, late).read().records[0].sensors[0].time, (Numbers{0, 0.5, 1}));
+  EXPECT_EQ(Bench(gaps + "start_known = true\nrelease = { crank = 1 }\n", late).read().records[0].sensors[0].time,
+            (Numbers{1, 1.5, 2}))
+      << "a known start is that of the first row";
+}
+
+TEST(ReadRuns, ReadingsCountOnce) {
+  const std::string data = "time,a\n0,1\n1,2\n2,3\n";
+  EXPECT_EQ(
+      Bench(header + sensor + measured + measured + "name = \"again\"\n", data).error(),
+      "experiment.toml:9: run \"again\".data: expected the column \"a\" of \"data.csv\" once, run \"run 1\" reads it "
+      "too; leave one of the runs out");
+  EXPECT_EQ(
+      Bench(header + sensor + "[[sensor]]\nname = \"b\"\nangle = \"rod\"\ncolumn = \"a\"\nnoise = 1\n" + measured, data)
+          .error(),
+      "experiment.toml:6: sensor \"b\": expected the column \"a\" of \"data.csv\" once, sensor \"a\" reads it too; "
+      "leave one of the two out, or give it its own column");
+}
+
 TEST(ReadRuns, WrappedAnglesAreRefusedOrUnwrapped) {
   // A rod that turns once in 4 s, backwards: 5 counts of an encoder of 20 in each second.
   std::string counts = "time,c\n";

@@ -54,13 +54,17 @@ TEST(Residuals, OverTheNoiseOfEachSensor) {
   Wheel wheel(1);
   wheel.experiment.sensors.push_back(test::angle_of(wheel.experiment.scene, "wheel", 2e-3));
   const FitProblem problem(wheel.experiment);
+  Fit fitted;
+  fitted.weighting = problem.weighting();
   RunFit run;
   run.rms = {3 * Wheel::noise, 4 * 2e-3};
-  EXPECT_NEAR(rms_over_noise(problem, run), std::sqrt((9.0 + 16.0) / 2), 1e-12);
+  EXPECT_NEAR(rms_over_noise(fitted, run), std::sqrt((9.0 + 16.0) / 2), 1e-12);
   run.rms = {std::nan(""), 4 * 2e-3};
-  EXPECT_NEAR(rms_over_noise(problem, run), 4.0, 1e-12) << "a sensor without readings in this run";
+  EXPECT_NEAR(rms_over_noise(fitted, run), 4.0, 1e-12) << "a sensor without readings in this run";
+  fitted.weighting.noise[1] *= 2;
+  EXPECT_NEAR(rms_over_noise(fitted, run), 2.0, 1e-12) << "the noise that the fit estimated";
   run.rms.clear();
-  EXPECT_TRUE(std::isnan(rms_over_noise(problem, run)));
+  EXPECT_TRUE(std::isnan(rms_over_noise(fitted, run)));
 }
 
 TEST(Residuals, WorstRunFirst) {
@@ -70,7 +74,7 @@ TEST(Residuals, WorstRunFirst) {
   fitted.runs[0].rms = {1e-4};
   fitted.runs[1].rms = {5e-4};
   fitted.runs[3].rms = {1e-4};
-  EXPECT_EQ(worst_first(problem, fitted), (std::vector<std::size_t>{2, 1, 0, 3}));
+  EXPECT_EQ(worst_first(fitted), (std::vector<std::size_t>{2, 1, 0, 3}));
 }
 
 // k d(a cos(w t))/dk = -a (w t / 2) sin(w t).

@@ -37,10 +37,10 @@ std::vector<std::size_t> drawn_sensors(const FitProblem& problem, const FitAnswe
   const Fit& fitted = answer.fit;
   const std::vector<Sensor>& sensors = problem.experiment().sensors;
   const auto size = [&](std::size_t k) {
-    const double over_noise = fitted.rms[k] / sensors[k].noise;
+    const double over_noise = fitted.rms[k] / fitted.weighting.noise[k];
     return std::isnan(over_noise) ? 0.0 : over_noise;  // a sensor without readings
   };
-  const std::vector<std::size_t> worst = {worst_first(problem, fitted).front()};
+  const std::vector<std::size_t> worst = {worst_first(fitted).front()};
   std::vector<std::size_t> order =
       chosen_of(places(sensors.size()), [&](std::size_t k) { return !reading(worst, answer, k).empty(); });
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
@@ -154,7 +154,7 @@ std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& a
     if (std::find(sensors.begin(), sensors.end(), k) != sensors.end()) continue;
     others.push_back(problem.experiment().sensors[k].name);
   }
-  const std::size_t r = worst_first(problem, answer.fit).front();
+  const std::size_t r = worst_first(answer.fit).front();
   const std::vector<std::size_t> parameters = drawn_parameters(problem, answer.fit, r);
   std::vector<std::string> other_parameters;
   for (std::size_t c = 0; c < problem.parameters_of(r).size(); ++c) {
@@ -171,7 +171,7 @@ std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& a
 
 std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer) {
   if (answer.fit.runs.empty()) return {};
-  const std::vector<std::size_t> worst = worst_first(problem, answer.fit);
+  const std::vector<std::size_t> worst = worst_first(answer.fit);
   const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
   std::vector<Panel> sensitivities = sensitivity_panels(problem, answer, worst.front(), sensors);
   std::vector<Panel> panels;

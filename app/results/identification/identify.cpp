@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -148,6 +149,19 @@ void add_patterns(std::vector<Line>& out, const FitProblem& problem, const Fit& 
   }
 }
 
+/// Stops that the fitted motions pass, with the first run that passes each.
+void add_stops(std::vector<Line>& out, const FitProblem& problem, const std::vector<std::vector<std::string>>& stops) {
+  std::map<std::string, std::vector<std::size_t>> runs;
+  for (std::size_t r = 0; r < stops.size(); ++r) {
+    for (const std::string& stop : stops[r]) runs[stop].push_back(r);
+  }
+  for (const auto& [stop, passed] : runs) {
+    out.push_back(doubtful(fmt::format("The motion runs through {} in {}, first in \"{}\": stops do not act in motion.",
+                                       stop, count(static_cast<int>(passed.size()), "run", "runs"),
+                                       one_line(problem.run(passed.front()).run().name))));
+  }
+}
+
 std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   std::vector<Line> out;
@@ -175,6 +189,7 @@ std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
   for (const KnownEffect& effect : answer.inputs) {
     if (const auto words = coarse_input_in_words(fitted, effect)) out.push_back(doubtful(*words));
   }
+  add_stops(out, problem, answer.stops);
   if (!fitted.outliers.empty()) {
     std::vector<std::size_t> runs;
     for (const Outlier& outlier : fitted.outliers) {
@@ -505,7 +520,7 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
   constexpr std::size_t most_sensors = 4;
   const std::size_t sensors = std::min(most_sensors, experiment.sensors.size());
   std::vector<RunFit> rows;
-  for (const std::size_t r : worst_first(problem, fitted)) rows.push_back(fitted.runs[r]);
+  for (const std::size_t r : worst_first(fitted)) rows.push_back(fitted.runs[r]);
   const auto lagged = [](const RunFit& run) {
     const std::vector<double> known = chosen_of(run.autocorrelation, [](double a) { return !std::isnan(a); });
     const auto largest = largest_by_size(known);
@@ -514,7 +529,7 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
   Table& table = section.table("", "Residuals of the runs: root mean squares, the worst first", Rows::list);
   table.words("", "run", each(rows, [](const RunFit& run) { return one_line(run.name); }));
   table.numbers("", "over noise", "", {}).texts =
-      each(rows, [&](const RunFit& run) { return significant(rms_over_noise(problem, run), residual_digits); });
+      each(rows, [&](const RunFit& run) { return significant(rms_over_noise(fitted, run), residual_digits); });
   for (std::size_t k = 0; k < sensors; ++k) {
     const Sensor& sensor = experiment.sensors[k];
     table.numbers("", sensor.name, sensor.dimension().unit_name(experiment.scene.units), {}).texts =
@@ -646,7 +661,7 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
     Group& one = runs.parts.emplace_back();
     one.data("name", run.name);
     one.data("rms", in_units(run.rms, experiment));
-    one.data("rms_over_noise", rms_over_noise(problem, run));
+    one.data("rms_over_noise", rms_over_noise(fitted, run));
     one.data("autocorrelation", run.autocorrelation);
     one.data("white", run.is_white());
     one.data("mean", in_units(run.mean, experiment));

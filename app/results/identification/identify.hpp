@@ -21,7 +21,8 @@ struct FitAnswer {
   std::vector<double> rms_from_readings;
   // Already in the fit's standard errors:
   std::vector<KnownEffect> known;
-  std::vector<KnownEffect> inputs;  ///< input_effects()
+  std::vector<KnownEffect> inputs;              ///< input_effects()
+  std::vector<std::vector<std::string>> stops;  ///< per run: stops_passed()
   std::vector<Profile> profiles;
   std::optional<Bootstrap> bootstrap;
 };
