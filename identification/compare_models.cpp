@@ -9,6 +9,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <fmt/format.h>
 
+#include "identification/some_runs.hpp"
 #include "model/parameters.hpp"
 
 namespace poise {
@@ -53,13 +54,6 @@ void expect_same_readings(const FitProblem& a, const FitProblem& b) {
     }
   }
 }
-
-/// An experiment with some of the runs of another.
-struct Part {
-  Experiment experiment;
-  std::optional<FitProblem> problem;
-  std::vector<Record> records;
-};
 
 class Comparing {
  public:
@@ -246,36 +240,6 @@ class Comparing {
     }
   }
 
-  Part part_of(std::size_t m, const std::vector<std::size_t>& runs) const {
-    const Experiment& all = problems_[m]->experiment();
-    Part part;
-    part.experiment = all;
-    part.experiment.runs.clear();
-    part.experiment.records.clear();
-    for (const std::size_t r : runs) {
-      part.experiment.runs.push_back(all.runs[r]);
-      part.experiment.records.push_back(records_[r]);
-      part.records.push_back(records_[r]);
-    }
-    return part;
-  }
-
-  /// A fit of some runs from which another can start: parameters of the same names, nuisances of the same runs.
-  static Fit seed_of(const FitProblem& part, const std::vector<std::size_t>& runs, const FitProblem& whole,
-                     const Fit& found) {
-    Fit seed;
-    seed.weighting = found.weighting;
-    for (const Parameter& p : part.parameters()) {
-      double value = p.start;
-      for (std::size_t i = 0; i < found.parameters.size(); ++i) {
-        if (whole.parameters()[i].name == p.name) value = found.parameters[i];
-      }
-      seed.parameters.push_back(value);
-    }
-    for (const std::size_t r : runs) seed.runs.push_back(found.runs[r]);
-    return seed;
-  }
-
   void cross_validate() {
     const std::size_t runs = records_.size();
     for (ModelFit& model : out_.models) model.held_out.assign(runs, nan);
@@ -304,32 +268,27 @@ class Comparing {
                 double& count) {
     const FitProblem& whole = *problems_[m];
     const Fit& found = out_.models[m].fit;
-    Part train = part_of(m, kept);
-    train.problem.emplace(train.experiment);
-    const Fit seed = seed_of(*train.problem, kept, whole, found);
+    const SomeRuns train(whole, records_, kept);
+    const Fit seed = train.seed(found);
     FitOptions options = options_.fit;
     options.from = &seed;
     options.progress = {};
-    const Fit trained = fit(*train.problem, train.records, options);
+    const Fit trained = fit(train.problem(), train.records(), options);
     if (!trained.usable()) return;
-    Part test = part_of(m, left);
-    test.problem.emplace(test.experiment);
-    Fit start = seed_of(*test.problem, left, whole, found);
+    const SomeRuns test(whole, records_, left);
+    Fit start = test.seed(found);
     options.from = &start;
-    for (std::size_t i = 0; i < test.problem->parameters().size(); ++i) {
-      bool is_trained = false;
-      for (std::size_t j = 0; j < trained.parameters.size(); ++j) {
-        if (train.problem->parameters()[j].name != test.problem->parameters()[i].name) continue;
-        start.parameters[i] = trained.parameters[j];
-        is_trained = true;
-      }
-      if (!is_trained) return;
+    for (std::size_t i = 0; i < test.places().size(); ++i) {
+      const auto& places = train.places();
+      const auto same = std::find(places.begin(), places.end(), test.places()[i]);
+      if (same == places.end()) return;
+      start.parameters[i] = trained.parameters[static_cast<std::size_t>(same - places.begin())];
       options.held.emplace_back(static_cast<int>(i), start.parameters[i]);
     }
-    const Fit tested = fit(*test.problem, test.records, options);
+    const Fit tested = fit(test.problem(), test.records(), options);
     if (tested.runs.empty()) return;
     for (std::size_t i = 0; i < left.size(); ++i) {
-      const auto own = cost_of(*test.problem, i, tested.parameters, tested.runs[i].nuisances, test.records[i]);
+      const auto own = cost_of(test.problem(), i, tested.parameters, tested.runs[i].nuisances, test.records()[i]);
       if (!own) return;
       out_.models[m].held_out[left[i]] = std::sqrt(own->first / own->second);
       sum += own->first;

@@ -17,6 +17,7 @@
 #include "identification/first_readings.hpp"
 #include "identification/frequencies.hpp"
 #include "identification/oscillation_start.hpp"
+#include "identification/run_influence.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/random_stream.hpp"
 
@@ -565,6 +566,9 @@ class Fitting {
       out_.rms.clear();
       out_.estimates.clear();
       describe();
+    }
+    if (out_.usable() && out_.identifiability.ok && options_.from == nullptr) {
+      examine_runs(problem_, records_, linear_, options_, out_);
     }
   }
 

@@ -297,7 +297,6 @@ class Analysis {
       }
     }
     out_.by_runs = std::move(moved);
-    weight_ = std::move(weight);
   }
 
   void correlate_leading() {
@@ -312,82 +311,17 @@ class Analysis {
     }
   }
 
-  // The changes over what they scatter by where runs agree. With errors as large as the leading ones, to which a run
-  // that is far off contributes itself; and, of the runs that change most, with those that the other runs have without
-  // it.
+  // The changes over what they scatter by where runs agree, with errors as large as the leading ones.
   void compare_runs() {
-    constexpr std::size_t most_examined = 5;
-    std::vector<double> sizes;
     for (std::size_t r = 0; r < runs_.size(); ++r) {
       double largest = 0.0;
-      double size = 0.0;
       for (std::size_t p = 0; p < out_.error.size(); ++p) {
         const auto at = static_cast<Eigen::Index>(p);
         const double expected = std::sqrt(own_change_[r][p] / V_(at, at)) * out_.error[p];
         const double change = std::abs(out_.without_run[r][p]);
         if (expected > 0 && change > largest * expected) largest = change / expected;
-        if (own_change_[r][p] > 0) size = std::fmax(size, change / std::sqrt(own_change_[r][p]));
       }
       out_.disagreement.push_back(largest);
-      sizes.push_back(size);
-    }
-    if (runs_.size() < 3) return;
-    std::vector<std::size_t> order(runs_.size());
-    for (std::size_t r = 0; r < order.size(); ++r) order[r] = r;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sizes[a] > sizes[b]; });
-    order.resize(std::min(order.size(), most_examined));
-    for (const std::size_t r : order) out_.disagreement[r] = std::max(out_.disagreement[r], against_others(r));
-  }
-
-  // With the estimates of the other runs, p + d, their residuals are u + A d and V becomes V + W^T W. The change d over
-  // its errors by the autocorrelation of these residuals, or by their scatter from run to run if that is less, as far
-  // as Student's t of so few runs shows it.
-  double against_others(std::size_t r) const {
-    const Eigen::Map<const Eigen::VectorXd> d(out_.without_run[r].data(), V_.rows());
-    if (!d.allFinite()) return 0.0;
-    const Eigen::MatrixXd V = V_ + weight_[r].transpose() * weight_[r];
-    Eigen::MatrixXd serial = Eigen::MatrixXd::Zero(V.rows(), V.rows());
-    Eigen::VectorXd scatter = Eigen::VectorXd::Zero(V.rows());
-    std::vector<Eigen::VectorXd> residuals(runs_.size());
-    for (std::size_t s = 0; s < runs_.size(); ++s) {
-      if (s == r) continue;
-      const std::vector<int>& used = problem_.parameters_of(s);
-      residuals[s] = runs_[s].u + runs_[s].a * d(used);
-      scatter += (V(Eigen::all, used) * (runs_[s].a.transpose() * residuals[s])).cwiseAbs2();
-    }
-    for (std::size_t k = 0; k < sensors_; ++k) add_serial_of_others(r, k, residuals, serial);
-    const auto others = static_cast<double>(runs_.size() - 1);
-    const double few = boost::math::quantile(boost::math::students_t(others - 1), 0.9975) / disagrees_from;
-    const Eigen::VectorXd variance = (V * serial * V).diagonal();
-    double largest = 0.0;
-    for (Eigen::Index p = 0; p < V.rows(); ++p) {
-      const double share = own_change_[r][static_cast<std::size_t>(p)] / V(p, p);
-      const double error = std::sqrt(std::max(variance[p], few * few * scatter[p] * others / (others - 1)) * share);
-      if (error > 0) largest = std::max(largest, std::abs(d[p]) / error);
-    }
-    return largest;
-  }
-
-  // Adds  sum_s A_s^T R A_s  of sensor k over all runs but r, R the autocorrelation of these residuals times their
-  // size.
-  void add_serial_of_others(std::size_t r, std::size_t k, const std::vector<Eigen::VectorXd>& residuals,
-                            Eigen::MatrixXd& serial) const {
-    std::vector<std::vector<double>> pieces;
-    double squares = 0.0;
-    double left = 0.0;
-    for (std::size_t s = 0; s < runs_.size(); ++s) {
-      if (s == r) continue;
-      const double* const u = residuals[s].data() + runs_[s].first[k];
-      const Eigen::Index count = runs_[s].first[k + 1] - runs_[s].first[k];
-      squares += residuals[s].segment(runs_[s].first[k], count).squaredNorm();
-      left += static_cast<double>(count) - runs_[s].leverage[k];
-      for (const auto& [first, last] : even_pieces(problem_.run(s).times()[k]))
-        pieces.emplace_back(u + first, u + last);
-    }
-    const solvers::Autoregression series = solvers::fit_autoregression(pieces, most_coefficients);
-    const double size = excess(k, left > 0 ? squares / left : 1.0);
-    for (std::size_t s = 0; s < runs_.size(); ++s) {
-      if (s != r) add_serial(s, k, size, series, serial);
     }
   }
 
@@ -487,7 +421,6 @@ class Analysis {
   std::vector<solvers::Autoregression> series_;  // per sensor
   std::vector<double> spread_;                   // of these
   std::vector<std::vector<double>> own_change_;  // variances of without_run for noise of unit standard deviation
-  std::vector<Eigen::MatrixXd> weight_;          // per run: W = (1 - R V R^T)^(-1/2) R V
   std::vector<double> size_;                     // per sensor: root mean square of u
   bool even_ = true;
   StandardErrors out_;

@@ -50,11 +50,10 @@ struct StandardErrors {
   /// is its product with its transpose. SI.
   Eigen::MatrixXd by_readings, by_runs;
   std::vector<double> reach;  ///< half the width of the 95 % interval, Student's t
-  /// Per run, per parameter: by how much an estimate changes without that run, to first order, SI; NaN where the run
-  /// alone determines it.
+  /// Per run, per parameter: by how much an estimate changes without that run, SI; NaN where the run alone determines
+  /// it. To first order; in a Fit of the runs that examine_runs() examines by a fit without them.
   std::vector<std::vector<double>> without_run;
-  /// Per run: the largest of these over its standard deviation where all runs agree, and, of three or more runs, where
-  /// all others agree.
+  /// Per run: the largest of these over its standard deviation where all runs agree.
   std::vector<double> disagreement;
   std::vector<NoiseTest> sensors;                  ///< over all runs
   std::vector<std::vector<NoiseTest>> runs_noise;  ///< per run, per sensor; ratio NaN without readings
