@@ -20,11 +20,14 @@ struct DryFriction {
 
   template <class S>
   LawForce<S> resisting(const S&, const S& rate) const {
+    using std::cosh;
     using std::tanh;
     if (force == 0.0) return {};
     if (sticks()) return {S(force) * sign(rate), S(0), S(0)};
-    const S shape = tanh(rate / S(width));
-    return {S(force) * shape, S(0), S(force) * (1 - shape * shape) / S(width)};
+    const S x = rate / S(width);
+    // 1 / cosh^2 and not 1 - tanh^2, which is rounding at high rates.
+    const S root = 1 / cosh(x);
+    return {S(force) * tanh(x), S(0), S(force) * root * root / S(width)};
   }
 
   template <class S>

@@ -114,6 +114,8 @@ TEST(Laws, AreTheFormulasOfTheirDocumentation) {
   EXPECT_EQ(force_of_motion(Damper{0.5}, 1.0, -3.0).value, -1.5);
   const DryFriction friction{2.0, 0.25};
   EXPECT_DOUBLE_EQ(force_of_motion(friction, 0.0, 0.1).value, 2.0 * std::tanh(0.4));
+  // Far beyond the width, where 1 - tanh^2 is rounding.
+  EXPECT_DOUBLE_EQ(force_of_motion(friction, 0.0, 5.0).by_rate, 2.0 / 0.25 * std::pow(std::cosh(20.0), -2));
   EXPECT_EQ(force_of_motion(friction, 0.0, 100.0).value, 2.0);
   EXPECT_EQ(force_of_motion(friction, 0.0, 0.0).by_rate, 2.0 / 0.25);
 }
