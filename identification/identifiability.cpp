@@ -173,11 +173,12 @@ class Assessment {
     all.basis.conservativeResize(n_, structural.dimension() + other.dimension());
     all.basis.rightCols(other.dimension()) = other.basis;
     all.error = structural.error.cwiseMax(other.error);
-    out_.structural_nulls = static_cast<int>(structural.dimension());
-    (other.unclear ? out_.unclear : out_.other_nulls) = static_cast<int>(other.dimension());
+    out_.unclear = structural.unclear + other.unclear;
+    out_.structural_nulls = static_cast<int>(structural.dimension()) - structural.unclear;
+    out_.other_nulls = static_cast<int>(other.dimension()) - other.unclear;
     out_.rank = static_cast<int>(n_) - out_.structural_nulls - out_.other_nulls;
     for (const NullSpace* nulls : std::initializer_list<const NullSpace*>{&structural, &other}) {
-      if (nulls->dimension() > 0 && !nulls->unclear && (out_.gap == 0 || nulls->gap < out_.gap)) out_.gap = nulls->gap;
+      if (nulls->dimension() > 0 && nulls->unclear == 0 && (out_.gap == 0 || nulls->gap < out_.gap)) out_.gap = nulls->gap;
     }
     const VectorXd s = solvers::singular_value_decomposition(A_ * complement(structural.basis)).values;
     out_.singular_values.assign(s.data(), s.data() + s.size());
@@ -225,7 +226,7 @@ class Assessment {
     name_scale(problem_, parameters_, scale_, found, is_scale);
     for (std::size_t k = 0; k < found.free.size(); ++k) {
       Identifiability::Direction direction;
-      direction.exact = structural || !nulls.unclear;
+      direction.exact = nulls.unclear == 0;
       direction.structural = structural;
       direction.scale = is_scale[k];
       add(direction, found.directions.col(static_cast<Index>(k)));

@@ -11,8 +11,12 @@ namespace {
 
 /// A difference of two evaluations shows the size of errors, to about this factor.
 constexpr double margin = 30.0;
-/// A singular value that is smaller than the next one by less than this is not known to be zero.
+/// Above this multiple of the difference an effect is certain.
+constexpr double certain = 1e3;
+/// Singular values below one that is larger by less than this are not known to be zero.
 constexpr double wide_gap = 1e3;
+/// Rows of the null space, of unit length, that are known worse than to this may have any part in it.
+constexpr double resolved = 1e-6;
 /// Rounding of a decomposition.
 constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();
 
@@ -45,7 +49,6 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   Eigen::VectorXd length = Eigen::VectorXd::Ones(n);
   Eigen::MatrixXd unit = a;
   Eigen::MatrixXd unit_again = again;
-  double apart = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) {
     if (is_rounding(a.col(i), again.col(i))) {
       unit.col(i).setZero();
@@ -55,7 +58,6 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
     length[i] = a.col(i).norm();
     unit.col(i) /= length[i];
     unit_again.col(i) /= length[i];
-    apart = std::hypot(apart, (again.col(i) - a.col(i)).norm() / length[i]);
   }
   // Coordinates: numbers times the lengths of their columns, orthogonal to what is known.
   const Eigen::MatrixXd rest =
@@ -63,17 +65,20 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   if (rest.cols() == 0) return out;
   const solvers::SingularValues svd = solvers::singular_value_decomposition(triangle(unit * rest));
   const Eigen::VectorXd& s = svd.values;
-  // Singular values differ by at most as much as the matrices: none above that is zero.
-  const double may_be_zero = std::max(margin * apart, rounding);
-  Eigen::Index rank = s.size();
-  for (Eigen::Index k = s.size() - 1; k >= 0 && s[k] <= may_be_zero; --k) {
-    const double drop = k == 0 ? std::numeric_limits<double>::infinity() : s[k - 1] / std::max(s[k], rounding);
-    if (drop <= out.gap) continue;
-    rank = k;
-    out.gap = drop;
-  }
+  // To first order the error E of A changes  A v  of a right singular vector v by E v.
+  const Eigen::VectorXd differences = ((unit_again - unit) * rest * svd.right).colwise().norm();
+  const auto over_error = [&](Eigen::Index k) { return s[k] / std::max(differences[k], rounding); };
+  Eigen::Index rank = 0;
+  while (rank < s.size() && over_error(rank) > certain) ++rank;
   if (rank == s.size()) return out;
-  out.unclear = out.gap < wide_gap;
+  // Of these, those beyond a wide gap are zero.
+  const auto drop = [&](Eigen::Index k) {
+    return k == 0 ? std::numeric_limits<double>::infinity() : s[k - 1] / std::max(s[k], rounding);
+  };
+  Eigen::Index zero = rank;
+  for (Eigen::Index k = rank + 1; k < s.size(); ++k) zero = drop(k) > drop(zero) ? k : zero;
+  out.gap = drop(zero);
+  out.unclear = static_cast<int>((out.gap < wide_gap ? s.size() : zero) - rank);
   const Eigen::MatrixXd nulls = rest * svd.right.rightCols(s.size() - rank);
   const solvers::SingularValues other = solvers::singular_value_decomposition(triangle(unit_again * rest));
   const Eigen::MatrixXd nulls_again = rest * other.right.rightCols(s.size() - rank);
@@ -83,7 +88,7 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   out.basis = nulls;
   for (Eigen::Index i = 0; i < n; ++i) {
     out.error[i] = std::max(margin * difference.row(i).norm(), rounding * std::max(1.0, others.row(i).norm()));
-    if (out.error[i] < 1 && nulls.row(i).norm() <= out.error[i]) out.basis.row(i).setZero();
+    if (out.error[i] < resolved && nulls.row(i).norm() <= out.error[i]) out.basis.row(i).setZero();
   }
   out.basis = length.cwiseInverse().asDiagonal() * out.basis;
   out.error = length.cwiseInverse().asDiagonal() * out.error;

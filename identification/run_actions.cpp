@@ -15,8 +15,10 @@ using Reduced = ReducedMotion<double>;
 
 /// Relative change of the scene's numbers that shows what their rounding, and that of all computation, may do.
 constexpr double disturbance = 4 * std::numeric_limits<double>::epsilon();
-/// What a change of a number by 100 % changes by this part of the acceleration at most is rounding.
-constexpr double negligible = 50 * std::numeric_limits<double>::epsilon();
+/// A sum that is smaller than its terms by this is rounding of them and of the pose.
+constexpr double lost_in_terms = 0x1p12 * std::numeric_limits<double>::epsilon();
+/// What a change of a number by 100 % changes by this part of the acceleration at most is rounding of that.
+constexpr double lost_in_whole = 50 * std::numeric_limits<double>::epsilon();
 /// States of the run's own motion.
 constexpr std::size_t states_of_motion = 20;
 /// Poses nearer to a dead point are left out: rounding would grow with their condition.
@@ -58,6 +60,7 @@ struct Acting {
   const std::vector<Sensor>& sensors;
   Reduced reduced;
   std::vector<SensorReader> readers;
+  Eigen::MatrixXd terms;  // of the derivatives of alpha by at(): the size of what they are sums of
 
   Eigen::Index rows() const { return reduced.freedoms() + static_cast<Eigen::Index>(sensors.size()); }
 
@@ -96,6 +99,7 @@ struct Acting {
     if (reduced.accelerate() != Reduced::Status::ok) return {};
     const Eigen::Index f = reduced.freedoms();
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows(), static_cast<Eigen::Index>(influences.size()));
+    terms.resize(f, out.cols());
     std::vector<double> alpha(static_cast<std::size_t>(f));
     reduced.linearize();
     const std::size_t n = static_cast<std::size_t>(reduced.coordinates());
@@ -104,6 +108,7 @@ struct Acting {
     for (std::size_t p = 0; p < influences.size(); ++p) {
       reduced.influence(influences[p], alpha.data());
       out.col(static_cast<Eigen::Index>(p)).head(f) = Eigen::Map<const Eigen::VectorXd>(alpha.data(), f);
+      reduced.influence_terms(influences[p], terms.col(static_cast<Eigen::Index>(p)).data());
       for (std::size_t k = 0; k < sensors.size(); ++k) {
         double& by = out(f + static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(p));
         if (sensors[k].reads_force()) {
@@ -203,25 +208,36 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   const bool any_delay = std::any_of(of_sensors.begin(), of_sensors.end(),
                                      [](const ReadNumber& number) { return number.of == SensorNumber::Of::delay; });
   const bool shifts = start_unknown_ && any_delay && !timed;
-  std::vector<Eigen::MatrixXd> rows, rows_again;
+  std::vector<Eigen::MatrixXd> rows, rows_again, errors;
   std::vector<Eigen::VectorXd> rates, rates_again;
+  solvers::RandomStream random(4);
   const auto add = [&](double t, const double* z, const double* w) {
     Eigen::MatrixXd here = own.at(w, numbers);
     changed.reduced.expect(own.reduced.q());
-    if (here.rows() == 0 || changed.reduced.place(t, z) != Reduced::Status::ok) return;
-    Eigen::MatrixXd there = changed.at(w, numbers);
+    // Rounding that no number takes part in, of the sine of an angle say, follows the state.
+    std::vector<double> near_z(z, z + freedoms_);
+    std::vector<double> near_w(w, w + freedoms_);
+    for (auto* values : {&near_z, &near_w}) {
+      for (double& value : *values) value *= 1 + random.uniform(-disturbance, disturbance);
+    }
+    if (here.rows() == 0 || changed.reduced.place(t, near_z.data()) != Reduced::Status::ok) return;
+    Eigen::MatrixXd there = changed.at(near_w.data(), numbers);
     if (there.rows() == 0) return;
     if (set_by_equilibrium_) {
       here.leftCols(p) += here.col(p) * own_follows;
       there.leftCols(p) += there.col(p) * changed_follows;
+      own.terms.leftCols(p) += own.terms.col(p) * own_follows.cwiseAbs();
     }
     if (!here.allFinite() || !there.allFinite()) return;
+    Eigen::MatrixXd lost = Eigen::MatrixXd::Zero(own.rows(), this->unknowns());
     for (int k = 0; k < freedoms_; ++k) {
-      const double lost = negligible * std::abs(own.reduced.alpha()[k]);
+      const double whole = std::abs(own.reduced.alpha()[k]);
       for (Eigen::Index i = 0; i < p; ++i) {
-        if (unknowns[i] != 0 && std::abs(unknowns[i] * here(k, i)) <= lost) here(k, i) = there(k, i) = 0.0;
+        lost(k, i) = lost_in_terms * own.terms(k, i);
+        if (unknowns[i] != 0) lost(k, i) = std::max(lost(k, i), lost_in_whole * whole / std::abs(unknowns[i]));
       }
     }
+    errors.push_back(std::move(lost));
     const auto whole = [&](Acting& acting, const Eigen::MatrixXd& of_scene) {
       Eigen::MatrixXd all = Eigen::MatrixXd::Zero(acting.rows(), this->unknowns());
       all.leftCols(p) = of_scene.leftCols(p);
@@ -268,9 +284,11 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   out.rows_per_state = static_cast<int>(own.rows());
   out.rows.resize(static_cast<Eigen::Index>(rows.size()) * own.rows(), this->unknowns());
   out.again.resize(out.rows.rows(), out.rows.cols());
+  out.error.resize(out.rows.rows(), out.rows.cols());
   for (std::size_t s = 0; s < rows.size(); ++s) {
     out.rows.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows[s];
     out.again.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows_again[s];
+    out.error.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = errors[s];
   }
   if (!shifts) return out;
   out.rate.resize(out.rows.rows());

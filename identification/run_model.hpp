@@ -90,7 +90,8 @@ class RunModel {
   struct Actions {
     int rows_per_state = 0;  ///< degrees of freedom, then the sensors that are read
     Eigen::MatrixXd rows;    ///< per unknown, SI, alpha in the units of the scaled scene; none where there is no motion
-    Eigen::MatrixXd again;   ///< the same where all numbers of the scene are changed in their last bits
+    Eigen::MatrixXd again;   ///< the same where all numbers of the scene and the states are changed in their last bits
+    Eigen::MatrixXd error;   ///< of the rows: what rounding of the terms whose sums they are may make
     /// d(reading)/d(time) of the rows, of both: a start that is estimated can make up for it, the same part of it in
     /// all rows. Empty where the start is known, time acts on the motion, or no delay is unknown.
     Eigen::VectorXd rate, rate_again;

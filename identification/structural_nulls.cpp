@@ -8,13 +8,14 @@ namespace {
 
 /// Rows of one kind - accelerations or a sensor's readings in a run - whose units do not compare with those of others.
 struct Block {
-  Eigen::MatrixXd rows, again;
+  Eigen::MatrixXd rows, again, error;
 };
 
 /// Sets the columns of a block to zero that are no larger than their errors: a factor may not make an effect of them.
 void drop_rounding(Block& block) {
   for (Eigen::Index i = 0; i < block.rows.cols(); ++i) {
-    if (!is_rounding(block.rows.col(i), block.again.col(i))) continue;
+    const double size = block.rows.col(i).norm();
+    if (size > block.error.col(i).norm() && !is_rounding(block.rows.col(i), block.again.col(i))) continue;
     block.rows.col(i).setZero();
     block.again.col(i).setZero();
   }
@@ -75,12 +76,13 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
     Eigen::VectorXd rate(0), rate_again(0);
     for (int kind = 0; kind < actions.rows_per_state; ++kind) {
       Block block;
-      block.rows = block.again = Eigen::MatrixXd::Zero(count, n);
+      block.rows = block.again = block.error = Eigen::MatrixXd::Zero(count, n);
       for (std::size_t c = 0; c < used.size(); ++c) {
         for (Eigen::Index s = 0; s < count; ++s) {
           const Eigen::Index row = s * actions.rows_per_state + kind;
           block.rows(s, used[c]) = actions.rows(row, static_cast<Eigen::Index>(c));
           block.again(s, used[c]) = actions.again(row, static_cast<Eigen::Index>(c));
+          block.error(s, used[c]) = actions.error(row, static_cast<Eigen::Index>(c));
         }
       }
       drop_rounding(block);

@@ -125,6 +125,9 @@ class ReducedMotion {
   void set_variations(const std::vector<Variation>& variations);
   /// The derivative of alpha by a number of the scene, f values. After linearize() where the influence moves().
   void influence(const Influence& influence, T* alpha);
+  /// After influence(), f values: the size of the terms whose sum is that alpha = -M^-1 B^T g, relative to which it is
+  /// rounded:  sum_ji |(M^-1)_kj B_ji g_i|  with the reduced mass M.
+  void influence_terms(const Influence& influence, T* size) const;
   /// After influence() of one that moves(): q_p, v_p and a_p, n values each.
   const T* q_p() const { return q_p_.data(); }
   const T* v_p() const { return v_p_.data(); }

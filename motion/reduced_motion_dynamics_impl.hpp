@@ -354,6 +354,23 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
 }
 
 template <class T>
+void ReducedMotion<T>::influence_terms(const Influence& influence, T* size) const {
+  using std::abs;
+  const int f = freedoms();
+  const std::vector<T>& g = influence.moves() ? force_ : full_;
+  std::fill(size, size + f, T(0));
+  std::vector<T> column(static_cast<std::size_t>(f));
+  for (int j = 0; j < f; ++j) {
+    T terms(0);
+    for (int i = 0; i < n_; ++i) terms += abs(B(j)[i] * g[i]);
+    std::fill(column.begin(), column.end(), T(0));
+    column[static_cast<std::size_t>(j)] = terms;
+    divide_change_by_mass(column.data());
+    for (int k = 0; k < f; ++k) size[k] += abs(column[static_cast<std::size_t>(k)]);
+  }
+}
+
+template <class T>
 void ReducedMotion<T>::accelerate_as(const T* alpha) {
   place_accelerations();
   for (int k = 0; k < freedoms(); ++k) {

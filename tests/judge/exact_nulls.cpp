@@ -169,7 +169,7 @@ JudgedNulls judge_nulls(std::uint64_t seed) {
   out.unknowns = static_cast<int>(exact.moved.size());
   out.nulls = exact.dimension;
   out.clear = exact.clear;
-  out.unclear = found.unclear;
+  out.unclear = found.unclear > 0;
   for (std::size_t i = 0; i < exact.moved.size(); ++i) {
     const bool moved = found.touches(static_cast<Eigen::Index>(i));
     out.moved += exact.moved[i];
@@ -180,7 +180,7 @@ JudgedNulls judge_nulls(std::uint64_t seed) {
   out.words = fmt::format(
       "{} bodies, {} runs, {} unknowns, {} nulls (found {}, gap {:.1e}{}) {} claimed wrongly, {} withheld wrongly: {}",
       experiment.scene.bodies.size() - 1, problem.runs(), out.unknowns, out.nulls, found.dimension(), found.gap,
-      found.unclear ? ", unclear" : "", out.false_claims, out.withheld_wrongly, out.words);
+      found.unclear > 0 ? ", unclear" : "", out.false_claims, out.withheld_wrongly, out.words);
   return out;
 }
 
