@@ -4,6 +4,8 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -126,25 +128,48 @@ NullDirections by_free_numbers(const NullSpace& nulls) {
   return out;
 }
 
-/// A null that multiplies all numbers of forces and inertias by one factor takes the place of one of them.
-void name_scale(const FitProblem& problem, const std::vector<double>& parameters, const VectorXd& scale,
-                NullDirections& nulls, std::vector<bool>& is_scale) {
-  is_scale.assign(nulls.free.size(), false);
+/// The part of a null space in which number i does not move.
+NullSpace without(const NullSpace& nulls, Index i) {
+  NullSpace out = nulls;
+  const double length = nulls.basis.row(i).norm();
+  const VectorXd own = nulls.basis.row(i).transpose() / length;
+  out.basis = nulls.basis * complement(own);
+  out.error += (nulls.basis * own).cwiseAbs() * (nulls.error[i] / length);
+  for (Index k = 0; k < out.basis.rows(); ++k) {
+    if (k == i || out.basis.row(k).norm() <= out.error[k]) out.basis.row(k).setZero();
+  }
+  return out;
+}
+
+/// If one of the nulls multiplies all numbers of forces and inertias by one factor: the changes of these, relative to
+/// `scale`, the largest 1. What is left of the nulls then is the part in which one of these numbers does not move, the
+/// one that leaves most others unmoved.
+std::optional<VectorXd> take_out_scale(const FitProblem& problem, const std::vector<double>& parameters,
+                                       const VectorXd& scale, NullSpace& nulls) {
   VectorXd factor = VectorXd::Zero(scale.size());
   for (Index i = 0; i < scale.size(); ++i) {
     if (problem.scales_with_force(static_cast<int>(i))) factor[i] = parameters[static_cast<std::size_t>(i)] / scale[i];
   }
+  const NullDirections all = by_free_numbers(nulls);
   VectorXd left = factor;
-  Index largest = -1;
-  for (std::size_t k = 0; k < nulls.free.size(); ++k) {
-    const double by = factor[nulls.free[k]];
-    left -= by * nulls.directions.col(static_cast<Index>(k));
-    if (by != 0 && (largest < 0 || std::abs(by) > std::abs(factor[nulls.free[static_cast<std::size_t>(largest)]])))
-      largest = static_cast<Index>(k);
+  for (std::size_t k = 0; k < all.free.size(); ++k) {
+    left -= factor[all.free[k]] * all.directions.col(static_cast<Index>(k));
   }
-  if (largest < 0 || left.norm() > 1e-6 * factor.norm()) return;
-  nulls.directions.col(largest) = factor / factor.cwiseAbs().maxCoeff();
-  is_scale[static_cast<std::size_t>(largest)] = true;
+  if (factor.isZero(0.0) || left.norm() > 1e-6 * factor.norm()) return std::nullopt;
+  std::optional<NullSpace> rest;
+  Index fewest = 0;
+  for (Index i = 0; i < scale.size(); ++i) {
+    if (factor[i] == 0 || !nulls.touches(i)) continue;
+    NullSpace one = without(nulls, i);
+    Index moved = 0;
+    for (Index k = 0; k < scale.size(); ++k) moved += one.touches(k) ? 1 : 0;
+    if (rest && moved >= fewest) continue;
+    fewest = moved;
+    rest = std::move(one);
+  }
+  if (!rest) return std::nullopt;
+  nulls = std::move(*rest);
+  return factor / factor.cwiseAbs().maxCoeff();
 }
 
 class Assessment {
@@ -178,7 +203,8 @@ class Assessment {
     out_.other_nulls = static_cast<int>(other.dimension()) - other.unclear;
     out_.rank = static_cast<int>(n_) - out_.structural_nulls - out_.other_nulls;
     for (const NullSpace* nulls : std::initializer_list<const NullSpace*>{&structural, &other}) {
-      if (nulls->dimension() > 0 && nulls->unclear == 0 && (out_.gap == 0 || nulls->gap < out_.gap)) out_.gap = nulls->gap;
+      if (nulls->dimension() > 0 && nulls->unclear == 0 && (out_.gap == 0 || nulls->gap < out_.gap))
+        out_.gap = nulls->gap;
     }
     const VectorXd s = solvers::singular_value_decomposition(A_ * complement(structural.basis)).values;
     out_.singular_values.assign(s.data(), s.data() + s.size());
@@ -220,16 +246,19 @@ class Assessment {
     }
   }
 
-  void add_nulls(const NullSpace& nulls, bool structural) {
-    NullDirections found = by_free_numbers(nulls);
-    std::vector<bool> is_scale;
-    name_scale(problem_, parameters_, scale_, found, is_scale);
-    for (std::size_t k = 0; k < found.free.size(); ++k) {
-      Identifiability::Direction direction;
-      direction.exact = nulls.unclear == 0;
-      direction.structural = structural;
-      direction.scale = is_scale[k];
-      add(direction, found.directions.col(static_cast<Index>(k)));
+  void add_nulls(NullSpace nulls, bool structural) {
+    Identifiability::Direction direction;
+    direction.exact = nulls.unclear == 0;
+    direction.structural = structural;
+    if (const std::optional<VectorXd> factor = take_out_scale(problem_, parameters_, scale_, nulls)) {
+      Identifiability::Direction common = direction;
+      common.scale = true;
+      add(common, *factor);
+    }
+    const NullDirections found = by_free_numbers(nulls);
+    for (Index k = 0; k < found.directions.cols(); ++k) {
+      Identifiability::Direction one = direction;
+      add(one, found.directions.col(k));
     }
   }
 

@@ -347,6 +347,40 @@ TEST(Identifiability, MassAndInertiaOfOneLink) {
   EXPECT_FALSE(direction.remedy.empty());
 }
 
+// With spring and damper unknown, too, the overall scale is a second null: one direction is the scale, the other one
+// the first null without it.
+TEST(Identifiability, TheScaleIsADirectionOfItsOwn) {
+  Experiment e;
+  e.scene = test::chain(1, 1.0, 2.0);
+  e.scene.gravity = {0, 0};
+  e.scene.bodies[1].center = {0.3, 0};
+  e.scene.bodies[1].inertia = 0.2;
+  test::add_torsion_spring(e.scene, 0, 1, 5.0);
+  test::element(e.scene, "torsion_spring").name = "coil";
+  e.scene.elements.push_back(test::torsion_damper("pot", 0, 1, 0.1));
+  e.sensors = {test::angle_of(e.scene, "1", 1e-4)};
+  e.unknowns = {test::unknown("body.1.mass"), test::unknown("body.1.inertia"),
+                test::unknown("torsion_spring.coil.stiffness"), test::unknown("torsion_damper.pot.coefficient")};
+  Release turn;
+  turn.body = 1;
+  turn.value = 0.3;
+  e.runs = {test::simulated(100, 300, {turn})};
+  const FitProblem problem(e);
+  const Identifiability found = assess_at_truth(problem);
+  ASSERT_TRUE(found.ok) << found.why;
+  EXPECT_EQ(found.rank, 2);
+  ASSERT_EQ(found.null_directions.size(), 2U);
+  const Identifiability::Direction& scale = found.null_directions[0];
+  EXPECT_TRUE(scale.scale);
+  for (const double part : scale.part) EXPECT_NEAR(part, 1.0, 1e-12);
+  const Identifiability::Direction& other = found.null_directions[1];
+  EXPECT_FALSE(other.scale);
+  EXPECT_NEAR(other.part[1] / other.part[0], -0.09 * 2.0 / 0.2, 1e-6);
+  EXPECT_EQ(other.part[2], 0.0);
+  EXPECT_EQ(other.part[3], 0.0);
+  EXPECT_EQ(other.words.find("coil"), std::string::npos) << other.words;
+}
+
 // A wheel with a torsion spring, turned by a force at its rim that follows it: I a'' + k a = F r, so F r / k shifts the
 // angle about which it oscillates. The reading's derivative by F is (1 - cos(w t)) r / k.
 TEST(Identifiability, AFollowerForceIsIdentifiableFromTheAngleOfEquilibrium) {
