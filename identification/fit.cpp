@@ -661,7 +661,9 @@ class Fitting {
         estimate.poorly_determined = scale > 0 && estimate.standard_error > scale / identifiable_from;
       }
       const double near = 1e-9 * p.scale;
-      if (best_.parameters[i] <= p.min + near || best_.parameters[i] >= p.max - near) {
+      // Along a null the fit may stop anywhere.
+      const bool free = out_.identifiability.ok && std::isinf(estimate.standard_error);
+      if (!free && (best_.parameters[i] <= p.min + near || best_.parameters[i] >= p.max - near)) {
         estimate.at_bound = true;
         estimate.why = fmt::format("at the bound {:.6g}", estimate.value / estimate.unit);
       }

@@ -296,6 +296,23 @@ TEST(Identifiability, TheScaleOfAnOscillatorIsNotIdentifiable) {
   EXPECT_NE(scale.remedy.find("payload"), std::string::npos) << scale.remedy;
 }
 
+// A null is the reason, wherever the fit stopped along it.
+TEST(Identifiability, ANullIsTheReasonAtABoundToo) {
+  Experiment e = oscillator();
+  e.unknowns[0].min = 2.0;
+  e.unknowns[0].start = 2.0;
+  const FitProblem problem(e);
+  FitOptions options;
+  options.use_starts = true;
+  const Fit found = fit(problem, problem.records(), options);
+  ASSERT_TRUE(found.usable()) << found.why;
+  for (const Estimate& estimate : found.estimates) {
+    EXPECT_TRUE(estimate.withheld) << estimate.name;
+    EXPECT_FALSE(estimate.at_bound) << estimate.name;
+    EXPECT_EQ(estimate.why, "not identifiable from these data") << estimate.name;
+  }
+}
+
 // The remedy that is named works: another run with a payload that is known.
 TEST(Identifiability, AKnownPayloadMakesTheScaleIdentifiable) {
   Experiment e = oscillator();
