@@ -344,6 +344,24 @@ class Fitting {
     return part < 1.0 ? part * run.span() : INFINITY;
   }
 
+  /// Few readings leave some directions of the parameters nearly free, and along these a step goes as far as residuals
+  /// of a wrong start drive it: to dimensions of kilometres, from which there is no way back. So a change of a
+  /// parameter by its reach counts as much as a reading at the start does.
+  void stay_near(ceres::Problem& problem, const std::vector<double>& parameters, double window,
+                 std::vector<double>& scaled) const {
+    double cost = 0.0;
+    if (!problem.Evaluate({}, &cost, nullptr, nullptr, nullptr)) return;
+    std::size_t readings = 0;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) readings += problem_.run(r).readings(until(r, window));
+    const double residual =
+        std::max(1.0, std::sqrt(2 * cost / static_cast<double>(std::max<std::size_t>(readings, 1))));
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      problem.AddResidualBlock(
+          new PriorCost(parameters[i], problem_.reach(i) / residual, problem_.parameters()[i].scale), nullptr,
+          &scaled[i]);
+    }
+  }
+
   double minimise(FitPoint& point, double window) {
     const std::vector<Parameter>& parameters = problem_.parameters();
     std::vector<double> scaled;
@@ -374,6 +392,7 @@ class Fitting {
             &scaled[i]);
       }
     }
+    if (is_start) stay_near(problem, point.parameters, window, scaled);
     for (const auto& [p, value] : options_.held)
       problem.SetParameterBlockConstant(&scaled[static_cast<std::size_t>(p)]);
     ceres::Solver::Options options;

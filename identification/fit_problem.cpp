@@ -113,6 +113,16 @@ FitProblem::Scale FitProblem::scale_of(std::size_t parameter) const {
   return {std::abs(truth != 0 ? truth : p.start + unknown.includes), true};
 }
 
+double FitProblem::reach(std::size_t parameter) const {
+  const Parameter& p = parameters_[parameter];
+  const SceneParameter* const of_scene = number(static_cast<int>(parameter));
+  if (of_scene == nullptr || of_scene->scales_with_force()) return p.scale;
+  const std::size_t part = unknown_of(parameter).part;
+  const auto run =
+      std::find_if(models_.begin(), models_.end(), [&](const RunModel& model) { return model.run().part == part; });
+  return std::max(p.scale, run->reach(*of_scene));
+}
+
 int FitProblem::nuisances() const {
   int sum = 0;
   for (const RunModel& model : models_) sum += model.nuisances();

@@ -75,6 +75,9 @@ class FitProblem {
     double size_or(double otherwise) const { return size > 0 ? size : otherwise; }
   };
   Scale scale_of(std::size_t parameter) const;
+  /// A change of a parameter by which the mechanism becomes another one, SI: of a length the size of the mechanism, of
+  /// masses, forces and numbers of sensors Parameter::scale; else RunModel::reach().
+  double reach(std::size_t parameter) const;
   /// Nuisances of all runs together.
   int nuisances() const;
   /// Readings of all runs and sensors together.

@@ -264,7 +264,6 @@ std::vector<RunModel::Reading> RunModel::due(const std::vector<Scaling>& scaling
   return out;
 }
 
-/// A length, angle or acceleration over which the mechanism changes considerably.
 double RunModel::reach(const SceneParameter& number) const {
   if (number.place().owner == Owner::scene) return std::max(1.0, norm(scene_.gravity));
   return number.is_length() ? size_ : std::max(1.0, std::abs(number.get(scene_)));

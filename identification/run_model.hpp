@@ -56,6 +56,9 @@ class RunModel {
   const std::vector<SensorNumber>& sensor_numbers() const { return sensor_numbers_; }
   /// The scene of this run with its known changes, SI.
   const Scene& scene() const { return scene_; }
+  /// A change of a number over which the mechanism changes considerably, SI: the mechanism's size, its gravity, of any
+  /// other number its own size, at least 1.
+  double reach(const SceneParameter& number) const;
   /// Names of the nuisances: "equilibrium", "start obd", "start rate obd".
   std::vector<std::string> nuisance_names() const;
   std::vector<Dimension> nuisance_dimensions() const;
@@ -147,7 +150,6 @@ class RunModel {
   bool balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const;
   void vary(const Scene& scene, Built& out) const;
   const Scene* also() const { return also_ ? &*also_ : nullptr; }
-  double reach(const SceneParameter& number) const;
   Assembled assemble(Scene scene, bool closed) const;
   std::vector<double> released_in(const MotionModel& model, std::vector<double> q) const;
   std::vector<StartValue> start_values(const MotionModel& model, const std::vector<double>& q) const;

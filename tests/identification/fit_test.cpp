@@ -335,6 +335,59 @@ TEST(Fit, ConvergesWherePlainLevenbergMarquardtDoesNot) {
   EXPECT_GE(elsewhere, 2);
 }
 
+// An arm on a spring, which swings widely. Its short windows do not tell the anchor, the hook and the stiffness apart,
+// and from these starts the residuals are 10^4 times the noise: steps of that size in the directions left free end at
+// anchors thousands of kilometres away.
+TEST(Fit, KeepsDimensionsThatAShortWindowLeavesFree) {
+  Experiment e;
+  e.scene = parse_scene(R"(
+    gravity = [0, -9.81]
+    [ground]
+    points = { O = [0, 0], S = [0.262, -0.446] }
+    [body.arm]
+    points = { O = [0, 0], H = [0.408, 0.0637] }
+    mass = 0.308
+    center = [0.27, 0.02]
+    inertia = 0.044
+    [[pin]]
+    points = ["ground.O", "arm.O"]
+    [[torsion_spring]]
+    name = "coil"
+    bodies = ["ground", "arm"]
+    stiffness = 3.4
+    free_angle = -0.898
+    [[spring]]
+    name = "spring"
+    points = ["ground.S", "arm.H"]
+    stiffness = 121
+    free_length = 0.331
+    [start]
+    arm = -1.84
+  )",
+                        "arm.toml");
+  e.sensors = {test::angle_of(e.scene, "arm", 1e-4)};
+  e.unknowns = {test::unknown("point.ground.S.x"), test::unknown("spring.spring.stiffness"),
+                test::unknown("point.arm.H.y")};
+  Release release;
+  release.body = 1;
+  release.value = -3.57;
+  e.runs = {test::simulated(50, 356, {release})};
+  const std::vector<double> truths = {0.262, 121, 0.0637};
+  e.records = FitProblem(e).records();
+  e.runs[0].release.clear();
+  e.runs[0].data = {"arm.csv"};
+  e.unknowns[0].start = 0.276;
+  e.unknowns[1].start = 134;
+  e.unknowns[2].start = 0.0566;
+  const Fit found = fit(FitProblem(e), e.records);
+  EXPECT_EQ(found.status, FitStatus::converged) << found.why;
+  EXPECT_EQ(found.tries, 1);
+  ASSERT_EQ(found.estimates.size(), 3U);
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    EXPECT_NEAR(found.estimates[i].value, truths[i], 4 * found.estimates[i].standard_error) << found.estimates[i].name;
+  }
+}
+
 // Measured motions of a double pendulum, all 26 segments: what a bare Ceres program reaches, 0.00354 and 0.00310 rad.
 // With the length of the first arm free the same or less, and in few evaluations.
 void expect_measured(const std::string& name, double limit, bool length_is_free, int most_evaluations) {
