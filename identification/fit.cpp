@@ -773,7 +773,7 @@ class Fitting {
       for (const Tested& one : all) {
         if (one.test.chance() >= least) continue;
         (one.test.ratio > 1 ? larger : smaller) = true;
-        sizes += fmt::format("{}{:.3g} times the stated noise{}, expected 1 ± {:.2g}", sizes.empty() ? "" : "; ",
+        sizes += fmt::format("{}{:.3g} times the stated noise{}, expected 1 ± {:.2g} (95 %)", sizes.empty() ? "" : "; ",
                              one.test.ratio, one.of, one.test.reach());
       }
     };

@@ -221,7 +221,7 @@ const std::vector<double>& errors_of(const StandardErrors& errors, StandardError
 
 void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   const std::vector<Estimate>& rows = fitted.estimates;
-  const bool known = fitted.identifiability.ok;
+  const bool known = fitted.identifiability.ok && fitted.usable();
   const bool any = withheld(fitted) < static_cast<int>(rows.size());
   const bool simulated = problem.experiment().is_simulated();
   // What is withheld has no number, and no text in the columns behind the estimate.
@@ -253,12 +253,12 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
              }));
   Column& errors = table.numbers("standard_error", "standard error", "", number(&Estimate::standard_error, known));
   errors.texts = text([&](const Estimate& e) { return significant(known ? e.standard_error / e.unit : NAN, 2); });
-  errors.shown = any;
+  errors.shown = any && fitted.usable();
   Column& per_cents = table.numbers("", "per cent", "", {});
   per_cents.texts = text([&](const Estimate& e) {
     return known ? per_cent(e.standard_error, simulated && e.truth == 0 ? 0.0 : e.value) : "-";
   });
-  per_cents.shown = any;
+  per_cents.shown = any && fitted.usable();
   Column& interval = table.words(
       "", "95 % interval", text([&](const Estimate& e) { return known ? interval_in_words(e) : std::string("-"); }));
   interval.shown = any && known;
@@ -279,7 +279,7 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   difference.tones = each(rows, [&](const Estimate& e) {
     return !e.withheld && std::abs(difference_of(e)) > remarkable ? Tone::bad : Tone::plain;
   });
-  difference.shown = any && simulated;
+  difference.shown = any && simulated && fitted.usable();
   table.flags("poorly_determined",
               each(rows, [&](const Estimate& e) -> bool { return !e.withheld && e.poorly_determined; }));
   table.remarks(each(rows,
@@ -322,7 +322,7 @@ void add_traces(Group& content, const FitProblem& problem, const Fit& fitted) {
 /// What later predictions are uncertain by, with the effect of known numbers on the standard errors.
 void add_covariance(Group& content, const Fit& fitted) {
   Table& table = content.table("covariance", "", Rows::by_name, Verbosity::data);
-  if (fitted.errors.error.empty()) return;
+  if (fitted.errors.error.empty() || !fitted.usable()) return;
   const std::vector<Estimate>& rows = fitted.estimates;
   const auto larger = [&](std::size_t i) { return rows[i].standard_error / fitted.errors.error[i] / rows[i].unit; };
   table.words("name", "", each(rows, &Estimate::name));
@@ -544,7 +544,7 @@ void add_runs(Group& section, const FitProblem& problem, const Fit& fitted) {
       each(rows, [](const RunFit& run) { return run.is_white() ? Tone::plain : Tone::doubtful; });
 }
 
-/// "angle 1.02, expected 1 ± 0.031": the tests of the verdict, 95 of 100 fits are within ±.
+/// "angle 1.02, expected 1 ± 0.031 (95 %)": the tests of the verdict.
 std::string over_noise_in_words(const FitProblem& problem, const Fit& fitted) {
   const std::vector<Sensor>& sensors = problem.experiment().sensors;
   std::string out;
@@ -555,7 +555,7 @@ std::string over_noise_in_words(const FitProblem& problem, const Fit& fitted) {
         fmt::format("{}{}{}, expected 1 ± {}", out.empty() ? "" : "; ", sensors.size() > 1 ? sensors[k].name + " " : "",
                     significant(test.ratio, 4), significant(test.reach(), 2));
   }
-  return out.empty() ? significant(fitted.residual_over_noise, 4) : out + " in 95 of 100 fits";
+  return out.empty() ? significant(fitted.residual_over_noise, 4) : out + " (95 %)";
 }
 
 /// Run by run and sensor by sensor: how many, the first times, the largest.
@@ -716,8 +716,11 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   add_profiles(content, problem, answer);
   add_alternatives(content, problem, fitted);
   add_null_directions(content, fitted.identifiability);
-  add_combinations(content, problem, fitted.identifiability);
-  add_correlations(content, problem, fitted.identifiability);
+  // Standard errors are those of a minimum.
+  if (fitted.usable()) {
+    add_combinations(content, problem, fitted.identifiability);
+    add_correlations(content, problem, fitted.identifiability);
+  }
   add_identifiability_data(content, problem, fitted.identifiability);
   add_residuals(content, problem, answer);
   add_fit_data(content, problem, answer);
