@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
+
+#include "solvers/parallel.hpp"
 
 namespace poise {
 namespace {
@@ -121,6 +124,7 @@ class Profiler {
     options.from = &from;
     options.held = {{static_cast<int>(place_), x}};
     options.values_only = true;
+    options.jobs = options_.jobs;
     options.interrupt = options_.interrupt;
     Fit there = fit(problem_, records_, options);
     if (there.status == FitStatus::failed || there.status == FitStatus::interrupted) return std::nullopt;
@@ -146,6 +150,26 @@ class Profiler {
 Profile profile(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted, int parameter,
                 const ProfileOptions& options) {
   return Profiler(problem, records, fitted, parameter, options).run();
+}
+
+std::vector<Profile> profiles(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
+                              const std::vector<int>& parameters, const ProfileOptions& options) {
+  if (parameters.size() == 1) return {profile(problem, records, fitted, parameters.front(), options)};
+  std::vector<std::optional<Profile>> found(parameters.size());
+  solvers::ParallelOptions parallel{options.jobs, options.interrupt, {}};
+  if (options.progress) {
+    parallel.progress = [&](std::size_t done) {
+      options.progress(fmt::format("profiles: {} of {}", done, parameters.size()));
+    };
+  }
+  solvers::parallel_for(parameters.size(), parallel, [&](std::size_t i) {
+    found[i] = profile(problem, records, fitted, parameters[i], {.jobs = 1, .interrupt = options.interrupt});
+  });
+  std::vector<Profile> out;
+  for (std::optional<Profile>& one : found) {
+    if (one) out.push_back(std::move(*one));
+  }
+  return out;
 }
 
 }  // namespace poise

@@ -29,6 +29,7 @@ struct Profile {
 };
 
 struct ProfileOptions {
+  int jobs = 0;  ///< threads; 0: all cores. The result does not depend on it.
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string&)> progress{};
 };
@@ -37,5 +38,9 @@ struct ProfileOptions {
 /// parameter's standard error finite.
 Profile profile(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted, int parameter,
                 const ProfileOptions& options = {});
+
+/// Of several parameters, which are taken on threads; only those that were done before an interrupt.
+std::vector<Profile> profiles(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
+                              const std::vector<int>& parameters, const ProfileOptions& options = {});
 
 }  // namespace poise

@@ -91,11 +91,13 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     add_known_effects(answer.known, answer.fit);
     add_known_effects(answer.inputs, answer.fit);
   }
-  for (const int p : profiled) {
+  std::vector<int> known;
+  std::copy_if(profiled.begin(), profiled.end(), std::back_inserter(known), [&](int p) {
     const auto& errors = answer.fit.identifiability.standard_error;
-    if (!answer.fit.usable() || errors.empty() || !std::isfinite(errors[static_cast<std::size_t>(p)])) continue;
-    answer.profiles.push_back(profile(problem, answer.records, answer.fit, p, {options.interrupt, options.progress}));
-  }
+    return answer.fit.usable() && !errors.empty() && std::isfinite(errors[static_cast<std::size_t>(p)]);
+  });
+  answer.profiles = profiles(problem, answer.records, answer.fit, known,
+                             {.jobs = options.jobs, .interrupt = options.interrupt, .progress = options.progress});
 
   if (request.bootstrap > 0 && answer.fit.usable()) {
     answer.bootstrap = bootstrap(
@@ -174,7 +176,8 @@ Command identify_command() {
                "Find the profile likelihood of an unknown, and its 95 % interval;\ncan be given several times"});
   command.add({"--scene", &request->experiment.common.written_scene, "FILE",
                "Write the scene with the estimates in place to FILE"});
-  add_jobs_option(command, request->jobs, "Threads for the motions of the runs (all cores)");
+  add_jobs_option(command, request->jobs,
+                  "Threads for the motions of the runs and for profiles (0,\nthe default: all cores)");
   add_output_options(command, request->experiment.common,
                      {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",
                       .csv = "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});

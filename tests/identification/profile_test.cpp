@@ -2,6 +2,7 @@
 
 #include "identification/profile.hpp"
 
+#include <atomic>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -26,6 +27,28 @@ TEST(Profile, OfALinearProblemIsTheInterval) {
   for (std::size_t i = 0; i < of.value.size(); ++i) {
     EXPECT_NEAR(of.growth[i], std::abs(of.value[i] - k.value) / k.standard_error, 0.01);
   }
+}
+
+// Several at a time are the same to the last bit on any number of threads.
+TEST(Profile, DependsOnNoThreads) {
+  test::Wheel wheel(2);
+  wheel.experiment.unknowns.push_back(test::unknown("torsion_damper.air.coefficient"));
+  wheel.experiment.unknowns.back().start = 1e-4;
+  const FitProblem problem(wheel.experiment);
+  const std::vector<Record> records = problem.records();
+  const Fit found = fit(problem, records);
+  const Profile alone = profile(problem, records, found, 1);
+  for (const int jobs : {1, 2}) {
+    const std::vector<Profile> both = profiles(problem, records, found, {0, 1}, {.jobs = jobs});
+    ASSERT_EQ(both.size(), 2U);
+    EXPECT_EQ(both[0].parameter, 0);
+    EXPECT_EQ(both[1].low, alone.low);
+    EXPECT_EQ(both[1].high, alone.high);
+    EXPECT_EQ(both[1].value, alone.value);
+    EXPECT_EQ(both[1].growth, alone.growth);
+  }
+  std::atomic<bool> stop = true;
+  EXPECT_TRUE(profiles(problem, records, found, {0, 1}, {.interrupt = &stop}).empty());
 }
 
 // Damping that is not there is at its bound, 0: the interval begins there and ends at a one-sided limit.
