@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -128,9 +131,18 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
     throw InputError(
         "several experiments: expected no --profile, --bootstrap, --svg, --csv or --scene, which are of one fit");
   }
+  for (std::size_t i = 1; i < request.files.size(); ++i) {
+    const auto same = [&](const std::string& other) {
+      std::error_code ignored;
+      return other == request.files[i] || std::filesystem::equivalent(other, request.files[i], ignored);
+    };
+    if (std::any_of(request.files.begin(), request.files.begin() + static_cast<std::ptrdiff_t>(i), same)) {
+      throw InputError(request.files[i] + ": expected different experiments to compare, found this one twice");
+    }
+  }
   CompareOptions options;
   options.fit.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
-  options.fit.jobs = request.jobs;
+  options.fit.jobs = read_jobs(request.jobs);
   Progress progress;
   progress.now("reading the experiments");
   std::deque<Experiment> experiments;

@@ -107,7 +107,7 @@ Command montecarlo_command() {
        "Every fit starts from parameters that differ from the truth by\nup to this part of it, drawn at random (0.5)"});
   command.add({"--start", &request->start, "WHAT",
                "given: from those (the default); auto: from damped sines\nwhere the records oscillate so"});
-  add_jobs_option(command, request->jobs, "Threads, of each rank under mpirun (all cores)");
+  add_jobs_option(command, request->jobs, "Threads, of each rank under mpirun (0, the default: all\ncores)");
   command.add({"--output", &request->output, "DIR", "Keep every trial in files of this new folder (docs/studies.md)"});
   command.add({"--resume", &request->resume, "", "Go on with what --output DIR has"});
   command.add({"--shard", &request->shard, "i/N",

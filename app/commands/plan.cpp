@@ -64,7 +64,7 @@ Command plan_command() {
   Command command{"plan", "Choose the runs of an experiment that determine its parameters best"};
   add_experiment_options(command, request->experiment);
   command.add({"--seed", &request->seed, "N", "Of the runs that are tried (1)"});
-  add_jobs_option(command, request->jobs, "Threads (all cores)");
+  add_jobs_option(command, request->jobs, "Threads (0, the default: all cores)");
   command.add({"--experiment", &request->experiment.common.experiment, "FILE",
                "Write the experiment with the planned runs to FILE"});
   add_output_options(command, request->experiment.common, {});

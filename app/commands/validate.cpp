@@ -73,7 +73,7 @@ Command validate_command() {
   command.add({"--starts", &request->starts, "WHAT",
                "fitted: start and equilibrium of every run are fitted to its record\n(the default); measured: starts "
                "follow from the first readings"});
-  add_jobs_option(command, request->jobs, "Threads for the motions of the runs (all cores)");
+  add_jobs_option(command, request->jobs, "Threads for the motions of the runs (0, the default:\nall cores)");
   add_output_options(command, request->experiment.common,
                      {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",
                       .csv = "Write readings, predictions and residuals to FILE, one line\nfor each run and time"});

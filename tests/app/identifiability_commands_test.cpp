@@ -235,6 +235,7 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
       {{"identify"}, "EXPERIMENT is required"},
       {{"identifiability", good, "b.toml"}, "expected one experiment"},
       {{"identify", good, "b.toml"}, "b.toml: cannot be read"},
+      {{"identify", good, good}, "expected different experiments to compare, found this one twice"},
       {{"identify", folder.path("none.toml").string()}, "none.toml"},
       {{"identify", scene}, "wheel.toml:5: body: expected an experiment, found a scene; give a file that names it"},
       {{"solve", good}, "experiment.toml:2: scene: expected a scene, found a file that names one: an experiment"},
