@@ -27,6 +27,9 @@ struct Estimate {
   bool poorly_determined = false;  ///< its standard error is above a third of its scale (FitProblem::scale_of)
   bool at_bound = false;           ///< of its range: withheld, but a model of later runs has it there
   std::string why;                 ///< reason for withholding it
+
+  /// Whether its 95 % interval contains 0.
+  bool may_be_zero() const { return low <= 0 && high >= 0; }
 };
 
 /// Residuals and nuisances of one run as fitted.

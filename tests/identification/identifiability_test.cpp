@@ -632,6 +632,19 @@ TEST(Identifiability, ANumberThatIsZero) {
   }
 }
 
+// Fitted, it is printed with that error, and not told from zero.
+TEST(Identifiability, ANumberThatMayBeZero) {
+  Experiment e = sprung_arm(100);
+  set_value(e.scene, "torsion_damper.d.coefficient", 0);
+  set_unknowns(e, {"torsion_damper.d.coefficient", "body.arm.inertia"});
+  const FitProblem problem(e);
+  const Fit found = fit(problem, problem.records());
+  ASSERT_TRUE(found.usable()) << found.why;
+  EXPECT_FALSE(found.estimates[0].withheld) << found.estimates[0].why;
+  EXPECT_TRUE(found.estimates[0].may_be_zero());
+  EXPECT_FALSE(found.estimates[1].may_be_zero());
+}
+
 // A damper that the runs never move: a null of these runs, not of the mechanism.
 TEST(Identifiability, NullsOfTheRunsAlone) {
   Experiment e;

@@ -285,10 +285,13 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   table.remarks(each(rows,
                      [](const Estimate& e) {
                        if (e.withheld) return e.why;
-                       return std::string(e.poorly_determined ? "poorly determined" : e.is_curved ? "curved" : "");
+                       std::string out = e.poorly_determined ? "poorly determined" : e.is_curved ? "curved" : "";
+                       if (e.may_be_zero()) out += out.empty() ? "not different from 0" : ", not different from 0";
+                       return out;
                      }),
                 Tone::bad);
   table.flags("curved", each(rows, [](const Estimate& e) -> bool { return !e.withheld && e.is_curved; }));
+  table.flags("may_be_zero", each(rows, [](const Estimate& e) -> bool { return !e.withheld && e.may_be_zero(); }));
   table.flags("at_bound", each(rows, [](const Estimate& e) { return e.at_bound ? 1.0 : 0.0; }));
   Column& why = table.words("withheld", "", each(rows, &Estimate::why));
   why.kind = Column::Kind::word_or_null;
