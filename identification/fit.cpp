@@ -18,6 +18,7 @@
 #include "identification/frequencies.hpp"
 #include "identification/oscillation_start.hpp"
 #include "identification/run_influence.hpp"
+#include "identification/twins.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/random_stream.hpp"
 
@@ -48,6 +49,10 @@ constexpr int most_octaves = 2;
 constexpr std::size_t most_scaled = 3, most_aliases = 8;
 /// How often a lower cost found beside the minimum leads to another one.
 constexpr int most_improvements = 3;
+/// Of minima with other dimensions, so many are compared. A number agrees in all of them where it changes by less than
+/// this part of its standard error.
+constexpr std::size_t most_twins = 3;
+constexpr double agrees_within = 0.3;
 /// An interval that is longer by this part of it is said to be.
 constexpr double straight_within = 0.1;
 /// As many equally good minima are sought.
@@ -285,6 +290,18 @@ class Fitting {
     find_alternatives(minima);
   }
 
+  Alternative alternative(const std::vector<double>& parameters, const Frequencies& frequencies, double more) const {
+    Alternative out;
+    out.more = more;
+    for (const Frequencies::Mode& mode : frequencies.modes()) {
+      if (mode.runs.front() == 0) out.frequency.push_back(mode.frequency);
+    }
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      out.values.push_back(parameters[i] + problem_.unknown_of(i).includes);
+    }
+    return out;
+  }
+
   /// The minima that are as good as the best one, unless it is the only one.
   void find_alternatives(std::vector<Minimum>& minima) {
     out_.alternatives.clear();
@@ -297,14 +314,7 @@ class Fitting {
       const auto same = [&](const Frequencies& one) { return !one.differ(minimum.point.parameters); };
       if (std::any_of(distinct.begin(), distinct.end(), same)) continue;
       distinct.emplace_back(problem_, minimum.point);
-      Alternative& alternative = out_.alternatives.emplace_back();
-      alternative.more = more;
-      for (const Frequencies::Mode& mode : distinct.back().modes()) {
-        if (mode.runs.front() == 0) alternative.frequency.push_back(mode.frequency);
-      }
-      for (std::size_t i = 0; i < minimum.point.parameters.size(); ++i) {
-        alternative.values.push_back(minimum.point.parameters[i] + problem_.unknown_of(i).includes);
-      }
+      out_.alternatives.push_back(alternative(minimum.point.parameters, distinct.back(), more));
     }
     if (out_.alternatives.size() < 2) out_.alternatives.clear();
   }
@@ -579,21 +589,95 @@ class Fitting {
   void evaluate() {
     const FitStatus so_far = out_.status;
     describe();
-    for (int round = 0; round < most_improvements && correct_for_curvature(); ++round) {
+    for (int round = 0; round < most_improvements && (correct_for_curvature() || attempt_twins()); ++round) {
       out_.status = so_far;
       out_.runs.clear();
       out_.rms.clear();
       out_.estimates.clear();
       describe();
     }
+    compare_twins();
     if (out_.usable() && out_.identifiability.ok && options_.from == nullptr) {
       examine_runs(problem_, records_, linear_, options_, out_);
     }
   }
 
+  bool is_to_be_questioned() const {
+    return out_.usable() && out_.identifiability.ok && options_.from == nullptr && !stopped();
+  }
+
+  /// Fits from other dimensions with which the mechanism moves alike. True where one of these minima is better.
+  bool attempt_twins() {
+    twins_.clear();
+    if (!is_to_be_questioned()) return false;
+    const double before = best_cost_;
+    for (std::vector<double>& parameters : twins(problem_, out_)) {
+      if (stopped() || twins_.size() >= most_twins) break;
+      say("trying other dimensions with which it moves alike");
+      ++out_.tries;
+      FitPoint point{std::move(parameters), best_.nuisances};
+      const double cost = minimise(point, 1.0);
+      if (cost < INFINITY) twins_.push_back({cost, std::move(point)});
+    }
+    if (twins_.empty()) return false;
+    const Minimum& least = *std::min_element(twins_.begin(), twins_.end());
+    const double noise = std::max(1.0, residual_over_noise(before));
+    if (!(2 * (before - least.cost) > noise * noise)) return false;
+    const Minimum old{before, std::move(best_)};
+    best_cost_ = least.cost;
+    best_ = least.point;
+    twins_.push_back(old);
+    return true;
+  }
+
+  /// Those of the minima found by attempt_twins() that are as good as the best one, and other than its intervals say.
+  void compare_twins() {
+    const double noise = std::max(1.0, residual_over_noise(best_cost_));
+    std::vector<Alternative> others;
+    for (const Minimum& twin : twins_) {
+      const double more = 2 * (twin.cost - best_cost_) / (noise * noise);
+      if (!(std::abs(more) < equally_good)) continue;
+      Alternative other = alternative(twin.point.parameters, Frequencies(problem_, twin.point), more);
+      const auto same = [&](const Alternative& one) { return !differ(one.values, other.values); };
+      std::vector<double> own;
+      for (const Estimate& estimate : out_.estimates) own.push_back(estimate.value);
+      if (!differ(own, other.values) || std::any_of(others.begin(), others.end(), same)) continue;
+      others.push_back(std::move(other));
+    }
+    if (others.empty()) return;
+    out_.alternatives = {alternative(best_.parameters, Frequencies(problem_, best_), 0.0)};
+    out_.alternatives.insert(out_.alternatives.end(), others.begin(), others.end());
+    out_.status = FitStatus::ambiguous;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < out_.estimates.size(); ++i) {
+      Estimate& estimate = out_.estimates[i];
+      const bool agrees = estimate.withheld || std::all_of(others.begin(), others.end(), [&](const Alternative& one) {
+                            return std::abs(one.values[i] - estimate.value) <= agrees_within * estimate.standard_error;
+                          });
+      if (agrees) continue;
+      estimate.withheld = true;
+      estimate.why = "several minima";
+      names.push_back(estimate.name);
+    }
+    out_.why = fmt::format(
+        "{} minima explain the readings equally well, with different values of {}; narrow min and max of the unknowns",
+        out_.alternatives.size(), fmt::join(names, ", "));
+  }
+
+  /// Whether shown values differ by more than the intervals say.
+  bool differ(const std::vector<double>& a, const std::vector<double>& b) const {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const Estimate& estimate = out_.estimates[i];
+      if (estimate.withheld) continue;
+      const double reach = std::max(estimate.value - estimate.low, estimate.high - estimate.value);
+      if (std::abs(a[i] - b[i]) > reach) return true;
+    }
+    return false;
+  }
+
   /// Intervals where the cost is no parabola. True where a lower cost was found instead.
   bool correct_for_curvature() {
-    if (!out_.usable() || !out_.identifiability.ok || options_.from != nullptr) return false;
+    if (!is_to_be_questioned()) return false;
     Curvature found = find_curvature(problem_, records_, out_, linear_, options_);
     if (found.better) {
       best_.parameters = found.better->parameters;
@@ -827,6 +911,7 @@ class Fitting {
   Fit out_;
   std::vector<Record> cleaned_;
   FitPoint best_;
+  std::vector<Minimum> twins_;
   std::vector<LinearRun> linear_;  // at the best point
   double best_cost_ = INFINITY, last_cost_ = INFINITY;
   bool aliased_ = false;  // the times of the readings allow other frequencies than those found

@@ -130,6 +130,7 @@ struct Fit {
 /// Where the times of the readings hardly distinguish the frequencies found from others between a quarter of and four
 /// times those found and those at the start, the parameters with these others are starts as well. Minima whose sums of
 /// squares differ by less than 16, over the noise, are equally good: the fit is ambiguous, its estimates are withheld.
+/// The same holds of minima from twins(): there only the estimates that differ are withheld.
 /// (Noise takes the wrong one of two minima for the better one by more than 16 in at most 1 of 30 000 fits.)
 Fit fit(const FitProblem& problem, const std::vector<Record>& records, const FitOptions& options = {});
 

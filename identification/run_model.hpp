@@ -102,6 +102,18 @@ class RunModel {
   /// At up to `states` random states and at some of the run's own motion from these nuisances.
   Actions actions(const double* unknowns, const double* nuisances, int states) const;
 
+  /// A state of a motion of this run: all coordinates and rates, SI.
+  struct State {
+    double t = 0.0;
+    std::vector<double> q, v;
+  };
+  /// At most `most` states of the motion from these nuisances.
+  std::vector<State> states(const double* unknowns, const double* nuisances, std::size_t most) const;
+  /// The accelerations alpha, in the units of the scaled scene, and the readings of the sensors that are read, less
+  /// what is the same with all unknowns, at independent coordinates and rates as of these states; a row for each of
+  /// them. Empty where the mechanism cannot take such a state.
+  Eigen::MatrixXd responses(const double* unknowns, double equilibrium, const std::vector<State>& states) const;
+
   /// Reduced mass M, stiffness K and damping C at the equilibrium pose for one degree of freedom: small oscillations
   /// obey  M z'' + C z' + K z = 0.
   struct Oscillator {

@@ -27,7 +27,8 @@ struct OffCentre {
 };
 
 TEST(Curvature, OfANumberThatActsByItsSquare) {
-  const OffCentre wheel(1.4e-3);
+  OffCentre wheel(1.4e-3);
+  wheel.experiment.unknowns[0].min = 0.0;  // -c is another minimum
   const FitProblem problem(wheel.experiment);
   const Fit found = fit(problem, problem.records());
   ASSERT_TRUE(found.usable()) << found.why;

@@ -381,7 +381,6 @@ TEST(Fit, KeepsDimensionsThatAShortWindowLeavesFree) {
   e.unknowns[2].start = 0.0566;
   const Fit found = fit(FitProblem(e), e.records);
   EXPECT_EQ(found.status, FitStatus::converged) << found.why;
-  EXPECT_EQ(found.tries, 1);
   ASSERT_EQ(found.estimates.size(), 3U);
   for (std::size_t i = 0; i < truths.size(); ++i) {
     EXPECT_NEAR(found.estimates[i].value, truths[i], 4 * found.estimates[i].standard_error) << found.estimates[i].name;

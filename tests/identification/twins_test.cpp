@@ -1,0 +1,109 @@
+// Other dimensions with which a mechanism moves alike.
+
+#include "identification/twins.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/identification/experiments.hpp"
+
+namespace poise {
+namespace {
+
+// A block on a rail along x, on a spring whose anchor is h beside the rail: the spring's length is that of one whose
+// anchor is on the other side.
+struct BlockOnARail {
+  static constexpr double h = 0.07;
+  Experiment experiment;
+
+  BlockOnARail() {
+    experiment.scene = parse_scene(R"(
+      [ground]
+      points = { O = [0, 0], S = [0.1, 0.07] }
+      [body.block]
+      points = { C = [0, 0] }
+      mass = 0.5
+      [[slide]]
+      name = "rail"
+      points = ["ground.O", "block.C"]
+      axis = [1, 0]
+      [[spring]]
+      name = "coil"
+      points = ["ground.S", "block.C"]
+      stiffness = 30
+      free_length = 0.06
+      [start]
+      rail = 0.2
+    )",
+                                   "rail.toml");
+    Sensor& travel = experiment.sensors.emplace_back();
+    travel.name = travel.column = "rail";
+    travel.on = Measure::travel_of(0);
+    travel.noise = 1e-4;
+    experiment.unknowns = {test::unknown("body.block.mass"), test::unknown("point.ground.S.y")};
+    experiment.unknowns[1].start = 0.06;
+    experiment.runs = {test::simulated(100, 200)};
+    Release& release = experiment.runs[0].release.emplace_back();
+    release.joint = 0;
+    release.value = 0.25;
+  }
+};
+
+TEST(Twins, AnAnchorOnEitherSideOfARailIsAmbiguous) {
+  const BlockOnARail block;
+  const FitProblem problem(block.experiment);
+  const Fit found = fit(problem, problem.records());
+  EXPECT_EQ(found.status, FitStatus::ambiguous) << found.why;
+  EXPECT_NE(found.why.find("point.ground.S.y"), std::string::npos) << found.why;
+  ASSERT_EQ(found.alternatives.size(), 2U);
+  const double one = found.alternatives[0].values[1];
+  EXPECT_NEAR(std::abs(one), block.h, 0.01 * block.h);
+  EXPECT_NEAR(found.alternatives[1].values[1], -one, 1e-5 * block.h);
+  EXPECT_NEAR(found.alternatives[1].more, 0.0, 1e-3);
+  // The mass is the same in both.
+  ASSERT_EQ(found.estimates.size(), 2U);
+  EXPECT_TRUE(found.estimates[1].withheld);
+  EXPECT_FALSE(found.estimates[0].withheld);
+  EXPECT_NEAR(found.estimates[0].value, 0.5, 4 * found.estimates[0].standard_error);
+}
+
+TEST(Twins, NoneWithinTheRange) {
+  BlockOnARail block;
+  block.experiment.unknowns[1].min = 0.0;
+  const FitProblem problem(block.experiment);
+  const Fit found = fit(problem, problem.records());
+  ASSERT_EQ(found.status, FitStatus::converged) << found.why;
+  EXPECT_NEAR(found.estimates[1].value, block.h, 4 * found.estimates[1].standard_error);
+  EXPECT_TRUE(twins(problem, found).empty());
+}
+
+// A crank in gravity: a centre of mass above the line to the crank's zero is told from one below it.
+TEST(Twins, NoneWhereGravityTellsTheSides) {
+  Experiment e;
+  e.scene = parse_scene(R"(
+    gravity = [0, -9.81]
+    [ground]
+    points = { O = [0, 0] }
+    [body.arm]
+    points = { O = [0, 0] }
+    mass = 1
+    center = [0.2, 0.03]
+    inertia = 0.01
+    [[pin]]
+    points = ["ground.O", "arm.O"]
+    [start]
+    arm = -1
+  )",
+                        "arm.toml");
+  e.sensors = {test::angle_of(e.scene, "arm", 1e-3)};
+  e.unknowns = {test::unknown("body.arm.center.x"), test::unknown("body.arm.center.y")};
+  e.runs = {test::simulated(100, 200)};
+  const FitProblem problem(e);
+  const Fit found = fit(problem, problem.records());
+  EXPECT_EQ(found.status, FitStatus::converged) << found.why;
+  EXPECT_TRUE(twins(problem, found).empty());
+}
+
+}  // namespace
+}  // namespace poise
