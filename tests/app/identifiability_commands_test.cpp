@@ -239,7 +239,7 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
       {{"identify", folder.path("none.toml").string()}, "none.toml"},
       {{"identify", scene}, "wheel.toml:5: body: expected an experiment, found a scene; give a file that names it"},
       {{"solve", good}, "experiment.toml:2: scene: expected a scene, found a file that names one: an experiment"},
-      {{"identify", impossible}, "impossible.toml:15: release: " + dataset("lift") + ":"},
+      {{"identify", impossible}, "impossible.toml:15: run \"low\".release: " + dataset("lift") + ":"},
       {{"identify", no_rest}, "no_rest.toml:15: rest.at: " + dataset("lift") + ":"},
       {{"identify", lost}, "did you mean"},
       {{"identify", nothing}, "expected at least one [[unknown]]"},

@@ -51,8 +51,7 @@ TEST(IdentifyCommand, SaysWhichStopsTheMotionPasses) {
                                  "[[stop]]\nname = \"far\"\nbodies = [\"ground\", \"wheel\"]\nmax = 90\n");
   const Outcome run = run_poise({"identify", file, "--quiet"});
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_TRUE(has(run.out, "The motion runs through bar in 1 run, first in \"only\": stops do not act in motion."))
-      << run.out;
+  EXPECT_TRUE(has(run.out, "Run \"only\" moves through bar at t = 0.5693 s: stops do not act in motion.")) << run.out;
   EXPECT_FALSE(has(run.out, "far")) << run.out;
 }
 

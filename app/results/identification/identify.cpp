@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -149,17 +148,16 @@ void add_patterns(std::vector<Line>& out, const FitProblem& problem, const Fit& 
   }
 }
 
-/// Stops that the fitted motions pass, with the first run that passes each.
+/// Stops that the fitted motions pass: those of the first run that passes any, and how many others do.
 void add_stops(std::vector<Line>& out, const FitProblem& problem, const std::vector<std::vector<std::string>>& stops) {
-  std::map<std::string, std::vector<std::size_t>> runs;
-  for (std::size_t r = 0; r < stops.size(); ++r) {
-    for (const std::string& stop : stops[r]) runs[stop].push_back(r);
-  }
-  for (const auto& [stop, passed] : runs) {
-    out.push_back(doubtful(fmt::format("The motion runs through {} in {}, first in \"{}\": stops do not act in motion.",
-                                       stop, count(static_cast<int>(passed.size()), "run", "runs"),
-                                       one_line(problem.run(passed.front()).run().name))));
-  }
+  const std::vector<std::size_t> passing =
+      chosen_of(places(stops.size()), [&](std::size_t r) { return !stops[r].empty(); });
+  if (passing.empty()) return;
+  const std::size_t first = passing.front();
+  const int others = static_cast<int>(passing.size()) - 1;
+  out.push_back(doubtful(fmt::format(
+      "Run \"{}\"{} moves through {}: stops do not act in motion.", one_line(problem.run(first).run().name),
+      others > 0 ? ", as " + count(others, "other run", "other runs") + "," : "", fmt::join(stops[first], ", "))));
 }
 
 std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
