@@ -109,16 +109,18 @@ TEST(ReadRuns, MakesARunOfEachSegment) {
 
   const Experiment chosen = Bench(header + sensor + measured + keys +
                                       "name = \"late\"\nsegments = [\"y\"]\nevery = 2\n[[run]]\ndata = \"data.csv\"\n"
-                                      "segments = [\"y\", \"x\"]\n" +
+                                      "segments = [\"x\"]\n" +
                                       keys,
                                   segments)
                                 .read();
-  ASSERT_EQ(chosen.runs.size(), 3u);
+  ASSERT_EQ(chosen.runs.size(), 2u);
   EXPECT_EQ(chosen.runs[0].name, "late y");
   EXPECT_EQ(chosen.records[0].sensors[0].time, (Numbers{0, 2, 4}));
   EXPECT_DOUBLE_EQ(chosen.records[0].sensors[0].value[2], 10 * degree);
-  EXPECT_EQ(chosen.runs[1].name, "segment y");
-  EXPECT_EQ(chosen.runs[2].name, "segment x");
+  EXPECT_EQ(chosen.runs[1].name, "segment x");
+  const Experiment ordered = Bench(header + sensor + measured + keys + "segments = [\"y\", \"x\"]\n", segments).read();
+  ASSERT_EQ(ordered.runs.size(), 2u);
+  EXPECT_EQ(ordered.runs[0].name, "segment y");
 }
 
 TEST(ReadRuns, TakesAnotherDataFile) {
