@@ -158,6 +158,7 @@ Scene random_motion_scene(Random& random, std::uint64_t seed) {
   }
   const auto any_body = [&] { return random.index(scene.bodies.size()); };
   const auto any_point = [&](int body) {
+    if (scene.bodies[static_cast<std::size_t>(body)].points.empty()) scene.add_point(body, "o", {0, 0});
     return PointRef{body, random.index(scene.bodies[static_cast<std::size_t>(body)].points.size())};
   };
   const int elements = 1 + random.index(4);
