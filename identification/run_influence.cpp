@@ -20,8 +20,9 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Disagreement to first order from which a run is examined.
 constexpr double suspicious = 3.0;
 /// Where errors follow from the scatter of n runs, the one that alone makes it has the disagreement sqrt(n - 1) to
-/// first order, however far it is off. Those with half of that are examined, at most so many.
-constexpr std::size_t most_examined = 6;
+/// first order, however far it is off. Those with so large a part of that are examined, at most so many: each is a fit.
+constexpr double alone_from = 0.7;
+constexpr std::size_t most_examined = 2;
 /// The sum of squares that is left to a fit without a run, relative: far below what moves an estimate by its error.
 constexpr double ends_at = 1e-5;
 /// Where the other runs scatter by more than their residuals explain, no more than their number says how much.
@@ -43,12 +44,12 @@ std::vector<std::size_t> doubtful(const FitProblem& problem, const Fit& fitted) 
   std::vector<std::size_t> order(size.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
-  const double alone = std::sqrt(static_cast<double>(size.size()) - 1) / 2;
+  const double alone = alone_from * std::sqrt(static_cast<double>(size.size()) - 1);
   const auto calm = [&](double from) {
     return std::find_if(order.begin(), order.end(), [&](std::size_t r) { return !(size[r] > from); });
   };
   const auto most = order.begin() + static_cast<std::ptrdiff_t>(std::min(order.size(), most_examined));
-  order.erase(by_residuals ? std::max(calm(suspicious), std::min(calm(alone), most)) : calm(suspicious), order.end());
+  order.erase(by_residuals ? std::min(calm(alone), most) : calm(suspicious), order.end());
   return order;
 }
 
