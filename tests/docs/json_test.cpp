@@ -486,14 +486,16 @@ TEST(JsonDocs, Identify) {
 
 TEST(JsonDocs, IdentifyWithSeveralExperiments) {
   const TempFolder folder;
-  run_poise({"motion", scene("lift"), "--duration", "0.5", "--release", "obd=0.005", "--noise", "1e-4", "--csv",
-             folder.path("measured.csv").string()});
+  for (const auto& [release, file] : {std::pair("obd=0.005", "measured.csv"), std::pair("obd=0.004", "again.csv")}) {
+    run_poise({"motion", scene("lift"), "--duration", "0.5", "--release", release, "--noise", "1e-4", "--csv",
+               folder.path(file).string()});
+  }
   std::string experiment = measured;
   experiment.replace(experiment.find("SCENE"), 5, scene("lift"));
   const std::string known =
       experiment.substr(experiment.find("[[known]]"), experiment.find("[[run]]") - experiment.find("[[known]]"));
   experiment.replace(experiment.find(known), known.size(), "");
-  experiment += "[[run]]\nname = \"again\"\ndata = \"measured.csv\"\n";
+  experiment += "[[run]]\nname = \"again\"\ndata = \"again.csv\"\n";
   std::string fuller = experiment;
   fuller.insert(fuller.find("[[run]]"), "[[unknown]]\npath = \"damper.oil film.coefficient\"\n");
   check_section("identify with several experiments",
