@@ -17,6 +17,7 @@ using test::Wheel;
 Fit at_truth(const FitProblem& problem) {
   Fit fitted;
   fitted.parameters = problem.truths();
+  fitted.weighting = problem.weighting();
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     fitted.runs.emplace_back();
     fitted.runs.back().nuisances = problem.run(r).released();

@@ -113,7 +113,7 @@ std::string runs_in_words(const FitProblem& problem, const std::vector<double>& 
   const auto some = std::count_if(size.begin(), size.end(), [](double x) { return x > 0; });
   if (some == 0) return "";
   const auto most = static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
-  const std::string name = fmt::format("run \"{}\"", one_line(problem.run(most).run().name));
+  std::string name = fmt::format("run \"{}\"", one_line(problem.run(most).run().name));
   if (some == 1) return name;
   return fmt::format("{} of {} runs, most in {}", some, size.size(), name);
 }
