@@ -4,8 +4,9 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
-#include "solvers/linear_algebra.hpp"
+#include "identification/projection.hpp"
 
 namespace poise {
 
@@ -51,10 +52,7 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
     Eigen::MatrixXd a(rows, unknowns);
     a.leftCols(of_scene) = jacobian.leftCols(of_scene);
     a.rightCols(of_sensors) = jacobian.middleCols(extended.unknowns() - of_sensors, of_sensors);
-    if (extended.nuisances() > 0) {
-      const Eigen::MatrixXd basis = solvers::orthonormal_columns(jacobian.rightCols(extended.nuisances()));
-      a -= basis * (basis.transpose() * a);
-    }
+    a = unexplained(std::move(a), jacobian.rightCols(extended.nuisances()));
     for (std::size_t i = 0; i < own.size(); ++i) {
       const KnownNumber& known = experiment.known[own[i]];
       const auto column = of_scene + static_cast<Eigen::Index>(i);

@@ -10,6 +10,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
+#include "identification/projection.hpp"
 #include "identification/some_runs.hpp"
 #include "solvers/linear_algebra.hpp"
 
@@ -57,11 +58,8 @@ std::vector<std::size_t> doubtful(const FitProblem& problem, const Fit& fitted) 
 Eigen::VectorXd share(const FitProblem& problem, const LinearRun& run, std::size_t r, const Eigen::MatrixXd& V) {
   const Eigen::Index nuisances = problem.run(r).nuisances();
   const std::vector<int>& used = problem.parameters_of(r);
-  Eigen::MatrixXd a = run.rows.middleCols(nuisances, problem.run(r).unknowns());
-  if (nuisances > 0) {
-    const Eigen::MatrixXd basis = solvers::orthonormal_columns(run.rows.leftCols(nuisances));
-    a -= basis * (basis.transpose() * a);
-  }
+  const Eigen::MatrixXd a =
+      unexplained(run.rows.middleCols(nuisances, problem.run(r).unknowns()), run.rows.leftCols(nuisances));
   const auto count = static_cast<Eigen::Index>(used.size());
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(std::max(a.rows(), count), count);
   rows.topRows(a.rows()) = a;

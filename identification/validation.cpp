@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "identification/first_readings.hpp"
+#include "identification/projection.hpp"
 #include "model/nearest_name.hpp"
-#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
@@ -62,10 +63,7 @@ std::vector<double> explained(const FitProblem& problem, const Fit& fitted, cons
     if (run.rows.size() == 0) return std::vector<double>(sensors, nan);
     const Eigen::Index nuisances = problem.run(r).nuisances();
     Eigen::MatrixXd a = run.rows.middleCols(nuisances, problem.run(r).unknowns());
-    if (nuisances > 0 && starts == Starts::fitted) {
-      const Eigen::MatrixXd basis = solvers::orthonormal_columns(run.rows.leftCols(nuisances));
-      a -= basis * (basis.transpose() * a);
-    }
+    if (starts == Starts::fitted) a = unexplained(std::move(a), run.rows.leftCols(nuisances));
     const std::vector<int>& used = problem.parameters_of(r);
     const Eigen::MatrixXd own = covariance(used, used);
     const Eigen::VectorXd variance = (a * own).cwiseProduct(a).rowwise().sum();
