@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/normal.hpp>
@@ -71,13 +72,14 @@ class Analysis {
 
  private:
   struct Scores {
-    Eigen::MatrixXd a;                // readings x all parameters of the run
-    Eigen::VectorXd e;                // residuals
-    Eigen::VectorXd u;                // the same; of a robust loss psi(e) over the mean slope of psi
-    std::vector<Eigen::Index> first;  // as of LinearRun
-    Eigen::MatrixXd nuisances;        // orthonormal basis of what the run's own values explain
-    std::vector<double> leverage;     // per sensor: tr H R of its readings
-    std::vector<double> sum_error;    // per sensor: standard deviation of sum e at unit noise
+    Eigen::MatrixXd a;                    // readings x all parameters of the run
+    Eigen::VectorXd e;                    // residuals
+    Eigen::VectorXd u;                    // the same; of a robust loss psi(e) over the mean slope of psi
+    std::vector<Eigen::Index> first;      // as of LinearRun
+    Eigen::MatrixXd nuisances;            // orthonormal basis of what the run's own values explain
+    std::vector<Eigen::MatrixXd> series;  // per sensor: A_r^T R A_r of its readings, R their autocorrelation
+    std::vector<double> leverage;         // per sensor: tr H R of its readings
+    std::vector<double> sum_error;        // per sensor: standard deviation of sum e at unit noise
   };
 
   void eliminate_nuisances(std::size_t r, const LinearRun& run) {
@@ -131,9 +133,9 @@ class Analysis {
     }
   }
 
-  // tr H R of sensor k in run r, and the standard deviation of its sum of residuals, M = 1 - H:  sqrt(1^T M R M 1), at
-  // least that of white ones: few readings seem to be correlated by chance. Infinite where the estimates, an unknown
-  // zero say, take the sum.
+  // A_r^T R A_r and tr H R of sensor k in run r, and the standard deviation of its sum of residuals, M = 1 - H:
+  // sqrt(1^T M R M 1), at least that of white ones: few readings seem to be correlated by chance. Infinite where the
+  // estimates, an unknown zero say, take the sum.
   void find_leverage(std::size_t r, std::size_t k) {
     Scores& run = runs_[r];
     const Eigen::MatrixXd V = own(r);
@@ -145,18 +147,20 @@ class Analysis {
       const auto basis = run.nuisances.middleRows(run.first[k], count);
       left -= basis * (basis.transpose() * ones);
     }
+    Eigen::MatrixXd series = Eigen::MatrixXd::Zero(a.cols(), a.cols());
     double leverage = 0.0;
     double square = 0.0;
     for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
       const auto at = static_cast<Eigen::Index>(first);
       const auto rows = static_cast<Eigen::Index>(last - first);
-      leverage += V.cwiseProduct(series_[k].weighted_square(a.middleRows(at, rows))).sum();
+      series += series_[k].weighted_square(a.middleRows(at, rows));
       if (run.nuisances.size() > 0) {
         leverage += series_[k].weighted_square(run.nuisances.middleRows(run.first[k] + at, rows)).trace();
       }
       square += series_[k].weighted_square(left.segment(at, rows))(0, 0);
     }
-    run.leverage.push_back(leverage);
+    run.leverage.push_back(leverage + V.cwiseProduct(series).sum());
+    run.series.push_back(std::move(series));
     // 1^T M M 1 = 1^T M 1: what is not of these readings comes from all others.
     const double others = left.sum() - left.squaredNorm();
     const bool is_seen = left.sum() > unseen * static_cast<double>(count);
@@ -208,17 +212,6 @@ class Analysis {
     return stated ? std::max(1.0, mean_square) : mean_square;
   }
 
-  // Adds  size A_r^T R A_r  of sensor k in run r, R the autocorrelation of the series.
-  void add_serial(std::size_t r, std::size_t k, double size, const solvers::Autoregression& series,
-                  Eigen::MatrixXd& serial) const {
-    const std::vector<int>& used = problem_.parameters_of(r);
-    for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
-      serial(used, used) +=
-          size * series.weighted_square(runs_[r].a.middleRows(runs_[r].first[k] + static_cast<Eigen::Index>(first),
-                                                              static_cast<Eigen::Index>(last - first)));
-    }
-  }
-
   void add_independent() {
     const Eigen::Index count = V_.rows();
     Eigen::MatrixXd white = Eigen::MatrixXd::Zero(count, count);
@@ -234,7 +227,7 @@ class Analysis {
         const double size = excess(k, size_[k] * size_[k]);
         const auto rows = run.a.middleRows(run.first[k], run.first[k + 1] - run.first[k]);
         white(used, used) += size * rows.transpose() * rows;
-        add_serial(r, k, size, series_[k], serial);
+        serial(used, used) += size * run.series[k];
       }
     }
     white_ = V_ * white * V_;
