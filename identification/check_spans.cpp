@@ -1,6 +1,7 @@
 #include "identification/check_spans.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -38,6 +39,8 @@ std::vector<double> frequencies(const FitProblem& problem, std::size_t r) {
 }  // namespace
 
 void check_spans(const FitProblem& problem) {
+  Experiment tight;
+  std::optional<FitProblem> tight_problem;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& model = problem.run(r);
     const Run& run = model.run();
@@ -45,8 +48,11 @@ void check_spans(const FitProblem& problem) {
     std::vector<double> all = frequencies(problem, r);
     const auto restores = [](double f) { return f > 0; };
     if (std::none_of(all.begin(), all.end(), restores)) {
-      const Experiment experiment = without_slack(problem.experiment());
-      all = frequencies(FitProblem(experiment), r);
+      if (!tight_problem) {
+        tight = without_slack(problem.experiment());
+        tight_problem.emplace(tight);
+      }
+      all = frequencies(*tight_problem, r);
     }
     const auto slowest = std::find_if(all.begin(), all.end(), restores);
     if (slowest == all.end()) continue;

@@ -302,14 +302,19 @@ class Fitting {
     return out;
   }
 
+  /// Sum of squared residuals over the noise, less that of the best point.
+  double more_than_best(double cost) const {
+    const double noise = std::max(1.0, residual_over_noise(best_cost_));
+    return 2 * (cost - best_cost_) / (noise * noise);
+  }
+
   /// The minima that are as good as the best one, unless it is the only one.
   void find_alternatives(std::vector<Minimum>& minima) {
     out_.alternatives.clear();
     std::sort(minima.begin(), minima.end());
-    const double noise = std::max(1.0, residual_over_noise(best_cost_));
     std::vector<Frequencies> distinct;
     for (const Minimum& minimum : minima) {
-      const double more = 2 * (minimum.cost - best_cost_) / (noise * noise);
+      const double more = more_than_best(minimum.cost);
       if (!(more < equally_good)) break;
       const auto same = [&](const Frequencies& one) { return !one.differ(minimum.point.parameters); };
       if (std::any_of(distinct.begin(), distinct.end(), same)) continue;
@@ -597,9 +602,7 @@ class Fitting {
       describe();
     }
     compare_twins();
-    if (out_.usable() && out_.identifiability.ok && options_.from == nullptr) {
-      examine_runs(problem_, records_, linear_, options_, out_);
-    }
+    if (is_to_be_questioned()) examine_runs(problem_, records_, linear_, options_, out_);
   }
 
   bool is_to_be_questioned() const {
@@ -610,7 +613,6 @@ class Fitting {
   bool attempt_twins() {
     twins_.clear();
     if (!is_to_be_questioned()) return false;
-    const double before = best_cost_;
     for (std::vector<double>& parameters : twins(problem_, out_)) {
       if (stopped() || twins_.size() >= most_twins) break;
       say("trying other dimensions with which it moves alike");
@@ -621,26 +623,24 @@ class Fitting {
     }
     if (twins_.empty()) return false;
     const Minimum& least = *std::min_element(twins_.begin(), twins_.end());
-    const double noise = std::max(1.0, residual_over_noise(before));
-    if (!(2 * (before - least.cost) > noise * noise)) return false;
-    const Minimum old{before, std::move(best_)};
+    if (!(more_than_best(least.cost) < -1)) return false;
+    Minimum before{best_cost_, std::move(best_)};
     best_cost_ = least.cost;
     best_ = least.point;
-    twins_.push_back(old);
+    twins_.push_back(std::move(before));
     return true;
   }
 
   /// Those of the minima found by attempt_twins() that are as good as the best one, and other than its intervals say.
   void compare_twins() {
-    const double noise = std::max(1.0, residual_over_noise(best_cost_));
+    std::vector<double> own;
+    for (const Estimate& estimate : out_.estimates) own.push_back(estimate.value);
     std::vector<Alternative> others;
     for (const Minimum& twin : twins_) {
-      const double more = 2 * (twin.cost - best_cost_) / (noise * noise);
+      const double more = more_than_best(twin.cost);
       if (!(std::abs(more) < equally_good)) continue;
       Alternative other = alternative(twin.point.parameters, Frequencies(problem_, twin.point), more);
       const auto same = [&](const Alternative& one) { return !differ(one.values, other.values); };
-      std::vector<double> own;
-      for (const Estimate& estimate : out_.estimates) own.push_back(estimate.value);
       if (!differ(own, other.values) || std::any_of(others.begin(), others.end(), same)) continue;
       others.push_back(std::move(other));
     }

@@ -11,7 +11,6 @@ SomeRuns::SomeRuns(const FitProblem& whole, const std::vector<Record>& records, 
   for (const std::size_t r : runs_) {
     experiment_.runs.push_back(whole.experiment().runs[r]);
     experiment_.records.push_back(records[r]);
-    records_.push_back(records[r]);
   }
   problem_.emplace(experiment_);
   for (const Parameter& p : problem_->parameters()) {

@@ -18,7 +18,7 @@ class SomeRuns {
   SomeRuns& operator=(const SomeRuns&) = delete;
 
   const FitProblem& problem() const { return *problem_; }
-  const std::vector<Record>& records() const { return records_; }
+  const std::vector<Record>& records() const { return experiment_.records; }
   /// Per parameter of problem(), the one of `whole` that has its name.
   const std::vector<std::size_t>& places() const { return places_; }
   /// What FitOptions::from needs: the values that a fit of `whole` found.
@@ -28,7 +28,6 @@ class SomeRuns {
   std::vector<std::size_t> runs_;
   Experiment experiment_;
   std::optional<FitProblem> problem_;
-  std::vector<Record> records_;
   std::vector<std::size_t> places_;
 };
 
