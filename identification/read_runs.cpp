@@ -138,6 +138,12 @@ class RunsReader {
     return {table.text(key)};
   }
 
+  static void expect_one_or_each(const TomlPlace& place, const char* what, std::size_t found, const RunSource& source) {
+    if (found == 1 || found == source.files.size()) return;
+    place.fail(fmt::format("expected one {}, or one for each of the {} data files, found {}", what, source.files.size(),
+                           found));
+  }
+
   static RunSource read_source(const TomlTable& table, const fs::path& folder) {
     RunSource source;
     source.place = table.place_of("data");
@@ -152,11 +158,7 @@ class RunsReader {
     if (source.files.empty()) source.place.fail("expected the path of a data file; leave the key out to simulate");
     if (table.has("time")) {
       const std::vector<TomlText> times = text_or_texts(table, "time");
-      if (times.size() != 1 && times.size() != source.files.size()) {
-        table.place_of("time").fail("expected one column, or one for each of the " +
-                                    std::to_string(source.files.size()) + " data files, found " +
-                                    std::to_string(times.size()));
-      }
+      expect_one_or_each(table.place_of("time"), "column", times.size(), source);
       for (std::size_t f = 0; f < source.files.size(); ++f) {
         source.files[f].time = times[times.size() > 1 ? f : 0].value;
       }
@@ -182,11 +184,7 @@ class RunsReader {
     const bool is_list = table.holds_list("time_factor");
     const std::vector<double> factors =
         is_list ? table.numbers("time_factor") : std::vector{table.number("time_factor", 1.0, Range::positive)};
-    if (factors.size() != 1 && factors.size() != source.files.size()) {
-      table.place_of("time_factor")
-          .fail("expected one number, or one for each of the " + std::to_string(source.files.size()) +
-                " data files, found " + std::to_string(factors.size()));
-    }
+    expect_one_or_each(table.place_of("time_factor"), "number", factors.size(), source);
     for (std::size_t f = 0; f < source.files.size(); ++f) {
       const double factor = factors[factors.size() > 1 ? f : 0];
       if (!(factor > 0)) {

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -132,10 +130,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
         "several experiments: expected no --profile, --bootstrap, --svg, --csv or --scene, which are of one fit");
   }
   for (std::size_t i = 1; i < request.files.size(); ++i) {
-    const auto same = [&](const std::string& other) {
-      std::error_code ignored;
-      return other == request.files[i] || std::filesystem::equivalent(other, request.files[i], ignored);
-    };
+    const auto same = [&](const std::string& other) { return same_file(other, request.files[i]); };
     if (std::any_of(request.files.begin(), request.files.begin() + static_cast<std::ptrdiff_t>(i), same)) {
       throw InputError(request.files[i] + ": expected different experiments to compare, found this one twice");
     }

@@ -17,11 +17,6 @@ namespace poise::app {
 namespace fs = std::filesystem;
 namespace {
 
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code unknown;
-  return fs::equivalent(a, b, unknown) || fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
-}
-
 void expect_different(const std::string& a, const std::string& name_a, const std::string& b,
                       const std::string& name_b) {
   if (a.empty() || b.empty() || !same_file(a, b)) return;
@@ -29,6 +24,11 @@ void expect_different(const std::string& a, const std::string& name_a, const std
 }
 
 }  // namespace
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code unknown;
+  return fs::equivalent(a, b, unknown) || fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
+}
 
 Scene load_scene(const Request& request) {
   Scene scene = read_scene(request.scene);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ namespace poise::app {
 
 /// Reads the scene and puts the settings into it. Throws InputError.
 Scene load_scene(const Request& request);
+
+/// Whether two paths name one file, of files that do not exist by their words.
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// The files of a request; tested for writing here, before any work is done. Throws InputError where one cannot be
 /// written, where two are the same, or where one is a file that is `read`.

@@ -427,18 +427,18 @@ void add_known(Group& content, const FitProblem& problem, const FitAnswer& answe
   // What is this much less than the standard error is rounding; of an input it is not worth a column.
   constexpr double rounding = 1e-9;
   constexpr double little = 0.1;
-  const auto matters = [&](const KnownEffect& effect, double part) {
+  const auto matters = [&](const KnownEffect& effect) {
     return std::any_of(rows.begin(), rows.end(), [&](std::size_t p) {
-      return std::abs(effect.change[p]) >= part * answer.fit.estimates[p].standard_error;
+      return std::abs(effect.change[p]) >= little * answer.fit.estimates[p].standard_error;
     });
   };
+  const std::size_t numbers = answer.known.size();
   std::vector<const KnownEffect*> shown;
-  for (const KnownEffect& effect : answer.known) shown.push_back(&effect);
-  for (const KnownEffect& effect : answer.inputs) {
-    if (matters(effect, little)) shown.push_back(&effect);
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    if (i < numbers || matters(*effects[i])) shown.push_back(effects[i]);
   }
   if (shown.empty()) return;
-  const bool inputs = shown.size() > answer.known.size();
+  const bool inputs = shown.size() > numbers;
   Group& section = content.group(
       "", answer.known.empty() ? "Changes if the readings of an input are joined by a smooth curve, not by lines"
           : inputs ? "Changes by one standard deviation of the numbers taken as known, and with smooth inputs"

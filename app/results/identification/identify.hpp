@@ -19,9 +19,8 @@ struct FitAnswer {
   std::vector<Record> records;
   /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not computed.
   std::vector<double> rms_from_readings;
-  // Already in the fit's standard errors:
-  std::vector<KnownEffect> known;
-  std::vector<KnownEffect> inputs;              ///< input_effects()
+  std::vector<KnownEffect> known;               ///< already in the fit's standard errors
+  std::vector<KnownEffect> inputs;              ///< input_effects(), likewise
   std::vector<std::vector<std::string>> stops;  ///< per run: stops_passed()
   std::vector<Profile> profiles;
   std::optional<Bootstrap> bootstrap;
