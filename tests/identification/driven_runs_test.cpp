@@ -73,6 +73,15 @@ std::string inputs_csv(double rate, double end, double noise) {
   return text;
 }
 
+/// A record of the one sensor, whose clock begins at `begin`.
+std::string angles_csv(const Record& record, double begin) {
+  std::string text = "time,angle\n";
+  for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
+    text += fmt::format("{:.9g},{:.12g}\n", begin + record.sensors[0].time[i], record.sensors[0].value[i]);
+  }
+  return text;
+}
+
 const std::string sensor = R"(
 scene = "scene.toml"
 [[sensor]]
@@ -191,11 +200,7 @@ seed = 3
 inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "drive.belt" = "belt", "load.wind" = "wind" }
 )");
   const Record record = FitProblem(truth).records()[0];
-  std::string angles = "time,angle\n";
-  for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
-    angles += fmt::format("{:.9g},{:.12g}\n", 100 + record.sensors[0].time[i], record.sensors[0].value[i]);
-  }
-  folder_.write("angles.csv", angles);
+  folder_.write("angles.csv", angles_csv(record, 100));
   constexpr double position_noise = 2e-5;
   std::string motor_csv = "t,volt\n", belt_csv = "time,mm,wind\n";
   std::mt19937_64 random(9);
@@ -241,11 +246,7 @@ seed = 4
 inputs = { "load.motor" = { column = "tau", file = "inputs.csv" } }
 )");
   const Record record = FitProblem(truth).records()[0];
-  std::string angles = "time,angle\n";
-  for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
-    angles += fmt::format("{:.9g},{:.12g}\n", record.sensors[0].time[i], record.sensors[0].value[i]);
-  }
-  folder_.write("angles.csv", angles);
+  folder_.write("angles.csv", angles_csv(record, 0));
   for (const double rate : {15.0, 1000.0}) {
     folder_.write("motor.csv", inputs_csv(rate, 4.1, 0));
     const Experiment e = read(sensor + unknowns + R"(
