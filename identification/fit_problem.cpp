@@ -13,6 +13,9 @@
 namespace poise {
 namespace {
 
+/// Errors of integration may grow so much; the most accurate motion that is computed where they grow more.
+constexpr double harmless_growth = 20.0, finest = 1e-13;
+
 /// The number of the scene that an unknown is. Throws InputError where the motion does not depend on it.
 SceneParameter scene_number(const Experiment& experiment, const Unknown& unknown) {
   const std::optional<SceneParameter> number = SceneParameter::find(experiment.scene_of(unknown.part), unknown.path);
@@ -21,6 +24,44 @@ SceneParameter scene_number(const Experiment& experiment, const Unknown& unknown
       "{}:{}: unknown \"{}\": expected a number that the motion depends on: none of a stop or of [start], and no "
       "start that its drive leaves out",
       experiment.file_of(unknown.part), unknown.line, unknown.path));
+}
+
+/// How much more than in its first tenth a motion multiplies changes of its start, and so errors, in all: the largest
+/// ratio of |d reading/d(start)| of any sensor.
+double growth_of_errors(const RunModel& model, const Prediction& prediction, double until) {
+  const Eigen::Index width = model.columns();
+  const Eigen::Index start = model.unknowns() + (model.equilibrium_is_unknown() ? 1 : 0);
+  double growth = 1.0;
+  const double* first = prediction.jacobian.data();
+  for (const std::size_t count : model.counts(until)) {
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const auto rows = static_cast<Eigen::Index>(count);
+    const auto by_start = Eigen::Map<const Rows>(first, rows, width).middleCols(start, model.freedoms());
+    if (rows > 0) {
+      const double early = by_start.topRows(rows / 10 + 1).cwiseAbs().maxCoeff();
+      if (early > 0) growth = std::max(growth, by_start.cwiseAbs().maxCoeff() / early);
+    }
+    first += rows * width;
+  }
+  return growth;
+}
+
+/// One degree of freedom that nothing drives is not chaotic.
+bool may_be_chaotic(const RunModel& model) {
+  const bool is_driven = !model.run().inputs.empty() || !model.scene().drives.empty();
+  return model.start_is_unknown() && (model.freedoms() > 1 || is_driven);
+}
+
+/// Of a run, again more accurately where the motion is chaotic: so that the cost stays smooth.
+Prediction predict(const RunModel& model, const std::vector<double>& unknowns, const std::vector<double>& nuisances,
+                   double until, double accuracy, bool jacobian, const std::atomic<bool>* interrupt = nullptr) {
+  Prediction out;
+  const bool examined = may_be_chaotic(model);
+  model.predict(unknowns.data(), nuisances.data(), until, accuracy, jacobian || examined, out, interrupt);
+  if (!out.ok || !examined) return out;
+  const double finer = std::max(finest, accuracy * harmless_growth / growth_of_errors(model, out, until));
+  if (finer < accuracy) model.predict(unknowns.data(), nuisances.data(), until, finer, jacobian, out, interrupt);
+  return out;
 }
 
 }  // namespace
@@ -197,8 +238,7 @@ LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& param
                                  const std::atomic<bool>* interrupt) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = unknowns_of(r, parameters);
-  Prediction prediction;
-  model.predict(unknowns.data(), nuisances.data(), until, accuracy, true, prediction, interrupt);
+  const Prediction prediction = predict(model, unknowns, nuisances, until, accuracy, true, interrupt);
   if (!prediction.ok) return {};
   LinearRun out;
   const Eigen::Index p = model.unknowns();
@@ -251,8 +291,7 @@ Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parame
                                 const std::vector<double>& nuisances, const Record& record) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = unknowns_of(r, parameters);
-  Prediction prediction;
-  model.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy_[r], false, prediction);
+  const Prediction prediction = predict(model, unknowns, nuisances, INFINITY, accuracy_[r], false);
   if (!prediction.ok) return {};
   Residuals e;
   auto predicted = prediction.reading.begin();
@@ -291,8 +330,7 @@ std::vector<std::vector<std::vector<double>>> FitProblem::sensitivities(std::siz
                                                                         const std::vector<double>& nuisances) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = unknowns_of(r, parameters);
-  Prediction prediction;
-  model.predict(unknowns.data(), nuisances.data(), INFINITY, accuracy_[r], true, prediction);
+  const Prediction prediction = predict(model, unknowns, nuisances, INFINITY, accuracy_[r], true);
   if (!prediction.ok) return {};
   const auto columns = static_cast<std::size_t>(model.columns());
   std::vector<std::vector<std::vector<double>>> out;

@@ -158,5 +158,46 @@ TEST(FitProblem, AccuracyOfARunIsFarBelowItsNoise) {
   }
 }
 
+// A double pendulum that turns over multiplies changes of its start, and errors of its motion, by some 10^4. The cost
+// must not show the errors, or no step of a fit decreases it.
+TEST(FitProblem, CostIsSmoothWhereTheMotionIsChaotic) {
+  Experiment e;
+  e.scene = parse_scene(R"(
+    gravity = [0, -9.81]
+    [ground]
+    points = { O = [0, 0] }
+    [body.a]
+    points = { O = [0, 0], E = [0.2, 0] }
+    mass = 0.5
+    center = [0.1, 0]
+    inertia = 0.002
+    [body.b]
+    points = { E = [0, 0] }
+    mass = 0.4
+    center = [0.12, 0.01]
+    inertia = 0.003
+    [[pin]]
+    points = ["ground.O", "a.O"]
+    [[pin]]
+    points = ["a.E", "b.E"]
+    [start]
+    a = 1
+    b = 1.5
+  )",
+                        "double.toml");
+  e.sensors = {test::angle_of(e.scene, "a", 1e-3), test::angle_of(e.scene, "b", 1e-3)};
+  e.unknowns = {test::unknown("body.b.inertia")};
+  e.runs = {test::simulated(100, 560)};
+  const FitProblem problem(e);
+  const std::vector<Record> records = problem.records();
+  std::vector<std::vector<double>> starts = test::released(problem);
+  const double cost = problem.cost(problem.truths(), starts, records, problem.weighting(), 1);
+  EXPECT_NEAR(cost, 560, 100);
+  for (int step = 0; step < 8; ++step) {
+    starts[0][0] += 1e-13;
+    EXPECT_NEAR(problem.cost(problem.truths(), starts, records, problem.weighting(), 1), cost, 0.05);
+  }
+}
+
 }  // namespace
 }  // namespace poise
