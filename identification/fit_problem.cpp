@@ -16,6 +16,19 @@ namespace {
 /// Errors of integration may grow so much; the most accurate motion that is computed where they grow more.
 constexpr double harmless_growth = 20.0, finest = 1e-13;
 
+/// Where friction switches over, steps are as long as the switch-over, and the error of a motion is some hundred times
+/// what the integrator estimates: measured on the double pendulum with dry friction, whose cost then scatters by more
+/// than a thousandth of a standard error (docs/motion.md).
+constexpr double steep_part = 0.01;
+
+/// Whether it has dry friction that turns with the rate over a width.
+bool switches_over(const Scene& scene) {
+  return std::any_of(scene.elements.begin(), scene.elements.end(), [](const Element& element) {
+    const auto* friction = std::get_if<DryFriction>(&element.law);
+    return friction != nullptr && friction->width > 0;
+  });
+}
+
 /// The number of the scene that an unknown is. Throws InputError where the motion does not depend on it.
 SceneParameter scene_number(const Experiment& experiment, const Unknown& unknown) {
   const std::optional<SceneParameter> number = SceneParameter::find(experiment.scene_of(unknown.part), unknown.path);
@@ -121,7 +134,8 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
       amplitude = 0.0;
       for (const Release& release : model.run().release) amplitude = std::max(amplitude, std::abs(release.value));
     }
-    accuracy_.push_back(std::clamp(1e-3 * noise / std::max(amplitude, 1e-12), 1e-10, 1e-6));
+    const double accuracy = std::clamp(1e-3 * noise / std::max(amplitude, 1e-12), 1e-10, 1e-6);
+    accuracy_.push_back(switches_over(model.scene()) ? std::max(1e-10, steep_part * accuracy) : accuracy);
   }
 }
 
