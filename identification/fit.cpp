@@ -443,7 +443,8 @@ class Fitting {
   }
 
   /// Ceres' own bounds cost a line search in every step, so ranges are kept by an active set: a parameter that leaves
-  /// its range is held at the bound, and released where its gradient points inside again.
+  /// its range is held at the bound, and released where its gradient points inside again, as long as that lowers the
+  /// cost.
   std::optional<double> minimise_within_ranges(ceres::Problem& problem, const ceres::Solver::Options& options,
                                                std::vector<double>& scaled) {
     const std::vector<Parameter>& parameters = problem_.parameters();
@@ -452,14 +453,16 @@ class Fitting {
       return std::any_of(options_.held.begin(), options_.held.end(),
                          [&](const auto& one) { return one.first == static_cast<int>(i); });
     };
-    for (std::size_t i = 0; i < parameters.size() && out_.iterations > 0; ++i) {
-      // A parameter that a shorter window left at a bound is held there at first.
+    const bool starts_from_fit = out_.iterations > 0 || options_.from != nullptr;
+    for (std::size_t i = 0; i < parameters.size() && starts_from_fit; ++i) {
+      // A parameter that a shorter window, or another fit, left at a bound is held there at first.
       if (scaled[i] * parameters[i].scale > parameters[i].min && scaled[i] * parameters[i].scale < parameters[i].max) {
         continue;
       }
       held[i] = 1;
       problem.SetParameterBlockConstant(&scaled[i]);
     }
+    double reached = INFINITY;
     for (std::size_t round = 0;; ++round) {
       const std::optional<double> cost = solve(problem, options);
       if (!cost || stopped() || round > 2 * parameters.size()) return cost;
@@ -474,6 +477,8 @@ class Fitting {
         changed = true;
       }
       if (changed) continue;
+      if (*cost > reached * (1 - options.function_tolerance)) return cost;
+      reached = *cost;
       for (std::size_t i = 0; i < parameters.size() && round <= parameters.size(); ++i) {
         if (held[i] == 0 || is_given(i)) continue;
         problem.SetParameterBlockVariable(&scaled[i]);
