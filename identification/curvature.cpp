@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "identification/frequencies.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -26,11 +28,15 @@ constexpr double straight_within = 0.1;
 /// in second order in any.
 constexpr double small_part = 0.002;
 /// Half widths of the interval at which the others are fitted anew, until the cost has grown to its limit.
-constexpr double steps[] = {0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0};
+constexpr double steps[] = {1.0, 1.5, 2.0, 3.0, 5.0, 10.0};
+/// Where it has grown to more than this part of the limit at the first of them, a point between is needed.
+constexpr double near_limit = 1.25;
 /// First step along a null, of the number's scale.
 constexpr double null_step = 0.02;
 /// A cost that is lower by more than this, or by what integration errors make, is another minimum's.
 constexpr double lower_by = 0.05, integration_part = 1e-4;
+/// Fits along a trace end where a step lowers the cost by less than this part of what it grows to at the limit.
+constexpr double cost_within = 1e-2;
 /// Without an end on one side, an interval that is longer by this factor along the trace has none either.
 constexpr double much_longer = 1.5;
 
@@ -86,7 +92,8 @@ class Explorer {
       }
       if (most < 0) return;
       const auto at = static_cast<std::size_t>(most);
-      trace(most, fitted_.errors.reach[at], fitted_.errors.error[at] / std::sqrt(white(most, most)),
+      trace(most, white.col(most) / white(most, most), fitted_.errors.reach[at],
+            fitted_.errors.error[at] / std::sqrt(white(most, most)),
             fitted_.errors.reach[at] / fitted_.errors.error[at]);
     }
   }
@@ -105,7 +112,7 @@ class Explorer {
         if (most < 0 || std::abs(step[i] / scale_[i]) > std::abs(step[most] / scale_[most])) most = i;
       }
       if (most < 0 || traced_[static_cast<std::size_t>(most)] || is_null(step)) continue;
-      trace(most, null_step * scale_[most], largest_factor(), probe);
+      trace(most, step / step[most], null_step * scale_[most], largest_factor(), probe);
     }
   }
 
@@ -129,33 +136,44 @@ class Explorer {
 
   bool is_lower(double cost) const { return cost < fitted_.cost - std::max(lower_by, integration_part * fitted_.cost); }
 
-  /// The cost at x + t step, nuisances following to first order; nothing where a parameter leaves its range.
-  std::optional<double> cost_at(const VectorXd& step, double t) const {
-    std::vector<double> parameters = fitted_.parameters;
-    for (Index i = 0; i < n_; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      parameters[at] += t * step[i];
-      if (parameters[at] < problem_.parameters()[at].min || parameters[at] > problem_.parameters()[at].max) return {};
-    }
-    std::vector<std::vector<double>> nuisances;
+  static FitPoint values_of(const Fit& fit) {
+    FitPoint out{fit.parameters, {}};
+    for (const RunFit& run : fit.runs) out.nuisances.push_back(run.nuisances);
+    return out;
+  }
+
+  /// The values at x + step, nuisances following to first order.
+  FitPoint moved(const VectorXd& step) const {
+    FitPoint out{fitted_.parameters, {}};
+    for (Index i = 0; i < n_; ++i) out.parameters[static_cast<std::size_t>(i)] += step[i];
     for (std::size_t r = 0; r < linear_.size(); ++r) {
-      std::vector<double>& own = nuisances.emplace_back(fitted_.runs[r].nuisances);
+      std::vector<double>& own = out.nuisances.emplace_back(fitted_.runs[r].nuisances);
       const Index count = problem_.run(r).nuisances();
       if (count == 0) continue;
-      VectorXd moved = VectorXd::Zero(linear_[r].rows.rows());
+      VectorXd change = VectorXd::Zero(linear_[r].rows.rows());
       for (std::size_t c = 0; c < problem_.parameters_of(r).size(); ++c) {
-        moved += t * step[problem_.parameters_of(r)[c]] * linear_[r].rows.col(count + static_cast<Index>(c));
+        change += step[problem_.parameters_of(r)[c]] * linear_[r].rows.col(count + static_cast<Index>(c));
       }
-      const VectorXd follow = solvers::minimum_norm_solution<double>(linear_[r].rows.leftCols(count), moved);
+      const VectorXd follow = solvers::minimum_norm_solution<double>(linear_[r].rows.leftCols(count), change);
       for (Index i = 0; i < count; ++i) own[static_cast<std::size_t>(i)] -= follow[i];
     }
-    return problem_.cost(parameters, nuisances, records_, fitted_.weighting, options_.jobs);
+    return out;
+  }
+
+  /// The cost there; nothing where a parameter leaves its range.
+  std::optional<double> cost_at(const VectorXd& step) const {
+    const FitPoint there = moved(step);
+    for (std::size_t i = 0; i < there.parameters.size(); ++i) {
+      const Parameter& p = problem_.parameters()[i];
+      if (there.parameters[i] < p.min || there.parameters[i] > p.max) return {};
+    }
+    return problem_.cost(there.parameters, there.nuisances, records_, fitted_.weighting, options_.jobs);
   }
 
   /// Whether the cost at two leading standard errors is that of the parabola, on the side that is within the ranges.
   bool is_straight(const VectorXd& step, double leading) const {
-    std::optional<double> cost = cost_at(step, probe);
-    if (!cost) cost = cost_at(step, -probe);
+    std::optional<double> cost = cost_at(probe * step);
+    if (!cost) cost = cost_at(-probe * step);
     if (!cost || is_lower(*cost)) return false;
     const double growth = std::sqrt(2 * std::max(0.0, *cost - fitted_.cost)) / (probe * leading);
     return std::abs(growth - 1) <= straight_within;
@@ -165,28 +183,28 @@ class Explorer {
     const double least = std::max(lower_by, integration_part * fitted_.cost);
     constexpr std::array sides = {-1.0, 1.0};
     return std::all_of(sides.begin(), sides.end(), [&](double t) {
-      const std::optional<double> cost = cost_at(step, t);
+      const std::optional<double> cost = cost_at(t * step);
       return !cost || std::abs(*cost - fitted_.cost) < least;
     });
   }
 
   struct Point {
-    std::vector<double> parameters;
+    FitPoint values;
     double growth = 0.0;  // in leading standard errors
   };
 
-  /// `reach`: half the interval of the parameter held, `factor`: its leading over its white standard error, `limit`:
-  /// the quantile of the interval.
-  void trace(Index held, double reach, double factor, double limit) {
+  /// `direction`: changes of all parameters per change of the one held, to first order; `reach`: half its interval,
+  /// `factor`: its leading over its white standard error, `limit`: the quantile of the interval.
+  void trace(Index held, const VectorXd& direction, double reach, double factor, double limit) {
     const auto at = static_cast<std::size_t>(held);
     traced_[at] = true;
     CostTrace found{.held = static_cast<int>(held)};
     for (const int side : {-1, 1}) {
-      std::vector<Point> points = {{fitted_.parameters, 0.0}};
-      const bool ended = follow(held, side, reach, factor, limit, points);
+      std::vector<Point> points = {{values_of(fitted_), 0.0}};
+      const bool ended = follow(held, side * direction, reach, factor, limit, points);
       if (done()) return;
       const Point& last = points.back();
-      const double far = limit * std::abs(last.parameters[at] - fitted_.parameters[at]) / reach;
+      const double far = limit * std::abs(last.values.parameters[at] - fitted_.parameters[at]) / reach;
       const double slow = points.size() > 1 ? far / std::max(last.growth, 1e-3 * far) : 1.0;
       (side < 0 ? found.slow_low : found.slow_high) = slow;
       (side < 0 ? found.open_low : found.open_high) = !ended;
@@ -197,35 +215,78 @@ class Explorer {
 
   /// Points outwards, the last one at the limit or beyond it. False where the cost does not grow to it, or no fit
   /// succeeds; true also at a bound.
-  bool follow(Index held, int side, double reach, double factor, double limit, std::vector<Point>& points) {
+  bool follow(Index held, const VectorXd& direction, double reach, double factor, double limit,
+              std::vector<Point>& points) {
     const auto at = static_cast<std::size_t>(held);
     const Parameter& p = problem_.parameters()[at];
-    Fit last = fitted_;
-    for (const double step : steps) {
-      double x = fitted_.parameters[at] + side * step * reach;
-      const bool at_bound = side < 0 ? x <= p.min : x >= p.max;
-      if (at_bound) x = side < 0 ? p.min : p.max;
+    const double side = direction[held];
+    const double estimate = fitted_.parameters[at];
+    const auto add = [&](double x, const FitPoint& start) {
       if (options_.progress) {
-        options_.progress(fmt::format("following the valley of {}, {:.1f} half intervals {}", p.name, step,
-                                      side < 0 ? "down" : "up"));
+        options_.progress(fmt::format("following the valley of {}, {:.1f} half intervals {}", p.name,
+                                      std::abs(x - estimate) / reach, side < 0 ? "down" : "up"));
       }
-      FitOptions options;
-      options.from = &last;
-      options.held = {{static_cast<int>(held), x}};
-      options.values_only = true;
-      options.jobs = options_.jobs;
-      options.interrupt = options_.interrupt;
-      Fit there = fit(problem_, records_, options);
+      const Fit there = fit_at(held, x, start, limit * factor);
       if (done() || there.status == FitStatus::failed) return false;
       if (is_lower(there.cost)) {
-        out_.better = std::move(there);
+        out_.better = there;
         return false;
       }
-      points.push_back({there.parameters, std::sqrt(2 * std::max(0.0, there.cost - fitted_.cost)) / factor});
-      if (points.back().growth >= limit || at_bound) return true;
-      last = std::move(there);
+      points.push_back({values_of(there), std::sqrt(2 * std::max(0.0, there.cost - fitted_.cost)) / factor});
+      return true;
+    };
+    for (const double step : steps) {
+      double x = estimate + side * step * reach;
+      const bool at_bound = side < 0 ? x <= p.min : x >= p.max;
+      if (at_bound) x = side < 0 ? p.min : p.max;
+      const FitPoint start = points.size() == 1
+                                 ? moved((x - estimate) / side * direction)
+                                 : extrapolated(points[points.size() - 2].values, points.back().values, at, x);
+      if (!add(x, start)) return false;
+      if (points.back().growth < limit && !at_bound) continue;
+      if (points.size() == 2 && points.back().growth > near_limit * limit) {
+        x = estimate + (x - estimate) / 2;
+        if (!add(x, extrapolated(points.front().values, points.back().values, at, x))) return false;
+        std::swap(points[1], points[2]);
+      }
+      return true;
     }
     return false;
+  }
+
+  Fit fit_at(Index held, double x, const FitPoint& start, double grown) const {
+    Fit from = fitted_;
+    start_at(start, from);
+    FitOptions options;
+    options.from = &from;
+    options.held = {{static_cast<int>(held), x}};
+    options.values_only = true;
+    options.function_tolerance = std::max(options.function_tolerance, cost_within * grown * grown / 2 / fitted_.cost);
+    options.jobs = options_.jobs;
+    options.interrupt = options_.interrupt;
+    return fit(problem_, records_, options);
+  }
+
+  /// On the line through two points where parameter `at` has the value x.
+  static FitPoint extrapolated(const FitPoint& a, const FitPoint& b, std::size_t at, double x) {
+    const double part = (x - b.parameters[at]) / (b.parameters[at] - a.parameters[at]);
+    FitPoint out = b;
+    for (std::size_t i = 0; i < out.parameters.size(); ++i)
+      out.parameters[i] += part * (b.parameters[i] - a.parameters[i]);
+    for (std::size_t r = 0; r < out.nuisances.size(); ++r) {
+      for (std::size_t i = 0; i < out.nuisances[r].size(); ++i) {
+        out.nuisances[r][i] += part * (b.nuisances[r][i] - a.nuisances[r][i]);
+      }
+    }
+    return out;
+  }
+
+  /// Makes a fit that others start from start at this point, within the ranges.
+  void start_at(const FitPoint& point, Fit& from) const {
+    for (std::size_t i = 0; i < point.parameters.size(); ++i) {
+      from.parameters[i] = std::clamp(point.parameters[i], problem_.parameters()[i].min, problem_.parameters()[i].max);
+    }
+    for (std::size_t r = 0; r < point.nuisances.size(); ++r) from.runs[r].nuisances = point.nuisances[r];
   }
 
   /// The interval of every parameter along these points; `slow` of a side without an end, else 0.
@@ -249,7 +310,7 @@ class Explorer {
           const auto between = [&](double a, double b) { return a + share * (b - a); };
           const double growth = between(points[i].growth, points[i + 1].growth) / limit;
           if (growth > 1.0) continue;
-          const double x = between(points[i].parameters[at], points[i + 1].parameters[at]);
+          const double x = between(points[i].values.parameters[at], points[i + 1].values.parameters[at]);
           const double around = j == held ? 0.0 : own * std::sqrt(1.0 - growth * growth);
           low = std::min(low, x - around);
           high = std::max(high, x + around);
