@@ -235,21 +235,24 @@ class Explorer {
       points.push_back({values_of(there), std::sqrt(2 * std::max(0.0, there.cost - fitted_.cost)) / factor});
       return true;
     };
+    const auto linear = [&](double x) { return moved((x - estimate) / side * direction); };
+    const auto onwards = [&](double x) {
+      return extrapolated(points[points.size() - 2].values, points.back().values, at, x);
+    };
     for (const double step : steps) {
       double x = estimate + side * step * reach;
       const bool at_bound = side < 0 ? x <= p.min : x >= p.max;
       if (at_bound) x = side < 0 ? p.min : p.max;
-      const FitPoint start = points.size() == 1
-                                 ? moved((x - estimate) / side * direction)
-                                 : extrapolated(points[points.size() - 2].values, points.back().values, at, x);
-      if (!add(x, start)) return false;
-      if (points.back().growth < limit && !at_bound) continue;
-      if (points.size() == 2 && points.back().growth > near_limit * limit) {
-        x = estimate + (x - estimate) / 2;
-        if (!add(x, extrapolated(points.front().values, points.back().values, at, x))) return false;
+      const double half = (estimate + x) / 2;
+      if (points.size() > 1) {
+        if (!add(x, onwards(x))) return false;
+      } else if (!add(x, linear(x))) {
+        if (done() || !add(half, linear(half)) || !add(x, onwards(x))) return false;
+      } else if (points.back().growth > near_limit * limit) {
+        if (!add(half, onwards(half))) return false;
         std::swap(points[1], points[2]);
       }
-      return true;
+      if (points.back().growth >= limit || at_bound) return true;
     }
     return false;
   }
