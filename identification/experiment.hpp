@@ -45,6 +45,8 @@ struct Sensor {
   int line = 0;
 
   bool reads_force() const { return element >= 0; }
+  /// Whether it reads an angle itself, not its rate or an effort.
+  bool reads_angle() const { return on.is_angle() && !rate && !reads_force(); }
   /// Of a reading.
   Dimension dimension() const {
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();

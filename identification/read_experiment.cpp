@@ -149,7 +149,7 @@ class ExperimentReader {
       sensor.column = column->value;
     }
     sensor.gaps = table.flag("gaps", false);
-    if (table.has("wraps") && (!sensor.on.is_angle() || sensor.rate || sensor.reads_force())) {
+    if (table.has("wraps") && !sensor.reads_angle()) {
       table.place_of("wraps").fail("expected wraps of a sensor of an angle only; leave it out");
     }
     sensor.wraps = table.find_number("wraps", std::abs(sensor.unit), Range::not_negative);

@@ -328,7 +328,7 @@ class RunsReader {
         for (const std::size_t k : sensors_of(run)) {
           const Sensor& sensor = experiment_.sensors[k];
           record.sensors[k] = in_si(std::move(data.columns[column++]), sensor.zero, sensor.unit);
-          if (!sensor.on.is_angle() || sensor.rate || sensor.reads_force()) continue;
+          if (!sensor.reads_angle()) continue;
           make_continuous({experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""}, sensor.wraps, sensor.unit,
                           run.name, record.sensors[k]);
         }

@@ -111,7 +111,7 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const s
          .y = shown(residuals_of(problem, answer.fit, answer.records, worst[i]).residual[k], sensor, units),
          .style = answer.fit.runs[worst[i]].is_white() ? Curve::Style::points : Curve::Style::line});
   }
-  const double two = 2 * sensor.noise / sensor.dimension().unit(units);
+  const double two = 2 * answer.fit.weighting.noise[k] / sensor.dimension().unit(units);
   panel.bands = {{.low = -two, .high = two, .name = "2 sigma of the noise"}};
   return panel;
 }

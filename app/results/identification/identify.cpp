@@ -693,7 +693,7 @@ std::string rms_in_words(const std::vector<double>& rms, const Experiment& exper
     const Sensor& sensor = experiment.sensors[k];
     text += fmt::format("{}{} {} {}", k > 0 ? ", " : "", sensor.name, significant(shown[k], residual_digits),
                         sensor.dimension().unit_name(units));
-    if (sensor.reads_force() || sensor.rate || !sensor.on.is_angle()) continue;
+    if (!sensor.reads_angle()) continue;
     squares += rms[k] * rms[k];
     ++angles;
   }
