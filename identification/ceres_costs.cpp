@@ -43,12 +43,26 @@ RunCost::RunCost(const FitProblem& problem, std::size_t run, const Record& recor
   set_num_residuals(model.columns() + 1);
 }
 
+std::vector<double> RunCost::values(const double* const* blocks) const {
+  const int p = problem_.run(run_).unknowns();
+  std::vector<double> at;
+  for (int i = 0; i < p; ++i) at.push_back(*blocks[i]);
+  for (int i = 0; i < problem_.run(run_).nuisances(); ++i) at.push_back(blocks[p][i]);
+  return at;
+}
+
+std::optional<LinearRun> RunCost::take(const double* const* blocks) {
+  const std::vector<double> at = values(blocks);
+  for (Point* point : {&last_, &before_}) {
+    if (point->at == at) return std::exchange(*point, {}).linear;
+  }
+  return std::nullopt;
+}
+
 void RunCost::compute(const double* const* blocks) const {
   const int p = problem_.run(run_).unknowns();
   const int m = problem_.run(run_).nuisances();
-  std::vector<double> at;
-  for (int i = 0; i < p; ++i) at.push_back(*blocks[i]);
-  for (int i = 0; i < m; ++i) at.push_back(blocks[p][i]);
+  std::vector<double> at = values(blocks);
   // Ceres asks for the residuals first and, where it accepts the point, for the Jacobian: one motion gives both. Where
   // it does not accept it, it may return to the point before.
   if (at == last_.at) return;
@@ -61,7 +75,8 @@ void RunCost::compute(const double* const* blocks) const {
   }
   std::vector<double> nuisances = from_;
   for (int i = 0; i < m; ++i) nuisances[static_cast<std::size_t>(i)] += blocks[p][i];
-  last_.triangle = problem_.triangle(run_, parameters, nuisances, &record_, until_, accuracy_, weighting_, interrupt_);
+  last_.linear = problem_.linearized(run_, parameters, nuisances, &record_, until_, accuracy_, weighting_, interrupt_);
+  last_.triangle = FitProblem::triangle_of(last_.linear.rows, weighting_);
   if (run_ == 0) ++evaluations_;
   last_.at = std::move(at);
 }

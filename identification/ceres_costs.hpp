@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,8 @@ class RunCost : public ceres::CostFunction {
 
   /// Computes the motion at these values, unless it was computed for them the last time or the time before.
   void compute(const double* const* blocks) const;
+  /// The run linearized at these values, once, if the last motion, or the one before, was computed for them.
+  std::optional<LinearRun> take(const double* const* blocks);
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
 
  private:
@@ -39,8 +42,11 @@ class RunCost : public ceres::CostFunction {
   const std::atomic<bool>* interrupt_;
   struct Point {
     std::vector<double> at;
+    LinearRun linear;
     Eigen::MatrixXd triangle;
   };
+  std::vector<double> values(const double* const* blocks) const;
+
   mutable Point last_, before_;
 };
 

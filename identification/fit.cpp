@@ -20,6 +20,7 @@
 #include "identification/run_influence.hpp"
 #include "identification/twins.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
 
 namespace poise {
@@ -388,6 +389,11 @@ class Fitting {
     ceres::Problem::Options problem_options;
     problem_options.evaluation_callback = &runs;
     ceres::Problem problem(problem_options);
+    struct OfRun {
+      RunCost* cost;
+      std::vector<double*> blocks;
+    };
+    std::vector<OfRun> costs;
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       std::vector<double*> blocks;
       for (const int p : problem_.parameters_of(r)) blocks.push_back(&scaled[static_cast<std::size_t>(p)]);
@@ -398,6 +404,7 @@ class Fitting {
                                out_.evaluations, options_.interrupt);
       problem.AddResidualBlock(cost, nullptr, blocks);
       runs.add(*cost, blocks);
+      costs.push_back({cost, std::move(blocks)});
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Unknown& unknown = problem_.unknown_of(i);
@@ -438,6 +445,11 @@ class Fitting {
     for (std::size_t i = 0; i < parameters.size(); ++i) point.parameters[i] = scaled[i] * parameters[i].scale;
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       for (std::size_t i = 0; i < shifts[r].size(); ++i) point.nuisances[r][i] += shifts[r][i];
+    }
+    computed_.clear();
+    computed_at_ = point;
+    for (OfRun& run : costs) {
+      if (!is_start) computed_.push_back(run.cost->take(run.blocks.data()));
     }
     return *cost;
   }
@@ -546,13 +558,17 @@ class Fitting {
 
   /// Runs, identifiability and standard errors at the best point; false where a motion fails.
   bool linearize() {
-    linear_.clear();
-    std::vector<Eigen::MatrixXd> triangles;
-    for (std::size_t r = 0; r < problem_.runs(); ++r) {
-      linear_.push_back(problem_.linearized(r, best_.parameters, best_.nuisances[r], &records_[r], INFINITY,
-                                            problem_.accuracy(r), out_.weighting));
-      triangles.push_back(triangle_of(linear_.back()));
-    }
+    // The last evaluation of a fit is often that of its result.
+    const bool computed = computed_.size() == problem_.runs() && computed_at_ == best_;
+    linear_.assign(problem_.runs(), {});
+    std::vector<Eigen::MatrixXd> triangles(problem_.runs());
+    solvers::parallel_for(problem_.runs(), {.jobs = options_.jobs}, [&](std::size_t r) {
+      linear_[r] = computed && computed_[r] ? std::move(*computed_[r])
+                                            : problem_.linearized(r, best_.parameters, best_.nuisances[r], &records_[r],
+                                                                  INFINITY, problem_.accuracy(r), out_.weighting);
+      triangles[r] = triangle_of(linear_[r]);
+    });
+    computed_.clear();
     out_.identifiability = assess(problem_, best_.parameters, best_.nuisances, triangles, out_.weighting);
     if (!out_.identifiability.ok) return false;
     out_.errors = standard_errors(problem_, out_.identifiability.covariance, linear_, out_.weighting);
@@ -918,6 +934,9 @@ class Fitting {
   FitPoint best_;
   std::vector<Minimum> twins_;
   std::vector<LinearRun> linear_;  // at the best point
+  // Runs linearized by the last minimise(), at the point that it found.
+  std::vector<std::optional<LinearRun>> computed_;
+  FitPoint computed_at_;
   double best_cost_ = INFINITY, last_cost_ = INFINITY;
   bool aliased_ = false;  // the times of the readings allow other frequencies than those found
   double signal_ = 0.0;   // sum of squared readings about their means, over noise

@@ -282,7 +282,11 @@ Eigen::MatrixXd FitProblem::triangle(std::size_t r, const std::vector<double>& p
                                      const std::vector<double>& nuisances, const Record* record, double until,
                                      double accuracy, const Weighting& weighting,
                                      const std::atomic<bool>* interrupt) const {
-  Eigen::MatrixXd rows = linearized(r, parameters, nuisances, record, until, accuracy, weighting, interrupt).rows;
+  return triangle_of(linearized(r, parameters, nuisances, record, until, accuracy, weighting, interrupt).rows,
+                     weighting);
+}
+
+Eigen::MatrixXd FitProblem::triangle_of(Eigen::MatrixXd rows, const Weighting& weighting) {
   if (rows.size() == 0) return {};
   const Eigen::Index last = rows.cols() - 1;
   double beyond = 0.0;  // sum of rho(s) - weight(s) s, which is not negative since rho is concave

@@ -106,6 +106,8 @@ class FitProblem {
   Eigen::MatrixXd triangle(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                            const Record* record, double until, double accuracy, const Weighting& weighting,
                            const std::atomic<bool>* interrupt = nullptr) const;
+  /// The same of the rows of a run linearized there.
+  static Eigen::MatrixXd triangle_of(Eigen::MatrixXd rows, const Weighting& weighting);
   /// e itself over the whole record at the stated noise, without derivatives; empty where the motion fails.
   Residuals residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                       const Record& record) const;

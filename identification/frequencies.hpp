@@ -13,6 +13,8 @@ namespace poise {
 struct FitPoint {
   std::vector<double> parameters;
   std::vector<std::vector<double>> nuisances;  ///< per run
+
+  friend bool operator==(const FitPoint&, const FitPoint&) = default;
 };
 
 /// Frequencies from `low` to `high`, Hz, other than `frequency`, of oscillations that have nearly the same readings at
