@@ -47,6 +47,10 @@ struct Sensor {
   bool reads_force() const { return element >= 0; }
   /// Whether it reads an angle itself, not its rate or an effort.
   bool reads_angle() const { return on.is_angle() && !rate && !reads_force(); }
+  /// Whether it reads what may be a coordinate: an angle or the travel of a joint.
+  bool reads_coordinate() const {
+    return (on.is_angle() || on.kind == Measure::Kind::travel) && !rate && !reads_force();
+  }
   /// Of a reading.
   Dimension dimension() const {
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();

@@ -53,6 +53,11 @@ constexpr int most_improvements = 3;
 /// Of minima with other dimensions, so many are compared. A number agrees in all of them where it changes by less than
 /// this part of its standard error.
 constexpr std::size_t most_twins = 3;
+/// Parameters that are tried where sensors do not read all states: so many, changed by up to this factor.
+constexpr std::uint64_t most_far = 24;
+constexpr double far_factor = 3.0;
+/// A part of a parameter's reach that changes frequencies, if it does, by more than this part squared.
+constexpr double slightly = 1e-3;
 constexpr double agrees_within = 0.3;
 /// An interval that is longer by this part of it is said to be.
 constexpr double straight_within = 0.1;
@@ -630,12 +635,94 @@ class Fitting {
     return out_.usable() && out_.identifiability.ok && options_.from == nullptr && !stopped();
   }
 
+  /// Whether the sensors of a run read fewer angles and travels than it has degrees of freedom: then the same readings
+  /// may be those of another mechanism in other states.
+  bool hides_states() const {
+    const std::vector<Sensor>& sensors = problem_.experiment().sensors;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      int read = 0;
+      for (std::size_t k = 0; k < sensors.size(); ++k) {
+        if (!problem_.run(r).times()[k].empty() && sensors[k].reads_coordinate()) ++read;
+      }
+      if (read < problem_.run(r).freedoms()) return true;
+    }
+    return false;
+  }
+
+  /// Parameters that the frequencies depend on.
+  std::vector<std::size_t> that_change(const Frequencies& frequencies) const {
+    const std::vector<double> here = frequencies.at(best_.parameters);
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < best_.parameters.size(); ++i) {
+      std::vector<double> moved = best_.parameters;
+      moved[i] += slightly * problem_.reach(i);
+      const std::vector<double> there = frequencies.at(moved);
+      bool changes = there.size() != here.size();
+      for (std::size_t k = 0; k < here.size() && !changes; ++k) {
+        changes = std::abs(there[k] - here[k]) > slightly * slightly * here[k];
+      }
+      if (changes) out.push_back(i);
+    }
+    return out;
+  }
+
+  /// Parameters that have the frequencies of the minimum: from those with some of `changed` moved at random, numbers
+  /// that keep their sign by up to a factor, others by up to their reach. Nothing where none are found there.
+  std::optional<std::vector<double>> with_same_frequencies(const Frequencies& frequencies,
+                                                           const std::vector<std::size_t>& changed,
+                                                           std::uint64_t number) const {
+    solvers::RandomStream random(number);
+    std::vector<double> out = best_.parameters;
+    for (const std::size_t i : changed) {
+      const Parameter& p = problem_.parameters()[i];
+      const bool keeps = random.uniform() < 0.5;
+      const double by = random.uniform(-1, 1);
+      if (keeps) continue;
+      out[i] = p.min >= 0 && out[i] > 0 ? out[i] * std::pow(far_factor, by) : out[i] + problem_.reach(i) * by;
+      out[i] = std::clamp(out[i], p.min, p.max);
+    }
+    std::vector<double> wanted;
+    for (const Frequencies::Mode& mode : frequencies.modes()) wanted.push_back(mode.frequency);
+    return frequencies.parameters_with(wanted, out);
+  }
+
+  /// Minima of fits from such parameters where the sensors do not read all states: those of the lowest cost that differ
+  /// from each other by more than the intervals say.
+  std::vector<Minimum> with_other_states() {
+    std::vector<Minimum> out;
+    if (!hides_states()) return out;
+    const Frequencies frequencies(problem_, best_);
+    const std::vector<std::size_t> changed = that_change(frequencies);
+    if (changed.empty()) return out;
+    say("trying other parameters with the same frequencies");
+    std::vector<Minimum> starts;
+    for (std::uint64_t k = 1; k <= most_far && !stopped(); ++k) {
+      std::optional<std::vector<double>> parameters = with_same_frequencies(frequencies, changed, k);
+      if (!parameters || !differ(*parameters, best_.parameters)) continue;
+      starts.push_back(with_nuisances(best_, std::move(*parameters), frequencies));
+    }
+    std::sort(starts.begin(), starts.end());
+    std::vector<std::vector<double>> tried;
+    for (Minimum& start : starts) {
+      if (stopped() || out.size() >= most_twins || !(start.cost < INFINITY)) break;
+      const auto same = [&](const std::vector<double>& one) { return !differ(one, start.point.parameters); };
+      if (std::any_of(tried.begin(), tried.end(), same)) continue;
+      tried.push_back(start.point.parameters);
+      ++out_.tries;
+      start.cost = minimise(start.point, 1.0);
+      if (start.cost < INFINITY) out.push_back(std::move(start));
+    }
+    return out;
+  }
+
   /// Fits from other dimensions with which the mechanism moves alike. True where one of these minima is better.
   bool attempt_twins() {
-    twins_.clear();
     if (!is_to_be_questioned()) return false;
+    if (!other_states_) other_states_ = with_other_states();
+    twins_ = *other_states_;
+    const std::size_t known = twins_.size();
     for (std::vector<double>& parameters : twins(problem_, out_)) {
-      if (stopped() || twins_.size() >= most_twins) break;
+      if (stopped() || twins_.size() >= known + most_twins) break;
       say("trying other dimensions with which it moves alike");
       ++out_.tries;
       FitPoint point{std::move(parameters), best_.nuisances};
@@ -648,7 +735,8 @@ class Fitting {
     Minimum before{best_cost_, std::move(best_)};
     best_cost_ = least.cost;
     best_ = least.point;
-    twins_.push_back(std::move(before));
+    twins_.push_back(before);
+    other_states_->push_back(std::move(before));
     return true;
   }
 
@@ -933,6 +1021,8 @@ class Fitting {
   std::vector<Record> cleaned_;
   FitPoint best_;
   std::vector<Minimum> twins_;
+  // Once tried; also minima that were the best ones.
+  std::optional<std::vector<Minimum>> other_states_;
   std::vector<LinearRun> linear_;  // at the best point
   // Runs linearized by the last minimise(), at the point that it found.
   std::vector<std::optional<LinearRun>> computed_;

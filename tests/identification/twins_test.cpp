@@ -68,6 +68,77 @@ TEST(Twins, AnAnchorOnEitherSideOfARailIsAmbiguous) {
   EXPECT_NEAR(found.estimates[0].value, 0.5, 4 * found.estimates[0].standard_error);
 }
 
+// Two blocks in series, k1 from the ground to the first and k2 between them; only the second one is read. Its
+// frequencies are those of  P = k1 k2  and  S = k1 / m1 + k2 (1/m1 + 1/m2):  with two values of k2, the roots of
+//   k2^2 (1/m1 + 1/m2) - S k2 + P / m1 = 0,
+// it moves alike, the first block otherwise.
+TEST(Twins, StatesThatNoSensorReadsLeaveTwoPairsOfStiffnesses) {
+  constexpr double m1 = 0.4, m2 = 1.3, k1 = 220, k2 = 150;
+  const double other = k1 / (1 + m1 / m2);  // product of the roots: P / m1 / (1/m1 + 1/m2)
+  Experiment e;
+  e.scene = parse_scene(R"(
+    [ground]
+    points = { O = [0, 0] }
+    [body.a]
+    points = { P = [0, 0] }
+    mass = 0.4
+    [body.b]
+    points = { P = [0, 0] }
+    mass = 1.3
+    [[slide]]
+    name = "first"
+    points = ["ground.O", "a.P"]
+    axis = [1, 0]
+    [[slide]]
+    name = "second"
+    points = ["ground.O", "b.P"]
+    axis = [1, 0]
+    [[spring]]
+    name = "k1"
+    points = ["ground.O", "a.P"]
+    stiffness = 220
+    free_length = 0.2
+    [[spring]]
+    name = "k2"
+    points = ["a.P", "b.P"]
+    stiffness = 150
+    free_length = 0.15
+    [start]
+    first = 0.29
+    second = 0.33
+  )",
+                        "series.toml");
+  e.unknowns = {test::unknown("spring.k1.stiffness"), test::unknown("spring.k2.stiffness")};
+  e.runs = {test::simulated(100, 300)};
+  const auto travel = [](int joint) {
+    Sensor sensor;
+    sensor.name = sensor.column = joint == 0 ? "first" : "second";
+    sensor.on = Measure::travel_of(joint);
+    sensor.noise = 1e-4;
+    return sensor;
+  };
+  e.sensors = {travel(1)};
+  const FitProblem problem(e);
+  const Fit found = fit(problem, problem.records());
+  ASSERT_EQ(found.status, FitStatus::ambiguous) << found.why;
+  ASSERT_EQ(found.alternatives.size(), 2U);
+  const bool first = std::abs(found.alternatives[0].values[1] - k2) < std::abs(found.alternatives[1].values[1] - k2);
+  const Alternative& truth = found.alternatives[first ? 0 : 1];
+  const Alternative& twin = found.alternatives[first ? 1 : 0];
+  EXPECT_NEAR(truth.values[0], k1, 0.03 * k1);
+  EXPECT_NEAR(truth.values[1], k2, 0.03 * k2);
+  EXPECT_NEAR(twin.values[1], other, 0.03 * other);
+  EXPECT_NEAR(twin.values[0], k1 * k2 / other, 0.03 * k1);
+  EXPECT_NEAR(truth.more, twin.more, 1e-3);
+
+  // With the first block read, too, nothing is left to choose.
+  e.sensors = {travel(1), travel(0)};
+  const FitProblem both(e);
+  const Fit known = fit(both, both.records());
+  ASSERT_EQ(known.status, FitStatus::converged) << known.why;
+  EXPECT_NEAR(known.estimates[1].value, k2, 4 * known.estimates[1].standard_error);
+}
+
 TEST(Twins, NoneWithinTheRange) {
   BlockOnARail block;
   block.experiment.unknowns[1].min = 0.0;
