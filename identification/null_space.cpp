@@ -17,6 +17,8 @@ constexpr double certain = 1e3;
 constexpr double wide_gap = 1e3;
 /// Rows of the null space, of unit length, that are known worse than to this may have any part in it.
 constexpr double resolved = 1e-6;
+/// What is smaller, of columns of unit length, may come from numbers of a scene that should be zero and are rounding.
+constexpr double least_effect = 1e-13;
 /// Rounding of a decomposition.
 constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();
 
@@ -51,6 +53,7 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   Eigen::MatrixXd unit_again = again;
   for (Eigen::Index i = 0; i < n; ++i) {
     if (is_rounding(a.col(i), again.col(i))) {
+      out.doubtful = out.doubtful || !a.col(i).isZero(0.0);
       unit.col(i).setZero();
       unit_again.col(i).setZero();
       continue;
@@ -71,6 +74,9 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   Eigen::Index rank = 0;
   while (rank < s.size() && over_error(rank) > certain) ++rank;
   if (rank == s.size()) return out;
+  for (Eigen::Index k = rank; k < s.size(); ++k) {
+    out.doubtful = out.doubtful || std::max(s[k], differences[k]) > least_effect;
+  }
   // Of these, those beyond a wide gap are zero.
   const auto drop = [&](Eigen::Index k) {
     return k == 0 ? std::numeric_limits<double>::infinity() : s[k - 1] / std::max(s[k], rounding);
@@ -88,7 +94,11 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   out.basis = nulls;
   for (Eigen::Index i = 0; i < n; ++i) {
     out.error[i] = std::max(margin * difference.row(i).norm(), rounding * std::max(1.0, others.row(i).norm()));
-    if (out.error[i] < resolved && nulls.row(i).norm() <= out.error[i]) out.basis.row(i).setZero();
+    const double part = nulls.row(i).norm();
+    if (out.error[i] < resolved && part <= out.error[i])
+      out.basis.row(i).setZero();
+    else
+      out.doubtful = out.doubtful || part <= certain / margin * out.error[i];
   }
   out.basis = length.cwiseInverse().asDiagonal() * out.basis;
   out.error = length.cwiseInverse().asDiagonal() * out.error;

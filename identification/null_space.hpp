@@ -17,6 +17,7 @@ struct NullSpace {
   Eigen::VectorXd error;  ///< of the rows of the basis
   double gap = 0.0;       ///< widest ratio of successive singular values from the last that is not zero on; 0 without
   int unclear = 0;        ///< directions of these before that gap, or all of them where it is narrow: in doubt null
+  bool doubtful = false;  ///< more digits may show that it, or a part of a number in it, is only an effect too small
 
   Eigen::Index dimension() const { return basis.cols(); }
   bool touches(Eigen::Index number) const { return dimension() > 0 && (basis.row(number).array() != 0.0).any(); }

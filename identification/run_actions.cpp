@@ -178,6 +178,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
 
   const Scene near = disturbed(model.scene());
   const MotionModel near_model(near, scales_, also());
+  out.scene = model.scene();
   std::vector<SceneParameter> numbers = numbers_;
   if (set_by_equilibrium_) numbers.push_back(*set_by_equilibrium_);
   Built changes;
@@ -246,6 +247,8 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     };
     rows.push_back(whole(own, here));
     rows_again.push_back(whole(changed, there));
+    out.states.push_back({t, model.to_si({own.reduced.q(), own.reduced.q() + x.size()}),
+                          model.to_si({own.reduced.v(), own.reduced.v() + x.size()})});
     if (!shifts) return;
     rates.push_back(own.rates());
     rates_again.push_back(changed.rates());

@@ -85,6 +85,12 @@ class RunModel {
   Motion move(const double* unknowns, const double* nuisances, double duration, double accuracy,
               bool sensitivities) const;
 
+  /// A state of this run: all coordinates and rates, SI.
+  struct State {
+    double t = 0.0;
+    std::vector<double> q, v;
+  };
+
   /// How the unknowns act at single states (t, z, w) of this run, whatever led there. Each state has rows
   ///   d alpha/d(unknown)  at fixed z, w, of each degree of freedom,
   ///   d(quantity - what the sensor's numbers add)/d(unknown)  at fixed z, w, of each sensor that is read,
@@ -98,15 +104,12 @@ class RunModel {
     /// d(reading)/d(time) of the rows, of both: a start that is estimated can make up for it, the same part of it in
     /// all rows. Empty where the start is known, time acts on the motion, or no delay is unknown.
     Eigen::VectorXd rate, rate_again;
+    Scene scene;                ///< of the rows, SI
+    std::vector<State> states;  ///< of the rows
   };
   /// At up to `states` random states and at some of the run's own motion from these nuisances.
   Actions actions(const double* unknowns, const double* nuisances, int states) const;
 
-  /// A state of a motion of this run: all coordinates and rates, SI.
-  struct State {
-    double t = 0.0;
-    std::vector<double> q, v;
-  };
   /// At most `most` states of the motion from these nuisances.
   std::vector<State> states(const double* unknowns, const double* nuisances, std::size_t most) const;
   /// The accelerations alpha, in the units of the scaled scene, and the readings of the sensors that are read, less

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "identification/structural_nulls_50.hpp"
 
 namespace poise {
 namespace {
@@ -12,10 +15,12 @@ struct Block {
 };
 
 /// Sets the columns of a block to zero that are no larger than their errors: a factor may not make an effect of them.
-void drop_rounding(Block& block) {
+/// Marks those that were not zero.
+void drop_rounding(Block& block, std::vector<bool>& dropped) {
   for (Eigen::Index i = 0; i < block.rows.cols(); ++i) {
     const double size = block.rows.col(i).norm();
     if (size > block.error.col(i).norm() && !is_rounding(block.rows.col(i), block.again.col(i))) continue;
+    if (size > 0) dropped[static_cast<std::size_t>(i)] = true;
     block.rows.col(i).setZero();
     block.again.col(i).setZero();
   }
@@ -64,12 +69,15 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
                            const std::vector<std::vector<double>>& nuisances) {
   const auto n = static_cast<Eigen::Index>(parameters.size());
   std::vector<Block> blocks;
+  std::vector<bool> dropped(parameters.size(), false);
+  std::vector<RunModel::Actions> of_runs;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     const std::vector<int>& used = problem.parameters_of(r);
     const std::vector<double> unknowns = problem.unknowns_of(r, parameters);
     const int states = 20 + 3 * run.unknowns() / std::max(1, run.freedoms());
-    const RunModel::Actions actions = run.actions(unknowns.data(), nuisances[r].data(), states);
+    of_runs.push_back(run.actions(unknowns.data(), nuisances[r].data(), states));
+    const RunModel::Actions& actions = of_runs.back();
     const Eigen::Index count = actions.rows.rows() / std::max(1, actions.rows_per_state);
     const bool shifts = actions.rate.size() > 0;
     Block of_sensors;  // all of them, relative to their rates, where these count
@@ -85,7 +93,7 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
           block.error(s, used[c]) = actions.error(row, static_cast<Eigen::Index>(c));
         }
       }
-      drop_rounding(block);
+      drop_rounding(block, dropped);
       if (!shifts || kind < run.freedoms()) {
         blocks.push_back(std::move(block));
         continue;
@@ -124,7 +132,11 @@ NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>&
     again.col(i).setZero();
     all(i, i) = again(i, i) = 1.0;
   }
-  return null_space(all, again, {});
+  NullSpace out = null_space(all, again, {});
+  bool doubtful = out.doubtful;
+  for (Eigen::Index i = 0; i < n; ++i) doubtful = doubtful || (dropped[static_cast<std::size_t>(i)] && out.touches(i));
+  if (!doubtful) return out;
+  return structural_nulls_50(problem, of_runs).value_or(std::move(out));
 }
 
 }  // namespace poise
