@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -84,6 +85,7 @@ void add_rows(const RunModel& run, const std::vector<Sensor>& sensors, const std
   std::vector<SceneParameter> numbers = run.numbers();
   double reach = 0.5;
   const int states = 8 + 2 * static_cast<int>(numbers.size()) / f;
+  const std::size_t before = rows.size();
   for (int s = 0, tries = 0; s < states && tries < 30 * states; ++tries) {
     for (int k = 0; k < f; ++k) {
       const auto at = static_cast<std::size_t>(k);
@@ -116,6 +118,8 @@ void add_rows(const RunModel& run, const std::vector<Sensor>& sensors, const std
     }
     ++s;
   }
+  // Fewer rows than numbers would make nulls of what is only not seen.
+  if (rows.size() - before < numbers.size()) throw std::runtime_error("too few poses without a dead point to judge");
 }
 
 }  // namespace
