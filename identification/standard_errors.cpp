@@ -19,6 +19,9 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int most_coefficients = 40;
+/// Iterations between the autocorrelation and what the fit takes of readings with it, and where they end.
+constexpr int most_iterations = 20;
+constexpr double settled = 1e-3;
 /// Independent residuals per run that a model of their correlation needs.
 constexpr double enough_residuals = 20.0;
 /// By how much the median size of normal noise scatters more than its root mean square: sqrt(2) / (4 m f(m)), m its
@@ -113,24 +116,77 @@ class Analysis {
     return V_(used, used);
   }
 
+  // Columns b of sensor k in run r:  sum b b^T = H, what the fit takes of its readings.
+  Eigen::MatrixXd taken(std::size_t r, std::size_t k) const {
+    const Scores& run = runs_[r];
+    const Eigen::Index count = run.first[k + 1] - run.first[k];
+    const Eigen::MatrixXd V = own(r);
+    const Eigen::VectorXd error = V.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::VectorXd scale = error.unaryExpr([](double x) { return x > 0 ? 1 / x : 0.0; });
+    const solvers::SymmetricEigen scaled = solvers::symmetric_eigen(scale.asDiagonal() * V * scale.asDiagonal());
+    const Eigen::MatrixXd root =
+        error.asDiagonal() * scaled.vectors * scaled.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    Eigen::MatrixXd out(count, run.nuisances.cols() + root.cols());
+    out.rightCols(root.cols()) = run.a.middleRows(run.first[k], count) * root;
+    if (run.nuisances.size() > 0) out.leftCols(run.nuisances.cols()) = run.nuisances.middleRows(run.first[k], count);
+    return out;
+  }
+
+  // Residuals lack what the fit takes: (1 - H) R (1 - H) in place of R, which alone correlates neighbours by about -p /
+  // n where p smooth columns are fitted to n white readings, and takes most of them where R is large for these columns.
+  // Added to the residuals' products, at their size, are  b b^T (b^T R b) / (b^T b): 1 - (1 - H)^2 for white readings,
+  // in general to the accuracy to which R b is b (b^T R b) / (b^T b), with R itself by iteration.
   void find_correlations() {
     for (std::size_t k = 0; k < sensors_; ++k) {
       std::vector<std::vector<double>> pieces;
+      std::vector<Eigen::MatrixXd> columns;  // per piece
       double readings = 0.0;
-      double longest = 0.0;
+      double squares = 0.0;
       for (std::size_t r = 0; r < runs_.size(); ++r) {
         const Scores& run = runs_[r];
+        const Eigen::MatrixXd b = taken(r, k);
         for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
           const double* const u = run.u.data() + run.first[k];
           pieces.emplace_back(u + first, u + last);
+          const auto at = static_cast<Eigen::Index>(first);
+          columns.emplace_back(b.middleRows(at, static_cast<Eigen::Index>(last) - at));
           readings += static_cast<double>(last - first);
-          longest = std::max(longest, static_cast<double>(last - first));
         }
+        squares += run.u.segment(run.first[k], run.first[k + 1] - run.first[k]).squaredNorm();
       }
-      series_.push_back(solvers::fit_autoregression(pieces, most_coefficients));
+      series_.push_back(corrected(pieces, columns, readings, squares));
       spread_.push_back(series_.back().spread());
       even_ = even_ && (pieces.empty() || readings / static_cast<double>(pieces.size()) > 8);
     }
+  }
+
+  static solvers::Autoregression corrected(const std::vector<std::vector<double>>& pieces,
+                                           const std::vector<Eigen::MatrixXd>& columns, double readings,
+                                           double squares) {
+    solvers::Autoregression series;
+    for (int iteration = 0; iteration < most_iterations; ++iteration) {
+      std::vector<std::vector<double>> taken;
+      double leverage = 0.0;
+      for (const Eigen::MatrixXd& b : columns) {
+        for (const auto& column : b.colwise()) {
+          const double own = column.squaredNorm();
+          if (!(own > 0)) continue;
+          const double square = series.weighted_square(column)(0, 0);
+          leverage += square;
+          const Eigen::VectorXd scaled = column * std::sqrt(square / own);
+          taken.emplace_back(scaled.begin(), scaled.end());
+        }
+      }
+      if (!(readings > leverage)) break;
+      const double size = std::sqrt(squares / (readings - leverage));
+      for (std::vector<double>& column : taken) {
+        for (double& value : column) value *= size;
+      }
+      const double before = series.innovation;
+      series = solvers::fit_autoregression(pieces, most_coefficients, taken);
+      if (series.is_white() || std::abs(series.innovation - before) < settled * before) break;
+    }
+    return series;
   }
 
   // A_r^T R A_r and tr H R of sensor k in run r, and the standard deviation of its sum of residuals, M = 1 - H:

@@ -82,7 +82,8 @@ Eigen::MatrixXd Autoregression::weighted_square(const Eigen::MatrixXd& a) const 
   return innovation * sum;
 }
 
-Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, int most) {
+Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, int most,
+                                  std::span<const std::vector<double>> taken) {
   // Of the present order m: errors of the forward prediction of x_t at t, of the backward prediction of x_{t-m} at t -
   // m.
   std::vector<Eigen::VectorXd> forward, backward;
@@ -96,6 +97,11 @@ Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, i
     total += forward.back().squaredNorm();
     count += piece.size();
     longest = std::max(longest, piece.size());
+  }
+  for (const std::vector<double>& piece : taken) {
+    if (piece.size() < 4) continue;
+    forward.emplace_back(Eigen::Map<const Eigen::VectorXd>(piece.data(), static_cast<Eigen::Index>(piece.size())));
+    backward.push_back(forward.back());
   }
   Autoregression best;
   if (count == 0 || !(total > 0)) return best;

@@ -22,7 +22,10 @@ struct Autoregression {
 };
 
 /// Fitted to several pieces of one series by Burg's method, of the order up to `most` that the Bayesian information
-/// criterion selects. Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, ch. 8 and 9.
-Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, int most);
+/// criterion selects. `taken`: columns b of what a fit took of the series x before,  E[x x^T] - E[pieces] = sum b b^T,
+/// cut like the pieces: found is the correlation of x. Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and
+/// Methods, ch. 8 and 9.
+Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, int most,
+                                  std::span<const std::vector<double>> taken = {});
 
 }  // namespace poise::solvers

@@ -103,6 +103,23 @@ TEST(StandardErrors, CorrelatedResidualsStillCoverTheTruth) {
   EXPECT_LE(found.shifted, 2) << "the correlation explains their means";
 }
 
+// A start fitted to 16 readings takes an eighth of them, and correlates what is left.
+TEST(StandardErrors, ShortRunsOfWhiteNoiseAreWhite) {
+  const Wheel wheel = wheel_of(10, 16);
+  const Coverage found = coverage(FitProblem(wheel.experiment), 0.0, 200);
+  EXPECT_NEAR(found.leading, 0.95, 0.046);
+  EXPECT_GE(found.of_kind[0], 180);
+  EXPECT_LE(found.misfits, 3);
+}
+
+// The same takes most of noise that is correlated over much of a run: what is left is small, not the noise.
+TEST(StandardErrors, ShortRunsOfCorrelatedNoiseAreNoMisfit) {
+  const Wheel wheel = wheel_of(6, 100);
+  const Coverage found = coverage(FitProblem(wheel.experiment), 0.9, 300);
+  EXPECT_GE(found.leading, 0.95 - 0.038);
+  EXPECT_LE(found.misfits, 2);
+}
+
 // Correlated over a large part of each run: only the runs are independent, and the intervals may be too wide.
 TEST(StandardErrors, LongCorrelationLeadsToRuns) {
   const Wheel wheel = wheel_of(10, 100);

@@ -34,6 +34,30 @@ TEST(Autoregression, WhiteSeriesIsCalledWhite) {
   EXPECT_TRUE(fit_autoregression(zero, 20).is_white());
 }
 
+// Neighbours of 16 white values less their mean and trend are correlated by -1/8: of that alone half of all sets of ten
+// such series would be called correlated.
+TEST(Autoregression, WhiteSeriesOfWhichAFitTookMuchIsCalledWhite) {
+  constexpr int count = 16;
+  Eigen::MatrixXd basis(count, 2);
+  for (int t = 0; t < count; ++t) basis.row(t) << 1.0, t - 0.5 * (count - 1);
+  basis.colwise().normalize();
+  int white = 0, alone = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    std::vector<std::vector<double>> pieces, taken;
+    for (unsigned r = 0; r < 10; ++r) {
+      std::vector<double> x = simulate({}, count, 10 * seed + r);
+      Eigen::Map<Eigen::VectorXd> values(x.data(), count);
+      values -= basis * (basis.transpose() * values).eval();
+      pieces.push_back(std::move(x));
+      for (const auto& column : basis.colwise()) taken.emplace_back(column.begin(), column.end());
+    }
+    white += fit_autoregression(pieces, 20, taken).is_white() ? 1 : 0;
+    alone += fit_autoregression(pieces, 20).is_white() ? 1 : 0;
+  }
+  EXPECT_GE(white, 180);
+  EXPECT_LE(alone, 150);
+}
+
 TEST(Autoregression, FindsItsCoefficients) {
   for (const std::vector<double>& phi :
        {std::vector<double>{0.9}, std::vector<double>{-0.5}, std::vector<double>{1.6, -0.8}}) {
