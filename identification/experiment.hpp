@@ -18,7 +18,7 @@
 
 namespace poise {
 
-/// A number of a sensor, "sensor.NAME.zero", ".factor" or ".delay", that is unknown in place of one of the scene.
+/// A number of a sensor, "sensor.NAME.zero", ".factor" or ".delay", that stands in place of one of the scene.
 struct SensorNumber {
   enum class Of { zero, factor, delay };
   std::size_t sensor = 0;  ///< index into Experiment::sensors
@@ -86,9 +86,11 @@ struct Unknown {
   int line = 0;
 };
 
-/// A number of the scene that is taken as known, and how well it is: its uncertainty is propagated to the estimates.
+/// A number of the scene or of a sensor that is taken as known, and how well it is: its uncertainty is propagated to
+/// the estimates.
 struct KnownNumber {
   std::string path;
+  std::optional<SensorNumber> of_sensor{};  ///< as of Unknown
   std::string per;         ///< as of Unknown: one error for all runs, one for each label's value, or for each run
   double deviation = 0.0;  ///< standard deviation, SI; with `relative` a part of the number, as each run has it
   bool relative = false;

@@ -59,7 +59,7 @@ toml::table bare(toml::table run, const Experiment& experiment) {
   return run;
 }
 
-/// Takes out sensors that none of the runs reads, and unknowns that are numbers of these.
+/// Takes out sensors that none of the runs reads, and unknown and known numbers that are of these.
 void leave_out_unread(toml::table& root, const toml::array& runs) {
   toml::array& sensors = *root.get_as<toml::array>("sensor");
   std::set<std::string> read;
@@ -75,12 +75,14 @@ void leave_out_unread(toml::table& root, const toml::array& runs) {
       continue;
     }
     sensor = sensors.erase(sensor);
-    toml::array* const unknowns = root.get_as<toml::array>("unknown");
-    if (unknowns == nullptr) continue;
-    for (auto unknown = unknowns->begin(); unknown != unknowns->end();) {
-      const std::string path = (*unknown->as_table())["path"].value_or(std::string());
-      const bool of_it = path.starts_with("sensor." + name + ".") && path.rfind('.') == name.size() + 7;
-      unknown = of_it ? unknowns->erase(unknown) : std::next(unknown);
+    for (const char* const table : {"unknown", "known"}) {
+      toml::array* const numbers = root.get_as<toml::array>(table);
+      if (numbers == nullptr) continue;
+      for (auto number = numbers->begin(); number != numbers->end();) {
+        const std::string path = (*number->as_table())["path"].value_or(std::string());
+        const bool of_it = path.starts_with("sensor." + name + ".") && path.rfind('.') == name.size() + 7;
+        number = of_it ? numbers->erase(number) : std::next(number);
+      }
     }
   }
 }

@@ -33,10 +33,11 @@ bool same_sensor(const Sensor& a, const Sensor& b) {
          a.delay == b.delay && a.least_delay == b.least_delay && a.most_delay == b.most_delay;
 }
 
-/// Whether the zero or factor of sensor k is unknown.
+/// Whether a number of sensor k is unknown or known with a deviation.
 bool is_scaled(const Experiment& part, std::size_t k) {
-  return std::any_of(part.unknowns.begin(), part.unknowns.end(),
-                     [&](const Unknown& unknown) { return unknown.of_sensor && unknown.of_sensor->sensor == k; });
+  const auto is_its = [&](const auto& number) { return number.of_sensor && number.of_sensor->sensor == k; };
+  return std::any_of(part.unknowns.begin(), part.unknowns.end(), is_its) ||
+         std::any_of(part.known.begin(), part.known.end(), is_its);
 }
 
 class Joining {
@@ -102,7 +103,7 @@ class Joining {
         if (other == others.end()) continue;
         const bool scaled = is_scaled(parts_[p], places.size()) ||
                             is_scaled(parts_[q], static_cast<std::size_t>(other - others.begin()));
-        // What is unknown of a column is so of columns that were converted alike.
+        // What is unknown or uncertain of a column is so of columns that were converted alike.
         const bool converted_alike = sensor.zero == other->zero && sensor.unit == other->unit;
         if (!same_sensor(sensor, *other) || !same_scene(parts_[p].scene, parts_[q].scene) ||
             (scaled && !converted_alike)) {
@@ -126,17 +127,21 @@ class Joining {
                         [&](const Unknown& unknown) { return unknown.name == name; });
   }
 
+  /// Makes a number of a sensor of a part one of the whole. A sensor of another name is another one, with numbers of
+  /// its own.
+  template <class Number>
+  void place_sensor(std::size_t p, Number& number) const {
+    if (!number.of_sensor) return;
+    const std::string& own = parts_[p].sensors[number.of_sensor->sensor].name;
+    number.of_sensor->sensor = places_[p][number.of_sensor->sensor];
+    number.path.replace(std::string_view("sensor.").size(), own.size(), out_.sensors[number.of_sensor->sensor].name);
+  }
+
   void add_unknown(std::size_t p, Unknown unknown) {
     unknown.part = p;
-    if (unknown.of_sensor) {
-      const std::string& own = parts_[p].sensors[unknown.of_sensor->sensor].name;
-      unknown.of_sensor->sensor = places_[p][unknown.of_sensor->sensor];
-      // A sensor of another name is another one, with numbers of its own.
-      const bool by_path = unknown.name == unknown.path;
-      unknown.path.replace(std::string_view("sensor.").size(), own.size(),
-                           out_.sensors[unknown.of_sensor->sensor].name);
-      if (by_path) unknown.name = unknown.path;
-    }
+    const bool by_path = unknown.name == unknown.path;
+    place_sensor(p, unknown);
+    if (by_path) unknown.name = unknown.path;
     const auto first = find_unknown(unknown.name);
     if (first != out_.unknowns.end()) reconcile(*first, unknown);
     out_.unknowns.push_back(std::move(unknown));
@@ -189,6 +194,7 @@ class Joining {
 
   void add_known(std::size_t p, KnownNumber known) {
     known.part = p;
+    place_sensor(p, known);
     for (const KnownNumber& other : out_.known) {
       if (other.path != known.path) continue;
       if (other.deviation == known.deviation && other.relative == known.relative && other.per == known.per) continue;

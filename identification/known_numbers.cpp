@@ -24,17 +24,31 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     std::vector<SceneParameter> numbers = run.numbers();
-    std::vector<double> values = problem.unknowns_of(r, fitted.parameters);
+    std::vector<SensorNumber> sensor_numbers = run.sensor_numbers();
     const auto of_scene = static_cast<Eigen::Index>(numbers.size());
-    std::vector<std::size_t> own;  // known numbers of this run's scene, behind its unknowns of the scene
+    const auto of_sensors = static_cast<Eigen::Index>(sensor_numbers.size());
+    const std::vector<double> unknowns = problem.unknowns_of(r, fitted.parameters);
+    std::vector<double> values(unknowns.begin(), unknowns.begin() + of_scene);
+    std::vector<double> sensor_values(unknowns.begin() + of_scene, unknowns.end());
+    // Known numbers of this run: those of its scene behind its unknowns of the scene, those of sensors likewise.
+    std::vector<std::size_t> own, own_of_sensors;
     for (std::size_t n = 0; n < experiment.known.size(); ++n) {
       const KnownNumber& known = experiment.known[n];
       if (known.part != run.run().part) continue;
-      own.push_back(n);
-      numbers.push_back(*SceneParameter::find(run.scene(), known.path));
-      values.insert(values.begin() + static_cast<std::ptrdiff_t>(numbers.size()) - 1, numbers.back().get(run.scene()));
+      if (known.of_sensor) {
+        own_of_sensors.push_back(n);
+        sensor_numbers.push_back(*known.of_sensor);
+        sensor_values.push_back(experiment.sensors[known.of_sensor->sensor].number(known.of_sensor->of));
+      } else {
+        own.push_back(n);
+        numbers.push_back(*SceneParameter::find(run.scene(), known.path));
+        values.push_back(numbers.back().get(run.scene()));
+      }
     }
-    const RunModel extended(experiment, r, numbers, run.sensor_numbers());
+    const auto known_of_scene = static_cast<Eigen::Index>(own.size());
+    own.insert(own.end(), own_of_sensors.begin(), own_of_sensors.end());
+    values.insert(values.end(), sensor_values.begin(), sensor_values.end());
+    const RunModel extended(experiment, r, numbers, sensor_numbers);
     Prediction prediction;
     extended.predict(values.data(), fitted.runs[r].nuisances.data(), INFINITY, problem.accuracy(r), true, prediction);
     if (!prediction.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + prediction.why);
@@ -47,15 +61,13 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
       jacobian.middleRows(row, readings) /= fitted.weighting.noise[k];
       row += readings;
     }
-    const Eigen::Index unknowns = run.unknowns();
-    const Eigen::Index of_sensors = unknowns - of_scene;
-    Eigen::MatrixXd a(rows, unknowns);
-    a.leftCols(of_scene) = jacobian.leftCols(of_scene);
-    a.rightCols(of_sensors) = jacobian.middleCols(extended.unknowns() - of_sensors, of_sensors);
+    Eigen::MatrixXd a(rows, of_scene + of_sensors);
+    a << jacobian.leftCols(of_scene), jacobian.middleCols(of_scene + known_of_scene, of_sensors);
     a = unexplained(std::move(a), jacobian.rightCols(extended.nuisances()));
     for (std::size_t i = 0; i < own.size(); ++i) {
       const KnownNumber& known = experiment.known[own[i]];
-      const auto column = of_scene + static_cast<Eigen::Index>(i);
+      const auto place = static_cast<Eigen::Index>(i);
+      const Eigen::Index column = of_scene + place + (place < known_of_scene ? 0 : of_sensors);
       const double value = values[static_cast<std::size_t>(column)];
       const double deviation = known.relative ? known.deviation * std::abs(value) : known.deviation;
       Eigen::VectorXd& sum =

@@ -255,6 +255,12 @@ class ExperimentReader {
     return SensorNumber{static_cast<std::size_t>(at - valid.begin()), static_cast<SensorNumber::Of>(of - keys.begin())};
   }
 
+  /// The SI value of the unit in which the file gives a number of a sensor, and the number itself, SI.
+  double unit_of(const SensorNumber& number) const {
+    return experiment_.sensors[number.sensor].dimension(number.of).unit(experiment_.scene.units);
+  }
+  double value_of(const SensorNumber& number) const { return experiment_.sensors[number.sensor].number(number.of); }
+
   /// Sets the unit of an unknown; returns its number as written, SI.
   double read_written(const TomlText& path, Unknown& unknown) const {
     unknown.of_sensor = find_sensor_number(path);
@@ -269,9 +275,8 @@ class ExperimentReader {
       unknown.unit = value_unit(experiment_.scene, path.value);
       return value * unknown.unit;
     }
-    const Sensor& sensor = experiment_.sensors[unknown.of_sensor->sensor];
-    unknown.unit = sensor.dimension(unknown.of_sensor->of).unit(experiment_.scene.units);
-    return sensor.number(unknown.of_sensor->of);
+    unknown.unit = unit_of(*unknown.of_sensor);
+    return value_of(*unknown.of_sensor);
   }
 
   /// The range that an unknown has by default; `written` and its start, SI.
@@ -378,7 +383,10 @@ class ExperimentReader {
       KnownNumber known;
       known.path = path.value;
       known.line = table.place().line;
-      const double unit = located(path.place, [&] { return value_unit(experiment_.scene, path.value); });
+      known.of_sensor = find_sensor_number(path);
+      const double unit = known.of_sensor
+                              ? unit_of(*known.of_sensor)
+                              : located(path.place, [&] { return value_unit(experiment_.scene, path.value); });
       for (const Unknown& unknown : experiment_.unknowns) {
         if (unknown.path == known.path) {
           path.place.fail(
@@ -387,14 +395,19 @@ class ExperimentReader {
                           unknown.line));
         }
       }
-      if (!SceneParameter::find(experiment_.scene, known.path)) {
-        path.place.fail("expected a number that the motion has derivatives by: of a body, an element or a load");
+      if (!known.of_sensor && !SceneParameter::find(experiment_.scene, known.path)) {
+        path.place.fail(
+            "expected a number that the motion or a reading has derivatives by: of a body, an element, a load or a "
+            "sensor");
       }
       if (table.has("deviation") + table.has("relative") != 1) {
         table.place().fail(
             "expected one of the keys deviation (in the unit of the number) and relative (a part of it)");
       }
       known.relative = table.has("relative");
+      if (known.relative && known.of_sensor && value_of(*known.of_sensor) == 0) {
+        table.place_of("relative").fail("expected deviation, since the number is 0, of which any part is none");
+      }
       known.deviation = known.relative ? table.number("relative", 1.0, Range::positive)
                                        : table.number("deviation", unit, Range::positive);
       if (const auto per = table.find_text("per")) known.per = per->value;

@@ -154,6 +154,8 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   const std::vector<StartValue> release = start_values(*assembled.model, closed_);
   released_ = start_at(written, [&] { return start_in(*assembled.model, release, closed_); });
   left_out_ = run_.left_out;
+  delayed_ = std::any_of(sensor_numbers_.begin(), sensor_numbers_.end(),
+                         [](const SensorNumber& number) { return number.of == SensorNumber::Of::delay; });
   for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
     if (run_.is_simulated()) {
       times_.push_back(simulated_times(experiment, run_, k));
@@ -164,7 +166,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     }
     if (times_[k].empty()) continue;
     const Sensor& sensor = experiment.sensors[k];
-    delayed_ = delayed_ || sensor.least_delay != 0 || sensor.most_delay != 0;
+    delayed_ = delayed_ || sensor.delay != 0;
     end_ = std::max(end_, times_[k].back() - sensor.least_delay);
     for (std::size_t i = 0; i < times_[k].size(); ++i) readings_.push_back({times_[k][i], k, i});
   }
@@ -191,7 +193,7 @@ void RunModel::complete_start(const MotionModel& model, const ReducedMotion<doub
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
       const Sensor& sensor = experiment_.sensors[k];
       const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
-      if (sensor.rate != rate || sensor.reads_force() || !read_at_start || is_unknown(k) || sensor.delay != 0 ||
+      if (sensor.rate != rate || sensor.reads_force() || !read_at_start || !is_exact(k) || sensor.delay != 0 ||
           (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
         continue;
       }
@@ -210,10 +212,11 @@ void RunModel::complete_start(const MotionModel& model, const ReducedMotion<doub
           at(experiment_.file_of(run_.part), run_.line) +
           (rate ? fmt::format(
                       "run \"{}\".start_known: expected the rate of \"{}\" at the start; add release_rate = "
-                      "{{ \"{}\" = NUMBER }} (0 where it is released without speed) or a sensor with rate = true",
+                      "{{ \"{}\" = NUMBER }} (0 where it is released without speed) or a sensor with rate = true, "
+                      "without delay and with exact numbers",
                       run_.name, name, name)
                 : fmt::format("run \"{}\".start_known: expected where \"{}\" starts; add release = {{ \"{}\" = NUMBER "
-                              "}} or a sensor of it",
+                              "}} or a sensor of it without delay and with exact numbers",
                               run_.name, name, name)));
     }
   }
@@ -234,10 +237,13 @@ std::size_t RunModel::readings(double until) const {
 
 double RunModel::span() const { return readings_.empty() ? 0.0 : readings_.back().time; }
 
-/// Whether a number of a sensor is.
-bool RunModel::is_unknown(std::size_t sensor) const {
-  return std::any_of(sensor_numbers_.begin(), sensor_numbers_.end(),
-                     [&](const SensorNumber& number) { return number.sensor == sensor; });
+/// Whether all numbers of a sensor are: neither unknown nor known with a deviation.
+bool RunModel::is_exact(std::size_t sensor) const {
+  return std::none_of(sensor_numbers_.begin(), sensor_numbers_.end(),
+                      [&](const SensorNumber& number) { return number.sensor == sensor; }) &&
+         std::none_of(experiment_.known.begin(), experiment_.known.end(), [&](const KnownNumber& known) {
+           return known.of_sensor && known.of_sensor->sensor == sensor && known.part == run_.part;
+         });
 }
 
 std::vector<RunModel::Scaling> RunModel::scalings(const double* unknowns) const {

@@ -183,7 +183,7 @@ class RunModel {
     std::size_t sensor, at;  // index into times_[sensor]
   };
   std::vector<Reading> due(const std::vector<Scaling>& scalings, double until) const;
-  bool is_unknown(std::size_t sensor) const;
+  bool is_exact(std::size_t sensor) const;
   /// Adds the first readings of angles, travels and their rates to a start that is known, where it does not have them
   /// yet. Throws InputError unless all degrees of freedom then have a value and a rate.
   void complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,

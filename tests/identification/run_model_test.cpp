@@ -311,9 +311,11 @@ TEST(RunModel, AKnownStartNeedsRates) {
   const std::string speed = "[[sensor]]\nname = \"speed\"\nangle = \"wheel\"\nrate = true\nnoise = 1\n";
   const double degree = M_PI / 180;
   std::vector<double> start;
-  EXPECT_EQ(known_start("", "", start),
-            "run \"run 1\".start_known: expected the rate of \"wheel\" at the start; add release_rate = { \"wheel\" = "
-            "NUMBER } (0 where it is released without speed) or a sensor with rate = true");
+  EXPECT_EQ(
+      known_start("", "", start),
+      "run \"run 1\".start_known: expected the rate of \"wheel\" at the start; add release_rate = { \"wheel\" = "
+      "NUMBER } (0 where it is released without speed) or a sensor with rate = true, without delay and with exact "
+      "numbers");
   EXPECT_EQ(known_start("", "release = { wheel = 25 }\n", start).find("run \"run 1\".start_known: expected the rate"),
             0U);
   EXPECT_EQ(known_start("", "release_rate = { wheel = 0 }\n", start), "");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -422,6 +423,72 @@ TEST_F(SensorUnknowns, StandBesideNumbersThatAreKnownHowWell) {
   }
 }
 
+/// Two sensors of readings without noise, the second with these numbers, and unknowns of the scene and of the first.
+std::string measured(double zero, double factor, double delay, double one_delay = 0) {
+  return fmt::format(
+             "{}zero = {:.17g}\nfactor = {:.17g}\ndelay = {:.17g}\n[[sensor]]\nname = \"one\"\nangle = "
+             "\"upper\"\nnoise = 1e-3\ndelay = {:.17g}\n",
+             "scene = \"scene.toml\"\n[[sensor]]\nname = \"two\"\nangle = [\"upper\", \"lower\"]\nnoise = 1e-3\n", zero,
+             factor, delay, one_delay) +
+         unknown("spring.coil.stiffness") + unknown("sensor.one.factor") +
+         unknown("torsion_damper.grease.coefficient") + "[[run]]\ndata = \"read.csv\"\n";
+}
+
+// Each known number of a sensor, with one of the scene beside them: the estimates change as in fits with the number
+// changed in the file. A delay that the file does not have may be uncertain, too.
+TEST_F(SensorUnknowns, MoveTheEstimatesWhereTheyAreKnown) {
+  const Experiment truth = read(angles + "delay = 0.023\n" + swing + "start_known = true\n");
+  write_csv("read.csv", truth, FitProblem(truth).ideal_record(0));
+  const std::string known = R"(
+[[known]]
+path = "sensor.two.zero"
+deviation = 0.002
+[[known]]
+path = "body.upper.mass"
+relative = 0.001
+[[known]]
+path = "sensor.two.factor"
+relative = 0.001
+[[known]]
+path = "sensor.two.delay"
+deviation = 0.0005
+[[known]]
+path = "sensor.one.delay"
+deviation = 0.0005
+)";
+  FitOptions options;
+  options.function_tolerance = 1e-14;
+  const Experiment e = read(measured(0, 1, 0.023) + known);
+  const FitProblem problem(e);
+  const Fit fitted = fit(problem, problem.records(), options);
+  ASSERT_TRUE(fitted.usable()) << fitted.why;
+  const std::vector<KnownEffect> effects = known_effects(problem, fitted, problem.records());
+  ASSERT_EQ(effects.size(), 5u);
+  // Of the sensor without delay an earlier clock, with which no reading is left out.
+  const std::vector<std::tuple<std::size_t, std::string, std::string, double>> others = {
+      {0, "sensor.two.zero", measured(0.002, 1, 0.023), 1.0},
+      {2, "sensor.two.factor", measured(0, 1.001, 0.023), 1.0},
+      {3, "sensor.two.delay", measured(0, 1, 0.0235), 1.0},
+      {4, "sensor.one.delay", measured(0, 1, 0.023, -0.0005), -1.0}};
+  options.from = &fitted;
+  for (const auto& [i, path, text, sign] : others) {
+    const Experiment other = read(text);
+    const FitProblem changed(other);
+    const Fit again = fit(changed, changed.records(), options);
+    ASSERT_TRUE(again.usable()) << path << ": " << again.why;
+    EXPECT_EQ(effects[i].name, path);
+    double largest = 0.0;  // of the changes, in standard errors
+    for (std::size_t p = 0; p < effects[i].change.size(); ++p) {
+      const double change = effects[i].change[p];
+      const double error = fitted.estimates[p].standard_error;
+      EXPECT_NEAR(sign * (again.parameters[p] - fitted.parameters[p]), change, 0.03 * std::abs(change) + 0.01 * error)
+          << path << ", " << fitted.estimates[p].name;
+      largest = std::max(largest, std::abs(change) / error);
+    }
+    EXPECT_GT(largest, 1.0) << path;
+  }
+}
+
 TEST_F(SensorUnknowns, AreTheirOwnInExperimentsOfOneFit) {
   folder_.write("a.toml", scaled_angles + unknown("sensor.one.zero") + swing);
   folder_.write("b.toml", scaled_angles + unknown("sensor.one.zero") + swing);
@@ -435,6 +502,67 @@ TEST_F(SensorUnknowns, AreTheirOwnInExperimentsOfOneFit) {
   EXPECT_EQ(problem.parameters()[1].name, "sensor.one (c).zero");
   EXPECT_EQ(problem.parameters()[0].truth, 0.05);
   EXPECT_EQ(problem.parameters()[1].truth, 0.0);
+}
+
+TEST_F(SensorUnknowns, AreTheirOwnInExperimentsOfOneFitWhereTheyAreKnown) {
+  const std::string rest = unknown("spring.coil.stiffness") + swing;
+  const std::string known = "[[known]]\npath = \"sensor.one.zero\"\ndeviation = 0.01\n";
+  folder_.write("a.toml", scaled_angles + known + rest);
+  folder_.write("b.toml", scaled_angles + known + rest);
+  folder_.write("c.toml", angles + known + rest);
+  const auto effects_of = [&](const std::string& files) {
+    const Experiment joint = read("experiments = [" + files + "]\n");
+    const FitProblem problem(joint);
+    const std::vector<Record> records = problem.records();
+    return known_effects(problem, fit(problem, records), records);
+  };
+  const std::vector<KnownEffect> same = effects_of("\"a.toml\", \"b.toml\"");
+  ASSERT_EQ(same.size(), 1u) << "one sensor";
+  EXPECT_EQ(same[0].name, "sensor.one.zero");
+  const std::vector<KnownEffect> apart = effects_of("\"a.toml\", \"c.toml\"");
+  ASSERT_EQ(apart.size(), 2u) << "the zeros of columns that were converted otherwise";
+  EXPECT_EQ(apart[0].name, "sensor.one (a).zero");
+  EXPECT_EQ(apart[1].name, "sensor.one (c).zero");
+  // The error of one sensor acts in both parts, those of two are independent.
+  const double together = std::abs(same[0].change[0]);
+  EXPECT_NEAR(std::abs(apart[0].change[0] + apart[1].change[0]), together, 0.1 * together);
+  EXPECT_LT(std::hypot(apart[0].change[0], apart[1].change[0]), 0.8 * together);
+}
+
+TEST_F(SensorUnknowns, AreRefusedInWordsWhereTheyAreKnown) {
+  const auto of = [&](const std::string& path, const std::string& more) {
+    return error(angles + unknown("sensor.one.zero") + "[[known]]\npath = \"" + path + "\"\n" + more + "\n" + swing);
+  };
+  const std::string known_1 = "experiment.toml:15: known 1.path: expected ";
+  EXPECT_EQ(
+      of("sensor.one.zero", "deviation = 1"),
+      known_1 + "a number that is not unknown, it is in line 11; take one of them out, or give the unknown a prior");
+  EXPECT_EQ(of("sensor.two.offset", "deviation = 1"),
+            known_1 +
+                "sensor.NAME.zero, sensor.NAME.factor or sensor.NAME.delay, found \"sensor.two.offset\"; known here: "
+                "zero, factor, delay");
+  EXPECT_EQ(of("sensor.too.zero", "deviation = 1"),
+            known_1 + "the name of a sensor, found \"too\"; did you mean \"two\"?");
+  EXPECT_EQ(
+      of("sensor.two.delay", "relative = 0.1"),
+      "experiment.toml:16: known 1.relative: expected deviation, since the number is 0, of which any part is none");
+  // Its reading gives no start that is exact.
+  const Experiment simulated = read(angles + swing);
+  write_csv("read.csv", simulated, FitProblem(simulated).ideal_record(0));
+  const Experiment uncertain =
+      read(angles + unknown("spring.coil.stiffness") + "[[known]]\npath = \"sensor.two.zero\"\ndeviation = 0.01\n" +
+           "[[run]]\ndata = \"read.csv\"\nstart_known = true\nrelease_rate = { upper = 0, lower = 0 }\n");
+  try {
+    const FitProblem problem(uncertain);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(
+        text.find("expected where \"lower\" starts; add release = { \"lower\" = NUMBER } or a sensor of it without "
+                  "delay and with exact numbers"),
+        std::string::npos)
+        << text;
+  }
 }
 
 TEST_F(SensorUnknowns, AreComparedWithNone) {
