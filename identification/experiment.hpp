@@ -117,7 +117,8 @@ struct Release {
   int line = 0;
 };
 
-/// A load or drive of the scene that was measured in a run: it follows the readings in place of the scene's numbers.
+/// A load or drive of the scene that was measured in a run: it follows the readings in place of the scene's numbers, or
+/// the readings multiply the load of the scene.
 struct RunInput {
   std::string path;  ///< "load.motor", "drive.crank"
   MotionInput motion;

@@ -428,11 +428,15 @@ class ExperimentReader {
                                  run.name, change.line));
       }
       for (const RunInput& input : run.inputs) {
+        if (input.motion.multiplies) continue;
         if (unknown.path != input.path && !unknown.path.starts_with(input.path + ".")) continue;
         fail("path",
              fmt::format("expected a number that no input takes the place of, run \"{}\" has \"{}\" as an input "
-                         "in line {}; take one of the two out",
-                         run.name, input.path, input.line));
+                         "in line {}; take one of the two out{}",
+                         run.name, input.path, input.line,
+                         input.motion.of == MotionInput::Of::drive
+                             ? ""
+                             : ", or let the input multiply it with multiplies = true"));
       }
       if (run.equilibrium && run.equilibrium->by == unknown.path) {
         fail("path", fmt::format("expected a number that no equilibrium pose sets, rest of run \"{}\" sets it in line "

@@ -72,9 +72,14 @@ std::size_t file_of(const TomlTable& input, const TomlText& file, const fs::path
 /// Reads { column = "COLUMN", ... }.
 void read_table(const TomlTable& table, const fs::path& folder, InputTable& input, DataColumn& column,
                 RunSource& source) {
-  table.allow_keys({"column", "file", "time", "time_factor", "zero", "factor", "gaps", "wraps", "noise"});
+  table.allow_keys({"column", "file", "time", "time_factor", "zero", "factor", "multiplies", "gaps", "wraps", "noise"});
   column.name = table.text("column").value;
   column.gaps = table.flag("gaps", false);
+  input.input.motion.multiplies = table.flag("multiplies", false);
+  if (input.input.motion.multiplies && input.input.motion.of == MotionInput::Of::drive) {
+    table.place_of("multiplies").fail("expected multiplies of a load only; leave it out");
+  }
+  if (input.input.motion.multiplies) input.unit = 1.0;
   const double unit = input.unit;
   input.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
   input.unit = table.find_number("factor", unit, Range::finite).value_or(unit);

@@ -16,7 +16,7 @@ namespace poise {
 /// An input of a run as written; its column is one of the run's source.
 struct InputTable {
   RunInput input;
-  double zero = 0.0, unit = 1.0;  // SI value = zero + unit column
+  double zero = 0.0, unit = 1.0;  // SI value, or what the load of the scene is multiplied by, = zero + unit column
   double noise = 0.0;             // 0: none given
   bool is_angle = false;
   std::optional<double> wraps{};  // as of Sensor

@@ -4,6 +4,7 @@ namespace poise {
 
 std::vector<MotionInput> scaled(std::vector<MotionInput> inputs, const Scene& scene, const Scales& scales) {
   for (MotionInput& input : inputs) {
+    if (input.multiplies) continue;
     const Dimension dimension = input.of == MotionInput::Of::force    ? dimension::force
                                 : input.of == MotionInput::Of::torque ? dimension::torque
                                                                       : scene.drives[input.item].on.dimension();

@@ -227,8 +227,9 @@ void ReducedMotion<T>::linearize() {
 template <class T>
 void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const {
   if (influence.body < 0) {
-    mechanism_.add_force_derivative(influence.force, static_cast<T>(influence.by), pose_.data(), v_.data(), slides(),
-                                    g);
+    T by = static_cast<T>(influence.by);
+    for (const InputLoad<T>& load : input_loads_) by *= load.by(influence.force);
+    mechanism_.add_force_derivative(influence.force, by, pose_.data(), v_.data(), slides(), g);
     return;
   }
   inertia_.add_body(influence.body,

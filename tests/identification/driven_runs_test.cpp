@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "identification/fit.hpp"
+#include "identification/identifiability.hpp"
 #include "identification/input_readings.hpp"
+#include "identification/known_numbers.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 
@@ -235,6 +237,115 @@ data = ["angles.csv", "belt.csv"]
   }
 }
 
+/// The motor's torque is 0.12 per unit of the current, the wind's force 0.3 per unit of its pressure.
+const std::string proportional = R"(
+set = { "load.motor" = 0.12, "load.wind" = 0.3 }
+)" + sensor;
+const std::string proportional_unknowns = unknowns + R"([[unknown]]
+path = "load.motor"
+start = 0.2
+[[unknown]]
+path = "load.wind"
+start = 0.2
+[[unknown]]
+path = "point.arm.T.x"
+start = 0.35
+prior = [0.4, 0.01]
+)";
+const std::string by_current = R"(
+inputs = { "load.motor" = { column = "tau", factor = 8.333333333333333333, multiplies = true, file = "inputs.csv" }, "load.wind" = { column = "wind", factor = 3.333333333333333333, multiplies = true }, "drive.belt" = "belt" }
+)";
+
+TEST_F(DrivenRuns, HaveLoadsThatAreProportionalToAColumn) {
+  folder_.write("inputs.csv", inputs_csv(200, 3, 0));
+  const std::string run = "[[run]]\nduration = 3\nrate = 100\nrelease_rate = { arm = 1 }\n";
+  const Experiment own =
+      read(sensor + run +
+           "inputs = { \"load.motor\" = { column = \"tau\", file = \"inputs.csv\" }, \"load.wind\" = "
+           "\"wind\", \"drive.belt\" = \"belt\" }\n");
+  const Experiment e = read(proportional + proportional_unknowns + run + by_current);
+  const FitProblem problem(e);
+  const Record expected = FitProblem(own).ideal_record(0);
+  const Record found = problem.ideal_record(0);
+  ASSERT_EQ(found.sensors[0].value.size(), 300u);
+  for (std::size_t i = 0; i < 300; ++i) EXPECT_NEAR(found.sensors[0].value[i], expected.sensors[0].value[i], 1e-8);
+  // Derivatives.
+  const RunModel& model = problem.run(0);
+  const auto predict = [&](const std::vector<double>& at, bool jacobian) {
+    Prediction out;
+    model.predict(at.data(), at.data() + 5, INFINITY, jacobian ? 1e-11 : 1e-13, jacobian, out);
+    EXPECT_TRUE(out.ok) << out.why;
+    return out;
+  };
+  std::vector<double> at = problem.unknowns_of(0, problem.starts());
+  const std::vector<double> start = model.released();
+  at.insert(at.end(), start.begin(), start.end());
+  ASSERT_EQ(at.size(), 7u);
+  const Prediction exact = predict(at, true);
+  for (std::size_t c = 0; c < 7; ++c) {
+    const std::vector<double> expected_by = test::derivative(
+        [&](double by) {
+          std::vector<double> moved = at;
+          moved[c] += by;
+          return predict(moved, false).reading;
+        },
+        1e-3);
+    for (std::size_t i = 0; i < expected_by.size(); ++i) {
+      ASSERT_NEAR(exact.jacobian[7 * i + c], expected_by[i], 1e-6 * (1 + std::abs(expected_by[i]))) << c;
+    }
+  }
+  // Estimates.
+  const Fit fitted = fit(problem, problem.records());
+  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  for (const Estimate& estimate : fitted.estimates) {
+    EXPECT_NEAR(estimate.value, estimate.truth, 4 * estimate.standard_error) << estimate.name;
+  }
+  EXPECT_LT(fitted.estimates[2].standard_error, 0.01 * 0.12);
+}
+
+// Loads that are proportional to a column scale with masses.
+TEST_F(DrivenRuns, LeaveTheScaleOfProportionalLoadsFree) {
+  folder_.write("inputs.csv", inputs_csv(200, 3, 0));
+  const std::string all = R"(
+[[unknown]]
+path = "body.arm.mass"
+[[unknown]]
+path = "body.arm.inertia"
+[[unknown]]
+path = "torsion_damper.grease.coefficient"
+[[unknown]]
+path = "load.motor"
+)";
+  const std::string run = R"([[run]]
+duration = 3
+rate = 100
+inputs = { "load.motor" = { column = "tau", multiplies = true, file = "inputs.csv" } }
+)";
+  const std::string still = "set = { \"load.motor\" = 0.8, \"load.wind\" = 0 }\n" + sensor;
+  const Experiment e = read(still + all + run);
+  const FitProblem problem(e);
+  const Identifiability found = assess(problem, problem.truths(), test::released(problem));
+  ASSERT_TRUE(found.ok);
+  ASSERT_EQ(found.null_directions.size(), 1u);
+  EXPECT_TRUE(found.null_directions[0].scale) << found.null_directions[0].words;
+  // A torque that the readings take the place of, as written in the scene, changes nothing, one that they multiply all.
+  for (const bool multiplies : {false, true}) {
+    const Experiment known =
+        read(still + unknowns + "[[known]]\npath = \"load.motor\"\nrelative = 0.01\n" +
+             (multiplies ? run
+                         : "[[run]]\nduration = 3\nrate = 100\ninputs = { \"load.motor\" = { column = \"tau\", file = "
+                           "\"inputs.csv\" } }\n"));
+    const FitProblem of_known(known);
+    const std::vector<Record> records = of_known.records();
+    const std::vector<KnownEffect> effects = known_effects(of_known, fit(of_known, records), records);
+    ASSERT_EQ(effects.size(), 1u);
+    for (const double change : effects[0].change) {
+      EXPECT_EQ(std::abs(change) > 1e-5, multiplies) << change;
+      EXPECT_TRUE(multiplies || change == 0) << change;
+    }
+  }
+}
+
 // A torque that is read too rarely: the error of the straight lines is what input_effects() says.
 TEST_F(DrivenRuns, SayWhatTheLinesBetweenReadingsChange) {
   folder_.write("inputs.csv", inputs_csv(1000, 4.1, 0));
@@ -304,10 +415,14 @@ TEST_F(DrivenRuns, AreRefusedInWords) {
                 "drive.belt: expected readings that scatter about a smooth curve by their noise, found more, or fewer "
                 "than two for each interval of the curve; raise noise, or leave it out for a curve through every "
                 "reading");
-  EXPECT_EQ(error(sensor + "[[unknown]]\npath = \"load.motor\"\n[[run]]\nduration = 1\nrate = 100\ninputs = { "
-                           "\"load.motor\" = { column = \"tau\", file = \"inputs.csv\" } }\n"),
-            "experiment.toml:7: unknown \"load.motor\".path: expected a number that no input takes the place of, run "
-            "\"run 1\" has \"load.motor\" as an input in line 12; take one of the two out");
+  EXPECT_EQ(
+      error(sensor + "[[unknown]]\npath = \"load.motor\"\n[[run]]\nduration = 1\nrate = 100\ninputs = { "
+                     "\"load.motor\" = { column = \"tau\", file = \"inputs.csv\" } }\n"),
+      "experiment.toml:7: unknown \"load.motor\".path: expected a number that no input takes the place of, run "
+      "\"run 1\" has \"load.motor\" as an input in line 12; take one of the two out, or let the input multiply it "
+      "with multiplies = true");
+  EXPECT_EQ(error_of("{ \"drive.belt\" = { column = \"belt\", file = \"inputs.csv\", multiplies = true } }"),
+            place + "drive.belt.multiplies: expected multiplies of a load only; leave it out");
 }
 
 }  // namespace

@@ -129,6 +129,32 @@ TEST(MotionInput, IsTheSceneOwnLoadWhereItIsConstant) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(end(a, i), end(b, i), 1e-8 * (1 + std::abs(end(b, i))));
 }
 
+/// Inputs that multiply the scene's loads are inputs of the products, for geometry, forces that follow and scaled
+/// units.
+TEST(MotionInput, MultipliesTheLoadOfTheScene) {
+  const Scene scene = test::four_bar_with_follower();
+  const MotionModel model(scene);
+  const MotionState start = test::released(model, {{}, {{"crank", 2.0}}});
+  const Numbers time = {0, 0.3, 0.5, 100}, times = {1, -2, 0, 1.5};
+  const std::vector<double> loads = {norm(scene.forces[0].vector), norm(scene.forces[1].vector),
+                                     scene.torques[0].value};
+  std::vector<MotionInput> multiplying, own;
+  for (std::size_t i = 0; i < 3; ++i) {
+    ASSERT_NE(loads[i], 0);
+    const Of of = i < 2 ? Of::force : Of::torque;
+    const int item = i < 2 ? static_cast<int>(i) : 0;
+    multiplying.push_back(lines(of, item, time, times));
+    multiplying.back().multiplies = true;
+    Numbers products;
+    for (const double c : times) products.push_back(c * loads[i]);
+    own.push_back(lines(of, item, time, products));
+  }
+  const Motion a = driven(model, start, 1.0, multiplying, 1e-11, true);
+  const Motion b = driven(model, start, 1.0, own, 1e-11, true);
+  EXPECT_LT(a.energy_error, 1e-10);
+  EXPECT_LT(difference(a, b), 1e-9);
+}
+
 TEST(MotionInput, HasExactSensitivities) {
   const Scene scene = test::four_bar_with_follower();
   const MotionModel model(scene);
