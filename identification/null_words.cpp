@@ -14,17 +14,19 @@ constexpr std::size_t most_parts = 8;
 /// What a weak direction mainly is depends on its parts above this, relative to the largest.
 constexpr double main_part = 0.03;
 
-/// "m +100 %", or of a number that is zero "x +0.03 m".
+/// "m +100 %" of the number; of one that is negative "gravity.y +50 % in size", and of one that is zero "x +0.03 m".
 std::string part_in_words(const FitProblem& problem, std::size_t i, double value, double part, double scale) {
   const Unknown& unknown = problem.unknown_of(i);
   const std::string& name = problem.parameters()[i].name;
-  if (value + unknown.includes == 0) {
+  const double shown = value + unknown.includes;
+  if (shown == 0) {
     const std::string unit = problem.dimension(static_cast<int>(i)).unit_name(problem.experiment().scene.units);
     return fmt::format("{} {:+.2g}{}{}", name, part * scale / unknown.unit, unit.empty() ? "" : " ", unit);
   }
-  const double percent = 100 * part * scale / std::abs(value + unknown.includes);
-  return std::abs(percent) < 9.5 ? fmt::format("{} {:+.2g} %", name, percent)
-                                 : fmt::format("{} {:+.0f} %", name, percent);
+  const double percent = 100 * part * scale / shown;
+  const char* const of = shown < 0 ? " in size" : "";
+  return std::abs(percent) < 9.5 ? fmt::format("{} {:+.2g} %{}", name, percent, of)
+                                 : fmt::format("{} {:+.0f} %{}", name, percent, of);
 }
 
 }  // namespace
@@ -44,7 +46,7 @@ void explain(const FitProblem& problem, const std::vector<double>& parameters, c
     all_delays = all_delays && of_sensor && of_sensor->of == SensorNumber::Of::delay;
     if (std::abs(direction.part[i]) < main_part) continue;
     ++main_parts;
-    alike += direction.part[i] > 0 ? 1 : -1;
+    alike += direction.part[i] * (parameters[i] + problem.unknown_of(i).includes) > 0 ? 1 : -1;
     const SceneParameter* const number = problem.number(static_cast<int>(i));
     all_scale = all_scale && problem.scales_with_force(static_cast<int>(i));
     inertial = inertial || (number != nullptr && number->is_inertial());

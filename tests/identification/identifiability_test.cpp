@@ -370,6 +370,73 @@ TEST(Identifiability, MassAndInertiaOfOneLink) {
   EXPECT_FALSE(direction.remedy.empty());
 }
 
+// A pendulum (I + m c^2) a'' = m g c cos a: twice the inertia I = m c^2 and gravity half as strong again. That is said
+// of a component of gravity that is negative as of one that is positive.
+TEST(Identifiability, SaysWhetherANegativeNumberGrows) {
+  for (const double down : {-1.0, 1.0}) {
+    Experiment e;
+    e.scene = test::chain(1, 1.0, 1.0);
+    e.scene.gravity = {0, 9.81 * down};
+    e.scene.bodies[1].center = {0.5, 0};
+    e.scene.bodies[1].inertia = 0.25;
+    e.sensors = {test::angle_of(e.scene, "1", 1e-3)};
+    e.unknowns = {test::unknown("body.1.inertia"), test::unknown("gravity.y")};
+    e.scene.start.angle[1] = 0.3;
+    e.runs = {test::simulated(100, 200, {})};
+    const FitProblem problem(e);
+    const Identifiability found = assess_at_truth(problem);
+    ASSERT_TRUE(found.ok) << found.why;
+    ASSERT_EQ(found.null_directions.size(), 1U);
+    EXPECT_NEAR(found.null_directions[0].part[1], 0.5 * down, 1e-9);
+    const std::string words = found.null_directions[0].words;
+    EXPECT_EQ(words.find(down < 0 ? "body.1.inertia +100 %, gravity.y +50 % in size together"
+                                  : "body.1.inertia +100 %, gravity.y +50 % together"),
+              0U)
+        << words;
+  }
+}
+
+// A wheel on a spring under a constant torque, with a known damper that is so weak that it hardly tells their scale:
+// also where the torque is negative.
+TEST(Identifiability, AWeakScaleIsOneOfNegativeTorquesToo) {
+  for (const char* const torque : {"5", "-5"}) {
+    Experiment e;
+    e.scene = parse_scene(std::string(R"(
+[ground]
+points = { O = [0, 0] }
+[body.wheel]
+points = { O = [0, 0] }
+inertia = 0.5
+[[pin]]
+points = ["ground.O", "wheel.O"]
+[[torsion_spring]]
+name = "coil"
+bodies = ["ground", "wheel"]
+stiffness = 20
+[[torsion_damper]]
+name = "known"
+bodies = ["ground", "wheel"]
+coefficient = 3e-4
+[[torque]]
+name = "twist"
+on = "wheel"
+value = )") + torque,
+                          "wheel");
+    e.sensors = {test::angle_of(e.scene, "wheel", 1e-3)};
+    e.unknowns = {test::unknown("body.wheel.inertia"), test::unknown("torsion_spring.coil.stiffness"),
+                  test::unknown("load.twist")};
+    e.runs = {test::simulated(100, 200, {})};
+    const FitProblem problem(e);
+    const Identifiability found = assess_at_truth(problem);
+    ASSERT_TRUE(found.ok) << found.why;
+    ASSERT_EQ(found.null_directions.size(), 1U);
+    const Identifiability::Direction& weak = found.null_directions[0];
+    EXPECT_GT(weak.singular_value, 0);
+    EXPECT_TRUE(weak.scale) << weak.words;
+    EXPECT_EQ(weak.words.find("% in size together") != std::string::npos, torque[0] == '-') << weak.words;
+  }
+}
+
 // With spring and damper unknown, too, the overall scale is a second null: one direction is the scale, the other one
 // the first null without it.
 TEST(Identifiability, TheScaleIsADirectionOfItsOwn) {
