@@ -19,9 +19,10 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int most_coefficients = 40;
-/// Iterations between the autocorrelation and what the fit takes of readings with it, and where they end.
+/// Iterations between the autocorrelation and what the fit takes of readings with it; they end where that changes by
+/// less than this part of the readings.
 constexpr int most_iterations = 20;
-constexpr double settled = 1e-3;
+constexpr double settled = 1e-2;
 /// Independent residuals per run that a model of their correlation needs.
 constexpr double enough_residuals = 20.0;
 /// By how much the median size of normal noise scatters more than its root mean square: sqrt(2) / (4 m f(m)), m its
@@ -163,28 +164,29 @@ class Analysis {
   static solvers::Autoregression corrected(const std::vector<std::vector<double>>& pieces,
                                            const std::vector<Eigen::MatrixXd>& columns, double readings,
                                            double squares) {
-    solvers::Autoregression series;
+    solvers::Autoregression series = solvers::fit_autoregression(pieces, most_coefficients);
+    double before = INFINITY;
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
       std::vector<std::vector<double>> taken;
       double leverage = 0.0;
       for (const Eigen::MatrixXd& b : columns) {
-        for (const auto& column : b.colwise()) {
-          const double own = column.squaredNorm();
+        const Eigen::VectorXd square = series.weighted_square(b).diagonal();
+        for (Eigen::Index i = 0; i < b.cols(); ++i) {
+          const double own = b.col(i).squaredNorm();
           if (!(own > 0)) continue;
-          const double square = series.weighted_square(column)(0, 0);
-          leverage += square;
-          const Eigen::VectorXd scaled = column * std::sqrt(square / own);
+          leverage += square[i];
+          const Eigen::VectorXd scaled = b.col(i) * std::sqrt(square[i] / own);
           taken.emplace_back(scaled.begin(), scaled.end());
         }
       }
-      if (!(readings > leverage)) break;
+      if (!(readings > leverage) || std::abs(leverage - before) < settled * readings) break;
+      before = leverage;
       const double size = std::sqrt(squares / (readings - leverage));
       for (std::vector<double>& column : taken) {
         for (double& value : column) value *= size;
       }
-      const double before = series.innovation;
       series = solvers::fit_autoregression(pieces, most_coefficients, taken);
-      if (series.is_white() || std::abs(series.innovation - before) < settled * before) break;
+      if (series.is_white()) break;
     }
     return series;
   }
