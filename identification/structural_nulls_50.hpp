@@ -12,8 +12,9 @@ namespace poise {
 ///
 /// With columns of length one and Householder's |R_11| >= |R_22| >= ..., the dimension is that of the R_kk that vanish
 /// in 50 digits. The others are effects, however small, where a change of the scene's numbers in the last bits of their
-/// scales changes them by less than a thousandth; else they may come from rounding of these numbers, as of the cosine of
-/// a right angle, and nothing is decided. A number has no part in the null space where its row vanishes in 50 digits.
+/// scales changes them by less than a thousandth; else they may come from rounding of these numbers, as of the cosine
+/// of a right angle, and nothing is decided. A number has no part in the null space where its row vanishes in 50
+/// digits.
 ///
 /// Empty without a decision, and where a run has unknowns of its geometry or its sensors, an equilibrium, drives or
 /// inputs, all of which are computed in doubles only. `actions` are those of each run.

@@ -39,7 +39,8 @@ TEST(RandomNulls, NothingFreeIsSaidToBeKnown) {
   }
 }
 
-// Effects of 1e-15 to 1e-10 of others, which rounding of doubles hides, and null spaces that it moves by more than 1e-6.
+// Effects of 1e-15 to 1e-10 of others, which rounding of doubles hides, and null spaces that it moves by more than
+// 1e-6.
 TEST(RandomNulls, NothingIsWithheldForRoundingOfDoubles) {
   for (const std::uint64_t seed : {873, 1392, 1580, 2162, 3219, 5129, 5593, 6558, 7050, 11915}) {
     const JudgedNulls judged = judge_nulls(seed);
