@@ -444,7 +444,7 @@ class Fitting {
     options.callbacks.push_back(&watch);
     const std::optional<double> cost = minimise_within_ranges(problem, options, scaled);
     if (!cost) {
-      failure_ = "the motion could not be computed at the start, or no step reduced the cost";
+      failure_ = why_failed(point);
       return INFINITY;
     }
     for (std::size_t i = 0; i < parameters.size(); ++i) point.parameters[i] = scaled[i] * parameters[i].scale;
@@ -457,6 +457,17 @@ class Fitting {
       if (!is_start) computed_.push_back(run.cost->take(run.blocks.data()));
     }
     return *cost;
+  }
+
+  std::string why_failed(const FitPoint& start) const {
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      const std::string why = problem_.why_no_motion(r, start.parameters, start.nuisances[r]);
+      if (!why.empty()) {
+        return fmt::format("the motion of run \"{}\" could not be computed at the start: {}",
+                           problem_.run(r).run().name, why);
+      }
+    }
+    return "no step from the start reduced the cost";
   }
 
   /// Ceres' own bounds cost a line search in every step, so ranges are kept by an active set: a parameter that leaves

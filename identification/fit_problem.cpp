@@ -305,6 +305,11 @@ Eigen::MatrixXd FitProblem::triangle_of(Eigen::MatrixXd rows, const Weighting& w
   return triangle.allFinite() ? triangle : Eigen::MatrixXd();  // squares may overflow
 }
 
+std::string FitProblem::why_no_motion(std::size_t r, const std::vector<double>& parameters,
+                                      const std::vector<double>& nuisances) const {
+  return predict(models_[r], unknowns_of(r, parameters), nuisances, INFINITY, accuracy_[r], false).why;
+}
+
 Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parameters,
                                 const std::vector<double>& nuisances, const Record& record) const {
   const RunModel& model = models_[r];

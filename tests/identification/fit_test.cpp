@@ -11,6 +11,7 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "tests/identification/experiments.hpp"
+#include "tests/identification/wheel.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
@@ -239,6 +240,15 @@ TEST(Fit, FailsWhereReadingsAreTooFew) {
   EXPECT_FALSE(found.usable());
   EXPECT_NE(found.why.find("6 readings do not determine 7 values"), std::string::npos) << found.why;
   EXPECT_TRUE(found.estimates.empty());
+}
+
+TEST(Fit, SaysWhyTheMotionCannotBeComputed) {
+  test::Wheel wheel(1);
+  const std::vector<Record> records = FitProblem(wheel.experiment).records();
+  wheel.experiment.scene.bodies[1].inertia = 0.0;
+  const Fit found = fit(FitProblem(wheel.experiment), records);
+  EXPECT_EQ(found.status, FitStatus::failed);
+  EXPECT_NE(found.why.find("has no inertia"), std::string::npos) << found.why;
 }
 
 TEST(Fit, StopsWhenInterrupted) {
