@@ -926,14 +926,15 @@ class Fitting {
     if (!out_.alternatives.empty()) {
       out_.status = FitStatus::ambiguous;
       out_.why = ambiguity();
-    } else if (aliased_ && out_.residual_over_noise > suspicious) {
+      return;
+    }
+    compare_with_noise();
+    if (aliased_ && out_.status == FitStatus::misfit && out_.residual_over_noise > suspicious) {
       out_.status = FitStatus::failed;
       out_.why = fmt::format(
           "the residuals are {:.3g} times the stated noise, and the readings allow other frequencies, none of which "
           "explains them better; read faster, or start closer to the parameters",
           out_.residual_over_noise);
-    } else {
-      compare_with_noise();
     }
   }
 

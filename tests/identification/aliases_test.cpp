@@ -117,6 +117,24 @@ TEST(Aliases, ARangeThatHoldsOneOfThemDecides) {
   EXPECT_NEAR(found.estimates[0].value, stiffness_of(5.4), 5 * found.estimates[0].standard_error);
 }
 
+// Few readings have residuals of 1.3 times the noise by chance in some of a hundred records: that is no wrong frequency.
+TEST(Aliases, ARightFrequencyIsNotRefusedByChance) {
+  int usable = 0;
+  constexpr int records = 100;
+  for (std::uint64_t seed = 1; seed <= records; ++seed) {
+    Experiment e = wheels(1, {stiffness_of(4.0)}, 0.2);
+    e.runs = {test::simulated(10, 30, {turned(1, 0.1)})};
+    e.runs[0].seed = seed;
+    e.unknowns[0].start = stiffness_of(4.1);
+    e.unknowns[0].max = stiffness_of(5.0);
+    const FitProblem problem(e);
+    const Fit found = fit(problem, problem.records());
+    usable += found.usable() ? 1 : 0;
+    EXPECT_NE(found.status, FitStatus::failed) << seed << ": " << found.why;
+  }
+  EXPECT_GE(usable, records - 3);
+}
+
 TEST(Aliases, StiffnessTenTimesOffIsFound) {
   for (const double factor : {0.1, 0.3, 3.0, 10.0}) {
     Experiment e = wheels(1, {stiffness_of(5.4)}, 0.2);
