@@ -30,7 +30,7 @@ struct CubicSpring {
 
   template <class S>
   S force_by(int number, const S& g, const S&) const {
-    const S u = g - S(free_length);
+    S u = g - S(free_length);
     if (number == 0) return u;
     return number == 1 ? S(u * u * u) : S(-at_rest(g).by_measure);
   }

@@ -262,9 +262,9 @@ TEST(RunModel, OscillatorOfTheLift) {
     const RunModel::Oscillator o = run.oscillator(run.scene_values().data(), run.equilibrium_at());
     ASSERT_NE(o.equilibrium_by_z, 0.0);
     const double square = o.equilibrium_by_z * o.equilibrium_by_z;
-    const double M = entry.at("M"), V2 = entry.at("V2"), l_q = entry.at("dl_dq");
+    const double M = entry.at("M"), stiffness = entry.at("V2"), l_q = entry.at("dl_dq");
     EXPECT_NEAR(o.mass / square / M, 1.0, 1e-10);
-    EXPECT_NEAR(o.stiffness / square / V2, 1.0, 1e-6);
+    EXPECT_NEAR(o.stiffness / square / stiffness, 1.0, 1e-6);
     EXPECT_NEAR(o.damping / square / (4000 * l_q * l_q), 1.0, 1e-10);
     EXPECT_NEAR(o.reading, e.runs[0].equilibrium->at, 1e-12);
     EXPECT_NEAR(o.reading_by_z, o.equilibrium_by_z, 1e-12);

@@ -282,7 +282,8 @@ delay = 0.023
 
 TEST_F(SensorUnknowns, AreRecoveredToRoundingWithoutNoise) {
   for (const char* const start : {"", "start_known = true\n"}) {
-    const Experiment e = read(scaled_angles + all_unknowns + swing + start);
+    std::string text = scaled_angles;
+    const Experiment e = read(text.append(all_unknowns).append(swing).append(start));
     const FitProblem problem(e);
     FitOptions options;
     options.function_tolerance = 1e-14;
