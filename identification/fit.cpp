@@ -732,11 +732,10 @@ class Fitting {
     if (!other_states_) other_states_ = with_other_states();
     twins_ = *other_states_;
     const std::size_t known = twins_.size();
-    for (std::vector<double>& parameters : twins(problem_, out_)) {
+    for (FitPoint& point : twins(problem_, out_)) {
       if (stopped() || twins_.size() >= known + most_twins) break;
       say("trying other dimensions with which it moves alike");
       ++out_.tries;
-      FitPoint point{std::move(parameters), best_.nuisances};
       const double cost = minimise(point, 1.0);
       if (cost < INFINITY) twins_.push_back({cost, std::move(point)});
     }

@@ -59,6 +59,8 @@ class RunModel {
   /// A change of a number over which the mechanism changes considerably, SI: the mechanism's size, its gravity, of any
   /// other number its own size, at least 1.
   double reach(const SceneParameter& number) const;
+  /// Of the mechanism, m.
+  double size() const { return size_; }
   /// Names of the nuisances: "equilibrium", "start obd", "start rate obd".
   std::vector<std::string> nuisance_names() const;
   std::vector<Dimension> nuisance_dimensions() const;

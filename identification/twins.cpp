@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 /// Runs and states of each that tell mechanisms apart; a scan looks at the first run.
 constexpr std::size_t most_runs = 3, states_of_run = 24;
 /// First step of a scan in standard errors, its last in sizes of the mechanism, and the ratio of successive steps.
-constexpr double first_step = 3.0, last_step = 2.0, ratio = 1.3;
+constexpr double first_step = 3.0, last_step = 8.0, ratio = 1.3;
 /// Root mean square of e below which motions may be alike, and so near to a known place that it is the same.
 constexpr double alike = 10.0;
 constexpr int most_iterations = 25;
@@ -25,26 +25,31 @@ constexpr double difference = 1e-6;
 
 class TwinSearch {
  public:
-  TwinSearch(const FitProblem& problem, const Fit& fitted) : problem_(problem), fitted_(fitted) {
+  TwinSearch(const FitProblem& problem, const Fit& fitted)
+      : problem_(problem), fitted_(fitted), begin_(fitted.parameters) {
     for (std::size_t i = 0; i < fitted.parameters.size(); ++i) reach_.push_back(problem.reach(i));
   }
 
-  std::vector<std::vector<double>> run() {
+  std::vector<FitPoint> run() {
     std::vector<std::size_t> dimensions;
     for (std::size_t i = 0; i < fitted_.parameters.size(); ++i) {
       const SceneParameter* const number = problem_.number(static_cast<int>(i));
       const bool scanned = number != nullptr && !number->scales_with_force() && !fitted_.estimates[i].withheld;
       if (scanned && fitted_.errors.error[i] > 0) dimensions.push_back(i);
     }
-    if (dimensions.empty()) return {};
+    const bool otherwise = may_swing_otherwise();
+    if (dimensions.empty() && !otherwise) return {};
     choose_runs();
     if (runs_.empty()) return {};
-    for (const std::size_t i : dimensions) {
-      for (const int side : {-1, 1}) scan(i, side);
+    scan(dimensions);
+    if (otherwise) {
+      mirror();
+      polish(begin_);
+      scan(dimensions);
     }
     std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.size < b.size; });
-    std::vector<std::vector<double>> out;
-    for (Found& one : found_) out.push_back(std::move(one.parameters));
+    std::vector<FitPoint> out;
+    for (Found& one : found_) out.push_back(std::move(one.point));
     return out;
   }
 
@@ -58,7 +63,7 @@ class TwinSearch {
   };
   struct Found {
     double size;
-    std::vector<double> parameters;
+    FitPoint point;
   };
 
   /// Runs with different known changes of the scene, or parameters of their own, where there are such.
@@ -111,14 +116,93 @@ class TwinSearch {
     }
   }
 
-  /// e of the first `runs` runs; empty where a mechanism cannot take a pose.
-  VectorXd differences(const std::vector<double>& parameters, std::size_t runs) const {
+  /// Whether the starts of all runs are unknown, of the same coordinates, one of which no sensor reads as it is.
+  bool may_swing_otherwise() const {
+    const std::vector<Sensor>& sensors = problem_.experiment().sensors;
+    bool hidden = false;
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      const RunModel& model = problem_.run(r);
+      if (!model.start_is_unknown() || model.independent() != problem_.run(0).independent()) return false;
+      if (model.equilibrium_is_unknown() && model.freedoms() > 1) return false;
+      int read = 0;
+      for (std::size_t k = 0; k < sensors.size(); ++k) {
+        const auto of_it = [&](const SensorNumber& number) { return number.sensor == k; };
+        const std::vector<SensorNumber>& numbers = model.sensor_numbers();
+        const bool as_it_is = sensors[k].reads_coordinate() && std::none_of(numbers.begin(), numbers.end(), of_it);
+        if (!model.times()[k].empty() && as_it_is) ++read;
+      }
+      hidden = hidden || read < model.freedoms();
+    }
+    return hidden;
+  }
+
+  /// From here on s is -1, and the offsets a follow the parameters.
+  void mirror() {
+    sign_ = -1.0;
+    const RunModel& first = problem_.run(0);
+    const std::size_t f = first.independent().size();
+    const std::size_t start = first.equilibrium_is_unknown() ? 1 : 0;
+    const std::vector<Dimension> dimensions = first.nuisance_dimensions();
+    for (std::size_t k = 0; k < f; ++k) {
+      double sum = 0.0;
+      std::size_t count = 0;
+      for (const RunAt& at : runs_) {
+        for (const RunModel::State& state : at.states) sum += state.q[static_cast<std::size_t>(first.independent()[k])];
+        count += at.states.size();
+      }
+      begin_.push_back(2.0 * sum / static_cast<double>(count));
+      reach_.push_back(dimensions[start + k].length == 0 ? 1.0 : first.size());
+    }
+  }
+
+  /// The equilibrium and the states of a run that x leads to.
+  std::pair<double, std::vector<RunModel::State>> moved(const RunAt& at, const std::vector<double>& x) const {
+    std::pair<double, std::vector<RunModel::State>> out{at.equilibrium, at.states};
+    if (sign_ > 0) return out;
+    const RunModel& model = problem_.run(at.run);
+    const double* const offsets = &x[fitted_.parameters.size()];
+    if (model.equilibrium_is_unknown()) out.first = offsets[0] - at.equilibrium;
+    for (RunModel::State& state : out.second) {
+      for (std::size_t k = 0; k < model.independent().size(); ++k) {
+        const auto c = static_cast<std::size_t>(model.independent()[k]);
+        state.q[c] = offsets[k] - state.q[c];
+        state.v[c] = -state.v[c];
+      }
+    }
+    return out;
+  }
+
+  /// The fit that x leads to.
+  FitPoint point(const std::vector<double>& x) const {
+    const std::size_t n = fitted_.parameters.size();
+    FitPoint out{{x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n)}, {}};
+    for (std::size_t r = 0; r < problem_.runs(); ++r) {
+      std::vector<double>& nuisances = out.nuisances.emplace_back(fitted_.runs[r].nuisances);
+      if (sign_ > 0) continue;
+      const RunModel& model = problem_.run(r);
+      const std::size_t f = model.independent().size();
+      const std::size_t start = model.equilibrium_is_unknown() ? 1 : 0;
+      if (start > 0) nuisances[0] = x[n] - nuisances[0];
+      for (std::size_t k = 0; k < f; ++k) {
+        nuisances[start + k] = x[n + k] - nuisances[start + k];
+        nuisances[start + f + k] *= -1;
+      }
+    }
+    return out;
+  }
+
+  /// e of the first `runs` runs at x = (p, a); empty where a mechanism cannot take a pose.
+  VectorXd differences(const std::vector<double>& x, std::size_t runs) const {
     VectorXd out;
+    const std::vector<double> parameters(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(fitted_.parameters.size()));
     for (std::size_t i = 0; i < std::min(runs, runs_.size()); ++i) {
       const RunAt& at = runs_[i];
+      const RunModel& model = problem_.run(at.run);
       const std::vector<double> unknowns = problem_.unknowns_of(at.run, parameters);
-      const MatrixXd there = problem_.run(at.run).responses(unknowns.data(), at.equilibrium, at.states);
+      const auto [equilibrium, states] = moved(at, x);
+      MatrixXd there = model.responses(unknowns.data(), equilibrium, states);
       if (there.rows() == 0 || !there.allFinite()) return {};
+      there.leftCols(model.freedoms()) *= sign_;
       const MatrixXd e = (there - at.responses) * at.resolution.cwiseInverse().asDiagonal();
       out.conservativeResize(out.size() + e.size());
       out.tail(e.size()) = e.reshaped();
@@ -130,28 +214,36 @@ class TwinSearch {
     return e.size() == 0 ? INFINITY : e.norm() / std::sqrt(static_cast<double>(e.size()));
   }
 
+  void scan(const std::vector<std::size_t>& dimensions) {
+    for (const std::size_t i : dimensions) {
+      for (const int side : {-1, 1}) scan(i, side);
+    }
+  }
+
   void scan(std::size_t i, int side) {
     const Parameter& p = problem_.parameters()[i];
-    std::vector<double> parameters = fitted_.parameters;
+    std::vector<double> x = begin_;
     double before_last = 0.0;
     double last = 0.0;
-    double last_value = parameters[i];
+    double last_value = x[i];
     for (double step = first_step * fitted_.errors.error[i]; step < last_step * reach_[i]; step *= ratio) {
       const double value = fitted_.parameters[i] + side * step;
       if (value < p.min || value > p.max) break;
-      parameters[i] = value;
-      const double size = size_of(differences(parameters, 1));
-      if (last < before_last && !(last > size)) polish(i, last_value);
+      x[i] = value;
+      const double size = size_of(differences(x, 1));
+      if (last < before_last && !(last > size)) {
+        std::vector<double> least = begin_;
+        least[i] = last_value;
+        polish(std::move(least));
+      }
       before_last = last;
       last = size;
       last_value = value;
     }
   }
 
-  /// Levenberg and Marquardt from the fitted parameters with one of them elsewhere.
-  void polish(std::size_t scanned, double value) {
-    std::vector<double> x = fitted_.parameters;
-    x[scanned] = value;
+  /// Levenberg and Marquardt from x = (p, a).
+  void polish(std::vector<double> x) {
     VectorXd e = differences(x, runs_.size());
     const auto n = static_cast<Index>(x.size());
     double damping = 1e-3;
@@ -175,8 +267,10 @@ class TwinSearch {
         std::vector<double> next = x;
         for (Index c = 0; c < n; ++c) {
           const auto at = static_cast<std::size_t>(c);
+          next[at] = x[at] - step[c] * reach_[at];
+          if (at >= fitted_.parameters.size()) continue;
           const Parameter& p = problem_.parameters()[at];
-          next[at] = std::clamp(x[at] - step[c] * reach_[at], p.min, p.max);
+          next[at] = std::clamp(next[at], p.min, p.max);
         }
         const VectorXd there = differences(next, runs_.size());
         if (!(size_of(there) < size_of(e))) continue;
@@ -189,33 +283,33 @@ class TwinSearch {
       }
       if (!moved) break;
     }
-    if (size_of(e) < alike && is_new(x)) found_.push_back({size_of(e), std::move(x)});
+    if (size_of(e) < alike && is_new(x)) found_.push_back({size_of(e), point(x)});
   }
 
   /// Whether an estimate differs from the fitted ones, and from those of what was found, by some standard errors.
   bool is_new(const std::vector<double>& parameters) const {
     const auto differ = [&](const std::vector<double>& others) {
-      for (std::size_t i = 0; i < parameters.size(); ++i) {
+      for (std::size_t i = 0; i < others.size(); ++i) {
         if (fitted_.estimates[i].withheld) continue;
         if (std::abs(parameters[i] - others[i]) > first_step * fitted_.errors.error[i]) return true;
       }
       return false;
     };
     return differ(fitted_.parameters) &&
-           std::all_of(found_.begin(), found_.end(), [&](const Found& one) { return differ(one.parameters); });
+           std::all_of(found_.begin(), found_.end(), [&](const Found& one) { return differ(one.point.parameters); });
   }
 
   const FitProblem& problem_;
   const Fit& fitted_;
-  std::vector<double> reach_;
+  double sign_ = 1.0;          // s
+  std::vector<double> begin_;  // x from which a scan moves one dimension
+  std::vector<double> reach_;  // of the components of x
   std::vector<RunAt> runs_;
   std::vector<Found> found_;
 };
 
 }  // namespace
 
-std::vector<std::vector<double>> twins(const FitProblem& problem, const Fit& fitted) {
-  return TwinSearch(problem, fitted).run();
-}
+std::vector<FitPoint> twins(const FitProblem& problem, const Fit& fitted) { return TwinSearch(problem, fitted).run(); }
 
 }  // namespace poise

@@ -5,20 +5,23 @@
 #include <vector>
 
 #include "identification/fit.hpp"
+#include "identification/frequencies.hpp"
 
 namespace poise {
 
-/// Parameters, far from those of a fit, with which its mechanism may move as it does with these: a spring's anchor on
-/// the other side of the line along which its other end runs, say. Such minima need not be near any path that a search
-/// has taken.
+/// Fits, far from this one, whose mechanism may move as its own does, or whose readings may be the same: a spring's
+/// anchor on the other side of the line along which its other end runs, say, or a pivot on the other side of a distance
+/// sensor, with a pendulum that swings the other way. Such minima need not be near any path that a search has taken.
 ///
-/// No motion is computed for them. At states of the fit's own motions the accelerations alpha and readings y with
-/// parameters p differ from those with the fitted ones by
-///   e(p) = (y(p) - y) / noise,  (alpha(p) - alpha) / (|alpha| noise / |y|)
-/// (sizes: root mean squares, y about its mean), which is zero where the motions are the same. Each dimension that has
-/// an estimate is moved by steps that grow from some standard errors to the mechanism's size; from where |e| has a
-/// local minimum, Levenberg and Marquardt's method varies all parameters. What ends with a root mean square of e below
-/// 10 is returned, that nearest to zero first.
-std::vector<std::vector<double>> twins(const FitProblem& problem, const Fit& fitted);
+/// No motion is computed for them. At states (z, w) of the fit's own motions, and with parameters p, the mechanism
+/// takes the states (a + s z, s w) of its independent coordinates: s = 1 and a = 0, and where all runs have unknown
+/// starts and a coordinate is not read as it is, also s = -1, the offsets a unknown, from twice the mean of z on. The
+/// accelerations alpha and readings y there differ from those of the fit by
+///   e(p, a) = (y - y(fit)) / noise,  (s alpha - alpha(fit)) / (|alpha(fit)| noise / |y(fit)|)
+/// (sizes: root mean squares, y about its mean), which is zero where the readings are the same. Each dimension that has
+/// an estimate is moved by steps that grow from some standard errors to some sizes of the mechanism; from where |e| has
+/// a local minimum, and with s = -1 also from where none has moved, Levenberg and Marquardt's method varies p and a.
+/// What ends with a root mean square of e below 10 is returned, that nearest to zero first.
+std::vector<FitPoint> twins(const FitProblem& problem, const Fit& fitted);
 
 }  // namespace poise

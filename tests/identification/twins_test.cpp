@@ -139,6 +139,100 @@ TEST(Twins, StatesThatNoSensorReadsLeaveTwoPairsOfStiffnesses) {
   EXPECT_NEAR(known.estimates[1].value, k2, 4 * known.estimates[1].standard_error);
 }
 
+// The distance from W to E, at (a, b) of an arm on the pivot O, is that to the mirror image of the arm about the
+// vertical through W:  O_x' = 2 W_x - O_x,  theta' = -pi - theta,  for b = 0, on a spring of the free angle
+// phi' = -pi - phi.
+struct WireToAnArm {
+  static constexpr double Wx = 0.6, Ox = 0.08;
+  Experiment experiment;
+
+  WireToAnArm() {
+    experiment.scene = parse_scene(R"(
+      gravity = [0, -9.81]
+      [ground]
+      points = { O = [0.08, -0.03], W = [0.6, -0.2] }
+      [body.arm]
+      points = { O = [0, 0], E = [0.45, 0] }
+      mass = 2
+      center = [0.3, 0]
+      inertia = 0.03
+      [[pin]]
+      points = ["ground.O", "arm.O"]
+      [[torsion_damper]]
+      name = "oil"
+      bodies = ["ground", "arm"]
+      coefficient = 0.005
+      [[torsion_spring]]
+      name = "coil"
+      bodies = ["ground", "arm"]
+      stiffness = 2
+      free_angle = -1
+      [start]
+      arm = -1.2
+    )",
+                                   "wire.toml");
+    Sensor& wire = experiment.sensors.emplace_back();
+    wire.name = wire.column = "wire";
+    wire.on = Measure::distance_between(point(0, "W"), point(1, "E"));
+    wire.noise = 1e-3;
+    experiment.runs = {test::simulated(100, 400)};
+    experiment.runs[0].unknown_start = true;
+    Release& release = experiment.runs[0].release.emplace_back();
+    release.body = 1;
+    release.value = -0.9;
+  }
+
+  PointRef point(int body, const std::string& name) const {
+    const std::vector<NamedPoint>& points = experiment.scene.bodies[static_cast<std::size_t>(body)].points;
+    int at = 0;
+    while (points[static_cast<std::size_t>(at)].name != name) ++at;
+    return {body, at};
+  }
+};
+
+TEST(Twins, APendulumOnEitherSideOfADistanceSensorIsAmbiguous) {
+  for (const double start : {0.1, 1.1}) {
+    WireToAnArm arm;
+    arm.experiment.unknowns = {test::unknown("point.ground.O.x"), test::unknown("body.arm.inertia"),
+                               test::unknown("torsion_spring.coil.free_angle")};
+    arm.experiment.unknowns[0].start = start;
+    const FitProblem problem(arm.experiment);
+    const Fit found = fit(problem, problem.records());
+    ASSERT_EQ(found.status, FitStatus::ambiguous) << found.why;
+    ASSERT_EQ(found.alternatives.size(), 2U);
+    const std::vector<double>& one = found.alternatives[0].values;
+    const std::vector<double>& other = found.alternatives[1].values;
+    EXPECT_NEAR(std::min(one[0], other[0]), arm.Ox, 0.01);
+    EXPECT_NEAR(one[0] + other[0], 2 * arm.Wx, 1e-5);
+    EXPECT_NEAR(one[1], other[1], 1e-5 * one[1]);
+    EXPECT_NEAR(one[2] + other[2], -M_PI, 1e-4);
+    EXPECT_NEAR(found.alternatives[1].more, 0.0, 1e-3);
+  }
+}
+
+TEST(Twins, ASpringOnThePendulumTellsTheSide) {
+  WireToAnArm arm;
+  arm.experiment.unknowns = {test::unknown("point.ground.O.x"), test::unknown("body.arm.inertia")};
+  arm.experiment.unknowns[0].start = 0.1;
+  const FitProblem problem(arm.experiment);
+  const Fit found = fit(problem, problem.records());
+  ASSERT_EQ(found.status, FitStatus::converged) << found.why;
+  EXPECT_NEAR(found.estimates[0].value, arm.Ox, 4 * found.estimates[0].standard_error);
+}
+
+// W right above O: the spring may turn the arm to either side.
+TEST(Twins, ASpringToEitherSideIsAmbiguous) {
+  WireToAnArm arm;
+  const int W = arm.point(0, "W").point;
+  arm.experiment.scene.bodies[0].points[static_cast<std::size_t>(W)].at = {0.08, 0.2};
+  arm.experiment.unknowns = {test::unknown("torsion_spring.coil.free_angle")};
+  const FitProblem problem(arm.experiment);
+  const Fit found = fit(problem, problem.records());
+  ASSERT_EQ(found.status, FitStatus::ambiguous) << found.why;
+  ASSERT_EQ(found.alternatives.size(), 2U);
+  EXPECT_NEAR(found.alternatives[0].values[0] + found.alternatives[1].values[0], -M_PI, 1e-4);
+}
+
 TEST(Twins, NoneWithinTheRange) {
   BlockOnARail block;
   block.experiment.unknowns[1].min = 0.0;
