@@ -117,7 +117,8 @@ TEST(Aliases, ARangeThatHoldsOneOfThemDecides) {
   EXPECT_NEAR(found.estimates[0].value, stiffness_of(5.4), 5 * found.estimates[0].standard_error);
 }
 
-// Few readings have residuals of 1.3 times the noise by chance in some of a hundred records: that is no wrong frequency.
+// Few readings have residuals of 1.3 times the noise by chance in some of a hundred records: that is no wrong
+// frequency.
 TEST(Aliases, ARightFrequencyIsNotRefusedByChance) {
   int usable = 0;
   constexpr int records = 100;
