@@ -84,7 +84,8 @@ void add_rows(const RunModel& run, const std::vector<Sensor>& sensors, const std
   std::vector<Real> z(static_cast<std::size_t>(f)), w(z);
   std::vector<SceneParameter> numbers = run.numbers();
   double reach = 0.5;
-  const int states = 8 + 2 * static_cast<int>(numbers.size()) / f;
+  // Many, since some of the elements act at few of them: a rope that is slack at most.
+  const int states = 60 + 2 * static_cast<int>(numbers.size()) / f;
   const std::size_t before = rows.size();
   for (int s = 0, tries = 0; s < states && tries < 30 * states; ++tries) {
     for (int k = 0; k < f; ++k) {
