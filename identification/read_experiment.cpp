@@ -377,9 +377,15 @@ class ExperimentReader {
 
   /// Numbers whose uncertainty is propagated.
   void read_known() {
+    NameLines lines;
     for (const TomlTable& table : root_.tables("known")) {
       table.allow_keys({"path", "per", "deviation", "relative"});
       const TomlText path = table.text("path");
+      const auto [other, is_new] = lines.emplace(path.value, path.place.line);
+      if (!is_new) {
+        path.place.fail(
+            fmt::format("expected another path, it is known in line {}; take one of the two out", other->second));
+      }
       KnownNumber known;
       known.path = path.value;
       known.line = table.place().line;

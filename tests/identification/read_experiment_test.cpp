@@ -247,6 +247,16 @@ TEST(ReadExperiment, RejectsUnknowns) {
             "experiment.toml:11: unknown \"m\".name: expected a name of its own; \"m\" is taken in line 8");
 }
 
+// The errors of two tables would be added up as one error.
+TEST(ReadExperiment, RejectsANumberThatIsKnownTwice) {
+  const std::string known = "[[known]]\npath = \"body.block.mass\"\nrelative = 0.01\n";
+  EXPECT_EQ(error_of(header + sensor + known + run), "");
+  EXPECT_EQ(error_of(header + sensor + known + known + run),
+            "experiment.toml:10: known 2.path: expected another path, it is known in line 7; take one of the two out");
+  EXPECT_EQ(error_of(header + sensor + known + "per = \"run\"\n" + known + run),
+            "experiment.toml:11: known 2.path: expected another path, it is known in line 7; take one of the two out");
+}
+
 TEST(ReadExperiment, RejectsUnknownsThatARunContradicts) {
   const std::string unknown = header + sensor + "[[unknown]]\npath = \"body.block.mass\"\nname = \"m\"\n";
   EXPECT_EQ(
