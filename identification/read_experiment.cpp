@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -158,10 +159,15 @@ class ExperimentReader {
 
   /// What the sensor measures; returns the unit of the scene, or of the scene per second, in SI.
   double read_quantity(const TomlTable& table, const SceneNames& names, Sensor& sensor) const {
-    if (table.has("angle") + table.has("travel") + table.has("distance") + table.has("x") + table.has("y") +
-            table.has("force") !=
-        1) {
-      table.place().fail("expected one of the keys angle, travel, distance, x, y, force");
+    constexpr std::array measures = {"angle", "travel", "distance", "x", "y", "force"};
+    std::vector<std::string> given;
+    std::copy_if(measures.begin(), measures.end(), std::back_inserter(given),
+                 [&](const char* key) { return table.has(key); });
+    if (given.size() != 1) {
+      table.place().fail(fmt::format(
+          "expected one of the keys {}{}", fmt::join(measures, ", "),
+          given.empty() ? ""
+                        : fmt::format(", found {}; leave one in, or give each a sensor", fmt::join(given, " and "))));
     }
     const Units& units = experiment_.scene.units;
     if (table.has("angle")) {
@@ -342,10 +348,14 @@ class ExperimentReader {
     const double first = unknown.start.value_or(written + unknown.includes);
     if (unknown.of_sensor) check_sensor_number(table, unknown, first);
     if (first < unknown.min || first > unknown.max) {
+      const bool bounded = std::isfinite(unknown.min) && std::isfinite(unknown.max);
       table.place_of("start").fail(fmt::format(
-          "expected a start from {:.12g} to {:.12g}, found {:.12g}{}", unknown.min / unknown.unit,
-          unknown.max / unknown.unit, first / unknown.unit,
-          unknown.start ? "; change one of the three"
+          "expected a start {}, found {:.12g}{}",
+          bounded ? fmt::format("from {:.12g} to {:.12g}", unknown.min / unknown.unit, unknown.max / unknown.unit)
+          : first < unknown.min ? fmt::format("of at least {:.12g}", unknown.min / unknown.unit)
+                                : fmt::format("of at most {:.12g}", unknown.max / unknown.unit),
+          first / unknown.unit,
+          unknown.start ? fmt::format("; change one of the {}", bounded ? "three" : "two")
                         : fmt::format(", the {}'s value; add start = NUMBER", unknown.of_sensor ? "sensor" : "scene")));
     }
     if (const auto prior = table.find_vector("prior", unknown.unit)) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -69,6 +70,8 @@ class RunsReader {
     Run& run = written.run;
     run.line = table.place().line;
     if (table.has("data")) {
+      expect_none(table, {"duration", "rate", "seed"},
+                  "of a simulated run only, this one has data; leave it out, or leave data out to simulate");
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
                         "data", "time", "time_factor", "split", "segments", "every"});
       written.measured = true;
@@ -76,6 +79,8 @@ class RunsReader {
       run.time_column = written.source.files.front().time;
       run.states_time_factor = read_time_factors(table, written.source);
     } else {
+      expect_none(table, {"time", "time_factor", "split", "segments", "every"},
+                  "of a measured run only, this one has no data; leave it out, or add data = \"...\"");
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
                         "data", "duration", "rate", "seed"});
       read_simulation(table, run);
@@ -92,6 +97,12 @@ class RunsReader {
     written.source.begins_at_first_row = !run.unknown_start;
     written.inputs = read_inputs(table, folder, scene, written.measured, written.source);
     return written;
+  }
+
+  static void expect_none(const TomlTable& table, std::initializer_list<const char*> keys, const char* belong) {
+    for (const char* const key : keys) {
+      if (table.has(key)) table.place_of(key).fail(fmt::format("expected {} {}", key, belong));
+    }
   }
 
   /// The names of the sensors that are read in a run.

@@ -168,7 +168,8 @@ TEST(ReadExperiment, RejectsSensors) {
   const std::string place = "experiment.toml:2: sensor 1: ";
   const std::string kinds = "expected one of the keys angle, travel, distance, x, y, force";
   EXPECT_EQ(error_of_sensor("noise = 1\n"), place + kinds);
-  EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"), place + kinds);
+  EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"),
+            place + kinds + ", found x and y; leave one in, or give each a sensor");
   EXPECT_EQ(
       error_of_sensor("angle = \"crank\"\n"),
       "experiment.toml:2: sensor \"sensor 1\".noise: expected a number, since run \"run 1\" is simulated; add noise = "
@@ -229,7 +230,9 @@ TEST(ReadExperiment, RejectsUnknowns) {
             "experiment.toml:9: unknown 1.max: expected max > min = 5; exchange them");
   EXPECT_EQ(error_of_unknown(path + "max = -5\n"), eighth + "max: expected max > min = 0; exchange them");
   EXPECT_EQ(error_of_unknown(path + "start = -5\n"),
-            eighth + "start: expected a start from 0 to inf, found -5; change one of the three");
+            eighth + "start: expected a start of at least 0, found -5; change one of the two");
+  EXPECT_EQ(error_of_unknown("path = \"body.rod.center.x\"\nmax = 1\nstart = 2\n"),
+            "experiment.toml:9: unknown 1.start: expected a start of at most 1, found 2; change one of the two");
   EXPECT_EQ(error_of_unknown(path + "max = 700\n"),
             "experiment.toml:6: unknown 1.start: expected a start from 0 to 700, found 800, the scene's value; add "
             "start = NUMBER");

@@ -157,8 +157,12 @@ TEST(ReadRuns, RejectsRuns) {
     EXPECT_EQ(error_of_run(given + "seed = " + seed + "\n"),
               "experiment.toml:9: run 1.seed: expected a whole number from 0 to 2^53");
   }
-  EXPECT_EQ(error_of_run(given + "split = \"s\"\n"),
-            "experiment.toml:9: run 1.split: expected one of the keys name, set, labels, rest, release, release_rate, "
+  EXPECT_EQ(
+      error_of_run(given + "split = \"s\"\n"),
+      "experiment.toml:9: run 1.split: expected split of a measured run only, this one has no data; leave it out, "
+      "or add data = \"...\"");
+  EXPECT_EQ(error_of_run(given + "splits = \"s\"\n"),
+            "experiment.toml:9: run 1.splits: expected one of the keys name, set, labels, rest, release, release_rate, "
             "start_known, sensors, inputs, data, duration, rate, seed");
   EXPECT_EQ(error_of_run(given + "labels = { run = \"a\" }\n"),
             "experiment.toml:9: run 1.labels.run: expected another label; per = \"run\" means each run by itself");
@@ -208,8 +212,8 @@ TEST(ReadRuns, RejectsMeasuredRuns) {
   EXPECT_EQ(error_of_run("data = \"\"\n"),
             "experiment.toml:7: run 1.data: expected the path of a data file, relative to this file");
   EXPECT_EQ(error_of_run(data + "duration = 2\n", good),
-            "experiment.toml:8: run 1.duration: expected one of the keys name, set, labels, rest, release, "
-            "release_rate, start_known, sensors, inputs, data, time, time_factor, split, segments, every");
+            "experiment.toml:8: run 1.duration: expected duration of a simulated run only, this one has data; leave it "
+            "out, or leave data out to simulate");
   EXPECT_EQ(error_of_run(data + "time_factor = 0\n", good),
             "experiment.toml:8: run 1.time_factor: expected a finite number > 0, found 0");
   EXPECT_EQ(error_of_run(data + "every = 0\n", good),

@@ -650,7 +650,7 @@ TEST_F(SensorUnknowns, AreRefusedInWords) {
   EXPECT_EQ(of(unknown("sensor.one.factor", "start = 0")),
             "experiment.toml:13: unknown 1.start: expected a factor other than 0");
   EXPECT_EQ(of(unknown("sensor.one.factor", "start = -1")),
-            "experiment.toml:13: unknown 1.start: expected a start from 0 to inf, found -1; change one of the three");
+            "experiment.toml:13: unknown 1.start: expected a start of at least 0, found -1; change one of the two");
   EXPECT_EQ(of(unknown("sensor.one.zero", "includes = 1")),
             "experiment.toml:13: unknown 1.includes: expected a number of the scene, this is one of a sensor; leave "
             "includes out");
