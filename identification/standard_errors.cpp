@@ -165,26 +165,22 @@ class Analysis {
                                            const std::vector<Eigen::MatrixXd>& columns, double readings,
                                            double squares) {
     solvers::Autoregression series = solvers::fit_autoregression(pieces, most_coefficients);
+    std::vector<solvers::TakenColumns> taken(columns.size());
+    for (std::size_t p = 0; p < columns.size(); ++p) {
+      taken[p].products = solvers::lag_products(columns[p], most_coefficients);
+    }
     double before = INFINITY;
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
-      std::vector<std::vector<double>> taken;
       double leverage = 0.0;
-      for (const Eigen::MatrixXd& b : columns) {
-        const Eigen::VectorXd square = series.weighted_square(b).diagonal();
-        for (Eigen::Index i = 0; i < b.cols(); ++i) {
-          const double own = b.col(i).squaredNorm();
-          if (!(own > 0)) continue;
-          leverage += square[i];
-          const Eigen::VectorXd scaled = b.col(i) * std::sqrt(square[i] / own);
-          taken.emplace_back(scaled.begin(), scaled.end());
-        }
+      for (std::size_t p = 0; p < columns.size(); ++p) {
+        const Eigen::VectorXd own = taken[p].products.lagged.row(0);
+        taken[p].weight = series.weighted_square(columns[p]).diagonal();
+        taken[p].weight = (own.array() > 0).select(taken[p].weight.array() / own.array(), 0.0);
+        leverage += taken[p].weight.dot(own);
       }
       if (!(readings > leverage) || std::abs(leverage - before) < settled * readings) break;
       before = leverage;
-      const double size = std::sqrt(squares / (readings - leverage));
-      for (std::vector<double>& column : taken) {
-        for (double& value : column) value *= size;
-      }
+      for (solvers::TakenColumns& of_piece : taken) of_piece.weight *= squares / (readings - leverage);
       series = solvers::fit_autoregression(pieces, most_coefficients, taken);
       if (series.is_white()) break;
     }

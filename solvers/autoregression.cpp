@@ -13,6 +13,62 @@ constexpr double negligible = 1e-6;
 constexpr Eigen::Index block = 256;
 /// Columns that are filtered together.
 constexpr int strip = 8;
+/// Parts of sums of products that are lost in rounding do not count below this part of them.
+constexpr double rounding = 1e-12;
+
+/// Sums of products of neighbours in columns x of at least `rows` rows n, x_t of weight w:
+///   sum_w sum_(t=m)^(n-1) x_(t-i) x_(t-j) = lagged(j - i) - head(m - 1 - i, m - 1 - j) - tail(i - 1, j - 1),
+/// all t less those before m and those from n, with the sums along diagonals
+///   head(a, b) = sum_w sum_(q>=0) x_(a-q) x_(b-q),  tail the same of the columns backwards in time.
+class NeighbourProducts {
+ public:
+  NeighbourProducts(Eigen::Index rows, Eigen::Index most)
+      : rows_(rows),
+        lagged_(Eigen::VectorXd::Zero(most + 1)),
+        head_(Eigen::MatrixXd::Zero(most, most)),
+        tail_(Eigen::MatrixXd::Zero(most, most)) {}
+
+  Eigen::Index rows() const { return rows_; }
+  double squares() const { return lagged_[0]; }
+
+  void add(const TakenColumns& columns) {
+    const Eigen::Index most = head_.rows();
+    const auto add_diagonals = [&](const Eigen::MatrixXd& x, Eigen::MatrixXd& sum) {
+      Eigen::MatrixXd product = x.topRows(most) * columns.weight.asDiagonal() * x.topRows(most).transpose();
+      for (Eigen::Index a = 1; a < most; ++a) {
+        product.row(a).tail(most - 1) += product.row(a - 1).head(most - 1).eval();
+      }
+      sum += product;
+    };
+    lagged_ += columns.products.lagged.topRows(most + 1) * columns.weight;
+    add_diagonals(columns.products.head, head_);
+    add_diagonals(columns.products.tail, tail_);
+  }
+
+  double operator()(Eigen::Index order, Eigen::Index i, Eigen::Index j) const {
+    double sum = lagged_[std::abs(i - j)];
+    if (i < order && j < order) sum -= head_(order - 1 - i, order - 1 - j);
+    if (i > 0 && j > 0) sum -= tail_(i - 1, j - 1);
+    return sum;
+  }
+
+ private:
+  Eigen::Index rows_;
+  Eigen::VectorXd lagged_;
+  Eigen::MatrixXd head_, tail_;
+};
+
+/// One for all columns of more than `most` rows, which every order has all sums of, and one for each length below.
+std::vector<NeighbourProducts> neighbour_products(std::span<const TakenColumns> taken, Eigen::Index most) {
+  std::vector<NeighbourProducts> out;
+  for (const TakenColumns& columns : taken) {
+    const Eigen::Index rows = std::min(columns.products.rows, most + 1);
+    auto same = std::find_if(out.begin(), out.end(), [&](const auto& sums) { return sums.rows() == rows; });
+    if (same == out.end()) same = out.emplace(out.end(), rows, most);
+    same->add(columns);
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -82,8 +138,25 @@ Eigen::MatrixXd Autoregression::weighted_square(const Eigen::MatrixXd& a) const 
   return innovation * sum;
 }
 
+LagProducts lag_products(const Eigen::MatrixXd& b, int most) {
+  const Eigen::Index rows = b.rows();
+  LagProducts out;
+  out.rows = rows;
+  out.lagged = Eigen::MatrixXd::Zero(most + 1, b.cols());
+  for (Eigen::Index i = 0; i < b.cols(); ++i) {
+    for (Eigen::Index lag = 0; lag <= most && lag < rows; ++lag) {
+      out.lagged(lag, i) = b.col(i).tail(rows - lag).dot(b.col(i).head(rows - lag));
+    }
+  }
+  const Eigen::Index ends = std::min<Eigen::Index>(most, rows);
+  out.head = out.tail = Eigen::MatrixXd::Zero(most, b.cols());
+  out.head.topRows(ends) = b.topRows(ends);
+  out.tail.topRows(ends) = b.bottomRows(ends).colwise().reverse();
+  return out;
+}
+
 Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, int most,
-                                  std::span<const std::vector<double>> taken) {
+                                  std::span<const TakenColumns> taken) {
   // Of the present order m: errors of the forward prediction of x_t at t, of the backward prediction of x_{t-m} at t -
   // m.
   std::vector<Eigen::VectorXd> forward, backward;
@@ -98,18 +171,14 @@ Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, i
     count += piece.size();
     longest = std::max(longest, piece.size());
   }
-  for (const std::vector<double>& piece : taken) {
-    if (piece.size() < 4) continue;
-    forward.emplace_back(Eigen::Map<const Eigen::VectorXd>(piece.data(), static_cast<Eigen::Index>(piece.size())));
-    backward.push_back(forward.back());
-  }
   Autoregression best;
   if (count == 0 || !(total > 0)) return best;
   const double n = static_cast<double>(count);
+  const int limit = std::min(most, static_cast<int>(longest / 4));
+  const std::vector<NeighbourProducts> sums = neighbour_products(taken, limit);
   std::vector<double> phi;
   double part = 1.0;
   double least = 0.0;  // of the criterion; 0 for white
-  const int limit = std::min(most, static_cast<int>(longest / 4));
   for (int order = 1; order <= limit; ++order) {
     double product = 0.0;
     double squares = 0.0;
@@ -120,7 +189,24 @@ Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, i
       product += f.dot(b);
       squares += f.squaredNorm() + b.squaredNorm();
     }
-    if (!(squares > 0)) break;
+    // The errors of prediction in the columns that were taken, of x_t and x_{t-m}:  sum_i filter_i x_{t-i},  sum_i
+    // filter_i x_{t-m+i}.
+    Eigen::VectorXd filter(order);
+    filter[0] = 1.0;
+    for (int i = 1; i < order; ++i) filter[i] = -phi[static_cast<std::size_t>(i - 1)];
+    double rounded = 0.0;
+    for (const NeighbourProducts& sum : sums) {
+      if (sum.rows() < 4 || sum.rows() <= order) continue;
+      for (int i = 0; i < order; ++i) {
+        for (int j = 0; j < order; ++j) {
+          const double both = filter[i] * filter[j];
+          product += both * sum(order, i, order - j);
+          squares += both * (sum(order, i, j) + sum(order, order - i, order - j));
+        }
+      }
+      rounded += rounding * sum.squares() * std::pow(filter.lpNorm<1>(), 2);
+    }
+    if (!(squares > rounded)) break;
     const double k = 2 * product / squares;
     std::vector<double> next(phi);
     next.push_back(k);

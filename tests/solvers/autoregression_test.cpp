@@ -41,21 +41,45 @@ TEST(Autoregression, WhiteSeriesOfWhichAFitTookMuchIsCalledWhite) {
   Eigen::MatrixXd basis(count, 2);
   for (int t = 0; t < count; ++t) basis.row(t) << 1.0, t - 0.5 * (count - 1);
   basis.colwise().normalize();
+  const std::vector<TakenColumns> taken(10, {lag_products(basis, 20), Eigen::Vector2d::Ones()});
   int white = 0, alone = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
-    std::vector<std::vector<double>> pieces, taken;
+    std::vector<std::vector<double>> pieces;
     for (unsigned r = 0; r < 10; ++r) {
       std::vector<double> x = simulate({}, count, 10 * seed + r);
       Eigen::Map<Eigen::VectorXd> values(x.data(), count);
       values -= basis * (basis.transpose() * values).eval();
       pieces.push_back(std::move(x));
-      for (const auto& column : basis.colwise()) taken.emplace_back(column.begin(), column.end());
     }
     white += fit_autoregression(pieces, 20, taken).is_white() ? 1 : 0;
     alone += fit_autoregression(pieces, 20).is_white() ? 1 : 0;
   }
   EXPECT_GE(white, 180);
   EXPECT_LE(alone, 150);
+}
+
+// What columns with their products add is what they would add as pieces of their own, of any length; the criterion
+// differs only by the number of values.
+TEST(Autoregression, ColumnsCountAsPiecesByTheirProducts) {
+  for (const std::size_t length : {std::size_t{3}, std::size_t{6}, std::size_t{9}, std::size_t{60}}) {
+    const std::vector<double> phi{1.6, -0.8};
+    std::vector<std::vector<double>> pieces = {simulate(phi, 400, 1), simulate(phi, 300, 2)};
+    const std::vector<std::vector<double>> columns = {simulate({0.9}, length, 3), simulate({-0.5}, length, 4)};
+    Eigen::MatrixXd b(length, 2);
+    for (int i = 0; i < 2; ++i) b.col(i) = Eigen::Map<const Eigen::VectorXd>(columns[i].data(), b.rows());
+    const std::vector<TakenColumns> taken = {{lag_products(b, 8), Eigen::Vector2d(400.0, 900.0)}};
+    const Autoregression by_products = fit_autoregression(pieces, 8, taken);
+    for (std::size_t i = 0; i < 2; ++i) {
+      pieces.push_back(columns[i]);
+      for (double& value : pieces.back()) value *= i == 0 ? 20.0 : 30.0;
+    }
+    const Autoregression by_pieces = fit_autoregression(pieces, 8);
+    ASSERT_EQ(by_products.coefficient.size(), by_pieces.coefficient.size()) << length;
+    EXPECT_NEAR(by_products.innovation, by_pieces.innovation, 1e-11) << length;
+    for (std::size_t j = 0; j < by_pieces.coefficient.size(); ++j) {
+      EXPECT_NEAR(by_products.coefficient[j], by_pieces.coefficient[j], 1e-11) << length;
+    }
+  }
 }
 
 TEST(Autoregression, FindsItsCoefficients) {
