@@ -201,18 +201,19 @@ class Analysis {
       const auto basis = run.nuisances.middleRows(run.first[k], count);
       left -= basis * (basis.transpose() * ones);
     }
-    Eigen::MatrixXd series = Eigen::MatrixXd::Zero(a.cols(), a.cols());
-    double leverage = 0.0;
-    double square = 0.0;
+    const Eigen::Index nuisances = run.nuisances.cols();
+    Eigen::MatrixXd all(count, nuisances + a.cols() + 1);
+    if (nuisances > 0) all.leftCols(nuisances) = run.nuisances.middleRows(run.first[k], count);
+    all.middleCols(nuisances, a.cols()) = a;
+    all.rightCols(1) = left;
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(all.cols(), all.cols());
     for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
-      const auto at = static_cast<Eigen::Index>(first);
-      const auto rows = static_cast<Eigen::Index>(last - first);
-      series += series_[k].weighted_square(a.middleRows(at, rows));
-      if (run.nuisances.size() > 0) {
-        leverage += series_[k].weighted_square(run.nuisances.middleRows(run.first[k] + at, rows)).trace();
-      }
-      square += series_[k].weighted_square(left.segment(at, rows))(0, 0);
+      sum += series_[k].weighted_square(
+          all.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)));
     }
+    Eigen::MatrixXd series = sum.block(nuisances, nuisances, a.cols(), a.cols());
+    const double leverage = sum.topLeftCorner(nuisances, nuisances).trace();
+    const double square = sum.bottomRightCorner(1, 1).value();
     run.leverage.push_back(leverage + V.cwiseProduct(series).sum());
     run.series.push_back(std::move(series));
     // 1^T M M 1 = 1^T M 1: what is not of these readings comes from all others.

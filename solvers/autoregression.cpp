@@ -7,8 +7,8 @@ namespace poise::solvers {
 namespace {
 
 constexpr std::size_t most_lags = 200'000;
-/// Sums over rows or lags without end stop where what is added is below this part.
-constexpr double negligible = 1e-6;
+/// Sums over lags without end stop where what is added is below this part.
+constexpr double negligible = 1e-8;
 /// Rows that are filtered before they are summed.
 constexpr Eigen::Index block = 256;
 /// Columns that are filtered together.
@@ -58,23 +58,9 @@ class NeighbourProducts {
   Eigen::MatrixXd head_, tail_;
 };
 
-/// One for all columns of more than `most` rows, which every order has all sums of, and one for each length below.
-std::vector<NeighbourProducts> neighbour_products(std::span<const TakenColumns> taken, Eigen::Index most) {
-  std::vector<NeighbourProducts> out;
-  for (const TakenColumns& columns : taken) {
-    const Eigen::Index rows = std::min(columns.products.rows, most + 1);
-    auto same = std::find_if(out.begin(), out.end(), [&](const auto& sums) { return sums.rows() == rows; });
-    if (same == out.end()) same = out.emplace(out.end(), rows, most);
-    same->add(columns);
-  }
-  return out;
-}
-
-}  // namespace
-
-// Levinson's recursion: downwards from the coefficients to those of all lower orders, upwards to the autocorrelations,
-// which then follow each other by the coefficients themselves.
-double Autoregression::spread() const {
+/// The autocorrelations to the lag of the order, by Levinson's recursion: downwards from the coefficients to those of
+/// all lower orders, upwards to the autocorrelations, which then follow each other by the coefficients themselves.
+std::vector<double> first_correlations(const std::vector<double>& coefficient) {
   const std::size_t order = coefficient.size();
   std::vector<std::vector<double>> of_order(order + 1);
   of_order[order] = coefficient;
@@ -92,6 +78,26 @@ double Autoregression::spread() const {
     r.push_back(next);
     left *= 1 - k * k;
   }
+  return r;
+}
+
+/// One for all columns of more than `most` rows, which every order has all sums of, and one for each length below.
+std::vector<NeighbourProducts> neighbour_products(std::span<const TakenColumns> taken, Eigen::Index most) {
+  std::vector<NeighbourProducts> out;
+  for (const TakenColumns& columns : taken) {
+    const Eigen::Index rows = std::min(columns.products.rows, most + 1);
+    auto same = std::find_if(out.begin(), out.end(), [&](const auto& sums) { return sums.rows() == rows; });
+    if (same == out.end()) same = out.emplace(out.end(), rows, most);
+    same->add(columns);
+  }
+  return out;
+}
+
+}  // namespace
+
+double Autoregression::spread() const {
+  const std::size_t order = coefficient.size();
+  std::vector<double> r = first_correlations(coefficient);
   double sum = 1.0;
   for (std::size_t lag = 1; lag <= order; ++lag) sum += 2 * r[lag] * r[lag];
   double recent = 0.0;
@@ -101,41 +107,51 @@ double Autoregression::spread() const {
     r.push_back(next);
     sum += 2 * next * next;
     recent = 0.99 * recent + next * next;
-    if (recent < negligible * 1e-2) break;
+    if (recent < negligible) break;
   }
   return sum;
 }
 
-// With x = P u, P the lower triangular filter, A^T P P^T A is the square of b = P^T A, which runs backwards in time,
-// and on beyond the first row, since the series did not begin there.
+// By  sum_t a_t x_t = sum_(t>=p) b_t u_t + sum_(t<p) s_t x_t:  backwards in time, each row a_t with what later rows
+// leave it, b_t = a_t + sum_j coefficient_j b_(t+j), until the p values of x that the series begins with, which have
+// the autocorrelation of x; s_t is the same sum there, over t + j >= p.
 Eigen::MatrixXd Autoregression::weighted_square(const Eigen::MatrixXd& a) const {
   const Eigen::Index rows = a.rows();
   const Eigen::Index columns = a.cols();
   const auto order = static_cast<Eigen::Index>(coefficient.size());
   if (order == 0) return a.transpose() * a;
+  const Eigen::Index first = std::min(order, rows);
+  Eigen::MatrixXd s(columns, first);
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns, columns);
   const Eigen::VectorXd backwards =
       Eigen::Map<const Eigen::VectorXd>(coefficient.data(), order).reverse();  // the farthest row first
-  // One column for each row of b: the last ones of the block before, then those of a block.
+  // One column for each row of b: the last ones of the block before, then those of a block; 0 for t < p.
   const Eigen::Index strips = (columns + strip - 1) / strip;
   Eigen::MatrixXd b = Eigen::MatrixXd::Zero(strip * strips, order + block);
-  for (Eigen::Index begin = 0; begin < 50 * rows; begin += block) {
-    for (Eigen::Index i = 0; i < block; ++i) {
+  for (Eigen::Index begin = 0; begin < rows; begin += block) {
+    const Eigen::Index present = std::min(block, rows - begin);
+    for (Eigen::Index i = 0; i < present; ++i) {
+      const Eigen::Index t = rows - 1 - begin - i;
       b.col(order + i).setZero();
-      if (begin + i < rows) b.col(order + i).head(columns) = a.row(rows - 1 - begin - i).transpose();
+      b.col(order + i).head(columns) = a.row(t).transpose();
       for (Eigen::Index k = 0; k < strips; ++k) {
         Eigen::Matrix<double, strip, 1> sum_of_strip = b.block<strip, 1>(strip * k, order + i);
         for (Eigen::Index j = 0; j < order; ++j) sum_of_strip += backwards[j] * b.block<strip, 1>(strip * k, i + j);
         b.block<strip, 1>(strip * k, order + i) = sum_of_strip;
       }
+      if (t < first) {
+        s.col(t) = b.col(order + i).head(columns);
+        b.col(order + i).setZero();
+      }
     }
-    const auto present = b.topRightCorner(columns, block);
-    sum.selfadjointView<Eigen::Lower>().rankUpdate(present);
-    if (begin >= rows && present.squaredNorm() < negligible * sum.trace()) break;
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(b.block(0, order, columns, present));
     b.leftCols(order) = b.rightCols(order).eval();
   }
   sum.triangularView<Eigen::StrictlyUpper>() = sum.transpose();
-  return innovation * sum;
+  const std::vector<double> r = first_correlations(coefficient);
+  const Eigen::MatrixXd correlation = Eigen::MatrixXd::NullaryExpr(
+      first, first, [&](Eigen::Index i, Eigen::Index j) { return r[static_cast<std::size_t>(std::abs(i - j))]; });
+  return innovation * sum + s * correlation * s.transpose();
 }
 
 LagProducts lag_products(const Eigen::MatrixXd& b, int most) {

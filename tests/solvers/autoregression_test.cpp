@@ -104,7 +104,7 @@ TEST(Autoregression, FirstOrderInClosedForm) {
     for (int t = 0; t < 60; ++t) r(s, t) = std::pow(phi, std::abs(s - t));
   }
   const Eigen::MatrixXd expected = a.transpose() * r * a;
-  EXPECT_LT((first.weighted_square(a) - expected).norm(), 1e-5 * expected.norm());
+  EXPECT_LT((first.weighted_square(a) - expected).norm(), 1e-12 * expected.norm());
   EXPECT_LT((Autoregression{}.weighted_square(a) - a.transpose() * a).norm(), 1e-12 * expected.norm());
 }
 
@@ -117,13 +117,15 @@ TEST(Autoregression, SecondOrderOscillation) {
   double squares = 1.0;
   for (int k = 1; k < 400; ++k) squares += 2 * r[k] * r[k];
   EXPECT_NEAR(second.spread(), squares, 1e-6 * squares);
-  Eigen::MatrixXd a(200, 1);
-  for (int t = 0; t < 200; ++t) a(t, 0) = std::cos(0.4 * t);
-  double expected = 0.0;
-  for (int s = 0; s < 200; ++s) {
-    for (int t = 0; t < 200; ++t) expected += a(s, 0) * r[std::abs(s - t)] * a(t, 0);
+  for (const int rows : {1, 2, 3, 200, 400}) {
+    Eigen::MatrixXd a(rows, 1);
+    for (int t = 0; t < rows; ++t) a(t, 0) = std::cos(0.4 * t);
+    double expected = 0.0;
+    for (int s = 0; s < rows; ++s) {
+      for (int t = 0; t < rows; ++t) expected += a(s, 0) * r[std::abs(s - t)] * a(t, 0);
+    }
+    EXPECT_NEAR(second.weighted_square(a)(0, 0), expected, 1e-12 * expected) << rows;
   }
-  EXPECT_NEAR(second.weighted_square(a)(0, 0), expected, 1e-5 * expected);
 }
 
 }  // namespace
