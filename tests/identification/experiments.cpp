@@ -36,6 +36,44 @@ Run simulated(double rate, int count, std::vector<Release> release) {
   return run;
 }
 
+Experiment oscillator() {
+  Experiment e;
+  e.scene = parse_scene(R"(
+[ground]
+points = { O = [0, 0], S = [-1, 0] }
+[body.block]
+points = { c = [0, 0] }
+mass = 2
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.c"]
+axis = [1, 0]
+[[spring]]
+name = "coil"
+points = ["ground.S", "block.c"]
+stiffness = 80
+free_length = 1
+[[damper]]
+name = "pot"
+points = ["ground.S", "block.c"]
+coefficient = 0.6
+[start]
+rail = 0.02
+)",
+                        "oscillator");
+  Sensor travel;
+  travel.name = "x";
+  travel.on = Measure::travel_of(0);
+  travel.noise = 1e-5;
+  e.sensors = {travel};
+  e.unknowns = {unknown("body.block.mass"), unknown("spring.coil.stiffness"), unknown("damper.pot.coefficient")};
+  Release pull;
+  pull.joint = 0;
+  pull.value = 0.02;
+  e.runs = {simulated(100, 300, {pull})};
+  return e;
+}
+
 std::size_t parameter(const FitProblem& problem, const std::string& name) {
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     if (problem.parameters()[i].name == name) return i;

@@ -24,6 +24,10 @@ Unknown unknown(const std::string& path);
 /// A simulated run: `count` readings, the first at time 0, from `release` (SI).
 Run simulated(double rate, int count, std::vector<Release> release = {});
 
+/// A sprung mass on a level rail, damped,  m x'' + c x' + k x = 0,  of which m, k and c are unknown; one run of 300
+/// readings of x.
+Experiment oscillator();
+
 /// Index of the parameter of that name. Throws std::out_of_range where there is none.
 std::size_t parameter(const FitProblem& problem, const std::string& name);
 

@@ -32,46 +32,6 @@ Eigen::MatrixXd jacobian(const RunModel& run) {
       p.jacobian.data(), static_cast<Eigen::Index>(p.reading.size()), run.columns());
 }
 
-// A sprung mass on a level rail, damped: m x'' + c x' + k x = 0.
-Experiment oscillator() {
-  Experiment e;
-  e.scene = parse_scene(R"(
-[ground]
-points = { O = [0, 0], S = [-1, 0] }
-[body.block]
-points = { c = [0, 0] }
-mass = 2
-[[slide]]
-name = "rail"
-points = ["ground.O", "block.c"]
-axis = [1, 0]
-[[spring]]
-name = "coil"
-points = ["ground.S", "block.c"]
-stiffness = 80
-free_length = 1
-[[damper]]
-name = "pot"
-points = ["ground.S", "block.c"]
-coefficient = 0.6
-[start]
-rail = 0.02
-)",
-                        "oscillator");
-  Sensor travel;
-  travel.name = "x";
-  travel.on = Measure::travel_of(0);
-  travel.noise = 1e-5;
-  e.sensors = {travel};
-  e.unknowns = {test::unknown("body.block.mass"), test::unknown("spring.coil.stiffness"),
-                test::unknown("damper.pot.coefficient")};
-  Release pull;
-  pull.joint = 0;
-  pull.value = 0.02;
-  e.runs = {test::simulated(100, 300, {pull})};
-  return e;
-}
-
 // The table of ../shared/lift/README.md, computed apart from Poise: per cent of what is shown.
 TEST(Identifiability, CramerRaoBoundsOfTheLift) {
   const nlohmann::json table = answers().at("lift_cramer_rao");
@@ -280,7 +240,7 @@ TEST(Identifiability, FreeDoublePendulumWithOneLumpKnown) {
 }
 
 TEST(Identifiability, TheScaleOfAnOscillatorIsNotIdentifiable) {
-  const Experiment e = oscillator();
+  const Experiment e = test::oscillator();
   const FitProblem problem(e);
   const Identifiability found = assess_at_truth(problem);
   ASSERT_TRUE(found.ok) << found.why;
@@ -298,7 +258,7 @@ TEST(Identifiability, TheScaleOfAnOscillatorIsNotIdentifiable) {
 
 // A null is the reason, wherever the fit stopped along it.
 TEST(Identifiability, ANullIsTheReasonAtABoundToo) {
-  Experiment e = oscillator();
+  Experiment e = test::oscillator();
   e.unknowns[0].min = 2.0;
   e.unknowns[0].start = 2.0;
   const FitProblem problem(e);
@@ -315,7 +275,7 @@ TEST(Identifiability, ANullIsTheReasonAtABoundToo) {
 
 // The remedy that is named works: another run with a payload that is known.
 TEST(Identifiability, AKnownPayloadMakesTheScaleIdentifiable) {
-  Experiment e = oscillator();
+  Experiment e = test::oscillator();
   const int payload = e.scene.add_body("payload");
   e.scene.add_point(payload, "c", {0, 0});
   Joint weld;
@@ -653,7 +613,7 @@ TEST(Identifiability, AllInertiasOfTheLift) {
 }
 
 TEST(Identifiability, ACommonFactorLeavesRatios) {
-  const Experiment e = oscillator();
+  const Experiment e = test::oscillator();
   const FitProblem problem(e);
   const Identifiability found = assess_at_truth(problem);
   ASSERT_TRUE(found.ok) << found.why;

@@ -14,46 +14,12 @@ namespace {
 /// Of a sprung and damped mass on a rail along x, m x'' + c x' + k x = F: m, c and k have a common factor unless F
 /// pulls.
 std::optional<NullSpace> nulls_on_rail(double along) {
-  Experiment e;
-  e.scene = parse_scene(R"(
-[ground]
-points = { O = [0, 0], S = [-1, 0] }
-[body.block]
-points = { c = [0, 0] }
-mass = 2
-[[slide]]
-name = "rail"
-points = ["ground.O", "block.c"]
-axis = [1, 0]
-[[spring]]
-name = "coil"
-points = ["ground.S", "block.c"]
-stiffness = 80
-free_length = 1
-[[damper]]
-name = "pot"
-points = ["ground.S", "block.c"]
-coefficient = 0.6
-[start]
-rail = 0.02
-)",
-                        "oscillator");
+  Experiment e = test::oscillator();
   Force pull;
   pull.name = "pull";
   pull.at = {1, 0};
   pull.vector = {along, -5.0};
   e.scene.forces = {pull};
-  Sensor travel;
-  travel.name = "x";
-  travel.on = Measure::travel_of(0);
-  travel.noise = 1e-5;
-  e.sensors = {travel};
-  e.unknowns = {test::unknown("body.block.mass"), test::unknown("spring.coil.stiffness"),
-                test::unknown("damper.pot.coefficient")};
-  Release start;
-  start.joint = 0;
-  start.value = 0.02;
-  e.runs = {test::simulated(100, 30, {start})};
   const FitProblem problem(e);
   const std::vector<double> truths = problem.truths();
   return structural_nulls_50(problem, {problem.run(0).actions(truths.data(), problem.run(0).released().data(), 20)});
