@@ -1,7 +1,9 @@
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "identification/experiment.hpp"
@@ -154,7 +156,7 @@ TEST(ReadRuns, RejectsRuns) {
             "experiment.toml:7: run 1.duration: expected a finite number > 0, found 0");
   const std::string given = "duration = 2\nrate = 100\n";
   for (const std::string seed : {"-1", "0.5", "1e16"}) {
-    EXPECT_EQ(error_of_run(given + "seed = " + seed + "\n"),
+    EXPECT_EQ(error_of_run(fmt::format("{}seed = {}\n", given, seed)),
               "experiment.toml:9: run 1.seed: expected a whole number from 0 to 2^53");
   }
   EXPECT_EQ(
@@ -313,7 +315,8 @@ TEST(ReadRuns, WrappedAnglesAreRefusedOrUnwrapped) {
             "unit), or wraps = 0 if it does not");
   const Series turned = bench("wraps = 20\n", counts).read().records[0].sensors[0];
   for (std::size_t i = 0; i < turned.value.size(); ++i) {
-    EXPECT_NEAR(turned.value[i] - turned.value[0], -0.3141592653589793 * (5 * i / 4), 1e-12);
+    EXPECT_NEAR(turned.value[i] - turned.value[0], -0.3141592653589793 * std::floor(1.25 * static_cast<double>(i)),
+                1e-12);
   }
   EXPECT_NEAR(bench("wraps = 0\n", counts).read().records[0].sensors[0].value[1], 19 * 0.3141592653589793, 1e-12);
   // Two turns in a second, read five times in it, may be what they say.
