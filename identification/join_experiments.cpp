@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "identification/same_record.hpp"
 #include "model/parameters.hpp"
 #include "model/toml_reader.hpp"
 
@@ -219,6 +220,16 @@ class Joining {
     }
   }
 
+  /// The same of the last run, of a copy under another name.
+  void expect_own_record() const {
+    const Run& run = out_.runs.back();
+    for (std::size_t r = 0; r + 1 < out_.runs.size(); ++r) {
+      if (!same_record(out_.records[r], out_.records.back())) continue;
+      TomlPlace{parts_[run.part].file, run.line, "run \"" + run.name + "\""}.fail(
+          "expected readings of its own, all are those of run \"" + out_.runs[r].name + "\"; leave one of the two out");
+    }
+  }
+
   void add_runs(std::size_t p, const std::vector<std::size_t>& sensors) {
     for (std::size_t r = 0; r < parts_[p].runs.size(); ++r) {
       Run run = std::move(parts_[p].runs[r]);
@@ -237,6 +248,7 @@ class Joining {
       if (series.empty()) continue;
       record.sensors.resize(out_.sensors.size());
       for (std::size_t k = 0; k < series.size(); ++k) record.sensors[sensors[k]] = std::move(series[k]);
+      expect_own_record();
     }
   }
 

@@ -14,6 +14,7 @@
 
 #include "identification/read_inputs.hpp"
 #include "identification/run_data.hpp"
+#include "identification/same_record.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/read_parameter_changes.hpp"
@@ -361,6 +362,7 @@ class RunsReader {
       }
       check_delays(run, end);
       if (written.measured) leave_out_of(run, record, end);
+      if (written.measured) expect_own_record(run, record, source);
       add_run(std::move(run), std::move(record));
     }
   }
@@ -383,6 +385,17 @@ class RunsReader {
       TomlPlace{experiment_.file, experiment_.sensors[sensors[i]].line, "sensor \"" + sensor + "\""}.fail(
           fmt::format("expected {}, sensor \"{}\" reads it too; leave one of the two out, or give it its own column",
                       read, other->second.second));
+    }
+  }
+
+  /// The same of a copy under another name.
+  void expect_own_record(const Run& run, const Record& record, const RunSource& source) const {
+    for (std::size_t r = 0; r < experiment_.runs.size(); ++r) {
+      if (!same_record(experiment_.records[r], record)) continue;
+      source.place.fail(
+          fmt::format("expected runs with readings of their own, all of run \"{}\" are those of run \"{}\"; leave one "
+                      "of the two out",
+                      run.name, experiment_.runs[r].name));
     }
   }
 

@@ -149,6 +149,19 @@ TEST_F(JoinExperiments, TakesWhatOneOfThemGives) {
   }
 }
 
+TEST_F(JoinExperiments, RefusesACopyOfARun) {
+  folder_.write("one.csv", "time,turn\n0,0.3\n0.1,0.2\n0.2,0.1\n");
+  folder_.write("copy.csv", "time,turn\n5,0.3\n5.1,0.2\n5.2,0.1\n");
+  const auto of = [&](const std::string& file) {
+    return "scene = \"one.toml\"\n[[sensor]]\nname = \"turn\"\nangle = \"wheel\"\nnoise = 1e-4\n[[run]]\ndata = \"" +
+           file + "\"\n";
+  };
+  EXPECT_EQ(
+      error(of("one.csv"), of("copy.csv")),
+      "b.toml:6: run \"b: run 1\": expected readings of its own, all are those of run \"a: run 1\"; leave one of the "
+      "two out");
+}
+
 TEST_F(JoinExperiments, RefusesContradictions) {
   const std::string a = experiment("one.toml", k);
   const std::string place = "b.toml:6: unknown \"k\"";

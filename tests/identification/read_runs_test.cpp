@@ -299,6 +299,24 @@ TEST(ReadRuns, ReadingsCountOnce) {
       "leave one of the two out, or give it its own column");
 }
 
+// A copy of a run counts twice as the same file does; the clocks of the copies may begin elsewhere.
+TEST(ReadRuns, CopiesOfARunAreRefused) {
+  const std::string split = header + sensor + measured + "split = \"part\"\n";
+  const std::string first = "part,time,a\n0,0.1,1\n0,0.2,2\n0,0.3,4\n";
+  EXPECT_EQ(
+      Bench(split, first + "1,7.1,1\n1,7.2,2\n1,7.3,4\n").error(),
+      "experiment.toml:7: run 1.data: expected runs with readings of their own, all of run \"segment 1\" are those "
+      "of run \"segment 0\"; leave one of the two out");
+  EXPECT_EQ(Bench(split, first + "1,7.1,1\n1,7.2,2\n1,7.3,4.0001\n").error(), "") << "another reading";
+  EXPECT_EQ(Bench(split, first + "1,7.1,1\n1,7.2,2\n1,7.35,4\n").error(), "") << "at another time";
+  EXPECT_EQ(Bench(split, first + "1,7.1,1\n1,7.2,2\n1,7.3,4\n1,7.4,3\n").error(), "") << "one more reading";
+  EXPECT_EQ(Bench(split, "part,time,a\n0,0,1\n0,1,1\n0,2,1\n1,3,1\n1,4,1\n1,5,1\n").error(), "") << "both stand still";
+  const std::string data = "time,a\n0,1\n1,2\n2,4\n";
+  EXPECT_EQ(Bench(header + sensor + measured + "[[run]]\nname = \"copy\"\ndata = \"slow.csv\"\n", data, data).error(),
+            "experiment.toml:10: run \"copy\".data: expected runs with readings of their own, all of run \"copy\" are "
+            "those of run \"run 1\"; leave one of the two out");
+}
+
 TEST(ReadRuns, WrappedAnglesAreRefusedOrUnwrapped) {
   // A rod that turns once in 4 s, backwards: 5 counts of an encoder of 20 in each second.
   std::string counts = "time,c\n";
