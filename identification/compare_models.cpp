@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include <boost/math/distributions/chi_squared.hpp>
@@ -135,12 +136,13 @@ class Comparing {
       scatter += inflation(fullest->fit, p) / static_cast<double>(parameters);
     if (parameters == 0) scatter = 1.0;
     const double independent = std::max(2.0, fullest->fit.readings / scatter);
+    evidence_ = size_ * scatter;
     double best = INFINITY;
     double best_bic = INFINITY;
     for (std::size_t m = 0; m < out_.models.size(); ++m) {
       ModelFit& model = out_.models[m];
       const auto count = static_cast<double>(problems_[m]->parameters().size());
-      const double evidence = 2 * model.cost / (size_ * scatter);
+      const double evidence = 2 * model.cost / evidence_;
       model.aic = evidence + 2 * count;
       model.bic = evidence + std::log(independent) * count;
       best = std::min(best, model.aic);
@@ -297,19 +299,27 @@ class Comparing {
   }
 
   void choose() {
-    const auto better = [&](auto&& of) {
-      std::size_t best = out_.models.size();
-      for (std::size_t m = 0; m < out_.models.size(); ++m) {
-        const double value = of(out_.models[m]);
-        if (std::isfinite(value) && (best == out_.models.size() || value < of(out_.models[best]))) best = m;
+    std::vector<std::size_t> chosen(out_.models.size());
+    std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+    // Those of them whose value is the least one, within the rounding of that; all where none has a value.
+    const auto keep_least = [&](auto&& value_of, auto&& rounding_of) {
+      std::size_t best = chosen.size();
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        const double value = value_of(out_.models[chosen[i]]);
+        if (std::isfinite(value) && (best == chosen.size() || value < value_of(out_.models[chosen[best]]))) best = i;
       }
-      return best;
+      if (best == chosen.size()) return;
+      const ModelFit& least = out_.models[chosen[best]];
+      const double most = value_of(least) + rounding_of(least);
+      std::erase_if(chosen, [&](std::size_t m) { return !(value_of(out_.models[m]) <= most); });
     };
-    out_.preferred = better([](const ModelFit& model) { return model.held_out_all > 0 ? model.held_out_all : nan; });
-    if (out_.preferred == out_.models.size()) {
-      out_.preferred = better([](const ModelFit& model) { return model.aic; });
-    }
-    if (out_.preferred == out_.models.size()) out_.preferred = 0;
+    const double within = options_.fit.function_tolerance;
+    keep_least([](const ModelFit& model) { return model.held_out_all > 0 ? model.held_out_all : nan; },
+               [&](const ModelFit& least) { return std::sqrt(within) * least.held_out_all; });
+    keep_least([](const ModelFit& model) { return model.aic; },
+               [&](const ModelFit& least) { return std::max(1e-3, 2 * least.cost / evidence_ * within); });
+    out_.preferred = chosen.front();
+    if (chosen.size() > 1 && std::isfinite(out_.models[chosen.front()].aic)) out_.equally_good = chosen;
     const std::vector<double>& best = out_.models[out_.preferred].held_out;
     for (const ModelFit& model : out_.models) {
       std::vector<double> more;
@@ -331,7 +341,8 @@ class Comparing {
   const CompareOptions& options_;
   std::vector<Record> records_;
   Weighting weighting_;
-  double size_ = 1.0;  // mean square of the best model's residuals over the noise, at least 1
+  double size_ = 1.0;      // mean square of the best model's residuals over the noise, at least 1
+  double evidence_ = 1.0;  // the sum of squares that counts as one: size_ and the inflation by correlation
   ModelComparison out_;
 };
 

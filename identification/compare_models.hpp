@@ -41,8 +41,14 @@ struct NestedTest {
 struct ModelComparison {
   std::vector<ModelFit> models;
   std::vector<NestedTest> tests;
-  std::size_t preferred = 0;  ///< least error on runs held out; where there is none, by the criterion
-  int folds = 0;              ///< 0: no runs were held out
+  /// Least error on runs held out; where that is equal or there is none, least Akaike's criterion. Errors are equal
+  /// within sqrt(eps) of themselves, eps = FitOptions::function_tolerance, criteria within max(1e-3, 2 cost eps /
+  /// (s^2 l)): so far from their minima fits may end.
+  std::size_t preferred = 0;
+  /// All models of which that is so, the preferred one included, where there are several: these explain the readings
+  /// equally well.
+  std::vector<std::size_t> equally_good;
+  int folds = 0;  ///< 0: no runs were held out
   /// Per model: mean over the runs of (squared held-out error less the preferred model's), and its standard error.
   std::vector<double> loss, loss_error;
   bool interrupted = false;

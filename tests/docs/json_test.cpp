@@ -500,7 +500,8 @@ TEST(JsonDocs, IdentifyWithSeveralExperiments) {
   std::string fuller = experiment;
   fuller.insert(fuller.find("[[run]]"), "[[unknown]]\npath = \"damper.oil film.coefficient\"\n");
   check_section("identify with several experiments",
-                {{{"identify", folder.write("one.toml", experiment), folder.write("two.toml", fuller)}}});
+                {{{"identify", folder.write("one.toml", experiment), folder.write("two.toml", fuller)}},
+                 {{"identify", folder.path("one.toml").string(), folder.write("same.toml", experiment)}}});
 }
 
 TEST(JsonDocs, Validate) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <deque>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -71,6 +72,33 @@ TEST(CompareModels, PrefersTheModelThatPredictsRunsHeldOut) {
   EXPECT_NEAR(found.models[1].held_out_all, 1.0, 0.1);
   for (const double own : found.models[1].own) EXPECT_NEAR(own, 1.0, 0.25);
   EXPECT_GT(found.loss[0], 2 * found.loss_error[0]);
+}
+
+// One model, its search begun elsewhere: rounding prefers neither.
+TEST(CompareModels, PrefersNoneOfEqualModels) {
+  const Rig rig(0.002, 0.0, 1, 3);
+  const Experiment near = rig.with_damping();
+  Experiment far = near;
+  far.unknowns[0].start = 15.0;
+  far.unknowns[1].start = 0.01;
+  const FitProblem simple(rig.measured), one(near), other(far);
+  const ModelComparison found = compare_models({&simple, &one, &other});
+  EXPECT_EQ(found.equally_good, (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(found.preferred, 1U);
+  EXPECT_NE(found.models[1].held_out_all, found.models[2].held_out_all) << "the test shows something";
+  EXPECT_TRUE(compare(rig).equally_good.empty());
+}
+
+// A number that changes no reading makes a model no better: errors held out are equal but for rounding.
+TEST(CompareModels, PrefersFewerParametersWhereErrorsAreEqual) {
+  const Rig rig(0.002, 0.0, 1, 3);
+  const Experiment damped = rig.with_damping();
+  Experiment more = damped;
+  more.unknowns.push_back(test::unknown("gravity.x"));
+  const FitProblem full(more), simple(damped);
+  const ModelComparison found = compare_models({&full, &simple});
+  EXPECT_EQ(found.preferred, 1U);
+  EXPECT_TRUE(found.equally_good.empty());
 }
 
 // The held-out error of a run is that of a fit to the other runs, by hand.

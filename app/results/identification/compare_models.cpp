@@ -26,15 +26,26 @@ double rms_over_noise(const FitProblem& problem, const ModelFit& model) {
   return std::sqrt(2 * model.cost / static_cast<double>(problem.readings()));
 }
 
+std::vector<std::string> files_of(const std::vector<const FitProblem*>& problems,
+                                  const std::vector<std::size_t>& models) {
+  return each(models, [&](std::size_t m) { return one_line(problems[m]->experiment().file); });
+}
+
 Line verdict(const std::vector<const FitProblem*>& problems, const ModelComparison& answer) {
   if (answer.interrupted) return bad("Interrupted; the fits that were done are shown.");
   const bool usable =
       std::all_of(answer.models.begin(), answer.models.end(), [](const ModelFit& model) { return model.fit.usable(); });
-  const std::string preferred = name_of(*problems[answer.preferred]);
-  const std::string by = std::isfinite(answer.models[answer.preferred].held_out_all)
-                             ? "predicts runs held out best"
-                             : "has the best information criterion; no run could be held out of all models";
-  const std::string text = fmt::format("Preferred: {}; it {}.", preferred, by);
+  const bool held_out = std::isfinite(answer.models[answer.preferred].held_out_all);
+  std::string text;
+  if (answer.equally_good.empty()) {
+    text = fmt::format("Preferred: {}; it {}.", name_of(*problems[answer.preferred]),
+                       held_out ? "predicts runs held out best"
+                                : "has the best information criterion; no run could be held out of all models");
+  } else {
+    text = fmt::format("None is preferred: {} explain the readings equally well{}.",
+                       fmt::join(files_of(problems, answer.equally_good), " and "),
+                       answer.equally_good.size() < answer.models.size() ? ", the others worse" : "");
+  }
   return usable ? good(text) : doubtful(text + " Not all fits converged.");
 }
 
@@ -98,14 +109,20 @@ void add_runs(Group& content, const std::vector<const FitProblem*>& problems, co
   }
   table.remarks(each(runs,
                      [&](std::size_t r) {
+                       std::vector<std::string> texts;
                        double first = INFINITY;
                        std::size_t best = 0;
                        for (std::size_t m = 0; m < answer.models.size(); ++m) {
-                         if (answer.models[m].held_out.size() <= r || !(answer.models[m].held_out[r] < first)) continue;
+                         if (answer.models[m].held_out.size() <= r || !std::isfinite(answer.models[m].held_out[r]))
+                           continue;
+                         texts.push_back(significant(answer.models[m].held_out[r], digits));
+                         if (!(answer.models[m].held_out[r] < first)) continue;
                          first = answer.models[m].held_out[r];
                          best = m;
                        }
-                       return std::isfinite(first) ? fmt::format("best by model {}", best + 1) : std::string();
+                       // Not where another is as good in the digits shown.
+                       const bool alone = std::count(texts.begin(), texts.end(), significant(first, digits)) == 1;
+                       return alone ? fmt::format("best by model {}", best + 1) : std::string();
                      }),
                 Tone::plain);
   Branch& array = content.array("runs_compared");
@@ -167,7 +184,9 @@ Result compare_models_result(const std::vector<const FitProblem*>& problems, con
   content.data("readings", problems.front()->readings());
   content.data("runs", problems.front()->runs());
   content.data("folds", answer.folds);
-  content.data("preferred", problems[answer.preferred]->experiment().file);
+  content.data("preferred",
+               answer.equally_good.empty() ? Value(problems[answer.preferred]->experiment().file) : Value());
+  content.data("equally_good", files_of(problems, answer.equally_good));
   add_models(content, problems, answer);
   if (answer.interrupted) return out;
   add_tests(content, problems, answer);
