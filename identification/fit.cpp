@@ -145,6 +145,7 @@ class Fitting {
       say("fitting a damped sine to every record");
       oscillations = start_from_oscillations(problem_, for_guesses());
     }
+    bool guesses = !oscillations;
     if (oscillations) {
       out_.start = "from damped sines fitted to the records and linear least squares, no guess needed";
       attempt({oscillations->parameters, oscillations->nuisances}, {1.0});
@@ -155,6 +156,7 @@ class Fitting {
     for (int retry = 1; retry <= options_.retries && !stopped() && (is_suspicious() || is_doubtful()); ++retry) {
       say(fmt::format("residuals are {:.3g} times the noise: trying another start, {} of {}",
                       residual_over_noise(best_cost_), retry, options_.retries));
+      guesses = true;
       const double before = best_cost_;
       attempt(given(retry), {0.03, 0.08, 0.2, 0.45, 1.0});
       // The same minimum from another start: the model is incomplete.
@@ -162,9 +164,11 @@ class Fitting {
     }
     if (!stopped() && best_cost_ < INFINITY) attempt_aliases();
     if (!stopped() && is_suspicious()) {
+      guesses = true;
       attempt_scaled_frequencies();
       if (!is_suspicious()) attempt_aliases();
     }
+    if (!guesses && any_release_is_a_guess()) out_.start += "; the release of measured runs was not used";
     if (stopped()) {
       out_.status = FitStatus::interrupted;
       out_.why = best_cost_ < INFINITY ? "interrupted; the values reached so far are shown"
@@ -183,6 +187,13 @@ class Fitting {
   }
 
   bool is_doubtful() const { return residual_over_noise(best_cost_) > doubtful_from; }
+
+  /// Whether a run states a release that is neither the truth of a simulation nor a known start.
+  bool any_release_is_a_guess() const {
+    const std::vector<Run>& runs = problem_.experiment().runs;
+    return std::any_of(runs.begin(), runs.end(),
+                       [](const Run& run) { return !run.is_simulated() && run.unknown_start && !run.release.empty(); });
+  }
 
   /// The experiment's starts, from the first retry on changed at random by up to 30 %.
   FitPoint given(int retry) {

@@ -130,7 +130,9 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
     const std::vector<double> start = model.released();
     // A motion's error is about its accuracy times how far it travels; radians and metres are both of order one.
     double amplitude = 1.0;
-    if (model.has_equilibrium() && !model.run().release.empty()) {
+    // A release that is a mere guess says nothing of it.
+    const bool stated = model.run().is_simulated() || !model.start_is_unknown();
+    if (model.has_equilibrium() && stated && !model.run().release.empty()) {
       amplitude = 0.0;
       for (const Release& release : model.run().release) amplitude = std::max(amplitude, std::abs(release.value));
     }

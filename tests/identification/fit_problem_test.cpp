@@ -141,6 +141,18 @@ TEST(FitProblem, NoiseIsAsLargeAsStatedAndItsOwnForEachRun) {
   }
 }
 
+// How far a measured run travels is not what its release guesses.
+TEST(FitProblem, AccuracyDoesNotFollowFromAGuessedStart) {
+  Experiment e = test::experiment("lift_experiment");
+  e.records = FitProblem(e).records();
+  for (poise::Run& run : e.runs) run.data = {"lift.csv"};
+  for (Sensor& sensor : e.sensors) sensor.noise = 1e-8;
+  Experiment guessed = e;
+  for (poise::Run& run : e.runs) run.release.clear();
+  for (poise::Run& run : guessed.runs) run.release.front().value = 0.0;
+  EXPECT_EQ(FitProblem(guessed).accuracy(0), FitProblem(e).accuracy(0));
+}
+
 // The accuracy that fits compute with: its error is lost in the noise.
 TEST(FitProblem, AccuracyOfARunIsFarBelowItsNoise) {
   const Experiment e = test::experiment("lift_experiment");

@@ -60,6 +60,22 @@ TEST(Fit, LiftNeedsNoStart) {
   }
 }
 
+// The start of a measured run is estimated: where its record alone says where to begin, a release has no part in it.
+TEST(Fit, SaysWhereAReleaseWasNotUsed) {
+  Experiment e = test::experiment("lift_experiment_four_runs");
+  e.records = FitProblem(e).records();
+  for (poise::Run& run : e.runs) run.data = {"lift.csv"};
+  const std::string unused = "; the release of measured runs was not used";
+  const auto fitted = [&] { return fit(FitProblem(e), e.records); };
+  const Fit found = fitted();
+  EXPECT_TRUE(found.start.starts_with("from damped sines")) << found.start;
+  EXPECT_TRUE(found.start.ends_with(unused)) << found.start;
+  for (poise::Run& run : e.runs) run.release.front().value *= -3;
+  EXPECT_EQ(fitted().parameters, found.parameters) << "that is so";
+  for (poise::Run& run : e.runs) run.release.clear();
+  EXPECT_FALSE(fitted().start.ends_with(unused));
+}
+
 // The runs are computed on threads, but their costs are added up in one order.
 TEST(Fit, DoesNotDependOnTheThreads) {
   const Experiment e = test::experiment("lift_experiment");
