@@ -1,5 +1,6 @@
 #include "identification/experiment.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/parameters.hpp"
@@ -15,6 +16,17 @@ double written_value(const Experiment& experiment, const Unknown& unknown) {
 Dimension dimension_of(const Experiment& experiment, const Unknown& unknown) {
   if (unknown.of_sensor) return experiment.sensors[unknown.of_sensor->sensor].dimension(unknown.of_sensor->of);
   return parameter(experiment.scene_of(unknown.part), unknown.path).dimension;
+}
+
+std::vector<std::string> measured_inputs(const Experiment& experiment) {
+  std::vector<std::string> paths;
+  for (const Run& run : experiment.runs) {
+    if (run.is_simulated()) continue;
+    for (const RunInput& input : run.inputs) {
+      if (std::find(paths.begin(), paths.end(), input.path) == paths.end()) paths.push_back(input.path);
+    }
+  }
+  return paths;
 }
 
 bool is_held(const Experiment& experiment, const Run& run) {

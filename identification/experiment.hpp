@@ -193,6 +193,10 @@ struct Experiment {
 double written_value(const Experiment& experiment, const Unknown& unknown);
 Dimension dimension_of(const Experiment& experiment, const Unknown& unknown);
 
+/// Paths of the loads and drives that follow readings in measured runs, each once: "load.motor". Their readings count
+/// as exact.
+std::vector<std::string> measured_inputs(const Experiment& experiment);
+
 /// Whether the mechanism is still until a run's time 0, at its start: that is known, without speed, and nothing drives
 /// it.
 bool is_held(const Experiment& experiment, const Run& run);

@@ -998,9 +998,13 @@ class Fitting {
     out_.status = FitStatus::misfit;
     out_.why = "the residuals are " + sizes + ": ";
     if (larger) {
-      out_.why +=
-          "the model is incomplete, or the noise is larger than stated; standard errors are multiplied by that "
-          "factor";
+      const std::vector<std::string> inputs = measured_inputs(problem_.experiment());
+      out_.why += fmt::format(
+          "the model is incomplete, {}; standard errors are multiplied by that factor",
+          inputs.empty()
+              ? "or the noise is larger than stated"
+              : fmt::format("the noise is larger than stated, or inputs that count as exact have errors ({})",
+                            fmt::join(inputs, ", ")));
       if (out_.residual_over_noise > doubtful_from) {
         out_.why += fmt::format("; or a better minimum exists, {} tried",
                                 out_.tries == 1 ? "1 start was" : fmt::format("{} starts were", out_.tries));

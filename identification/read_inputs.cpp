@@ -89,7 +89,10 @@ void read_table(const TomlTable& table, const fs::path& folder, InputTable& inpu
   input.wraps = table.find_number("wraps", std::abs(input.unit), Range::not_negative);
   if (table.has("noise")) {
     if (input.input.motion.of != MotionInput::Of::drive) {
-      table.place_of("noise").fail("expected noise of a drive only; readings of a load are joined by straight lines");
+      table.place_of("noise").fail(
+          "expected noise of a drive only, readings of a load count as exact and are joined by straight lines; leave "
+          "it "
+          "out, and smooth the column where it has noise");
     }
     input.noise = table.number("noise", unit, Range::positive);
   }

@@ -383,6 +383,39 @@ inputs = { "load.motor" = { column = "tau", file = "motor.csv" } }
   }
 }
 
+// A torque that is read with noise moves the predicted readings: no noise of a sensor, and no gap in the model.
+TEST_F(DrivenRuns, NameInputsAsCausesOfAMisfit) {
+  folder_.write("inputs.csv", inputs_csv(200, 4.1, 0));
+  const Experiment truth = read(sensor + R"(
+[[run]]
+duration = 4
+rate = 100
+inputs = { "load.motor" = { column = "tau", file = "inputs.csv" } }
+)");
+  const std::vector<Record> records = FitProblem(truth).records();
+  folder_.write("angles.csv", angles_csv(records[0], 0));
+  std::string noisy = "time,tau\n";
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i <= 820; ++i) {
+    noisy += fmt::format("{:.17g},{:.17g}\n", i / 200.0, motor(i / 200.0) + 0.05 * normal(random));
+  }
+  folder_.write("motor.csv", noisy);
+  const std::string measured = sensor + unknowns + "[[run]]\ndata = \"angles.csv\"\n";
+  const auto fit_with = [&](const std::string& inputs) {
+    const Experiment e = read(measured + inputs);
+    const FitProblem problem(e);
+    return fit(problem, problem.records());
+  };
+  const Fit with_input = fit_with("inputs = { \"load.motor\" = { column = \"tau\", file = \"motor.csv\" } }\n");
+  EXPECT_EQ(with_input.status, FitStatus::misfit);
+  EXPECT_NE(with_input.why.find("or inputs that count as exact have errors (load.motor);"), std::string::npos)
+      << with_input.why;
+  const Fit without = fit_with("");
+  EXPECT_EQ(without.status, FitStatus::misfit);
+  EXPECT_EQ(without.why.find("input"), std::string::npos) << without.why;
+}
+
 TEST_F(DrivenRuns, AreRefusedInWords) {
   folder_.write("inputs.csv", inputs_csv(100, 1, 0));
   const std::string place = "experiment.toml:10: run 1.inputs.";
@@ -402,9 +435,10 @@ TEST_F(DrivenRuns, AreRefusedInWords) {
             place +
                 "load.motor: expected readings from the start of run \"run 1\", 0 s, to its end, 2 s, found them from "
                 "0 s to 1 s; leave out the rows of the run before and after them");
-  EXPECT_EQ(
-      error_of("{ \"load.motor\" = { column = \"tau\", file = \"inputs.csv\", noise = 1 } }"),
-      place + "load.motor.noise: expected noise of a drive only; readings of a load are joined by straight lines");
+  EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", file = \"inputs.csv\", noise = 1 } }"),
+            place +
+                "load.motor.noise: expected noise of a drive only, readings of a load count as exact and are joined by "
+                "straight lines; leave it out, and smooth the column where it has noise");
   EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", time = \"t\" } }"),
             place + "load.motor.time: expected the key file as well; the times of data files are in time of the run");
   EXPECT_EQ(error_of("{ \"load.motor\" = { file = \"inputs.csv\" } }"),

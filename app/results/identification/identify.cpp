@@ -121,6 +121,7 @@ std::string runs_in_words(const FitProblem& problem, const std::vector<double>& 
 /// What residuals have that independent noise has not, sensor by sensor.
 void add_patterns(std::vector<Line>& out, const FitProblem& problem, const Fit& fitted) {
   const Experiment& experiment = problem.experiment();
+  const std::vector<std::string> inputs = measured_inputs(experiment);
   for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
     const Sensor& sensor = experiment.sensors[k];
     std::vector<double> correlated, shifted;
@@ -132,10 +133,13 @@ void add_patterns(std::vector<Line>& out, const FitProblem& problem, const Fit& 
     }
     const std::string where = runs_in_words(problem, correlated);
     if (!where.empty()) {
-      out.push_back(
-          doubtful(fmt::format("Residuals of {} are correlated from one reading to the next in {}: the model "
-                               "is incomplete, or the noise is not white.",
-                               sensor.name, where)));
+      out.push_back(doubtful(fmt::format(
+          "Residuals of {} are correlated from one reading to the next in {}: the model "
+          "is incomplete, {}.",
+          sensor.name, where,
+          inputs.empty()
+              ? "or the noise is not white"
+              : fmt::format("the noise is not white, or inputs have errors ({})", fmt::join(inputs, ", ")))));
     }
     const std::string off = runs_in_words(problem, shifted);
     if (!off.empty()) {
