@@ -227,6 +227,7 @@ class Explorer {
                                       std::abs(x - estimate) / reach, side < 0 ? "down" : "up"));
       }
       const Fit there = fit_at(held, x, start, limit * factor);
+      out_.evaluations += there.evaluations;
       if (done() || there.status == FitStatus::failed) return false;
       if (is_lower(there.cost)) {
         out_.better = there;

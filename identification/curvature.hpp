@@ -29,6 +29,7 @@ struct Curvature {
   /// Per parameter: how much more slowly than the parabola the cost grows on a side on which the interval does not end;
   /// 0 where it ends.
   std::vector<double> open;
+  int evaluations = 0;        ///< of all runs, with their sensitivities, in the fits along the traces
   std::optional<Fit> better;  ///< a point with a lower cost was found: the fit had not reached the minimum
 };
 

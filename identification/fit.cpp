@@ -809,6 +809,7 @@ class Fitting {
   bool correct_for_curvature() {
     if (!is_to_be_questioned()) return false;
     Curvature found = find_curvature(problem_, records_, out_, linear_, options_);
+    out_.check_evaluations += found.evaluations;
     if (found.better) {
       best_.parameters = found.better->parameters;
       for (std::size_t r = 0; r < problem_.runs(); ++r) best_.nuisances[r] = found.better->runs[r].nuisances;

@@ -114,7 +114,8 @@ struct Fit {
   int readings = 0;
   int degrees_of_freedom = 0;  ///< readings less the parameters and nuisances that are not held
   int iterations = 0;
-  int evaluations = 0;  ///< of all runs, with their sensitivities
+  int evaluations = 0;        ///< of all runs, with their sensitivities
+  int check_evaluations = 0;  ///< the same in the fits along traces and without a run
   int tries = 0;
   double microseconds = 0.0;
 

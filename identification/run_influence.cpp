@@ -82,6 +82,7 @@ void examine(const FitProblem& problem, const std::vector<Record>& records, cons
   with.jobs = options.jobs;
   with.interrupt = options.interrupt;
   const Fit without = fit(others.problem(), others.records(), with);
+  fitted.check_evaluations += without.evaluations + without.check_evaluations;
   if (!without.usable() || !without.identifiability.ok) return;
   const auto count = static_cast<Eigen::Index>(fitted.parameters.size());
   Eigen::MatrixXd V = Eigen::MatrixXd::Zero(count, count);

@@ -39,6 +39,7 @@ TEST(Curvature, OfANumberThatActsByItsSquare) {
   EXPECT_LT(reach, 0.48 * size);
   EXPECT_TRUE(c.is_curved);
   ASSERT_EQ(found.traces.size(), 1U);
+  EXPECT_GE(found.check_evaluations, 2);  // one fit to either side at least
   const double nearer = std::sqrt(size * size - 2 * size * reach);
   EXPECT_NEAR(c.value > 0 ? c.low : -c.high, nearer, 0.03 * size);
   // Never shorter than by the parabola.
@@ -67,6 +68,7 @@ TEST(Curvature, NoneWhereTheCostIsAParabola) {
   const Fit found = fit(problem, problem.records());
   EXPECT_TRUE(found.usable()) << found.why;
   EXPECT_TRUE(found.traces.empty());
+  EXPECT_EQ(found.check_evaluations, 0);
   EXPECT_FALSE(found.estimates[0].is_curved);
   EXPECT_NEAR((found.estimates[0].high - found.estimates[0].value) / found.errors.reach[0], 1.0, 1e-9);
 }

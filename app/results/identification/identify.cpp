@@ -634,6 +634,7 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
   content.data("residual_over_noise_sigma", reached ? Value(fitted.residual_over_noise_sigma) : Value());
   content.data("iterations", fitted.iterations);
   content.data("evaluations", fitted.evaluations);
+  content.data("check_evaluations", fitted.check_evaluations);
   content.data("tries", fitted.tries);
   content.data("microseconds", fitted.microseconds);
   Table& sensors = content.table("sensors", "", Rows::list, Verbosity::data);
@@ -732,10 +733,13 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   Group& numerics = content.group("", "Numerics");
   numerics.fact("data", data_in_words(problem));
   if (!fitted.start.empty()) numerics.fact("start", fitted.start);
-  numerics.fact("effort",
-                fmt::format("Levenberg-Marquardt from {}: {}, {} of all runs with sensitivities, {}",
-                            count(fitted.tries, "start", "starts"), count(fitted.iterations, "iteration", "iterations"),
-                            count(fitted.evaluations, "evaluation", "evaluations"), duration(fitted.microseconds)));
+  const std::string checks =
+      fitted.check_evaluations > 0 ? fmt::format(" and {} more to check the result", fitted.check_evaluations) : "";
+  numerics.fact(
+      "effort",
+      fmt::format("Levenberg-Marquardt from {}: {}, {} of all runs with sensitivities{}, {}",
+                  count(fitted.tries, "start", "starts"), count(fitted.iterations, "iteration", "iterations"),
+                  count(fitted.evaluations, "evaluation", "evaluations"), checks, duration(fitted.microseconds)));
   return out;
 }
 
