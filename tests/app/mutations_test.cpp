@@ -87,7 +87,10 @@ labels = { day = "first" }
 std::string readings() {
   std::string text = "part,time,turn,\"a \"\"note\"\"\"\n";
   for (const char part : {'a', 'b'}) {
-    for (int i = 0; i < 12; ++i) text += fmt::format("{},{:.2f},{:.4f},x\n", part, 0.05 * i, 20 * std::cos(0.2 * i));
+    const double released = part == 'a' ? 20 : 15;
+    for (int i = 0; i < 12; ++i) {
+      text += fmt::format("{},{:.2f},{:.4f},x\n", part, 0.05 * i, released * std::cos(0.2 * i));
+    }
   }
   return text;
 }

@@ -63,7 +63,8 @@ TEST(Curvature, OfANumberThatMayHaveEitherSign) {
 }
 
 TEST(Curvature, NoneWhereTheCostIsAParabola) {
-  const OffCentre wheel(1e-5);
+  OffCentre wheel(1e-5);
+  wheel.experiment.unknowns[0].min = 0.0;  // -c is another minimum
   const FitProblem problem(wheel.experiment);
   const Fit found = fit(problem, problem.records());
   EXPECT_TRUE(found.usable()) << found.why;
