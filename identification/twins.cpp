@@ -20,6 +20,8 @@ constexpr double first_step = 3.0, last_step = 8.0, ratio = 1.3;
 /// Root mean square of e below which motions may be alike, and so near to a known place that it is the same.
 constexpr double alike = 10.0;
 constexpr int most_iterations = 25;
+/// Degrees of freedom that may swing the other way each by itself; with more, all do.
+constexpr int most_sides = 3;
 /// Part of a parameter's reach by which derivatives are taken.
 constexpr double difference = 1e-6;
 
@@ -43,9 +45,13 @@ class TwinSearch {
     if (runs_.empty()) return {};
     scan(dimensions);
     if (otherwise) {
-      mirror();
-      polish(begin_);
-      scan(dimensions);
+      const int freedoms = problem_.run(0).freedoms();
+      const int all = (1 << std::min(freedoms, most_sides)) - 1;
+      for (int turned = freedoms > most_sides ? all : 1; turned <= all; ++turned) {
+        mirror([&](int k) { return k >= most_sides || (turned & (1 << k)) != 0; });
+        polish(begin_);
+        scan(dimensions);
+      }
     }
     std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.size < b.size; });
     std::vector<FitPoint> out;
@@ -136,37 +142,43 @@ class TwinSearch {
     return hidden;
   }
 
-  /// From here on s is -1, and the offsets a follow the parameters.
-  void mirror() {
-    sign_ = -1.0;
+  /// From here on s is -1 for the degrees of freedom that are turned, and the offsets a follow the parameters.
+  template <class IsTurned>
+  void mirror(const IsTurned& is_turned) {
+    begin_ = fitted_.parameters;
+    reach_.resize(begin_.size());
     const RunModel& first = problem_.run(0);
-    const std::size_t f = first.independent().size();
+    const std::vector<int>& independent = first.independent();
+    signs_ = VectorXd::Ones(static_cast<Index>(independent.size()));
     const std::size_t start = first.equilibrium_is_unknown() ? 1 : 0;
     const std::vector<Dimension> dimensions = first.nuisance_dimensions();
-    for (std::size_t k = 0; k < f; ++k) {
+    for (std::size_t k = 0; k < independent.size(); ++k) {
+      reach_.push_back(dimensions[start + k].length == 0 ? 1.0 : first.size());
+      begin_.push_back(0.0);
+      if (!is_turned(static_cast<int>(k))) continue;
+      signs_[static_cast<Index>(k)] = -1.0;
       double sum = 0.0;
       std::size_t count = 0;
       for (const RunAt& at : runs_) {
-        for (const RunModel::State& state : at.states) sum += state.q[static_cast<std::size_t>(first.independent()[k])];
+        for (const RunModel::State& state : at.states) sum += state.q[static_cast<std::size_t>(independent[k])];
         count += at.states.size();
       }
-      begin_.push_back(2.0 * sum / static_cast<double>(count));
-      reach_.push_back(dimensions[start + k].length == 0 ? 1.0 : first.size());
+      begin_.back() = 2.0 * sum / static_cast<double>(count);
     }
   }
 
   /// The equilibrium and the states of a run that x leads to.
   std::pair<double, std::vector<RunModel::State>> moved(const RunAt& at, const std::vector<double>& x) const {
     std::pair<double, std::vector<RunModel::State>> out{at.equilibrium, at.states};
-    if (sign_ > 0) return out;
+    if (signs_.size() == 0) return out;
     const RunModel& model = problem_.run(at.run);
     const double* const offsets = &x[fitted_.parameters.size()];
-    if (model.equilibrium_is_unknown()) out.first = offsets[0] - at.equilibrium;
+    if (model.equilibrium_is_unknown()) out.first = offsets[0] + signs_[0] * at.equilibrium;
     for (RunModel::State& state : out.second) {
-      for (std::size_t k = 0; k < model.independent().size(); ++k) {
-        const auto c = static_cast<std::size_t>(model.independent()[k]);
-        state.q[c] = offsets[k] - state.q[c];
-        state.v[c] = -state.v[c];
+      for (Index k = 0; k < signs_.size(); ++k) {
+        const auto c = static_cast<std::size_t>(model.independent()[static_cast<std::size_t>(k)]);
+        state.q[c] = offsets[k] + signs_[k] * state.q[c];
+        state.v[c] *= signs_[k];
       }
     }
     return out;
@@ -178,14 +190,14 @@ class TwinSearch {
     FitPoint out{{x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n)}, {}};
     for (std::size_t r = 0; r < problem_.runs(); ++r) {
       std::vector<double>& nuisances = out.nuisances.emplace_back(fitted_.runs[r].nuisances);
-      if (sign_ > 0) continue;
-      const RunModel& model = problem_.run(r);
-      const std::size_t f = model.independent().size();
-      const std::size_t start = model.equilibrium_is_unknown() ? 1 : 0;
-      if (start > 0) nuisances[0] = x[n] - nuisances[0];
+      if (signs_.size() == 0) continue;
+      const std::size_t start = problem_.run(r).equilibrium_is_unknown() ? 1 : 0;
+      const auto f = static_cast<std::size_t>(signs_.size());
+      if (start > 0) nuisances[0] = x[n] + signs_[0] * nuisances[0];
       for (std::size_t k = 0; k < f; ++k) {
-        nuisances[start + k] = x[n + k] - nuisances[start + k];
-        nuisances[start + f + k] *= -1;
+        const double sign = signs_[static_cast<Index>(k)];
+        nuisances[start + k] = x[n + k] + sign * nuisances[start + k];
+        nuisances[start + f + k] *= sign;
       }
     }
     return out;
@@ -202,7 +214,7 @@ class TwinSearch {
       const auto [equilibrium, states] = moved(at, x);
       MatrixXd there = model.responses(unknowns.data(), equilibrium, states);
       if (there.rows() == 0 || !there.allFinite()) return {};
-      there.leftCols(model.freedoms()) *= sign_;
+      for (Index k = 0; k < signs_.size(); ++k) there.col(k) *= signs_[k];
       const MatrixXd e = (there - at.responses) * at.resolution.cwiseInverse().asDiagonal();
       out.conservativeResize(out.size() + e.size());
       out.tail(e.size()) = e.reshaped();
@@ -301,7 +313,7 @@ class TwinSearch {
 
   const FitProblem& problem_;
   const Fit& fitted_;
-  double sign_ = 1.0;          // s
+  VectorXd signs_;             // s of each degree of freedom; none where all are 1 and a is 0
   std::vector<double> begin_;  // x from which a scan moves one dimension
   std::vector<double> reach_;  // of the components of x
   std::vector<RunAt> runs_;

@@ -14,8 +14,9 @@ namespace poise {
 /// sensor, with a pendulum that swings the other way. Such minima need not be near any path that a search has taken.
 ///
 /// No motion is computed for them. At states (z, w) of the fit's own motions, and with parameters p, the mechanism
-/// takes the states (a + s z, s w) of its independent coordinates: s = 1 and a = 0, and where all runs have unknown
-/// starts and a coordinate is not read as it is, also s = -1, the offsets a unknown, from twice the mean of z on. The
+/// takes the states (a + s z, s w) of its independent coordinates, element by element: s = 1 and a = 0, and where all
+/// runs have unknown starts and a coordinate is not read as it is, also s_k = -1 for each selection of up to three
+/// degrees of freedom (for all, if there are more), the offsets a unknown, from twice the mean of z_k there on. The
 /// accelerations alpha and readings y there differ from those of the fit by
 ///   e(p, a) = (y - y(fit)) / noise,  (s alpha - alpha(fit)) / (|alpha(fit)| noise / |y(fit)|)
 /// (sizes: root mean squares, y about its mean), which is zero where the readings are the same. Each dimension that has

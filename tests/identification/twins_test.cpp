@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/identification/experiments.hpp"
+#include "tests/support/build_scene.hpp"
 
 namespace poise {
 namespace {
@@ -173,20 +174,14 @@ struct WireToAnArm {
                                    "wire.toml");
     Sensor& wire = experiment.sensors.emplace_back();
     wire.name = wire.column = "wire";
-    wire.on = Measure::distance_between(point(0, "W"), point(1, "E"));
+    wire.on =
+        Measure::distance_between(test::point(experiment.scene, "ground.W"), test::point(experiment.scene, "arm.E"));
     wire.noise = 1e-3;
     experiment.runs = {test::simulated(100, 400)};
     experiment.runs[0].unknown_start = true;
     Release& release = experiment.runs[0].release.emplace_back();
     release.body = 1;
     release.value = -0.9;
-  }
-
-  PointRef point(int body, const std::string& name) const {
-    const std::vector<NamedPoint>& points = experiment.scene.bodies[static_cast<std::size_t>(body)].points;
-    int at = 0;
-    while (points[static_cast<std::size_t>(at)].name != name) ++at;
-    return {body, at};
   }
 };
 
@@ -223,7 +218,7 @@ TEST(Twins, ASpringOnThePendulumTellsTheSide) {
 // W right above O: the spring may turn the arm to either side.
 TEST(Twins, ASpringToEitherSideIsAmbiguous) {
   WireToAnArm arm;
-  const int W = arm.point(0, "W").point;
+  const int W = test::point(arm.experiment.scene, "ground.W").point;
   arm.experiment.scene.bodies[0].points[static_cast<std::size_t>(W)].at = {0.08, 0.2};
   arm.experiment.unknowns = {test::unknown("torsion_spring.coil.free_angle")};
   const FitProblem problem(arm.experiment);
@@ -231,6 +226,68 @@ TEST(Twins, ASpringToEitherSideIsAmbiguous) {
   ASSERT_EQ(found.status, FitStatus::ambiguous) << found.why;
   ASSERT_EQ(found.alternatives.size(), 2U);
   EXPECT_NEAR(found.alternatives[0].values[0] + found.alternatives[1].values[0], -M_PI, 1e-4);
+}
+
+// A pendulum on a carriage that moves vertically and is read: the pendulum alone may swing the other way.
+TEST(Twins, APendulumThatSwingsOtherwiseOnACarriageThatIsReadIsAmbiguous) {
+  constexpr double Ox = 0.1, Wx = 0.7;
+  Experiment e;
+  e.scene = parse_scene(R"(
+    gravity = [0, -9.81]
+    [ground]
+    points = { O = [0.1, 0], S = [0.1, 1], W = [0.7, -0.2] }
+    [body.carriage]
+    points = { C = [0, 0] }
+    mass = 1
+    [body.arm]
+    points = { E = [0.45, 0], O = [0, 0] }
+    mass = 2
+    center = [0.3, 0]
+    inertia = 0.03
+    [[slide]]
+    name = "lift"
+    points = ["ground.O", "carriage.C"]
+    axis = [0, 1]
+    [[spring]]
+    name = "coil"
+    points = ["ground.S", "carriage.C"]
+    stiffness = 400
+    free_length = 0.95
+    [[pin]]
+    points = ["carriage.C", "arm.O"]
+    [[torsion_damper]]
+    name = "oil"
+    bodies = ["ground", "arm"]
+    coefficient = 0.005
+    [start]
+    arm = -1.57
+    lift = 0
+  )",
+                        "carriage.toml");
+  e.unknowns = {test::unknown("point.ground.W.x"), test::unknown("body.arm.inertia")};
+  e.unknowns[0].start = 0.6;
+  Sensor& height = e.sensors.emplace_back();
+  height.name = height.column = "height";
+  height.on = Measure::travel_of(0);
+  height.noise = 1e-3;
+  Sensor& wire = e.sensors.emplace_back();
+  wire.name = wire.column = "wire";
+  wire.on = Measure::distance_between(test::point(e.scene, "ground.W"), test::point(e.scene, "arm.E"));
+  wire.noise = 1e-3;
+  e.runs = {test::simulated(100, 400)};
+  e.runs[0].unknown_start = true;
+  Release& swing = e.runs[0].release.emplace_back();
+  swing.body = 2;
+  swing.value = -0.9;
+  Release& lifted = e.runs[0].release.emplace_back();
+  lifted.joint = 0;
+  lifted.value = 0.02;
+  const FitProblem problem(e);
+  const Fit found = fit(problem, problem.records());
+  ASSERT_EQ(found.status, FitStatus::ambiguous) << found.why;
+  ASSERT_EQ(found.alternatives.size(), 2U);
+  EXPECT_NEAR(found.alternatives[0].values[0], Wx, 0.01);
+  EXPECT_NEAR(found.alternatives[0].values[0] + found.alternatives[1].values[0], 2 * Ox, 1e-4);
 }
 
 TEST(Twins, NoneWithinTheRange) {
