@@ -921,16 +921,27 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
   for (const double limit : {0.0, 1.0}) {
     const double beyond = limit == 0.0 ? -b.p() : b.p() - 1.0;
     if (beyond < 0.0 || (beyond == 0.0 && (limit == 0.0) == (rb > 0.0))) continue;
-    const double begin = limit == 0.0 ? -a.p() : a.p() - 1.0;
+    double begin = limit == 0.0 ? -a.p() : a.p() - 1.0;
+    double from = 0.0;
+    if (begin >= 0.0 && (limit == 0.0) == (ra > 0.0) && std::abs(ra) > standstill) {
+      // It leads into the range, and out again behind a fold.
+      const auto fold = std::find_if(out.begin(), out.end(),
+                                     [](const Crossing& crossing) { return crossing.kind == Crossing::Kind::fold; });
+      if (fold == out.end() && can_split) return false;
+      if (fold != out.end()) {
+        from = fold->s;
+        begin = limit == 0.0 ? -fold->spot.p() : fold->spot.p() - 1.0;
+      }
+    }
     if (begin >= 0.0) {
-      out.push_back({Crossing::Kind::range, 0.0, -1, a});
+      out.push_back({Crossing::Kind::range, from, -1, a});
       continue;
     }
-    auto found = root([&](double s) { return at(segment, s); },
-                      [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; }, h, begin,
+    auto found = root([&](double s) { return at(segment, from + s); },
+                      [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; }, h - from, begin,
                       std::max(beyond, 1e-300));
     if (!found) return false;
-    Crossing crossing{Crossing::Kind::range, found->s, -1, std::move(found->spot)};
+    Crossing crossing{Crossing::Kind::range, from + found->s, -1, std::move(found->spot)};
     if (std::optional<PathSpot> spot = held(crossing.spot, limit)) crossing.spot = std::move(*spot);
     VectorXd& z = crossing.spot.point.z;
     z[z.size() - 1] = limit;

@@ -285,6 +285,21 @@ TEST(Path, FindsCurvesThatAreNotConnectedWithTheStart) {
   EXPECT_EQ(count_at_end(300), 19U);
 }
 
+// A range that begins just below a fold, by less than any first step: the curve leads into it, and out again behind
+// the fold.
+TEST(Path, FindsAFoldNextToItsStart) {
+  const double load = von_mises_fold(1.0, 0.5, 1000.0).load;
+  for (const double below : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+    SCOPED_TRACE(below);
+    const Path path = poise::path(VariedScene(von_mises(1.0, 0.5, 1000.0), "load.P", (1.0 - below) * load, 2.0 * load));
+    expect_traced(path);
+    const auto folds = events(path, Kind::fold);
+    ASSERT_EQ(folds.size(), 1U);
+    expect_relative(folds[0]->at.parameter, load, 1e-12);
+    EXPECT_EQ(events(path, Kind::snap).size(), 1U);
+  }
+}
+
 // theta - e = lambda sin theta: static.inverted_pendulum_imperfect, on the side that the offset does not favour.
 TEST(Path, FindsTheFoldsOfImperfectPendulums) {
   const auto fold = [](double e) {
