@@ -51,6 +51,16 @@ double FullyPivotedLu::reciprocal_condition() const { return factors_->lu.isInve
 
 double FullyPivotedLu::determinant() const { return factors_->lu.determinant(); }
 
+int FullyPivotedLu::determinant_sign() const {
+  const auto& lu = factors_->lu;
+  auto sign = static_cast<int>(lu.permutationP().determinant() * lu.permutationQ().determinant());
+  for (Eigen::Index i = 0; i < lu.matrixLU().rows(); ++i) {
+    const double pivot = lu.matrixLU()(i, i);
+    sign *= (pivot > 0.0 ? 1 : 0) - (pivot < 0.0 ? 1 : 0);
+  }
+  return sign;
+}
+
 SymmetricEigen symmetric_eigen(const MatrixXd& a) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
   return {eigen.eigenvalues(), eigen.eigenvectors()};

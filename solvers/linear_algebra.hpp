@@ -141,6 +141,8 @@ class FullyPivotedLu {
   /// Estimate of 1 / (|A| |A^-1|), 1-norms; 0 if a pivot is rounding only.
   double reciprocal_condition() const;
   double determinant() const;
+  /// 1, -1, or 0 where a pivot is zero; also where the determinant itself over- or underflows.
+  int determinant_sign() const;
 
  private:
   struct Factors;

@@ -221,6 +221,13 @@ double draw_heading(Canvas& page, const Scene& scene, const std::string& heading
   return y;
 }
 
+std::string heading_page(const Scene& scene, const std::string& heading, bool confirmed, const std::string& kind) {
+  constexpr double width = 900.0;
+  Canvas page;
+  const double bottom = draw_heading(page, scene, heading, confirmed, {margin, margin / 2}, width - 2 * margin);
+  return svg_document(page, width, bottom, kind, heading);
+}
+
 std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture) {
   const Stage stage = drawn_to_fit(scene, picture);
   const Box& bounds = stage.canvas.bounds();

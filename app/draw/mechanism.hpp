@@ -54,6 +54,9 @@ std::string draw_svg(const StaticModel& model, const Equilibrium& equilibrium, c
 double draw_heading(Canvas& page, const Scene& scene, const std::string& heading, bool confirmed, Vec2 at,
                     double width);
 
+/// The same as an SVG document 900 px wide, to be stacked above pictures; `kind` is what they show: "positions".
+std::string heading_page(const Scene& scene, const std::string& heading, bool confirmed, const std::string& kind);
+
 /// Cuts a text into lines no wider than `width`, px.
 std::vector<std::string> wrapped(const std::string& text, double size, double width);
 

@@ -28,13 +28,6 @@ std::vector<PathMark> chosen_marks(const std::vector<PathMark>& marks) {
   return out;
 }
 
-std::string heading_of(const Scene& scene, const std::string& heading, bool confirmed) {
-  constexpr double width = 900.0, margin = 28.0;
-  Canvas page;
-  const double bottom = draw_heading(page, scene, heading, confirmed, {margin, margin / 2}, width - 2 * margin);
-  return svg_document(page, width, bottom, "path of equilibria", heading);
-}
-
 std::string multiples_of(const VariedScene& varied, const std::vector<PathMark>& marks) {
   PathReader reader(varied);
   std::list<Scene> scenes;  // dimensions may differ
@@ -63,7 +56,7 @@ std::string path_picture(const VariedScene& varied, const Path& path, const std:
     remark = ", which changes most";
   }
   const std::string chart = draw_plot(path_panels(varied, path, shown, marks, remark));
-  return stacked(stacked(heading_of(varied.scene(), heading, confirmed), chart),
+  return stacked(stacked(heading_page(varied.scene(), heading, confirmed, "path of equilibria"), chart),
                  multiples_of(varied, chosen_marks(marks)));
 }
 

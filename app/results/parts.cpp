@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "app/present/cells.hpp"
 #include "app/present/numbers.hpp"
+#include "statics/pose_values.hpp"
+#include "statics/readings.hpp"
 
 namespace poise::app {
 namespace {
@@ -188,6 +191,30 @@ void add_coordinates(Group& group, const StaticModel& model, const std::vector<c
   add_values(group, model, "Slides", "joint", Quantity::length, all_rows(travels.front()), travels, titles);
   add_values(group, model, "Positions of free bodies", "body", Quantity::length, all_rows(places.front()), places,
              titles);
+}
+
+Quantity quantity_of(const Coordinate& coordinate) {
+  return coordinate.kind == Coordinate::Kind::angle ? Quantity::angle : Quantity::length;
+}
+
+std::vector<double> shown_coordinates(const StaticModel& model, const std::vector<double>& x) {
+  std::vector<double> q = model.to_si(x);
+  std::map<std::string, double> in_world;
+  for (const NamedValue& place : places_of(model, read_off(model, x))) in_world[place.name] = place.value;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const auto place = in_world.find(model.layout().coordinates[i].name);
+    if (place != in_world.end()) q[i] = place->second;
+  }
+  return q;
+}
+
+void add_coordinate_data(Group& group, const std::string& key, const StaticModel& model, const std::vector<double>& x) {
+  Group& pose = group.group(key, "", Verbosity::data);
+  const std::vector<double> q = shown_coordinates(model, x);
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const Coordinate& coordinate = model.layout().coordinates[i];
+    pose.data(coordinate.name, in_unit(q[i], quantity_of(coordinate), model.scene().units));
+  }
 }
 
 Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t number) {

@@ -78,6 +78,16 @@ std::vector<Row> merge_welded(const Scene& scene, const std::vector<Row>& rows) 
 void add_coordinates(Group& group, const StaticModel& model, const std::vector<const Readings*>& poses,
                      const std::vector<std::string>& titles);
 
+/// Angle or length.
+Quantity quantity_of(const Coordinate& coordinate);
+
+/// The coordinates of a pose, SI; those that place a free body in the world, though the model counts them from
+/// elsewhere.
+std::vector<double> shown_coordinates(const StaticModel& model, const std::vector<double>& x);
+
+/// The same as data, {name: value}.
+void add_coordinate_data(Group& group, const std::string& key, const StaticModel& model, const std::vector<double>& x);
+
 /// Columns with names and SI units ("rad", "m") of the first coordinates, so many.
 Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t number);
 

@@ -194,7 +194,7 @@ inline std::string hanging_links(int n) {
     const std::string name = "link" + std::to_string(i);
     const std::string before = i == 0 ? "ground.O" : "link" + std::to_string(i - 1) + ".b";
     text += "[body." + name + "]\npoints = { a = [0, 0], b = [1, 0] }\nmass = 1\ncenter = [0.5, 0]\n";
-    text += "[[pin]]\npoints = [\"" + before + "\", \"" + name + ".a\"]\n";
+    text.append("[[pin]]\npoints = [\"").append(before).append("\", \"").append(name).append(".a\"]\n");
   }
   text += "[start]\n";
   for (int i = 0; i < n; ++i) text += "link" + std::to_string(i) + " = -1.5\n";

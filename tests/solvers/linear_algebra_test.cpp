@@ -255,6 +255,13 @@ TEST(LinearAlgebraInDouble, FullyPivotedLu) {
   a << 0, 2, 1, 4, 0, 0, 0, 0, -3;
   const FullyPivotedLu lu(a);
   EXPECT_DOUBLE_EQ(lu.determinant(), 24);
+  EXPECT_EQ(lu.determinant_sign(), 1);
+  EXPECT_EQ(FullyPivotedLu(MatrixXd(a.row(1).replicate(3, 1))).determinant_sign(), 0);
+  // Where the determinant underflows.
+  MatrixXd tiny = 1e-200 * a;
+  tiny.row(0).swap(tiny.row(1));
+  EXPECT_EQ(FullyPivotedLu(tiny).determinant(), 0.0);
+  EXPECT_EQ(FullyPivotedLu(tiny).determinant_sign(), -1);
   EXPECT_DOUBLE_EQ(lu.largest_pivot(), 4);
   EXPECT_GT(lu.reciprocal_condition(), 0.1);
   const VectorXd b = VectorXd::LinSpaced(3, 1, 3);

@@ -92,13 +92,17 @@ void add_force(Scene& scene, const std::string& at, Vec2 vector, const std::stri
   scene.forces.push_back(force);
 }
 
-void add_stop(Scene& scene, const std::string& name, int a, int b, double min, double max) {
+void add_stop(Scene& scene, const std::string& name, const Measure& on, double min, double max) {
   Stop stop;
   stop.name = name;
-  stop.on = Measure::angle_between(a, b);
+  stop.on = on;
   stop.min = min;
   stop.max = max;
   scene.stops.push_back(stop);
+}
+
+void add_stop(Scene& scene, const std::string& name, int a, int b, double min, double max) {
+  add_stop(scene, name, Measure::angle_between(a, b), min, max);
 }
 
 void add_torsion_spring(Scene& scene, int a, int b, double stiffness, double free_angle) {
@@ -162,6 +166,27 @@ Scene scissor(int stages, double arm_weight, double load, double theta) {
       .start("base", std::cos(theta))
       .start("top", std::cos(theta));
   return builder.build();
+}
+
+Scene lever() {
+  return parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.lever]
+points = { O = [0, 0], load = [-0.25, 0], foot = [0.5, 0] }
+[[pin]]
+name = "O"
+points = ["ground.O", "lever.O"]
+[[force]]
+name = "P"
+at = "lever.load"
+vector = [0, 40]
+[[stop]]
+name = "foot"
+y = "lever.foot"
+min = 0
+)",
+                     "lever.toml");
 }
 
 Scene windows(int count) {

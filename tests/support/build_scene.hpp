@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "model/scene.hpp"
@@ -25,7 +26,9 @@ int add_pin_in_slot(Scene& scene, const std::string& a, const std::string& b, Ve
 int add_bar(Scene& scene, const std::string& a, const std::string& b, double length, const std::string& name = {});
 
 void add_force(Scene& scene, const std::string& at, Vec2 vector, const std::string& name);
-/// Keeps angle(b) - angle(a) of two bodies between the limits.
+/// Keeps a measure, or angle(b) - angle(a) of two bodies, between the limits.
+void add_stop(Scene& scene, const std::string& name, const Measure& on, double min,
+              double max = std::numeric_limits<double>::infinity());
 void add_stop(Scene& scene, const std::string& name, int a, int b, double min, double max);
 void add_torsion_spring(Scene& scene, int a, int b, double stiffness, double free_angle = 0.0);
 
@@ -39,6 +42,10 @@ Scene hanging_chain(int count, double total_length, double total_weight, double 
 /// slot along x, "base"; the load presses on the platform, which it carries the same way, "top". Arms "rise1", "fall1",
 /// ... are guessed at the angles theta and pi - theta.
 Scene scissor(int stages, double arm_weight, double load, double theta);
+
+/// A lever on a pin "O", level on a stop "foot" under its long arm of 0.5 m; the force "P", 40 N upwards, on its short
+/// arm of 0.25 m presses it down.
+Scene lever();
 
 /// `windows` four-bar windows side by side, all bars 1 m and 1 kg under gravity 1 m/s^2: posts "post0" ... on
 /// ground.O0 = (0, 0), ground.O1 = (1, 0), ... and beams "beam1" ... from post to post.

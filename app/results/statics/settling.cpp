@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -10,17 +9,11 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
-#include "statics/pose_values.hpp"
-#include "statics/readings.hpp"
 
 namespace poise::app {
 namespace {
 
 constexpr std::size_t most_shown = 6;  // coordinates of a pose in a line of text
-
-Quantity quantity_of(const Coordinate& coordinate) {
-  return coordinate.kind == Coordinate::Kind::angle ? Quantity::angle : Quantity::length;
-}
 
 std::string resistance(const Settling& settling) {
   if (settling.freedoms <= 1) return "";
@@ -32,18 +25,6 @@ std::string stops_in_words(const StaticModel& model, const std::vector<int>& sto
   for (const int s : stops)
     names.push_back(fmt::format("\"{}\"", model.scene().stops[static_cast<std::size_t>(s)].name));
   return names.empty() ? "" : " on " + std::string(names.size() == 1 ? "stop " : "stops ") + listed(names);
-}
-
-/// Coordinates, SI; those that place a free body in the world, though the model counts them from elsewhere.
-std::vector<double> shown_coordinates(const StaticModel& model, const std::vector<double>& x) {
-  std::vector<double> q = model.to_si(x);
-  std::map<std::string, double> in_world;
-  for (const NamedValue& place : places_of(model, read_off(model, x))) in_world[place.name] = place.value;
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const auto place = in_world.find(model.layout().coordinates[i].name);
-    if (place != in_world.end()) q[i] = place->second;
-  }
-  return q;
 }
 
 /// "upper 4.1441 deg, gib 1.5687 mm".
@@ -75,15 +56,6 @@ std::string doubt(const Settling& settling) {
         small_number(settling.margin));
   }
   return "In doubt: on its way the mechanism passes a place where rounding decides whether it stops.";
-}
-
-void add_pose(Group& group, const StaticModel& model, const std::vector<double>& x) {
-  Group& pose = group.group("pose", "", Verbosity::data);
-  const std::vector<double> q = shown_coordinates(model, x);
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const Coordinate& coordinate = model.layout().coordinates[i];
-    pose.data(coordinate.name, in_unit(q[i], quantity_of(coordinate), model.scene().units));
-  }
 }
 
 std::vector<std::string> stop_names(const StaticModel& model, const std::vector<int>& stops) {
@@ -125,7 +97,7 @@ void add_settling_data(Group& group, const StaticModel& model, const Equilibrium
   Group& data = group.group("settled", "", Verbosity::data);
   data.data("end", to_string(settling.end));
   data.data("why", settling.why);
-  add_pose(data, model, settling.x);
+  add_coordinate_data(data, "pose", model, settling.x);
   data.list("stops", "", stop_names(model, settling.active_stops), Verbosity::data);
   data.data("in_doubt", settling.in_doubt);
   data.data("margin", settling.margin);
@@ -137,7 +109,7 @@ void add_settling_data(Group& group, const StaticModel& model, const Equilibrium
   for (const Settling::Side& side : settling.sides) {
     Group& one = sides.parts.emplace_back();
     one.data("end", to_string(side.end));
-    add_pose(one, model, side.x);
+    add_coordinate_data(one, "pose", model, side.x);
     one.list("stops", "", stop_names(model, side.active_stops), Verbosity::data);
   }
 }
