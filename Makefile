@@ -32,6 +32,8 @@ bench: benchmarks
 # Makes every picture and table of README.md and docs/ anew on this machine.
 figures: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg docs/toggle_clamp.svg
+	$(BUILD)/poise tolerance datasets/toggle_clamp.toml --tolerances datasets/toggle_clamp_tolerances.toml \
+	  --of force.rubber --quiet --svg docs/clamp_force.svg
 	$(BUILD)/poise compare datasets/six_bar.toml --tolerances 1e-2..1e-14 --svg docs/work_precision.svg
 	$(BUILD)/poise identify datasets/lift_experiment.toml --svg docs/lift_fit.svg
 	$(BUILD)/poise stress --starts 10 --seconds 0.02 --markdown docs/stress.md

@@ -18,6 +18,14 @@ Command solve_command();
 /// Ctrl-C keeps the curve followed so far.
 Command path_command();
 
+/// `poise sensitivity SCENE --of reaction.A`: derivatives of quantities by every number of the scene; exit code solved
+/// where all quantities have them.
+Command sensitivity_command();
+
+/// `poise tolerance SCENE --tolerances FILE --of reaction.A`: bands of quantities; exit code solved where all of them
+/// have one and all samples were drawn. Ctrl-C keeps the samples drawn so far.
+Command tolerance_command();
+
 /// `poise compare SCENE`: an equilibrium, by virtual work and by energy side by side; exit code solved where every
 /// method that applies is confirmed. With --methods by any of them; exit code solved where one is confirmed.
 /// With --tolerances: what accuracy costs each method; exit code solved where some run is confirmed.

@@ -114,6 +114,32 @@ void add_seek_option(Command& command, std::string& seek) {
        "only"});
 }
 
+void add_quantities_option(Command& command, std::vector<std::string>& names) {
+  command.add({"--of", &names, "NAMES",
+               "What to look at, with commas between: angle.BODY, travel.JOINT,\nBODY.POINT.x, the length or angle of "
+               "an ELEMENT; force.ELEMENT;\nreaction.JOINT or its .x, .y, .moment, .axial; stop.NAME; energy;\n"
+               "load_at_fold.LOAD, the load at which the mechanism snaps",
+               Presence::required});
+}
+
+std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
+                                            const Scene& scene) {
+  std::vector<SoughtQuantity> out;
+  for (const std::string& list : names) {
+    for (const std::string& name : comma_separated(list)) {
+      if (name.empty())
+        throw InputError(fmt::format("{} \"{}\": expected a name before and after each comma", option, list));
+      if (std::any_of(out.begin(), out.end(), [&](const SoughtQuantity& one) { return one.name == name; })) continue;
+      try {
+        out.push_back(find_quantity(scene, name));
+      } catch (const InputError& error) {
+        throw InputError(option + " " + error.what());
+      }
+    }
+  }
+  return out;
+}
+
 void add_proof_option(Command& command, std::optional<double>& seconds) {
   command.add({"--proof-seconds", &seconds, "S",
                fmt::format("Time allowed for the proof of an answer ({:g}); after it the answer is\n\"checked, not "
@@ -255,8 +281,8 @@ std::vector<double> read_numbers(const std::string& option, const std::string& t
   return out;
 }
 
-DriveRange read_drive(const std::string& text, const Scene& scene) {
-  const NamedRange given = read_named_range("--drive", text, "NAME=FROM..TO, say crank=0..360");
+DriveRange read_drive(const std::string& text, const Scene& scene, const std::string& expected) {
+  const NamedRange given = read_named_range("--drive", text, expected);
   const Measure& on = find_drive(scene, given.name).on;
   const double unit = unit_value(quantity_of(on), scene.units);
   // Every turn is followed; beyond this nobody waits for it.

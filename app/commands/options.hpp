@@ -13,6 +13,7 @@
 #include "motion/kinematics.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/method.hpp"
+#include "statics/sensitivity.hpp"
 
 namespace poise::app {
 
@@ -59,6 +60,12 @@ int read_jobs(int jobs);
 /// settle, any or stable. Throws InputError.
 Seek read_seek(const std::string& word);
 
+/// --of, required; its words go to `names`, which must outlive the command.
+void add_quantities_option(Command& command, std::vector<std::string>& names);
+/// The quantities of names with commas between them, each kept once. Throws InputError naming `option`.
+std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
+                                            const Scene& scene);
+
 /// Reads the word given to an option. Throws InputError "OPTION: expected ..., found WORD" unless it is a number, or a
 /// whole number that the type can represent ("1e3" is one), or a text that is not empty.
 void read_word(const std::string& option, const std::string& word, double& value);
@@ -101,7 +108,8 @@ NamedRange read_named_range(const std::string& option, const std::string& text, 
 std::vector<double> read_numbers(const std::string& option, const std::string& text);
 
 /// Reads "crank=0..360", or "crank=30" for one place, in the scene's units. Throws InputError naming --drive.
-DriveRange read_drive(const std::string& text, const Scene& scene);
+DriveRange read_drive(const std::string& text, const Scene& scene,
+                      const std::string& expected = "NAME=FROM..TO, say crank=0..360");
 
 /// What was asked of an experiment.
 struct ExperimentRequest {

@@ -411,8 +411,8 @@ TEST(CommandLine, VersionAndHelpExitZero) {
   const Outcome all = run_poise({"--help"});
   EXPECT_EQ(all.exit_code, 0);
   EXPECT_EQ(all.err, "");
-  for (const char* name : {"check", "solve", "compare", "kinematics", "motion", "modes", "forces", "design", "identify",
-                           "validate", "identifiability", "plan", "montecarlo"}) {
+  for (const char* name : {"check", "solve", "sensitivity", "tolerance", "compare", "kinematics", "motion", "modes",
+                           "forces", "design", "identify", "validate", "identifiability", "plan", "montecarlo"}) {
     const std::string example = std::string("poise ") + name + " datasets/";
     EXPECT_TRUE(contains(all.out, example)) << all.out;
     const Outcome help = run_poise({name, "--help"});

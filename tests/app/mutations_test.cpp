@@ -67,7 +67,7 @@ void add_scenes(const std::string& folder, std::vector<Command>& out) {
     for (const Words& words :
          {Words{"check"}, Words{"solve", "--svg", "o.svg"}, Words{"compare", "--json", "o.json", "--markdown", "o.md"},
           Words{"modes", "--json", "o.json"}, Words{"motion", "--duration", "0.02", "--csv", "o.csv"},
-          Words{"forces", "--verbose", "--svg", "o.svg"}}) {
+          Words{"forces", "--verbose", "--svg", "o.svg"}, Words{"sensitivity", "--of", "energy", "--csv", "o.csv"}}) {
       out.push_back({words, {scene}});
       out.back().words.insert(out.back().words.begin() + 1, scene.name);
     }
@@ -139,6 +139,9 @@ std::vector<Command> all_commands() {
                     wheel_scene}});
     out.push_back(
         {{"montecarlo", "simulated.toml", "--trials", "2", "--jobs", "1", "--seed", "1"}, {simulated, wheel_scene}});
+    out.push_back({{"tolerance", "toggle_clamp.toml", "--tolerances", "toggle_clamp_tolerances.toml", "--of",
+                    "force.rubber,load_at_fold.P", "--samples", "50", "--json", "o.json"},
+                   {dataset_file("toggle_clamp_tolerances"), dataset_file("toggle_clamp")}});
     out.push_back({{"design", "lift_design.toml", "--starts", "1", "--scene", "found.toml"},
                    {dataset_file("lift_design"), dataset_file("lift")}});
     out.push_back({{"stress", "balanced-arm", "--catalogue", ".", "--starts", "1", "--seconds", "0.01", "--methods",

@@ -323,6 +323,22 @@ TEST(JsonDocs, PathCurveOfFolds) {
                    "spring.left.stiffness=900..1100", "--curve", "fold", "--set", "spring.right.stiffness=900"}}});
 }
 
+TEST(JsonDocs, Sensitivity) {
+  check_section("sensitivity",
+                {{{"sensitivity", scene("toggle_clamp"), "--of", "handle,stop.open,load_at_fold.P"}, with_csv},
+                 {{"sensitivity", scene("redundant_parallelogram"), "--of", "energy,reaction.A1"}}});
+}
+
+TEST(JsonDocs, Tolerance) {
+  const TempFolder folder;
+  const std::string tolerances = scene("toggle_clamp_tolerances");
+  check_section("tolerance", {{{"tolerance", scene("toggle_clamp"), "--tolerances", tolerances, "--of",
+                                "force.rubber,load_at_fold.P,reaction.B", "--samples", "300"},
+                               with_csv},
+                              {{"tolerance", scene("redundant_parallelogram"), "--tolerances",
+                                folder.write("t.toml", "tolerances = { \"load.*\" = 0.1 }"), "--of", "energy"}}});
+}
+
 TEST(JsonDocs, Compare) {
   check_section("compare", {{{"compare", scene("toggle_clamp")}}, {{"compare", scene("hard/follower_four_bar")}}});
 }

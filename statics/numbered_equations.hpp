@@ -1,0 +1,393 @@
+#pragma once
+
+// The equations of equilibrium of a scene with all of its numbers as variables: for derivatives by the numbers, and for
+// scenes that differ in numbers only. Bodies are cut free, so that every joint force is an unknown and every number of
+// a scene file stands where it acts; equations of the compiled mechanism (model/mechanism.hpp) have sums of numbers.
+
+#include <cmath>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include <ceres/jet.h>
+
+#include "model/parameters.hpp"
+#include "model/scene.hpp"
+#include "solvers/real50.hpp"
+
+namespace poise {
+
+/// A stop that acts, on one side.
+struct HeldStop {
+  int stop = 0;  ///< index of Scene::stops
+  bool upper = false;
+};
+
+/// The value of a scalar, without derivatives.
+inline double plain_value(double a) { return a; }
+inline double plain_value(const Real50& a) { return static_cast<double>(a); }
+template <class T, int N>
+double plain_value(const ceres::Jet<T, N>& a) {
+  return plain_value(a.a);
+}
+
+/// Unknowns z: origin x, y and angle of each body but the ground (3 (i - 1) of body i), then one multiplier per row of
+/// the joints and of the stops that act. Residual R(z, p), of the same size:
+///
+///   balance of body i     sum of forces x, y; sum of moments about its origin,
+///   joints                pin, weld: b - a = 0; slide, pin in slot: axis x (b - a) = 0; slide, weld: angle(b) -
+///   angle(a)
+///                         - angle = 0; bar: |b - a| - length = 0,
+///   a stop that acts      g - bound = 0.
+///
+/// Multipliers are efforts on body b, their opposites on a: force x, y of a pin, force normal to the axis of a slide,
+/// moment, pressure of a bar, and of a stop what tends to increase its measure. Numbers p are the rows of
+/// parameter_table(), in the units of the scene, which is measured in scales of its own (scaled()).
+class NumberedEquations {
+ public:
+  NumberedEquations(const Scene& scene, std::vector<HeldStop> held);
+
+  const Scene& scene() const { return scene_; }
+  const std::vector<ParameterRow>& rows() const { return rows_; }
+  /// p of the scene; of an absent limit infinite, of an absent guess 0.
+  const std::vector<double>& numbers() const { return numbers_; }
+  const std::vector<HeldStop>& held() const { return held_; }
+  int unknowns() const { return unknowns_; }
+  int poses() const { return 3 * (static_cast<int>(scene_.bodies.size()) - 1); }
+  /// First multiplier of a joint, and that of a held stop (place in held()).
+  int multiplier_of_joint(int joint) const { return joint_[joint]; }
+  int multiplier_of_stop(int held) const { return stop_[held]; }
+  /// Place in p of a stop's min, before its max.
+  int number_of_stop(int stop) const { return stop_number_[stop]; }
+  /// Adds whole turns to the constant angles of joints, of which scenes leave them out, so that they fit z.
+  void count_turns(const double* z);
+
+  template <class T>
+  struct Placed {
+    Planar<T> origin;
+    T angle;
+    Planar<T> along;
+  };
+
+  /// R(z, p); r has unknowns() values.
+  template <class T>
+  void residual(const T* numbers, const T* z, T* r, std::vector<Placed<T>>& placed) const;
+  /// The bodies at z.
+  template <class T>
+  void place(const T* z, std::vector<Placed<T>>& placed) const;
+  /// g of a measure.
+  template <class T>
+  T value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed) const;
+  /// Static force of an element, positive where it tends to reduce its measure.
+  template <class T>
+  T element_force(int element, const T* numbers, const std::vector<Placed<T>>& placed) const;
+  /// Force that a joint transmits to the body of its second point.
+  template <class T>
+  Planar<T> joint_force(int joint, const T* numbers, const T* z, const std::vector<Placed<T>>& placed) const;
+  /// Potential of loads, weights and elements; forces that follow bodies have none.
+  template <class T>
+  T energy(const T* numbers, const std::vector<Placed<T>>& placed) const;
+
+ private:
+  template <class T>
+  Planar<T> local(PointRef point, const T* numbers) const {
+    const int at = point_[point.body][point.point];
+    return {numbers[at], numbers[at + 1]};
+  }
+  template <class T>
+  static Planar<T> turned(const Planar<T>& local, const Placed<T>& body) {
+    return local * body.along;
+  }
+  template <class T>
+  Planar<T> world(PointRef point, const T* numbers, const std::vector<Placed<T>>& placed) const {
+    return placed[point.body].origin + turned(local(point, numbers), placed[point.body]);
+  }
+  template <class T>
+  static Planar<T> axis_of(const Joint& joint, const std::vector<Placed<T>>& placed) {
+    return turned(planar_cast<T>(joint.direction()), placed[joint.a.body]);
+  }
+  template <class T>
+  Planar<T> force_of(int force, const T* numbers, const std::vector<Placed<T>>& placed) const {
+    const Force& f = scene_.forces[force];
+    const Planar<T> along = planar_cast<T>(direction_[force]);
+    return numbers[force_[force]] * (f.follows >= 0 ? turned(along, placed[f.follows]) : along);
+  }
+  /// Adds a force at a point of the world, and a moment, on a body.
+  template <class T>
+  static void push(int body, const Planar<T>& at, const Planar<T>& force, const T& moment,
+                   const std::vector<Placed<T>>& placed, T* r) {
+    if (body == 0) return;
+    T* row = r + 3 * (body - 1);
+    row[0] += force.x;
+    row[1] += force.y;
+    row[2] += cross(at - placed[body].origin, force) + moment;
+  }
+  /// An effort on a measure, positive if it tends to increase it.
+  template <class T>
+  void push_on(const Measure& measure, const T& effort, const T* numbers, const std::vector<Placed<T>>& placed,
+               T* r) const;
+  template <class T>
+  T force_of_law(int element, const T* numbers, const T& g) const;
+  template <class T>
+  T energy_of_law(int element, const T* numbers, const T& g) const;
+
+  Scene scene_;
+  std::vector<HeldStop> held_;
+  std::vector<ParameterRow> rows_;
+  std::vector<double> numbers_;
+  int unknowns_ = 0;
+  // Places of the items' first numbers in p, of points and bodies by body.
+  int gravity_ = 0;
+  std::vector<std::vector<int>> point_;
+  std::vector<int> body_, element_, force_, torque_, joint_number_, stop_number_;
+  std::vector<Vec2> direction_;  // of each force
+  std::vector<double> turns_;    // of each joint, rad
+  std::vector<int> joint_, stop_;
+};
+
+/// d energy / d number of a law, at the measure g.
+template <class S>
+S energy_by_number(const LinearSpring& law, int number, const S& g) {
+  if (law.slack(g)) return S(0);
+  const S u = g - S(law.free_length);
+  return number == 0 ? S(u * u / S(2)) : S(-S(law.stiffness) * u);
+}
+template <class S>
+S energy_by_number(const CubicSpring& law, int number, const S& g) {
+  const S u = g - S(law.free_length);
+  if (number == 0) return u * u / S(2);
+  return number == 1 ? S(u * u * u * u / S(4)) : S(-law.at_rest(g).value);
+}
+template <class S>
+S energy_by_number(const ConstantForce&, int /*number*/, const S& g) {
+  return g;
+}
+
+/// The law with other numbers.
+template <class T>
+Law with_numbers(Law law, const T* numbers) {
+  std::visit(
+      [&](auto& l) {
+        int k = 0;
+        for (const Number& number : l.numbers) number.set(&l, plain_value(numbers[k++]));
+      },
+      law);
+  return law;
+}
+
+template <class T>
+inline constexpr bool is_jet = false;
+template <class T, int N>
+inline constexpr bool is_jet<ceres::Jet<T, N>> = true;
+
+// Of a Jet, whose values are the law's own numbers:  value + sum_k by_number(law, k) (p_k - value of p_k),  exact to
+// first order. `numbers` are those of the law.
+template <class T, class Derivative>
+T with_change_of_numbers(const Law& law, const T* numbers, T value, Derivative by_number) {
+  if constexpr (is_jet<T>) {
+    std::visit(
+        [&]<class L>(const L& l) {
+          if constexpr (StoresEnergy<L>) {
+            for (std::size_t k = 0; k < l.numbers.size(); ++k) {
+              value += by_number(l, static_cast<int>(k)) * (numbers[k] - T(plain_value(numbers[k])));
+            }
+          }
+        },
+        law);
+  }
+  return value;
+}
+
+template <class T>
+T NumberedEquations::force_of_law(int element, const T* numbers, const T& g) const {
+  const T* own = numbers + element_[element];
+  const Law law = with_numbers(scene_.elements[element].law, own);
+  return with_change_of_numbers(law, own, force_at_rest(law, g).value,
+                                [&](const auto& l, int k) { return l.force_by(k, g, T(0)); });
+}
+
+template <class T>
+T NumberedEquations::energy_of_law(int element, const T* numbers, const T& g) const {
+  const T* own = numbers + element_[element];
+  const Law law = with_numbers(scene_.elements[element].law, own);
+  return with_change_of_numbers(law, own, T(poise::energy(law, g)),
+                                [&](const auto& l, int k) { return energy_by_number(l, k, g); });
+}
+
+template <class T>
+void NumberedEquations::place(const T* z, std::vector<Placed<T>>& placed) const {
+  placed.resize(scene_.bodies.size());
+  placed[0] = {{T(0), T(0)}, T(0), {T(1), T(0)}};
+  for (std::size_t i = 1; i < placed.size(); ++i) {
+    const T* at = z + 3 * (i - 1);
+    placed[i] = {{at[0], at[1]}, at[2], unit(at[2])};
+  }
+}
+
+template <class T>
+T NumberedEquations::value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed) const {
+  switch (measure.kind) {
+    case Measure::Kind::angle:
+      return placed[measure.body_b].angle - placed[measure.body_a].angle;
+    case Measure::Kind::distance: {
+      const Planar<T> d = world(measure.b, numbers, placed) - world(measure.a, numbers, placed);
+      return plain_value(d.x) == 0.0 && plain_value(d.y) == 0.0 ? T(0) : norm(d);
+    }
+    case Measure::Kind::travel: {
+      const Joint& joint = scene_.joints[measure.joint];
+      return dot(axis_of(joint, placed), world(joint.b, numbers, placed) - world(joint.a, numbers, placed));
+    }
+    case Measure::Kind::x:
+      return world(measure.b, numbers, placed).x;
+    case Measure::Kind::y:
+      return world(measure.b, numbers, placed).y;
+    case Measure::Kind::sum:
+      break;
+  }
+  T sum(0);
+  for (const Measure::Term& term : measure.terms) sum += T(term.factor) * value(term.measure, numbers, placed);
+  return sum;
+}
+
+template <class T>
+void NumberedEquations::push_on(const Measure& measure, const T& effort, const T* numbers,
+                                const std::vector<Placed<T>>& placed, T* r) const {
+  const auto between = [&](int a, int b, const Planar<T>& at_a, const Planar<T>& at_b, const Planar<T>& force) {
+    push(a, at_a, -force, T(0), placed, r);
+    push(b, at_b, force, T(0), placed, r);
+  };
+  switch (measure.kind) {
+    case Measure::Kind::angle:
+      push(measure.body_a, placed[measure.body_a].origin, {T(0), T(0)}, T(-effort), placed, r);
+      push(measure.body_b, placed[measure.body_b].origin, {T(0), T(0)}, effort, placed, r);
+      return;
+    case Measure::Kind::distance: {
+      const Planar<T> a = world(measure.a, numbers, placed), b = world(measure.b, numbers, placed);
+      const Planar<T> d = b - a;
+      if (plain_value(d.x) == 0.0 && plain_value(d.y) == 0.0) return;
+      between(measure.a.body, measure.b.body, a, b, T(effort / norm(d)) * d);
+      return;
+    }
+    case Measure::Kind::travel: {
+      const Joint& joint = scene_.joints[measure.joint];
+      const Planar<T> at = world(joint.b, numbers, placed);
+      between(joint.a.body, joint.b.body, at, at, effort * axis_of(joint, placed));
+      return;
+    }
+    case Measure::Kind::x:
+    case Measure::Kind::y: {
+      const Planar<T> at = world(measure.b, numbers, placed);
+      const Planar<T> force = measure.kind == Measure::Kind::x ? Planar<T>{effort, T(0)} : Planar<T>{T(0), effort};
+      push(measure.b.body, at, force, T(0), placed, r);
+      return;
+    }
+    case Measure::Kind::sum:
+      break;
+  }
+  for (const Measure::Term& term : measure.terms) {
+    push_on(term.measure, T(T(term.factor) * effort), numbers, placed, r);
+  }
+}
+
+template <class T>
+T NumberedEquations::element_force(int element, const T* numbers, const std::vector<Placed<T>>& placed) const {
+  return force_of_law(element, numbers, value(scene_.elements[element].on, numbers, placed));
+}
+
+template <class T>
+Planar<T> NumberedEquations::joint_force(int joint, const T* numbers, const T* z,
+                                         const std::vector<Placed<T>>& placed) const {
+  const Joint& of = scene_.joints[joint];
+  const T* effort = z + joint_[joint];
+  if (of.keeps_length()) {
+    const Planar<T> d = world(of.b, numbers, placed) - world(of.a, numbers, placed);
+    return T(effort[0] / norm(d)) * d;
+  }
+  if (of.has_travel()) return effort[0] * quarter_turn(axis_of(of, placed));
+  return {effort[0], effort[1]};
+}
+
+template <class T>
+T NumberedEquations::energy(const T* numbers, const std::vector<Placed<T>>& placed) const {
+  T sum(0);
+  const Planar<T> gravity{numbers[gravity_], numbers[gravity_ + 1]};
+  for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+    const T* body = numbers + body_[i];
+    sum -= body[0] * dot(gravity, placed[i].origin + turned(Planar<T>{body[2], body[3]}, placed[i]));
+  }
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
+    sum -= dot(force_of(static_cast<int>(f), numbers, placed), world(scene_.forces[f].at, numbers, placed));
+  }
+  for (std::size_t t = 0; t < scene_.torques.size(); ++t) {
+    sum -= numbers[torque_[t]] * placed[scene_.torques[t].body].angle;
+  }
+  for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+    sum += energy_of_law(static_cast<int>(e), numbers, value(scene_.elements[e].on, numbers, placed));
+  }
+  return sum;
+}
+
+template <class T>
+void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector<Placed<T>>& placed) const {
+  place(z, placed);
+  for (int i = 0; i < unknowns_; ++i) r[i] = T(0);
+  const Planar<T> gravity{numbers[gravity_], numbers[gravity_ + 1]};
+  for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+    const T* body = numbers + body_[i];
+    const Planar<T> center = placed[i].origin + turned(Planar<T>{body[2], body[3]}, placed[i]);
+    push(static_cast<int>(i), center, body[0] * gravity, T(0), placed, r);
+  }
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
+    const PointRef at = scene_.forces[f].at;
+    push(at.body, world(at, numbers, placed), force_of(static_cast<int>(f), numbers, placed), T(0), placed, r);
+  }
+  for (std::size_t t = 0; t < scene_.torques.size(); ++t) {
+    const int body = scene_.torques[t].body;
+    push(body, placed[body].origin, {T(0), T(0)}, numbers[torque_[t]], placed, r);
+  }
+  for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+    const Element& element = scene_.elements[e];
+    if (!stores_energy(element.law)) continue;
+    const T g = value(element.on, numbers, placed);
+    if (element.on.kind == Measure::Kind::distance && plain_value(g) == 0.0) {
+      // A spring of free length zero whose points coincide: its force is k (b - a).
+      const Planar<T> a = world(element.on.a, numbers, placed), b = world(element.on.b, numbers, placed);
+      const Planar<T> force = numbers[element_[e]] * (b - a);
+      push(element.on.a.body, a, force, T(0), placed, r);
+      push(element.on.b.body, b, -force, T(0), placed, r);
+      continue;
+    }
+    push_on(element.on, T(-force_of_law(static_cast<int>(e), numbers, g)), numbers, placed, r);
+  }
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    const Joint& joint = scene_.joints[j];
+    const Planar<T> a = world(joint.a, numbers, placed), b = world(joint.b, numbers, placed);
+    const auto act = [&](const Planar<T>& force, const T& moment) {
+      push(joint.a.body, b, -force, T(-moment), placed, r);
+      push(joint.b.body, b, force, moment, placed, r);
+    };
+    int row = joint_[j];
+    act(joint_force(static_cast<int>(j), numbers, z, placed), T(0));
+    if (joint.keeps_length()) {
+      r[row] = norm(b - a) - numbers[joint_number_[j]];
+      continue;
+    }
+    if (joint.has_travel()) {
+      r[row++] = cross(axis_of(joint, placed), b - a);
+    } else {
+      r[row++] = b.x - a.x;
+      r[row++] = b.y - a.y;
+    }
+    if (joint.keeps_angle()) {
+      act({T(0), T(0)}, z[row]);
+      r[row] = placed[joint.b.body].angle - placed[joint.a.body].angle - numbers[joint_number_[j]] - T(turns_[j]);
+    }
+  }
+  for (std::size_t h = 0; h < held_.size(); ++h) {
+    const Measure& on = scene_.stops[held_[h].stop].on;
+    push_on(on, z[stop_[h]], numbers, placed, r);
+    r[stop_[h]] = value(on, numbers, placed) - numbers[stop_number_[held_[h].stop] + (held_[h].upper ? 1 : 0)];
+  }
+}
+
+}  // namespace poise
