@@ -15,6 +15,17 @@ struct LawForce {
   S by_rate{};
 };
 
+/// For scalars that enclose sets of numbers, some of which may lie on each side of a limit; others know their side.
+/// max(a, 0) of all numbers of the set, and the set with zero added.
+template <class S>
+S not_below_zero(const S& a) {
+  return a;
+}
+template <class S>
+S with_zero(const S& a) {
+  return a;
+}
+
 /// A table of a scene file, [[key]], that declares a law, and whether it is for angles only.
 struct LawTable {
   const char* key;

@@ -31,7 +31,14 @@ struct LinearSpring {
   template <class S>
   LawForce<S> at_rest(const S& g) const {
     if (slack(g)) return {};
-    return {S(stiffness) * (g - S(free_length)), S(stiffness), S(0)};
+    const S stretch = g - S(free_length);
+    if (acts == Acts::tension && !(g > S(free_length))) {
+      return {S(stiffness) * not_below_zero(stretch), S(stiffness) * with_zero(S(1)), S(0)};
+    }
+    if (acts == Acts::compression && !(g < S(free_length))) {
+      return {-(S(stiffness) * not_below_zero(S(-stretch))), S(stiffness) * with_zero(S(1)), S(0)};
+    }
+    return {S(stiffness) * stretch, S(stiffness), S(0)};
   }
 
   template <class S>

@@ -1,0 +1,140 @@
+#include "solvers/interval.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+namespace poise::solvers {
+namespace {
+
+// pi/2 as a sum: two numbers of 33 bits, whose products with small integers are exact, and the rest, which lies between
+// neighbouring doubles (the digits of fdlibm's e_rem_pio2.c).
+constexpr double half_pi_1 = 0x1.921fb544p+0;
+constexpr double half_pi_2 = 0x1.0b4611a6p-34;
+constexpr double half_pi_rest_below = 0x1.3198a2e037073p-69;
+constexpr double half_pi_rest_above = 0x1.3198a2e037074p-69;
+
+// Beyond it angles are not reduced.
+constexpr double largest_angle = 1e5;
+// More than the error of a multiple of pi/2 up to it, as a double.
+constexpr double beside = 1e-6;
+
+Interval half_pi_times(double k) {
+  return Interval(k) * Interval(half_pi_1) +
+         (Interval(k) * Interval(half_pi_2) + Interval(k) * Interval(half_pi_rest_below, half_pi_rest_above));
+}
+
+constexpr int terms = 9;
+
+// 1/3!, 1/5!, ... and 1/2!, 1/4!, ...
+struct Coefficients {
+  std::array<Interval, terms> sine, cosine;
+
+  Coefficients() {
+    const RoundingUp up;
+    Interval factorial(1);
+    for (int i = 0; i < terms; ++i) {
+      factorial *= Interval(2 * i + 2);
+      cosine[i] = Interval(1) / factorial;
+      factorial *= Interval(2 * i + 3);
+      sine[i] = Interval(1) / factorial;
+    }
+  }
+};
+
+// 1 - c_0 z + c_1 z^2 - ... for 0 <= z <= 1: the last term bounds the rest after the one before it. By Horner's scheme
+// p_i = c_i - z p_(i+1), and all p_i are positive: p_i >= c_i - c_(i+1) > 0.
+Interval series(const std::array<Interval, terms>& c, const Interval& z) {
+  const double least = z.lower() > 0 ? z.lower() : 0.0;
+  const double greatest = z.upper();
+  Interval p = with_zero(c[terms - 1]);
+  for (int i = terms - 2; i >= 0; --i) {
+    p = Interval::from(c[i].minus_lower() + greatest * p.upper(), c[i].upper() + least * p.minus_lower());
+  }
+  return Interval::from(-1 + greatest * p.upper(), 1 + least * p.minus_lower());
+}
+
+struct Direction {
+  Interval x, y;
+};
+
+// Of one angle.
+Direction direction_at(double angle) {
+  static const Coefficients coefficients;
+  const double k = std::floor(angle * (2 / std::numbers::pi) + 0.5);
+  const double k_1 = k * half_pi_1;  // exact, as k has at most 17 bits
+  const double k_2 = k * half_pi_2;
+  const Interval r = (Interval::from(k_1 - angle, angle - k_1) - Interval(k_2)) -
+                     Interval(k) * Interval(half_pi_rest_below, half_pi_rest_above);
+  const Interval z = square(r);
+  const Interval s = r * series(coefficients.sine, z);
+  const Interval c = series(coefficients.cosine, z);
+  switch (static_cast<int>(k) & 3) {
+    case 0:
+      return {c, s};
+    case 1:
+      return {-s, c};
+    case 2:
+      return {-c, -s};
+    default:
+      return {s, -c};
+  }
+}
+
+// An enclosure of the angle of the vector (x, y) that is not zero.
+Interval angle_of_point(double x, double y, double near) {
+  double guess = std::atan2(y, x);
+  guess += 2 * std::numbers::pi * std::floor((near - guess) / (2 * std::numbers::pi) + 0.5);
+  const Direction d = direction_at(guess);
+  const Interval along = d.x * Interval(x) + d.y * Interval(y);
+  const Interval across = d.x * Interval(y) - d.y * Interval(x);
+  if (!(along > Interval(0))) return Interval::entire();
+  const double slope = (across / along).magnitude();
+  return Interval(guess) + Interval(-slope, slope);
+}
+
+}  // namespace
+
+void sin_cos(const Interval& angle, Interval& sine, Interval& cosine) {
+  sine = Interval(-1, 1);
+  cosine = Interval(-1, 1);
+  if (!(angle.magnitude() <= largest_angle) || angle.width() >= 2 * std::numbers::pi) return;
+  const Direction a = direction_at(angle.lower());
+  Direction ends = a;
+  if (angle.width() > 0) {
+    const Direction b = direction_at(angle.upper());
+    ends = {hull(a.x, b.x), hull(a.y, b.y)};
+    // Extreme values at multiples of pi/2 that may be within.
+    const int last = static_cast<int>(std::floor(angle.upper() * (2 / std::numbers::pi))) + 1;
+    for (int j = static_cast<int>(std::floor(angle.lower() * (2 / std::numbers::pi))); j <= last; ++j) {
+      const double near = j * (std::numbers::pi / 2);
+      if (near < angle.lower() - beside || near > angle.upper() + beside) continue;
+      Interval at = half_pi_times(j);
+      if (!at.meet(angle)) continue;
+      Interval& extreme = j % 2 == 0 ? ends.x : ends.y;
+      extreme = hull(extreme, Interval((j & 3) < 2 ? 1 : -1));
+    }
+  }
+  sine.meet(ends.y);
+  cosine.meet(ends.x);
+}
+
+Interval angle_of(const Interval& x, const Interval& y, double near) {
+  if (!x.excludes_zero() && !y.excludes_zero()) return Interval::entire();
+  if (!x.bounded() || !y.bounded()) return Interval::entire();
+  // The corners that are first and last counter-clockwise.
+  const bool right = x.lower() > 0;
+  const bool left = x.upper() < 0;
+  const bool above = y.lower() > 0;
+  const bool below = y.upper() < 0;
+  const double first_x = above ? x.upper() : (below || right ? x.lower() : x.upper());
+  const double last_x = above ? x.lower() : (below || !right ? x.upper() : x.lower());
+  const double first_y = right ? y.lower() : (left || !above ? y.upper() : y.lower());
+  const double last_y = right ? y.upper() : (left || above ? y.lower() : y.upper());
+  const Interval first = angle_of_point(first_x, first_y, near);
+  if (!first.bounded()) return first;
+  const Interval last = angle_of_point(last_x, last_y, first.middle() + std::numbers::pi / 2);
+  return {first.lower(), last.upper()};
+}
+
+}  // namespace poise::solvers
