@@ -1,5 +1,6 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | bench | benchmarks | figures | docs | lint | format | compile-time | install PREFIX=/usr/local | setup | clean
+#   make run | test | bench | benchmarks | figures | docs | lint | format | compile-time | install PREFIX=/usr/local
+#        setup | clean
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 
 PRESET ?= $(if $(CI),ci,release)

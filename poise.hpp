@@ -8,6 +8,7 @@
 #include "model/scene_builder.hpp"
 
 // Statics: equilibria, their stability and forces, and how they change with a number of the scene
+#include "statics/all_equilibria.hpp"
 #include "statics/mobility.hpp"
 #include "statics/named_equilibrium.hpp"
 #include "statics/path_measures.hpp"

@@ -30,6 +30,7 @@ if(POISE_BUILD_APP OR POISE_BUILD_BENCHMARKS)
 endif()
 if(POISE_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)                                                 # apt: libgtest-dev
+  # Looked for when tests run, which skip what it checks without it.                 # apt oracles: phcpack
 endif()
 if(POISE_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 REQUIRED)                                              # apt: libbenchmark-dev

@@ -1,8 +1,10 @@
 #!/bin/sh
 # Installs the Debian packages that Poise needs and that are missing; changes nothing if none is missing.
-#   cmake/setup.sh         what building, testing and benchmarking need
-#   cmake/setup.sh lint    what `make lint` and `make format` need
-# The packages are those named in cmake/dependencies.cmake after "# apt:" or "# apt lint:".
+#   cmake/setup.sh             what building, testing and benchmarking need
+#   cmake/setup.sh lint        what `make lint` and `make format` need
+#   cmake/setup.sh baselines   programs that benchmarks compare Poise with, where they are installed
+#   cmake/setup.sh oracles     programs that tests check Poise against, where they are installed
+# The packages are those named in cmake/dependencies.cmake after "# apt:", "# apt lint:" and so on.
 set -eu
 
 purpose=${1:+ $1}

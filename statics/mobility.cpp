@@ -12,6 +12,7 @@
 #include "solvers/newton.hpp"
 #include "statics/closure_rounding.hpp"
 #include "statics/equilibrium_problem.hpp"
+#include "statics/held_rows.hpp"
 #include "statics/sparse_least_squares.hpp"
 
 namespace poise {
@@ -49,7 +50,7 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
   std::string held;
   for (int s = 0; s < m.stops(); ++s) {
     const double g = c[m.stop_row(s)];
-    const double beyond = std::max({0.0, g - m.upper()[s], m.lower()[s] - g});
+    const double beyond = passed_by(m, s, c);
     if (g > m.upper()[s] - 1e-6 || g < m.lower()[s] + 1e-6) {
       held += fmt::format("{} stop \"{}\"", held.empty() ? " while held by" : " and", scene.stops[s].name);
     }

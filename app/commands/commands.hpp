@@ -13,6 +13,11 @@ Command check_command();
 /// `poise solve SCENE`: an equilibrium, by one method.
 Command solve_command();
 
+/// `poise equilibria SCENE`: all equilibria, or with --assemblies all ways to close the loops, and what is known of the
+/// set; exit code solved where it is proved to be complete, or where some were found and no proof was asked for
+/// (--seconds 0). Ctrl-C keeps what was found.
+Command equilibria_command();
+
 /// `poise path SCENE --vary load.P=0..5`: the curve of equilibria as one number of the scene changes, with its folds,
 /// branch points, stops and snaps; exit code solved where the curve was followed to its ends and every point is proved.
 /// Ctrl-C keeps the curve followed so far.

@@ -301,6 +301,15 @@ torque = 1
 position = { block = [0, 0.45] }
 )";
 
+TEST(JsonDocs, Equilibria) {
+  check_section("equilibria",
+                {{{"equilibria", scene("von_mises_toggle"), "--starts", "100"}, with_csv},
+                 {{"equilibria", scene("hard/balanced_arm"), "--starts", "20"}},
+                 {{"equilibria", scene("hard/rhombus")}},
+                 {{"equilibria", scene("hard/flat_sprung_parallelogram")}},
+                 {{"equilibria", scene("four_bar_gravity"), "--assemblies", "--drive", "crank=1", "--starts", "20"}}});
+}
+
 TEST(JsonDocs, Path) {
   const TempFolder folder;
   check_section("path",

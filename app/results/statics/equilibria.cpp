@@ -1,0 +1,186 @@
+#include "app/results/statics/equilibria.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
+#include "app/results/statics/solve.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr std::size_t most_coordinates_shown = 8;  // as text
+
+Tone tone_of_claim(Claim claim) { return claim == Claim::complete ? Tone::good : Tone::doubtful; }
+
+/// With a capital and a full stop.
+std::string sentence_of(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text + ".";
+}
+
+/// "no. 3", as the table counts them.
+std::string number_of(int index) { return std::to_string(index + 1); }
+
+double energy_of(const StaticModel& model, const Answer& answer) {
+  return in_unit(or_gap(answer.equilibrium.energy), Quantity::energy, model.scene().units);
+}
+
+void add_coordinate_columns(Table& table, const StaticModel& model, const std::vector<Answer>& answers) {
+  std::vector<std::vector<double>> shown;
+  for (const Answer& answer : answers) shown.push_back(shown_coordinates(model, answer.equilibrium.x));
+  const auto number = static_cast<std::size_t>(model.mechanism().coordinates());
+  for (std::size_t i = 0; i < number; ++i) {
+    const Coordinate& coordinate = model.layout().coordinates[i];
+    const Quantity quantity = quantity_of(coordinate);
+    Column& column = add_column(table, model, coordinate.name, coordinate.name, quantity,
+                                each(shown, [&](const std::vector<double>& q) { return q[i]; }), coordinate_digits);
+    column.format.scale =
+        in_unit(quantity == Quantity::angle ? M_PI : model.scales().length, quantity, model.scene().units);
+    column.shown = i < most_coordinates_shown;
+  }
+  if (number > most_coordinates_shown) {
+    table.footnotes.push_back(
+        fmt::format("the first {} of {} coordinates; --csv and --json have all", most_coordinates_shown, number));
+  }
+}
+
+void add_table(Group& content, const StaticModel& model, const EquilibriumSet& set, const std::vector<Answer>& answers,
+               bool assemblies) {
+  Table& table = content.table("", assemblies ? "Assemblies" : "Equilibria", Rows::list);
+  table.csv = true;
+  table.shown = Table::Shown::first;
+  const std::vector<std::size_t> rows = places(answers.size());
+  table.numbers("index", "no.", "", each(rows, [](std::size_t k) { return static_cast<double>(k); })).texts =
+      each(rows, [](std::size_t k) { return number_of(static_cast<int>(k)); });
+  if (!assemblies) {
+    Column& energy = table.numbers("energy", "energy", unit_name(Quantity::energy, model.scene().units),
+                                   each(answers, [&](const Answer& a) { return energy_of(model, a); }),
+                                   format_of(model, Quantity::energy, coordinate_digits));
+    energy.shown = !model.mechanism().has_follower_loads();
+    table.words("stability", "stability", each(answers, [](const Answer& a) { return kind_of(a); })).tones =
+        each(answers, [](const Answer& a) { return tone_of(a.equilibrium.certificate.stability); });
+    table.counts("unstable_directions", "unstable directions",
+                 each(answers, [](const Answer& a) { return a.equilibrium.certificate.unstable_directions; }));
+  }
+  add_coordinate_columns(table, model, answers);
+  table.flags("settles_here",
+              each(rows, [&](std::size_t k) { return static_cast<int>(k) == set.settles_into ? 1.0 : 0.0; }));
+  table.remarks(each(rows, [&](std::size_t k) {
+    const Equilibrium& equilibrium = answers[k].equilibrium;
+    std::vector<std::string> remarks;
+    if (static_cast<int>(k) == set.settles_into) {
+      remarks.emplace_back(assemblies ? "the start closes this way" : "solve settles here");
+    }
+    if (!equilibrium.found()) remarks.push_back(in_few_words(equilibrium));
+    for (const int stop : equilibrium.certificate.active_stops) {
+      const Stop& held = model.scene().stops[static_cast<std::size_t>(stop)];
+      if (held.min < held.max) remarks.push_back(fmt::format("on stop \"{}\"", held.name));
+    }
+    return fmt::format("{}", fmt::join(remarks, ", "));
+  }));
+  if (!assemblies) table.footnotes.push_back(fmt::format("energy: {}", energy_note));
+}
+
+void add_barriers(Group& content, const StaticModel& model, const EquilibriumSet& set) {
+  using Barrier = EquilibriumSet::Barrier;
+  Table& table = content.table("barriers", "Lowest barriers between stable equilibria", Rows::list);
+  const auto add = [&](const char* key, const char* title, int Barrier::*which) {
+    table.counts(key, title, each(set.barriers, [&](const Barrier& b) { return b.*which; })).texts =
+        each(set.barriers, [&](const Barrier& b) { return number_of(b.*which); });
+  };
+  add("from", "from no.", &Barrier::from);
+  add("to", "to no.", &Barrier::to);
+  add("over", "over no.", &Barrier::over);
+  add_column(table, model, "energy", "energy", Quantity::energy, each(set.barriers, &Barrier::energy), force_digits);
+}
+
+void add_boxes(Group& content, const StaticModel& model, const EquilibriumSet& set, bool undecided) {
+  const std::vector<UndecidedBox>& boxes = undecided ? set.undecided : set.singular;
+  Branch& branch = content.array(undecided ? "undecided" : "singular");
+  for (const UndecidedBox& box : boxes) {
+    Group& one = branch.parts.emplace_back();
+    add_coordinate_data(one, "lower", model, box.lower);
+    add_coordinate_data(one, "upper", model, box.upper);
+    if (!undecided) continue;
+    one.data("neutral", box.neutral);
+    one.data("why", box.why);
+  }
+  if (boxes.empty()) return;
+  Table& table = content.table("", undecided ? "Undecided boxes" : "Boxes around singular poses", Rows::list);
+  if (undecided) {
+    table.words("", "kind", each(boxes, [](const UndecidedBox& box) -> std::string {
+                  return box.neutral ? "neutral: a curve of equilibria" : "undecided";
+                }));
+  }
+  const auto number = std::min(most_coordinates_shown, static_cast<std::size_t>(model.mechanism().coordinates()));
+  for (std::size_t i = 0; i < number; ++i) {
+    const Coordinate& coordinate = model.layout().coordinates[i];
+    const Quantity quantity = quantity_of(coordinate);
+    const auto end = [&](const std::vector<double>& x) {
+      return significant(in_unit(shown_coordinates(model, x)[i], quantity, model.scene().units), force_digits);
+    };
+    table.words("", fmt::format("{} ({})", coordinate.name, unit_name(quantity, model.scene().units)),
+                each(boxes, [&](const UndecidedBox& box) { return end(box.lower) + " to " + end(box.upper); }));
+  }
+  if (undecided) table.words("", "why", each(boxes, [](const UndecidedBox& box) { return box.why; }));
+}
+
+}  // namespace
+
+Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, const std::vector<Answer>& answers,
+                         const AllEquilibriaOptions& options, const std::vector<std::string>& settings) {
+  Result out = scene_result(model.scene(), settings);
+  out.verdict = {"", (set.interrupted ? "Interrupted: " + set.statement + "." : sentence_of(set.statement)),
+                 set.interrupted ? Tone::bad : tone_of_claim(set.claim)};
+  warn_of_friction(out, model.scene());
+  if (!set.settles_nowhere.empty()) {
+    out.warnings.push_back(
+        doubtful(fmt::format("From the start it settles in none of these: {}.", set.settles_nowhere)));
+  }
+  Group& content = out.content;
+  content.data("claim", to_string(set.claim));
+  content.data("statement", set.statement);
+  content.data("interrupted", set.interrupted);
+  content.data("assemblies", options.assemblies);
+  content.data("settles_into", set.settles_into >= 0 ? std::optional(set.settles_into) : std::nullopt);
+  content.data("settles_nowhere", set.settles_nowhere);
+  add_table(content, model, set, answers, options.assemblies);
+  Branch& equilibria = content.array("equilibria");
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    Group& one = equilibria.parts.emplace_back();
+    one.data("index", k);
+    add_answer_data(one, model, answers[k]);
+  }
+  add_barriers(content, model, set);
+  add_boxes(content, model, set, true);
+  add_boxes(content, model, set, false);
+  content.list("left_out", "Left out of statics", model.layout().dropped);
+  Group& numerics = content.group("", "Numerics");
+  numerics.data("starts", set.starts);
+  numerics.data("met_once", set.met_once);
+  numerics.data("seed", options.seed);
+  numerics.data("boxes", set.boxes);
+  numerics.data("decided", set.decided);
+  std::optional<double> angles_within = set.angles_within;
+  if (angles_within) angles_within = in_unit(*angles_within, Quantity::angle, model.scene().units);
+  numerics.data("angles_within", angles_within);
+  numerics.data("microseconds", set.microseconds);
+  if (set.boxes > 0) {
+    numerics.fact("proof",
+                  fmt::format("{} boxes examined, {:.4g} % of the volume decided", set.boxes, 100.0 * set.decided));
+  }
+  if (set.starts > 0) {
+    numerics.fact("search",
+                  fmt::format("{}, seed {}", count(set.starts, "random start", "random starts"), options.seed));
+  }
+  numerics.fact("time", duration(set.microseconds));
+  return out;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "statics/all_equilibria.hpp"
+#include "statics/answer.hpp"
+
+namespace poise::app {
+
+/// What `poise equilibria` shows: of each equilibrium its energy, stability and place, in which one the mechanism
+/// settles, and the barriers between them; all that `poise solve` says of each in JSON, the table in CSV, docs/json.md.
+/// `answers` are those of the set, in its order.
+Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, const std::vector<Answer>& answers,
+                         const AllEquilibriaOptions& options, const std::vector<std::string>& settings);
+
+}  // namespace poise::app

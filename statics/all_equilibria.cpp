@@ -1,0 +1,618 @@
+#include "statics/all_equilibria.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "solvers/newton.hpp"
+#include "solvers/parallel.hpp"
+#include "solvers/random_stream.hpp"
+#include "statics/enclosed_set.hpp"
+#include "statics/held_rows.hpp"
+#include "statics/index_sum.hpp"
+#include "statics/loop_turns.hpp"
+#include "statics/mobility.hpp"
+#include "statics/settle.hpp"
+#include "statics/turns.hpp"
+
+namespace poise {
+namespace {
+
+// Distances of coordinates, rad or mechanism sizes.
+constexpr double same_search = 1e-6;               // between ends of searches that count as one
+constexpr double same_place = 1e-9;                // between equilibria, besides what their proofs leave open
+constexpr double told_apart = 1e-8;                // equilibria that are nearer to each other may count as one
+constexpr std::size_t most_boxes_searched = 1000;  // undecided ones, for equilibria
+constexpr int assembly_searches = 24;              // for curves of poses, where turns of loops are told apart
+constexpr double same_energy = 1e-9;               // of the mechanism's energy: neutral equilibria of one curve
+
+using Clock = std::chrono::steady_clock;
+
+std::string number_of(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+// Random starts: the n-th is the same whatever others there are.
+class Sampler {
+ public:
+  Sampler(const StaticModel& model, const Turns& turns, const LoopTurns& loops, const AllEquilibriaOptions& options)
+      : model_(model), turns_(turns), loops_(loops), options_(options), start_(model.start()) {}
+
+  // Where the search from a start ended; empty where it found nothing.
+  std::vector<double> run(std::size_t start) const {
+    solvers::RandomStream random(options_.seed, 0, start);
+    const bool on_curve = loops_.known() && start % 2 == 0;
+    // Some minima are hard to meet by Newton's method alone.
+    return from(on_curve ? loops_.pose(random) : likely(start, random), start % 16 >= 12);
+  }
+
+  // The same from a pose, which need not be closed.
+  std::vector<double> from(const std::vector<double>& pose, bool descends) const {
+    solvers::NewtonOptions settings;
+    const bool has_energy = !options_.assemblies && !model_.mechanism().has_follower_loads();
+    settings.goal = descends && has_energy ? solvers::Goal::minimum : solvers::Goal::stationary;
+    settings.safeguards.restarts = settings.safeguards.load_stepping = false;
+    settings.interrupt = options_.interrupt;
+    solvers::Newton newton(model_.problem(), settings);
+    const solvers::NewtonResult& closed = newton.close(pose);
+    if (closed.outcome != solvers::Outcome::converged) return {};
+    if (options_.assemblies) return closed.x;
+    const std::vector<double> x = closed.x;
+    const solvers::NewtonResult& found = newton.solve(x);
+    return found.outcome == solvers::Outcome::converged ? found.x : std::vector<double>();
+  }
+
+ private:
+  // Where springs tell turns apart most poses are wound far beyond what loads can hold: the one of least energy of
+  // many, or one as it comes.
+  std::vector<double> likely(std::size_t start, solvers::RandomStream& random) const {
+    const bool winds = turns_.count() && !loops_.known() && start % 2 == 1;
+    const double reach = !winds ? M_PI : start % 4 == 1 ? 3.0 * M_PI : 6.0 * M_PI;
+    const int candidates = !winds ? 1 : start % 8 < 4 ? 1 : 24;
+    std::vector<double> out = place(reach, random);
+    for (int k = 1; k < candidates; ++k) {
+      std::vector<double> other = place(reach, random);
+      if (energy_at(model_, other).value_or(0.0) < energy_at(model_, out).value_or(0.0)) out = std::move(other);
+    }
+    return out;
+  }
+
+  // Travels within the mechanism's size of the start and of zero; angles all round, and where springs or stops tell
+  // turns apart within `reach` of the start and of zero.
+  std::vector<double> place(double reach, solvers::RandomStream& random) const {
+    std::vector<double> x = start_;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const auto coordinate = static_cast<int>(i);
+      const bool is_length = model_.layout().is_length(coordinate);
+      if (is_length || turns_.count(coordinate)) {
+        const double by = is_length ? model_.layout().size : reach;
+        x[i] = random.uniform(std::min(0.0, x[i]) - by, std::max(0.0, x[i]) + by);
+      } else {
+        x[i] += random.uniform(-M_PI, M_PI);
+      }
+    }
+    return x;
+  }
+
+  const StaticModel& model_;
+  const Turns& turns_;
+  const LoopTurns& loops_;
+  const AllEquilibriaOptions& options_;
+  std::vector<double> start_;
+};
+
+class Finder {
+ public:
+  Finder(const StaticModel& model, const AllEquilibriaOptions& options, const Enclosing& enclose)
+      : model_(model), options_(options), enclose_(enclose), turns_(model) {}
+
+  EquilibriumSet run() {
+    const auto begin = Clock::now();
+    start_ = options_.assemblies ? locked_start() : assemble(model_);
+    loops_.emplace(model_, turns_, start_);
+    if (options_.seconds > 0.0) prove();
+    if (!proof_.applies || !out_.undecided.empty()) sample();
+    const std::vector<Release> releases = settle_all();
+    contradicted_ = is_contradicted();
+    order(releases);
+    conclude();
+    out_.interrupted = is_interrupted() || proof_.interrupted;
+    out_.microseconds = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+    return std::move(out_);
+  }
+
+ private:
+  // An unstable equilibrium with one unstable direction, where its two sides settle (-1: nowhere), and the energies
+  // from there up to it, J.
+  struct Release {
+    int over = -1;
+    int ends[2] = {-1, -1};
+    double heights[2] = {};
+  };
+
+  bool is_interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
+
+  solvers::ParallelOptions parallel() const { return {.jobs = options_.jobs, .interrupt = options_.interrupt}; }
+
+  // The closed start of a mechanism that cannot move.
+  std::vector<double> locked_start() const {
+    const Mechanism<double>& m = model_.mechanism();
+    if (m.coordinates() == 0) {
+      throw InputError(where(model_) + "nothing can move; expected loops that can be closed in several ways");
+    }
+    const Mobility mobility = analyse_mobility(model_);
+    expect_closed(model_, mobility);
+    if (const int freedoms = freedoms_of(model_, mobility.x); freedoms > 0) {
+      throw InputError(fmt::format(
+          "{}{} left; expected none where assemblies are sought: drive or hold the mechanism", where(model_),
+          number_of(static_cast<std::size_t>(freedoms), "degree of freedom is", "degrees of freedom are")));
+    }
+    return mobility.x;
+  }
+
+  // --- places ----------------------------------------------------------------------------------------------
+
+  // The curves of poses of a mechanism with one freedom, in all assembly modes that random poses lead to.
+  void find_curves() {
+    solvers::Newton closing(model_.problem());
+    for (int k = 0; k < assembly_searches && !options_.assemblies && !is_interrupted(); ++k) {
+      const auto x = random_closed_pose(closing, start_, M_PI,
+                                        solvers::RandomStream(options_.seed, 1, static_cast<std::uint64_t>(k)));
+      if (x) loops_->add(*x);
+    }
+  }
+
+  // Takes over what is proved; a place whose equilibrium has no certificate remains undecided.
+  void prove() {
+    // An assembly mode that is met first here has turns of its own, which the boxes did not cover.
+    AllEquilibriaOptions left = options_;
+    for (bool more = true; more;) {
+      const auto begin = std::chrono::steady_clock::now();
+      proof_ = enclose_(model_, *loops_, left);
+      const std::size_t before = loops_->curves();
+      if (loops_->known()) {
+        for (const std::vector<double>& x : proof_.found) loops_->add(x);
+      }
+      left.seconds -= std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      more = proof_.applies && !proof_.interrupted && loops_->curves() > before;
+    }
+    out_.singular = std::move(proof_.singular);
+    out_.decided = proof_.decided;
+    out_.boxes = proof_.boxes;
+    if (!proof_.applies) {
+      // What an unfinished proof has found is there all the same.
+      out_.undecided = std::move(proof_.undecided);
+      for (const std::vector<double>& x : proof_.found) {
+        if (loops_->reaches(x)) add(examine_at(x));
+      }
+      by_proof_ = !out_.equilibria.empty();
+      return;
+    }
+    out_.angles_within = proof_.reach;
+    for (const std::vector<double>& x : proof_.found) {
+      if (!loops_->reaches(x)) {
+        unreached_ = true;
+        continue;
+      }
+      Equilibrium equilibrium = examine(turns_.reduced(x));
+      const bool is_there = turns_.distance(equilibrium.x, x) <= same_search;
+      const std::string why = equilibrium.found() ? "the search from there left it" : equilibrium.certificate.statement;
+      if (!is_there || add(std::move(equilibrium)) < 0) {
+        out_.undecided.push_back({x, x, false, "one equilibrium, of which nothing more is proved: " + why});
+      }
+    }
+    for (std::size_t k = 0; k < proof_.undecided.size(); ++k) {
+      UndecidedBox& box = proof_.undecided[k];
+      if (k < most_boxes_searched && is_one_place(box)) {
+        ++close_;
+      } else {
+        out_.undecided.push_back(std::move(box));
+      }
+    }
+    enclosed_ = out_.equilibria.size();
+  }
+
+  // Adds the equilibrium in the box that a search from its middle leads to. Whether that is all that can be told of
+  // it: equilibria at the limit of a stop or spring, folds and the like are in boxes that no proof makes any smaller.
+  bool is_one_place(UndecidedBox& box) {
+    std::vector<double> middle = box.lower;
+    double widest = 0.0;
+    for (std::size_t i = 0; i < middle.size(); ++i) {
+      middle[i] += 0.5 * (box.upper[i] - box.lower[i]);
+      widest = std::max(widest, box.upper[i] - box.lower[i]);
+    }
+    Equilibrium equilibrium = examine(turns_.reduced(middle));
+    const bool is_confirmed = equilibrium.certificate.confirmed() && !is_neutral(equilibrium.certificate);
+    if (is_neutral(equilibrium.certificate) && is_in(box, equilibrium.x)) {
+      box.neutral = true;
+      box.why = neutral_curve;
+    }
+    return is_in(box, equilibrium.x) && add(std::move(equilibrium)) >= 0 && is_confirmed && widest < told_apart;
+  }
+
+  // Whether some full turns bring x into the box.
+  bool is_in(const UndecidedBox& box, const std::vector<double>& x) const {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double half = 0.5 * (box.upper[i] - box.lower[i]);
+      double apart = x[i] - (box.lower[i] + half);
+      if (!model_.layout().is_length(static_cast<int>(i))) apart = std::remainder(apart, 2.0 * M_PI);
+      if (!(std::abs(apart) <= half + same_search)) return false;
+    }
+    return true;
+  }
+
+  // Whether an equilibrium was found where the proof leaves none.
+  bool is_contradicted() const {
+    if (!proof_.applies) return false;
+    return std::any_of(out_.equilibria.begin() + static_cast<std::ptrdiff_t>(enclosed_), out_.equilibria.end(),
+                       [&](const Equilibrium& equilibrium) {
+                         const auto holds_it = [&](const UndecidedBox& box) { return is_in(box, equilibrium.x); };
+                         return is_within_reach(equilibrium.x) &&
+                                std::none_of(out_.undecided.begin(), out_.undecided.end(), holds_it) &&
+                                std::none_of(out_.singular.begin(), out_.singular.end(), holds_it);
+                       });
+  }
+
+  // Whether the proof speaks of it: not after more rounds of its loops, for example.
+  bool is_within_reach(const std::vector<double>& x) const {
+    if (!loops_->reaches(x)) return false;
+    for (std::size_t i = 0; proof_.reach && i < x.size(); ++i) {
+      if (turns_.count(static_cast<int>(i)) && std::abs(x[i] - start_[i]) > *proof_.reach) return false;
+    }
+    return true;
+  }
+
+  void sample() {
+    if (loops_->is_followed() && options_.starts > 0) {
+      loops_->add(start_);
+      find_curves();
+    }
+    const Sampler sampler(model_, turns_, *loops_, options_);
+    std::vector<std::vector<double>> ends(static_cast<std::size_t>(std::max(0, options_.starts)));
+    solvers::ParallelOptions settings = parallel();
+    if (options_.searched) settings.progress = [&](std::size_t done) { options_.searched(static_cast<int>(done)); };
+    out_.starts = static_cast<int>(
+        solvers::parallel_for(ends.size(), settings, [&](std::size_t k) { ends[k] = sampler.run(k); }));
+    const std::size_t by_chance = ends.size();
+    if (loops_->known()) {
+      for (const std::vector<double>& end : ends) {
+        if (!end.empty()) loops_->add(end);
+      }
+    }
+    if (options_.starts > 0) {
+      for (const std::vector<double>& x : loops_->changes_of_force()) ends.push_back(sampler.from(x, false));
+    }
+    add_all(ends, by_chance);
+  }
+
+  // Certifies the places, each once, and adds those that are new. Empty ones are left out. The first `by_chance` are
+  // ends of random starts.
+  void add_all(const std::vector<std::vector<double>>& ends, std::size_t by_chance) {
+    std::vector<std::vector<double>> places;
+    std::vector<int> hits;
+    for (std::size_t e = 0; e < ends.size(); ++e) {
+      const std::vector<double>& end = ends[e];
+      if (end.empty() || !loops_->reaches(end)) continue;
+      auto known = static_cast<std::size_t>(
+          std::find_if(places.begin(), places.end(),
+                       [&](const std::vector<double>& place) { return turns_.distance(place, end) <= same_search; }) -
+          places.begin());
+      if (known == places.size()) {
+        places.push_back(turns_.reduced(end));
+        hits.push_back(0);
+      }
+      // What a search along a curve meets is not met once by chance.
+      hits[known] += e < by_chance ? 1 : 2;
+    }
+    // After an interrupt too: what was found is kept.
+    std::vector<Equilibrium> found(places.size());
+    solvers::parallel_for(places.size(), {.jobs = options_.jobs},
+                          [&](std::size_t k) { found[k] = examine(places[k]); });
+    std::vector<int> met;  // of each equilibrium, the starts that led to it
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const int place = add(std::move(found[k]));
+      met.resize(out_.equilibria.size(), 0);
+      (place < 0 ? unproved_ : met[static_cast<std::size_t>(place)]) += hits[k];
+    }
+    out_.met_once = static_cast<int>(std::count(met.begin(), met.end(), 1));
+  }
+
+  // The equilibrium at x, certified.
+  Equilibrium examine(const std::vector<double>& x) const {
+    SolveOptions solving;
+    solving.seek = Seek::any;
+    solving.certificate = options_.certificate;
+    solving.safeguards.restarts = solving.safeguards.load_stepping = false;
+    return solve(model_, x, solving);
+  }
+
+  // The same; none where the search from x leaves it, as it can near singular poses.
+  Equilibrium examine_at(const std::vector<double>& x) const {
+    Equilibrium out = examine(turns_.reduced(x));
+    return turns_.distance(out.x, x) <= same_search ? out : Equilibrium();
+  }
+
+  // The place of the equilibrium among those found, which it joins if it is new; -1 of what is none.
+  int add(Equilibrium equilibrium) {
+    if (!equilibrium.found() && equilibrium.status != Status::checked) return -1;
+    for (std::size_t k = 0; k < out_.equilibria.size(); ++k) {
+      if (is_same(out_.equilibria[k], equilibrium)) return static_cast<int>(k);
+    }
+    out_.equilibria.push_back(std::move(equilibrium));
+    return static_cast<int>(out_.equilibria.size()) - 1;
+  }
+
+  bool is_same(const Equilibrium& a, const Equilibrium& b) const {
+    const Certificate &p = a.certificate, &q = b.certificate;
+    if (turns_.distance(a.x, b.x) <= std::max(same_place, p.radius + q.radius)) return true;
+    // Of a curve or more of them the coordinates that are called arbitrary differ from place to place, and the stops.
+    if (!is_neutral(p) || !is_neutral(q)) return false;
+    const double apart = std::abs(a.energy.value_or(0.0) - b.energy.value_or(0.0));
+    return p.neutral_directions == q.neutral_directions && p.unstable_directions == q.unstable_directions &&
+           apart <= same_energy * model_.scales().energy();
+  }
+
+  static bool is_neutral(const Certificate& certificate) {
+    return certificate.outcome == Outcome::neutral || certificate.stability == Stability::neutral;
+  }
+
+  // --- settling --------------------------------------------------------------------------------------------
+
+  std::vector<Release> settle_all() {
+    std::vector<Release> out;
+    if (options_.assemblies) {
+      out_.settles_into = add(examine(turns_.reduced(start_)));
+      if (out_.settles_into < 0) out_.settles_nowhere = "nothing is proved of the way in which the start closes";
+      return out;
+    }
+    if (is_interrupted()) return out;
+    if (!options_.settling) return out;
+    settle_start();
+    if (!model_.mechanism().has_follower_loads()) out = release_all();
+    return out;
+  }
+
+  void settle_start() {
+    SolveOptions solving;
+    solving.certificate = options_.certificate;
+    solving.interrupt = options_.interrupt;
+    const Equilibrium settled = solve(model_, start_, solving);
+    if (settled.found()) {
+      out_.settles_into = add(examine_at(settled.x));
+    } else {
+      out_.settles_nowhere = settled.why;
+    }
+  }
+
+  std::vector<Release> release_all() {
+    std::vector<Release> out;
+    for (std::size_t k = 0; k < out_.equilibria.size(); ++k) {
+      const Certificate& certificate = out_.equilibria[k].certificate;
+      if (certificate.stability == Stability::unstable && certificate.unstable_directions == 1) {
+        out.push_back({.over = static_cast<int>(k)});
+      }
+    }
+    struct Side {
+      std::optional<Equilibrium> end;
+      double height = 0.0;
+    };
+    std::vector<std::vector<Side>> sides(out.size());
+    solvers::parallel_for(out.size(), parallel(), [&](std::size_t k) {
+      const std::vector<double>& top = out_.equilibria[static_cast<std::size_t>(out[k].over)].x;
+      const Settling settling = settle(model_, top, {.interrupt = options_.interrupt});
+      if (settling.end != Settling::End::start_unstable) return;
+      for (const Settling::Side& side : settling.sides) {
+        Side& one = sides[k].emplace_back();
+        if (side.end != Settling::End::settled) continue;
+        // Before the angles are turned back: a torque's energy counts turns.
+        one.height = energy_at(model_, top).value_or(0.0) - energy_at(model_, side.x).value_or(0.0);
+        one.end = examine_at(side.x);
+      }
+    });
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      for (std::size_t s = 0; s < std::min<std::size_t>(2, sides[k].size()); ++s) {
+        if (!sides[k][s].end) continue;
+        out[k].ends[s] = add(std::move(*sides[k][s].end));
+        out[k].heights[s] = sides[k][s].height;
+      }
+    }
+    return out;
+  }
+
+  // --- the answer ------------------------------------------------------------------------------------------
+
+  // By energy, those of one energy by their coordinates, and the indices with them.
+  void order(const std::vector<Release>& releases) {
+    std::vector<Equilibrium>& all = out_.equilibria;
+    const auto rank = [&](int k) {
+      const std::optional<double>& energy = all[static_cast<std::size_t>(k)].energy;
+      return std::llround(energy.value_or(0.0) / (same_energy * model_.scales().energy()));
+    };
+    std::vector<int> old(all.size());
+    std::iota(old.begin(), old.end(), 0);
+    std::sort(old.begin(), old.end(), [&](int a, int b) {
+      const auto rank_a = rank(a), rank_b = rank(b);
+      return rank_a != rank_b ? rank_a < rank_b
+                              : all[static_cast<std::size_t>(a)].x < all[static_cast<std::size_t>(b)].x;
+    });
+    std::vector<Equilibrium> ordered;
+    std::vector<int> place(all.size());
+    for (const int k : old) {
+      place[static_cast<std::size_t>(k)] = static_cast<int>(ordered.size());
+      ordered.push_back(std::move(all[static_cast<std::size_t>(k)]));
+    }
+    all = std::move(ordered);
+    const auto now = [&](int k) { return k < 0 ? -1 : place[static_cast<std::size_t>(k)]; };
+    out_.settles_into = now(out_.settles_into);
+    for (const Release& release : releases) {
+      const int ends[] = {now(release.ends[0]), now(release.ends[1])};
+      if (ends[0] < 0 || ends[1] < 0 || ends[0] == ends[1]) continue;
+      for (const int s : {0, 1}) keep_lowest({ends[s], ends[1 - s], now(release.over), release.heights[s]});
+    }
+    std::sort(out_.barriers.begin(), out_.barriers.end(),
+              [](const auto& a, const auto& b) { return std::pair(a.from, a.to) < std::pair(b.from, b.to); });
+  }
+
+  void keep_lowest(const EquilibriumSet::Barrier& barrier) {
+    const auto known = std::find_if(out_.barriers.begin(), out_.barriers.end(), [&](const EquilibriumSet::Barrier& b) {
+      return b.from == barrier.from && b.to == barrier.to;
+    });
+    if (known == out_.barriers.end()) {
+      out_.barriers.push_back(barrier);
+    } else if (barrier.energy < known->energy) {
+      *known = barrier;
+    }
+  }
+
+  void conclude() {
+    const bool is_proved = proof_.applies && !contradicted_;
+    out_.claim = !is_proved ? Claim::sampled : out_.undecided.empty() ? Claim::complete : Claim::incomplete;
+    switch (out_.claim) {
+      case Claim::complete:
+        out_.statement =
+            fmt::format("{}, complete, proved{}{}{}{}{}", number(), within(), close(), unreached(), turns(), neutral());
+        break;
+      case Claim::incomplete:
+        out_.statement = fmt::format("{}, complete but for {}, {:.3g} % of the volume{}{}{}{}{}{}", number(),
+                                     number_of(out_.undecided.size(), "undecided box", "undecided boxes"),
+                                     100.0 * std::max(0.0, 1.0 - out_.decided), within(), close(), missing(),
+                                     unreached(), turns(), neutral());
+        break;
+      case Claim::sampled:
+        out_.statement =
+            fmt::format("{} found {}from {}{}, not proved to be all, because {}{}{}{}{}{}", number(),
+                        by_proof_ ? "by an unfinished proof and " : "",
+                        number_of(static_cast<std::size_t>(out_.starts), "start", "starts"), along_curves(),
+                        why_sampled(), met_once(), missing(), turns(), neutral(), unproved());
+    }
+  }
+
+  std::string along_curves() const {
+    if (out_.starts == 0 || !loops_->is_followed()) return "";
+    return " and along " + number_of(loops_->curves(), "curve of poses", "curves of poses");
+  }
+
+  std::string number() const {
+    return number_of(out_.equilibria.size(), options_.assemblies ? "assembly" : "equilibrium",
+                     options_.assemblies ? "assemblies" : "equilibria");
+  }
+
+  std::string why_sampled() const {
+    if (contradicted_) return "one of them lies where a proof leaves none: an error of Poise, please report it";
+    return options_.seconds > 0.0 && !proof_.why_not.empty() ? proof_.why_not : "random starts can miss some";
+  }
+
+  std::string within() const {
+    std::string out = proof_.within.empty() ? "" : ", " + proof_.within;
+    if (!out_.singular.empty()) {
+      out += fmt::format("; any in {} would need joint forces above {:g} times the loads, and are left out",
+                         number_of(out_.singular.size(), "singular pose", "singular poses"),
+                         EquilibriumSet::largest_joint_force);
+    }
+    return out;
+  }
+
+  // Where some may be too close to each other to be told apart.
+  std::string close() const {
+    return close_ == 0 ? "" : fmt::format("; of those nearer to each other than {:g} one is given", told_apart);
+  }
+
+  std::string unreached() const {
+    if (!unreached_) return "";
+    return "; those with turns that no motion makes are left out (motion followed in double precision)";
+  }
+
+  std::string met_once() const {
+    if (out_.met_once == 0) return "";
+    return fmt::format("; {} met by one start only, and more starts may well find more",
+                       number_of(static_cast<std::size_t>(out_.met_once), "was", "were"));
+  }
+
+  // That the indices of those found do not add up to their known sum.
+  std::string missing() const {
+    const std::optional<long> expected = index_sum(model_);
+    long sum = 0;
+    for (const Equilibrium& equilibrium : out_.equilibria) {
+      if (equilibrium.certificate.outcome != Outcome::proved) return "";
+      sum += equilibrium.certificate.unstable_directions % 2 == 0 ? 1 : -1;
+    }
+    if (!expected || sum == *expected) return "";
+    return fmt::format(
+        "; at least one is missing: those with an even number of unstable directions less those with an "
+        "odd one are {}, and of all they are {}",
+        sum, *expected);
+  }
+
+  std::string turns() const {
+    return loops_->matter() && !loops_->known()
+               ? "; some may have turns of their loops to which no motion leads from the start"
+               : "";
+  }
+
+  std::string neutral() const {
+    const bool any = std::any_of(out_.equilibria.begin(), out_.equilibria.end(),
+                                 [](const Equilibrium& equilibrium) { return is_neutral(equilibrium.certificate); });
+    return any ? "; of neutral ones with the same energy one is given" : "";
+  }
+
+  std::string unproved() const {
+    if (unproved_ == 0) return "";
+    return fmt::format("; {} ended where no equilibrium is proved",
+                       number_of(static_cast<std::size_t>(unproved_), "search", "searches"));
+  }
+
+  const StaticModel& model_;
+  const AllEquilibriaOptions& options_;
+  const Enclosing& enclose_;
+  Turns turns_;
+  std::optional<LoopTurns> loops_;
+  std::vector<double> start_;
+  EnclosedSet proof_;
+  EquilibriumSet out_;
+  std::size_t enclosed_ = 0;  // equilibria that the proof led to
+  bool contradicted_ = false;
+  int close_ = 0;           // boxes that hold an equilibrium, and perhaps others next to it
+  bool by_proof_ = false;   // whether a proof that was not finished found some
+  bool unreached_ = false;  // whether the proof found some that motion does not reach
+  int unproved_ = 0;        // searches
+};
+
+}  // namespace
+
+std::string to_string(Claim claim) {
+  switch (claim) {
+    case Claim::complete:
+      return "complete";
+    case Claim::incomplete:
+      return "incomplete";
+    case Claim::sampled:
+      return "sampled";
+  }
+  return "unknown";
+}
+
+Scene positions_alone(Scene scene) {
+  scene.gravity = {};
+  scene.elements.clear();
+  scene.forces.clear();
+  scene.torques.clear();
+  return scene;
+}
+
+EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptions& options) {
+  return all_equilibria(model, options, enclose_equilibria);
+}
+
+EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptions& options, const Enclosing& enclose) {
+  return Finder(model, options, enclose).run();
+}
+
+}  // namespace poise

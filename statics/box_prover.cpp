@@ -1,0 +1,1158 @@
+#include "statics/box_prover.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "statics/all_equilibria.hpp"
+#include "statics/interval_mechanism.hpp"
+
+namespace poise {
+
+namespace {
+
+constexpr int most_sweeps = 4;
+constexpr double little = 0.05;        // a sweep that narrows no interval by this share is the last one
+constexpr double narrow_enough = 0.7;  // rad or sizes: widest box to which Newton's operator is applied
+constexpr double too_wide_for_rows = 2.0;
+constexpr double open_gap = 1e-9;     // mechanism sizes: what rounding leaves open of loops that others close
+constexpr double small_pivot = 0.01;  // below, the rows that remain are taken for dependent
+constexpr double wide = 0.2;  // rad or sizes: pairs of a loop are solved together, and driving coordinates halved
+constexpr double much_narrower = 0.1;
+constexpr double much_narrower_by_steps = 1e-4;  // each step of shooting may widen several times
+
+Interval squared_norm(const Planar<Interval>& a) { return square(a.x) + square(a.y); }
+
+// sum += factor a.
+void add_product(Interval& sum, double factor, const Interval& a) {
+  if (factor >= 0)
+    sum = Interval::from(sum.minus_lower() + factor * a.minus_lower(), sum.upper() + factor * a.upper());
+  else
+    sum = Interval::from(sum.minus_lower() + -factor * a.upper(), sum.upper() + -factor * a.minus_lower());
+}
+
+// Narrows coordinates x_p of the box by  0 = sum + sum_p by_p (x_p - x'_p).  False if that has no solution.
+bool meet_zero(const Interval& sum, const std::vector<Interval>& by, const std::vector<int>& columns,
+               const CoordinateBox& thin, CoordinateBox& box) {
+  for (std::size_t p = 0; p < columns.size(); ++p) {
+    Interval rest = sum;
+    for (std::size_t other = 0; other < columns.size(); ++other) {
+      if (other != p) rest += by[other] * (box[columns[other]] - thin[columns[other]]);
+    }
+    const int own = columns[p];
+    if (by[p].excludes_zero()) {
+      if (!box[own].meet(thin[own] - rest / by[p])) return false;
+    } else {
+      rest += by[p] * (box[own] - thin[own]);
+      if (rest.excludes_zero()) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+double widest(const CoordinateBox& box) {
+  double most = 0.0;
+  for (const Interval& x : box) most = std::max(most, x.width());
+  return most;
+}
+
+void BoxProver::Verdict::cut(CoordinateBox& lower, CoordinateBox& upper) const {
+  lower[split] = Interval(lower[split].lower(), split_at);
+  upper[split] = Interval(split_at, upper[split].upper());
+}
+
+BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated)
+    : plain_(model.mechanism()),
+      mechanism_([&] {
+        const solvers::RoundingUp up;
+        return Mechanism<Interval>(model.scaled_scene(), model.layout(), Purpose::statics);
+      }()),
+      stops_(std::move(stops)),
+      equation_(plain_.constraints(), -1),
+      n_(plain_.coordinates()),
+      angles_(model.layout().angles) {
+  const solvers::RoundingUp up;
+  for (int r = 0; r < plain_.equalities(); ++r) {
+    rows_.push_back(r);
+    bounds_.push_back(0.0);
+  }
+  for (int s = 0; s < plain_.stops(); ++s) {
+    if (stops_[s] == StopState::inactive) continue;
+    rows_.push_back(plain_.stop_row(s));
+    bounds_.push_back(stops_[s] == StopState::at_lower ? plain_.lower()[s] : plain_.upper()[s]);
+  }
+  m_ = static_cast<int>(rows_.size()) - repeated;
+  for (std::size_t k = 0; k < rows_.size(); ++k) equation_[rows_[k]] = static_cast<int>(k);
+  for (const ConstraintBlock& block : plain_.blocks()) {
+    std::vector<Arm> arms = model.layout().closures[block.closure].arms;
+    std::stable_sort(arms.begin(), arms.end(), [](const Arm& l, const Arm& r) { return l.coordinate < r.coordinate; });
+    const PhasorSum<Interval> gap(mechanism_.phasors(), arms);
+    Loop loop{Group{-1, gap.constant()}};
+    if (repeated > 0)
+      loop.front().constant += Planar<Interval>{Interval(-open_gap, open_gap), Interval(-open_gap, open_gap)};
+    for (const auto& term : gap.terms()) {
+      const bool is_angle = term.coordinate < angles_;
+      const int frame = is_angle ? term.coordinate : mechanism_.phasors().frame(term.coordinate);
+      auto group = std::find_if(loop.begin(), loop.end(), [&](const Group& g) { return g.angle == frame; });
+      if (group == loop.end()) group = loop.insert(loop.end(), Group{frame});
+      if (is_angle)
+        group->constant += term.coefficient;
+      else
+        group->lengths.push_back({term.coordinate, term.coefficient});
+    }
+    loops_.push_back(std::move(loop));
+  }
+  is_free_.assign(n_, 1);
+  for (std::size_t e = 0; e < plain_.jacobian_row().size(); ++e) {
+    if (equation_[plain_.jacobian_row()[e]] >= 0) is_free_[plain_.jacobian_column()[e]] = 0;
+  }
+  unit_.resize(angles_);
+  pose_.resize(mechanism_.pose_size());
+  jacobian_.resize(plain_.jacobian_row().size());
+  constraint_.resize(plain_.constraints());
+  force_.resize(n_);
+  tangent_.resize(plain_.tangent_row().size());
+  multipliers_.resize(plain_.constraints());
+  dense_.resize(rows_.size() * static_cast<std::size_t>(n_));
+  drives_ = driving();
+}
+
+// Coordinates that all others follow from, two from each loop, and one from each equation of balance of a coordinate
+// that is in no closure. Each is the one that the most follow from.
+std::vector<char> BoxProver::driving() {
+  struct Equation {
+    std::vector<int> members;
+    int row;                             // of balance, or -1 of a loop
+    int gives;                           // so many members follow from the others
+    std::vector<std::size_t> entries{};  // of the stiffness
+  };
+  std::vector<Equation> equations;
+  for (const Loop& loop : loops_) {
+    std::vector<int>& of_loop = equations.emplace_back(Equation{{}, -1, 2}).members;
+    for (const Group& group : loop) {
+      if (group.angle >= 0) of_loop.push_back(group.angle);
+      for (const Group::Along& along : group.lengths) of_loop.push_back(along.length);
+    }
+  }
+  for (int i = 0; i < n_; ++i) {
+    if (is_free_[i] == 0) continue;
+    Equation& of_row = equations.emplace_back(Equation{{}, i, 1});
+    for (std::size_t e = 0; e < tangent_.size(); ++e) {
+      const int row = plain_.tangent_row()[e];
+      const int column = plain_.tangent_column()[e];
+      if (row != i && (column != i || plain_.has_follower_loads())) continue;
+      of_row.members.push_back(row == i ? column : row);
+      of_row.entries.push_back(e);
+    }
+  }
+  struct Known {
+    std::vector<char> is;
+    std::vector<Step> steps;
+  };
+  const auto follow = [&](Known known, int driver) {
+    if (driver >= 0) known.is[driver] = 1;
+    for (bool more = true; more;) {
+      more = false;
+      for (const Equation& equation : equations) {
+        const auto is_open = [&](int i) { return known.is[i] == 0; };
+        const auto open = std::count_if(equation.members.begin(), equation.members.end(), is_open);
+        if (open == 0 || open > equation.gives) continue;
+        if (equation.row >= 0) {
+          const auto next = std::find_if(equation.members.begin(), equation.members.end(), is_open);
+          known.steps.push_back({equation.row, *next, equation.entries[next - equation.members.begin()]});
+        }
+        for (const int i : equation.members) known.is[i] = 1;
+        more = true;
+      }
+    }
+    return known;
+  };
+  const auto number_of = [](const Known& known) { return std::count(known.is.begin(), known.is.end(), 1); };
+  std::vector<char> out(n_, 0);
+  Known known = follow({out, {}}, -1);
+  while (number_of(known) < n_) {
+    Known most = known;
+    int driver = -1;
+    for (int i = 0; i < n_; ++i) {
+      if (known.is[i] != 0) continue;
+      Known next = follow(known, i);
+      if (driver >= 0 && number_of(next) <= number_of(most)) continue;
+      most = std::move(next);
+      driver = i;
+    }
+    out[driver] = 1;
+    known = std::move(most);
+  }
+  steps_ = std::move(known.steps);
+  for (int i = 0; i < n_; ++i) {
+    const bool is_given = std::any_of(steps_.begin(), steps_.end(), [&](const Step& step) { return step.gives == i; });
+    if (!is_given) parameters_.push_back(i);
+    const bool is_step = std::any_of(steps_.begin(), steps_.end(), [&](const Step& step) { return step.row == i; });
+    if (is_free_[i] != 0 && !is_step) open_rows_.push_back(i);
+  }
+  return out;
+}
+
+// --- closures -------------------------------------------------------------------------------------------------------
+
+Planar<Interval> BoxProver::arm(const Group& group, const CoordinateBox& box) const {
+  Planar<Interval> sum = group.constant;
+  for (const Group::Along& along : group.lengths) sum += box[along.length] * along.direction;
+  return sum;
+}
+
+Planar<Interval> BoxProver::term(const Group& group, const CoordinateBox& box) const {
+  const Planar<Interval> sum = arm(group, box);
+  return group.angle < 0 ? sum : sum * unit_[group.angle];
+}
+
+void BoxProver::turn(int angle, const CoordinateBox& box) { unit_[angle] = unit(box[angle]); }
+
+// Of an angle at all turns that the box has.
+bool BoxProver::narrow(CoordinateBox& box, int coordinate, const Interval& to) {
+  Interval& x = box[coordinate];
+  if (coordinate >= angles_) return x.meet(to);
+  if (!(to.width() < 6.0)) return true;
+  const double first = std::floor((x.lower() - to.upper()) / solvers::full_turn.upper()) - 1;
+  const double last = std::floor((x.upper() - to.lower()) / solvers::full_turn.upper()) + 2;
+  Interval all;
+  bool any = false;
+  for (double k = first; k <= last; k += 1) {
+    Interval part = x;
+    if (!part.meet(to + Interval(k) * solvers::full_turn)) continue;
+    if (any && part.lower() - all.upper() > gap_.to - gap_.from) gap_ = {coordinate, all.upper(), part.lower()};
+    all = any ? hull(all, part) : part;
+    any = true;
+  }
+  if (!any) return false;
+  x.meet(all);
+  turn(coordinate, box);
+  return true;
+}
+
+// Every group is the sum of all others, with the sign turned.
+bool BoxProver::contract_loop(const Loop& loop, CoordinateBox& box) {
+  for (std::size_t g = 0; g < loop.size(); ++g) {
+    Planar<Interval> others{};
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      if (k != g) others -= term(loop[k], box);
+    }
+    const Group& group = loop[g];
+    const Planar<Interval> along = arm(group, box);
+    if (group.angle < 0 && group.lengths.empty()) {
+      Planar<Interval> both = others;
+      if (!both.x.meet(along.x) || !both.y.meet(along.y)) return false;
+      continue;
+    }
+    Interval length = squared_norm(others);
+    if (!length.meet(squared_norm(along))) return false;
+    if (group.angle >= 0) {
+      const Planar<Interval> turned = others * conj(along);
+      const Interval angle = solvers::angle_of(turned.x, turned.y, box[group.angle].middle());
+      if (angle.bounded() && !narrow(box, group.angle, angle)) return false;
+    }
+    const Planar<Interval> frame = group.angle < 0 ? Planar<Interval>{Interval(1), Interval(0)} : unit_[group.angle];
+    const Planar<Interval> back = others * conj(frame);
+    for (const Group::Along& a : group.lengths) {
+      Planar<Interval> rest = back - group.constant;
+      for (const Group::Along& b : group.lengths) {
+        if (b.length != a.length) rest -= box[b.length] * b.direction;
+      }
+      if (!narrow(box, a.length, dot(a.direction, rest) / squared_norm(a.direction))) return false;
+    }
+  }
+  return true;
+}
+
+// Two arms of a loop make a triangle with the sum S of the rest:  A_i e_i + A_j e_j = S, so that the angle between
+// A_i e_i and S has the cosine (|S|^2 + |A_i|^2 - |A_j|^2) / (2 |A_i| |S|).
+bool BoxProver::contract_pair(const Loop& loop, std::size_t i, std::size_t j, CoordinateBox& box) {
+  Planar<Interval> rest{};
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    if (k != i && k != j) rest -= term(loop[k], box);
+  }
+  const Interval square_s = squared_norm(rest);
+  if (!(square_s > Interval(0)) || !square_s.bounded()) return true;
+  const Planar<Interval> arm_i = arm(loop[i], box);
+  const Planar<Interval> arm_j = arm(loop[j], box);
+  const Interval square_i = squared_norm(arm_i);
+  const Interval square_j = squared_norm(arm_j);
+  if (!(square_i > Interval(0)) || !(square_j > Interval(0))) return true;
+  const Interval s = sqrt(square_s);
+  const Interval direction = solvers::angle_of(rest.x, rest.y, 0.0);
+  if (!direction.bounded()) return true;
+  const auto solve = [&](const Group& group, const Planar<Interval>& arm_of, const Interval& square_of,
+                         const Interval& square_other) {
+    const Interval length = sqrt(square_of);
+    Interval cosine = (square_s + square_of - square_other) / (Interval(2) * length * s);
+    if (!cosine.meet(Interval(-1, 1))) return false;
+    const auto arc = [](double c) {
+      const Interval x(c);
+      return solvers::angle_of(x, sqrt(Interval(1) - square(x)), 0.5);
+    };
+    const Interval beta(std::max(0.0, arc(cosine.upper()).lower()), arc(cosine.lower()).upper());
+    const Interval of_arm = solvers::angle_of(arm_of.x, arm_of.y, 0.0);
+    if (!beta.bounded() || !of_arm.bounded()) return true;
+    const Interval base = direction - of_arm;
+    CoordinateBox above = box;
+    CoordinateBox below = box;
+    const Gap before = gap_;
+    const bool one = narrow(above, group.angle, base + beta);
+    const bool other = narrow(below, group.angle, base - beta);
+    gap_ = before;
+    turn(group.angle, box);
+    if (!one && !other) return false;
+    Interval& angle = box[group.angle];
+    const Interval& a = above[group.angle];
+    const Interval& b = below[group.angle];
+    if (one && other) {
+      const Interval& first = a.lower() < b.lower() ? a : b;
+      const Interval& last = a.lower() < b.lower() ? b : a;
+      if (last.lower() - first.upper() > gap_.to - gap_.from) gap_ = {group.angle, first.upper(), last.lower()};
+      angle.meet(hull(a, b));
+    } else {
+      angle.meet(one ? a : b);
+    }
+    turn(group.angle, box);
+    return true;
+  };
+  return solve(loop[i], arm_i, square_i, square_j) && solve(loop[j], arm_j, square_j, square_i);
+}
+
+// --- balance of coordinates in no closure ---------------------------------------------------------------------------
+
+bool BoxProver::contract_balance(CoordinateBox& box) {
+  mechanism_.place(box.data(), pose_.data());
+  mechanism_.negative_force(box.data(), pose_.data(), force_.data());
+  for (int i = 0; i < n_; ++i) {
+    if (is_free_[i] != 0 && force_[i].excludes_zero()) return false;
+  }
+  std::fill(multipliers_.begin(), multipliers_.end(), Interval(0));
+  mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
+  follows_ = !steps_.empty() && std::all_of(steps_.begin(), steps_.end(),
+                                            [&](const Step& step) { return tangent_[step.entry].excludes_zero(); });
+  CoordinateBox at = box;
+  for (std::size_t e = 0; e < tangent_.size(); ++e) {
+    if (!tangent_[e].excludes_zero()) continue;
+    const int pair[] = {plain_.tangent_row()[e], plain_.tangent_column()[e]};
+    for (int way = 0; way < 2; ++way) {
+      const int i = pair[way];
+      const int j = pair[1 - way];
+      if (is_free_[i] == 0 || (way == 1 && (i == j || plain_.has_follower_loads()))) continue;
+      if (!box[j].bounded() || !(box[j].width() > 1e-13)) continue;
+      at[j] = Interval(box[j].middle());
+      mechanism_.place(at.data(), pose_.data());
+      mechanism_.negative_force(at.data(), pose_.data(), force_.data());
+      const Interval to = at[j] - force_[i] / tangent_[e];
+      if (!box[j].meet(to)) return false;
+      at[j] = box[j];
+    }
+  }
+  for (int k = 0; k < angles_; ++k) turn(k, box);
+  return true;
+}
+
+// Shooting: with x' near the middle, p the coordinates that no step gives, and H the stiffness over the box, row i of
+// balance is  0 = F_i(x') + sum_j H_ij (x_j - x'_j)  by the mean value theorem. The steps in their order give
+//   x_j - x'_j = a_j + sum_p b_jp (p - p'),
+// and rows that are no step are equations in p alone.
+bool BoxProver::shoot(CoordinateBox& box) {
+  const auto n = static_cast<std::size_t>(n_);
+  mechanism_.place(box.data(), pose_.data());
+  std::fill(multipliers_.begin(), multipliers_.end(), Interval(0));
+  mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
+  stiffness_.assign(n * n, Interval(0));
+  for (std::size_t e = 0; e < tangent_.size(); ++e) {
+    const auto i = static_cast<std::size_t>(plain_.tangent_row()[e]);
+    const auto j = static_cast<std::size_t>(plain_.tangent_column()[e]);
+    stiffness_[i * n + j] += tangent_[e];
+    if (i != j && !plain_.has_follower_loads()) stiffness_[j * n + i] += tangent_[e];
+  }
+  std::vector<double>& point = middle_;
+  point.resize(n);
+  for (std::size_t i = 0; i < n; ++i) point[i] = box[i].middle();
+  std::vector<Planar<double>> pose(static_cast<std::size_t>(plain_.pose_size()));
+  std::vector<double> force(n);
+  for (const Step& step : steps_) {
+    plain_.place(point.data(), pose.data());
+    plain_.negative_force(point.data(), pose.data(), force.data());
+    double& x = point[step.gives];
+    const double to = x - force[step.row] / stiffness_[step.row * n + step.gives].middle();
+    if (std::isfinite(to)) x = std::clamp(to, box[step.gives].lower(), box[step.gives].upper());
+  }
+  CoordinateBox thin(n);
+  for (std::size_t i = 0; i < n; ++i) thin[i] = Interval(point[i]);
+  mechanism_.place(thin.data(), pose_.data());
+  mechanism_.negative_force(thin.data(), pose_.data(), force_.data());
+  // Columns of motion_: b, and the last a.
+  const std::size_t d = parameters_.size();
+  motion_.assign(n * (d + 1), Interval(0));
+  for (std::size_t p = 0; p < d; ++p) motion_[parameters_[p] * (d + 1) + p] = Interval(1);
+  std::vector<Interval> by(d + 1);
+  const auto sum_of = [&](std::size_t row, int but) {
+    std::fill(by.begin(), by.end(), Interval(0));
+    by[d] = force_[row];
+    for (int j = 0; j < n_; ++j) {
+      const Interval& h = stiffness_[row * n + j];
+      if (j == but || (h.lower() == 0 && h.upper() == 0)) continue;
+      for (std::size_t p = 0; p <= d; ++p) by[p] += h * motion_[j * (d + 1) + p];
+    }
+  };
+  for (const Step& step : steps_) {
+    sum_of(step.row, step.gives);
+    const Interval& own = stiffness_[step.row * n + step.gives];
+    for (std::size_t p = 0; p <= d; ++p) motion_[step.gives * (d + 1) + p] = -(by[p] / own);
+  }
+  for (const int row : open_rows_) {
+    sum_of(row, -1);
+    if (!meet_zero(by[d], by, parameters_, thin, box)) return false;
+  }
+  for (const Step& step : steps_) {
+    const Interval* motion = &motion_[step.gives * (d + 1)];
+    Interval to = thin[step.gives] + motion[d];
+    for (std::size_t p = 0; p < d; ++p) to += motion[p] * (box[parameters_[p]] - thin[parameters_[p]]);
+    if (!box[step.gives].meet(to)) return false;
+  }
+  return true;
+}
+
+bool BoxProver::contract(CoordinateBox& box, bool balance) {
+  gap_ = {};
+  follows_ = false;
+  for (int k = 0; k < angles_; ++k) turn(k, box);
+  const bool any_free = std::any_of(is_free_.begin(), is_free_.end(), [](char f) { return f != 0; });
+  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    const CoordinateBox before = box;
+    for (const Loop& loop : loops_) {
+      if (!contract_loop(loop, box)) return false;
+      for (std::size_t i = 1; i < loop.size(); ++i) {
+        for (std::size_t j = i + 1; j < loop.size(); ++j) {
+          const double both = std::min(box[loop[i].angle].width(), box[loop[j].angle].width());
+          if (both > wide && !contract_pair(loop, i, j, box)) return false;
+        }
+      }
+    }
+    if (balance && any_free && !contract_balance(box)) return false;
+    bool more = false;
+    for (int i = 0; i < n_; ++i) {
+      if (box[i].width() < (1 - little) * before[i].width() && before[i].width() > 1e-12) more = true;
+    }
+    if (!more) break;
+  }
+  return true;
+}
+
+// --- rows and balance -----------------------------------------------------------------------------------------------
+
+// Jacobian of the rows over the box.
+void BoxProver::evaluate(const CoordinateBox& box) {
+  mechanism_.place(box.data(), pose_.data());
+  mechanism_.jacobian(pose_.data(), jacobian_.data());
+  std::fill(dense_.begin(), dense_.end(), Interval(0));
+  for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+    const int k = equation_[plain_.jacobian_row()[e]];
+    if (k >= 0) dense_[static_cast<std::size_t>(k) * n_ + plain_.jacobian_column()[e]] += jacobian_[e];
+  }
+}
+
+// Dependent coordinates by elimination with full pivoting of the middles of the Jacobian, and the inverse of their
+// part. Rows without a pivot come last.
+bool BoxProver::choose_dependent() {
+  const auto rows = static_cast<int>(rows_.size());
+  Eigen::MatrixXd middle(rows, n_);
+  for (int k = 0; k < rows; ++k) {
+    for (int i = 0; i < n_; ++i) {
+      const Interval& entry = dense_[static_cast<std::size_t>(k) * n_ + i];
+      if (!entry.bounded()) return false;
+      middle(k, i) = entry.middle();
+    }
+  }
+  Eigen::MatrixXd left = middle;
+  std::vector<char> row_done(rows, 0);
+  std::vector<char> column_done(n_, 0);
+  dependent_.assign(rows, -1);
+  for (int step = 0; step < m_; ++step) {
+    int row = -1;
+    int column = -1;
+    double most = 1e-9;
+    for (int k = 0; k < rows; ++k) {
+      if (row_done[k] != 0) continue;
+      for (int i = 0; i < n_; ++i) {
+        if (column_done[i] == 0 && std::abs(left(k, i)) > most) {
+          most = std::abs(left(k, i));
+          row = k;
+          column = i;
+        }
+      }
+    }
+    if (row < 0) return false;
+    row_done[row] = column_done[column] = 1;
+    dependent_[row] = column;
+    least_pivot_ = most;
+    for (int k = 0; k < rows; ++k) {
+      if (k != row && row_done[k] == 0) left.row(k) -= left(k, column) / left(row, column) * left.row(row);
+    }
+  }
+  for (int k = 0, last = rows - 1; k < m_; ++k) {
+    if (row_done[k] != 0) continue;
+    while (row_done[last] == 0) --last;
+    std::swap(rows_[k], rows_[last]);
+    std::swap(bounds_[k], bounds_[last]);
+    std::swap(equation_[rows_[k]], equation_[rows_[last]]);
+    std::swap(dependent_[k], dependent_[last]);
+    std::swap(row_done[k], row_done[last]);
+    middle.row(k).swap(middle.row(last));
+    const auto at = [&](int row) { return dense_.begin() + static_cast<std::ptrdiff_t>(row) * n_; };
+    std::swap_ranges(at(k), at(k + 1), at(last));
+  }
+  free_columns_.clear();
+  for (int i = 0; i < n_; ++i) {
+    if (column_done[i] == 0) free_columns_.push_back(i);
+  }
+  Eigen::MatrixXd part(m_, m_);
+  for (int k = 0; k < m_; ++k) part.col(k) = middle.col(dependent_[k]).head(m_);
+  const Eigen::MatrixXd inverse = part.partialPivLu().inverse();
+  if (!inverse.allFinite()) return false;
+  inverse_.assign(inverse.data(), inverse.data() + inverse.size());  // by columns
+  product_.assign(static_cast<std::size_t>(m_) * n_, Interval(0));
+  for (int k = 0; k < m_; ++k) {
+    for (int l = 0; l < m_; ++l) {
+      const double factor = inverse(k, l);
+      if (factor == 0) continue;
+      for (int i = 0; i < n_; ++i) {
+        const Interval& entry = dense_[static_cast<std::size_t>(l) * n_ + i];
+        add_product(product_[static_cast<std::size_t>(k) * n_ + i], factor, entry);
+      }
+    }
+  }
+  return true;
+}
+
+// By the mean value theorem  0 = c(middle) + J (x - middle), J in its enclosure: with R the inverse, each dependent
+// coordinate has an equation of its own.
+bool BoxProver::contract_rows(CoordinateBox& box) {
+  CoordinateBox middle(n_);
+  for (int i = 0; i < n_; ++i) middle[i] = Interval(box[i].middle());
+  mechanism_.place(middle.data(), pose_.data());
+  mechanism_.constraint(middle.data(), pose_.data(), constraint_.data());
+  for (int k = 0; k < m_; ++k) {
+    Interval sum(0);
+    for (int l = 0; l < m_; ++l) {
+      add_product(sum, inverse_[static_cast<std::size_t>(l) * m_ + k], constraint_[rows_[l]] - Interval(bounds_[l]));
+    }
+    const Interval* row = &product_[static_cast<std::size_t>(k) * n_];
+    const int own = dependent_[k];
+    if (!(row[own] > Interval(0))) continue;
+    for (int i = 0; i < n_; ++i) {
+      if (i != own) sum += row[i] * (box[i] - middle[i]);
+    }
+    if (!box[own].meet(middle[own] - sum / row[own])) return false;
+  }
+  return true;
+}
+
+// y with J_o^T y = -F_o for all J_o, F_o of the box: with E = J_o R - I,  y = -R^T F_o - E^T y.
+bool BoxProver::solve_transposed(std::vector<Interval>& y) const {
+  std::vector<Interval> error(static_cast<std::size_t>(m_) * m_, Interval(0));
+  std::vector<Interval> right(m_, Interval(0));
+  for (int k = 0; k < m_; ++k) {
+    for (int l = 0; l < m_; ++l) {
+      const double factor = inverse_[static_cast<std::size_t>(l) * m_ + k];  // R(k, l)
+      if (factor == 0) continue;
+      add_product(right[l], -factor, force_[dependent_[k]]);
+      for (int i = 0; i < m_; ++i) {
+        add_product(error[static_cast<std::size_t>(i) * m_ + l], factor,
+                    dense_[static_cast<std::size_t>(i) * n_ + dependent_[k]]);
+      }
+    }
+  }
+  double norm = 0.0;
+  double most = 0.0;
+  for (int l = 0; l < m_; ++l) {
+    double sum = 0.0;
+    for (int i = 0; i < m_; ++i) {
+      Interval& e = error[static_cast<std::size_t>(i) * m_ + l];
+      if (i == l) e -= Interval(1);
+      sum += e.magnitude();
+    }
+    if (!(sum < 1) || !right[l].bounded()) return false;
+    norm = std::max(norm, sum);
+    most = std::max(most, right[l].magnitude());
+  }
+  const double bound = (Interval(most) / (Interval(1) - Interval(norm))).upper();
+  y.assign(m_, Interval(-bound, bound));
+  for (int sweep = 0; sweep < 3; ++sweep) {
+    for (int l = 0; l < m_; ++l) {
+      Interval next = right[l];
+      for (int i = 0; i < m_; ++i) next -= error[static_cast<std::size_t>(i) * m_ + l] * y[i];
+      y[l].meet(next);
+    }
+  }
+  return true;
+}
+
+// Motions X = -J_o^-1 J_p that the rows allow, one column per free coordinate, and r = -J_o^-1 c(middle): of every
+// closed pose x of the box, x_o - middle_o = X (p - middle_p) + r. With E = R J_o - I:  X = -R J_p - E X, likewise r.
+//
+// An equilibrium needs F_p + X^T F_o = 0. Sharper for small boxes: with G(x) = F(x) + J(x)^T y_0 and a motion t of the
+// middle, t . (G(x) + J(x)^T (y - y_0)) = 0 gives
+//   0 = t . G(middle) + t^T H(X, y_0) (x - middle) + (J t) . (y - y_0),
+// linear in p - middle_p, which narrows p.
+bool BoxProver::motions(CoordinateBox& box) {
+  const int d = static_cast<int>(free_columns_.size());
+  double norm = 0.0;
+  for (int k = 0; k < m_; ++k) {
+    double sum = 0.0;
+    for (int l = 0; l < m_; ++l) {
+      Interval& e = product_[static_cast<std::size_t>(k) * n_ + dependent_[l]];
+      if (k == l) e -= Interval(1);
+      sum += e.magnitude();
+    }
+    if (!(sum < 1)) return false;
+    norm = std::max(norm, sum);
+  }
+  std::vector<double>& middle = middle_;
+  middle.resize(n_);
+  for (int i = 0; i < n_; ++i) middle[i] = box[i].middle();
+  // The middle moved onto the closures, where it remains in the box.
+  std::vector<Planar<double>> pose(plain_.pose_size());
+  std::vector<double> constraint(constraint_.size());
+  for (int step = 0; step < 2 && m_ > 0; ++step) {
+    plain_.place(middle.data(), pose.data());
+    plain_.constraint(middle.data(), pose.data(), constraint.data());
+    for (int k = 0; k < m_; ++k) {
+      double by = 0.0;
+      for (int l = 0; l < m_; ++l) {
+        by += inverse_[static_cast<std::size_t>(l) * m_ + k] * (constraint[rows_[l]] - bounds_[l]);
+      }
+      double& x = middle[dependent_[k]];
+      x = std::clamp(x - by, box[dependent_[k]].lower(), box[dependent_[k]].upper());
+    }
+  }
+  CoordinateBox thin(n_);
+  for (int i = 0; i < n_; ++i) thin[i] = Interval(middle[i]);
+  mechanism_.place(thin.data(), pose_.data());
+  mechanism_.constraint(thin.data(), pose_.data(), constraint_.data());
+  motion_.assign(static_cast<std::size_t>(n_) * (d + 1), Interval(0));
+  std::vector<Interval> right(m_);
+  std::vector<Interval> x(m_);
+  for (int q = 0; q <= d; ++q) {
+    double most = 0.0;
+    for (int k = 0; k < m_; ++k) {
+      if (q < d) {
+        right[k] = -product_[static_cast<std::size_t>(k) * n_ + free_columns_[q]];
+      } else {
+        right[k] = Interval(0);
+        for (int l = 0; l < m_; ++l) {
+          add_product(right[k], -inverse_[static_cast<std::size_t>(l) * m_ + k],
+                      constraint_[rows_[l]] - Interval(bounds_[l]));
+        }
+      }
+      if (!right[k].bounded()) return false;
+      most = std::max(most, right[k].magnitude());
+    }
+    const double bound = (Interval(most) / (Interval(1) - Interval(norm))).upper();
+    for (Interval& value : x) value = Interval(-bound, bound);
+    for (int sweep = 0; sweep < 3; ++sweep) {
+      for (int k = 0; k < m_; ++k) {
+        Interval next = right[k];
+        for (int l = 0; l < m_; ++l) next -= product_[static_cast<std::size_t>(k) * n_ + dependent_[l]] * x[l];
+        x[k].meet(next);
+      }
+    }
+    for (int k = 0; k < m_; ++k) motion_[static_cast<std::size_t>(dependent_[k]) * (d + 1) + q] = x[k];
+    if (q == d) break;
+    motion_[static_cast<std::size_t>(free_columns_[q]) * (d + 1) + q] = Interval(1);
+  }
+  return true;
+}
+
+// After motions(): some of the rounds may have an equilibrium, which are kept.
+bool BoxProver::balance_possible(const Winding& winding, Interval& rounds) const {
+  const auto d = static_cast<int>(free_columns_.size());
+  for (int q = 0; q < d; ++q) {
+    Interval force(0);
+    Interval change(0);
+    for (int i = 0; i < n_; ++i) {
+      const Interval& motion = motion_[static_cast<std::size_t>(i) * (d + 1) + q];
+      force += motion * force_[i];
+      change += motion * winding.change[i];
+    }
+    if ((force + rounds * change).excludes_zero()) return false;
+    if (change.excludes_zero() && !rounds.meet(-(force / change))) return false;
+  }
+  rounds = Interval(std::ceil(rounds.lower()), std::floor(rounds.upper()));
+  return rounds.lower() <= rounds.upper();
+}
+
+bool BoxProver::balance_possible(CoordinateBox& box) {
+  const int d = static_cast<int>(free_columns_.size());
+  for (int q = 0; q < d; ++q) {
+    Interval force(0);
+    for (int i = 0; i < n_; ++i) force += motion_[static_cast<std::size_t>(i) * (d + 1) + q] * force_[i];
+    if (force.excludes_zero()) return false;
+  }
+  CoordinateBox thin(n_);
+  for (int i = 0; i < n_; ++i) thin[i] = Interval(middle_[i]);
+  std::vector<Interval> y;
+  if (!solve_transposed(y)) return true;
+  // F, J and H at the middle and over the box.
+  std::fill(multipliers_.begin(), multipliers_.end(), Interval(0));
+  for (int k = 0; k < m_; ++k) multipliers_[rows_[k]] = Interval(y[k].middle());
+  // motions() has left the phasors of the middle.
+  mechanism_.negative_force(thin.data(), pose_.data(), force_.data());
+  mechanism_.jacobian(pose_.data(), jacobian_.data());
+  for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+    const int k = equation_[plain_.jacobian_row()[e]];
+    if (k < 0 || k >= m_) continue;
+    force_[plain_.jacobian_column()[e]] += jacobian_[e] * multipliers_[plain_.jacobian_row()[e]];
+  }
+  mechanism_.place(box.data(), pose_.data());
+  mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
+  std::vector<Interval> row(n_);
+  std::vector<Interval> by(d);
+  for (int q = 0; q < d; ++q) {
+    std::fill(row.begin(), row.end(), Interval(0));
+    Interval sum(0);
+    const auto t = [&](int i) { return motion_[static_cast<std::size_t>(i) * (d + 1) + q].middle(); };
+    for (int i = 0; i < n_; ++i) add_product(sum, t(i), force_[i]);
+    for (std::size_t e = 0; e < tangent_.size(); ++e) {
+      const int i = plain_.tangent_row()[e];
+      const int j = plain_.tangent_column()[e];
+      add_product(row[j], t(i), tangent_[e]);
+      if (i != j && !plain_.has_follower_loads()) add_product(row[i], t(j), tangent_[e]);
+    }
+    for (int k = 0; k < m_; ++k) {
+      Interval slip(0);
+      for (int i = 0; i < n_; ++i) add_product(slip, t(i), dense_[static_cast<std::size_t>(k) * n_ + i]);
+      sum += slip * (y[k] - Interval(y[k].middle()));
+    }
+    std::fill(by.begin(), by.end(), Interval(0));
+    for (int i = 0; i < n_; ++i) {
+      for (int p = 0; p < d; ++p) by[p] += row[i] * motion_[static_cast<std::size_t>(i) * (d + 1) + p];
+      sum += row[i] * motion_[static_cast<std::size_t>(i) * (d + 1) + d];
+    }
+    if (!meet_zero(sum, by, free_columns_, thin, box)) return false;
+  }
+  // Dependent coordinates follow.
+  for (int k = 0; k < m_; ++k) {
+    const std::size_t i = static_cast<std::size_t>(dependent_[k]);
+    Interval to = thin[i] + motion_[i * (d + 1) + d];
+    for (int p = 0; p < d; ++p) {
+      to += motion_[i * (d + 1) + p] * (box[free_columns_[p]] - thin[free_columns_[p]]);
+    }
+    if (!box[i].meet(to)) return false;
+  }
+  return true;
+}
+
+// Where J loses rank or nearly so: elimination with full pivoting leaves, of F + J^T y = 0, for the rows s without a
+// pivot and the columns q without one
+//   F'_q + sum_s J'_sq y_s = 0,   so that   max_s |y_s| >= |F'_q| / sum_s |J'_sq|.
+// Of a single row every q gives y_s itself. Nothing is concluded of lost rank where more stops may touch: there more of
+// them can be needed than there are freedoms elsewhere, and no case has so many.
+BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
+  bool may_touch = false;
+  if (plain_.stops() > 0) {
+    mechanism_.constraint(box.data(), pose_.data(), constraint_.data());
+    for (int s = 0; s < plain_.stops(); ++s) {
+      const Interval& measure = constraint_[plain_.stop_row(s)];
+      const bool is_within = measure < Interval(plain_.upper()[s]) && measure > Interval(plain_.lower()[s]);
+      may_touch = may_touch || (stops_[s] == StopState::inactive && !is_within);
+    }
+  }
+  const auto n = static_cast<std::size_t>(n_);
+  left_.assign(dense_.begin(), dense_.end());
+  left_.insert(left_.end(), force_.begin(), force_.end());
+  const auto at = [&](int row, int column) -> Interval& { return left_[static_cast<std::size_t>(row) * n + column]; };
+  const auto rows = static_cast<int>(rows_.size());
+  row_done_.assign(rows_.size(), 0);
+  column_done_.assign(n_, 0);
+  for (int rank = 0; rank <= m_; ++rank) {
+    int row = -1;
+    int column = -1;
+    double most = 0.0;
+    for (int k = 0; k < rows; ++k) {
+      for (int i = 0; i < n_ && row_done_[k] == 0; ++i) {
+        if (column_done_[i] == 0 && at(k, i).mignitude() > most) {
+          most = at(k, i).mignitude();
+          row = k;
+          column = i;
+        }
+      }
+    }
+    if (rank == m_ || (most < small_pivot && !may_touch)) {
+      for (int q = 0; q < n_; ++q) {
+        if (column_done_[q] != 0) continue;
+        double slope = 0.0;
+        for (int k = 0; k < rows; ++k) {
+          if (row_done_[k] == 0 && rank < m_) slope += at(k, q).magnitude();
+        }
+        const bool never = EquilibriumSet::largest_joint_force * slope - at(rows, q).mignitude() < 0;
+        if (never) return rank < m_ ? Finding::locked : Finding::empty;
+      }
+      if (rank == rows - 1 && rank < m_) {
+        const int last = static_cast<int>(std::find(row_done_.begin(), row_done_.end(), 0) - row_done_.begin());
+        Interval single = Interval::entire();
+        for (int q = 0; q < n_; ++q) {
+          if (column_done_[q] == 0 && !single.meet(-(at(rows, q) / at(last, q)))) return Finding::empty;
+        }
+      }
+    }
+    if (row < 0 || rank == m_) break;
+    row_done_[row] = column_done_[column] = 1;
+    for (int k = 0; k <= rows; ++k) {
+      if (k < rows && row_done_[k] != 0) continue;
+      const Interval factor = at(k, column) / at(row, column);
+      for (int i = 0; i < n_; ++i) {
+        if (column_done_[i] == 0) at(k, i) -= factor * at(row, i);
+      }
+    }
+  }
+  return Finding::open;
+}
+
+// --- Newton's operator ----------------------------------------------------------------------------------------------
+
+// For two solutions, or one and the middle z_0 = (x_0, y_0),  f(z) - f(z_0) = A (z - z_0)  with rows of
+// A = [H(X, y_0) J(X)^T; J(X) 0], since y enters linearly. With C >= |I - R A| and a weighted norm |C|_w < 1, every
+// solution with x in X has |z - z_0| <= u for u = |R f| + C u; and if u is within X there is one, and no other.
+BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at) {
+  const bool square = m_ == n_;
+  const int size = square ? n_ : n_ + m_;
+  std::vector<double> x(n_);
+  for (int i = 0; i < n_; ++i) x[i] = box[i].middle();
+  std::vector<double> y(m_, 0.0);
+  std::vector<Planar<double>> pose(plain_.pose_size());
+  std::vector<double> jacobian(jacobian_.size());
+  std::vector<double> tangent(tangent_.size());
+  std::vector<double> constraint(constraint_.size());
+  std::vector<double> multipliers(constraint_.size(), 0.0);
+  Eigen::VectorXd residual(size);
+  Eigen::MatrixXd matrix(size, size);
+  Eigen::MatrixXd inverse;
+  const auto place = [&] {
+    plain_.place(x.data(), pose.data());
+    plain_.jacobian(pose.data(), jacobian.data());
+    plain_.constraint(x.data(), pose.data(), constraint.data());
+    matrix.setZero();
+    residual.setZero();
+    if (!square) {
+      for (int k = 0; k < m_; ++k) multipliers[rows_[k]] = y[k];
+      plain_.negative_force(x.data(), pose.data(), residual.data());
+      plain_.tangent(pose.data(), multipliers.data(), tangent.data());
+      for (std::size_t e = 0; e < tangent.size(); ++e) {
+        const int i = plain_.tangent_row()[e];
+        const int j = plain_.tangent_column()[e];
+        matrix(i, j) += tangent[e];
+        if (i != j && !plain_.has_follower_loads()) matrix(j, i) += tangent[e];
+      }
+    }
+    const int first = square ? 0 : n_;
+    for (std::size_t e = 0; e < jacobian.size(); ++e) {
+      const int k = equation_[plain_.jacobian_row()[e]];
+      if (k < 0 || k >= m_) continue;
+      const int i = plain_.jacobian_column()[e];
+      matrix(first + k, i) += jacobian[e];
+      if (square) continue;
+      matrix(i, first + k) += jacobian[e];
+      residual[i] += jacobian[e] * y[k];
+    }
+    for (int k = 0; k < m_; ++k) residual[first + k] = constraint[rows_[k]] - bounds_[k];
+  };
+  if (!square && m_ > 0) {
+    // y of least residual in the dependent coordinates.
+    plain_.place(x.data(), pose.data());
+    std::vector<double> force(n_);
+    plain_.negative_force(x.data(), pose.data(), force.data());
+    for (int l = 0; l < m_; ++l) {
+      for (int k = 0; k < m_; ++k) y[l] -= inverse_[static_cast<std::size_t>(l) * m_ + k] * force[dependent_[k]];
+    }
+  }
+  // Refine the middle while it stays near.
+  const std::vector<double> x_start = x;
+  const std::vector<double> y_start = y;
+  bool near = true;
+  for (int step = 0; step < 6 && near; ++step) {
+    place();
+    const Eigen::VectorXd z = -matrix.partialPivLu().solve(residual);
+    if (!z.allFinite()) {
+      near = false;
+      break;
+    }
+    double most = 0.0;
+    for (int i = 0; i < n_; ++i) {
+      x[i] += z[i];
+      most = std::max(most, std::abs(z[i]));
+      near = near && std::abs(x[i] - x_start[i]) <= 0.75 * box[i].width() + 1e-12;
+    }
+    if (!square) {
+      for (int k = 0; k < m_; ++k) y[k] += z[n_ + k];
+    }
+    if (most < 1e-14) break;
+  }
+  if (!near) {
+    x = x_start;
+    y = y_start;
+  }
+  place();
+  inverse = matrix.partialPivLu().inverse();
+  if (!inverse.allFinite()) return Finding::open;
+
+  CoordinateBox around(n_);
+  std::vector<double> reach(n_);
+  for (int i = 0; i < n_; ++i) {
+    const double half = std::max(box[i].upper() - x[i], x[i] - box[i].lower());
+    reach[i] = 1.1 * half + 1e-12;
+    around[i] = Interval(x[i]) + Interval(-reach[i], reach[i]);
+  }
+  // f at the middle.
+  std::vector<Interval> f(size, Interval(0));
+  CoordinateBox middle(n_);
+  for (int i = 0; i < n_; ++i) middle[i] = Interval(x[i]);
+  mechanism_.place(middle.data(), pose_.data());
+  mechanism_.constraint(middle.data(), pose_.data(), constraint_.data());
+  const int first = square ? 0 : n_;
+  for (int k = 0; k < m_; ++k) f[first + k] = constraint_[rows_[k]] - Interval(bounds_[k]);
+  if (!square) {
+    mechanism_.negative_force(middle.data(), pose_.data(), f.data());
+    mechanism_.jacobian(pose_.data(), jacobian_.data());
+    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+      const int k = equation_[plain_.jacobian_row()[e]];
+      if (k >= 0 && k < m_) f[plain_.jacobian_column()[e]] += jacobian_[e] * Interval(y[k]);
+    }
+  }
+  // The matrices over the box.
+  std::vector<Interval> a(static_cast<std::size_t>(size) * size, Interval(0));
+  const auto entry = [&](int i, int j) -> Interval& { return a[static_cast<std::size_t>(i) * size + j]; };
+  mechanism_.place(around.data(), pose_.data());
+  mechanism_.jacobian(pose_.data(), jacobian_.data());
+  for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+    const int k = equation_[plain_.jacobian_row()[e]];
+    if (k < 0 || k >= m_) continue;
+    const int i = plain_.jacobian_column()[e];
+    entry(first + k, i) += jacobian_[e];
+    if (!square) entry(i, first + k) += jacobian_[e];
+  }
+  if (!square) {
+    std::fill(multipliers_.begin(), multipliers_.end(), Interval(0));
+    for (int k = 0; k < m_; ++k) multipliers_[rows_[k]] = Interval(y[k]);
+    mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
+    for (std::size_t e = 0; e < tangent_.size(); ++e) {
+      const int i = plain_.tangent_row()[e];
+      const int j = plain_.tangent_column()[e];
+      entry(i, j) += tangent_[e];
+      if (i != j && !plain_.has_follower_loads()) entry(j, i) += tangent_[e];
+    }
+  }
+  std::vector<double> contraction(static_cast<std::size_t>(size) * size);
+  std::vector<double> first_step(size);
+  std::vector<Interval> row(size);
+  for (int i = 0; i < size; ++i) {
+    std::fill(row.begin(), row.end(), Interval(0));
+    Interval step(0);
+    for (int k = 0; k < size; ++k) {
+      const double factor = inverse(i, k);
+      if (factor == 0) continue;
+      add_product(step, factor, f[k]);
+      for (int j = 0; j < size; ++j) add_product(row[j], factor, a[static_cast<std::size_t>(k) * size + j]);
+    }
+    row[i] -= Interval(1);
+    first_step[i] = step.magnitude();
+    for (int j = 0; j < size; ++j) contraction[static_cast<std::size_t>(i) * size + j] = row[j].magnitude();
+  }
+  // Weights near the dominant direction of C.
+  const auto times = [&](const std::vector<double>& v, bool with_step) {
+    std::vector<double> product(size);
+    for (int i = 0; i < size; ++i) {
+      double sum = with_step ? first_step[i] : 0.0;
+      for (int j = 0; j < size; ++j) sum += contraction[static_cast<std::size_t>(i) * size + j] * v[j];
+      product[i] = sum;
+    }
+    return product;
+  };
+  std::vector<double> weight(size, 1.0);
+  for (int step = 0; step < 4; ++step) {
+    const std::vector<double> next = times(weight, false);
+    double most = 0.0;
+    for (const double v : next) most = std::max(most, v);
+    if (!(most > 0) || !std::isfinite(most)) break;
+    for (int i = 0; i < size; ++i) weight[i] = next[i] / most + 1e-3 * weight[i] + 1e-12;
+  }
+  double norm = 0.0;
+  double scale = 0.0;
+  const std::vector<double> grown = times(weight, false);
+  for (int i = 0; i < size; ++i) {
+    const double ratio = grown[i] / weight[i];
+    if (!(ratio < 1)) return Finding::open;
+    norm = std::max(norm, ratio);
+    scale = std::max(scale, first_step[i] / weight[i]);
+  }
+  const double bound = (Interval(scale) / (Interval(1) - Interval(norm))).upper();
+  std::vector<double> u(size);
+  for (int i = 0; i < size; ++i) u[i] = bound * weight[i];
+  bool exists = true;
+  for (int sweep = 0; sweep < 3; ++sweep) {
+    bool within = true;
+    for (int i = 0; i < n_; ++i) within = within && u[i] < reach[i];
+    exists = within;
+    const std::vector<double> next = times(u, true);
+    for (int i = 0; i < size; ++i) u[i] = std::min(u[i], next[i]);
+  }
+  out = box;
+  for (int i = 0; i < n_; ++i) {
+    if (!out[i].meet(Interval(x[i]) + Interval(-u[i], u[i]))) return Finding::empty;
+  }
+  if (!exists) return Finding::open;
+  // Active stops press, others are not passed.
+  CoordinateBox solution(n_);
+  for (int i = 0; i < n_; ++i) solution[i] = Interval(x[i]) + Interval(-u[i], u[i]);
+  std::vector<Interval> pushes(m_, Interval::entire());
+  for (int k = 0; k < m_ && !square; ++k) pushes[k] = Interval(y[k]) + Interval(-u[n_ + k], u[n_ + k]);
+  mechanism_.place(solution.data(), pose_.data());
+  mechanism_.constraint(solution.data(), pose_.data(), constraint_.data());
+  // Rows that others imply where they repeat them close there too.
+  for (std::size_t k = static_cast<std::size_t>(m_); k < rows_.size(); ++k) {
+    const Interval gap = constraint_[rows_[k]] - Interval(bounds_[k]);
+    if (gap > Interval(open_gap) || gap < Interval(-open_gap)) return Finding::empty;
+  }
+  if (square && plain_.stops() > 0) {
+    evaluate(solution);
+    mechanism_.negative_force(solution.data(), pose_.data(), force_.data());
+    std::vector<Interval> found;
+    if (choose_dependent() && solve_transposed(found)) pushes = std::move(found);
+  }
+  for (int s = 0; s < plain_.stops(); ++s) {
+    const Interval& measure = constraint_[plain_.stop_row(s)];
+    if (stops_[s] == StopState::inactive) {
+      if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return Finding::empty;
+    } else if (stops_[s] != StopState::held) {
+      const Interval& push = pushes[equation_[plain_.stop_row(s)]];
+      if (stops_[s] == StopState::at_upper ? push < Interval(0) : push > Interval(0)) return Finding::empty;
+    }
+  }
+  at = x;
+  return Finding::unique;
+}
+
+// --- one box --------------------------------------------------------------------------------------------------------
+
+// Of a box that is wide the widest driving coordinate, unless others are much wider all the same; else the widest.
+// Coordinates that balance could give drive too where it does not.
+void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
+  int most = 0;
+  int driver = -1;
+  for (int i = 0; i < n_; ++i) {
+    if (box[i].width() > box[most].width()) most = i;
+    const bool drives = drives_[i] != 0 || (is_free_[i] != 0 && !follows_);
+    if (drives && (driver < 0 || box[i].width() > box[driver].width())) driver = i;
+  }
+  const double narrower = follows_ ? much_narrower_by_steps : much_narrower;
+  if (driver >= 0 && box[most].width() > wide && box[driver].width() > narrower * box[most].width()) most = driver;
+  verdict.split = most;
+  // Off the middle, where symmetric mechanisms have their equilibria.
+  verdict.split_at = box[most].lower() + 0.4871 * box[most].width();
+  if (gap_.coordinate < 0) return;
+  const Interval& other = box[gap_.coordinate];
+  const bool inside = gap_.from > other.lower() && gap_.to < other.upper();
+  if (inside && other.width() > 0.3 * box[most].width() && gap_.to - gap_.from > 0.02 * other.width()) {
+    verdict.split = gap_.coordinate;
+    verdict.split_at = 0.5 * (gap_.from + gap_.to);
+  }
+}
+
+BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
+  Verdict out;
+  out.finding = Finding::empty;
+  for (int round = 0; round < 4; ++round) {
+    const double before = widest(box);
+    if (!contract(box)) return out;
+    // Stops that are not active bound their measures.
+    if (plain_.stops() > 0) {
+      mechanism_.place(box.data(), pose_.data());
+      mechanism_.constraint(box.data(), pose_.data(), constraint_.data());
+      for (int s = 0; s < plain_.stops(); ++s) {
+        const Interval& measure = constraint_[plain_.stop_row(s)];
+        if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return out;
+      }
+    }
+    if (follows_ && !shoot(box)) return out;
+    if (!(widest(box) < too_wide_for_rows)) break;
+    bool regular = true;
+    if (m_ > 0) {
+      evaluate(box);
+      regular = choose_dependent();
+      if (regular && !contract_rows(box)) return out;
+    } else {
+      free_columns_.resize(n_);
+      for (int i = 0; i < n_; ++i) free_columns_[i] = i;
+    }
+    if (!regular || m_ < n_) {
+      mechanism_.place(box.data(), pose_.data());
+      mechanism_.negative_force(box.data(), pose_.data(), force_.data());
+      const bool moves = regular && m_ < n_ && motions(box);
+      if (moves && !balance_possible(box)) return out;
+      if (!moves || (m_ > 0 && least_pivot_ < small_pivot)) {
+        evaluate(box);
+        mechanism_.negative_force(box.data(), pose_.data(), force_.data());
+        out.finding = near_singular(box);
+        if (out.finding != Finding::open) return out;
+        out.finding = Finding::empty;
+      }
+    }
+    if (regular && widest(box) < narrow_enough) {
+      CoordinateBox smaller = box;
+      const Finding finding = newton(box, smaller, out.at);
+      if (finding != Finding::open) {
+        out.finding = finding;
+        return out;
+      }
+      box = smaller;
+    }
+    if (!(widest(box) < 0.6 * before)) break;
+  }
+  out.finding = Finding::open;
+  split(box, out);
+  return out;
+}
+
+BoxProver::Verdict BoxProver::examine_closed_poses(CoordinateBox& box) {
+  Verdict out;
+  out.finding = Finding::empty;
+  if (!contract(box, false)) return out;
+  bool regular = m_ == 0;
+  if (m_ > 0 && widest(box) < too_wide_for_rows) {
+    evaluate(box);
+    if (choose_dependent()) {
+      if (!contract_rows(box)) return out;
+      regular = motions(box);
+    }
+  }
+  out.finding = regular ? Finding::unique : Finding::open;
+  split(box, out);
+  return out;
+}
+
+BoxProver::Verdict BoxProver::examine(CoordinateBox& box, const Winding& winding, Interval& rounds) {
+  Verdict out;
+  out.finding = Finding::empty;
+  if (!contract(box, false)) return out;
+  if (widest(box) < too_wide_for_rows) {
+    evaluate(box);
+    if (choose_dependent()) {
+      if (!contract_rows(box)) return out;
+      mechanism_.place(box.data(), pose_.data());
+      mechanism_.negative_force(box.data(), pose_.data(), force_.data());
+      if (motions(box) && !balance_possible(winding, rounds)) return out;
+    }
+  }
+  out.finding = Finding::open;
+  split(box, out);
+  return out;
+}
+
+}  // namespace poise

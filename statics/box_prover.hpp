@@ -1,0 +1,148 @@
+#pragma once
+
+#include <vector>
+
+#include "model/mechanism.hpp"
+#include "model/phasor_sum.hpp"
+#include "solvers/interval.hpp"
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+using solvers::Interval;
+
+/// A box of scaled coordinates: an interval each, angles unwrapped.
+using CoordinateBox = std::vector<Interval>;
+
+/// Width of its widest interval, rad or mechanism sizes.
+double widest(const CoordinateBox& box);
+
+/// Rounds of a loop whose bodies make full turns, in which springs on angles wind up. After N rounds angle i has made
+/// N turns[i] full turns, and forces have changed by N change, since the springs are linear. A box with several rounds
+/// is written as that of round zero.
+struct Winding {
+  std::vector<int> turns;
+  std::vector<Interval> change;
+};
+
+/// Which stops are active: their rows must have that value, and their force presses. Others are between their limits
+/// and have no force.
+enum class StopState : signed char { at_lower = -1, inactive = 0, at_upper = 1, held = 2 };
+
+/// Decides in interval arithmetic whether a box holds equilibria, with given stops active:
+///
+///   F_i(x) + sum_r y_r d c_r / d x_i = 0,   c_r(x) = b_r      (y of any size)
+///
+/// with r the rows of closures, of stops that hold a measure, and of active stops. Where `repeated` of these are
+/// implied by others whatever the pose, as many are left out of balance, in each box those that are nearest to the
+/// others.
+///
+/// Its functions need solvers::RoundingUp. Nothing is kept between calls but memory, so that each thread has its own.
+/// docs/equilibria.md has the mathematics.
+class BoxProver {
+ public:
+  BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated);
+
+  enum class Finding {
+    empty,   ///< no equilibrium
+    locked,  ///< closures nearly lose rank: an equilibrium has a multiplier above the largest joint force
+    unique,  ///< at most one, which exists: `at` is near it
+    open     ///< nothing is decided; the box may be smaller
+  };
+  struct Verdict {
+    Finding finding = Finding::open;
+    std::vector<double> at{};
+    int split = 0;        ///< coordinate to be halved
+    double split_at = 0;  ///< where
+    /// Cuts there: of two copies of the box one keeps the lower part, the other the upper.
+    void cut(CoordinateBox& lower, CoordinateBox& upper) const;
+  };
+  Verdict examine(CoordinateBox& box);
+  /// The same with several rounds, of which impossible ones are taken out of `rounds`; it does not decide that an
+  /// equilibrium is unique. Only for mechanisms without stops.
+  Verdict examine(CoordinateBox& box, const Winding& winding, Interval& rounds);
+
+  /// Narrows the box by closures alone. `empty`: it has no closed pose; `unique`: for given values of coordinates, as
+  /// many as there are freedoms, at most one; else `open`.
+  Verdict examine_closed_poses(CoordinateBox& box);
+
+  /// Narrows the box by closures, and by the equations of balance of coordinates that are in no closure. False if it is
+  /// empty.
+  bool contract(CoordinateBox& box, bool balance = true);
+
+ private:
+  // c + sum of lengths along unit vectors, fixed in the frame of one angle, or in the ground (-1).
+  struct Group {
+    int angle = -1;
+    Planar<Interval> constant{};
+    struct Along {
+      int length;
+      Planar<Interval> direction;
+    };
+    std::vector<Along> lengths{};
+  };
+  using Loop = std::vector<Group>;
+  struct Gap {
+    int coordinate = -1;
+    double from = 0, to = 0;
+  };
+
+  // A row of balance that gives a coordinate from others, for certain where its stiffness for it excludes zero.
+  struct Step {
+    int row, gives;
+    std::size_t entry;  // of the stiffness
+  };
+
+  std::vector<char> driving();
+  Planar<Interval> arm(const Group& group, const CoordinateBox& box) const;
+  Planar<Interval> term(const Group& group, const CoordinateBox& box) const;
+  void turn(int angle, const CoordinateBox& box);
+  bool contract_loop(const Loop& loop, CoordinateBox& box);
+  bool contract_pair(const Loop& loop, std::size_t i, std::size_t j, CoordinateBox& box);
+  bool contract_balance(CoordinateBox& box);
+  bool shoot(CoordinateBox& box);
+  bool narrow(CoordinateBox& box, int coordinate, const Interval& to);
+
+  void evaluate(const CoordinateBox& box);
+  bool choose_dependent();
+  bool contract_rows(CoordinateBox& box);
+  bool motions(CoordinateBox& box);
+  bool balance_possible(CoordinateBox& box);
+  bool balance_possible(const Winding& winding, Interval& rounds) const;
+  bool solve_transposed(std::vector<Interval>& y) const;
+  Finding near_singular(const CoordinateBox& box);
+  Finding newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at);
+  void split(const CoordinateBox& box, Verdict& verdict) const;
+
+  const Mechanism<double>& plain_;
+  Mechanism<Interval> mechanism_;
+  std::vector<StopState> stops_;
+  std::vector<int> rows_;       // constraint rows that hold; the first m_ are taken for independent
+  std::vector<double> bounds_;  // their values
+  std::vector<int> equation_;   // per constraint row, or -1
+  int n_ = 0, m_ = 0, angles_ = 0;
+  std::vector<Loop> loops_;
+  std::vector<char> is_free_;           // coordinates in no row
+  std::vector<char> drives_;            // coordinates that all others follow from
+  std::vector<Step> steps_;             // how, where it is by balance
+  std::vector<int> parameters_;         // coordinates that no step gives
+  std::vector<int> open_rows_;          // of balance, that are no step
+  bool follows_ = false;                // all steps can be made in the box in hand
+  std::vector<Planar<Interval>> unit_;  // per angle, of the box in hand
+  Gap gap_;
+  // Workspace.
+  std::vector<Planar<Interval>> pose_;
+  std::vector<Interval> jacobian_, constraint_, force_, tangent_, multipliers_;
+  std::vector<Interval> dense_;      // m x n
+  std::vector<Interval> product_;    // R dense
+  std::vector<Interval> stiffness_;  // n x n
+  std::vector<Interval> left_;       // (m + 1) x n: what elimination leaves of the Jacobian and the force
+  std::vector<double> middle_, inverse_;
+  std::vector<int> dependent_, free_columns_;
+  double least_pivot_ = 0.0;
+  std::vector<char> row_done_, column_done_;
+  std::vector<Interval>
+      motion_;  // n x (freedoms + 1): dx / dp, and the last column what closes the loops of the middle
+};
+
+}  // namespace poise

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "statics/static_model.hpp"
+
+namespace poise {
+
+/// Which full turns of a mechanism's angles leave it as it is. Points, and so closures, loads and springs between
+/// points, do not change when any coordinate angle makes a full turn; springs and stops on angles can: an angle is a
+/// sum
+///   g = constant + sum_i c_i x_i
+/// of coordinates, which turns by k_i change by 2 pi sum_i c_i k_i. A constant torque is the same at every turn.
+class Turns {
+ public:
+  explicit Turns(const StaticModel& model);
+
+  /// Whether a spring or stop acts on an angle.
+  bool count() const { return !told_.empty(); }
+  /// Whether a coordinate changes such an angle.
+  bool count(int coordinate) const;
+
+  /// The largest difference of coordinates (rad or mechanism sizes) of a from b turned fully so as to be next to a;
+  /// infinite where springs or stops tell that turn apart.
+  double distance(const std::vector<double>& a, const std::vector<double>& b) const;
+
+  /// The same pose with every angle in [-pi, pi] that no spring or stop binds to the ground; angles that are bound to
+  /// each other turn together.
+  std::vector<double> reduced(std::vector<double> x) const;
+
+ private:
+  struct Term {
+    int coordinate;
+    double factor;
+  };
+  using Angle = std::vector<Term>;
+
+  int angles_ = 0;           // that are kept
+  std::vector<Angle> told_;  // that springs and stops act on
+  std::vector<int> group_;   // per angle: the first of those that turn together, or -1: bound to the ground
+};
+
+}  // namespace poise
