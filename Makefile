@@ -1,5 +1,5 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | bench | benchmarks | figures | docs | lint | format | compile-time | install PREFIX=/usr/local
+#   make run | test | mutants | bench | benchmarks | figures | docs | lint | format | compile-time | install PREFIX=/usr/local
 #        setup | clean
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 
@@ -11,13 +11,19 @@ BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
 SOURCE_FOLDERS := model solvers studies statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
 
-.PHONY: run test bench benchmarks figures docs lint format compile-time install setup configure app all clean
+.PHONY: run test mutants bench benchmarks figures docs lint format compile-time install setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
 
 test: all
 	ctest --preset $(PRESET) -j $(JOBS)
+
+# Puts one error after the other into bounds and proofs, and requires that the tests notice each (an hour);
+# ONLY='box_prover.cpp: a sliver' tries those whose file and name match.
+mutants: all
+	cmake -D source_dir=$(CURDIR) -D build_dir=$(CURDIR)/$(BUILD) -D generator=Ninja -D compiler=$(or $(CXX),c++) \
+	  -D jobs=$(JOBS) -D "only=$(ONLY)" -P tests/mutants/run.cmake
 
 bench: benchmarks
 	$(BUILD)/benchmarks/poise_ratios
