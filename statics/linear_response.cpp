@@ -112,4 +112,11 @@ LinearResponse::LinearResponse(NumberedEquations equations, std::vector<double> 
   if (!(change < 1e-9) || !(moved < farthest)) why_ = "the free-body equations do not converge to the equilibrium";
 }
 
+LinearResponse response_at(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
+                           double rank_tolerance) {
+  const Scene scene = model.scaled_scene();
+  const std::vector<double> poses = poses_of(model, x);
+  return {NumberedEquations(scene, held_at(scene, poses, active)), poses, rank_tolerance};
+}
+
 }  // namespace poise

@@ -90,4 +90,8 @@ class LinearResponse {
   ResidualDerivatives at_;
 };
 
+/// The same where a model is in equilibrium at scaled coordinates x, the stops `active` holding.
+LinearResponse response_at(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
+                           double rank_tolerance);
+
 }  // namespace poise

@@ -400,12 +400,10 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
   if (found.stop >= 0 && std::find(active.begin(), active.end(), found.stop) == active.end()) {
     active.push_back(found.stop);
   }
-  const Scene scene = there->scaled_scene();
-  const std::vector<double> poses = poses_of(*there, found.fold.at.x);
   const bool turns = found.stop < 0 && found.spring < 0;  // not a corner
   // Across the fold the matrix is singular, and Newton's steps along its null vector are rounding.
-  const LinearResponse response(NumberedEquations(scene, held_at(scene, poses, active)), poses,
-                                turns ? solvers::known_to::path : rank_tolerance);
+  const LinearResponse response =
+      response_at(*there, found.fold.at.x, active, turns ? solvers::known_to::path : rank_tolerance);
   const NumberedEquations& equations = response.equations();
   out.why = response.why().empty() ? without_direction(equations, response.z()) : response.why();
   if (!out.why.empty()) return out;
@@ -423,7 +421,7 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
       condition.kind = SoughtQuantity::Kind::stop_reaction;
       condition.item = found.stop;
     } else {
-      condition.on = scene.elements[found.spring].on;
+      condition.on = equations.scene().elements[found.spring].on;
     }
     QuantityGradient gradient = response.gradient(condition);
     if (found.stop < 0) {
@@ -479,11 +477,10 @@ Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQu
         "length: derivatives differ on both sides";
   }
   if (!out.why.empty()) return out;
-  const std::vector<double> poses = poses_of(model, out.equilibrium.x);
   // Where an isolated equilibrium is proved, small pivots are those of soft springs.
   const bool is_isolated = proof.outcome == Outcome::proved && proof.redundant == 0;
   const double tolerance = is_isolated ? solvers::known_to::rounding : rank_tolerance;
-  const LinearResponse response(NumberedEquations(scene, held_at(scene, poses, proof.active_stops)), poses, tolerance);
+  const LinearResponse response = response_at(model, out.equilibrium.x, proof.active_stops, tolerance);
   out.why = response.why().empty() ? without_direction(response.equations(), response.z()) : response.why();
   if (!out.why.empty()) return out;
   const AtEquilibrium at(response, model.scales(), columns_of(response.equations(), response, out.without), tolerance,

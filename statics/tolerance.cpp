@@ -437,10 +437,8 @@ class Sampler {
       const StaticModel model(std::move(scene), model_.scales());
       const Equilibrium found = solve(model, options_.solve);
       if (!found.found()) return false;
-      const std::vector<double> poses = poses_of(model, found.x);
-      const Scene scaled = model.scaled_scene();
-      const LinearResponse there(NumberedEquations(scaled, held_at(scaled, poses, found.certificate.active_stops)),
-                                 poses, solvers::known_to::solution);
+      const LinearResponse there =
+          response_at(model, found.x, found.certificate.active_stops, solvers::known_to::solution);
       if (!there.why().empty()) return false;
       read(there.equations(), there.equations().numbers(), there.z(), work.placed, values);
       return true;
@@ -608,14 +606,11 @@ ToleranceStudy tolerance_study(const StaticModel& model, const std::vector<Toler
     out.why = "the equilibrium is unstable, and scenes with other numbers do not come to rest near it";
   }
   if (!out.why.empty()) return out;
-  const Scene scene = model.scaled_scene();
-  const std::vector<double> poses = poses_of(model, first.equilibrium.x);
-  const LinearResponse response(
-      NumberedEquations(scene, held_at(scene, poses, first.equilibrium.certificate.active_stops)), poses,
-      solvers::known_to::solution);
+  const LinearResponse response =
+      response_at(model, first.equilibrium.x, first.equilibrium.certificate.active_stops, solvers::known_to::solution);
   if (response.equations().unknowns() > most_unknowns) {
-    throw InputError(fmt::format("{}: expected a mechanism of at most {} places and joint forces, found {}", scene.file,
-                                 most_unknowns, response.equations().unknowns()));
+    throw InputError(fmt::format("{}: expected a mechanism of at most {} places and joint forces, found {}",
+                                 model.scene().file, most_unknowns, response.equations().unknowns()));
   }
   std::vector<SoughtQuantity> sampled;
   std::vector<std::size_t> places;
