@@ -175,13 +175,13 @@ class Finder {
     // An assembly mode that is met first here has turns of its own, which the boxes did not cover.
     AllEquilibriaOptions left = options_;
     for (bool more = true; more;) {
-      const auto begin = std::chrono::steady_clock::now();
+      const auto begin = Clock::now();
       proof_ = enclose_(model_, *loops_, left);
       const std::size_t before = loops_->curves();
       if (loops_->known()) {
         for (const std::vector<double>& x : proof_.found) loops_->add(x);
       }
-      left.seconds -= std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      left.seconds -= std::chrono::duration<double>(Clock::now() - begin).count();
       more = proof_.applies && !proof_.interrupted && loops_->curves() > before;
     }
     out_.singular = std::move(proof_.singular);

@@ -68,12 +68,7 @@ void find_assembly_modes(const StaticModel& model, int repeated, LoopTurns& loop
   const auto is_decided = [&](const CoordinateBox& box, bool is_regular) {
     const bool is_small = widest(box) <= least;
     if (!is_small && !is_regular) return false;
-    std::vector<double> lower, upper;
-    for (const Interval& x : box) {
-      lower.push_back(x.lower());
-      upper.push_back(x.upper());
-    }
-    if (loops.passes(lower, upper)) return true;
+    if (loops.passes(lower_corner(box), upper_corner(box))) return true;
     const std::vector<double> middle = middle_of(box);
     const std::vector<double> pose = loops.closed(middle);
     const bool is_inside = !pose.empty() && loops.distance(pose, middle) <= 0.5 * widest(box);

@@ -60,6 +60,18 @@ double widest(const CoordinateBox& box) {
   return most;
 }
 
+std::vector<double> lower_corner(const CoordinateBox& box) {
+  std::vector<double> out;
+  for (const Interval& x : box) out.push_back(x.lower());
+  return out;
+}
+
+std::vector<double> upper_corner(const CoordinateBox& box) {
+  std::vector<double> out;
+  for (const Interval& x : box) out.push_back(x.upper());
+  return out;
+}
+
 void BoxProver::Verdict::cut(CoordinateBox& lower, CoordinateBox& upper) const {
   lower[split] = Interval(lower[split].lower(), split_at);
   upper[split] = Interval(split_at, upper[split].upper());

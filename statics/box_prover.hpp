@@ -16,6 +16,9 @@ using CoordinateBox = std::vector<Interval>;
 
 /// Width of its widest interval, rad or mechanism sizes.
 double widest(const CoordinateBox& box);
+/// The lower and the upper ends of its intervals.
+std::vector<double> lower_corner(const CoordinateBox& box);
+std::vector<double> upper_corner(const CoordinateBox& box);
 
 /// Rounds of a loop whose bodies make full turns, in which springs on angles wind up. After N rounds angle i has made
 /// N turns[i] full turns, and forces have changed by N change, since the springs are linear. A box with several rounds

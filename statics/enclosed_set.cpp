@@ -125,7 +125,7 @@ class Search {
       if (verdict.finding == BoxProver::Finding::unique) own_found.push_back(std::move(verdict.at));
       if (verdict.finding == BoxProver::Finding::locked) own_locked.push_back(task);
       if (verdict.finding != BoxProver::Finding::open) {
-        settle(task.share);
+        decided_ += task.share;
         continue;
       }
       if (task.winding == nullptr && widest(task.box) < width_) {
@@ -143,12 +143,9 @@ class Search {
         const double middle = std::floor(0.5 * (task.rounds.lower() + task.rounds.upper()));
         task.rounds = Interval(task.rounds.lower(), middle);
         other.rounds = Interval(middle + 1, other.rounds.upper());
-        task.share = other.share = 0.5 * task.share;
-        own.push_back(std::move(other));
-        own.push_back(std::move(task));
-        continue;
+      } else {
+        verdict.cut(task.box, other.box);
       }
-      verdict.cut(task.box, other.box);
       task.share = other.share = 0.5 * task.share;
       own.push_back(std::move(other));
       own.push_back(std::move(task));
@@ -170,12 +167,6 @@ class Search {
     own.push_back(std::move(waiting_.back()));
     waiting_.pop_back();
     return true;
-  }
-
-  void settle(double share) {
-    double before = decided_;
-    while (!decided_.compare_exchange_weak(before, before + share)) {
-    }
   }
 
   // Now and then: time, interrupt, progress, and work for threads that have none.
@@ -457,6 +448,8 @@ class OpenAngles {
   std::vector<Interval> at_zero_, jacobian_;
 };
 
+UndecidedBox undecided(const CoordinateBox& box) { return {lower_corner(box), upper_corner(box), false, ""}; }
+
 // One box around all, of which there may be many where the search was stopped.
 std::vector<UndecidedBox> around(const std::vector<Task>& tasks) {
   if (tasks.empty()) return {};
@@ -464,12 +457,7 @@ std::vector<UndecidedBox> around(const std::vector<Task>& tasks) {
   for (const Task& task : tasks) {
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = hull(all[i], task.box[i]);
   }
-  UndecidedBox out;
-  for (const Interval& x : all) {
-    out.lower.push_back(x.lower());
-    out.upper.push_back(x.upper());
-  }
-  return {out};
+  return {undecided(all)};
 }
 
 // Joins boxes that touch, turned fully where turns do not count.
@@ -477,11 +465,7 @@ std::vector<UndecidedBox> joined(const StaticModel& model, const Turns& turns, c
   constexpr double slack = 1e-3;  // near each other is the same place
   std::vector<UndecidedBox> out;
   for (const Task& task : tasks) {
-    UndecidedBox box;
-    for (const Interval& x : task.box) {
-      box.lower.push_back(x.lower());
-      box.upper.push_back(x.upper());
-    }
+    UndecidedBox box = undecided(task.box);
     bool grown = true;
     std::vector<double> by(box.lower.size());
     while (grown) {
