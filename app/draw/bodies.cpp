@@ -58,13 +58,13 @@ void draw_shadow(Stage& stage, const std::vector<Vec2>& shape) {
   } else if (shape.size() == 2) {
     stage.canvas.line(shape[0], shape[1], {.stroke = ink::ghost, .width = 0.7 * stage.bar_width});
   } else if (shape.size() > 2) {
-    stage.canvas.polygon(shape, {.fill = "#f1f3f5", .stroke = ink::ghost, .width = 0.5 * stage.bar_width});
+    stage.canvas.polygon(shape, {.fill = ink::shadow, .stroke = ink::ghost, .width = 0.5 * stage.bar_width});
   }
 }
 
 void draw_body(Stage& stage, int body) {
   const std::vector<Vec2> shape = stage.outline(body, stage.now);
-  const std::string colour = body_colour(body - 1);
+  const Colour colour = body_colour(body - 1);
   if (stage.cylinder_of_body(body) != nullptr) {
     // Barrel and rod are drawn together.
   } else if (shape.size() == 2) {
@@ -159,7 +159,7 @@ void draw_paths(Stage& stage) {
       if (points.empty() || norm(stage.page(p) - points.back()) > visible) points.push_back(stage.page(p));
     }
     if (points.empty()) continue;
-    const std::string colour = curve_colour(k);
+    const Colour colour = curve_colour(k);
     stage.canvas.polyline(points, {.stroke = colour, .width = 1.8});
     stage.canvas.circle(points.front(), 2.6, {.fill = colour});
     for (std::size_t i = 1; i < points.size(); ++i) stage.setter.avoid(points[i - 1], points[i], 2.0);

@@ -17,17 +17,17 @@ std::string px(double v) {
 }
 
 std::string attributes(const Paint& paint) {
-  std::string text = fmt::format(" fill=\"{}\"", paint.fill);
-  if (paint.stroke != "none") {
+  std::string text = fmt::format(" fill=\"{}\"", light_value(paint.fill));
+  if (paint.stroke != Colour::none) {
     text += fmt::format(" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\"",
-                        paint.stroke, px(paint.width));
+                        light_value(paint.stroke), px(paint.width));
     if (!paint.dash.empty()) text += fmt::format(" stroke-dasharray=\"{}\"", paint.dash);
   }
   if (paint.opacity < 1.0) text += fmt::format(" opacity=\"{}\"", px(paint.opacity));
   return text;
 }
 
-double rim(const Paint& paint) { return paint.stroke == "none" ? 0.0 : paint.width / 2; }
+double rim(const Paint& paint) { return paint.stroke == Colour::none ? 0.0 : paint.width / 2; }
 
 // Width of a letter in ems.
 double letter_width(char c) {
@@ -123,7 +123,7 @@ void Canvas::text(Vec2 at, std::string_view text, const TextStyle& style) {
   const double width = text_width(text, style.size);
   const char* anchor = style.align == Align::start ? "start" : style.align == Align::end ? "end" : "middle";
   elements_ += fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"{}\" fill=\"{}\"", px(at.x),
-                           px(at.y), px(style.size), anchor, style.colour);
+                           px(at.y), px(style.size), anchor, light_value(style.colour));
   if (style.bold) elements_ += " font-weight=\"bold\"";
   if (style.italic) elements_ += " font-style=\"italic\"";
   if (style.halo) elements_ += " stroke=\"white\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"";

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/draw/palette.hpp"
 #include "model/planar.hpp"
 
 namespace poise::app {
@@ -23,12 +24,12 @@ struct Box {
   Vec2 middle() const { return 0.5 * (low + high); }
 };
 
-/// How a shape is filled and drawn. Colours as SVG writes them; "none" leaves it out.
+/// How a shape is filled and drawn.
 struct Paint {
-  std::string fill = "none";
-  std::string stroke = "none";
+  Colour fill = Colour::none;
+  Colour stroke = Colour::none;
   double width = 1.0;
-  std::string dash{};  ///< "5 3", empty for a full line
+  std::string_view dash{};  ///< "5 3", empty for a full line; of static duration
   double opacity = 1.0;
 };
 
@@ -36,10 +37,10 @@ enum class Align { start, middle, end };
 
 struct TextStyle {
   double size = 11.0;
-  std::string colour = "#222b33";
+  Colour colour = Colour::text;
   bool bold = false;
   bool italic = false;
-  bool halo = true;  ///< white rim, so that text stays legible over lines
+  bool halo = true;  ///< rim of paper, so that text stays legible over lines
   Align align = Align::middle;
 };
 

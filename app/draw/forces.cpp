@@ -61,8 +61,8 @@ Arrow place_load(const Stage& stage, Vec2 at, Vec2 force) {
 }
 
 /// Draws the arrow with its label at its end away from `at`.
-void draw_force(Stage& stage, Vec2 at, const Arrow& arrow, const std::string& text, const std::string& colour,
-                double width, const std::string& dash) {
+void draw_force(Stage& stage, Vec2 at, const Arrow& arrow, const std::string& text, Colour colour, double width,
+                std::string_view dash) {
   draw_arrow(stage.canvas, arrow.tail, arrow.tip, colour, width, dash);
   stage.arrows.emplace_back(arrow.tail, arrow.tip);
   stage.setter.avoid(arrow.tail, arrow.tip, width + 6);
@@ -71,8 +71,8 @@ void draw_force(Stage& stage, Vec2 at, const Arrow& arrow, const std::string& te
   stage.label(text, far, (1 / norm(far - at)) * (far - at), 4, colour);
 }
 
-void draw_turning(Stage& stage, Vec2 at, double radius, double moment, const std::string& text,
-                  const std::string& colour, double width, const std::string& dash = "") {
+void draw_turning(Stage& stage, Vec2 at, double radius, double moment, const std::string& text, Colour colour,
+                  double width, std::string_view dash = {}) {
   draw_turning_arrow(stage.canvas, at, radius, {0.5, 0.866}, moment > 0, colour, width, dash);
   stage.setter.avoid(at, radius);
   if (!text.empty()) stage.label(text, at, {-0.7, -0.7}, radius + 4, colour);
@@ -94,7 +94,7 @@ Vec2 held_at(const Stage& stage, int body) {
 void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const bool at_ground = joint.a.body == 0 || joint.b.body == 0;
   if (stage.detail != Detail::full && !at_ground) return;
-  const std::string colour = ink::reaction;
+  const Colour colour = ink::reaction;
   const Vec2 at = stage.page(reaction.at);
   const std::string mark = reaction.determined ? "" : "*";
   if (joint.keeps_length()) {
@@ -114,7 +114,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const bool has_moment = std::abs(reaction.moment) > negligible * stage.largest_force * stage.extent;
   if (!has_force && !has_moment) return;
   stage.signs.insert(reaction.determined ? Sign::reaction : Sign::undetermined_reaction);
-  const std::string dash = reaction.determined ? "" : "4 3";
+  const std::string_view dash = reaction.determined ? "" : "4 3";
   const double width = at_ground ? 1.5 : 1.0;
   const std::string name = stage.short_name(joint);
   const auto text = [&](double value, Quantity quantity, int body) {

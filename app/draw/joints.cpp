@@ -84,7 +84,7 @@ void draw_guide(Stage& stage, std::size_t j) {
     stage.setter.avoid(track.low + half_height * down, track.high + half_height * down, 8.0);
   }
   if (joint.kind == Joint::Kind::pin_in_slot) {
-    const std::string fill = joint.a.body == 0 ? "#eef1f3" : body_colour(joint.a.body - 1);
+    const Colour fill = joint.a.body == 0 ? ink::support : body_colour(joint.a.body - 1);
     draw_slot(stage.canvas, track.low, track.high, 2 * half_height, {.fill = fill, .stroke = ink::dark, .width = 1.1});
     stage.setter.avoid(track.low, track.high, 2 * half_height);
   } else if (joint.a.body == 0) {
@@ -100,7 +100,7 @@ void draw_slide_block(Stage& stage, std::size_t j) {
   const Joint& joint = stage.scene.joints[j];
   const Track track = track_of(stage, j);
   const bool sketchy = stage.detail == Detail::sketch;
-  const std::string fill = joint.b.body == 0 ? "#eef1f3" : body_colour(joint.b.body - 1);
+  const Colour fill = joint.b.body == 0 ? ink::support : body_colour(joint.b.body - 1);
   draw_block(stage.canvas, track.at, track.along, sketchy ? 6 : 32, sketchy ? 4 : 18,
              {.fill = fill, .stroke = ink::dark, .width = sketchy ? 0.6 : 1.3});
   if (!sketchy) stage.setter.avoid(track.at - 16.0 * track.along, track.at + 16.0 * track.along, 18.0);

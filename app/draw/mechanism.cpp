@@ -93,15 +93,15 @@ Canvas draw_scale_bar(const Stage& stage) {
 
 using Draw = std::function<void(Canvas&)>;  // in 0 .. 34, centred on y = 0
 
-Draw an_arrow(const char* colour, double width, const char* dash = "") {
+Draw an_arrow(Colour colour, double width, const char* dash = "") {
   return [=](Canvas& c) { draw_arrow(c, {2, 0}, {32, 0}, colour, width, dash); };
 }
 
-Draw a_spring(const char* colour, double width, const char* dash = "") {
+Draw a_spring(Colour colour, double width, const char* dash = "") {
   return [=](Canvas& c) { draw_spring(c, {0, 0}, {34, 0}, {}, {.stroke = colour, .width = width, .dash = dash}); };
 }
 
-Draw a_line(Vec2 a, Vec2 b, const char* colour, double width) {
+Draw a_line(Vec2 a, Vec2 b, Colour colour, double width) {
   return [=](Canvas& c) { c.line(a, b, {.stroke = colour, .width = width}); };
 }
 
@@ -208,7 +208,7 @@ std::vector<std::string> wrapped(const std::string& text, double size, double wi
 double draw_heading(Canvas& page, const Scene& scene, const std::string& heading, bool confirmed, Vec2 at,
                     double width) {
   double y = at.y + 18;
-  const auto write = [&](const std::string& text, double size, const std::string& colour, bool bold) {
+  const auto write = [&](const std::string& text, double size, Colour colour, bool bold) {
     for (const std::string& line : wrapped(text, size, width)) {
       page.text({at.x, y}, line, {.size = size, .colour = colour, .bold = bold, .halo = false, .align = Align::start});
       y += 1.35 * size;

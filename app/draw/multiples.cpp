@@ -53,7 +53,7 @@ std::string draw_multiples(const std::vector<Multiple>& multiples) {
     for (std::size_t i = row; i < std::min(row + most_columns, pictures.size()); ++i) {
       const double x = margin + static_cast<double>(i - row) * (cell + gap);
       const std::vector<std::string> caption = wrapped(multiples[i].caption, text_size, cell);
-      const std::string colour = multiples[i].colour.empty() ? ink::dark : multiples[i].colour;
+      const Colour colour = multiples[i].colour == Colour::none ? ink::dark : multiples[i].colour;
       for (std::size_t k = 0; k < caption.size(); ++k) {
         page.text({x + cell / 2, y + static_cast<double>(k + 1) * row_of_text}, caption[k],
                   {.size = text_size, .colour = colour, .halo = false});

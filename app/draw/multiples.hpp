@@ -12,7 +12,7 @@ struct Multiple {
   std::string caption;
   const Scene* scene = nullptr;  ///< those of all pictures have the same bodies
   Poses poses;
-  std::string colour{};  ///< of the caption; empty: that of all text
+  Colour colour = Colour::none;  ///< of the caption; none: that of all text
 };
 
 /// Pictures of a mechanism in several positions side by side, without labels and loads, in the same scale and frame,

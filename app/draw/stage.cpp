@@ -242,8 +242,7 @@ std::string Stage::value(double si, Quantity quantity) const {
   return (si < 0 && text != "0" ? "\u2212" : "") + text + " " + unit.unit;
 }
 
-void Stage::label(std::string text, Vec2 anchor, Vec2 toward, double gap, const std::string& colour, double size,
-                  bool italic) {
+void Stage::label(std::string text, Vec2 anchor, Vec2 toward, double gap, Colour colour, double size, bool italic) {
   Label label{.text = std::move(text), .anchor = anchor, .gap = gap, .toward = toward};
   label.style.colour = colour;
   label.style.size = size;

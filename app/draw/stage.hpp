@@ -115,7 +115,7 @@ class Stage {
   /// "12.5 N", with a true minus sign.
   std::string value(double si, Quantity quantity) const;
   /// Asks for a label; set when everything is drawn.
-  void label(std::string text, Vec2 anchor, Vec2 toward, double gap, const std::string& colour, double size = 11.0,
+  void label(std::string text, Vec2 anchor, Vec2 toward, double gap, Colour colour, double size = 11.0,
              bool italic = false);
 
  private:

@@ -8,7 +8,7 @@ namespace poise::app {
 namespace {
 
 struct Colours {
-  const char* line;
+  Colour line;
   double width;
 };
 

@@ -19,25 +19,13 @@ Vec2 direction(Vec2 a, Vec2 b) {
 double corner_of(Vec2 a, Vec2 b, Vec2 shift) { return norm(shift) > 0 ? std::min(14.0, 0.12 * norm(b - a)) : 0.0; }
 
 // Tip and the two corners of an arrow's head that points along `u`.
-void draw_head(Canvas& canvas, Vec2 tip, Vec2 u, double length, const std::string& colour) {
+void draw_head(Canvas& canvas, Vec2 tip, Vec2 u, double length, Colour colour) {
   const Vec2 back = tip - length * u;
   const Vec2 side = 0.36 * length * quarter_turn(u);
   canvas.polygon({tip, back + side, back - side}, {.fill = colour, .stroke = colour, .width = 0.6});
 }
 
 }  // namespace
-
-const char* body_colour(int i) {
-  static constexpr std::array<const char*, 9> colours = {"#9fb1c4", "#d3b27c", "#93b795", "#bf9fc0", "#b7b48a",
-                                                         "#dba58f", "#8fbcc0", "#c7b8a3", "#a9a7cf"};
-  return colours[i % colours.size()];
-}
-
-const char* curve_colour(std::size_t i) {
-  static constexpr std::array<const char*, curve_colours> colours = {"#0072b2", "#e69f00", "#cc79a7", "#d55e00",
-                                                                     "#2b343c", "#56b4e9", "#009e73"};
-  return colours[i % colours.size()];
-}
 
 double seen_angle(Vec2 direction) { return std::atan2(-direction.y, direction.x); }
 
@@ -57,16 +45,16 @@ void draw_support(Canvas& canvas, Vec2 at, Vec2 down) {
   const Vec2 along = quarter_turn(down);
   const Vec2 foot = at + 17.0 * down;
   canvas.polygon({at, foot + 10.0 * along, foot - 10.0 * along},
-                 {.fill = "#eef1f3", .stroke = ink::dark, .width = 1.4});
+                 {.fill = ink::support, .stroke = ink::dark, .width = 1.4});
   draw_ground(canvas, foot - 17.0 * along, foot + 17.0 * along, down);
 }
 
 void draw_pin(Canvas& canvas, Vec2 at, double radius) {
-  canvas.circle(at, radius, {.fill = "white", .stroke = ink::dark, .width = std::max(0.8, 0.36 * radius)});
+  canvas.circle(at, radius, {.fill = ink::paper, .stroke = ink::dark, .width = std::max(0.8, 0.36 * radius)});
 }
 
 void draw_centre_of_mass(Canvas& canvas, Vec2 at, double radius) {
-  canvas.circle(at, radius, {.fill = "white", .stroke = ink::dark, .width = 0.9});
+  canvas.circle(at, radius, {.fill = ink::paper, .stroke = ink::dark, .width = 0.9});
   for (int quarter : {0, 2}) {
     const Vec2 u = unit(quarter * M_PI_2);
     std::vector<Vec2> wedge{at};
@@ -75,27 +63,27 @@ void draw_centre_of_mass(Canvas& canvas, Vec2 at, double radius) {
   }
 }
 
-void draw_bar(Canvas& canvas, Vec2 a, Vec2 b, double width, const std::string& fill) {
+void draw_bar(Canvas& canvas, Vec2 a, Vec2 b, double width, Colour fill) {
   const double rim = std::min(1.1, 0.2 * width);
   canvas.line(a, b, {.stroke = ink::dark, .width = width});
   canvas.line(a, b, {.stroke = fill, .width = width - 2 * rim});
 }
 
-void draw_cylinder(Canvas& canvas, Vec2 foot, Vec2 mouth, Vec2 piston, Vec2 eye, double width,
-                   const std::string& barrel, const std::string& rod) {
+void draw_cylinder(Canvas& canvas, Vec2 foot, Vec2 mouth, Vec2 piston, Vec2 eye, double width, Colour barrel,
+                   Colour rod) {
   const Vec2 along = direction(foot, eye);
   const Vec2 half = 0.5 * width * quarter_turn(along);
   const Vec2 base = foot + std::min(0.7 * width, 0.3 * norm(mouth - foot)) * along;
   const std::vector<Vec2> tube{base + half, mouth + half, mouth - half, base - half};
   draw_bar(canvas, foot, base, 0.45 * width, barrel);
-  canvas.polygon(tube, {.fill = "white"});
+  canvas.polygon(tube, {.fill = ink::paper});
   canvas.polygon(tube, {.fill = barrel, .opacity = 0.4});
   draw_bar(canvas, piston, eye, 0.35 * width, rod);
   canvas.line(piston + 0.8 * half, piston - 0.8 * half, {.stroke = ink::dark, .width = 0.25 * width});
   canvas.polygon(tube, {.stroke = ink::dark, .width = 1.2});
 }
 
-void draw_massless_bar(Canvas& canvas, Vec2 a, Vec2 b, double width) { draw_bar(canvas, a, b, width, "white"); }
+void draw_massless_bar(Canvas& canvas, Vec2 a, Vec2 b, double width) { draw_bar(canvas, a, b, width, ink::paper); }
 
 void draw_block(Canvas& canvas, Vec2 at, Vec2 axis, double length, double height, const Paint& paint) {
   const Vec2 l = 0.5 * length * axis;
@@ -161,15 +149,15 @@ void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& 
   canvas.polyline(points, paint);
 }
 
-void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, const std::string& colour, double width, const std::string& dash) {
+void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width, std::string_view dash) {
   const Vec2 u = direction(tail, tip);
   const double head = std::min(5.0 + 2.6 * width, 0.8 * norm(tip - tail));
   canvas.line(tail, tip - 0.8 * head * u, {.stroke = colour, .width = width, .dash = dash});
   draw_head(canvas, tip, u, head, colour);
 }
 
-void draw_turning_arrow(Canvas& canvas, Vec2 at, double radius, Vec2 from, bool counter_clockwise,
-                        const std::string& colour, double width, const std::string& dash) {
+void draw_turning_arrow(Canvas& canvas, Vec2 at, double radius, Vec2 from, bool counter_clockwise, Colour colour,
+                        double width, std::string_view dash) {
   constexpr double sweep = 4.2;
   const double sense = counter_clockwise ? 1.0 : -1.0;
   const double begin = seen_angle(from);

@@ -122,7 +122,7 @@ TEST(Picture, XmlIsEscaped) {
 TEST(Picture, CanvasHasTheBoxOfItsElements) {
   Canvas canvas;
   EXPECT_TRUE(canvas.bounds().empty());
-  canvas.circle({10, 20}, 5, {.stroke = "black", .width = 2});
+  canvas.circle({10, 20}, 5, {.stroke = ink::dark, .width = 2});
   EXPECT_DOUBLE_EQ(canvas.bounds().low.x, 4);
   EXPECT_DOUBLE_EQ(canvas.bounds().high.y, 26);
   Canvas page;
@@ -161,7 +161,7 @@ TEST(Picture, LabelKeepsOffALine) {
 }
 
 TEST(Picture, DashpotJoinsItsEndsAndStepsAside) {
-  const Paint paint{.stroke = "black", .width = 1};
+  const Paint paint{.stroke = ink::dark, .width = 1};
   Canvas straight;
   draw_dashpot(straight, {0, 0}, {100, 0}, {}, paint);
   EXPECT_NEAR(straight.bounds().low.x, 0, 1);

@@ -9,6 +9,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,7 +18,7 @@
 #include "app/draw/chart/axis.hpp"
 #include "app/draw/chart/gnuplot.hpp"
 #include "app/draw/chart/thinned.hpp"
-#include "app/draw/symbols.hpp"
+#include "app/draw/palette.hpp"
 #include "model/scene.hpp"
 #include "tests/app/run_poise.hpp"
 
@@ -144,10 +145,10 @@ TEST(Plot, PutsPointsWhereTheyBelong) {
 }
 
 /// Linear red, green and blue of "#rrggbb".
-std::array<double, 3> linear_rgb(const std::string& colour) {
+std::array<double, 3> linear_rgb(std::string_view colour) {
   std::array<double, 3> rgb{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double c = std::stoi(colour.substr(1 + 2 * i, 2), nullptr, 16) / 255.0;
+    const double c = std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16) / 255.0;
     rgb[i] = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
   }
   return rgb;
@@ -177,15 +178,18 @@ TEST(Plot, ColoursOfNeighboursDifferForTheColourBlindToo) {
       {{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}}};
   constexpr ColourMatrix deuteranopia = {
       {{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.011820, 0.042940, 0.968881}}};
-  for (const auto& [seen, least] : {std::pair(all, 55.0), std::pair(protanopia, 45.0), std::pair(deuteranopia, 45.0)}) {
-    for (std::size_t i = 0; i < curve_colours; ++i) {
-      const auto colour = [&](std::size_t k) {
-        std::array<double, 3> rgb = seen * linear_rgb(curve_colour(k));
-        for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
-        return lab(rgb);
-      };
-      const std::array<double, 3> a = colour(i), b = colour(i + 1);
-      EXPECT_GE(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), least) << i;
+  for (const auto value : {light_value, dark_value}) {
+    for (const auto& [seen, least] :
+         {std::pair(all, 55.0), std::pair(protanopia, 45.0), std::pair(deuteranopia, 45.0)}) {
+      for (std::size_t i = 0; i < curve_colours; ++i) {
+        const auto colour = [&](std::size_t k) {
+          std::array<double, 3> rgb = seen * linear_rgb(value(curve_colour(k)));
+          for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
+          return lab(rgb);
+        };
+        const std::array<double, 3> a = colour(i), b = colour(i + 1);
+        EXPECT_GE(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), least) << i << " " << value(curve_colour(i));
+      }
     }
   }
 }

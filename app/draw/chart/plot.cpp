@@ -13,7 +13,7 @@
 #include "app/draw/chart/axis.hpp"
 #include "app/draw/chart/gnuplot.hpp"
 #include "app/draw/chart/thinned.hpp"
-#include "app/draw/symbols.hpp"
+#include "app/draw/palette.hpp"
 #include "app/present/numbers.hpp"
 #include "model/scene.hpp"
 
@@ -46,10 +46,6 @@ constexpr std::size_t most_points = 4000;
 constexpr std::size_t least_points = 40;
 // A dot is a line of this length, px, with round ends: a tenth of the text that gnuplot's own markers take.
 constexpr double dot_length = 0.1;
-
-constexpr const char* grid_colour = "#e6eaee";
-constexpr const char* zero_colour = "#b9c0c7";
-constexpr const char* band_colour = "#eef3f8";
 
 // Placeholders in gnuplot's output, replaced afterwards.
 constexpr const char* font_name = "poise-chart";
@@ -195,7 +191,8 @@ class Script {
         "set multiplot\nset border 3 lc rgb '{}' lw 1\n"
         "set tics nomirror out scale 0.5 textcolor rgb '{}'\nset xtics offset 0,0.3\nset grid lt 1 lc rgb '{}' lw 1\n"
         "set xzeroaxis lt 1 lc rgb '{}' lw 1\n",
-        width_, height_, font_name, text_size, zero_colour, ink::dark, grid_colour, zero_colour);
+        width_, height_, font_name, text_size, light_value(ink::zero), light_value(ink::dark), light_value(ink::grid),
+        light_value(ink::zero));
     for (std::size_t i = 0; i < charts_.size(); ++i) draw(charts_[i], frames_[i]);
     return text_ + "unset multiplot\n";
   }
@@ -269,15 +266,15 @@ class Script {
     set_axis('y', chart.y, panel.log_y, false);
     add("set key at screen {:.6f},{:.6f} left top vertical Left reverse samplen 1.5 spacing 1.0 textcolor rgb '{}'\n",
         across(columns_ == 1 ? frame.right + legend_gap - 10 : frame.left),
-        up(columns_ == 1 ? frame.top : frame.bottom + below_graph - 4), ink::dark);
+        up(columns_ == 1 ? frame.top : frame.bottom + below_graph - 4), light_value(ink::dark));
     label(panel.title, frame.left, frame.top - 16,
-          fmt::format("left font '{}:Bold,{}' textcolor rgb '{}'", font_name, title_size, ink::dark));
-    const std::string remark = fmt::format("textcolor rgb '{}'", ink::ground);
+          fmt::format("left font '{}:Bold,{}' textcolor rgb '{}'", font_name, title_size, light_value(ink::dark)));
+    const std::string remark = fmt::format("textcolor rgb '{}'", light_value(ink::ground));
     label(panel.x_label, (frame.left + frame.right) / 2, frame.bottom + 33, "center " + remark);
     label(panel.y_label, frame.left - chart.left + 3, (frame.top + frame.bottom) / 2, "center rotate by 90 " + remark);
     for (const Arrow& arrow : panel.arrows) {
       add("set arrow from {},{} to {},{} size screen 0.008,20 filled front lt 1 lw 1 lc rgb '{}'\n", arrow.from_x,
-          arrow.from_y, arrow.to_x, arrow.to_y, ink::ground);
+          arrow.from_y, arrow.to_x, arrow.to_y, light_value(ink::ground));
     }
     for (const Mark& mark : panel.marks) {
       // Within the graph: at its right edge to the left of the mark.
@@ -286,7 +283,7 @@ class Script {
       add("set label {} at {},{} {} front font '{}:Bold,{}' textcolor rgb '{}' point pt 7 ps 0.5 lc rgb '{}' offset "
           "character {},0.5\n",
           gnuplot_string(mark.label), mark.x, mark.y, at_right != panel.x_falls ? "right" : "left", font_name,
-          text_size, ink::dark, ink::dark, at_right != panel.x_falls ? -0.7 : 0.7);
+          text_size, light_value(ink::dark), light_value(ink::dark), at_right != panel.x_falls ? -0.7 : 0.7);
     }
     draw_curves(chart, frame);
   }
@@ -312,7 +309,7 @@ class Script {
     for (const Curve& curve : panel.curves) {
       const std::size_t number = curve.colour >= 0 ? static_cast<std::size_t>(curve.colour) : turn++;
       const bool crosses = curve.style == Curve::Style::crosses;
-      const char* colour = crosses ? ink::load : curve_colour(number);
+      const std::string_view colour = light_value(crosses ? ink::load : curve_colour(number));
       const bool dots = curve.style == Curve::Style::points;
       const bool marked = curve.style == Curve::Style::marked;
       const auto drawn = [&](const std::string& dash) {
@@ -333,19 +330,19 @@ class Script {
       if (add_data(curve, chart, frame)) shapes.push_back(fmt::format("$data{} using 1:2 {} notitle", data_++, line));
     }
     for (const Level& level : panel.levels) {
-      const std::string line = fmt::format("with lines lt 1 lw 1.2 dt (2,3) lc rgb '{}'", ink::ground);
+      const std::string line = fmt::format("with lines lt 1 lw 1.2 dt (2,3) lc rgb '{}'", light_value(ink::ground));
       legend.push_back(fmt::format("keyentry {} {}", line, titled(*name++)));
       if (chart.y.contains(level.y)) shapes.push_back(fmt::format("{} {} notitle", level.y, line));
     }
     for (const Band& band : panel.bands) {
       legend.push_back(
-          fmt::format("keyentry with boxes fs solid noborder fc rgb '{}' {}", band_colour, titled(*name++)));
+          fmt::format("keyentry with boxes fs solid noborder fc rgb '{}' {}", light_value(ink::band), titled(*name++)));
       if (!chart.y.contains(band.low) || !chart.y.contains(band.high)) continue;
       add("$data{} << END\n{} {} {}\n{} {} {}\nEND\n", data_, chart.x.low, band.low, band.high, chart.x.high, band.low,
           band.high);
       shapes.insert(shapes.begin(),
                     fmt::format("$data{} using 1:2:3 with filledcurves fs solid noborder fc rgb '{}' notitle", data_++,
-                                band_colour));
+                                light_value(ink::band)));
     }
     if (!chart.left_out.empty()) legend.push_back("keyentry with lines lc rgb 'white' " + titled(chart.left_out));
     // A graph without anything in it still has its axes.
