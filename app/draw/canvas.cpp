@@ -38,6 +38,99 @@ double letter_width(char c) {
   return c >= 'A' && c <= 'Z' ? 0.72 : 0.62;
 }
 
+void write_points(std::string& text, std::string_view element, const std::vector<Vec2>& points, const Paint& paint) {
+  text += fmt::format("<{} points=\"", element);
+  for (const Vec2& p : points) text += px(p.x) + "," + px(p.y) + " ";
+  if (!points.empty()) text.pop_back();
+  text += "\"" + attributes(paint) + "/>\n";
+}
+
+// SVG of each shape, appended to a text.
+
+void write(std::string& text, const shape::Line& line) {
+  text += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"{}/>\n", px(line.a.x), px(line.a.y), px(line.b.x),
+                      px(line.b.y), attributes(line.paint));
+}
+
+void write(std::string& text, const shape::Polyline& line) { write_points(text, "polyline", line.points, line.paint); }
+
+void write(std::string& text, const shape::Polygon& area) { write_points(text, "polygon", area.points, area.paint); }
+
+void write(std::string& text, const shape::Circle& circle) {
+  text += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{}/>\n", px(circle.centre.x), px(circle.centre.y),
+                      px(circle.radius), attributes(circle.paint));
+}
+
+void write(std::string& text, const shape::Arc& arc) {
+  const Vec2 a = arc.centre + arc.radius * conj(unit(arc.from));
+  const Vec2 b = arc.centre + arc.radius * conj(unit(arc.to));
+  const std::string radius = px(arc.radius);
+  text += fmt::format("<path d=\"M {} {} A {} {} 0 {} {} {} {}\"{}/>\n", px(a.x), px(a.y), radius, radius,
+                      std::abs(arc.to - arc.from) > M_PI ? 1 : 0, arc.to > arc.from ? 0 : 1, px(b.x), px(b.y),
+                      attributes(arc.paint));
+}
+
+void write(std::string& text, const shape::Text& line) {
+  const TextStyle& style = line.style;
+  const char* anchor = style.align == Align::start ? "start" : style.align == Align::end ? "end" : "middle";
+  text += fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"{}\" fill=\"{}\"", px(line.at.x),
+                      px(line.at.y), px(style.size), anchor, light_value(style.colour));
+  if (style.bold) text += " font-weight=\"bold\"";
+  if (style.italic) text += " font-style=\"italic\"";
+  if (style.halo) {
+    text += fmt::format(" stroke=\"{}\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"",
+                        light_value(ink::paper));
+  }
+  text += ">" + escape_xml(line.text) + "</text>\n";
+}
+
+void write(std::string& text, const shape::Open& group) {
+  text += group.id.empty() ? "<g" : fmt::format("<g id=\"{}\"", group.id);
+  std::string moved;
+  if (!(group.shift == Vec2{})) moved = fmt::format("translate({} {})", px(group.shift.x), px(group.shift.y));
+  if (group.scale != 1.0) moved += fmt::format("{}scale({})", moved.empty() ? "" : " ", group.scale);
+  if (!moved.empty()) text += fmt::format(" transform=\"{}\"", moved);
+  text += ">\n";
+}
+
+void write(std::string& text, const shape::Close& /*unused*/) { text += "</g>\n"; }
+
+/// Takes shapes out of their groups.
+struct Placing {
+  Vec2 shift{};
+  double scale = 1.0;
+
+  void place(Vec2& p) const { p = scale * p + shift; }
+  void place(Paint& paint) const { paint.width *= scale; }
+  void place(shape::Line& line) const {
+    place(line.a);
+    place(line.b);
+    place(line.paint);
+  }
+  void place_points(std::vector<Vec2>& points, Paint& paint) const {
+    for (Vec2& p : points) place(p);
+    place(paint);
+  }
+  void place(shape::Polyline& line) const { place_points(line.points, line.paint); }
+  void place(shape::Polygon& area) const { place_points(area.points, area.paint); }
+  void place(shape::Circle& circle) const {
+    place(circle.centre);
+    circle.radius *= scale;
+    place(circle.paint);
+  }
+  void place(shape::Arc& arc) const {
+    place(arc.centre);
+    arc.radius *= scale;
+    place(arc.paint);
+  }
+  void place(shape::Text& line) const {
+    place(line.at);
+    line.style.size *= scale;
+  }
+  static void place(shape::Open& /*unused*/) {}
+  static void place(shape::Close& /*unused*/) {}
+};
+
 }  // namespace
 
 void Box::include(Vec2 p, double margin) {
@@ -84,73 +177,107 @@ std::string escape_xml(std::string_view text) {
 }
 
 void Canvas::line(Vec2 a, Vec2 b, const Paint& paint) {
-  elements_ += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"{}/>\n", px(a.x), px(a.y), px(b.x), px(b.y),
-                           attributes(paint));
+  add(shape::Line{a, b, paint});
   bounds_.include(a, rim(paint));
   bounds_.include(b, rim(paint));
 }
 
-void Canvas::points(std::string_view element, const std::vector<Vec2>& points, const Paint& paint) {
-  elements_ += fmt::format("<{} points=\"", element);
-  for (const Vec2& p : points) {
-    elements_ += px(p.x) + "," + px(p.y) + " ";
-    bounds_.include(p, rim(paint));
-  }
-  if (!points.empty()) elements_.pop_back();
-  elements_ += "\"" + attributes(paint) + "/>\n";
+void Canvas::polyline(std::vector<Vec2> points, const Paint& paint) {
+  for (const Vec2& p : points) bounds_.include(p, rim(paint));
+  add(shape::Polyline{std::move(points), paint});
 }
 
-void Canvas::polyline(const std::vector<Vec2>& vertices, const Paint& paint) { points("polyline", vertices, paint); }
-
-void Canvas::polygon(const std::vector<Vec2>& vertices, const Paint& paint) { points("polygon", vertices, paint); }
+void Canvas::polygon(std::vector<Vec2> points, const Paint& paint) {
+  for (const Vec2& p : points) bounds_.include(p, rim(paint));
+  add(shape::Polygon{std::move(points), paint});
+}
 
 void Canvas::circle(Vec2 centre, double radius, const Paint& paint) {
-  elements_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{}/>\n", px(centre.x), px(centre.y), px(radius),
-                           attributes(paint));
+  add(shape::Circle{centre, radius, paint});
   bounds_.include(centre, radius + rim(paint));
 }
 
 void Canvas::arc(Vec2 centre, double radius, double from, double to, const Paint& paint) {
-  const auto on_circle = [&](double angle) { return centre + radius * conj(unit(angle)); };
-  const Vec2 a = on_circle(from);
-  const Vec2 b = on_circle(to);
-  elements_ += fmt::format("<path d=\"M {} {} A {} {} 0 {} {} {} {}\"{}/>\n", px(a.x), px(a.y), px(radius), px(radius),
-                           std::abs(to - from) > M_PI ? 1 : 0, to > from ? 0 : 1, px(b.x), px(b.y), attributes(paint));
+  add(shape::Arc{centre, radius, from, to, paint});
   bounds_.include(centre, radius + rim(paint));
 }
 
 void Canvas::text(Vec2 at, std::string_view text, const TextStyle& style) {
   const double width = text_width(text, style.size);
-  const char* anchor = style.align == Align::start ? "start" : style.align == Align::end ? "end" : "middle";
-  elements_ += fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"{}\" fill=\"{}\"", px(at.x),
-                           px(at.y), px(style.size), anchor, light_value(style.colour));
-  if (style.bold) elements_ += " font-weight=\"bold\"";
-  if (style.italic) elements_ += " font-style=\"italic\"";
-  if (style.halo) elements_ += " stroke=\"white\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
-  elements_ += ">" + escape_xml(text) + "</text>\n";
+  add(shape::Text{at, std::string(text), style});
   const double left = style.align == Align::start ? 0.0 : style.align == Align::end ? width : width / 2;
   bounds_.include({at.x - left, at.y - style.size});
   bounds_.include({at.x - left + width, at.y + 0.3 * style.size});
 }
 
 void Canvas::open(std::string_view id, Vec2 shift, double scale) {
-  elements_ += id.empty() ? "<g" : fmt::format("<g id=\"{}\"", id);
-  std::string moved;
-  if (!(shift == Vec2{})) moved = fmt::format("translate({} {})", px(shift.x), px(shift.y));
-  if (scale != 1.0) moved += fmt::format("{}scale({})", moved.empty() ? "" : " ", scale);
-  if (!moved.empty()) elements_ += fmt::format(" transform=\"{}\"", moved);
-  elements_ += ">\n";
+  item_ = 0;
+  add(shape::Open{std::string(id), shift, scale});
 }
 
-void Canvas::close() { elements_ += "</g>\n"; }
+void Canvas::close() {
+  item_ = 0;
+  add(shape::Close{});
+}
+
+void Canvas::item(std::string name, std::string state) {
+  item_ = items_.size();
+  items_.push_back({std::move(name), std::move(state)});
+}
 
 void Canvas::insert(const Canvas& other, std::string_view id, Vec2 shift, double scale) {
   open(id, shift, scale);
-  elements_ += other.elements_;
+  const std::size_t first = items_.size() - 1;
+  for (const Entry& entry : other.entries_) {
+    entries_.push_back({entry.shape, entry.item == 0 ? 0 : first + entry.item});
+  }
+  items_.insert(items_.end(), other.items_.begin() + 1, other.items_.end());
   close();
   if (other.bounds_.empty()) return;
   bounds_.include(scale * other.bounds_.low + shift);
   bounds_.include(scale * other.bounds_.high + shift);
+}
+
+void Canvas::move(Vec2 shift) {
+  int depth = 0;
+  for (Entry& entry : entries_) {
+    auto* open = std::get_if<shape::Open>(&entry.shape);
+    if (open != nullptr && depth++ == 0) open->shift += shift;
+    if (std::holds_alternative<shape::Close>(entry.shape)) --depth;
+  }
+  if (bounds_.empty()) return;
+  bounds_.low += shift;
+  bounds_.high += shift;
+}
+
+std::string Canvas::elements() const {
+  std::string text;
+  for (const Entry& entry : entries_) std::visit([&](const auto& shape) { write(text, shape); }, entry.shape);
+  return text;
+}
+
+std::vector<PlacedShape> placed_shapes(const Canvas& canvas) {
+  struct Group {
+    std::string_view layer;
+    Placing placing;
+  };
+  std::vector<Group> groups{{"", {}}};
+  std::vector<PlacedShape> out;
+  out.reserve(canvas.entries().size());
+  for (const Canvas::Entry& entry : canvas.entries()) {
+    const Group& now = groups.back();
+    if (const auto* open = std::get_if<shape::Open>(&entry.shape)) {
+      const std::string_view layer = open->id.empty() ? now.layer : std::string_view(open->id);
+      const Placing& outer = now.placing;
+      groups.push_back({layer, {outer.shift + outer.scale * open->shift, outer.scale * open->scale}});
+    } else if (std::holds_alternative<shape::Close>(entry.shape)) {
+      groups.pop_back();
+    } else {
+      out.push_back({now.layer, &canvas.items()[entry.item], entry.shape});
+      std::visit([&](auto& shape) { now.placing.place(shape); }, out.back().shape);
+    }
+  }
+  return out;
 }
 
 std::string svg_document(const Canvas& canvas, double width, double height, std::string_view title,

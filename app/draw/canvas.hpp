@@ -1,10 +1,13 @@
 #pragma once
 
-// SVG primitives. Coordinates are in pixels of the page, x to the right and y down.
+// Shapes, and how they are written as SVG. Coordinates are in pixels of the page, x to the right and y down.
 
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "app/draw/palette.hpp"
@@ -50,12 +53,58 @@ double text_width(std::string_view text, double size);
 /// The text with XML's special characters escaped and those that XML forbids left out.
 std::string escape_xml(std::string_view text);
 
-/// Collects SVG elements and the box that they fill.
+/// What a canvas holds: shapes, and the groups round them.
+namespace shape {
+struct Line {
+  Vec2 a, b;
+  Paint paint;
+};
+struct Polyline {
+  std::vector<Vec2> points;
+  Paint paint;
+};
+struct Polygon {
+  std::vector<Vec2> points;
+  Paint paint;
+};
+struct Circle {
+  Vec2 centre;
+  double radius;
+  Paint paint;
+};
+struct Arc {
+  Vec2 centre;
+  double radius, from, to;
+  Paint paint;
+};
+struct Text {
+  Vec2 at;
+  std::string text;
+  TextStyle style;
+};
+/// Begins a group: what it holds is `scale` times as large and then moved by `shift`.
+struct Open {
+  std::string id;
+  Vec2 shift;
+  double scale;
+};
+struct Close {};
+}  // namespace shape
+using Shape = std::variant<shape::Line, shape::Polyline, shape::Polygon, shape::Circle, shape::Arc, shape::Text,
+                           shape::Open, shape::Close>;
+
+/// A part of the mechanism that shapes belong to.
+struct DrawnItem {
+  std::string name{};   ///< "spring holder", the same in every position; empty: none
+  std::string state{};  ///< in this position: "150.35 mm, 251.8 N, in tension"; may be empty
+};
+
+/// Collects shapes and the box that they fill.
 class Canvas {
  public:
   void line(Vec2 a, Vec2 b, const Paint& paint);
-  void polyline(const std::vector<Vec2>& points, const Paint& paint);
-  void polygon(const std::vector<Vec2>& points, const Paint& paint);
+  void polyline(std::vector<Vec2> points, const Paint& paint);
+  void polygon(std::vector<Vec2> points, const Paint& paint);
   void circle(Vec2 centre, double radius, const Paint& paint);
   /// Part of a circle from one angle to another, rad counter-clockwise as seen, begun at `from`.
   void arc(Vec2 centre, double radius, double from, double to, const Paint& paint);
@@ -65,18 +114,42 @@ class Canvas {
   /// A group, named (or not) so that it can be found by whoever edits the figure. Groups must be closed.
   void open(std::string_view id, Vec2 shift = {}, double scale = 1.0);
   void close();
+  /// What the shapes drawn from here on belong to, until another item or the end of the group.
+  void item(std::string name, std::string state = {});
 
   const Box& bounds() const { return bounds_; }
-  const std::string& elements() const { return elements_; }
   /// Takes over what another canvas holds, `scale` times as large and moved by `shift`.
   void insert(const Canvas& other, std::string_view id, Vec2 shift, double scale = 1.0);
+  /// Moves all that is in groups.
+  void move(Vec2 shift);
+
+  /// A shape or group mark, and the item it belongs to, an index into items().
+  struct Entry {
+    Shape shape;
+    std::size_t item = 0;
+  };
+  const std::vector<Entry>& entries() const { return entries_; }
+  const std::vector<DrawnItem>& items() const { return items_; }
+  /// The shapes as SVG.
+  std::string elements() const;
 
  private:
-  void points(std::string_view element, const std::vector<Vec2>& points, const Paint& paint);
+  void add(Shape shape) { entries_.push_back({std::move(shape), item_}); }
 
-  std::string elements_;
+  std::vector<Entry> entries_;
+  std::vector<DrawnItem> items_{1};  // the first: none
+  std::size_t item_ = 0;
   Box bounds_;
 };
+
+/// A shape where it is seen, and what it belongs to.
+struct PlacedShape {
+  std::string_view layer;  ///< of the innermost named group
+  const DrawnItem* item = nullptr;
+  Shape shape;
+};
+/// The shapes of a canvas without groups, in their order. They refer to the canvas.
+std::vector<PlacedShape> placed_shapes(const Canvas& canvas);
 
 /// An SVG document (1.1, UTF-8, no outside resources) on white that shows the elements of a canvas.
 std::string svg_document(const Canvas& canvas, double width, double height, std::string_view title,
