@@ -65,6 +65,7 @@ void draw_shadow(Stage& stage, const std::vector<Vec2>& shape) {
 void draw_body(Stage& stage, int body) {
   const std::vector<Vec2> shape = stage.outline(body, stage.now);
   const Colour colour = body_colour(body - 1);
+  stage.canvas.item(stage.scene.bodies[body].name, "at " + stage.reading(stage.now.poses[body].angle, Quantity::angle));
   if (stage.cylinder_of_body(body) != nullptr) {
     // Barrel and rod are drawn together.
   } else if (shape.size() == 2) {
@@ -127,6 +128,7 @@ void draw_other_poses(Stage& stage) {
       }
     }
     if (moved == visible) continue;
+    stage.canvas.item(stage.picture.others[k].name);
     stage.signs.insert(Sign::other_pose);
     stage.shadows.push_back(stage.picture.others[k].name);
     if (stage.others.size() > 1) stage.label(stage.shadows.back(), farthest, {0, -1}, 6, ink::faint, 10.5, true);
@@ -159,6 +161,7 @@ void draw_paths(Stage& stage) {
       if (points.empty() || norm(stage.page(p) - points.back()) > visible) points.push_back(stage.page(p));
     }
     if (points.empty()) continue;
+    stage.canvas.item("path of " + path.name);
     const Colour colour = curve_colour(k);
     stage.canvas.polyline(points, {.stroke = colour, .width = 1.8});
     stage.canvas.circle(points.front(), 2.6, {.fill = colour});
@@ -182,6 +185,8 @@ void draw_bodies(Stage& stage) {
   }
   for (const Cylinder& c : stage.cylinders) {
     const double width = 2.0 * stage.bar_width;
+    stage.canvas.item(stage.scene.bodies[c.barrel].name + " and " + stage.scene.bodies[c.rod].name,
+                      stage.reading(stage.now.travel[c.joint], Quantity::length));
     draw_cylinder(stage.canvas, c.foot, c.mouth, c.piston, c.eye, width, body_colour(c.barrel - 1),
                   body_colour(c.rod - 1));
     stage.setter.avoid(c.foot, c.eye, width);
@@ -190,6 +195,7 @@ void draw_bodies(Stage& stage) {
     if (!joint.keeps_length()) continue;
     const Vec2 a = stage.page(joint.a);
     const Vec2 b = stage.page(joint.b);
+    stage.canvas.item(Stage::item_of(joint));
     draw_massless_bar(stage.canvas, a, b, stage.detail == Detail::sketch ? 1.0 : 0.6 * stage.bar_width);
     if (stage.detail != Detail::sketch) stage.setter.avoid(a, b, 0.6 * stage.bar_width);
     stage.signs.insert(Sign::massless_bar);
@@ -206,6 +212,9 @@ void draw_centres_of_mass(Stage& stage) {
     if (body.mass <= 0) continue;
     const double radius = std::clamp(0.55 * stage.bar_width, 2.0, 4.5);
     const Vec2 at = stage.page(stage.now.poses[i].world(body.center));
+    stage.canvas.item("centre of mass of " + body.name,
+                      significant(in_unit(body.mass, Quantity::mass, stage.scene.units), 5) + " " +
+                          unit_name(Quantity::mass, stage.scene.units));
     tie_to_body(stage, static_cast<int>(i), at);
     draw_centre_of_mass(stage.canvas, at, radius);
     stage.setter.avoid(at, radius);

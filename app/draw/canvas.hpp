@@ -116,6 +116,7 @@ class Canvas {
   void close();
   /// What the shapes drawn from here on belong to, until another item or the end of the group.
   void item(std::string name, std::string state = {});
+  const DrawnItem& current() const { return items_[item_]; }
 
   const Box& bounds() const { return bounds_; }
   /// Takes over what another canvas holds, `scale` times as large and moved by `shift`.

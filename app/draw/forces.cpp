@@ -11,6 +11,7 @@ namespace poise::app {
 namespace {
 
 constexpr double negligible = 1e-9;  ///< part of the largest force below which nothing is drawn
+constexpr double hold = 40.0;        ///< px covered for which an arrow stays as it was in the picture before
 
 struct Arrow {
   Vec2 tail, tip;
@@ -46,7 +47,8 @@ Arrow place_load(const Stage& stage, Vec2 at, Vec2 force) {
   Arrow arrow = leaving(stage, at, force);
   if (stage.detail == Detail::sketch) return arrow;
   const Arrow opposite = leaving(stage, at, -force);
-  if (covered_by(stage, at, arrow) > covered_by(stage, at, opposite) + preference)
+  const double ending = covered_by(stage, at, opposite) + preference;
+  if (stage.least(stage.canvas.current().name, {covered_by(stage, at, arrow), ending}, hold) == 1)
     arrow = {opposite.tip, opposite.tail};
   const Vec2 u = (1 / norm(arrow.tip - arrow.tail)) * (arrow.tip - arrow.tail);
   for (const auto& [tail, tip] : stage.arrows) {
@@ -97,6 +99,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const Colour colour = ink::reaction;
   const Vec2 at = stage.page(reaction.at);
   const std::string mark = reaction.determined ? "" : "*";
+  const std::string item = "force of " + Stage::item_of(joint);
   if (joint.keeps_length()) {
     if (std::abs(reaction.axial) <= negligible * stage.largest_force) return;
     const Vec2 a = stage.page(joint.a);
@@ -104,6 +107,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     Vec2 beside = quarter_turn(b - a);
     if (beside.y > 0) beside = -beside;
     const std::string name = stage.short_name(joint);
+    stage.canvas.item(item, stage.value(reaction.axial, Quantity::force) + mark);
     stage.label((name.empty() ? "" : name + " = ") + stage.value(reaction.axial, Quantity::force) + mark, 0.5 * (a + b),
                 beside, 0.5 * stage.bar_width + 4, colour);
     if (!reaction.determined) stage.signs.insert(Sign::undetermined_reaction);
@@ -129,11 +133,15 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     const Arrow on_b = leaving(stage, at, reaction.force);
     const double cost_a = covered_by(stage, at, on_a) + (joint.a.body == 0 ? on_ground : 0.0);
     const double cost_b = covered_by(stage, at, on_b) + (joint.b.body == 0 ? on_ground : 0.0);
-    body = cost_b <= cost_a ? joint.b.body : joint.a.body;
-    draw_force(stage, at, cost_b <= cost_a ? on_b : on_a, text(size, Quantity::force, body), colour, width, dash);
+    const bool acts_on_b = stage.least(item, {cost_b, cost_a}, hold) == 0;
+    body = acts_on_b ? joint.b.body : joint.a.body;
+    stage.canvas.item(item, stage.value(size, Quantity::force) + mark + " on " + stage.scene.bodies[body].name);
+    draw_force(stage, at, acts_on_b ? on_b : on_a, text(size, Quantity::force, body), colour, width, dash);
   }
   if (has_moment) {
     const double moment = body == joint.b.body ? reaction.moment : -reaction.moment;
+    stage.canvas.item("moment of " + Stage::item_of(joint),
+                      stage.value(std::abs(moment), Quantity::moment) + mark + " on " + stage.scene.bodies[body].name);
     draw_turning(stage, at, 17.0, moment, text(std::abs(moment), Quantity::moment, body), colour, width, dash);
   }
 }
@@ -145,6 +153,7 @@ void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
   const Quantity quantity = effort.is_angle ? Quantity::moment : Quantity::force;
   const std::string text =
       effort.name + " = " + stage.value(std::abs(effort.value), quantity) + (effort.determined ? "" : "*");
+  stage.canvas.item("drive " + effort.name, stage.value(effort.value, quantity));
   if (effort.is_angle) {
     draw_turning(stage, stage.pivot(drive.on.body_a, drive.on.body_b), 27.0, effort.value, text, ink::drive, 2.0);
     return;
@@ -165,6 +174,7 @@ void draw_loads(Stage& stage) {
     if (size == 0.0) continue;
     const Vec2 at = stage.page(force.at);
     const Vec2 now = force.follows < 0 ? force.vector : force.vector * unit(stage.now.poses[force.follows].angle);
+    stage.canvas.item("load " + force.name, stage.value(size, Quantity::force));
     std::string text;
     if (named) text = force.name + " = " + stage.value(size, Quantity::force);
     if (named && force.follows >= 0) text += ", follows " + stage.scene.bodies[force.follows].name;
@@ -173,6 +183,7 @@ void draw_loads(Stage& stage) {
   }
   for (const Torque& torque : stage.scene.torques) {
     if (torque.value == 0.0 || torque.body == 0) continue;
+    stage.canvas.item("torque " + torque.name, stage.value(torque.value, Quantity::moment));
     const std::string text =
         named ? torque.name + " = " + stage.value(std::abs(torque.value), Quantity::moment) : std::string();
     draw_turning(stage, held_at(stage, torque.body), 24.0, torque.value, text, ink::load, 2.2);

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "app/draw/stage.hpp"
@@ -10,31 +12,36 @@
 namespace poise::app {
 namespace {
 
-/// The side of a point on which the ground is drawn: below, unless a member runs that way.
-Vec2 free_side(const std::vector<Vec2>& members, const std::vector<Vec2>& sides) {
+/// The side of a point on which the ground is drawn: the first, unless a member runs that way.
+std::size_t free_side(const std::vector<Vec2>& members, std::span<const Vec2> sides) {
   constexpr double clear = 0.6;  // cosine of the angle to the nearest member
-  Vec2 best = sides.front();
+  std::size_t best = 0;
   double best_nearest = 2.0;
-  for (const Vec2& side : sides) {
+  for (std::size_t i = 0; i < sides.size(); ++i) {
     double nearest = -1.0;
-    for (const Vec2& member : members) nearest = std::max(nearest, dot(side, member));
-    if (nearest < clear) return side;
+    for (const Vec2& member : members) nearest = std::max(nearest, dot(sides[i], member));
+    if (nearest < clear) return i;
     if (nearest < best_nearest) {
       best_nearest = nearest;
-      best = side;
+      best = i;
     }
   }
   return best;
 }
 
-const std::vector<Vec2> upright_sides = {{0, 1}, {0, -1}, {-1, 0}, {1, 0}};
+constexpr std::array<Vec2, 4> upright_sides = {{{0, 1}, {0, -1}, {-1, 0}, {1, 0}}};
 
 /// Of the upright directions the one farthest from the members at a point.
-Vec2 far_side(const std::vector<Vec2>& members) {
+std::size_t far_side(const std::vector<Vec2>& members) {
   Vec2 pull{};
   for (const Vec2& member : members) pull += member;
-  return *std::min_element(upright_sides.begin(), upright_sides.end(),
-                           [&](Vec2 a, Vec2 b) { return dot(a, pull) < dot(b, pull); });
+  const auto far = std::min_element(upright_sides.begin(), upright_sides.end(),
+                                    [&](Vec2 a, Vec2 b) { return dot(a, pull) < dot(b, pull); });
+  return static_cast<std::size_t>(far - upright_sides.begin());
+}
+
+std::string name_on_ground(const Stage& stage, PointRef point) {
+  return "ground " + stage.scene.bodies[0].points[point.point].name;
 }
 
 /// Part of the line that a joint's second point can be expected to run on: from its place to those in the other
@@ -71,6 +78,7 @@ Track track_of(const Stage& stage, std::size_t j) {
 void draw_guide(Stage& stage, std::size_t j) {
   const Joint& joint = stage.scene.joints[j];
   const Track track = track_of(stage, j);
+  stage.canvas.item("line of " + Stage::item_of(joint));
   const double half_height = joint.kind == Joint::Kind::slide ? 9.0 : 0.75 * stage.bar_width + 1.5;
   if (stage.detail == Detail::sketch) {
     stage.canvas.line(track.low, track.high, {.stroke = ink::ground, .width = 0.8});
@@ -79,7 +87,8 @@ void draw_guide(Stage& stage, std::size_t j) {
   if (joint.a.body == 0) {
     Vec2 side = quarter_turn(track.along);
     if (side.y < 0 || (std::abs(side.y) < 1e-9 && side.x < 0)) side = -side;
-    const Vec2 down = free_side(stage.members_at(track.at), {side, -side});
+    const std::array<Vec2, 2> sides = {side, -side};
+    const Vec2 down = sides[stage.first_choice("line of " + joint.name, free_side(stage.members_at(track.at), sides))];
     draw_ground(stage.canvas, track.low + half_height * down, track.high + half_height * down, down);
     stage.setter.avoid(track.low + half_height * down, track.high + half_height * down, 8.0);
   }
@@ -100,6 +109,7 @@ void draw_slide_block(Stage& stage, std::size_t j) {
   const Joint& joint = stage.scene.joints[j];
   const Track track = track_of(stage, j);
   const bool sketchy = stage.detail == Detail::sketch;
+  stage.canvas.item(Stage::item_of(joint), stage.reading(stage.now.travel[j], Quantity::length));
   const Colour fill = joint.b.body == 0 ? ink::support : body_colour(joint.b.body - 1);
   draw_block(stage.canvas, track.at, track.along, sketchy ? 6 : 32, sketchy ? 4 : 18,
              {.fill = fill, .stroke = ink::dark, .width = sketchy ? 0.6 : 1.3});
@@ -147,7 +157,7 @@ void name_places(Stage& stage) {
     if (!joint.keeps_length()) names.add(stage.page(joint.b), stage.short_name(joint));
   }
   for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
-    const std::vector<Vec2> points = stage.points_of(static_cast<int>(i), stage.now);
+    const std::vector<Vec2>& points = stage.points_of(static_cast<int>(i));
     for (std::size_t p = 0; p < points.size(); ++p) names.add(points[p], stage.scene.bodies[i].points[p].name);
   }
   for (const Strung& strung : stage.strung()) {
@@ -156,6 +166,7 @@ void name_places(Stage& stage) {
     }
   }
   names.visit([&](Vec2 place, const std::string& name) {
+    stage.canvas.item("point " + name);
     stage.label(name, place, outward(stage.members_at(place)), stage.pin_radius + 4, ink::dark, 11.5);
   });
 }
@@ -178,11 +189,13 @@ void draw_supports(Stage& stage) {
     for (const PointRef& end : {joint.a, joint.b}) {
       if (end.body != 0 || !supported.insert(end.point).second) continue;
       const Vec2 at = stage.page(end);
+      stage.canvas.item(name_on_ground(stage, end));
       if (!stage.shows_ground) {
         stage.canvas.circle(at, 2.0, {.fill = ink::dark});
         continue;
       }
-      const Vec2 down = free_side(stage.members_at(at), upright_sides);
+      const Vec2 down =
+          upright_sides[stage.first_choice(name_on_ground(stage, end), free_side(stage.members_at(at), upright_sides))];
       if (joint.kind == Joint::Kind::weld) {
         const Vec2 along = quarter_turn(down);
         draw_ground(stage.canvas, at - 17.0 * along, at + 17.0 * along, down);
@@ -196,7 +209,9 @@ void draw_supports(Stage& stage) {
     for (const PointRef& end : {strung.a, strung.b}) {
       if (end.body != 0 || !stage.shows_ground || !supported.insert(end.point).second) continue;
       const Vec2 at = stage.page(end);
-      const Vec2 down = far_side(stage.members_at(at));
+      const std::string name = name_on_ground(stage, end);
+      const Vec2 down = upright_sides[stage.first_choice(name, far_side(stage.members_at(at)))];
+      stage.canvas.item(name);
       const Vec2 along = quarter_turn(down);
       draw_ground(stage.canvas, at - 11.0 * along, at + 11.0 * along, down);
       stage.setter.avoid(at - 11.0 * along, at + 11.0 * along, 12.0);
@@ -214,22 +229,28 @@ void draw_pins(Stage& stage) {
   if (stage.detail != Detail::sketch) {
     // Points that are no joint are dots; joints come on top.
     for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
-      for (const Vec2& at : stage.points_of(static_cast<int>(i), stage.now)) {
-        stage.canvas.circle(at, 0.5 * stage.pin_radius, {.fill = ink::dark});
+      const Body& body = stage.scene.bodies[i];
+      const std::vector<Vec2>& points = stage.points_of(static_cast<int>(i));
+      for (std::size_t p = 0; p < points.size(); ++p) {
+        stage.canvas.item(body.name + "." + body.points[p].name);
+        stage.canvas.circle(points[p], 0.5 * stage.pin_radius, {.fill = ink::dark});
       }
     }
     for (const Joint& joint : stage.scene.joints) {
-      if (joint.kind == Joint::Kind::weld) draw_weld(stage, stage.page(joint.b));
+      if (joint.kind != Joint::Kind::weld) continue;
+      stage.canvas.item(Stage::item_of(joint));
+      draw_weld(stage, stage.page(joint.b));
     }
     for (const Joint& joint : stage.scene.joints) {
       if (joint.kind == Joint::Kind::weld || joint.kind == Joint::Kind::slide) continue;
+      stage.canvas.item(Stage::item_of(joint));
       if (joint.keeps_length()) draw_pin(stage.canvas, stage.page(joint.a), stage.pin_radius);
       draw_pin(stage.canvas, stage.page(joint.b), stage.pin_radius);
       stage.setter.avoid(stage.page(joint.b), stage.pin_radius);
     }
   }
-  stage.canvas.close();
   if (stage.detail == Detail::full) name_places(stage);
+  stage.canvas.close();
 }
 
 }  // namespace poise::app

@@ -26,11 +26,7 @@ Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
   draw_all(stage);
   const double middle = stage.canvas.bounds().middle().x;
   stage.setter.keep_between(middle - room / 2, middle + room / 2);
-  stage.canvas.open("labels");
-  // Labels are placed from the last to the first: those of reactions and loads get the best places.
-  for (auto label = stage.labels.rbegin(); label != stage.labels.rend(); ++label)
-    stage.setter.set(stage.canvas, *label);
-  stage.canvas.close();
+  stage.set_labels();
   return stage;
 }
 

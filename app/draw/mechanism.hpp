@@ -39,6 +39,8 @@ struct MechanismPicture {
   std::vector<PointPath> paths{};
   /// The part of the world, m, to which the scale fits; where absent, that which the positions and paths take up.
   std::optional<Box> frame{};
+  /// The force, N, whose arrow is the longest; where absent, the largest of those drawn.
+  std::optional<double> largest_force{};
 };
 
 /// A figure for a report (SVG 1.1, UTF-8, no outside resources), 900 px wide, with values in the scene's units. A force

@@ -52,21 +52,37 @@ std::vector<Occupied> occupied_by_bodies(const Stage& stage) {
 }
 
 /// How far a line from a to b has to move aside to lie on nothing that is drawn, and what it takes up there.
-Vec2 shift_aside(std::vector<Occupied>& occupied, Vec2 a, Vec2 b, double reach) {
+Vec2 shift_aside(const Stage& stage, const std::string& name, std::vector<Occupied>& occupied, Vec2 a, Vec2 b,
+                 double reach) {
   constexpr std::array<double, 9> places = {0, 1, -1, 2, -2, 3, -3, 4, -4};
   const double pitch = 2.6 * reach;
   Vec2 side = quarter_turn(b - a);
   if (norm(side) > 0) side = (1 / norm(side)) * side;
   if (side.y < 0 || (side.y == 0 && side.x < 0)) side = -side;
-  Vec2 shift{};
-  for (const double place : places) {
-    shift = place * pitch * side;
+  const auto is_free = [&](double place) {
+    const Vec2 shift = place * pitch * side;
     const Occupied line{a + shift, b + shift, reach};
-    if (std::none_of(occupied.begin(), occupied.end(), [&](const Occupied& o) { return lie_on_each_other(o, line); }))
-      break;
-  }
+    return std::none_of(occupied.begin(), occupied.end(),
+                        [&](const Occupied& o) { return lie_on_each_other(o, line); });
+  };
+  auto place = std::find_if(places.begin(), places.end(), is_free);
+  if (place == places.end()) --place;
+  const std::size_t kept = stage.first_free(name, static_cast<std::size_t>(place - places.begin()),
+                                            [&](std::size_t i) { return is_free(places[i]); });
+  const Vec2 shift = places[kept] * pitch * side;
   occupied.push_back({a + shift, b + shift, reach});
   return shift;
+}
+
+/// "150.35 mm, 251.8 N, in tension".
+std::string state_of(const Stage& stage, const Element& element, const ElementReading& reading) {
+  std::string state = stage.reading(reading.value, quantity_of(element.on));
+  if (!stores_energy(element.law)) return state;
+  if (reading.slack) return state + ", slack";
+  if (!stage.picture.reactions) return state;
+  if (element.on.is_angle()) return state + ", " + stage.value(-reading.force, Quantity::moment);
+  state += ", " + stage.value(std::abs(reading.force), Quantity::force);
+  return state + (reading.force < 0 ? ", in compression" : ", in tension");
 }
 
 void draw_strung(Stage& stage, const Strung& strung, Vec2 shift) {
@@ -77,6 +93,7 @@ void draw_strung(Stage& stage, const Strung& strung, Vec2 shift) {
   const Vec2 a = stage.page(strung.a);
   const Vec2 b = stage.page(strung.b);
   const double width = full ? 1.7 : 1.0;
+  stage.canvas.item(element.family() + " " + element.name, state_of(stage, element, reading));
   if (!spring)
     draw_dashpot(stage.canvas, a, b, shift, {.stroke = ink::damper, .width = 0.95 * width});
   else if (reading.slack)
@@ -103,6 +120,7 @@ void draw_torsion_spring(Stage& stage, std::size_t i, std::vector<Vec2>& pivots)
   const int turning = spring.on.body_b != 0 ? spring.on.body_b : spring.on.body_a;
   const Vec2 end = stage.page_direction(unit(stage.now.poses[turning].angle));
   const bool full = stage.detail == Detail::full;
+  stage.canvas.item(spring.family() + " " + spring.name, state_of(stage, spring, stage.now.elements[i]));
   const double radius = (full ? 15.0 : 7.0) * (1.0 + static_cast<double>(around));
   draw_spiral(stage.canvas, at, end, radius, {.stroke = ink::spring, .width = full ? 1.4 : 0.8});
   stage.signs.insert(Sign::torsion_spring);
@@ -122,7 +140,9 @@ void draw_springs_and_dampers(Stage& stage) {
   if (!sketch) occupied = occupied_by_bodies(stage);
   const double reach = stage.detail == Detail::full ? 7.5 : 4.0;
   for (const Strung& strung : stage.strung()) {
-    const Vec2 shift = sketch ? Vec2{} : shift_aside(occupied, stage.page(strung.a), stage.page(strung.b), reach);
+    const Vec2 shift = sketch ? Vec2{}
+                              : shift_aside(stage, stage.scene.elements[strung.element].name, occupied,
+                                            stage.page(strung.a), stage.page(strung.b), reach);
     draw_strung(stage, strung, shift);
   }
   const std::vector<Element>& elements = stage.scene.elements;

@@ -47,55 +47,51 @@ Box extent_of(const Scene& scene, const Readings& readings) {
   return box;
 }
 
-Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, Vec2 room)
-    : scene(the_scene),
-      picture(the_picture),
-      now(readings_of(the_scene, the_picture.poses)),
-      others(read_others(the_scene, the_picture.others)) {
-  choose_detail();
-  choose_scale(room);
+Box world_of(const Scene& scene, const MechanismPicture& picture) {
+  if (picture.frame) return *picture.frame;
+  Box box = extent_of(scene, readings_of(scene, picture.poses));
+  for (const OtherPose& other : picture.others) {
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      for (const NamedPoint& p : scene.bodies[i].points) box.include(other.poses[i].world(p.at));
+    }
+  }
+  for (const PointPath& path : picture.paths) {
+    for (const Vec2& p : path.points) box.include(p);
+  }
+  return box;
+}
+
+double largest_force_of(const Scene& scene, const MechanismPicture& picture) {
+  double largest = 0.0;
   if (picture.loads) {
-    for (const Force& force : scene.forces) largest_force = std::max(largest_force, norm(force.vector));
+    for (const Force& force : scene.forces) largest = std::max(largest, norm(force.vector));
   }
   if (picture.reactions) {
-    for (const Reaction& r : *picture.reactions) largest_force = std::max(largest_force, norm(r.force));
+    for (const Reaction& r : *picture.reactions) largest = std::max(largest, norm(r.force));
   }
   for (const DriveEffort& drive : picture.drives) {
-    if (!drive.is_angle) largest_force = std::max(largest_force, std::abs(drive.value));
+    if (!drive.is_angle) largest = std::max(largest, std::abs(drive.value));
   }
-  if (detail != Detail::sketch) find_cylinders();
+  return largest;
 }
 
-void Stage::choose_detail() {
+Sizes sizes_for(const Scene& scene, const Box& world, Vec2 room) {
+  Sizes sizes;
   const std::size_t parts = std::max(scene.bodies.size(), scene.joints.size());
-  detail = parts <= 24 ? Detail::full : parts <= 120 ? Detail::reduced : Detail::sketch;
+  sizes.detail = parts <= 24 ? Detail::full : parts <= 120 ? Detail::reduced : Detail::sketch;
   const auto at_ground = [](const Joint& joint) { return joint.a.body == 0 || joint.b.body == 0; };
-  shows_ground = detail != Detail::sketch || std::count_if(scene.joints.begin(), scene.joints.end(), at_ground) <= 12;
-}
+  sizes.shows_ground =
+      sizes.detail != Detail::sketch || std::count_if(scene.joints.begin(), scene.joints.end(), at_ground) <= 12;
 
-void Stage::choose_scale(Vec2 room) {
-  Box box;
-  if (picture.frame) {
-    box = *picture.frame;
-  } else {
-    box = extent_of(scene, now);
-    for (const Readings& other : others) {
-      for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-        for (const NamedPoint& p : scene.bodies[i].points) box.include(other.poses[i].world(p.at));
-      }
-    }
-    for (const PointPath& path : picture.paths) {
-      for (const Vec2& p : path.points) box.include(p);
-    }
-  }
-  if (!box.empty()) centre = box.middle();
-  extent = std::max(box.width(), box.height());
-  if (extent <= 0.0) extent = scene.units.length;
-  scale = std::min(room.x / std::max(box.width(), 0.2 * extent), room.y / std::max(box.height(), 0.2 * extent));
+  if (!world.empty()) sizes.centre = world.middle();
+  sizes.extent = std::max(world.width(), world.height());
+  if (sizes.extent <= 0.0) sizes.extent = scene.units.length;
+  sizes.scale = std::min(room.x / std::max(world.width(), 0.2 * sizes.extent),
+                         room.y / std::max(world.height(), 0.2 * sizes.extent));
 
   std::vector<double> lengths;
   const auto add_length = [&](double length) {
-    if (length > 0) lengths.push_back(scale * length);
+    if (length > 0) lengths.push_back(sizes.scale * length);
   };
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     Box reach;
@@ -110,10 +106,31 @@ void Stage::choose_scale(Vec2 room) {
     constexpr std::size_t few = 8;
     const auto median = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
     std::nth_element(lengths.begin(), median, lengths.end());
-    bar_width = std::clamp(0.12 * *median, 2.5, 9.0);
-    if (detail == Detail::full && lengths.size() > few && *median < room_for_names) detail = Detail::reduced;
+    sizes.bar_width = std::clamp(0.12 * *median, 2.5, 9.0);
+    if (sizes.detail == Detail::full && lengths.size() > few && *median < room_for_names)
+      sizes.detail = Detail::reduced;
   }
-  pin_radius = std::clamp(0.55 * bar_width, 1.6, 4.5);
+  sizes.pin_radius = std::clamp(0.55 * sizes.bar_width, 1.6, 4.5);
+  return sizes;
+}
+
+Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, Vec2 room)
+    : Stage(the_scene, the_picture, sizes_for(the_scene, world_of(the_scene, the_picture), room), nullptr) {}
+
+Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, const Sizes& sizes, Choices* before)
+    : Sizes(sizes),
+      scene(the_scene),
+      picture(the_picture),
+      now(readings_of(the_scene, the_picture.poses)),
+      others(read_others(the_scene, the_picture.others)),
+      largest_force(the_picture.largest_force ? *the_picture.largest_force : largest_force_of(the_scene, the_picture)),
+      strung_(strung_of(the_scene)),
+      points_(scene.bodies.size()),
+      before_(before) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    for (const NamedPoint& p : scene.bodies[i].points) points_[i].push_back(page(now.poses[i].world(p.at)));
+  }
+  if (detail != Detail::sketch) find_cylinders();
 }
 
 void Stage::find_cylinders() {
@@ -125,7 +142,7 @@ void Stage::find_cylinders() {
     const Vec2 line = page_axis(slide);
     const Vec2 origin = page(slide.a);
     const auto straight = [&](int body) {
-      const std::vector<Vec2> points = points_of(body, now);
+      const std::vector<Vec2>& points = points_of(body);
       return std::all_of(points.begin(), points.end(),
                          [&](Vec2 p) { return std::abs(cross(line, p - origin)) < on_line; });
     };
@@ -154,8 +171,8 @@ void Stage::find_cylinders() {
     const Vec2 along = (1 / length) * (found.eye - found.foot);
     double mouth = 0.0;
     double piston = length;
-    for (const Vec2& p : points_of(found.barrel, now)) mouth = std::max(mouth, dot(along, p - found.foot));
-    for (const Vec2& p : points_of(found.rod, now)) piston = std::min(piston, dot(along, p - found.foot));
+    for (const Vec2& p : points_of(found.barrel)) mouth = std::max(mouth, dot(along, p - found.foot));
+    for (const Vec2& p : points_of(found.rod)) piston = std::min(piston, dot(along, p - found.foot));
     // Ends that the scene does not give.
     if (mouth < 0.3 * length) mouth = 0.6 * length;
     mouth = std::min(mouth, 0.9 * length);
@@ -178,14 +195,11 @@ const Cylinder* Stage::cylinder_of_joint(std::size_t joint) const {
   return found == cylinders.end() ? nullptr : &*found;
 }
 
-std::vector<Vec2> Stage::points_of(int body, const Readings& readings) const {
+std::vector<Vec2> Stage::outline(int body, const Readings& readings) const {
+  if (&readings == &now) return convex_hull(points_of(body));
   std::vector<Vec2> points;
   for (const NamedPoint& p : scene.bodies[body].points) points.push_back(page(readings.poses[body].world(p.at)));
-  return points;
-}
-
-std::vector<Vec2> Stage::outline(int body, const Readings& readings) const {
-  return convex_hull(points_of(body, readings));
+  return convex_hull(std::move(points));
 }
 
 std::vector<Vec2> Stage::members_at(Vec2 place) const {
@@ -193,23 +207,31 @@ std::vector<Vec2> Stage::members_at(Vec2 place) const {
   std::vector<Vec2> members;
   const auto add = [&](Vec2 from, Vec2 to) {
     const double length = norm(to - from);
-    if (norm(from - place) < same && length > same) members.push_back((1 / length) * (to - from));
+    if (length > same) members.push_back((1 / length) * (to - from));
   };
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    const std::vector<Vec2> points = points_of(static_cast<int>(i), now);
-    for (const Vec2& from : points) {
-      for (const Vec2& to : points) add(from, to);
+  for (std::size_t i = 1; i < points_.size(); ++i) {
+    for (const Vec2& from : points_[i]) {
+      if (norm(from - place) >= same) continue;
+      for (const Vec2& to : points_[i]) add(from, to);
     }
   }
   const auto add_both = [&](PointRef a, PointRef b) {
-    add(page(a), page(b));
-    add(page(b), page(a));
+    const Vec2 from = page(a);
+    const Vec2 to = page(b);
+    if (norm(from - place) < same) add(from, to);
+    if (norm(to - place) < same) add(to, from);
   };
   for (const Strung& s : strung()) add_both(s.a, s.b);
   for (const Joint& joint : scene.joints) {
     if (joint.keeps_length()) add_both(joint.a, joint.b);
   }
   return members;
+}
+
+std::string Stage::item_of(const Joint& joint) {
+  std::string kind(joint.traits().key);
+  std::replace(kind.begin(), kind.end(), '_', ' ');
+  return kind + " " + joint.name;
 }
 
 std::string Stage::short_name(const Joint& joint) const {
@@ -242,12 +264,36 @@ std::string Stage::value(double si, Quantity quantity) const {
   return (si < 0 && text != "0" ? "\u2212" : "") + text + " " + unit.unit;
 }
 
+std::string Stage::reading(double si, Quantity quantity) const {
+  return significant(in_unit(si, quantity, scene.units), 5) + " " + unit_name(quantity, scene.units);
+}
+
+std::size_t Stage::least(const std::string& item, std::initializer_list<double> costs, double margin) const {
+  const auto best = static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+  if (before_ == nullptr) return best;
+  const auto [taken, is_new] = before_->taken.try_emplace(item, best);
+  if (!is_new && costs.begin()[best] < costs.begin()[taken->second] - margin) taken->second = best;
+  return taken->second;
+}
+
+std::size_t Stage::first_choice(const std::string& item, std::size_t choice) const {
+  return before_ == nullptr ? choice : before_->taken.try_emplace(item, choice).first->second;
+}
+
 void Stage::label(std::string text, Vec2 anchor, Vec2 toward, double gap, Colour colour, double size, bool italic) {
-  Label label{.text = std::move(text), .anchor = anchor, .gap = gap, .toward = toward};
+  Label label{.text = std::move(text), .item = canvas.current(), .anchor = anchor, .gap = gap, .toward = toward};
   label.style.colour = colour;
   label.style.size = size;
   label.style.italic = italic;
   labels.push_back(std::move(label));
+}
+
+void Stage::set_labels() {
+  if (before_ != nullptr) setter.remember(before_->labels);
+  canvas.open("labels");
+  // From the last to the first: those of reactions and loads get the best places.
+  for (auto label = labels.rbegin(); label != labels.rend(); ++label) setter.set(canvas, std::move(*label));
+  canvas.close();
 }
 
 }  // namespace poise::app

@@ -3,8 +3,10 @@
 // What every part of a figure shares: the mechanism, its scale on the page, and the labels that wait to be set.
 
 #include <cstddef>
+#include <initializer_list>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -60,25 +62,46 @@ struct Cylinder {
 /// The part of the world, m, that bodies, joints, springs and centres of mass take up in a position.
 Box extent_of(const Scene& scene, const Readings& readings);
 
+/// The part of the world, m, that a picture shows: its frame, or what its positions and paths take up.
+Box world_of(const Scene& scene, const MechanismPicture& picture);
+
+/// The largest force, N, that a picture draws as an arrow.
+double largest_force_of(const Scene& scene, const MechanismPicture& picture);
+
+/// How large a mechanism is drawn, and in how much detail.
+struct Sizes {
+  Detail detail = Detail::full;
+  bool shows_ground = true;  ///< supports and their reactions, even in a sketch when they are few
+  double scale = 1.0;        ///< px per m
+  Vec2 centre{};             ///< m: of the mechanism, the origin of the page
+  double extent = 1.0;       ///< m: of the mechanism
+  double bar_width = 8.0;    ///< px
+  double pin_radius = 4.0;   ///< px
+};
+
+/// Those that fit a part of the world into `room`, px; arrows and labels come on top.
+Sizes sizes_for(const Scene& scene, const Box& world, Vec2 room);
+
+/// What was chosen in the pictures of a mechanism drawn before, so that nothing jumps about from one to the next.
+struct Choices {
+  std::unordered_map<std::string, std::size_t> taken;  ///< which of several places, by item
+  LabelPlaces labels;
+};
+
 /// A mechanism on its way to the page.
-class Stage {
+class Stage : public Sizes {
  public:
-  /// `room`, px, is for the mechanism itself; arrows and labels come on top.
+  /// `room`, px, is for the mechanism itself.
   Stage(const Scene& scene, const MechanismPicture& picture, Vec2 room);
+  /// One of several pictures in one scale, `before` of those drawn before; it is brought up to date.
+  Stage(const Scene& scene, const MechanismPicture& picture, const Sizes& sizes, Choices* before);
 
   const Scene& scene;
   const MechanismPicture& picture;
   const Readings now;
   std::vector<Readings> others;
   std::vector<std::string> shadows{};  ///< names of the other positions drawn
-  Detail detail = Detail::full;
-  bool shows_ground = true;    ///< supports and their reactions, even in a sketch when they are few
-  double scale = 1.0;          ///< px per m
-  Vec2 centre{};               ///< m: of the mechanism, the origin of the page
-  double extent = 1.0;         ///< m: of the mechanism
-  double bar_width = 8.0;      ///< px
-  double pin_radius = 4.0;     ///< px
-  double largest_force = 0.0;  ///< N: of all arrows
+  double largest_force = 0.0;          ///< N: whose arrow is the longest
   std::vector<Cylinder> cylinders;
 
   Canvas canvas;
@@ -95,13 +118,15 @@ class Stage {
   /// The line of travel of a joint, on the page.
   Vec2 page_axis(const Joint& joint) const { return page_direction(joint.axis * unit(now.poses[joint.a.body].angle)); }
 
-  std::vector<Strung> strung() const { return strung_of(scene); }
-  /// Points of a body on the page, in the position drawn or another.
-  std::vector<Vec2> points_of(int body, const Readings& readings) const;
+  const std::vector<Strung>& strung() const { return strung_; }
+  /// Points of a body on the page, in the position drawn.
+  const std::vector<Vec2>& points_of(int body) const { return points_[static_cast<std::size_t>(body)]; }
   /// The ends of a body whose points lie on one line, or the corners of one whose points do not.
   std::vector<Vec2> outline(int body, const Readings& readings) const;
   /// Directions in which things leave a place on the page: bodies, bars, springs and dampers that have a point there.
   std::vector<Vec2> members_at(Vec2 place) const;
+  /// What a joint is called where it is pointed at: "pin A".
+  static std::string item_of(const Joint& joint);
   /// Name of a joint fit for a figure: what the scene calls it, or else the point's name.
   std::string short_name(const Joint& joint) const;
   /// Where two bodies turn about each other: the joint they share, or the origin of `b`.
@@ -114,14 +139,35 @@ class Stage {
   double arrow_length(double force) const;
   /// "12.5 N", with a true minus sign.
   std::string value(double si, Quantity quantity) const;
-  /// Asks for a label; set when everything is drawn.
+  /// "150.35 mm": of a place or an angle, to five digits.
+  std::string reading(double si, Quantity quantity) const;
+
+  /// Of several places for something the one of least cost, the first of these; of that chosen in the picture before
+  /// only where another is better by more than `margin`.
+  std::size_t least(const std::string& item, std::initializer_list<double> costs, double margin) const;
+  /// The place taken for something in the picture before where it is still free, else `choice`.
+  template <class IsFree>
+  std::size_t first_free(const std::string& item, std::size_t choice, IsFree is_free) const {
+    if (before_ == nullptr) return choice;
+    std::size_t& taken = before_->taken.try_emplace(item, choice).first->second;
+    if (!is_free(taken)) taken = choice;
+    return taken;
+  }
+  /// The place chosen for something in the first picture, or else `choice`.
+  std::size_t first_choice(const std::string& item, std::size_t choice) const;
+
+  /// Asks for a label of the canvas's item; set when everything is drawn.
   void label(std::string text, Vec2 anchor, Vec2 toward, double gap, Colour colour, double size = 11.0,
              bool italic = false);
+  /// Sets all labels.
+  void set_labels();
 
  private:
-  void choose_detail();
-  void choose_scale(Vec2 room);
   void find_cylinders();
+
+  std::vector<Strung> strung_;
+  std::vector<std::vector<Vec2>> points_;  // of bodies, on the page
+  Choices* before_;
 };
 
 /// All parts of the figure, in their order, without labels.

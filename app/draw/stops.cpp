@@ -23,18 +23,28 @@ const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
   return found == reactions.end() ? nullptr : &*found;
 }
 
+std::string carried_by(const Stage& stage, const Stop& stop, const Reaction& reaction) {
+  return stop.on.is_angle() ? stage.value(std::abs(reaction.moment), Quantity::moment)
+                            : stage.value(norm(reaction.force), Quantity::force);
+}
+
+/// "20 deg, active, 12 N m".
+std::string state_of(const Stage& stage, const Stop& stop, double now, const Reaction* active) {
+  const std::string state = stage.reading(now, quantity_of(stop.on));
+  return active == nullptr ? state : state + ", active, " + carried_by(stage, stop, *active);
+}
+
 void label_active(Stage& stage, const Stop& stop, const Reaction& reaction, Vec2 at, Vec2 toward, double gap) {
   if (stage.detail != Detail::full) return;
-  const std::string carried = stop.on.is_angle() ? stage.value(std::abs(reaction.moment), Quantity::moment)
-                                                 : stage.value(norm(reaction.force), Quantity::force);
-  stage.label(stop.name + ": " + carried + (reaction.determined ? "" : "*"), at, toward, gap, ink::stop);
+  stage.label(stop.name + ": " + carried_by(stage, stop, reaction) + (reaction.determined ? "" : "*"), at, toward, gap,
+              ink::stop);
 }
 
 /// Direction on the page from a pivot to the end of a body that is farthest from it.
 Vec2 hand_of(const Stage& stage, int body, Vec2 pivot) {
   Vec2 hand = stage.page_direction(unit(stage.now.poses[body].angle));
   double reach = 1.0;
-  for (const Vec2& p : stage.points_of(body, stage.now)) {
+  for (const Vec2& p : stage.points_of(body)) {
     if (norm(p - pivot) <= reach) continue;
     reach = norm(p - pivot);
     hand = (1 / reach) * (p - pivot);
@@ -118,6 +128,7 @@ void draw_stops(Stage& stage) {
     const Stop& stop = stage.scene.stops[i];
     const double now = stage.now.stops[i];
     const Reaction* active = reaction_of(stage, stop);
+    stage.canvas.item("stop " + stop.name, state_of(stage, stop, now, active));
     switch (stop.on.kind) {
       case Measure::Kind::angle:
         draw_angle_stop(stage, stop, now, active);
