@@ -12,29 +12,12 @@
 
 #include "app/draw/canvas.hpp"
 #include "app/draw/labels.hpp"
+#include "app/draw/legend.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/present/numbers.hpp"
 #include "statics/readings.hpp"
 
 namespace poise::app {
-
-/// Signs that the legend explains where they occur.
-enum class Sign {
-  load,
-  reaction,
-  undetermined_reaction,
-  drive,
-  spring,
-  slack_spring,
-  torsion_spring,
-  damper,
-  massless_bar,
-  centre_of_mass,
-  active_stop,
-  inactive_stop,
-  other_pose,
-  path
-};
 
 /// How much of a mechanism a page can hold.
 enum class Detail {
