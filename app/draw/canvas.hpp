@@ -34,6 +34,8 @@ struct Paint {
   double width = 1.0;
   std::string_view dash{};  ///< "5 3", empty for a full line; of static duration
   double opacity = 1.0;
+
+  friend bool operator==(const Paint&, const Paint&) = default;
 };
 
 enum class Align { start, middle, end };
@@ -45,6 +47,8 @@ struct TextStyle {
   bool italic = false;
   bool halo = true;  ///< rim of paper, so that text stays legible over lines
   Align align = Align::middle;
+
+  friend bool operator==(const TextStyle&, const TextStyle&) = default;
 };
 
 /// Width that a text takes at least in the usual sans-serif fonts, px; rather too much than too little.

@@ -22,10 +22,22 @@ struct Frame {
   bool confirmed = true;  ///< what it shows is proved, or part of a computed motion that is confirmed
 };
 
-/// Pictures of one mechanism in one scale; one at least.
+/// Where the world is on a drawing.
+struct FrameView {
+  double scale = 1.0;  ///< px per m
+  Vec2 origin{};       ///< px: of the world's origin
+
+  Vec2 page(Vec2 world) const { return origin + scale * conj(world); }
+  Vec2 world(Vec2 page) const { return (1 / scale) * conj(page - origin); }
+};
+
+/// Pictures of one mechanism in one scale, their upper left corner at 0, 0.
 struct Drawing {
-  std::string description{};  ///< in words, for readers who do not see it
+  double width = 0.0, height = 0.0;  ///< px
+  std::string description{};         ///< in words, for readers who do not see it
   std::vector<Frame> frames{};
+  Canvas still{};  ///< what all frames show beside the mechanism: legend, scale, gravity
+  FrameView view{};
 };
 
 /// A point of the mechanism, px in every frame.
