@@ -1,0 +1,362 @@
+// Drawings: a display list becomes an SVG in which only what changes from frame to frame is touched.
+
+import { button, checkbox, element, menu, svgElement, toneClass, toneIcon } from './dom.js';
+
+const largest_zoom = 40;
+// Where a drawing is shown smaller than it was made, its small texts are enlarged until they have this size, px.
+const least_text = 9;
+const most_text_scale = 1.9;
+// Their places are laid out as one block: enlarged texts would overlap.
+const fixed_text_layers = ['heading', 'legend'];
+const frames_between_keys = 32;
+
+function pointsText(numbers) {
+  const parts = [];
+  for (let i = 0; i + 1 < numbers.length; i += 2) parts.push(`${numbers[i]},${numbers[i + 1]}`);
+  return parts.join(' ');
+}
+
+// As quarter circles, because one SVG arc cannot describe a full turn.
+function arcPath([cx, cy, r, from, to]) {
+  const pieces = Math.max(1, Math.ceil(Math.abs(to - from) / (Math.PI / 2)));
+  const place = (angle) => `${(cx + r * Math.cos(angle)).toFixed(3)} ${(cy - r * Math.sin(angle)).toFixed(3)}`;
+  const sweep = to > from ? 0 : 1;
+  let path = `M${place(from)}`;
+  for (let i = 1; i <= pieces; ++i) path += `A${r} ${r} 0 0 ${sweep} ${place(from + (to - from) * i / pieces)}`;
+  return path;
+}
+
+// For every type of shape: the SVG element, and what its numbers set there.
+const shape_kinds = {
+  line: {tag: 'line', place: (node, shape) => ['x1', 'y1', 'x2', 'y2'].forEach((a, i) => node.setAttribute(a, shape[i + 2]))},
+  polyline: {tag: 'polyline', place: (node, shape) => node.setAttribute('points', pointsText(shape[2]))},
+  polygon: {tag: 'polygon', place: (node, shape) => node.setAttribute('points', pointsText(shape[2]))},
+  circle: {tag: 'circle', place: (node, shape) => ['cx', 'cy', 'r'].forEach((a, i) => node.setAttribute(a, shape[i + 2]))},
+  arc: {tag: 'path', place: (node, shape) => node.setAttribute('d', arcPath(shape.slice(2)))},
+  text: {tag: 'text', place: (node, shape) => {
+    node.setAttribute('x', shape[2]);
+    node.setAttribute('y', shape[3]);
+    node.textContent = shape[4];
+  }},
+};
+
+function sameValues(a, b) {
+  if (a === b) return true;
+  if (!Array.isArray(a) || !Array.isArray(b) || a.length !== b.length) return false;
+  return a.every((value, i) => sameValues(value, b[i]));
+}
+
+function sameGeometry(a, b) {
+  return a[0] === b[0] && a.length === b.length && a.every((value, i) => i === 1 || sameValues(value, b[i]));
+}
+
+/// A drawing on the page. `overlay` is a group above all shapes in which others draw; `traces` is one just below it.
+export class Picture {
+  constructor(container, palette) {
+    this.palette = palette;
+    this.hidden = new Set();
+    this.slots = [];
+    this.shapes = svgElement('g');
+    this.traces = svgElement('g');
+    this.overlay = svgElement('g');
+    this.svg = svgElement('svg', {class: 'picture', role: 'img'}, this.shapes, this.traces, this.overlay);
+    container.append(this.svg);
+    new ResizeObserver(() => this.scaleText()).observe(this.svg);
+  }
+
+  /// Shows another drawing. Elements whose shape and style are what they were are left alone.
+  show(drawing, k = 0) {
+    const resized = drawing.width !== this.drawing?.width || drawing.height !== this.drawing?.height;
+    this.drawing = drawing;
+    this.svg.setAttribute('aria-label', drawing.description || 'Drawing');
+    this.svg.style.aspectRatio = `${drawing.width} / ${drawing.height}`;
+    this.styles = drawing.styles.map((style) => this.compiledStyle(style));
+    this.fitSlots(drawing.slots);
+    this.keys = [];
+    this.state = null;
+    if (resized) this.look({x: 0, y: 0, width: drawing.width, height: drawing.height});
+    this.frame(k);
+  }
+
+  /// Shows frame k.
+  frame(k) {
+    const state = this.stateOf(k);
+    for (let i = 0; i < state.length; ++i) {
+      if (this.state === null || this.state[i] !== state[i]) this.put(this.slots[i], state[i]);
+    }
+    this.state = state;
+  }
+
+  /// Changes the part of the drawing that is seen.
+  look(box) {
+    this.box = box;
+    this.svg.setAttribute('viewBox', `${box.x} ${box.y} ${box.width} ${box.height}`);
+    this.scaleText();
+  }
+
+  /// A place of the window in px of the drawing.
+  toPage(client_x, client_y) {
+    const matrix = this.svg.getScreenCTM();
+    if (!matrix) return {x: 0, y: 0};
+    const {x, y} = new DOMPoint(client_x, client_y).matrixTransform(matrix.inverse());
+    return {x, y};
+  }
+
+  hideLayer(layer, hidden) {
+    if (hidden) this.hidden.add(layer);
+    else this.hidden.delete(layer);
+    for (const slot of this.slots) this.display(slot);
+  }
+
+  /// The name of the item whose shape is at a place of the window or within a few px of it; empty for none.
+  nameAt(client_x, client_y) {
+    for (const [dx, dy] of [[0, 0], [4, 0], [-4, 0], [0, 4], [0, -4]]) {
+      const group = document.elementFromPoint(client_x + dx, client_y + dy)?.parentNode;
+      const slot = this.slots.find((candidate) => candidate.group === group);
+      if (slot?.name) return slot.name;
+    }
+    return '';
+  }
+
+  colour(name) {
+    if (name === 'none') return 'none';
+    return Object.hasOwn(this.palette, name) ? `var(--c-${name})` : 'currentColor';
+  }
+
+  compiledStyle(style) {
+    const attributes = style.size === undefined ? {
+      fill: this.colour(style.fill), stroke: this.colour(style.stroke), 'stroke-width': style.width,
+      'stroke-dasharray': style.dash || 'none', opacity: style.opacity ?? 1,
+    } : {
+      fill: this.colour(style.colour), 'text-anchor': style.align, 'font-weight': style.bold ? 'bold' : 'normal',
+      'font-style': style.italic ? 'italic' : 'normal', class: style.halo ? 'halo' : '',
+    };
+    return {attributes: Object.entries(attributes), size: style.size, key: JSON.stringify(style)};
+  }
+
+  fitSlots(slots) {
+    while (this.slots.length > slots.length) this.slots.pop().group.remove();
+    while (this.slots.length < slots.length) {
+      const slot = {group: svgElement('g'), layer: '', name: '', node: null, shape: null, style: ''};
+      this.slots.push(slot);
+      this.shapes.append(slot.group);
+    }
+    slots.forEach(([layer, name], i) => {
+      if (this.slots[i].layer !== layer) this.slots[i].style = '';
+      Object.assign(this.slots[i], {layer, name});
+      this.display(this.slots[i]);
+    });
+  }
+
+  display(slot) {
+    const shown = !this.hidden.has(slot.layer);
+    if (shown === slot.displayed) return;
+    slot.displayed = shown;
+    slot.group.setAttribute('display', shown ? 'inline' : 'none');
+  }
+
+  // The shape of every slot in frame k. Some states are kept, so that jumps back need not begin at frame 0.
+  stateOf(k) {
+    const {frames} = this.drawing;
+    const whole = Math.floor(k / frames_between_keys);
+    for (let key = this.keys.length; key <= whole; ++key) {
+      this.keys.push(key === 0 ? Int32Array.from(frames[0]) :
+        this.advanced(this.keys[key - 1], (key - 1) * frames_between_keys, key * frames_between_keys));
+    }
+    return this.advanced(this.keys[whole], whole * frames_between_keys, k);
+  }
+
+  advanced(state, from, to) {
+    const next = state.slice();
+    for (let frame = from + 1; frame <= to; ++frame) {
+      const changes = this.drawing.frames[frame];
+      for (let i = 0; i + 1 < changes.length; i += 2) next[changes[i]] = changes[i + 1];
+    }
+    return next;
+  }
+
+  put(slot, index) {
+    const shape = index < 0 ? undefined : this.drawing.shapes[index];
+    const kind = shape && Object.hasOwn(shape_kinds, shape[0]) ? shape_kinds[shape[0]] : null;
+    if (!kind) {
+      slot.node?.remove();
+      slot.node = slot.shape = null;
+      return;
+    }
+    const style = this.styles[shape[1]];
+    if (slot.shape?.[0] !== shape[0]) {
+      slot.node?.remove();
+      slot.node = slot.group.appendChild(svgElement(kind.tag));
+      slot.shape = null;
+      slot.style = '';
+    }
+    if (slot.style !== style.key) this.dress(slot, style);
+    if (slot.shape === null || !sameGeometry(slot.shape, shape)) kind.place(slot.node, shape);
+    slot.shape = shape;
+  }
+
+  dress(slot, style) {
+    for (const [name, value] of style.attributes) slot.node.setAttribute(name, value);
+    if (style.size !== undefined) {
+      const scaled = style.size < 14 && !fixed_text_layers.includes(slot.layer);
+      slot.node.style.fontSize = scaled ? `calc(${Number(style.size)}px * var(--text-scale, 1))` : `${Number(style.size)}px`;
+    }
+    slot.style = style.key;
+  }
+
+  scaleText() {
+    const width = this.svg.clientWidth;
+    if (!width || !this.box) return;
+    const shrunk = 11 * width / this.box.width;
+    const scale = Math.min(most_text_scale, Math.max(1, least_text / shrunk));
+    this.svg.style.setProperty('--text-scale', scale.toFixed(2));
+  }
+}
+
+// The part of a drawing seen after zooming by a factor about a place; never more than the whole.
+function zoomedBox(box, whole, factor, at) {
+  const width = Math.min(whole.width, Math.max(whole.width / largest_zoom, box.width / factor));
+  const height = width * whole.height / whole.width;
+  const x = at.x - (at.x - box.x) * width / box.width;
+  const y = at.y - (at.y - box.y) * height / box.height;
+  return clampedBox({x, y, width, height}, whole);
+}
+
+function clampedBox(box, whole) {
+  return {...box, x: Math.min(Math.max(0, box.x), whole.width - box.width),
+    y: Math.min(Math.max(0, box.y), whole.height - box.height)};
+}
+
+// Zoom by wheel, pinch, buttons and keys; pan by dragging. The wheel alone scrolls the page until the drawing has been
+// clicked; with Ctrl, which a pinch on a touch pad sends too, it always zooms.
+class Zoom {
+  constructor(picture, stage, changed) {
+    Object.assign(this, {picture, stage, changed, pointers: new Map()});
+    stage.addEventListener('wheel', (event) => this.wheel(event), {passive: false});
+    stage.addEventListener('pointerdown', (event) => this.down(event));
+    stage.addEventListener('pointermove', (event) => this.move(event));
+    for (const end of ['pointerup', 'pointercancel']) {
+      stage.addEventListener(end, (event) => this.pointers.delete(event.pointerId));
+    }
+    stage.addEventListener('keydown', (event) => this.key(event));
+  }
+
+  get active() {
+    return this.picture.box.width < this.picture.drawing.width * 0.999;
+  }
+
+  set(box) {
+    this.picture.look(box);
+    this.stage.classList.toggle('zoomed', this.active);
+    this.changed();
+  }
+
+  by(factor, at = null) {
+    const {box, drawing} = this.picture;
+    this.set(zoomedBox(box, drawing, factor, at ?? {x: box.x + box.width / 2, y: box.y + box.height / 2}));
+  }
+
+  reset() {
+    const {width, height} = this.picture.drawing;
+    this.set({x: 0, y: 0, width, height});
+  }
+
+  wheel(event) {
+    const wanted = event.ctrlKey || this.stage.contains(document.activeElement);
+    if (!wanted || (event.deltaY > 0 && !this.active && !event.ctrlKey)) return;
+    event.preventDefault();
+    this.by(Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.002)), this.picture.toPage(event.clientX, event.clientY));
+  }
+
+  down(event) {
+    if (event.button !== 0 || event.target.closest('button')) return;
+    this.pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+  }
+
+  move(event) {
+    const last = this.pointers.get(event.pointerId);
+    if (!last) return;
+    const now = {x: event.clientX, y: event.clientY};
+    const other = [...this.pointers].find(([id]) => id !== event.pointerId)?.[1];
+    if (other) this.pinch(last, now, other);
+    else if (this.active) this.pan(last, now);
+    this.pointers.set(event.pointerId, now);
+  }
+
+  pinch(last, now, other) {
+    const distance = (p) => Math.hypot(p.x - other.x, p.y - other.y);
+    if (distance(last) > 0) this.by(distance(now) / distance(last),
+      this.picture.toPage((now.x + other.x) / 2, (now.y + other.y) / 2));
+  }
+
+  pan(last, now) {
+    const a = this.picture.toPage(last.x, last.y);
+    const b = this.picture.toPage(now.x, now.y);
+    const {box, drawing} = this.picture;
+    this.set(clampedBox({...box, x: box.x + a.x - b.x, y: box.y + a.y - b.y}, drawing));
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === '+' || event.key === '=') this.by(1.25);
+    else if (event.key === '-') this.by(0.8);
+    else if (event.key === '0') this.reset();
+    else return;
+    event.preventDefault();
+  }
+}
+
+function followWithName(picture, stage) {
+  const tip = element('div', {class: 'tip', hidden: true, 'aria-hidden': 'true'});
+  stage.append(tip);
+  stage.addEventListener('pointerleave', () => { tip.hidden = true; });
+  stage.addEventListener('pointermove', (event) => {
+    tip.textContent = picture.nameAt(event.clientX, event.clientY);
+    tip.hidden = tip.textContent === '';
+    if (tip.hidden) return;
+    const box = stage.getBoundingClientRect();
+    const left = event.clientX - box.left + 14;
+    tip.style.left = `${Math.max(0, Math.min(left, box.width - tip.offsetWidth - 4))}px`;
+    tip.style.top = `${event.clientY - box.top + 16}px`;
+  });
+}
+
+function layerMenu(picture, drawing) {
+  const layers = [...new Set(drawing.slots.map(([layer]) => layer))];
+  return menu('Layers', ...layers.map((layer) =>
+    checkbox(layer.replaceAll('-', ' '), true, (shown) => picture.hideLayer(layer, !shown))));
+}
+
+/// A caption with its tone, and a mark on what is not confirmed.
+export function showCaption(caption, stage, drawing, k) {
+  const tone = drawing.tones?.[k] ?? 'plain';
+  const confirmed = drawing.confirmed?.[k] ?? true;
+  stage.classList.toggle('unconfirmed', !confirmed);
+  const text = drawing.captions?.[k] ?? '';
+  caption.className = `caption ${toneClass(tone)}`;
+  caption.replaceChildren(...[toneIcon(tone), text].filter((part) => part));
+  if (!confirmed) caption.append(element('span', {class: 'unconfirmed-word'}, 'not confirmed'));
+}
+
+/// A drawing with its caption, zoom, names and layers. Returns its parts; frame(k) shows another frame.
+export function drawingView(drawing, palette) {
+  const stage = element('div', {class: 'stage', tabindex: 0, role: 'group',
+    'aria-label': 'Drawing. Plus and minus zoom, 0 shows the whole.'});
+  const picture = new Picture(stage, palette);
+  const reset = button('Show the whole', () => zoom.reset(), {class: 'quiet'});
+  const zoom = new Zoom(picture, stage, () => { reset.hidden = !zoom.active; });
+  reset.hidden = true;
+  const tools = element('div', {class: 'tools'},
+    button('+', () => zoom.by(1.25), {class: 'icon-button', 'aria-label': 'Zoom in', title: 'Zoom in (Ctrl + wheel; drag to move)'}),
+    button('−', () => zoom.by(0.8), {class: 'icon-button', 'aria-label': 'Zoom out', title: 'Zoom out (Ctrl + wheel)'}),
+    reset, layerMenu(picture, drawing));
+  const caption = element('p', {class: 'caption'});
+  followWithName(picture, stage);
+  picture.show(drawing);
+  const frame = (k) => {
+    picture.frame(k);
+    showCaption(caption, stage, drawing, k);
+  };
+  frame(0);
+  return {element: element('div', {class: 'drawing'}, stage, caption, tools), stage, picture, caption, tools, frame};
+}

@@ -1,0 +1,96 @@
+// The page: made from the document that it contains.
+
+import { button, copyButton, download, element } from './dom.js';
+import { onPrint, startTheme, themeChoice, usePalette } from './theme.js';
+import { reportView, verdictView, warningsView } from './report.js';
+import { drawingView } from './figure.js';
+import { Player } from './player.js';
+import { cardsView } from './cards.js';
+import { chartsView } from './chart.js';
+
+function headerView(page) {
+  const name = page.title || `poise ${page.command}`;
+  const file = `${name.replace(/[^\p{L}\p{N}]+/gu, '-').replace(/^-+|-+$/g, '').slice(0, 60) || 'poise'}.json`;
+  const save = () => download(file, 'application/json', JSON.stringify(page.result, null, 2) + '\n');
+  return element('header', {class: 'page-header'},
+    element('div', {class: 'titles'}, element('h1', {}, name),
+      page.source ? element('p', {class: 'source'}, `Source: ${page.source}`) : null),
+    element('div', {class: 'page-buttons'}, themeChoice(),
+      page.result === null || page.result === undefined ? null : button('Save the data (JSON)', save),
+      button('Print', () => print())),
+    page.line ? element('div', {class: 'line'}, element('code', {}, page.line), copyButton('Copy', () => page.line)) : null);
+}
+
+function playedView(figure, palette) {
+  const view = drawingView(figure.drawing, palette);
+  const box = element('div', {class: 'played'}, view.element);
+  let player = null;
+  const charts = figure.charts ? chartsView(figure.charts, (k) => player?.step(k)) : null;
+  if (charts) box.append(charts.element);
+  box.classList.toggle('with-charts', charts !== null);
+  if (figure.play && figure.drawing.frames.length > 1) {
+    player = new Player(view, figure.play, (k) => charts?.frame(k));
+    player.listenIn(box);
+  } else {
+    charts?.frame(0);
+  }
+  return box;
+}
+
+function figureBody(figure, palette) {
+  switch (figure.kind) {
+    case 'cards': return cardsView(figure.drawing, palette);
+    case 'charts': return chartsView(figure.charts).element;
+    default: return playedView(figure, palette);
+  }
+}
+
+const figure_names = {drawing: 'Drawing', cards: 'Positions', charts: 'Charts'};
+
+function figureView(figure, palette) {
+  const heading = element('h2', {class: figure.title ? null : 'unseen'}, figure.title || figure_names[figure.kind] || '');
+  return element('section', {class: `figure kind-${figure.kind}`}, heading, figureBody(figure, palette));
+}
+
+// A still drawing without charts leaves room for the report beside it.
+function isStill(figure) {
+  return figure?.kind === 'drawing' && !figure.charts && !figure.play;
+}
+
+function openWhilePrinting() {
+  let opened = [];
+  onPrint(() => {
+    opened = [...document.querySelectorAll('details.details:not([open])')];
+    opened.forEach((box) => { box.open = true; });
+  }, () => opened.forEach((box) => { box.open = false; }));
+}
+
+/// Shows a document in place of what the page shows.
+export function showPage(page) {
+  const palette = usePalette(page.palette);
+  const figures = page.figures ?? [];
+  const figure_views = figures.map((figure) => figureView(figure, palette));
+  const report = page.report?.length > 0 ? element('section', {class: 'report'}, element('h2', {}, 'Report'),
+    reportView(page.report, 3)) : null;
+  const beside = isStill(figures[0]) && report !== null;
+  const main = element('main', {id: 'main', class: beside ? 'beside' : null, tabindex: -1},
+    element('div', {class: 'finding'}, page.verdict?.text ? verdictView(page.verdict) : null,
+      page.warnings?.length > 0 ? warningsView(page.warnings) : null),
+    ...(beside ? [element('div', {class: 'pair'}, figure_views[0], report), ...figure_views.slice(1)] :
+      [...figure_views, report].filter((view) => view !== null)));
+  const footer = element('footer', {}, `Made by Poise ${page.poise ?? ''}`);
+  document.getElementById('page').replaceChildren(headerView(page), main, footer);
+}
+
+function startPage() {
+  startTheme();
+  openWhilePrinting();
+  try {
+    showPage(JSON.parse(document.getElementById('document').textContent));
+  } catch {
+    const text = 'This page cannot be shown, because the data in it cannot be read.';
+    document.getElementById('page').replaceChildren(element('main', {}, element('p', {class: 'unreadable', role: 'alert'}, text)));
+  }
+}
+
+startPage();
