@@ -62,9 +62,10 @@ function linearTicks([low, high], most) {
   return ticks;
 }
 
-function decadeLabel(decade) {
-  if (decade < lowest_plain_decade || decade > highest_plain_decade) return `10${superscript(decade)}`;
-  return (10 ** decade).toFixed(Math.max(0, -decade));
+// Labels of an axis that has the decades first to last: all of them powers, or none.
+function decadeLabels(first, last) {
+  const plain = first >= lowest_plain_decade && last <= highest_plain_decade;
+  return (decade) => plain ? (10 ** decade).toFixed(Math.max(0, -decade)) : `10${superscript(decade)}`;
 }
 
 // Decades, with 2 and 5 where few fit; within less than a decade the ticks of a linear axis.
@@ -76,18 +77,20 @@ function logTicks([low, high], most) {
   }
   if (last - first < 3 && most > 5) return logSteps(low, high, [1, 2, 5]);
   const step = Math.max(1, Math.ceil((last - first) / most));
+  const label = decadeLabels(first, last);
   const ticks = [];
-  for (let decade = first; decade <= last; decade += step) ticks.push({at: 10 ** decade, label: decadeLabel(decade)});
+  for (let decade = first; decade <= last; decade += step) ticks.push({at: 10 ** decade, label: label(decade)});
   return ticks;
 }
 
 function logSteps(low, high, multiples) {
+  const label = decadeLabels(orderOf(low), orderOf(high));
   const ticks = [];
   for (let decade = orderOf(low); decade <= orderOf(high); ++decade) {
     for (const multiple of multiples) {
       const at = multiple * 10 ** decade;
       if (at < low * (1 - 1e-9) || at > high * (1 + 1e-9)) continue;
-      ticks.push({at, label: multiple === 1 ? decadeLabel(decade) : numberText(at, 2)});
+      ticks.push({at, label: multiple === 1 ? label(decade) : numberText(at, 2)});
     }
   }
   return ticks;

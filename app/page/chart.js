@@ -13,7 +13,7 @@ const most_table_rows = 200;
 // Print: width of a chart that has the page to itself, px, and how much finer than the screen it is drawn.
 const print_width = 700;
 const print_scale = 3;
-const dashes = {dashed: [7, 5], dotted: [1.5, 5]};
+const dashes = new Map([['dashed', [7, 5]], ['dotted', [1.5, 5]]]);
 const has_points = ['points', 'crosses', 'marked'];
 
 // Text is measured on one canvas for all.
@@ -45,7 +45,7 @@ class Chart {
       panel.title ? element('figcaption', {}, panel.title) : null,
       element('div', {class: 'chart-top'}, element('span', {class: 'axis-label'}, panel.y_label), this.reset),
       this.box, this.print, panel.x_label ? element('div', {class: 'axis-label x'}, panel.x_label) : null,
-      this.legend(), this.table());
+      element('div', {class: 'chart-foot'}, this.legend(), this.table()));
     this.fitY();
   }
 
@@ -403,11 +403,13 @@ class Brush {
       (value) => value === null ? NaN : base + slope * value;
   }
 
-  clipped(action) {
+  // Within the plotting area and `rim` px around it, so that points at its edge are seen whole.
+  clipped(rim, action) {
     const {ctx, area} = this;
+    const more = rim * this.unit;
     ctx.save();
     ctx.beginPath();
-    ctx.rect(area.left, area.top, area.width, area.height);
+    ctx.rect(area.left - more, area.top - more, area.width + 2 * more, area.height + 2 * more);
     ctx.clip();
     ctx.lineCap = ctx.lineJoin = 'round';
     action();
@@ -416,7 +418,7 @@ class Brush {
 
   background() {
     const {ctx, area, chart} = this;
-    this.clipped(() => {
+    this.clipped(0, () => {
       ctx.fillStyle = colourNow('band');
       for (const band of chart.panel.bands ?? []) {
         const [low, high] = [this.y(band.low), this.y(band.high)];
@@ -433,7 +435,7 @@ class Brush {
   }
 
   foreground(with_cursor) {
-    this.clipped(() => {
+    this.clipped(3, () => {
       const {panel, shown} = this.chart;
       this.pen('dark', 1, [6, 4]);
       for (const level of panel.levels ?? []) this.level(this.y(level.y));
@@ -467,7 +469,7 @@ class Brush {
 
   curve(curve) {
     const {style} = curve;
-    this.pen(curve.colour, style === 'dotted' ? 2 : 1.7, dashes[style] ?? []);
+    this.pen(curve.colour, style === 'dotted' ? 2 : 1.7, dashes.get(style) ?? []);
     if (!['points', 'crosses'].includes(style)) this.path(curve);
     if (has_points.includes(style)) this.points(curve, style);
   }
@@ -479,8 +481,9 @@ class Brush {
     for (let i = 0; i < x.length; ++i) {
       const [px, py] = [this.x(x[i]), this.y(y[i])];
       const known = px === px && py === py;
-      if (known && open) ctx.lineTo(px, py);
-      else if (known) ctx.moveTo(px, py);
+      if (known && !open) ctx.moveTo(px, py);
+      // Also where a line begins: the round ends show a point between two gaps.
+      if (known) ctx.lineTo(px, py);
       open = known;
     }
     ctx.stroke();
@@ -561,7 +564,7 @@ function curveSample({style, colour}) {
   const sample = svgElement('svg', {class: 'sample', viewBox: '0 0 28 12', 'aria-hidden': 'true'});
   if (!['points', 'crosses'].includes(style)) {
     sample.append(svgElement('path', {d: 'M2 6h24', stroke: name, 'stroke-width': 2.4, 'stroke-linecap': 'round',
-      'stroke-dasharray': dashes[style]?.join(' ') ?? 'none'}));
+      'stroke-dasharray': dashes.get(style)?.join(' ') ?? 'none'}));
   }
   if (style === 'crosses') sample.append(svgElement('path', {d: 'M10 2l8 8M18 2l-8 8', stroke: name, 'stroke-width': 2}));
   else if (has_points.includes(style)) sample.append(svgElement('circle', {cx: 14, cy: 6, r: 3.2, fill: name}));
