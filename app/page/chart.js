@@ -2,7 +2,7 @@
 // all, because load paths fold back and their x is not sorted.
 
 import { button, element, numberText, say, svgElement } from './dom.js';
-import { colourNow, onPrint, onThemeChange } from './theme.js';
+import { colourNow, whenTold } from './theme.js';
 import { axisRange, axisTicks, labelParts, minorPlaces } from './axes.js';
 
 const font = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
@@ -77,7 +77,7 @@ class Chart {
 
   ticks(axis, width = this.width) {
     const most = axis === 'x' ? Math.max(2, Math.min(9, Math.floor(width / 85))) :
-      Math.max(2, Math.floor(this.height / 36));
+      Math.max(2, Math.floor(this.height / 42));
     return axisTicks(this.range[axis], this.log[axis], most);
   }
 
@@ -443,7 +443,10 @@ class Brush {
       for (const arrow of panel.arrows ?? []) this.arrow(arrow);
       if (with_cursor) this.cursor();
     });
+    // uPlot remembers what it set on the canvas: all else is put back.
+    this.ctx.save();
     for (const mark of this.chart.panel.marks ?? []) this.mark(mark);
+    this.ctx.restore();
   }
 
   pen(colour, width, dash) {
@@ -606,8 +609,11 @@ export function chartsView(data, onPick = () => {}) {
   const grid = element('div', {class: 'charts'}, ...charts.map((chart) => chart.element));
   grid.style.setProperty('--columns', columns);
   new ResizeObserver(() => charts.forEach((chart) => chart.layOut())).observe(grid);
-  onThemeChange(() => charts.forEach((chart) => chart.plot?.redraw(false)));
-  onPrint(() => charts.forEach((chart) => chart.beforePrint(columns)), () => charts.forEach((chart) => chart.afterPrint()));
+  whenTold(grid, {
+    colours: () => charts.forEach((chart) => chart.plot?.redraw(false)),
+    print: () => charts.forEach((chart) => chart.beforePrint(columns)),
+    printed: () => charts.forEach((chart) => chart.afterPrint()),
+  });
   return {element: grid, charts, frame: (k) => charts.forEach((chart) => chart.frame(k))};
 }
 

@@ -57,10 +57,16 @@ export function menu(label, ...children) {
     box.open = false;
     box.querySelector('summary').focus();
   });
-  document.addEventListener('pointerdown', (event) => {
-    if (!box.contains(event.target)) box.open = false;
-  });
   return box;
+}
+
+/// Has every open menu closed by a press elsewhere.
+export function closeMenusOutside() {
+  document.addEventListener('pointerdown', (event) => {
+    for (const box of document.querySelectorAll('.menu[open]')) {
+      if (!box.contains(event.target)) box.open = false;
+    }
+  });
 }
 
 export function checkbox(label, checked, change) {

@@ -1,7 +1,7 @@
 // The page: made from the document that it contains.
 
-import { button, copyButton, download, element } from './dom.js';
-import { onPrint, startTheme, themeChoice, usePalette } from './theme.js';
+import { button, closeMenusOutside, copyButton, download, element } from './dom.js';
+import { startTheme, themeChoice, usePalette, whenTold } from './theme.js';
 import { reportView, verdictView, warningsView } from './report.js';
 import { drawingView } from './figure.js';
 import { Player } from './player.js';
@@ -57,12 +57,15 @@ function isStill(figure) {
   return figure?.kind === 'drawing' && !figure.charts && !figure.play;
 }
 
-function openWhilePrinting() {
+function openWhilePrinting(place) {
   let opened = [];
-  onPrint(() => {
-    opened = [...document.querySelectorAll('details.details:not([open])')];
-    opened.forEach((box) => { box.open = true; });
-  }, () => opened.forEach((box) => { box.open = false; }));
+  whenTold(place, {
+    print: () => {
+      opened = [...place.querySelectorAll('details.details:not([open])')];
+      opened.forEach((box) => { box.open = true; });
+    },
+    printed: () => opened.forEach((box) => { box.open = false; }),
+  });
 }
 
 /// Shows a document in place of what the page shows.
@@ -83,13 +86,15 @@ export function showPage(page) {
 }
 
 function startPage() {
+  const place = document.getElementById('page');
   startTheme();
-  openWhilePrinting();
+  closeMenusOutside();
+  openWhilePrinting(place);
   try {
     showPage(JSON.parse(document.getElementById('document').textContent));
   } catch {
     const text = 'This page cannot be shown, because the data in it cannot be read.';
-    document.getElementById('page').replaceChildren(element('main', {}, element('p', {class: 'unreadable', role: 'alert'}, text)));
+    place.replaceChildren(element('main', {}, element('p', {class: 'unreadable', role: 'alert'}, text)));
   }
 }
 

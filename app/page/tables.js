@@ -1,7 +1,7 @@
 // Tables: sorted by a click on a title, filtered by words, cut to their first rows where they are long.
 
 import { button, copyButton, element, say, toneClass } from './dom.js';
-import { onPrint } from './theme.js';
+import { whenTold } from './theme.js';
 
 const most_rows = 25;
 
@@ -43,10 +43,10 @@ class TableView {
     const table = element('table', {'aria-label': item.title || 'Table'},
       element('thead', {}, element('tr', {}, ...this.heads)), this.body);
     this.more = button('', () => this.showAll(), {class: 'quiet'});
-    this.element = element('div', {class: 'table'}, this.top(heading), element('div', {class: 'scroll'}, table),
+    this.element = element('div', {class: this.whole ? 'table short' : 'table'}, this.top(heading), element('div', {class: 'scroll'}, table),
       ...(item.footnotes ?? []).map((note) => element('p', {class: 'footnote'}, note)),
       element('div', {class: 'table-foot'}, this.more, copyButton('Copy as CSV', () => csvText(this.columns, this.rows()))));
-    onPrint(() => this.fill(true), () => this.fill());
+    whenTold(this.element, {print: () => this.fill(true), printed: () => this.fill()});
     this.fill();
   }
 

@@ -5,7 +5,7 @@ import { element } from './dom.js';
 
 const setting_key = 'poise-theme';
 const system_is_dark = matchMedia('(prefers-color-scheme: dark)');
-const theme = {setting: 'auto', palette: {}, printing: false, listeners: new Set()};
+const theme = {setting: 'auto', palette: {}, printing: false};
 
 const is_name = /^[a-z0-9-]+$/;
 const is_colour = /^#[0-9a-f]{3,8}$/i;
@@ -25,7 +25,11 @@ function isDark() {
 
 function applyTheme() {
   document.documentElement.dataset.theme = isDark() ? 'dark' : 'light';
-  for (const listener of theme.listeners) listener();
+  tell('colours');
+}
+
+function tell(what) {
+  for (const node of document.querySelectorAll('[data-told]')) node.dispatchEvent(new Event(what));
 }
 
 function variables(index) {
@@ -49,27 +53,23 @@ export function colourNow(name) {
   return pair[isDark() && !theme.printing ? 1 : 0];
 }
 
-/// Has `listener` called after every change of colours.
-export function onThemeChange(listener) {
-  theme.listeners.add(listener);
-}
-
-/// Calls `before` when printing starts, with light colours in force, and `after` when it is over.
-export function onPrint(before, after) {
-  addEventListener('beforeprint', () => {
-    theme.printing = true;
-    before();
-  });
-  addEventListener('afterprint', () => {
-    theme.printing = false;
-    after();
-  });
+/// Has actions called while a node is part of the page: `colours` after colours have changed, `print` when printing
+/// starts, with light colours in force, and `printed` when it is over. Nodes that leave the page need no farewell.
+export function whenTold(node, actions) {
+  node.dataset.told = '';
+  for (const [what, action] of Object.entries(actions)) node.addEventListener(what, action);
 }
 
 export function startTheme() {
   const setting = stored((storage) => storage.getItem(setting_key));
   if (['light', 'dark'].includes(setting)) theme.setting = setting;
   system_is_dark.addEventListener('change', applyTheme);
+  for (const [event, printing, what] of [['beforeprint', true, 'print'], ['afterprint', false, 'printed']]) {
+    addEventListener(event, () => {
+      theme.printing = printing;
+      tell(what);
+    });
+  }
   applyTheme();
 }
 

@@ -2,7 +2,8 @@
 """Writes one self-contained page from a document: assemble.py DOCUMENT.json PAGE.html
 
 This is what the build and `poise ... --html` do; here for tests of the page alone. Modules are joined to one module
-script: lines that import are left out, and so is the word `export`."""
+script: lines that import and comments are left out, and so are indentation and the word `export`. No text of a module
+may go on in a second line therefore."""
 
 import html
 import json
@@ -18,8 +19,9 @@ def joined_modules():
     lines = []
     for name in names:
         for line in (PAGE / name).read_text(encoding="utf-8").splitlines():
-            if not line.startswith("import "):
-                lines.append(line.removeprefix("export "))
+            bare = line.strip()
+            if bare and not bare.startswith("//") and not line.startswith("import "):
+                lines.append(bare.removeprefix("export "))
     return "\n".join(lines)
 
 

@@ -2,9 +2,10 @@
 //   python3 tests/page/fixtures.py PAGES && node tests/page/drive.mjs PAGES MODULES [CHROMIUM]
 // MODULES: a folder in which `npm i playwright-core` was run. Screenshots and a print go to PAGES/shots.
 
-import { mkdirSync } from 'node:fs';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
-import { resolve } from 'node:path';
+import { basename, resolve } from 'node:path';
 
 const [pages, modules, program = '/usr/bin/chromium'] = process.argv.slice(2);
 const { chromium } = createRequire(resolve(modules, 'package.json'))('playwright-core');
@@ -209,6 +210,47 @@ async function checkHeader() {
   await broken.context().close();
 }
 
+// What a live view does: another drawing with a pool of its own, of which little differs.
+async function checkAnotherDrawing() {
+  const folder = new URL('../../app/page/', import.meta.url);
+  const server = createServer((request, response) => {
+    const name = basename(request.url);
+    const known = name.endsWith('.js');
+    response.setHeader('Content-Type', known ? 'text/javascript' : 'text/html');
+    response.end(known ? readFileSync(new URL(name, folder)) : '<!DOCTYPE html><body></body>');
+  }).listen(0, '127.0.0.1');
+  const page = await browser.newPage();
+  await page.goto(`http://127.0.0.1:${server.address().port}/empty.html`);
+  const {palette, figures: [{drawing}]} = JSON.parse(readFileSync(resolve(pages, 'large.json'), 'utf8'));
+  const still = {...drawing, frames: [drawing.frames[0]]};
+  const found = await page.evaluate(async ({first, colours}) => {
+    const { Picture } = await import('/figure.js');
+    const box = document.body.appendChild(document.createElement('div'));
+    box.style.width = '450px';
+    const picture = new Picture(box, colours);
+    picture.show(first);
+    const second = structuredClone(first);
+    second.shapes.unshift(['circle', 0, 1, 1, 1]);
+    second.frames = [second.frames[0].map((shape) => shape + 1)];
+    second.shapes[5][2][0] += 3;
+    let changes = 0;
+    const observer = new MutationObserver((records) => { changes += records.length; });
+    observer.observe(picture.shapes, {subtree: true, childList: true, attributes: true});
+    const start = performance.now();
+    picture.show(second);
+    const took = performance.now() - start;
+    await new Promise(requestAnimationFrame);
+    const area = picture.svg.getBoundingClientRect();
+    return {changes, took, place: picture.toPage(area.left + 225, area.top + 140), overlay: picture.overlay.tagName};
+  }, {first: still, colours: palette});
+  expect('only the shape that differs is touched', found.changes === 1, found.changes);
+  expect('toPage', Math.abs(found.place.x - 450) < 1 && Math.abs(found.place.y - 280) < 1, JSON.stringify(found.place));
+  expect('overlay', found.overlay === 'g');
+  console.log(`another drawing of 300 shapes: ${found.took.toFixed(2)} ms`);
+  await page.close();
+  server.close();
+}
+
 async function checkSpeed() {
   const page = await open('large');
   const took = await page.evaluate(async () => {
@@ -252,7 +294,8 @@ async function takeShots() {
   }
 }
 
-for (const check of [checkTables, checkPlayer, checkZoom, checkCharts, checkCards, checkHeader, checkSpeed, printAll, takeShots]) {
+for (const check of [checkTables, checkPlayer, checkZoom, checkCharts, checkCards, checkHeader, checkAnotherDrawing,
+  checkSpeed, printAll, takeShots]) {
   await check().catch((error) => expect(check.name, false, error.message));
 }
 await browser.close();
