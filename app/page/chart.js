@@ -1,26 +1,23 @@
-// Charts: uPlot makes axes and the box in which the mouse selects; curves and all else are drawn here, in one way for
-// all, because load paths fold back and their x is not sorted.
+// Charts: uPlot makes axes and the box in which the mouse selects; curves and all else are drawn by a brush, in one way
+// for all, because load paths fold back and their x is not sorted.
 
-import { button, element, numberText, say, svgElement } from './dom.js';
+import { button, element, numberText, say } from './dom.js';
 import { colourNow, whenTold } from './theme.js';
-import { axisRange, axisTicks, labelParts, minorPlaces } from './axes.js';
+import { axisRange, axisTicks, labelParts } from './axes.js';
+import { Brush, chart_font, chart_text_size, curveSample, has_points } from './brush.js';
 
-const font = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
-const text_size = 12;
 // How far from a point, px, the mouse still finds it.
 const reach = 40;
 const most_table_rows = 200;
 // Print: width of a chart that has the page to itself, px, and how much finer than the screen it is drawn.
 const print_width = 700;
 const print_scale = 3;
-const dashes = new Map([['dashed', [7, 5]], ['dotted', [1.5, 5]]]);
-const has_points = ['points', 'crosses', 'marked'];
 
 // Text is measured on one canvas for all.
 const ruler = document.createElement('canvas').getContext('2d');
 
 function widestLabel(ticks) {
-  ruler.font = `${text_size}px ${font}`;
+  ruler.font = `${chart_text_size}px ${chart_font}`;
   return Math.max(0, ...ticks.map((tick) => ruler.measureText(tick.label).width));
 }
 
@@ -77,7 +74,7 @@ class Chart {
 
   ticks(axis, width = this.width) {
     const most = axis === 'x' ? Math.max(2, Math.min(9, Math.floor(width / 85))) :
-      Math.max(2, Math.floor(this.height / 42));
+      Math.max(2, Math.floor(this.height / (this.log.y ? 32 : 42)));
     return axisTicks(this.range[axis], this.log[axis], most);
   }
 
@@ -91,7 +88,7 @@ class Chart {
       const bare = name === 'x' && !this.panel.x_label;
       const stroke = () => colourNow('faint');
       return {
-        scale: name, side, font: `${Math.round(text_size * scale)}px ${font}`, stroke: () => colourNow('dark'), gap: 4 * scale,
+        scale: name, side, font: `${Math.round(chart_text_size * scale)}px ${chart_font}`, stroke: () => colourNow('dark'), gap: 4 * scale,
         size: () => scale * (name === 'y' ? this.events.leftRoom() : bare ? 6 : 24),
         splits: () => this.ticks(name, width).map((tick) => tick.at),
         filter: (_, splits) => splits,
@@ -382,196 +379,6 @@ class Chart {
     this.fine = null;
     this.print.replaceChildren();
   }
-}
-
-// Draws in the plotting area of a uPlot.
-class Brush {
-  constructor(u, chart, scale) {
-    this.unit = scale * uPlot.pxRatio;
-    Object.assign(this, {ctx: u.ctx, area: u.bbox, chart, x: this.mapping(u, 'x', chart), y: this.mapping(u, 'y', chart)});
-  }
-
-  mapping(u, name, chart) {
-    const {left, top, width, height} = u.bbox;
-    const log = chart.log[name];
-    const [low, high] = chart.range[name].map((value) => log ? Math.log10(value) : value);
-    const falls = name === 'x' ? chart.panel.x_falls : true;
-    const [from, length] = name === 'x' ? [left, width] : [top, height];
-    const slope = (falls ? -1 : 1) * length / (high - low);
-    const base = (falls ? from + length : from) - slope * low;
-    return log ? (value) => value > 0 ? base + slope * Math.log10(value) : NaN :
-      (value) => value === null ? NaN : base + slope * value;
-  }
-
-  // Within the plotting area and `rim` px around it, so that points at its edge are seen whole.
-  clipped(rim, action) {
-    const {ctx, area} = this;
-    const more = rim * this.unit;
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(area.left - more, area.top - more, area.width + 2 * more, area.height + 2 * more);
-    ctx.clip();
-    ctx.lineCap = ctx.lineJoin = 'round';
-    action();
-    ctx.restore();
-  }
-
-  background() {
-    const {ctx, area, chart} = this;
-    this.clipped(0, () => {
-      ctx.fillStyle = colourNow('band');
-      for (const band of chart.panel.bands ?? []) {
-        const [low, high] = [this.y(band.low), this.y(band.high)];
-        const top = Number.isNaN(high) ? area.top : high;
-        const bottom = Number.isNaN(low) ? area.top + area.height : low;
-        ctx.fillRect(area.left, top, area.width, bottom - top);
-      }
-      this.pen('grid', 0.6, []);
-      if (chart.log.x) for (const x of minorPlaces(chart.range.x)) this.upright(this.x(x));
-      if (chart.log.y) for (const y of minorPlaces(chart.range.y)) this.level(this.y(y));
-      this.pen('faint', 0.8, []);
-      if (!chart.log.y && chart.range.y[0] < 0 && chart.range.y[1] > 0) this.level(this.y(0));
-    });
-  }
-
-  foreground(with_cursor) {
-    this.clipped(3, () => {
-      const {panel, shown} = this.chart;
-      this.pen('dark', 1, [6, 4]);
-      for (const level of panel.levels ?? []) this.level(this.y(level.y));
-      panel.curves.forEach((curve, i) => shown[i] && this.curve(curve));
-      for (const arrow of panel.arrows ?? []) this.arrow(arrow);
-      if (with_cursor) this.cursor();
-    });
-    // uPlot remembers what it set on the canvas: all else is put back.
-    this.ctx.save();
-    for (const mark of this.chart.panel.marks ?? []) this.mark(mark);
-    this.ctx.restore();
-  }
-
-  pen(colour, width, dash) {
-    this.ctx.strokeStyle = this.ctx.fillStyle = colourNow(colour);
-    this.ctx.lineWidth = width * this.unit;
-    this.ctx.setLineDash(dash.map((length) => length * this.unit));
-  }
-
-  segment(x0, y0, x1, y1) {
-    this.ctx.beginPath();
-    this.ctx.moveTo(x0, y0);
-    this.ctx.lineTo(x1, y1);
-    this.ctx.stroke();
-  }
-
-  level(y) {
-    this.segment(this.area.left, y, this.area.left + this.area.width, y);
-  }
-
-  upright(x) {
-    this.segment(x, this.area.top, x, this.area.top + this.area.height);
-  }
-
-  curve(curve) {
-    const {style} = curve;
-    this.pen(curve.colour, style === 'dotted' ? 2 : 1.7, dashes.get(style) ?? []);
-    if (!['points', 'crosses'].includes(style)) this.path(curve);
-    if (has_points.includes(style)) this.points(curve, style);
-  }
-
-  path({x, y}) {
-    const {ctx} = this;
-    ctx.beginPath();
-    let open = false;
-    for (let i = 0; i < x.length; ++i) {
-      const [px, py] = [this.x(x[i]), this.y(y[i])];
-      const known = px === px && py === py;
-      if (known && !open) ctx.moveTo(px, py);
-      // Also where a line begins: the round ends show a point between two gaps.
-      if (known) ctx.lineTo(px, py);
-      open = known;
-    }
-    ctx.stroke();
-  }
-
-  points({x, y}, style) {
-    const {ctx, unit} = this;
-    const r = (style === 'crosses' ? 4 : style === 'marked' ? 3 : x.length > 300 ? 1.5 : 2.5) * unit;
-    ctx.setLineDash([]);
-    ctx.beginPath();
-    for (let i = 0; i < x.length; ++i) {
-      const [px, py] = [this.x(x[i]), this.y(y[i])];
-      if (px !== px || py !== py) continue;
-      if (style === 'crosses') {
-        ctx.moveTo(px - r, py - r);
-        ctx.lineTo(px + r, py + r);
-        ctx.moveTo(px - r, py + r);
-        ctx.lineTo(px + r, py - r);
-      } else {
-        ctx.moveTo(px + r, py);
-        ctx.arc(px, py, r, 0, 2 * Math.PI);
-      }
-    }
-    if (style === 'crosses') ctx.stroke();
-    else ctx.fill();
-  }
-
-  arrow({from, to}) {
-    const {ctx, unit} = this;
-    const [x0, y0, x1, y1] = [this.x(from[0]), this.y(from[1]), this.x(to[0]), this.y(to[1])];
-    const turn = Math.atan2(y1 - y0, x1 - x0);
-    this.pen('dark', 1.2, [4, 4]);
-    this.segment(x0, y0, x1, y1);
-    ctx.setLineDash([]);
-    ctx.beginPath();
-    ctx.moveTo(x1, y1);
-    for (const side of [-0.4, 0.4]) ctx.lineTo(x1 - 9 * unit * Math.cos(turn + side), y1 - 9 * unit * Math.sin(turn + side));
-    ctx.closePath();
-    ctx.fill();
-  }
-
-  // A dot with its label above; at the right end of the chart the label is to its left.
-  mark({x, y, label}) {
-    const {ctx, unit, area} = this;
-    const [px, py] = [this.x(x), this.y(y)];
-    const inside = px >= area.left - 1 && px <= area.left + area.width + 1 && py >= area.top - 1 &&
-      py <= area.top + area.height + 1;
-    if (!inside) return;
-    this.pen('dark', 1.4, []);
-    ctx.beginPath();
-    ctx.arc(px, py, 3.4 * unit, 0, 2 * Math.PI);
-    ctx.fill();
-    ctx.font = `bold ${text_size * unit}px ${font}`;
-    ctx.textAlign = px > area.left + area.width - 20 * unit ? 'right' : 'left';
-    ctx.textBaseline = py < area.top + 20 * unit ? 'top' : 'bottom';
-    const place = [px + (ctx.textAlign === 'left' ? 5 : -5) * unit, py + (ctx.textBaseline === 'top' ? 4 : -3) * unit];
-    ctx.strokeStyle = colourNow('paper');
-    ctx.lineWidth = 3 * unit;
-    ctx.lineJoin = 'round';
-    ctx.strokeText(label, ...place);
-    ctx.fillText(label, ...place);
-  }
-
-  cursor() {
-    const place = this.chart.cursorPlace();
-    if (!place) return;
-    this.pen('dark', 1, []);
-    this.upright(this.x(place.x));
-    if (place.y === null) return;
-    this.ctx.beginPath();
-    this.ctx.arc(this.x(place.x), this.y(place.y), 5 * this.unit, 0, 2 * Math.PI);
-    this.ctx.fill();
-  }
-}
-
-function curveSample({style, colour}) {
-  const name = /^[a-z0-9-]+$/.test(colour) ? `var(--c-${colour})` : 'currentColor';
-  const sample = svgElement('svg', {class: 'sample', viewBox: '0 0 28 12', 'aria-hidden': 'true'});
-  if (!['points', 'crosses'].includes(style)) {
-    sample.append(svgElement('path', {d: 'M2 6h24', stroke: name, 'stroke-width': 2.4, 'stroke-linecap': 'round',
-      'stroke-dasharray': dashes.get(style)?.join(' ') ?? 'none'}));
-  }
-  if (style === 'crosses') sample.append(svgElement('path', {d: 'M10 2l8 8M18 2l-8 8', stroke: name, 'stroke-width': 2}));
-  else if (has_points.includes(style)) sample.append(svgElement('circle', {cx: 14, cy: 6, r: 3.2, fill: name}));
-  return sample;
 }
 
 function curveTable(curves, x_label, y_label) {

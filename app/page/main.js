@@ -8,10 +8,23 @@ import { Player } from './player.js';
 import { cardsView } from './cards.js';
 import { chartsView } from './chart.js';
 
-function headerView(page) {
+// The text of a member of a JSON object, as it was written: numbers of 64 bits would lose digits in JSON.parse.
+function memberText(text, key) {
+  const tokens = /"[^"\\]*(?:\\.[^"\\]*)*"|[{}[\],]/g;
+  let depth = 0, begin = -1, last = '';
+  for (const {0: token, index} of text.matchAll(tokens)) {
+    if (depth === 1 && begin >= 0 && ',}'.includes(token)) return text.slice(begin, index).trim();
+    if (depth === 1 && '{,'.includes(last) && token === `"${key}"`) begin = text.indexOf(':', index + token.length) + 1;
+    depth += '{['.includes(token) - '}]'.includes(token);
+    last = token;
+  }
+  return 'null';
+}
+
+function headerView(page, text) {
   const name = page.title || `poise ${page.command}`;
   const file = `${name.replace(/[^\p{L}\p{N}]+/gu, '-').replace(/^-+|-+$/g, '').slice(0, 60) || 'poise'}.json`;
-  const save = () => download(file, 'application/json', JSON.stringify(page.result, null, 2) + '\n');
+  const save = () => download(file, 'application/json', `${memberText(text, 'result')}\n`);
   return element('header', {class: 'page-header'},
     element('div', {class: 'titles'}, element('h1', {}, name),
       page.source ? element('p', {class: 'source'}, `Source: ${page.source}`) : null),
@@ -68,8 +81,9 @@ function openWhilePrinting(place) {
   });
 }
 
-/// Shows a document in place of what the page shows.
-export function showPage(page) {
+/// Shows a document, given as text, in place of what the page shows.
+export function showPage(text) {
+  const page = JSON.parse(text);
   const palette = usePalette(page.palette);
   const figures = page.figures ?? [];
   const figure_views = figures.map((figure) => figureView(figure, palette));
@@ -82,7 +96,7 @@ export function showPage(page) {
     ...(beside ? [element('div', {class: 'pair'}, figure_views[0], report), ...figure_views.slice(1)] :
       [...figure_views, report].filter((view) => view !== null)));
   const footer = element('footer', {}, `Made by Poise ${page.poise ?? ''}`);
-  document.getElementById('page').replaceChildren(headerView(page), main, footer);
+  document.getElementById('page').replaceChildren(headerView(page, text), main, footer);
 }
 
 function startPage() {
@@ -91,7 +105,7 @@ function startPage() {
   closeMenusOutside();
   openWhilePrinting(place);
   try {
-    showPage(JSON.parse(document.getElementById('document').textContent));
+    showPage(document.getElementById('document').textContent);
   } catch {
     const text = 'This page cannot be shown, because the data in it cannot be read.';
     place.replaceChildren(element('main', {}, element('p', {class: 'unreadable', role: 'alert'}, text)));

@@ -76,5 +76,5 @@ export function warningsView(warnings) {
   const line = (warning) => element('li', {class: toneClass(warning.tone)},
     toneBadge(warning.tone, 'Warning') ?? element('span', {class: 'badge'}, 'Warning'),
     element('span', {}, warning.text));
-  return element('ul', {class: 'warnings', role: 'alert'}, ...warnings.map(line));
+  return element('div', {role: 'alert'}, element('ul', {class: 'warnings'}, ...warnings.map(line)));
 }

@@ -203,7 +203,8 @@ async function checkHeader() {
   expect('light as chosen', await theme() === 'light');
   const [saved] = await Promise.all([page.waitForEvent('download'), page.getByText('Save the data').click()]);
   expect('saved', saved.suggestedFilename() === 'My-four-bar.json', saved.suggestedFilename());
-  await page.keyboard.press('Tab');
+  const data = readFileSync(await saved.path(), 'utf8');
+  expect('saved as written', data.includes('"seed": 18446744073709551615') && JSON.parse(data).title === 'My four-bar', data);
   await page.context().close();
   const broken = await open('broken');
   expect('a document that cannot be read', (await texts(broken, '#page')).join().includes('cannot be read'));

@@ -192,7 +192,7 @@ def fact(label, text, tone="plain", level="normal"):
 def document(command, title, verdict, figures, report, **more):
     return {"poise": "0.1.0", "command": command, "line": f"poise {command} datasets/four_bar.toml --set load.load=250",
             "title": title, "source": "ours", "verdict": verdict, "warnings": [], "palette": PALETTE, "figures": figures,
-            "report": report, "result": {"title": title, "status": "confirmed", "angles": {"crank": 1.6358}}} | more
+            "report": report, "result": {"title": title, "seed": 2**64 - 1, "braces": "}\"{,", "angles": {"crank": [1.6358, 1]}}} | more
 
 
 def force_table():
