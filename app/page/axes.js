@@ -1,6 +1,6 @@
 // Axes of charts: ranges, ticks and their labels, linear and logarithmic.
 
-import { numberText, superscript } from './dom.js';
+import {numberText, superscript} from './dom.js';
 
 // Numbers between these sizes are written without a power of ten.
 const smallest_plain = 1e-3;
@@ -15,7 +15,8 @@ function orderOf(value) {
 
 /// The least and the largest of values that an axis can show; null where there is none.
 export function extent(values, log) {
-  let low = Infinity, high = -Infinity;
+  let low = Infinity,
+    high = -Infinity;
   for (const value of values) {
     if (value === null || !Number.isFinite(value) || (log && value <= 0)) continue;
     low = Math.min(low, value);
@@ -56,7 +57,7 @@ function linearTicks([low, high], most) {
   const unit = exponent === 0 ? '' : `·10${superscript(exponent)}`;
   const ticks = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) {
-    const text = (k * step / 10 ** exponent).toFixed(decimals).replace('-', '−');
+    const text = ((k * step) / 10 ** exponent).toFixed(decimals).replace('-', '−');
     ticks.push({at: k * step, label: k === 0 ? '0' : text + unit});
   }
   return ticks;
@@ -65,17 +66,18 @@ function linearTicks([low, high], most) {
 // Labels of an axis that has the decades first to last: all of them powers, or none.
 function decadeLabels(first, last) {
   const plain = first >= lowest_plain_decade && last <= highest_plain_decade;
-  return (decade) => plain ? (10 ** decade).toFixed(Math.max(0, -decade)) : `10${superscript(decade)}`;
+  return (decade) => (plain ? (10 ** decade).toFixed(Math.max(0, -decade)) : `10${superscript(decade)}`);
 }
 
-// Decades, with 2 and 5 where few fit; within less than a decade the ticks of a linear axis.
+// Decades, with 2 and 5 where there is room; within less than a decade the ticks of a linear axis.
 function logTicks([low, high], most) {
-  const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
+  const first = Math.ceil(Math.log10(low) - 1e-9),
+    last = Math.floor(Math.log10(high) + 1e-9);
   if (last - first < 1) {
     const inner = logSteps(low, high, [1, 2, 5]);
     return inner.length > 2 ? inner : linearTicks([low, high], most);
   }
-  if (last - first < 3 && most > 5) return logSteps(low, high, [1, 2, 5]);
+  if (3 * (last - first) <= most + 1) return logSteps(low, high, [1, 2, 5]);
   const step = Math.max(1, Math.ceil((last - first) / most));
   const label = decadeLabels(first, last);
   const ticks = [];

@@ -1,31 +1,41 @@
 // Draws curves, bands, levels, marks, arrows and cursors of a chart on the canvas of its uPlot.
 
-import { svgElement } from './dom.js';
-import { colourNow } from './theme.js';
-import { minorPlaces } from './axes.js';
+import {svgElement} from './dom.js';
+import {colourNow} from './theme.js';
+import {minorPlaces} from './axes.js';
 
 export const chart_font = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 export const chart_text_size = 12;
 export const has_points = ['points', 'crosses', 'marked'];
-const dashes = new Map([['dashed', [7, 5]], ['dotted', [1.5, 5]]]);
+const dashes = new Map([
+  ['dashed', [7, 5]],
+  ['dotted', [1.5, 5]],
+]);
 
 /// Draws in the plotting area of a uPlot. Places are px of the canvas; lengths times `unit` are px of the screen.
 export class Brush {
   constructor(u, chart, scale) {
     this.unit = scale * uPlot.pxRatio;
-    Object.assign(this, {ctx: u.ctx, area: u.bbox, chart, x: this.mapping(u, 'x', chart), y: this.mapping(u, 'y', chart)});
+    Object.assign(this, {
+      ctx: u.ctx,
+      area: u.bbox,
+      chart,
+      x: this.mapping(u, 'x', chart),
+      y: this.mapping(u, 'y', chart),
+    });
   }
 
   mapping(u, name, chart) {
     const {left, top, width, height} = u.bbox;
     const log = chart.log[name];
-    const [low, high] = chart.range[name].map((value) => log ? Math.log10(value) : value);
+    const [low, high] = chart.range[name].map((value) => (log ? Math.log10(value) : value));
     const falls = name === 'x' ? chart.panel.x_falls : true;
     const [from, length] = name === 'x' ? [left, width] : [top, height];
-    const slope = (falls ? -1 : 1) * length / (high - low);
+    const slope = ((falls ? -1 : 1) * length) / (high - low);
     const base = (falls ? from + length : from) - slope * low;
-    return log ? (value) => value > 0 ? base + slope * Math.log10(value) : NaN :
-      (value) => value === null ? NaN : base + slope * value;
+    return log
+      ? (value) => (value > 0 ? base + slope * Math.log10(value) : NaN)
+      : (value) => (value === null ? NaN : base + slope * value);
   }
 
   // Within the plotting area and `rim` px around it, so that points at its edge are seen whole.
@@ -148,7 +158,8 @@ export class Brush {
     ctx.setLineDash([]);
     ctx.beginPath();
     ctx.moveTo(x1, y1);
-    for (const side of [-0.4, 0.4]) ctx.lineTo(x1 - 9 * unit * Math.cos(turn + side), y1 - 9 * unit * Math.sin(turn + side));
+    for (const side of [-0.4, 0.4])
+      ctx.lineTo(x1 - 9 * unit * Math.cos(turn + side), y1 - 9 * unit * Math.sin(turn + side));
     ctx.closePath();
     ctx.fill();
   }
@@ -157,8 +168,8 @@ export class Brush {
   mark({x, y, label}) {
     const {ctx, unit, area} = this;
     const [px, py] = [this.x(x), this.y(y)];
-    const inside = px >= area.left - 1 && px <= area.left + area.width + 1 && py >= area.top - 1 &&
-      py <= area.top + area.height + 1;
+    const inside =
+      px >= area.left - 1 && px <= area.left + area.width + 1 && py >= area.top - 1 && py <= area.top + area.height + 1;
     if (!inside) return;
     this.pen('dark', 1.4, []);
     ctx.beginPath();
@@ -192,10 +203,18 @@ export function curveSample({style, colour}) {
   const name = /^[a-z0-9-]+$/.test(colour) ? `var(--c-${colour})` : 'currentColor';
   const sample = svgElement('svg', {class: 'sample', viewBox: '0 0 28 12', 'aria-hidden': 'true'});
   if (!['points', 'crosses'].includes(style)) {
-    sample.append(svgElement('path', {d: 'M2 6h24', stroke: name, 'stroke-width': 2.4, 'stroke-linecap': 'round',
-      'stroke-dasharray': dashes.get(style)?.join(' ') ?? 'none'}));
+    sample.append(
+      svgElement('path', {
+        d: 'M2 6h24',
+        stroke: name,
+        'stroke-width': 2.4,
+        'stroke-linecap': 'round',
+        'stroke-dasharray': dashes.get(style)?.join(' ') ?? 'none',
+      })
+    );
   }
-  if (style === 'crosses') sample.append(svgElement('path', {d: 'M10 2l8 8M18 2l-8 8', stroke: name, 'stroke-width': 2}));
+  if (style === 'crosses')
+    sample.append(svgElement('path', {d: 'M10 2l8 8M18 2l-8 8', stroke: name, 'stroke-width': 2}));
   else if (has_points.includes(style)) sample.append(svgElement('circle', {cx: 14, cy: 6, r: 3.2, fill: name}));
   return sample;
 }

@@ -1,7 +1,7 @@
 // Cards: every frame of a drawing in a grid, with its caption; one of them enlarged in a dialog.
 
-import { button, element } from './dom.js';
-import { drawingView, Picture, showCaption } from './figure.js';
+import {button, element} from './dom.js';
+import {drawingView, Picture, showCaption} from './figure.js';
 
 class EnlargedCard {
   constructor(drawing, palette) {
@@ -9,10 +9,19 @@ class EnlargedCard {
     this.view = drawingView(drawing, palette);
     this.place = element('span', {class: 'place'});
     const close = button('Close', () => this.dialog.close());
-    this.dialog = element('dialog', {class: 'enlarged', 'aria-label': 'Enlarged card', keydown: (event) => this.key(event)},
-      element('div', {class: 'dialog-top'}, button('Previous', () => this.show(this.k - 1)), this.place,
-        button('Next', () => this.show(this.k + 1)), close),
-      this.view.element);
+    this.dialog = element(
+      'dialog',
+      {class: 'enlarged', 'aria-label': 'Enlarged card', keydown: (event) => this.key(event)},
+      element(
+        'div',
+        {class: 'dialog-top'},
+        button('Previous', () => this.show(this.k - 1)),
+        this.place,
+        button('Next', () => this.show(this.k + 1)),
+        close
+      ),
+      this.view.element
+    );
     this.dialog.addEventListener('click', (event) => {
       if (event.target === this.dialog) this.dialog.close();
     });

@@ -1,10 +1,10 @@
 // Charts: uPlot makes axes and the box in which the mouse selects; curves and all else are drawn by a brush, in one way
 // for all, because load paths fold back and their x is not sorted.
 
-import { button, element, numberText, say } from './dom.js';
-import { colourNow, whenTold } from './theme.js';
-import { axisRange, axisTicks, labelParts } from './axes.js';
-import { Brush, chart_font, chart_text_size, curveSample, has_points } from './brush.js';
+import {button, element, numberText, say} from './dom.js';
+import {colourNow, whenTold} from './theme.js';
+import {axisRange, axisTicks, labelParts} from './axes.js';
+import {Brush, chart_font, chart_text_size, curveSample, has_points} from './brush.js';
 
 // How far from a point, px, the mouse still finds it.
 const reach = 40;
@@ -24,13 +24,25 @@ function widestLabel(ticks) {
 /// One panel. The panels of a column that share x also share the range of x and the room for labels at the left.
 class Chart {
   constructor(panel, index, events) {
-    Object.assign(this, {panel, events, shown: panel.curves.map(() => true), point: null, frame_shown: null, plot: null});
+    Object.assign(this, {
+      panel,
+      events,
+      shown: panel.curves.map(() => true),
+      point: null,
+      frame_shown: null,
+      plot: null,
+    });
     this.labels = {x: labelParts(panel.x_label), y: labelParts(panel.y_label)};
     this.log = {x: panel.log_x, y: panel.log_y};
-    this.title = panel.title || [this.labels.y.name, events.x.name].filter((name) => name).join(' over ') ||
-      `Chart ${index + 1}`;
-    this.box = element('div', {class: 'plot', tabindex: 0, role: 'group', keydown: (event) => this.key(event),
-      'aria-label': `${this.title}. The arrow keys go along the curves.`});
+    this.title =
+      panel.title || [this.labels.y.name, events.x.name].filter((name) => name).join(' over ') || `Chart ${index + 1}`;
+    this.box = element('div', {
+      class: 'plot',
+      tabindex: 0,
+      role: 'group',
+      keydown: (event) => this.key(event),
+      'aria-label': `${this.title}. The arrow keys go along the curves.`,
+    });
     this.tip = element('div', {class: 'tip', hidden: true, 'aria-hidden': 'true'});
     this.ring = element('div', {class: 'ring', hidden: true});
     this.line = element('div', {class: 'cursor-line', hidden: true});
@@ -38,11 +50,16 @@ class Chart {
     this.reset = button('Show all', () => events.reset(this), {class: 'quiet'});
     this.reset.hidden = true;
     this.print = element('div', {class: 'print-only'});
-    this.element = element('figure', {class: 'chart'},
+    this.element = element(
+      'figure',
+      {class: 'chart'},
       panel.title ? element('figcaption', {}, panel.title) : null,
       element('div', {class: 'chart-top'}, element('span', {class: 'axis-label'}, panel.y_label), this.reset),
-      this.box, this.print, panel.x_label ? element('div', {class: 'axis-label x'}, panel.x_label) : null,
-      element('div', {class: 'chart-foot'}, this.legend(), this.table()));
+      this.box,
+      this.print,
+      panel.x_label ? element('div', {class: 'axis-label x'}, panel.x_label) : null,
+      element('div', {class: 'chart-foot'}, this.legend(), this.table())
+    );
     this.fitY();
   }
 
@@ -73,8 +90,10 @@ class Chart {
   }
 
   ticks(axis, width = this.width) {
-    const most = axis === 'x' ? Math.max(2, Math.min(9, Math.floor(width / 85))) :
-      Math.max(2, Math.floor(this.height / (this.log.y ? 32 : 42)));
+    const most =
+      axis === 'x'
+        ? Math.max(2, Math.min(9, Math.floor(width / 85)))
+        : Math.max(2, Math.floor(this.height / (this.log.y ? 32 : 42)));
     return axisTicks(this.range[axis], this.log[axis], most);
   }
 
@@ -82,39 +101,77 @@ class Chart {
     return Math.ceil(widestLabel(this.ticks('y'))) + 12;
   }
 
-  /// Draws into a box of a width. `scale`: how much finer than usual, for print.
-  makePlot(container, width, scale = 1) {
+  // The last label may stand at the very end of the axis.
+  rightRoom(width) {
+    return this.panel.x_label ? Math.max(14, Math.ceil(widestLabel(this.ticks('x', width)) / 2) + 4) : 14;
+  }
+
+  /// Draws into a box; `widthNow()` is its width at any time. `scale`: how much finer than usual, for print.
+  makePlot(container, widthNow, scale = 1) {
     const axis = (name, side) => {
       const bare = name === 'x' && !this.panel.x_label;
       const stroke = () => colourNow('faint');
       return {
-        scale: name, side, font: `${Math.round(chart_text_size * scale)}px ${chart_font}`, stroke: () => colourNow('dark'), gap: 4 * scale,
+        scale: name,
+        side,
+        font: `${Math.round(chart_text_size * scale)}px ${chart_font}`,
+        stroke: () => colourNow('dark'),
+        gap: 4 * scale,
         size: () => scale * (name === 'y' ? this.events.leftRoom() : bare ? 6 : 24),
-        splits: () => this.ticks(name, width).map((tick) => tick.at),
+        // uPlot draws an axis only where it finds an increment of its own: this one fits every range.
+        incrs: (u, i, low, high) => [Math.max(5, high - low)],
+        splits: () => this.ticks(name, widthNow()).map((tick) => tick.at),
         filter: (_, splits) => splits,
-        values: () => this.ticks(name, width).map((tick) => bare ? '' : tick.label),
-        grid: {stroke: () => colourNow('grid'), width: scale}, ticks: {stroke, width: scale, size: 4 * scale},
+        values: () => this.ticks(name, widthNow()).map((tick) => (bare ? '' : tick.label)),
+        grid: {stroke: () => colourNow('grid'), width: scale},
+        ticks: {stroke, width: scale, size: 4 * scale},
         border: {show: true, stroke, width: scale},
       };
     };
-    const range = (name) => ({time: false, distr: this.log[name] ? 3 : 1, dir: name === 'x' && this.panel.x_falls ? -1 : 1,
-      range: () => this.range[name]});
+    const range = (name) => ({
+      time: false,
+      distr: this.log[name] ? 3 : 1,
+      dir: name === 'x' && this.panel.x_falls ? -1 : 1,
+      range: () => this.range[name],
+    });
     // One series without points of its own stands for everything that is drawn.
-    return new uPlot({
-      mode: 2, width: width * scale, height: this.height * scale, padding: [8 * scale, 14 * scale, 2, 0],
-      legend: {show: false},
-      cursor: {x: false, y: false, points: {show: false}, dataIdx: () => null,
-        drag: {x: true, y: true, uni: 24, dist: 6, setScale: false}, bind: {dblclick: () => () => this.events.reset(this)}},
-      scales: {x: range('x'), y: range('y')},
-      axes: [axis('x', 2), axis('y', 3)],
-      series: [null, {facets: [{scale: 'x', auto: false}, {scale: 'y', auto: false}], paths: () => null}],
-      hooks: {
-        drawAxes: [(u) => new Brush(u, this, scale).background()],
-        draw: [(u) => new Brush(u, this, scale).foreground(scale > 1)],
-        setSelect: [(u) => this.select(u)],
-        setScale: [() => this.placeCursor()],
+    return new uPlot(
+      {
+        mode: 2,
+        width: widthNow() * scale,
+        height: this.height * scale,
+        padding: [8 * scale, () => this.events.rightRoom(widthNow()) * scale, 2, 0],
+        legend: {show: false},
+        cursor: {
+          x: false,
+          y: false,
+          points: {show: false},
+          dataIdx: () => null,
+          drag: {x: true, y: true, uni: 24, dist: 6, setScale: false},
+          bind: {dblclick: () => () => this.events.reset(this)},
+        },
+        scales: {x: range('x'), y: range('y')},
+        axes: [axis('x', 2), axis('y', 3)],
+        series: [
+          null,
+          {
+            facets: [
+              {scale: 'x', auto: false},
+              {scale: 'y', auto: false},
+            ],
+            paths: () => null,
+          },
+        ],
+        hooks: {
+          drawAxes: [(u) => new Brush(u, this, scale).background()],
+          draw: [(u) => new Brush(u, this, scale).foreground(scale > 1)],
+          setSelect: [(u) => this.select(u)],
+          setScale: [() => this.placeCursor()],
+        },
       },
-    }, [null, [[0], [0]]], container);
+      [null, [[0], [0]]],
+      container
+    );
   }
 
   /// Draws for the first time, or again in another width.
@@ -123,9 +180,10 @@ class Chart {
     if (width < 50) return;
     this.width = width;
     if (this.plot) {
-      this.plot.setSize({width, height: this.height});
+      this.plot.batch(() => this.plot.setSize({width, height: this.height}));
+      this.hide();
     } else {
-      this.plot = this.makePlot(this.box, width);
+      this.plot = this.makePlot(this.box, () => this.width);
       this.plot.over.append(this.line, this.dot, this.ring);
       this.box.append(this.tip);
       this.plot.over.addEventListener('mousemove', (event) => this.hover(event));
@@ -156,7 +214,7 @@ class Chart {
   select(u) {
     const {left, top, width, height} = u.select;
     if (width === 0 && height === 0) return;
-    const sorted = (a, b) => a < b ? [a, b] : [b, a];
+    const sorted = (a, b) => (a < b ? [a, b] : [b, a]);
     const x = width >= u.over.clientWidth ? null : sorted(u.posToVal(left, 'x'), u.posToVal(left + width, 'x'));
     const y = height >= u.over.clientHeight ? null : sorted(u.posToVal(top + height, 'y'), u.posToVal(top, 'y'));
     u.setSelect({left: 0, top: 0, width: 0, height: 0}, false);
@@ -173,7 +231,8 @@ class Chart {
   }
 
   nearest(left, top) {
-    let best = null, least = reach;
+    let best = null,
+      least = reach;
     this.panel.curves.forEach((curve, c) => {
       if (!this.shown[c]) return;
       for (let i = 0; i < curve.x.length; ++i) {
@@ -223,7 +282,8 @@ class Chart {
     const {offsetWidth, offsetHeight} = this.tip;
     const beside = x + 14 + offsetWidth < this.width ? x + 14 : Math.max(0, x - 14 - offsetWidth);
     this.tip.style.left = `${beside}px`;
-    this.tip.style.top = `${Math.max(0, Math.min(top + offsetTop - offsetHeight / 2, clientHeight - offsetHeight + offsetTop))}px`;
+    const level = Math.min(top + offsetTop - offsetHeight / 2, clientHeight - offsetHeight + offsetTop);
+    this.tip.style.top = `${Math.max(0, level)}px`;
   }
 
   /// Arrow keys go along a curve and to the next one; Enter moves the player to the frame there.
@@ -264,7 +324,8 @@ class Chart {
     const next = visible[(visible.indexOf(this.point.curve) + step + visible.length) % visible.length];
     const [left, top] = this.pointPixels();
     const curve = this.panel.curves[next];
-    let best = -1, least = Infinity;
+    let best = -1,
+      least = Infinity;
     for (let i = 0; i < curve.x.length; ++i) {
       if (!this.curveIsDrawable(curve, i)) continue;
       const [x, y] = this.toPixels(curve.x[i], curve.y[i]);
@@ -290,7 +351,8 @@ class Chart {
     const {cursor} = this.panel;
     if (!cursor) return;
     const upright = cursor.y.length === 0;
-    let best = -1, least = Infinity;
+    let best = -1,
+      least = Infinity;
     cursor.x.forEach((value, k) => {
       if (value === null || (!upright && cursor.y[k] === null)) return;
       const [x, y] = this.toPixels(value, upright ? this.range.y[0] : cursor.y[k]);
@@ -330,20 +392,27 @@ class Chart {
 
   legend() {
     const entry = (curve, i) => {
-      const toggle = button(curveSample(curve), () => {
-        this.shown[i] = !this.shown[i];
-        toggle.setAttribute('aria-pressed', String(this.shown[i]));
-        this.point = null;
-        this.events.toggled(this);
-      }, {class: 'entry', 'aria-pressed': 'true', title: 'Hide or show this curve'});
+      const toggle = button(
+        curveSample(curve),
+        () => {
+          this.shown[i] = !this.shown[i];
+          toggle.setAttribute('aria-pressed', String(this.shown[i]));
+          this.point = null;
+          this.events.toggled(this);
+        },
+        {class: 'entry', 'aria-pressed': 'true', title: 'Hide or show this curve'}
+      );
       toggle.append(curve.name);
       return toggle;
     };
-    const rest = [...(this.panel.levels ?? []).map((level) => [level.name, 'level-sample']),
-      ...(this.panel.bands ?? []).map((band) => [band.name, 'band-sample'])];
-    const entries = this.panel.curves.map((curve, i) => curve.name ? entry(curve, i) : null);
+    const rest = [
+      ...(this.panel.levels ?? []).map((level) => [level.name, 'level-sample']),
+      ...(this.panel.bands ?? []).map((band) => [band.name, 'band-sample']),
+    ];
+    const entries = this.panel.curves.map((curve, i) => (curve.name ? entry(curve, i) : null));
     const others = rest.map(([name, sample]) =>
-      name ? element('span', {class: 'entry'}, element('span', {class: sample}), name) : null);
+      name ? element('span', {class: 'entry'}, element('span', {class: sample}), name) : null
+    );
     const all = [...entries, ...others].filter((one) => one !== null);
     return all.length > 0 ? element('div', {class: 'legend'}, ...all) : null;
   }
@@ -360,7 +429,9 @@ class Chart {
   tables() {
     const groups = [];
     for (const curve of this.panel.curves) {
-      const same = groups.find(([first]) => first.x.length === curve.x.length && first.x.every((x, i) => x === curve.x[i]));
+      const same = groups.find(
+        ([first]) => first.x.length === curve.x.length && first.x.every((x, i) => x === curve.x[i])
+      );
       if (same) same.push(curve);
       else groups.push([curve]);
     }
@@ -369,7 +440,7 @@ class Chart {
 
   beforePrint(columns) {
     const width = Math.floor(print_width / columns);
-    this.fine = this.makePlot(element('div'), width, print_scale / Math.max(1, uPlot.pxRatio));
+    this.fine = this.makePlot(element('div'), () => width, print_scale / Math.max(1, uPlot.pxRatio));
     this.fine.batch(() => {});
     this.print.replaceChildren(this.fine.ctx.canvas);
   }
@@ -386,13 +457,29 @@ function curveTable(curves, x_label, y_label) {
   const step = Math.max(1, Math.ceil(x.length / most_table_rows));
   const places = [...x.keys()].filter((i) => i % step === 0);
   const heads = [x_label || 'x', ...curves.map((curve) => curve.name || y_label)];
-  const rows = places.map((i) => element('tr', {}, element('td', {class: 'right'}, numberText(x[i])),
-    ...curves.map((curve) => element('td', {class: 'right'}, numberText(curve.y[i])))));
-  return element('div', {class: 'scroll'},
-    element('table', {'aria-label': y_label},
+  const rows = places.map((i) =>
+    element(
+      'tr',
+      {},
+      element('td', {class: 'right'}, numberText(x[i])),
+      ...curves.map((curve) => element('td', {class: 'right'}, numberText(curve.y[i])))
+    )
+  );
+  return element(
+    'div',
+    {class: 'scroll', tabindex: 0, role: 'group', 'aria-label': `Data of ${y_label}`},
+    element(
+      'table',
+      {},
       step > 1 ? element('caption', {}, `${places.length} of ${x.length} points`) : null,
-      element('thead', {}, element('tr', {}, ...heads.map((head) => element('th', {scope: 'col', class: 'right'}, head)))),
-      element('tbody', {}, ...rows)));
+      element(
+        'thead',
+        {},
+        element('tr', {}, ...heads.map((head) => element('th', {scope: 'col', class: 'right'}, head)))
+      ),
+      element('tbody', {}, ...rows)
+    )
+  );
 }
 
 // The panel whose label stands for the x axis of a panel: the first at or below it in its column that has one.
@@ -438,6 +525,10 @@ class XGroup {
 
   leftRoom() {
     return Math.max(...this.charts.map((chart) => chart.leftRoom));
+  }
+
+  rightRoom(width) {
+    return Math.max(...this.charts.map((chart) => chart.rightRoom(width)));
   }
 
   zoomedX() {

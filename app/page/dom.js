@@ -30,7 +30,8 @@ const icon_paths = {
   back: 'M11 2v12L3 8z',
   forth: 'M5 2v12l8-6z',
   good: 'M8 0a8 8 0 1 0 0 16A8 8 0 0 0 8 0zM6.9 11.9 3.4 8.4l1.5-1.5 2 2 4.3-4.6 1.5 1.4z',
-  bad: 'M8 0a8 8 0 1 0 0 16A8 8 0 0 0 8 0zm3.6 10.1-1.5 1.5L8 9.5l-2.1 2.1-1.5-1.5L6.5 8 4.4 5.9l1.5-1.5L8 6.5' +
+  bad:
+    'M8 0a8 8 0 1 0 0 16A8 8 0 0 0 8 0zm3.6 10.1-1.5 1.5L8 9.5l-2.1 2.1-1.5-1.5L6.5 8 4.4 5.9l1.5-1.5L8 6.5' +
     'l2.1-2.1 1.5 1.5L9.5 8z',
   doubtful: 'M8 1 .5 15h15zM7 6h2l-.3 4.5H7.3zM8 11.4a1.1 1.1 0 1 1 0 2.2 1.1 1.1 0 0 1 0-2.2z',
 };
@@ -117,12 +118,21 @@ async function writeClipboard(text) {
 
 /// A button that copies the text which `text()` returns.
 export function copyButton(label, text) {
-  const copy = button(label, async () => {
-    const done = await writeClipboard(text()).then(() => 'Copied', () => 'Not copied: the browser refused');
-    copy.textContent = done;
-    say(done);
-    setTimeout(() => { copy.textContent = label; }, 1600);
-  }, {class: 'quiet'});
+  const copy = button(
+    label,
+    async () => {
+      const done = await writeClipboard(text()).then(
+        () => 'Copied',
+        () => 'Not copied: the browser refused'
+      );
+      copy.textContent = done;
+      say(done);
+      setTimeout(() => {
+        copy.textContent = label;
+      }, 1600);
+    },
+    {class: 'quiet'}
+  );
   return copy;
 }
 

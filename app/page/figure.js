@@ -1,6 +1,6 @@
 // Drawings: a display list becomes an SVG in which only what changes from frame to frame is touched.
 
-import { button, checkbox, element, menu, svgElement, toneClass, toneIcon } from './dom.js';
+import {button, checkbox, element, menu, svgElement, toneClass, toneIcon} from './dom.js';
 
 const largest_zoom = 40;
 // Where a drawing is shown smaller than it was made, its small texts are enlarged until they have this size, px.
@@ -22,22 +22,31 @@ function arcPath([cx, cy, r, from, to]) {
   const place = (angle) => `${(cx + r * Math.cos(angle)).toFixed(3)} ${(cy - r * Math.sin(angle)).toFixed(3)}`;
   const sweep = to > from ? 0 : 1;
   let path = `M${place(from)}`;
-  for (let i = 1; i <= pieces; ++i) path += `A${r} ${r} 0 0 ${sweep} ${place(from + (to - from) * i / pieces)}`;
+  for (let i = 1; i <= pieces; ++i) path += `A${r} ${r} 0 0 ${sweep} ${place(from + ((to - from) * i) / pieces)}`;
   return path;
 }
 
 // For every type of shape: the SVG element, and what its numbers set there.
 const shape_kinds = {
-  line: {tag: 'line', place: (node, shape) => ['x1', 'y1', 'x2', 'y2'].forEach((a, i) => node.setAttribute(a, shape[i + 2]))},
+  line: {
+    tag: 'line',
+    place: (node, shape) => ['x1', 'y1', 'x2', 'y2'].forEach((a, i) => node.setAttribute(a, shape[i + 2])),
+  },
   polyline: {tag: 'polyline', place: (node, shape) => node.setAttribute('points', pointsText(shape[2]))},
   polygon: {tag: 'polygon', place: (node, shape) => node.setAttribute('points', pointsText(shape[2]))},
-  circle: {tag: 'circle', place: (node, shape) => ['cx', 'cy', 'r'].forEach((a, i) => node.setAttribute(a, shape[i + 2]))},
+  circle: {
+    tag: 'circle',
+    place: (node, shape) => ['cx', 'cy', 'r'].forEach((a, i) => node.setAttribute(a, shape[i + 2])),
+  },
   arc: {tag: 'path', place: (node, shape) => node.setAttribute('d', arcPath(shape.slice(2)))},
-  text: {tag: 'text', place: (node, shape) => {
-    node.setAttribute('x', shape[2]);
-    node.setAttribute('y', shape[3]);
-    node.textContent = shape[4];
-  }},
+  text: {
+    tag: 'text',
+    place: (node, shape) => {
+      node.setAttribute('x', shape[2]);
+      node.setAttribute('y', shape[3]);
+      node.textContent = shape[4];
+    },
+  },
 };
 
 function sameValues(a, b) {
@@ -110,7 +119,13 @@ export class Picture {
 
   /// The name of the item whose shape is at a place of the window or within a few px of it; empty for none.
   nameAt(client_x, client_y) {
-    for (const [dx, dy] of [[0, 0], [4, 0], [-4, 0], [0, 4], [0, -4]]) {
+    for (const [dx, dy] of [
+      [0, 0],
+      [4, 0],
+      [-4, 0],
+      [0, 4],
+      [0, -4],
+    ]) {
       const group = document.elementFromPoint(client_x + dx, client_y + dy)?.parentNode;
       const slot = this.slots.find((candidate) => candidate.group === group);
       if (slot?.name) return slot.name;
@@ -124,13 +139,22 @@ export class Picture {
   }
 
   compiledStyle(style) {
-    const attributes = style.size === undefined ? {
-      fill: this.colour(style.fill), stroke: this.colour(style.stroke), 'stroke-width': style.width,
-      'stroke-dasharray': style.dash || 'none', opacity: style.opacity ?? 1,
-    } : {
-      fill: this.colour(style.colour), 'text-anchor': style.align, 'font-weight': style.bold ? 'bold' : 'normal',
-      'font-style': style.italic ? 'italic' : 'normal', class: style.halo ? 'halo' : '',
-    };
+    const attributes =
+      style.size === undefined
+        ? {
+            fill: this.colour(style.fill),
+            stroke: this.colour(style.stroke),
+            'stroke-width': style.width,
+            'stroke-dasharray': style.dash || 'none',
+            opacity: style.opacity ?? 1,
+          }
+        : {
+            fill: this.colour(style.colour),
+            'text-anchor': style.align,
+            'font-weight': style.bold ? 'bold' : 'normal',
+            'font-style': style.italic ? 'italic' : 'normal',
+            class: style.halo ? 'halo' : '',
+          };
     return {attributes: Object.entries(attributes), size: style.size, key: JSON.stringify(style)};
   }
 
@@ -160,8 +184,11 @@ export class Picture {
     const {frames} = this.drawing;
     const whole = Math.floor(k / frames_between_keys);
     for (let key = this.keys.length; key <= whole; ++key) {
-      this.keys.push(key === 0 ? Int32Array.from(frames[0]) :
-        this.advanced(this.keys[key - 1], (key - 1) * frames_between_keys, key * frames_between_keys));
+      this.keys.push(
+        key === 0
+          ? Int32Array.from(frames[0])
+          : this.advanced(this.keys[key - 1], (key - 1) * frames_between_keys, key * frames_between_keys)
+      );
     }
     return this.advanced(this.keys[whole], whole * frames_between_keys, k);
   }
@@ -199,7 +226,9 @@ export class Picture {
     for (const [name, value] of style.attributes) slot.node.setAttribute(name, value);
     if (style.size !== undefined) {
       const scaled = style.size < 14 && !fixed_text_layers.includes(slot.layer);
-      slot.node.style.fontSize = scaled ? `calc(${Number(style.size)}px * var(--text-scale, 1))` : `${Number(style.size)}px`;
+      slot.node.style.fontSize = scaled
+        ? `calc(${Number(style.size)}px * var(--text-scale, 1))`
+        : `${Number(style.size)}px`;
     }
     slot.style = style.key;
   }
@@ -207,7 +236,7 @@ export class Picture {
   scaleText() {
     const width = this.svg.clientWidth;
     if (!width || !this.box) return;
-    const shrunk = 11 * width / this.box.width;
+    const shrunk = (11 * width) / this.box.width;
     const scale = Math.min(most_text_scale, Math.max(1, least_text / shrunk));
     this.svg.style.setProperty('--text-scale', scale.toFixed(2));
   }
@@ -216,15 +245,18 @@ export class Picture {
 // The part of a drawing seen after zooming by a factor about a place; never more than the whole.
 function zoomedBox(box, whole, factor, at) {
   const width = Math.min(whole.width, Math.max(whole.width / largest_zoom, box.width / factor));
-  const height = width * whole.height / whole.width;
-  const x = at.x - (at.x - box.x) * width / box.width;
-  const y = at.y - (at.y - box.y) * height / box.height;
+  const height = (width * whole.height) / whole.width;
+  const x = at.x - ((at.x - box.x) * width) / box.width;
+  const y = at.y - ((at.y - box.y) * height) / box.height;
   return clampedBox({x, y, width, height}, whole);
 }
 
 function clampedBox(box, whole) {
-  return {...box, x: Math.min(Math.max(0, box.x), whole.width - box.width),
-    y: Math.min(Math.max(0, box.y), whole.height - box.height)};
+  return {
+    ...box,
+    x: Math.min(Math.max(0, box.x), whole.width - box.width),
+    y: Math.min(Math.max(0, box.y), whole.height - box.height),
+  };
 }
 
 // Zoom by wheel, pinch, buttons and keys; pan by dragging. The wheel alone scrolls the page until the drawing has been
@@ -265,7 +297,10 @@ class Zoom {
     const wanted = event.ctrlKey || this.stage.contains(document.activeElement);
     if (!wanted || (event.deltaY > 0 && !this.active && !event.ctrlKey)) return;
     event.preventDefault();
-    this.by(Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.002)), this.picture.toPage(event.clientX, event.clientY));
+    this.by(
+      Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.002)),
+      this.picture.toPage(event.clientX, event.clientY)
+    );
   }
 
   down(event) {
@@ -285,8 +320,8 @@ class Zoom {
 
   pinch(last, now, other) {
     const distance = (p) => Math.hypot(p.x - other.x, p.y - other.y);
-    if (distance(last) > 0) this.by(distance(now) / distance(last),
-      this.picture.toPage((now.x + other.x) / 2, (now.y + other.y) / 2));
+    if (distance(last) > 0)
+      this.by(distance(now) / distance(last), this.picture.toPage((now.x + other.x) / 2, (now.y + other.y) / 2));
   }
 
   pan(last, now) {
@@ -309,7 +344,9 @@ class Zoom {
 function followWithName(picture, stage) {
   const tip = element('div', {class: 'tip', hidden: true, 'aria-hidden': 'true'});
   stage.append(tip);
-  stage.addEventListener('pointerleave', () => { tip.hidden = true; });
+  stage.addEventListener('pointerleave', () => {
+    tip.hidden = true;
+  });
   stage.addEventListener('pointermove', (event) => {
     tip.textContent = picture.nameAt(event.clientX, event.clientY);
     tip.hidden = tip.textContent === '';
@@ -323,8 +360,10 @@ function followWithName(picture, stage) {
 
 function layerMenu(picture, drawing) {
   const layers = [...new Set(drawing.slots.map(([layer]) => layer))];
-  return menu('Layers', ...layers.map((layer) =>
-    checkbox(layer.replaceAll('-', ' '), true, (shown) => picture.hideLayer(layer, !shown))));
+  return menu(
+    'Layers',
+    ...layers.map((layer) => checkbox(layer.replaceAll('-', ' '), true, (shown) => picture.hideLayer(layer, !shown)))
+  );
 }
 
 /// A caption with its tone, and a mark on what is not confirmed.
@@ -340,16 +379,30 @@ export function showCaption(caption, stage, drawing, k) {
 
 /// A drawing with its caption, zoom, names and layers. Returns its parts; frame(k) shows another frame.
 export function drawingView(drawing, palette) {
-  const stage = element('div', {class: 'stage', tabindex: 0, role: 'group',
-    'aria-label': 'Drawing. Plus and minus zoom, 0 shows the whole.'});
+  const stage = element('div', {
+    class: 'stage',
+    tabindex: 0,
+    role: 'group',
+    'aria-label': 'Drawing. Plus and minus zoom, 0 shows the whole.',
+  });
   const picture = new Picture(stage, palette);
   const reset = button('Show the whole', () => zoom.reset(), {class: 'quiet'});
-  const zoom = new Zoom(picture, stage, () => { reset.hidden = !zoom.active; });
+  const zoom = new Zoom(picture, stage, () => {
+    reset.hidden = !zoom.active;
+  });
   reset.hidden = true;
-  const tools = element('div', {class: 'tools'},
-    button('+', () => zoom.by(1.25), {class: 'icon-button', 'aria-label': 'Zoom in', title: 'Zoom in (Ctrl + wheel; drag to move)'}),
+  const tools = element(
+    'div',
+    {class: 'tools'},
+    button('+', () => zoom.by(1.25), {
+      class: 'icon-button',
+      'aria-label': 'Zoom in',
+      title: 'Zoom in (Ctrl + wheel; drag to move)',
+    }),
     button('−', () => zoom.by(0.8), {class: 'icon-button', 'aria-label': 'Zoom out', title: 'Zoom out (Ctrl + wheel)'}),
-    reset, layerMenu(picture, drawing));
+    reset,
+    layerMenu(picture, drawing)
+  );
   const caption = element('p', {class: 'caption'});
   followWithName(picture, stage);
   picture.show(drawing);

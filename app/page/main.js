@@ -1,17 +1,19 @@
 // The page: made from the document that it contains.
 
-import { button, closeMenusOutside, copyButton, download, element } from './dom.js';
-import { startTheme, themeChoice, usePalette, whenTold } from './theme.js';
-import { reportView, verdictView, warningsView } from './report.js';
-import { drawingView } from './figure.js';
-import { Player } from './player.js';
-import { cardsView } from './cards.js';
-import { chartsView } from './chart.js';
+import {button, closeMenusOutside, copyButton, download, element} from './dom.js';
+import {startTheme, themeChoice, usePalette, whenTold} from './theme.js';
+import {reportView, verdictView, warningsView} from './report.js';
+import {drawingView} from './figure.js';
+import {Player} from './player.js';
+import {cardsView} from './cards.js';
+import {chartsView} from './chart.js';
 
 // The text of a member of a JSON object, as it was written: numbers of 64 bits would lose digits in JSON.parse.
 function memberText(text, key) {
   const tokens = /"[^"\\]*(?:\\.[^"\\]*)*"|[{}[\],]/g;
-  let depth = 0, begin = -1, last = '';
+  let depth = 0,
+    begin = -1,
+    last = '';
   for (const {0: token, index} of text.matchAll(tokens)) {
     if (depth === 1 && begin >= 0 && ',}'.includes(token)) return text.slice(begin, index).trim();
     if (depth === 1 && '{,'.includes(last) && token === `"${key}"`) begin = text.indexOf(':', index + token.length) + 1;
@@ -23,15 +25,38 @@ function memberText(text, key) {
 
 function headerView(page, text) {
   const name = page.title || `poise ${page.command}`;
-  const file = `${name.replace(/[^\p{L}\p{N}]+/gu, '-').replace(/^-+|-+$/g, '').slice(0, 60) || 'poise'}.json`;
+  const file = `${
+    name
+      .replace(/[^\p{L}\p{N}]+/gu, '-')
+      .replace(/^-+|-+$/g, '')
+      .slice(0, 60) || 'poise'
+  }.json`;
   const save = () => download(file, 'application/json', `${memberText(text, 'result')}\n`);
-  return element('header', {class: 'page-header'},
-    element('div', {class: 'titles'}, element('h1', {}, name),
-      page.source ? element('p', {class: 'source'}, `Source: ${page.source}`) : null),
-    element('div', {class: 'page-buttons'}, themeChoice(),
+  return element(
+    'header',
+    {class: 'page-header'},
+    element(
+      'div',
+      {class: 'titles'},
+      element('h1', {}, name),
+      page.source ? element('p', {class: 'source'}, `Source: ${page.source}`) : null
+    ),
+    element(
+      'div',
+      {class: 'page-buttons'},
+      themeChoice(),
       page.result === null || page.result === undefined ? null : button('Save the data (JSON)', save),
-      button('Print', () => print())),
-    page.line ? element('div', {class: 'line'}, element('code', {}, page.line), copyButton('Copy', () => page.line)) : null);
+      button('Print', () => print())
+    ),
+    page.line
+      ? element(
+          'div',
+          {class: 'line'},
+          element('code', {}, page.line),
+          copyButton('Copy', () => page.line)
+        )
+      : null
+  );
 }
 
 function playedView(figure, palette) {
@@ -52,16 +77,23 @@ function playedView(figure, palette) {
 
 function figureBody(figure, palette) {
   switch (figure.kind) {
-    case 'cards': return cardsView(figure.drawing, palette);
-    case 'charts': return chartsView(figure.charts).element;
-    default: return playedView(figure, palette);
+    case 'cards':
+      return cardsView(figure.drawing, palette);
+    case 'charts':
+      return chartsView(figure.charts).element;
+    default:
+      return playedView(figure, palette);
   }
 }
 
 const figure_names = {drawing: 'Drawing', cards: 'Positions', charts: 'Charts'};
 
 function figureView(figure, palette) {
-  const heading = element('h2', {class: figure.title ? null : 'unseen'}, figure.title || figure_names[figure.kind] || '');
+  const heading = element(
+    'h2',
+    {class: figure.title ? null : 'unseen'},
+    figure.title || figure_names[figure.kind] || ''
+  );
   return element('section', {class: `figure kind-${figure.kind}`}, heading, figureBody(figure, palette));
 }
 
@@ -75,9 +107,14 @@ function openWhilePrinting(place) {
   whenTold(place, {
     print: () => {
       opened = [...place.querySelectorAll('details.details:not([open])')];
-      opened.forEach((box) => { box.open = true; });
+      opened.forEach((box) => {
+        box.open = true;
+      });
     },
-    printed: () => opened.forEach((box) => { box.open = false; }),
+    printed: () =>
+      opened.forEach((box) => {
+        box.open = false;
+      }),
   });
 }
 
@@ -87,14 +124,24 @@ export function showPage(text) {
   const palette = usePalette(page.palette);
   const figures = page.figures ?? [];
   const figure_views = figures.map((figure) => figureView(figure, palette));
-  const report = page.report?.length > 0 ? element('section', {class: 'report'}, element('h2', {}, 'Report'),
-    reportView(page.report, 3)) : null;
+  const report =
+    page.report?.length > 0
+      ? element('section', {class: 'report'}, element('h2', {}, 'Report'), reportView(page.report, 3))
+      : null;
   const beside = isStill(figures[0]) && report !== null;
-  const main = element('main', {id: 'main', class: beside ? 'beside' : null, tabindex: -1},
-    element('div', {class: 'finding'}, page.verdict?.text ? verdictView(page.verdict) : null,
-      page.warnings?.length > 0 ? warningsView(page.warnings) : null),
-    ...(beside ? [element('div', {class: 'pair'}, figure_views[0], report), ...figure_views.slice(1)] :
-      [...figure_views, report].filter((view) => view !== null)));
+  const main = element(
+    'main',
+    {id: 'main', class: beside ? 'beside' : null, tabindex: -1},
+    element(
+      'div',
+      {class: 'finding'},
+      page.verdict?.text ? verdictView(page.verdict) : null,
+      page.warnings?.length > 0 ? warningsView(page.warnings) : null
+    ),
+    ...(beside
+      ? [element('div', {class: 'pair'}, figure_views[0], report), ...figure_views.slice(1)]
+      : [...figure_views, report].filter((view) => view !== null))
+  );
   const footer = element('footer', {}, `Made by Poise ${page.poise ?? ''}`);
   document.getElementById('page').replaceChildren(headerView(page, text), main, footer);
 }
@@ -108,7 +155,9 @@ function startPage() {
     showPage(document.getElementById('document').textContent);
   } catch {
     const text = 'This page cannot be shown, because the data in it cannot be read.';
-    place.replaceChildren(element('main', {}, element('p', {class: 'unreadable', role: 'alert'}, text)));
+    place.replaceChildren(
+      element('main', {id: 'main'}, element('div', {role: 'alert'}, element('h1', {class: 'unreadable'}, text)))
+    );
   }
 }
 

@@ -1,6 +1,6 @@
 // Plays the frames of a drawing: play, pause, steps, slider, events, snaps in slow motion, and traces of points.
 
-import { button, checkbox, element, icon, iconButton, menu, numberText, say, svgElement } from './dom.js';
+import {button, checkbox, element, icon, iconButton, menu, numberText, say, svgElement} from './dom.js';
 
 const speeds = [0.1, 0.25, 0.5, 1, 2, 4];
 // How long one frame of a snap is shown, s.
@@ -29,15 +29,25 @@ class Trace {
     const places = [];
     for (let i = 0; i + 1 < point.at.length; i += 2) places.push([point.at[i], point.at[i + 1]]);
     const known = ([x, y]) => Number.isFinite(x) && Number.isFinite(y);
-    this.places = places.map((place, k) => known(place) ? place : places.slice(0, k).findLast(known) ?? places.find(known));
+    this.places = places.map((place, k) =>
+      known(place) ? place : (places.slice(0, k).findLast(known) ?? places.find(known))
+    );
     if (!this.places[0]) this.places = [];
     this.lengths = [0];
     for (let k = 1; k < this.places.length; ++k) {
       const [a, b] = [this.places[k - 1], this.places[k]];
       this.lengths.push(this.lengths[k - 1] + Math.hypot(b[0] - a[0], b[1] - a[1]));
     }
-    const line = (width, opacity) => svgElement('polyline', {points: this.places.map((place) => place.join(',')).join(' '),
-      fill: 'none', stroke: colour, 'stroke-width': width, opacity, 'stroke-linejoin': 'round', 'pointer-events': 'none'});
+    const line = (width, opacity) =>
+      svgElement('polyline', {
+        points: this.places.map((place) => place.join(',')).join(' '),
+        fill: 'none',
+        stroke: colour,
+        'stroke-width': width,
+        opacity,
+        'stroke-linejoin': 'round',
+        'pointer-events': 'none',
+      });
     this.strong = line(2.2, 1);
     this.dot = svgElement('circle', {r: 4, fill: colour, stroke: 'var(--c-paper)', 'pointer-events': 'none'});
     this.group = group.appendChild(svgElement('g', {}, line(1.2, 0.45), this.strong, this.dot));
@@ -57,11 +67,22 @@ class Traces {
   constructor(points, picture) {
     Object.assign(this, {points, picture, chosen: new Map(), frame_shown: 0});
     const rows = points.map((point, i) => this.row(point, i));
-    const search = element('input', {type: 'search', placeholder: 'Search points', 'aria-label': 'Search points', input: () => {
-      const words = search.value.toLowerCase();
-      points.forEach((point, i) => { rows[i].hidden = !point.name.toLowerCase().includes(words); });
-    }});
-    this.menu = menu('Traces', points.length > many_points ? search : null, element('div', {class: 'choices'}, ...rows));
+    const search = element('input', {
+      type: 'search',
+      placeholder: 'Search points',
+      'aria-label': 'Search points',
+      input: () => {
+        const words = search.value.toLowerCase();
+        points.forEach((point, i) => {
+          rows[i].hidden = !point.name.toLowerCase().includes(words);
+        });
+      },
+    });
+    this.menu = menu(
+      'Traces',
+      points.length > many_points ? search : null,
+      element('div', {class: 'choices'}, ...rows)
+    );
   }
 
   row(point, i) {
@@ -90,7 +111,7 @@ class Traces {
     for (let c = 1; c <= trace_colours; ++c) {
       if (!used.includes(`var(--c-curve-${c})`)) return c;
     }
-    return this.chosen.size % trace_colours + 1;
+    return (this.chosen.size % trace_colours) + 1;
   }
 
   frame(k) {
@@ -102,7 +123,17 @@ class Traces {
 /// Plays a drawing of several frames. `onFrame` is told of every frame shown.
 export class Player {
   constructor(view, play, onFrame) {
-    Object.assign(this, {view, play, onFrame, frame_shown: -1, clock: 0, last: 0, playing: false, speed: 1, loop: false});
+    Object.assign(this, {
+      view,
+      play,
+      onFrame,
+      frame_shown: -1,
+      clock: 0,
+      last: 0,
+      playing: false,
+      speed: 1,
+      loop: false,
+    });
     this.count = view.picture.drawing.frames.length;
     this.times = frameTimes(this.count, play.seconds, play.snaps ?? []);
     this.traces = play.points?.length > 0 ? new Traces(play.points, view.picture) : null;
@@ -115,21 +146,49 @@ export class Player {
 
   bar() {
     this.toggle = iconButton('play', 'Play', () => this.startOrStop());
-    this.slider = element('input', {type: 'range', min: 0, max: this.count - 1, step: 1, value: 0,
-      'aria-label': this.play.label || 'Frame', input: () => this.step(Number(this.slider.value))});
+    this.slider = element('input', {
+      type: 'range',
+      min: 0,
+      max: this.count - 1,
+      step: 1,
+      value: 0,
+      'aria-label': this.play.label || 'Frame',
+      input: () => this.step(Number(this.slider.value)),
+    });
     this.value = element('output', {class: 'value'});
-    return element('div', {class: 'bar'},
-      element('div', {class: 'buttons'}, iconButton('first', 'First frame', () => this.step(0)),
-        iconButton('back', 'One frame back', () => this.step(this.frame_shown - 1)), this.toggle,
+    return element(
+      'div',
+      {class: 'bar'},
+      element(
+        'div',
+        {class: 'buttons'},
+        iconButton('first', 'First frame', () => this.step(0)),
+        iconButton('back', 'One frame back', () => this.step(this.frame_shown - 1)),
+        this.toggle,
         iconButton('forth', 'One frame on', () => this.step(this.frame_shown + 1)),
-        iconButton('last', 'Last frame', () => this.step(this.count - 1))),
-      element('div', {class: 'track'}, this.slider, this.markLine()), this.value);
+        iconButton('last', 'Last frame', () => this.step(this.count - 1))
+      ),
+      element('div', {class: 'track'}, this.slider, this.markLine()),
+      this.value
+    );
   }
 
   settings() {
-    const speed = element('select', {change: () => { this.speed = Number(speed.value); }},
-      ...speeds.map((factor) => element('option', {value: factor, selected: factor === 1}, `${factor} ×`)));
-    return [element('label', {class: 'check'}, 'Speed', speed), checkbox('Repeat', false, (on) => { this.loop = on; })];
+    const speed = element(
+      'select',
+      {
+        change: () => {
+          this.speed = Number(speed.value);
+        },
+      },
+      ...speeds.map((factor) => element('option', {value: factor, selected: factor === 1}, `${factor} ×`))
+    );
+    return [
+      element('label', {class: 'check'}, 'Speed', speed),
+      checkbox('Repeat', false, (on) => {
+        this.loop = on;
+      }),
+    ];
   }
 
   // Where a frame is along the slider.
@@ -151,7 +210,11 @@ export class Player {
       // Labels that would overlap are left out; the list of events has them all.
       const near = mark.frame - last < least_apart * this.count;
       if (!near) last = mark.frame;
-      const sign = button(near ? '' : mark.label, () => this.step(mark.frame), {class: 'mark', tabindex: -1, title: mark.caption});
+      const sign = button(near ? '' : mark.label, () => this.step(mark.frame), {
+        class: 'mark',
+        tabindex: -1,
+        title: mark.caption,
+      });
       sign.style.left = this.along(mark.frame);
       line.append(sign);
     }
@@ -167,11 +230,16 @@ export class Player {
   eventList() {
     const marks = this.play.marks ?? [];
     if (marks.length === 0) return null;
-    this.events = marks.map((mark) => button(element('span', {class: 'event-label'}, mark.label),
-      () => this.step(mark.frame), {class: 'event'}));
+    this.events = marks.map((mark) =>
+      button(element('span', {class: 'event-label'}, mark.label), () => this.step(mark.frame), {class: 'event'})
+    );
     this.events.forEach((event, i) => event.append(marks[i].caption));
-    return element('div', {class: 'events'}, element('h3', {}, 'Events'),
-      element('ol', {}, ...this.events.map((event) => element('li', {}, event))));
+    return element(
+      'div',
+      {class: 'events'},
+      element('h3', {}, 'Events'),
+      element('ol', {}, ...this.events.map((event) => element('li', {}, event)))
+    );
   }
 
   valueText(k) {
@@ -193,7 +261,8 @@ export class Player {
     this.snap.hidden = !snap;
     if (snap) this.snap.textContent = `Slow motion: ${snap.caption}`;
     this.events?.forEach((event, i) =>
-      event.setAttribute('aria-current', this.play.marks[i].frame === k ? 'true' : 'false'));
+      event.setAttribute('aria-current', this.play.marks[i].frame === k ? 'true' : 'false')
+    );
     this.onFrame(k);
   }
 
@@ -234,7 +303,8 @@ export class Player {
   }
 
   frameAt(time) {
-    let low = 0, high = this.count - 1;
+    let low = 0,
+      high = this.count - 1;
     while (low < high) {
       const middle = Math.ceil((low + high) / 2);
       if (this.times[middle] <= time) low = middle;

@@ -1,8 +1,8 @@
 // The report: facts, notes, lists, tables and sections, in the order in which text shows them. What only verbose text
 // shows is in a closed box at the end of its section.
 
-import { element, toneBadge, toneClass, toneIcon } from './dom.js';
-import { tableView } from './tables.js';
+import {element, toneBadge, toneClass, toneIcon} from './dom.js';
+import {tableView} from './tables.js';
 
 function headingView(title, level) {
   return element(`h${Math.min(level, 6)}`, {class: title ? null : 'empty'}, title);
@@ -10,8 +10,10 @@ function headingView(title, level) {
 
 // Facts in a row share one list, so that their texts are aligned.
 function factList(facts) {
-  const pair = (fact) => [element('dt', {}, fact.label),
-    element('dd', {class: toneClass(fact.tone)}, toneIcon(fact.tone), fact.text)];
+  const pair = (fact) => [
+    element('dt', {}, fact.label),
+    element('dd', {class: toneClass(fact.tone)}, toneIcon(fact.tone), fact.text),
+  ];
   return element('dl', {class: 'facts'}, ...facts.flatMap(pair));
 }
 
@@ -20,13 +22,21 @@ function itemView(item, level) {
     case 'note':
       return element('p', {class: `note ${toneClass(item.tone)}`}, toneIcon(item.tone), item.text);
     case 'list':
-      return element('section', {class: 'list'}, item.title ? headingView(item.title, level) : null,
-        element('ul', {}, ...item.items.map((text) => element('li', {}, text))));
+      return element(
+        'section',
+        {class: 'list'},
+        item.title ? headingView(item.title, level) : null,
+        element('ul', {}, ...item.items.map((text) => element('li', {}, text)))
+      );
     case 'table':
       return element('section', {}, tableView(item, headingView(item.title, level)));
     case 'section':
-      return element('section', {class: 'part'}, item.title ? headingView(item.title, level) : null,
-        ...itemViews(item.items, item.title ? level + 1 : level));
+      return element(
+        'section',
+        {class: 'part'},
+        item.title ? headingView(item.title, level) : null,
+        ...itemViews(item.items, item.title ? level + 1 : level)
+      );
     default:
       return null;
   }
@@ -53,9 +63,14 @@ function plainViews(items, level) {
 
 function itemViews(items, level) {
   const verbose = items.filter((item) => item.level === 'verbose');
-  const views = plainViews(items.filter((item) => item.level !== 'verbose'), level);
+  const views = plainViews(
+    items.filter((item) => item.level !== 'verbose'),
+    level
+  );
   if (verbose.length > 0) {
-    views.push(element('details', {class: 'details'}, element('summary', {}, 'Details'), ...plainViews(verbose, level)));
+    views.push(
+      element('details', {class: 'details'}, element('summary', {}, 'Details'), ...plainViews(verbose, level))
+    );
   }
   return views;
 }
@@ -67,14 +82,22 @@ export function reportView(items, level) {
 
 /// The sentence that says what was found.
 export function verdictView(verdict) {
-  return element('p', {class: `verdict ${toneClass(verdict.tone)}`}, toneBadge(verdict.tone),
-    element('span', {}, verdict.text));
+  return element(
+    'p',
+    {class: `verdict ${toneClass(verdict.tone)}`},
+    toneBadge(verdict.tone),
+    element('span', {}, verdict.text)
+  );
 }
 
 /// Sentences that a reader must not miss.
 export function warningsView(warnings) {
-  const line = (warning) => element('li', {class: toneClass(warning.tone)},
-    toneBadge(warning.tone, 'Warning') ?? element('span', {class: 'badge'}, 'Warning'),
-    element('span', {}, warning.text));
+  const line = (warning) =>
+    element(
+      'li',
+      {class: toneClass(warning.tone)},
+      toneBadge(warning.tone, 'Warning') ?? element('span', {class: 'badge'}, 'Warning'),
+      element('span', {}, warning.text)
+    );
   return element('div', {role: 'alert'}, element('ul', {class: 'warnings'}, ...warnings.map(line)));
 }

@@ -1,7 +1,7 @@
 // Tables: sorted by a click on a title, filtered by words, cut to their first rows where they are long.
 
-import { button, copyButton, element, say, toneClass } from './dom.js';
-import { whenTold } from './theme.js';
+import {button, copyButton, element, say, toneClass} from './dom.js';
+import {whenTold} from './theme.js';
 
 const most_rows = 25;
 
@@ -14,7 +14,8 @@ function compareRows(column, sign) {
   const text = new Intl.Collator(undefined, {numeric: true});
   return (a, b) => {
     if (!column.values) return sign * text.compare(column.cells[a], column.cells[b]);
-    const x = column.values[a], y = column.values[b];
+    const x = column.values[a],
+      y = column.values[b];
     if (x === null || y === null) return (x === null) - (y === null);
     return sign * (x - y);
   };
@@ -25,7 +26,7 @@ function csvField(text) {
 }
 
 function csvText(columns, rows) {
-  const cell = (column, row) => column.values ? String(column.values[row] ?? '') : column.cells[row];
+  const cell = (column, row) => (column.values ? String(column.values[row] ?? '') : column.cells[row]);
   const lines = [columns.map(columnTitle), ...rows.map((row) => columns.map((column) => cell(column, row)))];
   return lines.map((line) => line.map(csvField).join(',')).join('\n') + '\n';
 }
@@ -40,29 +41,53 @@ class TableView {
     this.whole = this.size <= most_rows;
     this.body = element('tbody');
     this.heads = this.columns.map((column, i) => this.head(column, i));
-    const table = element('table', {'aria-label': item.title || 'Table'},
-      element('thead', {}, element('tr', {}, ...this.heads)), this.body);
+    const table = element(
+      'table',
+      {'aria-label': item.title || 'Table'},
+      element('thead', {}, element('tr', {}, ...this.heads)),
+      this.body
+    );
     this.more = button('', () => this.showAll(), {class: 'quiet'});
-    this.element = element('div', {class: this.whole ? 'table short' : 'table'}, this.top(heading), element('div', {class: 'scroll'}, table),
+    this.element = element(
+      'div',
+      {class: this.whole ? 'table short' : 'table'},
+      this.top(heading),
+      element('div', {class: 'scroll'}, table),
       ...(item.footnotes ?? []).map((note) => element('p', {class: 'footnote'}, note)),
-      element('div', {class: 'table-foot'}, this.more, copyButton('Copy as CSV', () => csvText(this.columns, this.rows()))));
+      element(
+        'div',
+        {class: 'table-foot'},
+        this.more,
+        copyButton('Copy as CSV', () => csvText(this.columns, this.rows()))
+      )
+    );
     whenTold(this.element, {print: () => this.fill(true), printed: () => this.fill()});
     this.fill();
   }
 
   top(heading) {
-    const filter = element('input', {type: 'search', placeholder: 'Filter rows', 'aria-label': 'Filter rows', input: () => {
-      this.words = filter.value.toLowerCase();
-      this.fill();
-    }});
+    const filter = element('input', {
+      type: 'search',
+      placeholder: 'Filter rows',
+      'aria-label': 'Filter rows',
+      input: () => {
+        this.words = filter.value.toLowerCase();
+        this.fill();
+      },
+    });
     return element('div', {class: 'table-top'}, heading, this.size > most_rows ? filter : null);
   }
 
   head(column, i) {
     const title = columnTitle(column);
     const attributes = {scope: 'col', class: column.align === 'right' ? 'right' : null};
-    if (!title || this.size < 2) return element('th', attributes, title);
-    return element('th', {...attributes, 'aria-sort': 'none'}, button(title, () => this.sort(i), {class: 'sort'}));
+    if (!title) return element('td');
+    if (this.size < 2) return element('th', attributes, title);
+    return element(
+      'th',
+      {...attributes, 'aria-sort': 'none'},
+      button(title, () => this.sort(i), {class: 'sort'})
+    );
   }
 
   // One click: ascending; two: descending; three: the order of the document.
@@ -84,8 +109,10 @@ class TableView {
 
   /// The rows that pass the filter, or everything, in order.
   rows(everything = false) {
-    const rows = [...Array(this.size).keys()].filter((row) => everything || !this.words ||
-      this.columns.some((column) => column.cells[row].toLowerCase().includes(this.words)));
+    const rows = [...Array(this.size).keys()].filter(
+      (row) =>
+        everything || !this.words || this.columns.some((column) => column.cells[row].toLowerCase().includes(this.words))
+    );
     if (this.sorted.column !== null) rows.sort(compareRows(this.columns[this.sorted.column], this.sorted.sign));
     return rows;
   }
@@ -94,7 +121,8 @@ class TableView {
     const rows = this.rows(everything);
     const shown = this.whole || everything ? rows : rows.slice(0, most_rows);
     this.body.replaceChildren(...shown.map((row) => this.row(row)));
-    if (rows.length === 0) this.body.append(element('tr', {}, element('td', {colspan: this.columns.length}, 'No rows.')));
+    if (rows.length === 0)
+      this.body.append(element('tr', {}, element('td', {colspan: this.columns.length}, 'No rows.')));
     this.more.hidden = rows.length <= most_rows;
     this.more.textContent = this.whole ? `Show the first ${most_rows} rows` : `Show all ${rows.length} rows`;
   }
@@ -104,8 +132,11 @@ class TableView {
       const tone = column.tones?.[row] ?? 'plain';
       const classes = [column.align === 'right' ? 'right' : '', tone === 'plain' ? '' : toneClass(tone)];
       const is_name = i === 0 && column.align !== 'right';
-      return element(is_name ? 'th' : 'td', {scope: is_name ? 'row' : null, class: classes.join(' ').trim() || null},
-        column.cells[row]);
+      return element(
+        is_name ? 'th' : 'td',
+        {scope: is_name ? 'row' : null, class: classes.join(' ').trim() || null},
+        column.cells[row]
+      );
     });
     return element('tr', {}, ...cells);
   }

@@ -38,7 +38,8 @@ def page(document):
         title = "Poise"
     vendor = PAGE / "vendor" / "uplot"
     parts = {
-        "styles": (vendor / "uPlot.min.css").read_text(encoding="utf-8") + "\n"
+        "styles": (vendor / "uPlot.min.css").read_text(encoding="utf-8")
+        + "\n"
         + (PAGE / "page.css").read_text(encoding="utf-8"),
         "libraries": (vendor / "uPlot.iife.min.js").read_text(encoding="utf-8"),
         "scripts": joined_modules(),
