@@ -93,7 +93,7 @@ class Chart {
     const most =
       axis === 'x'
         ? Math.max(2, Math.min(9, Math.floor(width / 85)))
-        : Math.max(2, Math.floor(this.height / (this.log.y ? 32 : 42)));
+        : Math.max(2, Math.floor(this.height / (this.log.y ? 32 : 38)));
     return axisTicks(this.range[axis], this.log[axis], most);
   }
 

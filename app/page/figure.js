@@ -3,8 +3,11 @@
 import {button, checkbox, element, menu, svgElement, toneClass, toneIcon} from './dom.js';
 
 const largest_zoom = 40;
+// How far from a thin shape, px, the mouse still finds its name.
+const near = 4;
 // Where a drawing is shown smaller than it was made, its small texts are enlarged until they have this size, px.
 const least_text = 9;
+const usual_text = 11;
 const most_text_scale = 1.9;
 // Their places are laid out as one block: enlarged texts would overlap.
 const fixed_text_layers = ['heading', 'legend'];
@@ -117,18 +120,14 @@ export class Picture {
     for (const slot of this.slots) this.display(slot);
   }
 
-  /// The name of the item whose shape is at a place of the window or within a few px of it; empty for none.
+  /// The name of the item whose shape is at a place of the window or near it; empty for none.
   nameAt(client_x, client_y) {
-    for (const [dx, dy] of [
-      [0, 0],
-      [4, 0],
-      [-4, 0],
-      [0, 4],
-      [0, -4],
-    ]) {
-      const group = document.elementFromPoint(client_x + dx, client_y + dy)?.parentNode;
-      const slot = this.slots.find((candidate) => candidate.group === group);
-      if (slot?.name) return slot.name;
+    for (const dx of [0, near, -near]) {
+      for (const dy of [0, near, -near]) {
+        const group = document.elementFromPoint(client_x + dx, client_y + dy)?.parentNode;
+        const slot = this.slots.find((candidate) => candidate.group === group);
+        if (slot?.name) return slot.name;
+      }
     }
     return '';
   }
@@ -234,9 +233,9 @@ export class Picture {
   }
 
   scaleText() {
-    const width = this.svg.clientWidth;
-    if (!width || !this.box) return;
-    const shrunk = (11 * width) / this.box.width;
+    const {clientWidth, clientHeight} = this.svg;
+    if (!clientWidth || !this.box) return;
+    const shrunk = usual_text * Math.min(clientWidth / this.box.width, clientHeight / this.box.height);
     const scale = Math.min(most_text_scale, Math.max(1, least_text / shrunk));
     this.svg.style.setProperty('--text-scale', scale.toFixed(2));
   }
@@ -309,8 +308,11 @@ class Zoom {
   }
 
   move(event) {
+    // A mouse button may have been released outside the window.
+    if (event.buttons === 0) this.pointers.delete(event.pointerId);
     const last = this.pointers.get(event.pointerId);
     if (!last) return;
+    if (this.active) this.stage.setPointerCapture(event.pointerId);
     const now = {x: event.clientX, y: event.clientY};
     const other = [...this.pointers].find(([id]) => id !== event.pointerId)?.[1];
     if (other) this.pinch(last, now, other);

@@ -155,7 +155,7 @@ export class Player {
       'aria-label': this.play.label || 'Frame',
       input: () => this.step(Number(this.slider.value)),
     });
-    this.value = element('output', {class: 'value'});
+    this.value = element('span', {class: 'value'});
     return element(
       'div',
       {class: 'bar'},
@@ -208,9 +208,9 @@ export class Player {
     let last = -Infinity;
     for (const mark of this.play.marks ?? []) {
       // Labels that would overlap are left out; the list of events has them all.
-      const near = mark.frame - last < least_apart * this.count;
-      if (!near) last = mark.frame;
-      const sign = button(near ? '' : mark.label, () => this.step(mark.frame), {
+      const crowded = mark.frame - last < least_apart * this.count;
+      if (!crowded) last = mark.frame;
+      const sign = button(crowded ? '' : mark.label, () => this.step(mark.frame), {
         class: 'mark',
         tabindex: -1,
         title: mark.caption,
@@ -223,7 +223,7 @@ export class Player {
 
   snapLine() {
     this.snap = element('p', {class: 'snap-line'});
-    this.snap.hidden = true;
+    this.snap.hidden = (this.play.snaps ?? []).length === 0;
     return this.snap;
   }
 
@@ -258,8 +258,7 @@ export class Player {
     this.value.textContent = this.valueText(k);
     this.slider.setAttribute('aria-valuetext', this.value.textContent);
     const snap = (this.play.snaps ?? []).find(({first, last}) => k >= first && k <= last);
-    this.snap.hidden = !snap;
-    if (snap) this.snap.textContent = `Slow motion: ${snap.caption}`;
+    this.snap.textContent = snap ? `Slow motion: ${snap.caption}` : '';
     this.events?.forEach((event, i) =>
       event.setAttribute('aria-current', this.play.marks[i].frame === k ? 'true' : 'false')
     );
