@@ -30,8 +30,7 @@ std::string written(double value, const Format& format) {
 }
 
 TextColumn text_column(const Column& column) {
-  TextColumn out{column.title, {}, &column};
-  std::string unit = column.unit;
+  TextColumn out{.title = column.title, .unit = column.unit, .cells = {}, .column = &column};
   if (!column.texts.empty()) {
     out.cells = column.texts;
   } else if (column.is_words()) {
@@ -44,19 +43,23 @@ TextColumn text_column(const Column& column) {
       for (const double v : values) {
         if (column.format.scale == 0.0 && std::isfinite(v)) scale = std::max(scale, std::abs(v));
       }
-      const ReadableUnit readable = readable_unit(scale, unit);
-      unit = readable.unit;
+      const ReadableUnit readable = readable_unit(scale, out.unit);
+      out.unit = readable.unit;
+      out.factor = readable.factor;
       for (double& value : values) value *= readable.factor;
       out.cells = aligned(values, column.format.digits, scale * readable.factor);
     } else {
       for (const double value : values) out.cells.push_back(written(value, column.format));
     }
   }
-  if (!unit.empty()) out.title += fmt::format("{}({})", out.title.empty() ? "" : " ", unit);
   return out;
 }
 
 }  // namespace
+
+std::string TextColumn::heading() const {
+  return unit.empty() ? title : fmt::format("{}{}({})", title, title.empty() ? "" : " ", unit);
+}
 
 std::vector<TextColumn> text_columns(const Table& table) {
   std::vector<TextColumn> out;

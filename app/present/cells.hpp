@@ -1,6 +1,6 @@
 #pragma once
 
-// Tables and values as pieces of text: what the text and the Markdown presenter share.
+// Tables and values as pieces of text: what the presenters of text, Markdown and pages share.
 
 #include <cstddef>
 #include <string>
@@ -15,9 +15,13 @@ inline constexpr std::size_t most_rows = 24;
 
 /// A column as text.
 struct TextColumn {
-  std::string title;  ///< with the unit: "Fx (MN)"
+  std::string title, unit;  ///< "Fx", "MN"
   std::vector<std::string> cells;
-  const Column* column;
+  const Column* column = nullptr;
+  double factor = 1.0;  ///< from the column's numbers to those of the cells
+
+  /// "Fx (MN)".
+  std::string heading() const;
 };
 
 /// The columns of a table that text shows. Numbers outside 1e-4 .. 1e7 have a prefix before their unit, where it takes

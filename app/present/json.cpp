@@ -118,11 +118,15 @@ void add(json& into, const Group& group) {
 
 }  // namespace
 
-std::string json_text(const Result& result) {
+json result_json(const Result& result) {
   json out = {{"poise", POISE_VERSION}, {"verdict", result.verdict.text}, {"warnings", json::array()}};
   for (const Line& warning : result.warnings) out["warnings"].push_back(warning.text);
   add(out, result.content);
-  return out.dump(result.compact ? -1 : 2, ' ', false, json::error_handler_t::replace) + "\n";
+  return out;
+}
+
+std::string json_text(const Result& result) {
+  return result_json(result).dump(result.compact ? -1 : 2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace poise::app

@@ -66,7 +66,7 @@ class Writer {
     const std::vector<TextColumn> columns = text_columns(table);
     std::vector<std::string> titles, lines;
     for (const TextColumn& column : columns) {
-      titles.push_back(cell_text(column.title));
+      titles.push_back(cell_text(column.heading()));
       lines.emplace_back(column.column->is_words() ? "---" : "---:");
     }
     std::string out = row(titles) + row(lines);

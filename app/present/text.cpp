@@ -54,11 +54,11 @@ class Writer {
     const std::vector<std::size_t> rows = shown_rows(table);
     std::vector<std::size_t> widths;
     for (const TextColumn& column : columns) {
-      std::size_t width = screen_width(column.title);
+      std::size_t width = screen_width(column.heading());
       for (const std::size_t r : rows) width = std::max(width, screen_width(column.cells[r]));
       widths.push_back(width);
     }
-    row(columns, widths, [](const TextColumn& column) { return Piece{column.title, Tone::faint}; });
+    row(columns, widths, [](const TextColumn& column) { return Piece{column.heading(), Tone::faint}; });
     for (const std::size_t r : rows) {
       row(columns, widths, [r](const TextColumn& column) {
         const std::vector<Tone>& tones = column.column->tones;
@@ -70,7 +70,7 @@ class Writer {
   }
 
   struct Piece {
-    const std::string& text;
+    std::string text;
     Tone tone;
   };
 
