@@ -28,13 +28,13 @@ int run_check(const Request& request, const Palette& palette) {
   } catch (const InputError&) {
     error = std::current_exception();
   }
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg()) {
-    svg = draw_mechanism(
+    pictures.svg = draw_mechanism(
         model.scene(),
         {.poses = model.poses(mobility.x), .heading = result.verdict.text, .confirmed = mobility.assembled});
   }
-  const int code = finish(request, result, error ? nullptr : &files, svg, true, progress, palette);
+  const int code = finish(request, result, error ? nullptr : &files, pictures, true, progress, palette);
   if (error) std::rethrow_exception(error);
   return code;
 }

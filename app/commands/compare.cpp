@@ -85,9 +85,11 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
 
   const Result result = compare_result(model, answers, request.settings);
   const bool interrupted = answers.back().equilibrium.status == Status::interrupted;
-  const Answer* drawn = files.wants_svg() && !interrupted ? best_of(answers) : nullptr;
-  return finish(request, result, interrupted ? nullptr : &files, drawn != nullptr ? picture(model, *drawn) : "",
-                succeeded(words, answers), progress, palette);
+  const Answer* drawn = interrupted ? nullptr : best_of(answers);
+  Pictures pictures;
+  if (files.wants_svg() && drawn != nullptr) pictures.svg = picture(model, *drawn);
+  return finish(request, result, interrupted ? nullptr : &files, pictures, succeeded(words, answers), progress,
+                palette);
 }
 
 int run_work_precision(const CompareRequest& words, const Palette& palette) {
@@ -103,9 +105,9 @@ int run_work_precision(const CompareRequest& words, const Palette& palette) {
   const comparison::WorkPrecision study = comparison::work_precision(model, options);
 
   const Result result = work_precision_result(model, study, options.repeats, request.settings);
-  const bool drawn = files.wants_svg() && !study.interrupted;
-  return finish(request, result, study.interrupted ? nullptr : &files,
-                drawn ? draw_plot(work_precision_panels(model, study)) : "",
+  Pictures pictures;
+  if (files.wants_svg() && !study.interrupted) pictures.svg = draw_plot(work_precision_panels(model, study));
+  return finish(request, result, study.interrupted ? nullptr : &files, pictures,
                 comparison::any_confirmed(study) && !study.interrupted, progress, palette);
 }
 

@@ -48,7 +48,8 @@ int run_design(const DesignRequest& request, const Palette& palette) {
     best.scene.source = fmt::format("poise design {} --seed {}", problem.file, request.seed);
     geometry = geometry_text(best.scene);
   }
-  const std::string written = files.write(result, "", geometry);
+  const Pictures pictures;
+  const std::string written = files.write(result, pictures, geometry);
   progress.done();
   print(request.common, result, written, palette);
   return best.met && check.met ? solved : not_solved;

@@ -129,13 +129,14 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
     result.warnings.push_back(doubtful("No picture is written: there is nothing to draw."));
   }
   const bool complete = set.claim == Claim::complete;
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg() && !set.equilibria.empty()) {
     progress.now("drawing");
-    svg = equilibria_picture(model, set, captions_of(model, set, request.assemblies), result.verdict.text, complete);
+    pictures.svg =
+        equilibria_picture(model, set, captions_of(model, set, request.assemblies), result.verdict.text, complete);
   }
   const bool as_asked = complete || (options.seconds == 0.0 && !set.equilibria.empty());
-  return finish(request.common, result, &files, svg, as_asked && !set.interrupted, progress, palette);
+  return finish(request.common, result, &files, pictures, as_asked && !set.interrupted, progress, palette);
 }
 
 }  // namespace

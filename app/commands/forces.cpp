@@ -98,12 +98,12 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   const ForcesAlong& found = answer.found;
   const Result result = forces_result(model, answer, request.common.settings);
   const bool any = !found.poses.empty();
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg() && any) {
-    svg = found.at.empty() ? forces_picture(scene, found.poses.front(), result.verdict.text, found.balanced())
-                           : draw_plot(forces_panels(scene, found));
+    pictures.svg = found.at.empty() ? forces_picture(scene, found.poses.front(), result.verdict.text, found.balanced())
+                                    : draw_plot(forces_panels(scene, found));
   }
-  return finish(request.common, result, &files, svg, (found.complete || found.stop) && any && found.balanced(),
+  return finish(request.common, result, &files, pictures, (found.complete || found.stop) && any && found.balanced(),
                 progress, palette);
 }
 

@@ -117,8 +117,9 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   FittedScene scene;
   if (!common.written_scene.empty()) scene = fitted_scene(problem, answer);
   for (const std::string& line : scene.left) result.content.note("scene: " + line);
-  return finish(common, result, &files, drawn ? draw_plot(fit_panels(problem, answer), fit_columns(experiment)) : "",
-                answer.fit.usable(), progress, palette, scene.text);
+  Pictures pictures;
+  if (drawn) pictures.svg = draw_plot(fit_panels(problem, answer), fit_columns(experiment));
+  return finish(common, result, &files, pictures, answer.fit.usable(), progress, palette, scene.text);
 }
 
 /// Several models of the same readings.
@@ -164,7 +165,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   const ModelComparison answer = compare_models(all, options);
   const bool usable = !answer.interrupted && std::all_of(answer.models.begin(), answer.models.end(),
                                                          [](const ModelFit& model) { return model.fit.usable(); });
-  return finish(common, compare_models_result(all, answer), &files, "", usable, progress, palette);
+  return finish(common, compare_models_result(all, answer), &files, {}, usable, progress, palette);
 }
 
 }  // namespace

@@ -44,12 +44,12 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   const KinematicsResult found = sweep(scene, ranges, options);
   const Result result = kinematics_result(scene, found, ranges, options.rate, request.view, request.common.settings);
   const bool reached = found.complete || found.stop;
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg() && !found.samples.empty()) {
-    svg = stacked(kinematics_picture(scene, found, request.view.points, result.verdict.text, reached),
-                  draw_plot(kinematics_panels(scene, found, ranges)));
+    pictures.svg = stacked(kinematics_picture(scene, found, request.view.points, result.verdict.text, reached),
+                           draw_plot(kinematics_panels(scene, found, ranges)));
   }
-  return finish(request.common, result, &files, svg, reached, progress, palette);
+  return finish(request.common, result, &files, pictures, reached, progress, palette);
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
     answer.modes = modes_of(model, answer.x);
   }
   const Result result = modes_result(model, answer, request.common.settings);
-  return finish(request.common, result, &files, "", answer.modes.known, progress, palette);
+  const Pictures pictures;
+  return finish(request.common, result, &files, pictures, answer.modes.known, progress, palette);
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
   if (!is_first) return solved;
   const Result result = monte_carlo_result(problem, options, answer, common.settings);
   const bool is_solved = !answer.interrupted && (answer.converged > 0 || answer.asked == 0);
-  return finish(common, result, &*files, "", is_solved, progress, palette);
+  return finish(common, result, &*files, {}, is_solved, progress, palette);
 }
 
 }  // namespace

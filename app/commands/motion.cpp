@@ -110,7 +110,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   const MotionOrigin origin = find_origin(request, model, interrupt);
   if (!origin.found()) {
     const Result result = no_origin_result(model, origin.why, request.common.settings);
-    return finish(request.common, result, nullptr, "", false, progress, palette);
+    return finish(request.common, result, nullptr, {}, false, progress, palette);
   }
   MotionAnswer answer;
   answer.start = words_of(origin);
@@ -133,12 +133,12 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   if (files.wants_csv()) measured = answer.record;
   if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
   const Result result = motion_result(model, answer, measured, request.common.settings);
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg() && answer.found.motion.trajectory.nodes() > 0) {
-    svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
-                  draw_plot(motion_panels(model.scene(), answer.record)));
+    pictures.svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
+                           draw_plot(motion_panels(model.scene(), answer.record)));
   }
-  return finish(request.common, result, &files, svg, answer.found.confirmed(), progress, palette);
+  return finish(request.common, result, &files, pictures, answer.found.confirmed(), progress, palette);
 }
 
 }  // namespace

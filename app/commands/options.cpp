@@ -98,10 +98,12 @@ void add_settings(Command& command, Request& request) {
 }
 
 void add_output_options(Command& command, Request& request, const FileHelp& help) {
+  request.command = command.name;
   command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"});
   if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv});
   command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"});
   if (!help.svg.empty()) command.add({"--svg", &request.svg, "FILE", help.svg});
+  command.add({"--html", &request.html, "FILE", "Write a page for the browser to FILE: one file, no network needed"});
   command.add({"--quiet", &request.quiet, "", "Print the verdict and warnings only"});
   command.add({"--verbose", &request.verbose, "", "Print all details"});
 }

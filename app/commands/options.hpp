@@ -19,13 +19,14 @@ namespace poise::app {
 
 /// What was asked for on the command line.
 struct Request {
-  std::string scene;                     ///< file
-  std::string kind = "scene";            ///< what that file is
-  std::vector<std::string> settings;     ///< "load.P=40"
-  std::string json, svg, csv, markdown;  ///< files to write, empty for none
-  std::string written_scene;             ///< the same: the scene that was designed or fitted
-  std::string experiment;                ///< the same: the experiment that plan made
-  bool quiet = false, verbose = false;   ///< what text shows: verdict and warnings alone; everything
+  std::string command{};                       ///< its name
+  std::string scene;                           ///< file
+  std::string kind = "scene";                  ///< what that file is
+  std::vector<std::string> settings;           ///< "load.P=40"
+  std::string json, svg, html, csv, markdown;  ///< files to write, empty for none
+  std::string written_scene;                   ///< the same: the scene that was designed or fitted
+  std::string experiment;                      ///< the same: the experiment that plan made
+  bool quiet = false, verbose = false;         ///< what text shows: verdict and warnings alone; everything
 };
 
 /// Exit codes of the command line.
@@ -41,7 +42,7 @@ void add_scene_options(Command& command, Request& request);
 void add_settings(Command& command, Request& request);
 
 /// What every command that has a result takes: --json, --csv and --svg where a text says what they hold, --markdown,
-/// --quiet and --verbose.
+/// --html, --quiet and --verbose.
 struct FileHelp {
   std::string svg{}, csv{};  ///< empty: the command has none
 };

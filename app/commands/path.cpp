@@ -152,12 +152,12 @@ int run_fold_curve(const PathRequest& request, const Palette& palette) {
   };
   const FoldCurve found = fold_curve(pair, options);
   const Result result = fold_curve_result(pair, found, request.common.settings);
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg() && !found.curves.empty()) {
     progress.now("drawing");
-    svg = draw_plot({fold_curve_panel(pair, found)});
+    pictures.svg = draw_plot({fold_curve_panel(pair, found)});
   }
-  return finish(request.common, result, &files, svg, found.status == FoldCurve::Status::traced, progress, palette);
+  return finish(request.common, result, &files, pictures, found.status == FoldCurve::Status::traced, progress, palette);
 }
 
 int run_path(const PathRequest& request, const Palette& palette) {
@@ -181,12 +181,12 @@ int run_path(const PathRequest& request, const Palette& palette) {
   if (any && view.measures.empty() && !varied.is_driven()) view.measures = {most_changing(varied, found)};
   const Result result = path_result(varied, found, view, request.common.settings);
   const bool proved = found.status == Path::Status::traced && found.unproved() == 0;
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg() && any) {
     progress.now("drawing");
-    svg = path_picture(varied, found, asked, result.verdict.text, proved);
+    pictures.svg = path_picture(varied, found, asked, result.verdict.text, proved);
   }
-  return finish(request.common, result, &files, svg, proved, progress, palette);
+  return finish(request.common, result, &files, pictures, proved, progress, palette);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ int run_plan(const PlanRequest& request, const Palette& palette) {
                           std::filesystem::path(experiment.file).filename().string()) +
               text.with(plan.runs, true, std::filesystem::path(common.experiment).parent_path());
   }
-  const std::string written = files.write(result, "", planned);
+  const std::string written = files.write(result, {}, planned);
   progress.done();
   print(common, result, written, palette);
   return !plan.runs.empty() && !plan.interrupted && plan.steps.back().ok ? solved : not_solved;

@@ -34,7 +34,7 @@ int run_sensitivity(const SensitivityRequest& request, const Palette& palette) {
   const bool all = found.why.empty() && std::all_of(found.of.begin(), found.of.end(),
                                                     [](const QuantitySensitivity& one) { return one.why.empty(); });
   const bool interrupted = found.equilibrium.status == Status::interrupted;
-  return finish(request.common, result, interrupted ? nullptr : &files, "", all, progress, palette);
+  return finish(request.common, result, interrupted ? nullptr : &files, {}, all, progress, palette);
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "app/draw/mechanism.hpp"
 #include "app/present/csv.hpp"
+#include "app/present/html.hpp"
 #include "app/present/json.hpp"
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
@@ -39,10 +41,12 @@ Scene load_scene(const Request& request) {
 OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>& read)
     : outputs_{{{"--json", request.json, {}},
                 {"--svg", request.svg, {}},
+                {"--html", request.html, {}},
                 {"--csv", request.csv, {}},
                 {"--markdown", request.markdown, {}},
                 {"--scene", request.written_scene, {}},
-                {"--experiment", request.experiment, {}}}} {
+                {"--experiment", request.experiment, {}}}},
+      origin_{.command = request.command} {
   if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
   for (const Output& output : outputs_) {
     expect_different(output.path, output.option, request.scene, "the " + request.kind);
@@ -58,7 +62,7 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
   }
 }
 
-std::string OutputFiles::write(const Result& result, const std::string& svg, const std::string& found) {
+std::string OutputFiles::write(const Result& result, const Pictures& pictures, const std::string& found) {
   std::vector<OutputFile*> prepared;
   const auto prepare = [&](Form::Place form, auto&& text_of) {
     std::optional<OutputFile>& file = outputs_[form].file;
@@ -68,7 +72,8 @@ std::string OutputFiles::write(const Result& result, const std::string& svg, con
     prepared.push_back(&*file);
   };
   prepare(Form::json, [&] { return json_text(result); });
-  prepare(Form::svg, [&] { return svg; });
+  prepare(Form::svg, [&] { return pictures.svg; });
+  prepare(Form::html, [&] { return html_page(page_document(result, origin_, pictures.figures)); });
   prepare(Form::csv, [&] { return result.csv() != nullptr ? csv_text(*result.csv()) : ""; });
   prepare(Form::markdown, [&] { return markdown_text(result); });
   prepare(Form::scene, [&] { return found; });
@@ -87,10 +92,10 @@ void print(const Request& request, const Result& result, const std::string& writ
   print(plain_text(result, palette, level) + (written.empty() ? "" : "\n" + written));
 }
 
-int finish(const Request& request, const Result& result, OutputFiles* files, const std::string& svg, bool is_solved,
+int finish(const Request& request, const Result& result, OutputFiles* files, const Pictures& pictures, bool is_solved,
            Progress& progress, const Palette& palette, const std::string& scene) {
   progress.now("writing the result");
-  const std::string written = files != nullptr ? files->write(result, svg, scene) : "";
+  const std::string written = files != nullptr ? files->write(result, pictures, scene) : "";
   progress.done();
   print(request, result, written, palette);
   return is_solved ? solved : not_solved;

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "app/commands/options.hpp"
+#include "app/draw/figure.hpp"
+#include "app/present/document.hpp"
 #include "app/result/result.hpp"
 #include "app/terminal/output_file.hpp"
 #include "app/terminal/palette.hpp"
@@ -24,6 +26,12 @@ Scene load_scene(const Request& request);
 /// Whether two paths name one file, of files that do not exist by their words.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
+/// What a command has drawn.
+struct Pictures {
+  std::string svg{};              ///< for --svg; empty: none
+  std::vector<Figure> figures{};  ///< for --html
+};
+
 /// The files of a request; tested for writing here, before any work is done. Throws InputError where one cannot be
 /// written, where two are the same, or where one is a file that is `read`.
 class OutputFiles {
@@ -31,25 +39,27 @@ class OutputFiles {
   explicit OutputFiles(const Request& request, const std::vector<std::string>& read = {});
 
   bool wants_svg() const { return outputs_[Form::svg].file.has_value(); }
+  bool wants_html() const { return outputs_[Form::html].file.has_value(); }
   bool wants_csv() const { return outputs_[Form::csv].file.has_value(); }
-  /// Writes the result in the forms asked for, a picture and the scene or experiment that was found, or, where that
-  /// fails, throws InputError. A text that is empty is not written. Returns one line for each file written.
-  std::string write(const Result& result, const std::string& svg, const std::string& found = "");
+  /// Writes the result in the forms asked for, with its pictures, and the scene or experiment that was found, or, where
+  /// that fails, throws InputError. A text that is empty is not written. Returns one line for each file written.
+  std::string write(const Result& result, const Pictures& pictures, const std::string& found = "");
 
  private:
   struct Form {
-    enum Place : std::size_t { json, svg, csv, markdown, scene, experiment, count };
+    enum Place : std::size_t { json, svg, html, csv, markdown, scene, experiment, count };
   };
   struct Output {
     std::string option, path;
     std::optional<OutputFile> file;
   };
   std::array<Output, Form::count> outputs_;
+  PageOrigin origin_;
 };
 
-/// The end of a command: writes a result, a picture and a scene to the files asked for, none where `files` is null (the
-/// work was interrupted), and prints it. Returns the exit code.
-int finish(const Request& request, const Result& result, OutputFiles* files, const std::string& svg, bool is_solved,
+/// The end of a command: writes a result, its pictures and a scene to the files asked for, none where `files` is null
+/// (the work was interrupted), and prints it. Returns the exit code.
+int finish(const Request& request, const Result& result, OutputFiles* files, const Pictures& pictures, bool is_solved,
            Progress& progress, const Palette& palette, const std::string& scene = "");
 
 /// Prints a result as text, at the level of detail asked for, and the lines on the files written.

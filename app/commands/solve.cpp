@@ -34,10 +34,11 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
 
   const Result result = solve_result(model, answer, request.settings);
   const bool interrupted = answer.equilibrium.status == Status::interrupted;
-  const bool drawn = files.wants_svg() && answer.readings && !interrupted;
+  const bool drawn = answer.readings && !interrupted;
+  Pictures pictures;
+  if (files.wants_svg() && drawn) pictures.svg = picture(model, answer);
   const bool is_solved = answer.equilibrium.found() || answer.equilibrium.status == Status::checked;
-  return finish(request, result, interrupted ? nullptr : &files, drawn ? picture(model, answer) : "", is_solved,
-                progress, palette);
+  return finish(request, result, interrupted ? nullptr : &files, pictures, is_solved, progress, palette);
 }
 
 }  // namespace

@@ -116,13 +116,13 @@ int run_stress(const StressRequest& request, const Palette& palette) {
   const fs::path catalogue = find_catalogue(request.catalogue);
   const std::vector<comparison::HardCase> cases = chosen_cases(comparison::read_catalogue(catalogue), request.cases);
   if (request.list) {
-    return finish(request.common, stress_list_result(cases), nullptr, "", true, progress, palette);
+    return finish(request.common, stress_list_result(cases), nullptr, {}, true, progress, palette);
   }
   OutputFiles files(request.common);
   const comparison::StressOutcome outcome = run_cases(request, cases, progress);
   const Result result = stress_result(outcome, command_of(request), !request.cases.empty());
   const comparison::StressFailures failures = comparison::failures_of(outcome);
-  return finish(request.common, result, &files, "",
+  return finish(request.common, result, &files, {},
                 failures.false_claims == 0 && failures.unsolved.empty() && !outcome.interrupted, progress, palette);
 }
 

@@ -44,16 +44,16 @@ int run_tolerance(const ToleranceRequest& request, const Palette& palette) {
   progress.now("solving");
   const ToleranceStudy study = tolerance_study(model, tolerances, of, options);
   const Result result = tolerance_result(model.scene(), study, request.common.settings);
-  std::string svg;
+  Pictures pictures;
   if (files.wants_svg()) {
     const std::vector<Panel> panels = histogram_panels(model.scene(), study);
     progress.now("drawing");
-    if (!panels.empty()) svg = draw_plot(panels);
+    if (!panels.empty()) pictures.svg = draw_plot(panels);
   }
   const bool none_continues = study.samples > 0 && study.continued == 0;
   const bool all = study.why.empty() && !none_continues && !study.interrupted && study.disagreed == 0 &&
                    std::all_of(study.of.begin(), study.of.end(), [](const ToleranceBand& b) { return b.why.empty(); });
-  return finish(request.common, result, &files, svg, all, progress, palette);
+  return finish(request.common, result, &files, pictures, all, progress, palette);
 }
 
 }  // namespace

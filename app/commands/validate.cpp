@@ -54,10 +54,12 @@ int run_validate(const ValidateRequest& request, const Palette& palette) {
     answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
   }
   Result result = validation_result(problem, answer, validation, model, starts, common.settings);
-  const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
   if (files.wants_csv()) add_readings(result, problem, answer);
-  return finish(common, result, &files, drawn ? draw_plot(fit_panels(problem, answer), fit_columns(experiment)) : "",
-                answer.fit.usable(), progress, palette);
+  Pictures pictures;
+  if (files.wants_svg() && !answer.fit.runs.empty()) {
+    pictures.svg = draw_plot(fit_panels(problem, answer), fit_columns(experiment));
+  }
+  return finish(common, result, &files, pictures, answer.fit.usable(), progress, palette);
 }
 
 }  // namespace
