@@ -107,6 +107,9 @@ int run_work_precision(const CompareRequest& words, const Palette& palette) {
   const Result result = work_precision_result(model, study, options.repeats, request.settings);
   Pictures pictures;
   if (files.wants_svg() && !study.interrupted) pictures.svg = draw_plot(work_precision_panels(model, study));
+  if (files.wants_html()) {
+    pictures.figures = chart_figures("Error against time", work_precision_panels(model, study));
+  }
   return finish(request, result, study.interrupted ? nullptr : &files, pictures,
                 comparison::any_confirmed(study) && !study.interrupted, progress, palette);
 }

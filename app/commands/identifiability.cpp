@@ -34,7 +34,11 @@ int run_identifiability(const IdentifiabilityRequest& request, const Palette& pa
   progress.now("computing base parameters");
   const BaseParameters base = base_parameters(problem.run(0).scene());
   const Result result = identifiability_result(problem, known, base, request.base, common.settings);
-  return finish(common, result, &files, {}, known.ok, progress, palette);
+  Pictures pictures;
+  if (files.wants_html()) {
+    pictures.figures = chart_figures("What the readings determine", identifiability_panels(problem, known));
+  }
+  return finish(common, result, &files, pictures, known.ok, progress, palette);
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
          }});
   }
 
-  const bool drawn = files.wants_svg() && !answer.fit.runs.empty();
+  const bool drawn = (files.wants_svg() || files.wants_html()) && !answer.fit.runs.empty();
   Result result = identify_result(problem, answer, common.settings);
   if (drawn) {
     for (const std::string& line : not_drawn(problem, answer)) result.content.note("picture: " + line);
@@ -118,7 +118,11 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   if (!common.written_scene.empty()) scene = fitted_scene(problem, answer);
   for (const std::string& line : scene.left) result.content.note("scene: " + line);
   Pictures pictures;
-  if (drawn) pictures.svg = draw_plot(fit_panels(problem, answer), fit_columns(experiment));
+  if (files.wants_svg() && drawn) pictures.svg = draw_plot(fit_panels(problem, answer), fit_columns(experiment));
+  if (files.wants_html()) {
+    pictures.figures = estimate_figures(problem, answer.fit);
+    for (Figure& figure : fit_figures(problem, answer)) pictures.figures.push_back(std::move(figure));
+  }
   return finish(common, result, &files, pictures, answer.fit.usable(), progress, palette, scene.text);
 }
 

@@ -49,6 +49,9 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
     pictures.svg = stacked(kinematics_picture(scene, found, request.view.points, result.verdict.text, reached),
                            draw_plot(kinematics_panels(scene, found, ranges)));
   }
+  if (files.wants_html() && !found.samples.empty()) {
+    pictures.figures = chart_figures("Motion", kinematics_panels(scene, found, ranges));
+  }
   return finish(request.common, result, &files, pictures, reached, progress, palette);
 }
 

@@ -91,7 +91,9 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
   if (!is_first) return solved;
   const Result result = monte_carlo_result(problem, options, answer, common.settings);
   const bool is_solved = !answer.interrupted && (answer.converged > 0 || answer.asked == 0);
-  return finish(common, result, &*files, {}, is_solved, progress, palette);
+  Pictures pictures;
+  if (files->wants_html()) pictures.figures = chart_figures("Errors of the estimates", monte_carlo_panels(answer));
+  return finish(common, result, &*files, pictures, is_solved, progress, palette);
 }
 
 }  // namespace

@@ -138,6 +138,9 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
     pictures.svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
                            draw_plot(motion_panels(model.scene(), answer.record)));
   }
+  if (files.wants_html() && answer.found.motion.trajectory.nodes() > 0) {
+    pictures.figures = chart_figures("Motion", motion_panels(model.scene(), answer.record));
+  }
   return finish(request.common, result, &files, pictures, answer.found.confirmed(), progress, palette);
 }
 

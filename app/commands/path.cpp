@@ -157,6 +157,9 @@ int run_fold_curve(const PathRequest& request, const Palette& palette) {
     progress.now("drawing");
     pictures.svg = draw_plot({fold_curve_panel(pair, found)});
   }
+  if (files.wants_html() && !found.curves.empty()) {
+    pictures.figures = chart_figures("Curve of folds", {fold_curve_panel(pair, found)});
+  }
   return finish(request.common, result, &files, pictures, found.status == FoldCurve::Status::traced, progress, palette);
 }
 
@@ -185,6 +188,9 @@ int run_path(const PathRequest& request, const Palette& palette) {
   if (files.wants_svg() && any) {
     progress.now("drawing");
     pictures.svg = path_picture(varied, found, asked, result.verdict.text, proved);
+  }
+  if (files.wants_html() && any) {
+    pictures.figures = chart_figures("Path of equilibria", path_charts(varied, found, asked));
   }
   return finish(request.common, result, &files, pictures, proved, progress, palette);
 }

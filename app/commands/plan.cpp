@@ -51,7 +51,9 @@ int run_plan(const PlanRequest& request, const Palette& palette) {
                           std::filesystem::path(experiment.file).filename().string()) +
               text.with(plan.runs, true, std::filesystem::path(common.experiment).parent_path());
   }
-  const std::string written = files.write(result, {}, planned);
+  Pictures pictures;
+  if (files.wants_html()) pictures.figures = chart_figures("What more runs bring", plan_panels(problem, plan));
+  const std::string written = files.write(result, pictures, planned);
   progress.done();
   print(common, result, written, palette);
   return !plan.runs.empty() && !plan.interrupted && plan.steps.back().ok ? solved : not_solved;

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,6 +27,11 @@ void expect_different(const std::string& a, const std::string& name_a, const std
 }
 
 }  // namespace
+
+std::vector<Figure> chart_figures(std::string title, std::vector<Panel> panels) {
+  if (panels.empty()) return {};
+  return {{.title = std::move(title), .charts = {.panels = std::move(panels)}}};
+}
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code unknown;

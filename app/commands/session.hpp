@@ -32,6 +32,9 @@ struct Pictures {
   std::vector<Figure> figures{};  ///< for --html
 };
 
+/// Charts as one figure; none where there are no panels.
+std::vector<Figure> chart_figures(std::string title, std::vector<Panel> panels);
+
 /// The files of a request; tested for writing here, before any work is done. Throws InputError where one cannot be
 /// written, where two are the same, or where one is a file that is `read`.
 class OutputFiles {

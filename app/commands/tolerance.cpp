@@ -45,11 +45,12 @@ int run_tolerance(const ToleranceRequest& request, const Palette& palette) {
   const ToleranceStudy study = tolerance_study(model, tolerances, of, options);
   const Result result = tolerance_result(model.scene(), study, request.common.settings);
   Pictures pictures;
-  if (files.wants_svg()) {
-    const std::vector<Panel> panels = histogram_panels(model.scene(), study);
+  const std::vector<Panel> panels = histogram_panels(model.scene(), study);
+  if (files.wants_svg() && !panels.empty()) {
     progress.now("drawing");
-    if (!panels.empty()) pictures.svg = draw_plot(panels);
+    pictures.svg = draw_plot(panels);
   }
+  if (files.wants_html()) pictures.figures = chart_figures("Samples", panels);
   const bool none_continues = study.samples > 0 && study.continued == 0;
   const bool all = study.why.empty() && !none_continues && !study.interrupted && study.disagreed == 0 &&
                    std::all_of(study.of.begin(), study.of.end(), [](const ToleranceBand& b) { return b.why.empty(); });

@@ -59,6 +59,7 @@ int run_validate(const ValidateRequest& request, const Palette& palette) {
   if (files.wants_svg() && !answer.fit.runs.empty()) {
     pictures.svg = draw_plot(fit_panels(problem, answer), fit_columns(experiment));
   }
+  if (files.wants_html()) pictures.figures = fit_figures(problem, answer);
   return finish(common, result, &files, pictures, answer.fit.usable(), progress, palette);
 }
 

@@ -14,6 +14,9 @@ TEST(Autocorrelation, IsThatOfNeighbours) {
   };
   EXPECT_NEAR(of({0, 1, 2, 3}, {1, 2, 3, 4}).value, (2.0 + 6 + 12) / (1 + 4 + 9 + 16), 1e-15);
   EXPECT_EQ(of({0, 1, 2, 3}, {1, 2, 3, 4}).pairs, 3);
+  EXPECT_NEAR(autocorrelation({0, 1, 2, 3}, {1, 2, 3, 4}, 2).value, (3.0 + 8) / (1 + 4 + 9 + 16), 1e-15);
+  EXPECT_EQ(autocorrelation({0, 1, 2, 3, 5}, {1, 2, 3, 4, 5}, 2).pairs, 2) << "from 2 to 5 a reading is missing";
+  EXPECT_TRUE(std::isnan(autocorrelation({0, 1}, {1, 2}, 2).value));
   EXPECT_EQ(of({0, 1, 2}, {0, 0, 0}).value, 0.0);
   EXPECT_TRUE(std::isnan(of({}, {}).value));
   EXPECT_TRUE(std::isnan(of({1}, {2}).value));

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "app/draw/chart/interval_chart.hpp"
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "identification/autocorrelation.hpp"
 #include "identification/residuals.hpp"
 
 namespace poise::app {
@@ -16,6 +20,10 @@ namespace {
 constexpr std::size_t most_sensors_drawn = 6;
 constexpr std::size_t most_runs_drawn = 4;
 constexpr std::size_t most_parameters_drawn = 8;
+// Of a page: records drawn, all sensors of all runs together, runs, and lags of autocorrelations.
+constexpr std::size_t most_records_drawn = 12;
+constexpr std::size_t most_runs_of_a_page = 8;
+constexpr std::size_t most_lags = 40;
 
 std::vector<double> shown(std::vector<double> si, const Sensor& sensor, const Units& units) {
   for (double& value : si) value /= sensor.dimension().unit(units);
@@ -85,11 +93,28 @@ std::string left_out(std::size_t drawn, const std::vector<std::string>& others, 
                      fmt::join(others, ", "));
 }
 
-Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size_t r, std::size_t k) {
+/// The runs of a fit with their residuals, each computed once.
+class FittedRuns {
+ public:
+  FittedRuns(const FitProblem& problem, const FitAnswer& answer) : problem_(problem), answer_(answer) {}
+
+  const RunResiduals& of(std::size_t r) {
+    const auto known = found_.find(r);
+    if (known != found_.end()) return known->second;
+    return found_.emplace(r, residuals_of(problem_, answer_.fit, answer_.records, r)).first->second;
+  }
+
+ private:
+  const FitProblem& problem_;
+  const FitAnswer& answer_;
+  std::map<std::size_t, RunResiduals> found_;
+};
+
+Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs, std::size_t r, std::size_t k) {
   const Sensor& sensor = problem.experiment().sensors[k];
   const Units& units = problem.experiment().scene.units;
   const Series& read = answer.records[r].sensors[k];
-  std::vector<double> predicted = residuals_of(problem, answer.fit, answer.records, r).prediction[k];
+  std::vector<double> predicted = runs.of(r).prediction[k];
   Panel panel{.title = fmt::format("{}: {}, the worst run", sensor.name, problem.run(r).run().name),
               .y_label = axis("reading", sensor, units)};
   panel.curves = {
@@ -98,18 +123,17 @@ Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, std::size
   return panel;
 }
 
-Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::size_t>& worst,
-                     std::size_t k) {
+Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs,
+                     const std::vector<std::size_t>& worst, std::size_t k) {
   const Sensor& sensor = problem.experiment().sensors[k];
   const Units& units = problem.experiment().scene.units;
   Panel panel{.title = fmt::format("{}: residuals of the {}", sensor.name, worst.size() > 1 ? "worst runs" : "run"),
               .y_label = axis("read - fitted", sensor, units)};
   for (std::size_t i = 0; i < std::min(most_runs_drawn, worst.size()); ++i) {
-    panel.curves.push_back(
-        {.name = problem.run(worst[i]).run().name,
-         .x = answer.records[worst[i]].sensors[k].time,
-         .y = shown(residuals_of(problem, answer.fit, answer.records, worst[i]).residual[k], sensor, units),
-         .style = answer.fit.runs[worst[i]].is_white() ? Curve::Style::points : Curve::Style::line});
+    panel.curves.push_back({.name = problem.run(worst[i]).run().name,
+                            .x = answer.records[worst[i]].sensors[k].time,
+                            .y = shown(runs.of(worst[i]).residual[k], sensor, units),
+                            .style = answer.fit.runs[worst[i]].is_white() ? Curve::Style::points : Curve::Style::line});
   }
   const double two = 2 * answer.fit.weighting.noise[k] / sensor.dimension().unit(units);
   panel.bands = {{.low = -two, .high = two, .name = "2 sigma of the noise"}};
@@ -140,6 +164,45 @@ std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer
     }
   }
   return panels;
+}
+
+/// Readings as fitted and residuals of one run, sensor by sensor.
+Figure run_figure(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs, std::size_t r,
+                  const std::vector<std::size_t>& sensors) {
+  Figure figure{.title = fmt::format("Run \"{}\"", problem.run(r).run().name), .charts = {.columns = 2}};
+  for (const std::size_t k : sensors) {
+    if (answer.records[r].sensors[k].value.empty()) continue;
+    Panel fitted = fitted_panel(problem, answer, runs, r, k), residuals = residual_panel(problem, answer, runs, {r}, k);
+    fitted.title = problem.experiment().sensors[k].name;
+    residuals.title = fitted.title + ": residuals";
+    residuals.curves.front().name.clear();
+    figure.charts.panels.push_back(std::move(fitted));
+    figure.charts.panels.push_back(std::move(residuals));
+  }
+  for (std::size_t i = figure.charts.panels.size(); i > 0 && i + 2 > figure.charts.panels.size(); --i) {
+    figure.charts.panels[i - 1].x_label = "time (s)";
+  }
+  return figure;
+}
+
+/// Of a sensor in these runs, by lag; with the band in which 95 % of those of white noise would be.
+Panel autocorrelation_panel(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs,
+                            const std::vector<std::size_t>& drawn, std::size_t k) {
+  Panel panel{.title = problem.experiment().sensors[k].name, .x_label = "lag (readings)", .y_label = "autocorrelation"};
+  std::size_t fewest = 0;
+  for (const std::size_t r : reading(drawn, answer, k)) {
+    const std::vector<double>& time = answer.records[r].sensors[k].time;
+    Curve curve{.name = problem.run(r).run().name, .style = Curve::Style::marked};
+    for (std::size_t lag = 1; lag <= std::min(most_lags, time.size() / 4); ++lag) {
+      curve.x.push_back(static_cast<double>(lag));
+      curve.y.push_back(autocorrelation(time, runs.of(r).residual[k], lag).value);
+    }
+    fewest = fewest == 0 ? time.size() : std::min(fewest, time.size());
+    panel.curves.push_back(std::move(curve));
+  }
+  const double within = 1.96 / std::sqrt(static_cast<double>(std::max<std::size_t>(1, fewest)));
+  panel.bands = {{.low = -within, .high = within, .name = "95 % of white noise"}};
+  return panel;
 }
 
 }  // namespace
@@ -174,10 +237,11 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer
   const std::vector<std::size_t> worst = worst_first(answer.fit);
   const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
   std::vector<Panel> sensitivities = sensitivity_panels(problem, answer, worst.front(), sensors);
+  FittedRuns runs(problem, answer);
   std::vector<Panel> panels;
   for (std::size_t i = 0; i < sensors.size(); ++i) {
-    panels.push_back(fitted_panel(problem, answer, worst.front(), sensors[i]));
-    panels.push_back(residual_panel(problem, answer, reading(worst, answer, sensors[i]), sensors[i]));
+    panels.push_back(fitted_panel(problem, answer, runs, worst.front(), sensors[i]));
+    panels.push_back(residual_panel(problem, answer, runs, reading(worst, answer, sensors[i]), sensors[i]));
     panels.push_back(std::move(sensitivities[i]));
   }
   // One legend and one time axis for each column.
@@ -191,6 +255,58 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer
   const std::size_t others = problem.experiment().sensors.size() - sensors.size();
   if (others > 0) panels[last].curves.push_back({.name = fmt::format("{} more not drawn, see the report", others)});
   return panels;
+}
+
+std::vector<Figure> fit_figures(const FitProblem& problem, const FitAnswer& answer) {
+  if (answer.fit.runs.empty()) return {};
+  std::vector<std::size_t> worst = worst_first(answer.fit);
+  const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
+  if (sensors.empty()) return {};
+  FittedRuns runs(problem, answer);
+  worst.resize(
+      std::min({worst.size(), most_runs_of_a_page, std::max<std::size_t>(1, most_records_drawn / sensors.size())}));
+  std::vector<Figure> figures;
+  for (const std::size_t r : worst) {
+    Figure figure = run_figure(problem, answer, runs, r, sensors);
+    if (!figure.charts.panels.empty()) figures.push_back(std::move(figure));
+  }
+  const std::size_t others = answer.fit.runs.size() - worst.size();
+  if (others > 0)
+    figures.back().title +=
+        fmt::format("; {} with smaller residuals are not drawn", count(static_cast<int>(others), "run", "runs"));
+  Figure correlated{.title = "Autocorrelation of the residuals", .charts = {.columns = sensors.size() > 1 ? 2 : 1}};
+  for (const std::size_t k : sensors) {
+    correlated.charts.panels.push_back(autocorrelation_panel(problem, answer, runs, worst, k));
+  }
+  figures.push_back(std::move(correlated));
+  Figure sensitive{.title = fmt::format("What the readings of run \"{}\" tell of each parameter",
+                                        problem.run(worst.front()).run().name)};
+  sensitive.charts.panels = sensitivity_panels(problem, answer, worst.front(), sensors);
+  sensitive.charts.panels.back().x_label = "time (s)";
+  figures.push_back(std::move(sensitive));
+  return figures;
+}
+
+std::vector<Figure> estimate_figures(const FitProblem& problem, const Fit& fitted) {
+  if (!fitted.usable() || !fitted.identifiability.ok) return {};
+  const bool simulated = problem.experiment().is_simulated();
+  std::vector<Interval> intervals;
+  bool any = false;
+  for (const Estimate& e : fitted.estimates) {
+    const double by = simulated ? e.truth : e.value;
+    const bool shown = !e.withheld && by != 0.0;
+    any = any || shown;
+    const double over = shown ? 1.0 / by : NAN;
+    Interval& one = intervals.emplace_back(Interval{e.name, e.low * over, e.value * over, e.high * over});
+    if (one.low > one.high) std::swap(one.low, one.high);
+  }
+  if (!any) return {};
+  Panel panel{.title = "95 % intervals of the estimates",
+              .x_label = "parameter, by its number",
+              .y_label = simulated ? "estimate over its truth" : "interval over the estimate",
+              .curves = interval_curves(intervals),
+              .levels = {{1.0, simulated ? "truth" : "estimate"}}};
+  return {{.title = "Estimates", .charts = {.panels = {std::move(panel)}}}};
 }
 
 }  // namespace poise::app

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/draw/chart/plot.hpp"
+#include "app/draw/figure.hpp"
 #include "app/results/identification/identify.hpp"
 
 namespace poise::app {
@@ -16,5 +17,12 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer
 /// What these leave out: a line on sensors, a line on parameters.
 std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& answer);
 int fit_columns(const Experiment& experiment);
+
+/// Of a page: the worst runs one by one, each with its readings as fitted and its residuals, the autocorrelation of the
+/// residuals, and the relative sensitivities of the worst run, of the same sensors and parameters.
+std::vector<Figure> fit_figures(const FitProblem& problem, const FitAnswer& answer);
+/// The 95 % intervals of the estimates that are not withheld, over their truths or, of measured runs, over themselves.
+/// None where standard errors are not known.
+std::vector<Figure> estimate_figures(const FitProblem& problem, const Fit& fitted);
 
 }  // namespace poise::app

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/draw/chart/interval_chart.hpp"
 #include "app/present/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
 
@@ -129,6 +130,22 @@ Result identifiability_result(const FitProblem& problem, const Identifiability& 
                   base.base, level);
   parameters.list("without_effect", "Inertial parameters without effect", base.without, level);
   return out;
+}
+
+std::vector<Panel> identifiability_panels(const FitProblem& problem, const Identifiability& known) {
+  if (!known.ok) return {};
+  std::vector<Interval> intervals;
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    const double value = problem.parameters()[i].truth + problem.unknown_of(i).includes;
+    const double half = known.identifiable[i] ? 1.96 * std::abs(known.standard_error[i] / value) : NAN;
+    intervals.push_back({problem.parameters()[i].name, 1.0 - half, 1.0, 1.0 + half});
+  }
+  std::vector<Curve> curves = interval_curves(intervals);
+  if (curves.empty()) return {};
+  return {{.title = "95 % intervals that estimates would have at best",
+           .x_label = "parameter, by its number",
+           .y_label = "over the value in the scene",
+           .curves = std::move(curves)}};
 }
 
 }  // namespace poise::app

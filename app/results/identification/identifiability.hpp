@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/draw/chart/plot.hpp"
 #include "app/result/result.hpp"
 #include "identification/base_parameters.hpp"
 #include "identification/fit_problem.hpp"
@@ -14,5 +15,8 @@ namespace poise::app {
 /// the mechanism in the first run, and `list_base` shows it in full.
 Result identifiability_result(const FitProblem& problem, const Identifiability& known, const BaseParameters& base,
                               bool list_base, const std::vector<std::string>& settings);
+
+/// The 95 % intervals that estimates would have, over the values in the scene. None where nothing is identifiable.
+std::vector<Panel> identifiability_panels(const FitProblem& problem, const Identifiability& known);
 
 }  // namespace poise::app

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/draw/chart/interval_chart.hpp"
 #include "app/present/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
 
@@ -145,6 +146,38 @@ Result monte_carlo_result(const FitProblem& problem, const MonteCarloOptions& op
                                       significant(answer.evaluations, 3),
                                       duration(1e6 * answer.seconds / std::max(1, answer.computed))));
   return out;
+}
+
+std::vector<Panel> monte_carlo_panels(const MonteCarlo& answer) {
+  struct Shown {
+    const char* title;
+    Statistic BoundStatistics::*statistic;
+    double expected;
+  };
+  constexpr Shown shown[] = {{"mean error over the bound", &BoundStatistics::bias, 0.0},
+                             {"rms error over the bound", &BoundStatistics::rmse, 1.0},
+                             {"part of the 95 % intervals that cover the truth", &BoundStatistics::coverage, 0.95}};
+  std::vector<TrialStatistics> all = answer.parameters;
+  all.insert(all.end(), answer.combinations.begin(), answer.combinations.end());
+  if (answer.converged == 0 ||
+      std::none_of(all.begin(), all.end(), [](const auto& s) { return s.is_identifiable(); })) {
+    return {};
+  }
+  std::vector<Panel> panels;
+  for (const Shown& one : shown) {
+    std::vector<Interval> intervals;
+    for (const TrialStatistics& parameter : all) {
+      const Statistic found = against_bound(parameter, answer.converged).*one.statistic;
+      const double value = parameter.is_identifiable() ? found.value : NAN;
+      intervals.push_back({parameter.name, value - 2 * found.standard_error, value, value + 2 * found.standard_error});
+    }
+    panels.push_back({.title = one.title,
+                      .y_label = "value ± 2 standard errors",
+                      .curves = interval_curves(intervals),
+                      .levels = {{one.expected, "expected"}}});
+  }
+  panels.back().x_label = "parameter, by its number";
+  return panels;
 }
 
 }  // namespace poise::app

@@ -177,4 +177,28 @@ Result plan_result(const FitProblem& problem, const ExperimentText& text, const 
   return out;
 }
 
+std::vector<Panel> plan_panels(const FitProblem& problem, const Plan& plan) {
+  Panel panel{.title = "Standard errors after so many of the planned runs",
+              .x_label = "runs",
+              .y_label = "standard error, per cent",
+              .log_y = true};
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    const double value = problem.parameters()[i].truth + problem.unknown_of(i).includes;
+    Curve curve{.name = problem.parameters()[i].name, .style = Curve::Style::marked, .colour = static_cast<int>(i)};
+    bool any = false;
+    for (std::size_t k = 0; k < plan.steps.size(); ++k) {
+      const double error = plan.steps[k].ok ? 100 * std::abs(plan.steps[k].standard_error[i] / value) : NAN;
+      any = any || std::isfinite(error);
+      curve.x.push_back(static_cast<double>(k + 1));
+      curve.y.push_back(error);
+    }
+    if (any) panel.curves.push_back(std::move(curve));
+  }
+  if (panel.curves.empty()) return {};
+  if (plan.own.ok && std::isfinite(plan.own.worst)) {
+    panel.levels = {{100 * plan.own.worst, "the worst with the runs of the file"}};
+  }
+  return {std::move(panel)};
+}
+
 }  // namespace poise::app
