@@ -117,6 +117,23 @@ void declare(CLI::App& app, const std::vector<Entry>& commands) {
              places());
 }
 
+/// The words in quotes where a shell needs them.
+std::string line_of(int argc, const char* const* argv) {
+  constexpr std::string_view plain = "-_./=,:+@%";
+  const auto is_plain = [&](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || plain.find(c) != std::string_view::npos;
+  };
+  std::string line = "poise";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const bool is_bare = !word.empty() && std::all_of(word.begin(), word.end(), is_plain);
+    line += is_bare ? " " : " '";
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    if (!is_bare) line += '\'';
+  }
+  return line;
+}
+
 std::string first_line(std::string_view text) { return one_line(text.substr(0, text.find('\n'))); }
 
 int complain(const std::string& line) {
@@ -186,6 +203,7 @@ int parse_and_run(int argc, const char* const* argv) {
   }
   const auto asked = std::find_if(commands.begin(), commands.end(),
                                   [&](const Entry& entry) { return app.got_subcommand(entry.command.name); });
+  if (asked->command.line != nullptr) *asked->command.line = line_of(argc, argv);
   return asked->command.run(Palette::for_stream(stdout));
 }
 

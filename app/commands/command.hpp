@@ -36,6 +36,7 @@ struct Command {
   std::string name, help;
   std::vector<Option> options = {};  ///< in the order of the help
   std::function<int(const Palette&)> run = {};
+  std::string* line = nullptr;  ///< where the command line goes, before run(), as a shell would read it; null: nowhere
 
   void add(Option option) { options.push_back(std::move(option)); }
 };

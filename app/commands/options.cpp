@@ -99,6 +99,7 @@ void add_settings(Command& command, Request& request) {
 
 void add_output_options(Command& command, Request& request, const FileHelp& help) {
   request.command = command.name;
+  command.line = &request.line;
   command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"});
   if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv});
   command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"});

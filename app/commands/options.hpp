@@ -19,7 +19,7 @@ namespace poise::app {
 
 /// What was asked for on the command line.
 struct Request {
-  std::string command{};                       ///< its name
+  std::string command{}, line{};               ///< its name; the whole command line, as a shell would read it
   std::string scene;                           ///< file
   std::string kind = "scene";                  ///< what that file is
   std::vector<std::string> settings;           ///< "load.P=40"

@@ -52,7 +52,7 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
                 {"--markdown", request.markdown, {}},
                 {"--scene", request.written_scene, {}},
                 {"--experiment", request.experiment, {}}}},
-      origin_{.command = request.command} {
+      origin_{request.command, request.line} {
   if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
   for (const Output& output : outputs_) {
     expect_different(output.path, output.option, request.scene, "the " + request.kind);
