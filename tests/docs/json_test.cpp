@@ -1,5 +1,5 @@
-// docs/json.md against the JSON and CSV files that the commands write: every key is documented with its type, and every
-// documented key is written by one of the commands below.
+// docs/json.md against the JSON and CSV files and the pages that the commands write: every key is documented with its
+// type, and every documented key is written by one of the commands below.
 #include <algorithm>
 #include <map>
 #include <regex>
@@ -161,6 +161,34 @@ void expect_all_written(const std::vector<Key>& keys, Shared shared) {
   }
 }
 
+/// The document in a page.
+Json document_of(const std::string& page) {
+  const std::string begin = R"(<script type="application/json" id="document">)";
+  const std::size_t from = page.find(begin) + begin.size();
+  return Json::parse(page.substr(from, page.find("</script", from) - from));
+}
+
+/// The items of a report, those of each section behind it.
+std::vector<Json> all_items(const Json& items) {
+  std::vector<Json> out;
+  for (const Json& item : items) {
+    Json& one = out.emplace_back(item);
+    if (item.at("kind") != "section") continue;
+    one.erase("items");
+    for (Json& below : all_items(item.at("items"))) out.push_back(std::move(below));
+  }
+  return out;
+}
+
+/// Checks a page against its section and the file of --json that was written beside it.
+void check_page(std::vector<Key>& keys, const std::string& page, const Json& result) {
+  Json document = document_of(page);
+  EXPECT_EQ(document["result"], result);
+  document["result"] = nullptr;
+  document["report"] = all_items(document["report"]);
+  Checker(keys).check(document, {});
+}
+
 struct Run {
   std::vector<std::string> arguments;
   bool csv = false;
@@ -171,17 +199,21 @@ std::string scene(const std::string& name) { return app_tests::dataset(name); }
 
 /// What writes the keys of a section.
 void check_section(const std::string& name, const std::vector<Run>& runs, Shared shared = Shared::some) {
-  Section section = read_sections()[name];
+  std::map<std::string, Section> sections = read_sections();
+  Section& section = sections[name];
   ASSERT_FALSE(section.json.empty()) << "docs/json.md has no section " << name;
   const TempFolder folder;
   for (const Run& run : runs) {
     std::vector<std::string> arguments = run.arguments;
-    arguments.insert(arguments.end(), {"--json", folder.path("out.json").string()});
+    arguments.insert(arguments.end(),
+                     {"--json", folder.path("out.json").string(), "--html", folder.path("out.html").string()});
     if (run.csv) arguments.insert(arguments.end(), {"--csv", folder.path("out.csv").string()});
     SCOPED_TRACE(testing::PrintToString(run.arguments));
     const app_tests::Outcome outcome = run_poise(arguments);
     ASSERT_LT(outcome.exit_code, 2) << outcome.err;
-    Checker(section.json).check(Json::parse(contents(folder.path("out.json"))), {});
+    const Json result = Json::parse(contents(folder.path("out.json")));
+    Checker(section.json).check(result, {});
+    check_page(sections["The page"].json, contents(folder.path("out.html")), result);
     if (!run.csv) continue;
     std::istringstream header(split_lines(contents(folder.path("out.csv"))).at(0));
     for (std::string column; std::getline(header, column, ',');) {
@@ -562,6 +594,39 @@ TEST(JsonDocs, MonteCarlo) {
 TEST(JsonDocs, Stress) {
   check_section("stress", {{{"stress", "toggle-1e-6", "dead-centre-crank-0", "--starts", "2"}, with_csv},
                            {{"stress", "toggle-1e-6", "--safeguards", "--starts", "2"}}});
+}
+
+// Between them these have everything that a page can have.
+TEST(JsonDocs, ThePage) {
+  std::vector<Key> keys = read_sections()["The page"].json;
+  const TempFolder folder;
+  const std::string clamp = scene("toggle_clamp"), toggle = scene("von_mises_toggle");
+  bool draws = false;
+  for (std::vector<std::string> arguments :
+       std::vector<std::vector<std::string>>{{"solve", clamp, "--set", "load.P=30"},
+                                             {"equilibria", toggle, "--starts", "20"},
+                                             {"path", toggle, "--vary", "load.P=0..60", "--follow", "jump"},
+                                             {"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005"},
+                                             {"tolerance", clamp, "--tolerances", scene("toggle_clamp_tolerances"),
+                                              "--of", "force.rubber", "--samples", "300"},
+                                             {"identify", scene("lift_experiment_four_runs")}}) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    arguments.insert(arguments.end(),
+                     {"--json", folder.path("out.json").string(), "--html", folder.path("out.html").string()});
+    const app_tests::Outcome outcome = run_poise(arguments);
+    ASSERT_LT(outcome.exit_code, 2) << outcome.err;
+    const std::string page = contents(folder.path("out.html"));
+    check_page(keys, page, Json::parse(contents(folder.path("out.json"))));
+    for (const Json& figure : document_of(page)["figures"]) draws = draws || figure.at("kind") != "charts";
+  }
+  if (!draws) {
+    std::erase_if(keys, [](const Key& key) {
+      const std::string path = text_of(key.path);
+      return path.find("drawing.") != std::string::npos || path.find("play.") != std::string::npos ||
+             path.find("cursor.") != std::string::npos;
+    });
+  }
+  expect_all_written(keys, Shared::all);
 }
 
 }  // namespace
