@@ -216,9 +216,9 @@ struct Case {
         break;
       case 2: {
         how = "empty option";
-        const Words options = {"--json",    "--svg",        "--csv",     "--markdown", "--set",   "--data",
-                               "--motion",  "--from",       "--methods", "--seek",     "--scene", "--drive",
-                               "--release", "--tolerances", "--with",    "--profile",  "--jobs"};
+        const Words options = {"--json",  "--svg",     "--html",       "--csv",     "--markdown", "--set",
+                               "--data",  "--motion",  "--from",       "--methods", "--seek",     "--scene",
+                               "--drive", "--release", "--tolerances", "--with",    "--profile",  "--jobs"};
         const std::string& option = random.of(options);
         if (random.below(2) == 0) {
           words.push_back(option + "=");
