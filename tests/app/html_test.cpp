@@ -192,6 +192,18 @@ TEST(Html, TextsOfUsersStayWithinTheDocument) {
   for (const char c : page) EXPECT_TRUE(static_cast<unsigned char>(c) >= 0x20U || c == '\n' || c == '\t');
 }
 
+TEST(Html, TextsOfFiguresMayBeNoUtf8) {
+  const TempFolder folder;
+  std::string untitled = pendulum;
+  untitled.erase(0, untitled.find('\n'));
+  // The file's name is the title of the chart.
+  fs::create_directory(folder.path("a\xff<"));
+  const std::string scene = folder.write("a\xff</script>.toml", untitled);
+  const json page = document_of(page_of(folder, {"compare", scene, "--tolerances", "1e-6", "--repeat", "1"}));
+  const std::string title = page["figures"].back()["charts"]["panels"][0]["title"];
+  EXPECT_NE(title.find("</script>.toml"), std::string::npos) << title;
+}
+
 TEST(Html, LineIsReadByAShellAsItWasTyped) {
   const TempFolder folder;
   const std::string scene = folder.write("it's a scene.toml", pendulum);
