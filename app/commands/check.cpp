@@ -7,6 +7,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/draw/equilibrium_figure.hpp"
 #include "app/draw/mechanism.hpp"
 
 namespace poise::app {
@@ -34,6 +35,7 @@ int run_check(const Request& request, const Palette& palette) {
         model.scene(),
         {.poses = model.poses(mobility.x), .heading = result.verdict.text, .confirmed = mobility.assembled});
   }
+  if (files.wants_html()) pictures.figures = {assembled_figure(model, mobility)};
   const int code = finish(request, result, error ? nullptr : &files, pictures, true, progress, palette);
   if (error) std::rethrow_exception(error);
   return code;

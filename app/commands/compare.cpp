@@ -8,6 +8,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/draw/equilibrium_figure.hpp"
 #include "app/results/statics/work_precision.hpp"
 #include "app/terminal/interrupt.hpp"
 
@@ -88,6 +89,9 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   const Answer* drawn = interrupted ? nullptr : best_of(answers);
   Pictures pictures;
   if (files.wants_svg() && drawn != nullptr) pictures.svg = picture(model, *drawn);
+  if (files.wants_html() && drawn != nullptr) {
+    pictures.figures = {equilibrium_figure(model, drawn->equilibrium, assemble(model))};
+  }
   return finish(request, result, interrupted ? nullptr : &files, pictures, succeeded(words, answers), progress,
                 palette);
 }

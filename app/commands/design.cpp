@@ -9,6 +9,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/draw/motion_pictures.hpp"
 #include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
@@ -48,7 +49,10 @@ int run_design(const DesignRequest& request, const Palette& palette) {
     best.scene.source = fmt::format("poise design {} --seed {}", problem.file, request.seed);
     geometry = geometry_text(best.scene);
   }
-  const Pictures pictures;
+  Pictures pictures;
+  if (files.wants_html() && !best.values.empty()) {
+    pictures.figures = {design_figure(problem, best, best.met && check.met)};
+  }
   const std::string written = files.write(result, pictures, geometry);
   progress.done();
   print(request.common, result, written, palette);

@@ -135,6 +135,9 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
     pictures.svg =
         equilibria_picture(model, set, captions_of(model, set, request.assemblies), result.verdict.text, complete);
   }
+  if (files.wants_html() && !set.equilibria.empty()) {
+    pictures.figures = {equilibria_figure(model, set, captions_of(model, set, request.assemblies))};
+  }
   const bool as_asked = complete || (options.seconds == 0.0 && !set.equilibria.empty());
   return finish(request.common, result, &files, pictures, as_asked && !set.interrupted, progress, palette);
 }

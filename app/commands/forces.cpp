@@ -103,9 +103,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
     pictures.svg = found.at.empty() ? forces_picture(scene, found.poses.front(), result.verdict.text, found.balanced())
                                     : draw_plot(forces_panels(scene, found));
   }
-  if (files.wants_html() && any && !found.at.empty()) {
-    pictures.figures = chart_figures("Forces", forces_panels(scene, found));
-  }
+  if (files.wants_html() && any) pictures.figures = {forces_figure(scene, found, found.balanced())};
   return finish(request.common, result, &files, pictures, (found.complete || found.stop) && any && found.balanced(),
                 progress, palette);
 }

@@ -50,7 +50,8 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
                            draw_plot(kinematics_panels(scene, found, ranges)));
   }
   if (files.wants_html() && !found.samples.empty()) {
-    pictures.figures = chart_figures("Motion", kinematics_panels(scene, found, ranges));
+    progress.now("drawing");
+    pictures.figures = {kinematics_figure(scene, found, ranges, request.view.points, reached)};
   }
   return finish(request.common, result, &files, pictures, reached, progress, palette);
 }

@@ -8,6 +8,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/draw/modes_figure.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "motion/equilibrium_pose.hpp"
 
@@ -38,7 +39,10 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
     answer.modes = modes_of(model, answer.x);
   }
   const Result result = modes_result(model, answer, request.common.settings);
-  const Pictures pictures;
+  Pictures pictures;
+  if (files.wants_html() && answer.modes.known) {
+    pictures.figures = {modes_figure(model, answer.x, answer.modes, answer.equilibrium.found())};
+  }
   return finish(request.common, result, &files, pictures, answer.modes.known, progress, palette);
 }
 

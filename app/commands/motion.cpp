@@ -139,7 +139,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
                            draw_plot(motion_panels(model.scene(), answer.record)));
   }
   if (files.wants_html() && answer.found.motion.trajectory.nodes() > 0) {
-    pictures.figures = chart_figures("Motion", motion_panels(model.scene(), answer.record));
+    pictures.figures = {motion_figure(model, answer.found.motion, answer.record, answer.found.confirmed())};
   }
   return finish(request.common, result, &files, pictures, answer.found.confirmed(), progress, palette);
 }

@@ -190,7 +190,8 @@ int run_path(const PathRequest& request, const Palette& palette) {
     pictures.svg = path_picture(varied, found, asked, result.verdict.text, proved);
   }
   if (files.wants_html() && any) {
-    pictures.figures = chart_figures("Path of equilibria", path_charts(varied, found, asked));
+    progress.now("drawing");
+    pictures.figures = {path_figure(varied, found, asked)};
   }
   return finish(request.common, result, &files, pictures, proved, progress, palette);
 }

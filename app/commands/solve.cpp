@@ -7,6 +7,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/draw/equilibrium_figure.hpp"
 #include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
@@ -37,6 +38,9 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   const bool drawn = answer.readings && !interrupted;
   Pictures pictures;
   if (files.wants_svg() && drawn) pictures.svg = picture(model, answer);
+  if (files.wants_html() && drawn) {
+    pictures.figures = {equilibrium_figure(model, answer.equilibrium, assemble(model))};
+  }
   const bool is_solved = answer.equilibrium.found() || answer.equilibrium.status == Status::checked;
   return finish(request, result, interrupted ? nullptr : &files, pictures, is_solved, progress, palette);
 }

@@ -2,22 +2,31 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "app/draw/mechanism.hpp"
+#include "app/draw/frames.hpp"
 #include "app/draw/multiples.hpp"
 #include "app/draw/symbols.hpp"
 
 namespace poise::app {
 
+namespace {
+
+/// The mechanism without motors: a stop whose limits are equal stands for one.
+Scene without_motors(Scene scene) {
+  std::erase_if(scene.stops, [](const Stop& stop) { return stop.min == stop.max; });
+  return scene;
+}
+
+}  // namespace
+
 std::string equilibria_picture(const StaticModel& model, const EquilibriumSet& set,
                                const std::vector<std::string>& captions, const std::string& heading, bool confirmed) {
   constexpr std::size_t most = 64;
   const std::size_t drawn = std::min(most, set.equilibria.size());
-  // A stop whose limits are equal stands for a motor.
-  Scene scene = model.scene();
-  std::erase_if(scene.stops, [](const Stop& stop) { return stop.min == stop.max; });
+  const Scene scene = without_motors(model.scene());
   std::vector<Multiple> multiples;
   for (std::size_t k = 0; k < drawn; ++k) {
     const Equilibrium& equilibrium = set.equilibria[k];
@@ -31,6 +40,31 @@ std::string equilibria_picture(const StaticModel& model, const EquilibriumSet& s
                                 ? fmt::format("{} The first {} of {} are drawn.", heading, drawn, set.equilibria.size())
                                 : heading;
   return stacked(heading_page(scene, shown, confirmed, "equilibria"), draw_multiples(multiples));
+}
+
+Figure equilibria_figure(const StaticModel& model, const EquilibriumSet& set,
+                         const std::vector<std::string>& captions) {
+  constexpr std::size_t most = 200;
+  const std::size_t drawn = std::min(most, set.equilibria.size());
+  if (drawn == 0) return {};
+  const Scene scene = without_motors(model.scene());
+  std::vector<Position> positions;
+  for (std::size_t k = 0; k < drawn; ++k) {
+    const Equilibrium& equilibrium = set.equilibria[k];
+    const Stability stability = equilibrium.certificate.stability;
+    Position& position = positions.emplace_back();
+    position.scene = &scene;
+    position.picture = {
+        .poses = model.poses(equilibrium.x), .heading = captions[k], .confirmed = equilibrium.found(), .loads = false};
+    position.tone = stability == Stability::stable     ? Tone::good
+                    : stability == Stability::unstable ? Tone::bad
+                                                       : Tone::plain;
+  }
+  Figure figure{.title = "Equilibria"};
+  if (drawn < set.equilibria.size())
+    figure.title = fmt::format("The first {} of {} equilibria", drawn, set.equilibria.size());
+  figure.drawing = draw_frames(std::move(positions), "The mechanism in every equilibrium found", false);
+  return figure;
 }
 
 }  // namespace poise::app

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/draw/figure.hpp"
 #include "statics/all_equilibria.hpp"
 #include "statics/static_model.hpp"
 
@@ -13,5 +14,8 @@ namespace poise::app {
 /// `confirmed`.
 std::string equilibria_picture(const StaticModel& model, const EquilibriumSet& set,
                                const std::vector<std::string>& captions, const std::string& heading, bool confirmed);
+
+/// The same as cards, 200 at most; `captions` as above.
+Figure equilibria_figure(const StaticModel& model, const EquilibriumSet& set, const std::vector<std::string>& captions);
 
 }  // namespace poise::app

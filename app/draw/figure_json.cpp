@@ -153,7 +153,7 @@ class Pool {
 
 /// The corners of a line without those that cannot be seen.
 std::vector<Vec2> fewer(const std::vector<Vec2>& points) {
-  constexpr double straight = 0.12;  // px
+  constexpr double straight = 0.2;  // px
   std::vector<Vec2> out;
   for (std::size_t first = 0; first < points.size();) {
     out.push_back(points[first]);

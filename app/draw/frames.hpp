@@ -39,7 +39,7 @@ class FrameDrawer {
   bool labels_;
   Box area_;
   Choices choices_;
-  LegendContents legend_{.forces = false};
+  LegendContents legend_{.signs = {}, .shadows = {}, .forces = false};
   bool gravity_ = false;
 };
 

@@ -127,13 +127,18 @@ std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture) 
   return svg_document(page, width + 2 * margin, height, title_of(scene), picture.heading);
 }
 
-std::string draw_svg(const StaticModel& model, const Equilibrium& equilibrium, const std::vector<double>& start) {
+MechanismPicture picture_of(const StaticModel& model, const Equilibrium& equilibrium,
+                            const std::vector<double>& start) {
   MechanismPicture picture{.poses = model.poses(equilibrium.x),
                            .heading = verdict(equilibrium),
                            .confirmed = equilibrium.found(),
                            .reactions = equilibrium.check.reactions};
   if (!start.empty()) picture.others.push_back({"starting position", model.poses(start)});
-  return draw_mechanism(model.scene(), picture);
+  return picture;
+}
+
+std::string draw_svg(const StaticModel& model, const Equilibrium& equilibrium, const std::vector<double>& start) {
+  return draw_mechanism(model.scene(), picture_of(model, equilibrium, start));
 }
 
 std::string stacked(const std::string& above, const std::string& below) {

@@ -47,8 +47,11 @@ struct MechanismPicture {
 /// acts on the body that its label names and at the tail of its arrow.
 std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture);
 
-/// The same of an equilibrium, which need not be confirmed, with its verdict and the position at the scaled coordinates
-/// `start` (none where empty).
+/// What a figure shows of an equilibrium, which need not be confirmed: its verdict, forces and, as a shadow, the
+/// position at the scaled coordinates `start` (none where empty).
+MechanismPicture picture_of(const StaticModel& model, const Equilibrium& equilibrium, const std::vector<double>& start);
+
+/// That as an SVG document.
 std::string draw_svg(const StaticModel& model, const Equilibrium& equilibrium, const std::vector<double>& start);
 
 /// The title of a scene, its source below it, and a heading, which is a warning unless `confirmed`, from the upper left

@@ -46,21 +46,12 @@ std::string multiples_of(const VariedScene& varied, const std::vector<PathMark>&
 
 }  // namespace
 
-std::vector<Panel> path_charts(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures) {
-  std::vector<PathMeasure> shown = measures;
-  std::string remark;
-  if (shown.empty() && !varied.is_driven()) {
-    shown = {most_changing(varied, path)};
-    remark = ", which changes most";
-  }
-  return path_panels(varied, path, shown, path_marks(varied, path), remark);
-}
-
 std::string path_picture(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures,
                          const std::string& heading, bool confirmed) {
-  const std::string chart = draw_plot(path_charts(varied, path, measures));
+  const PathCharts charts = charts_of(varied, path, measures);
+  const std::string chart = draw_plot(charts.panels);
   return stacked(stacked(heading_page(varied.scene(), heading, confirmed, "path of equilibria"), chart),
-                 multiples_of(varied, chosen_marks(path_marks(varied, path))));
+                 multiples_of(varied, chosen_marks(charts.marks)));
 }
 
 }  // namespace poise::app

@@ -265,6 +265,8 @@ std::string Stage::value(double si, Quantity quantity) const {
 }
 
 std::string Stage::reading(double si, Quantity quantity) const {
+  constexpr double rounding = 1e-10;
+  if (std::abs(si) < rounding * (quantity == Quantity::angle ? 1.0 : extent)) si = 0.0;
   return significant(in_unit(si, quantity, scene.units), 5) + " " + unit_name(quantity, scene.units);
 }
 

@@ -63,6 +63,24 @@ Ordinate measure_of(const VariedScene& varied, PathReader& reader, const PathMea
           }};
 }
 
+/// Those of one panel.
+struct Axes {
+  Ordinate across, up;
+};
+
+/// Those of all panels; they refer to the reader.
+std::vector<Axes> axes_of(const VariedScene& varied, PathReader& reader, const std::vector<PathMeasure>& measures,
+                          const std::string& remark) {
+  std::vector<Axes> out;
+  const Ordinate parameter = parameter_of(varied);
+  if (varied.is_driven()) out.push_back({parameter, effort_of(varied)});
+  for (const PathMeasure& measure : measures) {
+    const Ordinate read = measure_of(varied, reader, measure, out.empty() ? remark : "");
+    out.push_back(varied.is_driven() ? Axes{parameter, read} : Axes{read, parameter});
+  }
+  return out;
+}
+
 /// Of the piece of curve between two points: a fold, at which one of them is, is neither stable nor unstable.
 Stability between(const PathPoint& a, const PathPoint& b) {
   const auto is_known = [](Stability s) { return s == Stability::stable || s == Stability::unstable; };
@@ -181,14 +199,35 @@ std::vector<Panel> path_panels(const VariedScene& varied, const Path& path, cons
                                const std::vector<PathMark>& marks, const std::string& remark) {
   PathReader reader(varied);
   std::vector<Panel> panels;
-  const Ordinate parameter = parameter_of(varied);
-  if (varied.is_driven()) panels.push_back(panel_of(path, marks, parameter, effort_of(varied)));
-  for (const PathMeasure& measure : measures) {
-    const Ordinate read = measure_of(varied, reader, measure, panels.empty() ? remark : "");
-    panels.push_back(varied.is_driven() ? panel_of(path, marks, parameter, read)
-                                        : panel_of(path, marks, read, parameter));
+  for (const Axes& axes : axes_of(varied, reader, measures, remark)) {
+    panels.push_back(panel_of(path, marks, axes.across, axes.up));
   }
   return panels;
+}
+
+PathCharts charts_of(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures) {
+  PathCharts charts{.marks = path_marks(varied, path), .measures = measures};
+  std::string remark;
+  if (measures.empty() && !varied.is_driven()) {
+    charts.measures = {most_changing(varied, path)};
+    remark = ", which changes most";
+  }
+  charts.panels = path_panels(varied, path, charts.measures, charts.marks, remark);
+  return charts;
+}
+
+std::vector<ChartCursor> path_cursors(const VariedScene& varied, const std::vector<PathMeasure>& measures,
+                                      const std::vector<PathPoint>& points) {
+  PathReader reader(varied);
+  std::vector<ChartCursor> cursors;
+  for (const Axes& axes : axes_of(varied, reader, measures, "")) {
+    ChartCursor& cursor = cursors.emplace_back();
+    for (const PathPoint& point : points) {
+      cursor.x.push_back(axes.across.of(point));
+      cursor.y.push_back(axes.up.of(point));
+    }
+  }
+  return cursors;
 }
 
 }  // namespace poise::app

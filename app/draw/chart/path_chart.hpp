@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/draw/chart/plot.hpp"
+#include "app/draw/figure.hpp"
 #include "statics/path.hpp"
 #include "statics/path_measures.hpp"
 
@@ -26,5 +26,17 @@ std::vector<PathMark> path_marks(const VariedScene& varied, const Path& path);
 /// over it. Unproved points are crossed. `remark` follows the name of the first measure.
 std::vector<Panel> path_panels(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures,
                                const std::vector<PathMark>& marks, const std::string& remark);
+
+/// What pages and pictures show of a path: of no measures the one that changes most.
+struct PathCharts {
+  std::vector<PathMark> marks;
+  std::vector<PathMeasure> measures;
+  std::vector<Panel> panels;
+};
+PathCharts charts_of(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures);
+
+/// Where points of a path are in each of its panels.
+std::vector<ChartCursor> path_cursors(const VariedScene& varied, const std::vector<PathMeasure>& measures,
+                                      const std::vector<PathPoint>& points);
 
 }  // namespace poise::app

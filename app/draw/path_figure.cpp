@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <list>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/draw/chart/path_chart.hpp"
+#include "app/draw/followed.hpp"
+#include "app/draw/path_picture.hpp"
+#include "statics/check.hpp"
+
+namespace poise::app {
+namespace {
+
+/// What a frame shows: an equilibrium of the path, or a pose that the mechanism passes as it snaps.
+struct Shown {
+  PathPoint point{};
+  bool snaps = false;
+};
+
+/// How far apart two points are: in parts of the range, rad and mechanism sizes.
+double distance(const PathPoint& a, const PathPoint& b, double range) {
+  const double along = (a.parameter - b.parameter) / range;
+  double sum = along * along;
+  for (std::size_t i = 0; i < a.x.size(); ++i) sum += (a.x[i] - b.x[i]) * (a.x[i] - b.x[i]);
+  return std::sqrt(sum);
+}
+
+double length_of(const PathBranch& branch, double range) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < branch.points.size(); ++i) sum += distance(branch.points[i - 1], branch.points[i], range);
+  return sum;
+}
+
+/// The points of a branch that are shown: its ends, its events, and others `step` apart.
+std::vector<std::size_t> shown_points(const Path& path, const PathBranch& branch, double step, double range) {
+  std::vector<bool> is_event(branch.points.size(), false);
+  for (const int e : branch.events) {
+    const PathPoint& at = path.events[static_cast<std::size_t>(e)].at;
+    const auto nearest = std::min_element(
+        branch.points.begin(), branch.points.end(),
+        [&](const PathPoint& a, const PathPoint& b) { return distance(a, at, range) < distance(b, at, range); });
+    is_event[static_cast<std::size_t>(nearest - branch.points.begin())] = true;
+  }
+  std::vector<std::size_t> shown;
+  double since = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < branch.points.size(); ++i) {
+    if (i > 0) since += distance(branch.points[i - 1], branch.points[i], range);
+    if (since < step && !is_event[i] && i + 1 < branch.points.size()) continue;
+    shown.push_back(i);
+    since = 0.0;
+  }
+  return shown;
+}
+
+/// The snap that ends a branch; null where none does.
+const PathEvent* snap_of(const Path& path, const PathBranch& branch) {
+  if (branch.end != PathBranch::End::snapped || branch.events.empty()) return nullptr;
+  return &path.events[static_cast<std::size_t>(branch.events.back())];
+}
+
+/// The poses that the mechanism passes in a snap, where they were recorded.
+template <class Event>
+std::vector<std::vector<double>> course_of(const Event& event) {
+  if constexpr (requires { event.course; })
+    return event.course;
+  else
+    return {};
+}
+
+std::string parameter_words(const VariedScene& varied, double value) {
+  const std::string unit = varied.unit_name();
+  return fmt::format("{} = {}{}{}", varied.name(), significant(value / varied.unit(), 4), unit.empty() ? "" : " ",
+                     unit);
+}
+
+/// "snaps to handle = 23.4 deg".
+std::string snap_words(const VariedScene& varied, const PathEvent& event, const std::vector<PathMeasure>& measures) {
+  if (!event.landing || measures.empty()) return "snaps";
+  PathReader reader(varied);
+  const PathMeasure& measure = measures.front();
+  const Quantity quantity = quantity_of(measure.on);
+  const Units& units = varied.scene().units;
+  return fmt::format("snaps to {} = {} {}", measure.name,
+                     significant(in_unit(reader.value(measure, *event.landing), quantity, units), 4),
+                     unit_name(quantity, units));
+}
+
+std::string caption_of(const VariedScene& varied, const Shown& at) {
+  const PathPoint& point = at.point;
+  if (at.snaps) return parameter_words(varied, point.parameter) + ": snaps";
+  const char* proof = point.proof == PointProof::proved     ? "proved"
+                      : point.proof == PointProof::critical ? "critical point"
+                                                            : "not proved";
+  return fmt::format("{}: {}, {}", parameter_words(varied, point.parameter), to_string(point.stability), proof);
+}
+
+/// The forces of joints at an equilibrium; none in a snap and where there are too many joints to show them.
+std::optional<std::vector<Reaction>> reactions_at(const VariedScene& varied, const Shown& at) {
+  constexpr std::size_t most_joints = 24;
+  if (at.snaps || varied.scene().joints.size() > most_joints) return {};
+  const auto model = varied.model_at(at.point.parameter);
+  std::vector<int> active = at.point.active_stops;
+  if (varied.is_driven()) active.push_back(static_cast<int>(model->scene().stops.size()) - 1);
+  return check(*model, at.point.x, {}, &active).reactions;
+}
+
+/// The scene at a point, with a drive in place of the stop that stands for it.
+Scene scene_of(const VariedScene& varied, const PathPoint& point) {
+  Scene scene = varied.scene_at(point.parameter);
+  if (!varied.is_driven()) return scene;
+  Drive drive;
+  drive.name = scene.stops.back().name;
+  drive.on = scene.stops.back().on;
+  scene.drives = {drive};
+  scene.stops.pop_back();
+  return scene;
+}
+
+Position position_of(const VariedScene& varied, PathReader& reader, const Scene& scene, const Shown& at) {
+  const PathPoint& point = at.point;
+  Position position{.scene = &scene};
+  MechanismPicture& picture = position.picture;
+  picture.poses = reader.model(point).poses(point.x);
+  picture.heading = caption_of(varied, at);
+  picture.confirmed = at.snaps || point.proof == PointProof::proved || point.proof == PointProof::critical;
+  picture.reactions = reactions_at(varied, at);
+  if (varied.is_driven() && picture.reactions) {
+    const Drive& drive = scene.drives.front();
+    picture.drives.push_back({.name = drive.name, .is_angle = drive.on.is_angle(), .value = point.effort});
+  }
+  if (!picture.confirmed)
+    position.tone = Tone::bad;
+  else if (!at.snaps && point.stability == Stability::stable)
+    position.tone = Tone::good;
+  else
+    position.tone = Tone::doubtful;
+  return position;
+}
+
+}  // namespace
+
+Figure path_figure(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures) {
+  const double range = std::abs(varied.to() - varied.from());
+  const PathCharts charts = charts_of(varied, path, measures);
+  double length = 0.0;
+  for (const PathBranch& branch : path.branches) length += length_of(branch, range);
+  const double step = length / static_cast<double>(most_frames(varied.scene(), true));
+
+  Play play{.label = varied.name(), .unit = varied.unit_name()};
+  std::vector<Shown> shown;
+  for (const PathBranch& branch : path.branches) {
+    for (const std::size_t i : shown_points(path, branch, step, range)) shown.push_back({branch.points[i]});
+    const PathEvent* snap = snap_of(path, branch);
+    const std::vector<std::vector<double>> course =
+        snap != nullptr ? course_of(*snap) : std::vector<std::vector<double>>();
+    if (course.empty()) continue;
+    const std::size_t first = shown.size();
+    for (const std::size_t k : evenly(course.size(), 30)) {
+      Shown& at = shown.emplace_back(Shown{.snaps = true});
+      at.point.parameter = snap->at.parameter;
+      at.point.x = course[k];
+      at.point.effort = std::numeric_limits<double>::quiet_NaN();
+    }
+    play.snaps.push_back({first, shown.size() - 1, snap_words(varied, *snap, charts.measures)});
+  }
+  if (shown.empty()) return {};
+
+  PathReader reader(varied);
+  std::list<Scene> scenes;
+  std::vector<Position> positions;
+  std::vector<PathPoint> points;
+  for (const Shown& at : shown) {
+    scenes.push_back(scene_of(varied, at.point));
+    positions.push_back(position_of(varied, reader, scenes.back(), at));
+    play.values.push_back(at.point.parameter / varied.unit());
+    points.push_back(at.point);
+  }
+  for (const PathMark& mark : charts.marks) {
+    constexpr double same = 1e-3;
+    const auto nearest = std::min_element(shown.begin(), shown.end(), [&](const Shown& a, const Shown& b) {
+      return distance(a.point, *mark.point, range) < distance(b.point, *mark.point, range);
+    });
+    if (distance(nearest->point, *mark.point, range) > same) continue;  // on a curve that was not followed
+    play.marks.push_back({static_cast<std::size_t>(nearest - shown.begin()), mark.label, mark.caption});
+  }
+  Figure figure{.title = "Along the path of equilibria"};
+  figure.charts.panels = charts.panels;
+  figure.charts.cursors = path_cursors(varied, charts.measures, points);
+  animate(figure, std::move(positions), std::move(play), "The mechanism at the equilibria of the path", {});
+  return figure;
+}
+
+}  // namespace poise::app

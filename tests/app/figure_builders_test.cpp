@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "app/draw/equilibria_picture.hpp"
+#include "app/draw/equilibrium_figure.hpp"
+#include "app/draw/figure_json.hpp"
+#include "app/draw/followed.hpp"
+#include "app/draw/modes_figure.hpp"
+#include "app/draw/motion_pictures.hpp"
+#include "app/draw/path_picture.hpp"
+#include "motion/confirmed_motion.hpp"
+#include "motion/equilibrium_pose.hpp"
+#include "motion/release.hpp"
+#include "tests/app/run_poise.hpp"
+
+namespace poise::app {
+namespace {
+
+using nlohmann::json;
+
+/// What every page relies on; the figure as JSON.
+json checked(const Figure& figure, const std::string& name) {
+  const std::size_t frames = figure.drawing.frames.size();
+  const auto begin = std::chrono::steady_clock::now();
+  const std::string text = figure_json(figure);
+  std::printf("%s: %zu frames, %.0f kB, written in %.1f ms\n", name.c_str(), frames,
+              static_cast<double>(text.size()) / 1e3,
+              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+  if (const char* folder = std::getenv("POISE_FIGURES"))
+    std::ofstream(std::string(folder) + "/" + name + ".json") << text;
+  EXPECT_LT(text.size(), 1'500'000U) << name;
+  EXPECT_GT(frames, 0U) << name;
+  EXPECT_FALSE(figure.title.empty()) << name;
+  if (figure.play) {
+    EXPECT_EQ(figure.play->values.size(), frames) << name;
+    for (const FollowedPoint& point : figure.play->points) EXPECT_EQ(point.at.size(), frames) << name << point.name;
+    for (const Play::Mark& mark : figure.play->marks) EXPECT_LT(mark.frame, frames) << name;
+    EXPECT_EQ(figure.charts.cursors.size(), figure.charts.panels.size()) << name;
+    for (const ChartCursor& cursor : figure.charts.cursors) EXPECT_EQ(cursor.x.size(), frames) << name;
+  }
+  return json::parse(text);
+}
+
+std::size_t colours_unknown(const json& figure, const json& palette) {
+  std::size_t unknown = 0;
+  for (const json& style : figure["drawing"]["styles"]) {
+    for (const char* key : {"fill", "stroke", "colour"}) {
+      if (style.contains(key) && style[key] != "none" && !palette.contains(style[key])) ++unknown;
+    }
+  }
+  return unknown;
+}
+
+TEST(FigureBuilders, Equilibrium) {
+  const StaticModel model(read_scene(app_tests::dataset("toggle_clamp")));
+  const json figure = checked(equilibrium_figure(model, solve(model), assemble(model)), "solve");
+  EXPECT_EQ(figure["kind"], "drawing");
+  EXPECT_TRUE(figure["play"].is_null());
+  EXPECT_TRUE(figure["charts"].is_null());
+  EXPECT_TRUE(figure["drawing"]["confirmed"][0].get<bool>());
+  EXPECT_EQ(colours_unknown(figure, json::parse(palette_json())), 0U);
+  const json start = checked(assembled_figure(model, analyse_mobility(model)), "check");
+  EXPECT_EQ(start["drawing"]["captions"][0], "assembled start");
+}
+
+TEST(FigureBuilders, EquilibriaAreCards) {
+  const StaticModel model(read_scene(app_tests::dataset("toggle_clamp")));
+  EquilibriumSet set;
+  for (int i = 0; i < 203; ++i) set.equilibria.push_back(solve(model));
+  const std::vector<std::string> captions(set.equilibria.size(), "caption");
+  const json figure = checked(equilibria_figure(model, set, captions), "equilibria");
+  EXPECT_EQ(figure["kind"], "cards");
+  EXPECT_EQ(figure["title"], "The first 200 of 203 equilibria");
+  EXPECT_EQ(figure["drawing"]["frames"].size(), 200U);
+  EXPECT_EQ(figure["drawing"]["tones"][7], "good");
+  EXPECT_LT(figure["drawing"]["width"].get<double>(), 500.0);
+}
+
+TEST(FigureBuilders, PathHasItsEventsAsFrames) {
+  const VariedScene varied(read_scene(app_tests::dataset("von_mises_toggle")), "loads", 0.0, 2.0);
+  const auto begin = std::chrono::steady_clock::now();
+  const Path found = path(varied);
+  const auto traced = std::chrono::steady_clock::now();
+  const Figure figure = path_figure(varied, found, {});
+  std::printf("path traced in %.0f ms, figure in %.0f ms\n",
+              std::chrono::duration<double, std::milli>(traced - begin).count(),
+              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - traced).count());
+  checked(figure, "path");
+  ASSERT_TRUE(figure.play.has_value());
+  EXPECT_GE(figure.play->marks.size(), found.events.size());
+  EXPECT_LE(figure.drawing.frames.size(), 300U);
+  EXPECT_TRUE(figure.play->snaps.empty());
+  for (std::size_t k = 0; k < figure.drawing.frames.size(); ++k) {
+    EXPECT_FALSE(figure.drawing.frames[k].caption.empty());
+    EXPECT_TRUE(std::isfinite(figure.charts.cursors[0].y[k]));
+  }
+}
+
+TEST(FigureBuilders, DrivenPath) {
+  const VariedScene varied(read_scene(app_tests::dataset("toggle_clamp")), "angle.handle", 93.0, 60.0);
+  const Path found = path(varied);
+  ASSERT_FALSE(found.branches.empty());
+  checked(path_figure(varied, found, {}), "driven path");
+}
+
+TEST(FigureBuilders, Kinematics) {
+  const Scene scene = read_scene(app_tests::dataset("lift"));
+  const std::vector<DriveRange> ranges = {{"obd", 0.2, 0.6}};
+  SweepOptions options;
+  options.steps = 400;
+  const KinematicsResult found = sweep(scene, ranges, options);
+  const Figure figure = kinematics_figure(scene, found, ranges, {"gl.L"}, true);
+  const json read = checked(figure, "kinematics");
+  EXPECT_EQ(figure.drawing.frames.size(), most_frames(scene, false));
+  EXPECT_EQ(std::count_if(figure.play->points.begin(), figure.play->points.end(),
+                          [](const FollowedPoint& p) { return p.traced; }),
+            1);
+  EXPECT_EQ(read["charts"]["panels"][0]["cursor"]["x"][0], 0.2);
+  EXPECT_EQ(read["play"]["label"], "obd");
+}
+
+TEST(FigureBuilders, Motion) {
+  const MotionModel model(read_scene(app_tests::dataset("lift")));
+  MotionOptions options;
+  options.duration = 3.0;
+  options.accuracy = 1e-6;
+  const std::vector<Displacement> displaced = {{channel_named("", "obd", channels_of(model)), false, 0.02}};
+  const Motion motion = simulate(model, release(model, equilibrium_origin(model), displaced), options);
+  ASSERT_TRUE(motion.completed()) << motion.why;
+  const auto begin = std::chrono::steady_clock::now();
+  const Figure figure = motion_figure(model, motion, record(model, motion, 200.0), true);
+  std::printf("motion drawn in %.0f ms\n",
+              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+  checked(figure, "motion");
+  EXPECT_DOUBLE_EQ(figure.play->seconds, 3.0);
+  EXPECT_DOUBLE_EQ(figure.play->values.back(), 3.0);
+  EXPECT_EQ(figure.play->unit, "s");
+}
+
+TEST(FigureBuilders, ForcesOverARange) {
+  Scene scene = read_scene(app_tests::dataset("lift"));
+  scene.drives = {find_drive(scene, "obd")};
+  const MotionModel model(scene);
+  SweepOptions options;
+  options.steps = 239;
+  const ForcesAlong found = forces_over(model, {{"obd", 0.3, 0.5}}, options, true);
+  const Figure figure = forces_figure(model.scene(), found, found.balanced());
+  checked(figure, "forces");
+  EXPECT_EQ(figure.drawing.frames.size(), most_frames(scene, true));
+  const json pose = checked(forces_figure(model.scene(), forces_in_place(model), true), "forces in place");
+  EXPECT_TRUE(pose["play"].is_null());
+}
+
+TEST(FigureBuilders, ModesSwingWithClosedLoops) {
+  for (const char* name : {"lift", "double_pendulum"}) {
+    const StaticModel statics(read_scene(app_tests::dataset(name)));
+    const MotionModel model(statics.scene());
+    const Equilibrium equilibrium = solve(statics);
+    ASSERT_TRUE(equilibrium.found()) << equilibrium.why;
+    const std::vector<double> x = motion_coordinates(model, statics, equilibrium.x);
+    const Modes modes = modes_of(model, x);
+    ASSERT_TRUE(modes.known) << modes.why;
+    const Figure figure = modes_figure(model, x, modes, true);
+    checked(figure, std::string("modes of ") + name);
+    ASSERT_EQ(figure.play->marks.size(), std::min<std::size_t>(6, modes.vibrations.size())) << name;
+    EXPECT_EQ(figure.drawing.frames.size(), 24 * figure.play->marks.size());
+    EXPECT_TRUE(figure.play->marks[0].caption.ends_with(" Hz")) << figure.play->marks[0].caption;
+    // Points that pins join stay together, and they move visibly.
+    const Scene& scene = model.scene();
+    const auto at = [&](PointRef p) -> const std::vector<Vec2>& {
+      const std::string point = scene.name_of(p);
+      return std::find_if(figure.play->points.begin(), figure.play->points.end(),
+                          [&](const FollowedPoint& f) { return f.name == point; })
+          ->at;
+    };
+    double way = 0.0;
+    for (const Joint& joint : scene.joints) {
+      if (joint.has_travel() || joint.keeps_length() || joint.a.body == 0 || joint.b.body == 0) continue;
+      const std::vector<Vec2>&a = at(joint.a), &b = at(joint.b);
+      for (std::size_t k = 0; k < a.size(); ++k) {
+        EXPECT_LT(norm(a[k] - b[k]), 1e-3) << name << " " << joint.name << " " << k;
+        way = std::max(way, norm(a[k] - a[0]));
+      }
+    }
+    EXPECT_GT(way, 5.0) << name;
+  }
+}
+
+TEST(FigureBuilders, Design) {
+  const DesignProblem problem = read_design(app_tests::dataset("lift_design"));
+  DesignOptions options;
+  options.starts = 300;
+  const DesignResult best = design(problem, options);
+  ASSERT_FALSE(best.values.empty());
+  const Figure figure = design_figure(problem, best, best.met);
+  checked(figure, "design");
+  EXPECT_EQ(figure.title, "The mechanism found");
+}
+
+TEST(FigureBuilders, NothingFoundIsNothingDrawn) {
+  const Scene scene = read_scene(app_tests::dataset("lift"));
+  EXPECT_TRUE(kinematics_figure(scene, {}, {}, {}, false).drawing.frames.empty());
+  EXPECT_TRUE(forces_figure(scene, {}, false).drawing.frames.empty());
+}
+
+}  // namespace
+}  // namespace poise::app
