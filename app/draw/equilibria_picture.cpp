@@ -44,7 +44,8 @@ std::string equilibria_picture(const StaticModel& model, const EquilibriumSet& s
 
 Figure equilibria_figure(const StaticModel& model, const EquilibriumSet& set,
                          const std::vector<std::string>& captions) {
-  constexpr std::size_t most = 200;
+  const std::size_t parts = model.scene().bodies.size() + model.scene().joints.size();
+  const std::size_t most = std::clamp<std::size_t>(6000 / parts, 20, 200);
   const std::size_t drawn = std::min(most, set.equilibria.size());
   if (drawn == 0) return {};
   const Scene scene = without_motors(model.scene());

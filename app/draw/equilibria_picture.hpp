@@ -15,7 +15,7 @@ namespace poise::app {
 std::string equilibria_picture(const StaticModel& model, const EquilibriumSet& set,
                                const std::vector<std::string>& captions, const std::string& heading, bool confirmed);
 
-/// The same as cards, 200 at most; `captions` as above.
+/// The same as cards, 20 to 200 at most, so that a page can hold them; `captions` as above.
 Figure equilibria_figure(const StaticModel& model, const EquilibriumSet& set, const std::vector<std::string>& captions);
 
 }  // namespace poise::app

@@ -22,7 +22,10 @@ std::vector<std::size_t> evenly(std::size_t n, std::size_t most) {
 
 void animate(Figure& figure, std::vector<Position> positions, Play play, const std::string& description,
              const std::vector<std::string>& traced) {
+  constexpr std::size_t most_places = 15000;
   const Scene& scene = *positions.front().scene;
+  std::size_t places = 0;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) places += scene.bodies[i].points.size() * positions.size();
   // Places in the world, until the drawing says where that is.
   std::vector<FollowedPoint> points;
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
@@ -30,6 +33,7 @@ void animate(Figure& figure, std::vector<Position> positions, Play play, const s
       FollowedPoint point;
       point.name = scene.bodies[i].name + "." + scene.bodies[i].points[p].name;
       point.traced = std::find(traced.begin(), traced.end(), point.name) != traced.end();
+      if (!point.traced && places > most_places) continue;
       for (const Position& position : positions) {
         point.at.push_back(position.picture.poses[i].world(position.scene->bodies[i].points[p].at));
       }

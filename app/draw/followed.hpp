@@ -16,8 +16,9 @@ std::size_t most_frames(const Scene& scene, bool forces);
 /// At most `most` (two at least) of n places, evenly spaced, the first and the last among them.
 std::vector<std::size_t> evenly(std::size_t n, std::size_t most);
 
-/// Draws the positions, one at least, as frames of the figure, and follows all points of moving bodies; those of
-/// `traced` ("coupler.P") leave a trace at first. A single position is a still picture.
+/// Draws the positions, one at least, as frames of the figure, and follows all points of moving bodies, or, where a
+/// page cannot hold these, those of `traced` ("coupler.P"), which leave a trace at first. A single position is a still
+/// picture.
 void animate(Figure& figure, std::vector<Position> positions, Play play, const std::string& description,
              const std::vector<std::string>& traced);
 
