@@ -63,6 +63,14 @@ const PathEvent* snap_of(const Path& path, const PathBranch& branch) {
   return &path.events[static_cast<std::size_t>(branch.events.back())];
 }
 
+/// Whether a branch begins at the landing of a snap.
+bool goes_on(const Path& path, const PathPoint& landing, double range) {
+  constexpr double same = 1e-6;
+  return std::any_of(path.branches.begin(), path.branches.end(), [&](const PathBranch& branch) {
+    return !branch.points.empty() && distance(branch.points.front(), landing, range) < same;
+  });
+}
+
 /// The poses that the mechanism passes in a snap, where they were recorded.
 template <class Event>
 std::vector<std::vector<double>> course_of(const Event& event) {
@@ -158,7 +166,6 @@ Figure path_figure(const VariedScene& varied, const Path& path, const std::vecto
     const PathEvent* snap = snap_of(path, branch);
     const std::vector<std::vector<double>> course =
         snap != nullptr ? course_of(*snap) : std::vector<std::vector<double>>();
-    if (course.empty()) continue;
     const std::size_t first = shown.size();
     for (const std::size_t k : evenly(course.size(), 30)) {
       Shown& at = shown.emplace_back(Shown{.snaps = true});
@@ -166,7 +173,8 @@ Figure path_figure(const VariedScene& varied, const Path& path, const std::vecto
       at.point.x = course[k];
       at.point.effort = std::numeric_limits<double>::quiet_NaN();
     }
-    play.snaps.push_back({first, shown.size() - 1, snap_words(varied, *snap, charts.measures)});
+    if (!course.empty()) play.snaps.push_back({first, shown.size() - 1, snap_words(varied, *snap, charts.measures)});
+    if (snap != nullptr && snap->landing && !goes_on(path, *snap->landing, range)) shown.push_back({*snap->landing});
   }
   if (shown.empty()) return {};
 

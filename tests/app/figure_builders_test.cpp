@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -102,6 +104,21 @@ TEST(FigureBuilders, PathHasItsEventsAsFrames) {
   for (std::size_t k = 0; k < figure.drawing.frames.size(); ++k) {
     EXPECT_FALSE(figure.drawing.frames[k].caption.empty());
     EXPECT_TRUE(std::isfinite(figure.charts.cursors[0].y[k]));
+  }
+}
+
+TEST(FigureBuilders, PathThatSnaps) {
+  for (const double last : {2.0, 3.0}) {  // the snap is where the range ends, and before
+    const VariedScene varied(read_scene(app_tests::dataset("von_mises_toggle")), "loads", 0.0, last);
+    PathOptions options;
+    options.follow = PathOptions::Follow::jump;
+    const Path found = path(varied, options);
+    const Figure figure = path_figure(varied, found, {});
+    checked(figure, "path that snaps");
+    const auto landing = std::find_if(figure.play->marks.begin(), figure.play->marks.end(),
+                                      [](const Play::Mark& m) { return m.label.find("′") != std::string::npos; });
+    ASSERT_NE(landing, figure.play->marks.end());
+    EXPECT_GT(landing->frame, 0U) << "the landing is a frame of its own";
   }
 }
 
@@ -204,6 +221,52 @@ TEST(FigureBuilders, Design) {
   const Figure figure = design_figure(problem, best, best.met);
   checked(figure, "design");
   EXPECT_EQ(figure.title, "The mechanism found");
+}
+
+TEST(FigureBuilders, EveryDatasetIsDrawn) {
+  int drawn = 0;
+  double slowest = 0.0;
+  const std::filesystem::path folder = std::filesystem::path(app_tests::dataset("zeeman")).parent_path();
+  for (const auto& file : std::filesystem::recursive_directory_iterator(folder)) {
+    if (file.path().extension() != ".toml") continue;
+    Figure figure;
+    try {
+      const StaticModel model(read_scene(file.path()));
+      const auto begin = std::chrono::steady_clock::now();
+      figure = assembled_figure(model, analyse_mobility(model));
+      slowest = std::max(slowest,
+                         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    } catch (const InputError&) {
+      continue;  // no scene
+    }
+    const json read = json::parse(figure_json(figure));
+    EXPECT_EQ(read["drawing"]["frames"].size(), 1U) << file.path();
+    EXPECT_LE(read["drawing"]["width"].get<double>(), 901.0) << file.path();
+    EXPECT_LE(read["drawing"]["height"].get<double>(), 1000.0) << file.path();
+    ++drawn;
+  }
+  std::printf("%d scenes drawn, the slowest in %.0f ms\n", drawn, slowest);
+  EXPECT_GT(drawn, 40);
+}
+
+TEST(FigureBuilders, LiveFramesKeepTheirArea) {
+  Scene scene = read_scene(app_tests::dataset("thesis_four_bar"));
+  scene.drives = {find_drive(scene, "link4")};
+  const MotionModel model(scene);
+  const ForcesAlong found = forces_over(model, {{"link4", 0.0, 1.0}}, {.steps = 20}, false);
+  std::optional<FrameDrawer> drawer;
+  double width = 0.0;
+  for (const Forces& forces : found.poses) {
+    const MechanismPicture picture{.poses = poses_of(forces.motions), .reactions = forces.reactions};
+    if (!drawer) drawer.emplace(model.scene(), world_of(model.scene(), picture));
+    const Drawing drawing = drawer->finished({{drawer->draw(picture)}}, "live");
+    EXPECT_TRUE(width == 0.0 || drawing.width == width);
+    width = drawing.width;
+    const Vec2 world = picture.poses[1].origin;
+    EXPECT_LT(norm(drawing.view.world(drawing.view.page(world)) - world), 1e-12);
+    EXPECT_EQ(json::parse(drawing_json(drawing))["frames"].size(), 1U);
+  }
+  EXPECT_NEAR(width, 900.0, 1e-9);
 }
 
 TEST(FigureBuilders, NothingFoundIsNothingDrawn) {
