@@ -310,6 +310,7 @@ class CurveMotion::Method {
     for (int i = 0; i < n_; ++i) bend_[i] = (to.t[i] - left_->t[i]) / to.sigma;
     left_ = &to;
     left_->sigma = 0.0;
+    if (options_.passed) options_.passed(left_->at.x);
     if (dense_ && equalities_ > n_ - 1) choose_rows(*left_, rows_);
     for (Point* p : {right_, beyond_}) {
       if (p == nullptr || p == left_) continue;

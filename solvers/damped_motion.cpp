@@ -340,6 +340,7 @@ class DampedMotion::Method {
     std::swap(now_, next_);
     std::swap(velocity_, velocity_next_);
     std::swap(y_, y_next_);
+    if (options_.passed) options_.passed(now_.x);
     double grown = std::sqrt(dot(delta_column_, delta_column_));
     if (std::isfinite(grown) && grown > 0.0) {
       for (int i = 0; i < n_; ++i) delta_[i] = delta_column_[i] / grown;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -79,6 +80,7 @@ struct DampedOptions {
   int steps = 4000;
   double touching = 1e-9;  ///< distance from a bound within which a point counts as at the bound
   const std::atomic<bool>* interrupt = nullptr;
+  std::function<void(std::span<const double> x)> passed{};  ///< called at the end of every step
 };
 
 struct DampedResult {

@@ -127,7 +127,7 @@ class PathFinder {
     tracer_.add_event(std::move(event), branch);
   }
 
-  bool jumps() const { return options_.follow == PathOptions::Follow::jump; }
+  bool jumps() const { return options_.follow != PathOptions::Follow::unstable; }
 
   std::optional<PathSpot> find_start() {
     const auto model = varied_.model_at(varied_.from());
@@ -137,7 +137,8 @@ class PathFinder {
                              varied_.from() / varied_.unit(), why);
       return std::nullopt;
     };
-    std::vector<double> x = varied_.is_driven() ? driven_start(*model) : assemble(*model);
+    const bool is_given = options_.from == PathOptions::From::given;
+    std::vector<double> x = is_given ? options_.start : varied_.is_driven() ? driven_start(*model) : assemble(*model);
     if (options_.from == PathOptions::From::settle) {
       const Settling rest = settle(*model, x, {.interrupt = options_.interrupt});
       if (rest.end != Settling::End::settled && rest.end != Settling::End::start_unstable) return fail(rest.why);
@@ -148,7 +149,7 @@ class PathFinder {
         if (jumps() && rest.sides.empty()) return fail("the start is unstable");
         if (jumps()) x = rest.sides.front().x;
       }
-    } else {
+    } else if (!is_given) {
       SolveOptions solving;
       solving.seek = Seek::any;
       solving.interrupt = options_.interrupt;
@@ -320,16 +321,17 @@ class PathFinder {
   // Where a mechanism goes that is loaded further than a point at which it loses its stability.
   struct Landing {
     enum class Kind { jump, goes_on, nowhere } kind = Kind::nowhere;
-    std::optional<PathSpot> spot{};  // of `goes_on` a little further
-    std::string why{};               // of `nowhere`
+    std::optional<PathSpot> spot{};             // of `goes_on` a little further
+    std::vector<std::vector<double>> course{};  // of `jump`
+    std::string why{};                          // of `nowhere`
   };
   Landing land(const PathTracer::Loss& loss) {
     const PathPoint from = tracer_.report(loss.at);
     Landing out;
     const auto part = [&](double little) { return loss.at.p() + loss.direction * little; };
     const auto released = [&](double little) {
-      Settling rest =
-          settle(*varied_.model_at(tracer_.value_at(part(little))), from.x, {.interrupt = options_.interrupt});
+      Settling rest = settle(*varied_.model_at(tracer_.value_at(part(little))), from.x,
+                             {.course = options_.courses, .interrupt = options_.interrupt});
       // On a curve that goes on without a jump the start is an equilibrium that the mechanism leaves to either side.
       if (rest.end == Settling::End::start_unstable && !rest.sides.empty()) {
         Settling::Side& side = rest.sides.front();
@@ -341,7 +343,8 @@ class PathFinder {
       return rest;
     };
     const auto distance = [&](const std::vector<double>& x) { return solvers::largest_difference(x, from.x); };
-    const Settling far = released(beyond_loss), near = released(0.01 * beyond_loss);
+    const Settling far = released(beyond_loss);
+    Settling near = released(0.01 * beyond_loss);
     if (far.end != Settling::End::settled || near.end != Settling::End::settled) return out;
     // Where the distance is small and shrinks with the load the mechanism moves on without a jump.
     const double reach = distance(far.x);
@@ -350,6 +353,7 @@ class PathFinder {
                        : tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
     if (out.spot) {
       out.kind = goes_on ? Landing::Kind::goes_on : Landing::Kind::jump;
+      if (!goes_on) out.course = std::move(near.course);
     } else {
       out.why = "the equilibrium it comes to is not isolated";
     }
@@ -363,6 +367,7 @@ class PathFinder {
     PathEvent snap;
     snap.kind = PathEvent::Kind::snap;
     snap.why = out.why;
+    snap.course = out.course;
     if (out.spot) snap.landing = tracer_.report(*out.spot);
     const PathEvent& lost = out_.events[loss.event];
     snap.at = lost.at;
@@ -372,11 +377,12 @@ class PathFinder {
     return out;
   }
 
-  // Loading with jumps up to the last value, then back.
+  // Loading with jumps up to the last value, then back where that is asked for.
   void load_and_unload(const PathSpot& start) {
     constexpr int most_snaps = 100;
     PathSpot here = start;
     for (const double direction : {1.0, -1.0}) {
+      if (direction < 0.0 && options_.follow == PathOptions::Follow::load) return;
       int from = -1;
       for (int k = 0; k < most_snaps; ++k) {
         if (here.rate() * direction < 0.0) here.reverse();

@@ -63,6 +63,8 @@ struct PathEvent {
   bool on = false;  ///< it comes on along the path
   /// Of a snap: where the mechanism comes to rest, and energies before and after; empty where it comes to rest nowhere.
   std::optional<PathPoint> landing;
+  /// Of a snap, with PathOptions::courses: the poses that it passes with heavy damping, scaled coordinates.
+  std::vector<std::vector<double>> course;
   std::string why;  ///< of a snap that lands nowhere, of an event that could not be found to full accuracy
 
   /// Decimal digits of the parameter that are known: of `error` and of `rounding_effect`, at most 16.
@@ -90,18 +92,22 @@ struct PathBranch {
 
 struct PathOptions {
   enum class From {
-    settle,      ///< where the mechanism comes to rest when released from the scene's start at the first value
-    equilibrium  ///< the equilibrium nearest to the scene's start at the first value
+    settle,       ///< where the mechanism comes to rest when released from the scene's start at the first value
+    equilibrium,  ///< the equilibrium nearest to the scene's start at the first value
+    given         ///< the one at PathOptions::start
   };
   enum class Follow {
     unstable,  ///< the curve through its folds, also where it is unstable
-    jump  ///< what a machine does that is loaded slowly: stable equilibria only, from fold to landing, there and back
+    jump,  ///< what a machine does that is loaded slowly: stable equilibria only, from fold to landing, there and back
+    load   ///< the same without the way back
   };
   From from = From::settle;
+  std::vector<double> start{};  ///< From::given: scaled coordinates of VariedScene::model_at(from()), loops closed
   Follow follow = Follow::unstable;
   /// Starts, at each of five values, of a search for equilibria on curves that are not connected with the start.
   int search = 0;
   bool branches = false;      ///< follow all curves that cross at branch points
+  bool courses = false;       ///< keep the poses that snaps pass
   bool certify = true;        ///< every point carries a certificate
   std::vector<double> at{};   ///< values of the parameter, SI, at which points are wanted besides; ascending or not
   double spacing = 0.01;      ///< largest distance of neighbouring points: parts of the range, rad, mechanism sizes

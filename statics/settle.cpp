@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "solvers/curve_motion.hpp"
@@ -28,8 +29,9 @@ constexpr double first_tolerance = 1e-3;
 constexpr double least_tolerance = 1e-11;
 constexpr double accurate_within = 0.02;
 constexpr double beside[] = {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2};  // distances of displaced starts
-constexpr double flat = 1e-9;       // curvature, relative to the largest, below which a direction may be unstable
-constexpr double rounding = 1e-13;  // of forces, relative to the largest
+constexpr double flat = 1e-9;         // curvature, relative to the largest, below which a direction may be unstable
+constexpr double rounding = 1e-13;    // of forces, relative to the largest
+constexpr double course_step = 0.05;  // of motions whose poses are kept, so that they can be shown
 
 class Settler {
  public:
@@ -62,6 +64,7 @@ class Settler {
       out_.end = Settling::End::settled;
       return;
     }
+    out_.course.insert(out_.course.end(), first_fall_.begin(), first_fall_.end());
     if (at_start) {
       out_.end = Settling::End::start_unstable;
       if (!options_.sides) out_.sides.clear();
@@ -110,8 +113,13 @@ class Settler {
   }
 
   DampedResult move(const std::vector<double>& x) {
-    const solvers::DampedOptions settings{
+    solvers::DampedOptions settings{
         .run_away = options_.run_away, .steps = options_.steps, .interrupt = options_.interrupt};
+    if (options_.course) {
+      settings.longest_step = course_step;
+      settings.passed = [this](std::span<const double> passed) { passed_.emplace_back(passed.begin(), passed.end()); };
+    }
+    passed_.assign(options_.course ? 1 : 0, x);
     if (out_.freedoms == 1) {
       if (!curve_) curve_.emplace(*problem_, settings);
       return counted(curve_->run(x));
@@ -119,6 +127,7 @@ class Settler {
     if (!motion_) motion_.emplace(*problem_, settings);
     DampedResult result;
     for (double tolerance = first_tolerance;;) {
+      passed_.resize(options_.course ? 1 : 0);
       result = counted(motion_->run(x, tolerance));
       const bool is_large = mechanism_.coordinates() > dense_limit;
       if (result.error <= accurate_within || result.arrival == Arrival::interrupted || is_large) break;
@@ -145,6 +154,8 @@ class Settler {
   void take(const DampedResult& result) {
     out_.end = end_of(result.arrival);
     out_.x = result.x;
+    out_.course = std::move(passed_);
+    if (options_.course) out_.course.push_back(result.x);
     out_.active_stops = stops_of(result.active);
     out_.margin = result.margin;
     const bool has_several = out_.freedoms > 1;
@@ -185,6 +196,10 @@ class Settler {
         }
         if (options_.sides || out_.sides.empty()) {
           const DampedResult result = fall(*beside_x);
+          if (options_.course && out_.sides.empty()) {
+            first_fall_ = std::move(passed_);
+            first_fall_.push_back(result.x);
+          }
           side.end = end_of(result.arrival);
           side.x = result.x;
           side.active_stops = stops_of(result.active);
@@ -205,7 +220,9 @@ class Settler {
         if (next) break;
       }
       if (!next) break;
+      const std::vector<std::vector<double>> before = std::move(passed_);
       result = move(*next);
+      passed_.insert(passed_.begin(), before.begin(), before.end());
     }
     return result;
   }
@@ -285,6 +302,7 @@ class Settler {
   std::optional<DampedMechanism> problem_;
   std::optional<solvers::CurveMotion> curve_;
   std::optional<solvers::DampedMotion> motion_;
+  std::vector<std::vector<double>> passed_, first_fall_;  // poses of the last motion, and of that to the first side
   Settling out_;
 };
 

@@ -14,7 +14,8 @@ struct SettleOptions {
   int steps = 4000;         ///< of one motion
   /// Several freedoms: distance from a watershed, rad or mechanism sizes, below which the answer is in doubt.
   double watershed = 1e-6;
-  bool sides = true;  ///< also find where each side of an unstable start falls to
+  bool sides = true;    ///< also find where each side of an unstable start falls to
+  bool course = false;  ///< keep the poses that the motion passes
   const std::atomic<bool>* interrupt = nullptr;
 };
 
@@ -33,6 +34,9 @@ struct Settling {
   std::string why;        ///< one sentence
   std::vector<double> x;  ///< scaled coordinates: where it rests, or of start_unstable the start, or the last pose
   std::vector<int> active_stops;  ///< that hold it there: indices of Scene::stops
+  /// With SettleOptions::course: scaled coordinates from the closed start to x, of start_unstable to where the first of
+  /// the sides comes to rest; at most some 0.05 rad or mechanism sizes apart.
+  std::vector<std::vector<double>> course;
 
   /// Rounding, or a displacement of less than SettleOptions::watershed, decides where it goes.
   bool in_doubt = false;

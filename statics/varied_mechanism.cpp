@@ -12,6 +12,7 @@ namespace poise {
 namespace {
 
 constexpr double stencil_step = 1e-3;    // of the parameter's range, for derivatives of fourth order
+constexpr double beside = 1e-13;         // of the range: from where something vanishes
 constexpr std::size_t most_recent = 12;  // compiled pieces kept: of a point and of its stencil, and of a trial point
 
 }  // namespace
@@ -30,6 +31,11 @@ VariedMechanism::VariedMechanism(const VariedScene& varied, const std::vector<ch
   const auto vanishes = [&](double p) { return varied.value_at(p) == 0.0; };
   first_ = compiled(vanishes(0.0) ? 0.5 : 0.0);
   second_ = compiled(vanishes(1.0) ? 0.5 : 1.0);
+  // What is zero at one end only, of several numbers.
+  if (!alike(first_, second_)) {
+    first_ = compiled(0.25);
+    second_ = compiled(0.75);
+  }
   const Mechanism<double>& m = first_.model->mechanism();
   n_ = m.coordinates();
   equalities_ = m.equalities();
@@ -37,10 +43,7 @@ VariedMechanism::VariedMechanism(const VariedScene& varied, const std::vector<ch
   symmetric_ = !m.has_follower_loads();
   jacobian_pattern_ = {rows_, n_, m.jacobian_row(), m.jacobian_column()};
   tangent_pattern_ = {n_, n_, m.tangent_row(), m.tangent_column()};
-  const Mechanism<double>& other = second_.model->mechanism();
-  if (other.jacobian_column() != m.jacobian_column() || other.tangent_row() != m.tangent_row()) {
-    throw std::logic_error("a varied number changes the structure of the mechanism");
-  }
+  if (!alike(first_, second_)) throw std::logic_error("a varied number changes the structure of the mechanism");
   for (auto* v : {&at_first_, &at_second_, &stencil_[0], &stencil_[1], &stencil_[2], &stencil_[3]}) {
     v->resize(ParametricProblem::values());
   }
@@ -66,12 +69,22 @@ VariedMechanism::Piece VariedMechanism::compiled(double p) const {
   return piece;
 }
 
+bool VariedMechanism::alike(const Piece& a, const Piece& b) {
+  const Mechanism<double>&m = a.model->mechanism(), &other = b.model->mechanism();
+  return other.jacobian_column() == m.jacobian_column() && other.tangent_row() == m.tangent_row();
+}
+
 VariedMechanism::Piece& VariedMechanism::at(double p) {
   for (Piece& piece : recent_) {
     if (piece.p == p) return piece;
   }
   if (recent_.size() >= most_recent) recent_.pop_front();
   recent_.push_back(compiled(p));
+  if (!alike(first_, recent_.back())) {
+    // A number is zero just here.
+    recent_.back() = compiled(p + (p < 0.5 ? beside : -beside));
+    recent_.back().p = p;
+  }
   return recent_.back();
 }
 

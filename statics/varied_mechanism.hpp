@@ -46,6 +46,8 @@ class VariedMechanism final : public solvers::ParametricProblem {
     std::vector<Planar<Dual>> dual_pose;
   };
   Piece compiled(double p) const;
+  // They have the same coordinates and entries.
+  static bool alike(const Piece& a, const Piece& b);
   Piece& at(double p);
   void make_dual(Piece& piece) const;
   template <class T>

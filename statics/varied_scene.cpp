@@ -1,6 +1,9 @@
 #include "statics/varied_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -63,6 +66,24 @@ std::optional<Measure> driven_measure(const Scene& scene, const std::string& nam
   return std::nullopt;
 }
 
+/// Sets a number of `scene` to (1 - s) times what it is there, plus s times what it is in `other`.
+void blend(Scene& scene, const Scene& other, const ParameterPlace& place, double s) {
+  const auto between = [&](double a, double b) { return s == 0.0 ? a : s == 1.0 ? b : (1.0 - s) * a + s * b; };
+  const auto item = static_cast<std::size_t>(place.item);
+  if (place.owner == Owner::force) {
+    Vec2& F = scene.forces[item].vector;
+    const Vec2& G = other.forces[item].vector;
+    F = {between(F.x, G.x), between(F.y, G.y)};
+  } else if (place.owner == Owner::stop) {
+    // Both limits at once: one alone might pass the other on the way.
+    Stop& stop = scene.stops[item];
+    double& limit = place.number == 0 ? stop.min : stop.max;
+    limit = between(*poise::value_at(scene, place), *poise::value_at(other, place));
+  } else {
+    set_value_at(scene, place, between(*poise::value_at(scene, place), *poise::value_at(other, place)));
+  }
+}
+
 }  // namespace
 
 VariedScene::VariedScene(Scene scene, const std::string& name, double from, double to)
@@ -117,6 +138,40 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
   scales_ = ScaledModel(somewhere, Purpose::statics).scales();
 }
 
+VariedScene::VariedScene(Scene from, Scene to) : scene_(std::move(from)), name_("the change"), from_(0.0), to_(1.0) {
+  const auto fail = [&](const std::string& what) { throw InputError(fmt::format("{}: {}", name_, what)); };
+  scene_.start = to.start;
+  scene_.drives = to.drives;
+  const std::vector<ParameterRow> rows = parameter_table(scene_), others = parameter_table(to);
+  const bool alike = rows.size() == others.size() &&
+                     std::equal(rows.begin(), rows.end(), others.begin(), [](const auto& a, const auto& b) {
+                       return a.place == b.place && a.path.parts == b.path.parts;
+                     });
+  if (!alike) fail("expected two scenes that differ in numbers only");
+  for (const ParameterRow& row : rows) {
+    if (row.place.owner == Owner::start || row.place.owner == Owner::drive) continue;
+    const std::optional<double> a = poise::value_at(scene_, row.place), b = poise::value_at(to, row.place);
+    const bool has_other_vector =
+        row.place.owner == Owner::force && !(scene_.forces[row.place.item].vector == to.forces[row.place.item].vector);
+    if (a == b && !has_other_vector) continue;
+    if (!a || !b || !std::isfinite(*a) || !std::isfinite(*b)) {
+      fail(fmt::format("expected {} in both scenes, or in none", row.path.text()));
+    }
+    places_.push_back(row.place);
+  }
+  if (places_.empty()) fail("expected a number that differs");
+  // Products of two numbers that vary, a mass in a gravity, say, are not affine.
+  const auto all_of = [&](std::initializer_list<Owner> owners) {
+    return std::all_of(places_.begin(), places_.end(), [&](const ParameterPlace& place) {
+      return std::find(owners.begin(), owners.end(), place.owner) != owners.end();
+    });
+  };
+  affine_ = all_of({Owner::force, Owner::torque}) || all_of({Owner::stop}) ||
+            (places_.size() == 1 && enters_affinely(scene_, places_[0]));
+  other_ = std::make_shared<const Scene>(std::move(to));
+  scales_ = ScaledModel(scene_at(generic()), Purpose::statics).scales();
+}
+
 VariedScene VariedScene::in(Scene scene, const VariedScene& like) const {
   VariedScene out = *this;
   if (driven_) scene.stops.push_back(scene_.stops.back());
@@ -129,6 +184,7 @@ VariedScene VariedScene::in(Scene scene, const VariedScene& like) const {
 }
 
 double VariedScene::excess() const {
+  if (other_) return 0.0;
   const bool is_load = !places_.empty() && (places_[0].owner == Owner::force || places_[0].owner == Owner::torque);
   if (!is_load || scene_.elements.empty()) return 0.0;
   return scales_.force / ScaledModel(scene_at(0.0), Purpose::statics).scales().force;
@@ -142,6 +198,10 @@ Scene VariedScene::scene_at(double value) const {
   Scene scene = scene_;
   if (driven_) {
     scene.stops.back().min = scene.stops.back().max = value;
+    return scene;
+  }
+  if (other_) {
+    for (const ParameterPlace& place : places_) blend(scene, *other_, place, value);
     return scene;
   }
   for (std::size_t k = 0; k < places_.size(); ++k) {

@@ -21,6 +21,11 @@ class VariedScene {
   /// `from` and `to` in the scene's own units. Throws InputError for a name that does not exist (with the nearest), a
   /// range of length zero, or values that the number cannot have.
   VariedScene(Scene scene, const std::string& name, double from, double to);
+  /// All numbers in which two scenes of one structure differ, together: at the part s, 0 <= s <= 1, each is
+  /// (1 - s) a + s b, of a force its vector. Guesses and drives, on which equilibrium does not depend, are those of
+  /// `to`. Throws InputError where the scenes differ in more than numbers, in a limit of a stop that only one of them
+  /// has, or in no number.
+  VariedScene(Scene from, Scene to);
   /// The same number over the same range in another scene, which differs from this one in other numbers only; compiled
   /// in the coordinates and units of `like`, so that points of both can be compared.
   VariedScene in(Scene scene, const VariedScene& like) const;
@@ -62,7 +67,8 @@ class VariedScene {
   double from_ = 0.0, to_ = 0.0, unit_ = 1.0;
   bool driven_ = false, affine_ = false;
   std::vector<ParameterPlace> places_;
-  std::vector<double> whole_;  // values of the places that the factor 1 stands for
+  std::vector<double> whole_;           // values of the places that the factor 1 stands for
+  std::shared_ptr<const Scene> other_;  // at the part 1, where all differing numbers vary together
   Scales scales_{};
   std::shared_ptr<const Scene> structure_;  // of in()
 };

@@ -176,6 +176,7 @@ int run_path(const PathRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   progress.now("following the curve of equilibria");
   options.progress = progress_of(progress, varied);
+  options.courses = files.wants_html();  // snaps are shown
   const Path found = path(varied, options);
 
   const bool any = std::any_of(found.branches.begin(), found.branches.end(),

@@ -63,21 +63,17 @@ const PathEvent* snap_of(const Path& path, const PathBranch& branch) {
   return &path.events[static_cast<std::size_t>(branch.events.back())];
 }
 
+bool ends_a_branch(const Path& path, const PathEvent& snap) {
+  return std::any_of(path.branches.begin(), path.branches.end(),
+                     [&](const PathBranch& branch) { return snap_of(path, branch) == &snap; });
+}
+
 /// Whether a branch begins at the landing of a snap.
 bool goes_on(const Path& path, const PathPoint& landing, double range) {
   constexpr double same = 1e-6;
   return std::any_of(path.branches.begin(), path.branches.end(), [&](const PathBranch& branch) {
     return !branch.points.empty() && distance(branch.points.front(), landing, range) < same;
   });
-}
-
-/// The poses that the mechanism passes in a snap, where they were recorded.
-template <class Event>
-std::vector<std::vector<double>> course_of(const Event& event) {
-  if constexpr (requires { event.course; })
-    return event.course;
-  else
-    return {};
 }
 
 std::string parameter_words(const VariedScene& varied, double value) {
@@ -161,20 +157,34 @@ Figure path_figure(const VariedScene& varied, const Path& path, const std::vecto
 
   Play play{.label = varied.name(), .unit = varied.unit_name()};
   std::vector<Shown> shown;
+  const auto add_snap = [&](const PathEvent& snap) {
+    if (snap.course.empty()) return;
+    const std::size_t first = shown.size();
+    for (const std::size_t k : evenly(snap.course.size(), 30)) {
+      Shown& at = shown.emplace_back(Shown{.snaps = true});
+      at.point.parameter = snap.at.parameter;
+      at.point.x = snap.course[k];
+      at.point.effort = std::numeric_limits<double>::quiet_NaN();
+    }
+    play.snaps.push_back({first, shown.size() - 1, snap_words(varied, snap, charts.measures)});
+  };
   for (const PathBranch& branch : path.branches) {
     for (const std::size_t i : shown_points(path, branch, step, range)) shown.push_back({branch.points[i]});
     const PathEvent* snap = snap_of(path, branch);
-    const std::vector<std::vector<double>> course =
-        snap != nullptr ? course_of(*snap) : std::vector<std::vector<double>>();
-    const std::size_t first = shown.size();
-    for (const std::size_t k : evenly(course.size(), 30)) {
-      Shown& at = shown.emplace_back(Shown{.snaps = true});
-      at.point.parameter = snap->at.parameter;
-      at.point.x = course[k];
-      at.point.effort = std::numeric_limits<double>::quiet_NaN();
-    }
-    if (!course.empty()) play.snaps.push_back({first, shown.size() - 1, snap_words(varied, *snap, charts.measures)});
+    if (snap != nullptr) add_snap(*snap);
     if (snap != nullptr && snap->landing && !goes_on(path, *snap->landing, range)) shown.push_back({*snap->landing});
+  }
+  // The curve goes on through a fold, the mechanism does not: what it does there follows behind the curve.
+  for (std::size_t e = 0; e < path.events.size(); ++e) {
+    const PathEvent& event = path.events[e];
+    if (event.kind != PathEvent::Kind::snap || event.course.empty() || !event.landing || ends_a_branch(path, event)) {
+      continue;
+    }
+    play.marks.push_back({shown.size(), fmt::format("{} \u2192", e + 1),
+                          fmt::format("the snap at {}", parameter_words(varied, event.at.parameter))});
+    shown.push_back({event.at});
+    add_snap(event);
+    shown.push_back({*event.landing});
   }
   if (shown.empty()) return {};
 
@@ -196,6 +206,8 @@ Figure path_figure(const VariedScene& varied, const Path& path, const std::vecto
     if (distance(nearest->point, *mark.point, range) > same) continue;  // on a curve that was not followed
     play.marks.push_back({static_cast<std::size_t>(nearest - shown.begin()), mark.label, mark.caption});
   }
+  std::stable_sort(play.marks.begin(), play.marks.end(),
+                   [](const Play::Mark& a, const Play::Mark& b) { return a.frame < b.frame; });
   Figure figure{.title = "Along the path of equilibria"};
   figure.charts.panels = charts.panels;
   figure.charts.cursors = path_cursors(varied, charts.measures, points);
