@@ -1,0 +1,33 @@
+#pragma once
+
+// Private to statics/tracked_equilibrium.cpp.
+
+#include <optional>
+#include <vector>
+
+#include "statics/tracked_equilibrium.hpp"
+
+namespace poise {
+
+/// A stable equilibrium followed while numbers of its scene change.
+struct FollowedChange {
+  bool arrived = false;
+  BodyPoses poses;          ///< where it came, of bodies, then of bars
+  Scene scene;              ///< there: the one wanted if it arrived
+  Transition transition{};  ///< followed or snapped
+};
+
+/// Follows the equilibrium at `poses`, in which these stops of `before` act, all numbers growing in proportion: in a
+/// few steps (statics/small_step.hpp) where nothing happens on the way, else as statics/path.hpp does, with snaps.
+FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
+                             const std::vector<int>& active_stops, const TrackedOptions& options);
+
+/// The same in one step; empty where that is too large (statics/small_step.hpp).
+std::optional<BodyPoses> step_to(const Scene& before, const Scene& after, const BodyPoses& poses,
+                                 const std::vector<int>& active_stops);
+
+/// The poses that a mechanism passes whose loops are kept closed by shortest steps while the numbers change, from
+/// `poses` on. Throws InputError where they cannot be closed.
+std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const BodyPoses& poses);
+
+}  // namespace poise

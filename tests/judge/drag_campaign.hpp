@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "statics/tracked_equilibrium.hpp"
+
+namespace poise::judge {
+
+struct DragTrial {
+  int steps = 60;      ///< at least, of the run
+  bool print = false;  ///< every step
+  double slow = 1.0;   ///< s of a step that is too slow
+};
+
+/// What a random run of one scene found.
+struct JudgedDrags {
+  int bodies = 0;
+  int steps = 0, confirmed = 0;
+  std::array<int, 6> kinds{};  ///< by Transition::Kind
+  int errors = 0;              ///< InputError, with everything as before
+  int judged = 0;              ///< transitions compared with small steps, which could decide
+  std::vector<std::string> undecided;
+  std::vector<std::string> contradictions;
+  struct Time {
+    double seconds = 0.0;  ///< of the processor
+    char action = 'd';     ///< d: drag, c: change of numbers, s: another structure, r: release and the like
+    bool jumps = false;    ///< snapped or settled
+    std::string words{};
+  };
+  std::vector<Time> times;
+};
+
+/// A random sequence of actions on the scene: drags of points, changes of numbers and structure, releases and returns.
+/// Every step is compared with free bodies, a fresh certificate and small steps (tests/judge/small_steps.hpp).
+JudgedDrags judge_drags(const Scene& scene, std::uint64_t seed, const DragTrial& trial = {});
+
+/// The mechanism of a seed, from all generators in turn: linkages, mixed and planted mechanisms, chains of 2 to 20
+/// links, and the kinds of tests/support/random_scenes.hpp. `kind`: its name.
+Scene scene_to_drag(std::uint64_t seed, std::string& kind);
+
+}  // namespace poise::judge
