@@ -360,11 +360,14 @@ function followWithName(picture, stage) {
   });
 }
 
-function layerMenu(picture, drawing) {
+/// A menu in which the reader chooses the layers of a drawing that are shown.
+export function layerMenu(picture, drawing) {
   const layers = [...new Set(drawing.slots.map(([layer]) => layer))];
   return menu(
     'Layers',
-    ...layers.map((layer) => checkbox(layer.replaceAll('-', ' '), true, (shown) => picture.hideLayer(layer, !shown)))
+    ...layers.map((layer) =>
+      checkbox(layer.replaceAll('-', ' '), !picture.hidden.has(layer), (shown) => picture.hideLayer(layer, !shown))
+    )
   );
 }
 

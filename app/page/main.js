@@ -7,6 +7,7 @@ import {drawingView} from './figure.js';
 import {Player} from './player.js';
 import {cardsView} from './cards.js';
 import {chartsView} from './chart.js';
+import {showLiveView} from './view.js';
 
 // The text of a member of a JSON object, as it was written: numbers of 64 bits would lose digits in JSON.parse.
 function memberText(text, key) {
@@ -122,6 +123,10 @@ function openWhilePrinting(place) {
 export function showPage(text) {
   const page = JSON.parse(text);
   const palette = usePalette(page.palette);
+  if (page.command === 'view' && page.view) {
+    showLiveView(page, palette, document.getElementById('page'));
+    return;
+  }
   const figures = page.figures ?? [];
   const figure_views = figures.map((figure) => figureView(figure, palette));
   const report =
@@ -129,6 +134,9 @@ export function showPage(text) {
       ? element('section', {class: 'report'}, element('h2', {}, 'Report'), reportView(page.report, 3))
       : null;
   const beside = isStill(figures[0]) && report !== null;
+  // Charts explain the numbers of a report, a mechanism introduces them.
+  const report_first = figures.every((figure) => figure.kind === 'charts');
+  const parts = report_first ? [report, ...figure_views] : [...figure_views, report];
   const main = element(
     'main',
     {id: 'main', class: beside ? 'beside' : null, tabindex: -1},
@@ -140,7 +148,7 @@ export function showPage(text) {
     ),
     ...(beside
       ? [element('div', {class: 'pair'}, figure_views[0], report), ...figure_views.slice(1)]
-      : [...figure_views, report].filter((view) => view !== null))
+      : parts.filter((view) => view !== null))
   );
   const footer = element('footer', {}, `Made by Poise ${page.poise ?? ''}`);
   document.getElementById('page').replaceChildren(headerView(page, text), main, footer);
