@@ -23,6 +23,7 @@ if(POISE_BUILD_APP)
     set(MPI_CXX_SKIP_MPICXX ON)
     find_package(MPI 3.1 QUIET COMPONENTS CXX)                                      # apt: libopenmpi-dev openmpi-bin
   endif()
+  pkg_check_modules(HttpLib REQUIRED IMPORTED_TARGET cpp-httplib)                   # apt: libcpp-httplib-dev
   find_package(CLI11 2 REQUIRED)                                                    # apt: libcli11-dev
 endif()
 if(POISE_BUILD_APP OR POISE_BUILD_BENCHMARKS)
@@ -31,6 +32,7 @@ endif()
 if(POISE_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)                                                 # apt: libgtest-dev
   # Looked for when tests run, which skip what it checks without it.                 # apt oracles: phcpack
+  # The same: the browser that tests of pages run in.                                # apt browser: chromium chromium-driver
 endif()
 if(POISE_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 REQUIRED)                                              # apt: libbenchmark-dev

@@ -18,6 +18,10 @@ Command solve_command();
 /// (--seconds 0). Ctrl-C keeps what was found.
 Command equilibria_command();
 
+/// `poise view SCENE`: a page in the browser in which joints, loads and numbers are changed, each answered with the
+/// equilibrium. Ctrl-C ends it, with exit code solved.
+Command view_command();
+
 /// `poise path SCENE --vary load.P=0..5`: the curve of equilibria as one number of the scene changes, with its folds,
 /// branch points, stops and snaps; exit code solved where the curve was followed to its ends and every point is proved.
 /// Ctrl-C keeps the curve followed so far.

@@ -85,7 +85,9 @@ std::string palette_json() {
   std::string text;
   for (const Entry& e : table) {
     if (e.colour == ink::none) continue;
-    text += fmt::format("{}\"{}\":[\"{}\",\"{}\"]", text.empty() ? "" : ",", e.name, e.light, e.dark);
+    // Pages take colours by their numbers, SVG files have the word.
+    const std::string_view light = e.light == "white" ? "#ffffff" : e.light;
+    text += fmt::format("{}\"{}\":[\"{}\",\"{}\"]", text.empty() ? "" : ",", e.name, light, e.dark);
   }
   return "{" + text + "}";
 }

@@ -9,9 +9,9 @@
 
 namespace poise::app {
 
-/// The picture (SVG) of a path that has points: its chart, and below it the mechanism at the places marked there, eight
-/// at most. `heading` is the verdict, a warning where it is not `confirmed`. Of no measures the chart takes the one
-/// that changes most.
+/// The picture (SVG) of a path that has points: its charts, of no measures of the one that changes most, and below it
+/// the mechanism at the places marked there, eight at most. `heading` is the verdict, a warning where it is not
+/// `confirmed`.
 std::string path_picture(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures,
                          const std::string& heading, bool confirmed);
 

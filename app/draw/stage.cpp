@@ -61,6 +61,21 @@ Box world_of(const Scene& scene, const MechanismPicture& picture) {
   return box;
 }
 
+namespace {
+
+constexpr double shortest_arrow = 22.0, growth_of_arrow = 62.0;  // px
+
+}  // namespace
+
+double length_of_arrow(double force, double largest) {
+  return largest > 0.0 ? shortest_arrow + growth_of_arrow * std::sqrt(force / largest) : 0.0;
+}
+
+double force_of_arrow(double length, double largest) {
+  const double root = std::max(0.0, length - shortest_arrow) / growth_of_arrow;
+  return largest * root * root;
+}
+
 double largest_force_of(const Scene& scene, const MechanismPicture& picture) {
   double largest = 0.0;
   if (picture.loads) {
@@ -249,10 +264,7 @@ Vec2 Stage::pivot(int a, int b) const {
   return page(now.poses[b].origin);
 }
 
-double Stage::arrow_length(double force) const {
-  if (largest_force <= 0) return 0.0;
-  return 22.0 + 62.0 * std::sqrt(force / largest_force);
-}
+double Stage::arrow_length(double force) const { return length_of_arrow(force, largest_force); }
 
 std::string Stage::value(double si, Quantity quantity) const {
   constexpr double rounding = 1e-13;

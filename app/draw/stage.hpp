@@ -51,6 +51,11 @@ Box world_of(const Scene& scene, const MechanismPicture& picture);
 /// The largest force, N, that a picture draws as an arrow.
 double largest_force_of(const Scene& scene, const MechanismPicture& picture);
 
+/// Length, px, of the arrow of a force, N, where that of the largest is 84 px:  22 + 62 sqrt(force / largest). And the
+/// force of a length; that of lengths up to 22 px is 0.
+double length_of_arrow(double force, double largest);
+double force_of_arrow(double length, double largest);
+
 /// How large a mechanism is drawn, and in how much detail.
 struct Sizes {
   Detail detail = Detail::full;

@@ -120,19 +120,22 @@ json in_tone(const Line& line) { return {{"text", line.text}, {"tone", word_of(l
 
 }  // namespace
 
+json report_json(const Result& result) {
+  json out = {{"verdict", in_tone(result.verdict)}, {"warnings", json::array()}, {"report", items_of(result.content)}};
+  for (const Line& warning : result.warnings) out["warnings"].push_back(in_tone(warning));
+  return out;
+}
+
 json page_document(const Result& result, const PageOrigin& origin, const std::vector<Figure>& figures) {
-  json out = {{"poise", POISE_VERSION},
+  json out = report_json(result);
+  out.update({{"poise", POISE_VERSION},
               {"command", origin.command},
               {"line", origin.line},
               {"title", one_line(result.title)},
               {"source", one_line(result.source)},
-              {"verdict", in_tone(result.verdict)},
-              {"warnings", json::array()},
               {"palette", json::parse(palette_json())},
               {"figures", json::array()},
-              {"report", items_of(result.content)},
-              {"result", result_json(result)}};
-  for (const Line& warning : result.warnings) out["warnings"].push_back(in_tone(warning));
+              {"result", result_json(result)}});
   // Whose texts may be no UTF-8.
   for (const Figure& figure : figures) out["figures"].push_back(json::parse(one_line(figure_json(figure))));
   return out;

@@ -20,4 +20,7 @@ struct PageOrigin {
 /// full, the figures, and the data of result_json().
 nlohmann::json page_document(const Result& result, const PageOrigin& origin, const std::vector<Figure>& figures);
 
+/// Its part that is text alone: verdict, warnings and report.
+nlohmann::json report_json(const Result& result);
+
 }  // namespace poise::app

@@ -1,0 +1,89 @@
+#include "app/view/parked_items.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace poise::app {
+namespace {
+
+/// Items of all kinds, in the order of the scene's lists.
+struct AllItems {
+  std::vector<SwitchedItem> elements, stops, forces, torques;
+};
+
+AllItems all_items(const Scene& scene) {
+  AllItems out;
+  std::set<std::string> used;
+  // Elements of one table may share a name.
+  const auto unlike = [&](const std::string& item) {
+    std::string name = item;
+    for (int k = 2; !used.insert(name).second; ++k) name = fmt::format("{} ({})", item, k);
+    return name;
+  };
+  for (const Element& element : scene.elements) {
+    out.elements.push_back({unlike(element.table + "." + element.name),
+                            stores_energy(element.law) ? "springs" : "dampers", element.name, element.line});
+  }
+  for (const Stop& stop : scene.stops)
+    out.stops.push_back({unlike("stop." + stop.name), "stops", stop.name, stop.line});
+  for (const Force& force : scene.forces)
+    out.forces.push_back({unlike("load." + force.name), "loads", force.name, force.line});
+  for (const Torque& torque : scene.torques)
+    out.torques.push_back({unlike("load." + torque.name), "loads", torque.name, torque.line});
+  return out;
+}
+
+template <class Kept>
+void remove(std::vector<Kept>& list, const std::vector<SwitchedItem>& items, const std::set<std::string>& off) {
+  std::size_t at = 0;
+  std::erase_if(list, [&](const Kept&) { return off.contains(items[at++].item); });
+}
+
+}  // namespace
+
+std::vector<SwitchedItem> items_of(const Scene& scene) {
+  AllItems all = all_items(scene);
+  std::vector<SwitchedItem> out;
+  for (auto* list : {&all.elements, &all.stops, &all.forces, &all.torques}) {
+    std::move(list->begin(), list->end(), std::back_inserter(out));
+  }
+  return out;
+}
+
+Scene without_items(Scene scene, const std::set<std::string>& off) {
+  if (off.empty()) return scene;
+  const AllItems all = all_items(scene);
+  remove(scene.elements, all.elements, off);
+  remove(scene.stops, all.stops, off);
+  remove(scene.forces, all.forces, off);
+  remove(scene.torques, all.torques, off);
+  return scene;
+}
+
+std::string parked(const std::string& text, const Scene& scene, const std::set<std::string>& off) {
+  if (off.empty()) return text;
+  std::set<int> begins;
+  for (const SwitchedItem& item : items_of(scene)) {
+    if (off.contains(item.item)) begins.insert(item.line);
+  }
+  std::istringstream lines(text);
+  std::string out;
+  bool parking = false;
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::size_t first = line.find_first_not_of(" \t");
+    const bool is_header = first != std::string::npos && line[first] == '[';
+    if (begins.contains(number))
+      parking = true;
+    else if (is_header)
+      parking = false;
+    out += (parking && first != std::string::npos ? "# " : "") + line + "\n";
+  }
+  return out;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace poise::app {
+
+/// What a LocalServer answers. They are called by one thread at a time.
+struct Answers {
+  std::function<std::string()> page;                    ///< HTML
+  std::function<std::string(const std::string&)> act;   ///< JSON to a request in JSON
+  std::function<std::string(const std::string&)> poll;  ///< JSON to a revision
+  std::function<std::string()> shared;                  ///< HTML: what can be given to others
+};
+
+/// A server for one page on this machine. It listens on 127.0.0.1 alone and serves nothing but `Answers`: no file of
+/// the disk has an address. Every address begins with a random token of 128 bits; others are not found. Requests whose
+/// Host or Origin is another than this server (pages of other sites, names that are bound to this machine), bodies
+/// above 1 MB and more than so many requests in a second are refused.
+class LocalServer {
+ public:
+  static constexpr int most_per_second = 500;
+  static constexpr int largest_body = 1 << 20;
+
+  /// Port 0: one that is free. Throws InputError naming --port where it cannot be had.
+  LocalServer(Answers answers, int port, double most_in_a_second = most_per_second);
+  ~LocalServer();
+  LocalServer(const LocalServer&) = delete;
+  LocalServer& operator=(const LocalServer&) = delete;
+
+  /// "http://127.0.0.1:PORT/TOKEN/".
+  const std::string& address() const;
+  /// Serves until `interrupt`.
+  void run(const std::atomic<bool>& interrupt);
+
+ private:
+  class Server;
+  std::unique_ptr<Server> server_;
+};
+
+/// Opens an address in the user's browser. False where there is no program for that.
+bool open_in_browser(const std::string& address);
+
+}  // namespace poise::app
