@@ -1,0 +1,107 @@
+// The pages that --html writes, in a real browser.
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/run_poise.hpp"
+#include "tests/support/browser.hpp"
+
+namespace poise::page_tests {
+namespace {
+
+using app_tests::dataset;
+using app_tests::Outcome;
+using app_tests::run_poise;
+using app_tests::TempFolder;
+using nlohmann::json;
+using test::Browser;
+
+/// A browser for all tests of this file: starting one takes longer than they do.
+Browser& browser() {
+  static Browser one;
+  return one;
+}
+
+struct Report {
+  const char* name;
+  std::vector<std::string> command;
+  int exit_code = 0;
+};
+
+std::vector<Report> reports() {
+  const std::string clamp = dataset("toggle_clamp"), lift = dataset("lift");
+  return {
+      {"check", {"check", dataset("six_bar")}},
+      {"solve", {"solve", clamp}},
+      {"solve_not_found", {"solve", clamp, "--seek", "stable", "--set", "start.handle=92.2"}, -1},
+      {"equilibria", {"equilibria", clamp}},
+      {"path", {"path", clamp, "--vary", "load.P=0..60"}},
+      {"fold_curve",
+       {"path", dataset("von_mises_toggle"), "--vary", "load.P=0..60", "--vary", "spring.left.stiffness=900..1100",
+        "--curve", "fold"},
+       -1},
+      {"sensitivity", {"sensitivity", clamp, "--of", "force.rubber"}},
+      {"tolerance",
+       {"tolerance", clamp, "--tolerances", dataset("toggle_clamp_tolerances"), "--of", "force.rubber", "--samples",
+        "2000"}},
+      {"compare", {"compare", clamp}},
+      {"work_precision", {"compare", dataset("four_bar_gravity"), "--tolerances", "1e-2..1e-6"}},
+      {"kinematics", {"kinematics", lift, "--drive", "stroke=0.5..0.79", "--point", "platform.Q"}},
+      {"motion", {"motion", lift, "--duration", "1", "--release", "obd=0.005"}},
+      {"modes", {"modes", lift}},
+      {"forces", {"forces", lift, "--drive", "stroke=0.5..0.79"}},
+      {"forces_in_a_pose", {"forces", dataset("four_bar_gravity"), "--drive", "crank=60"}},
+      {"design", {"design", dataset("lift_design"), "--starts", "1"}, -1},
+      {"identify", {"identify", dataset("lift_experiment")}},
+      {"identifiability", {"identifiability", dataset("lift_experiment_empty")}},
+      {"montecarlo", {"montecarlo", dataset("lift_experiment"), "--trials", "4"}, -1},
+      {"stress", {"stress", "zeeman-cusp", "--starts", "2"}, -1},
+  };
+}
+
+void PrintTo(const Report& report, std::ostream* out) { *out << report.name; }
+
+class ReportPages : public testing::TestWithParam<Report> {
+ protected:
+  void SetUp() override {
+    if (const std::string why = Browser::missing(); !why.empty()) GTEST_SKIP() << why;
+  }
+};
+
+/// Opens from disk, says what was found, and writes nothing to the console.
+TEST_P(ReportPages, OpenWithoutAWordOnTheConsole) {
+  const Report& report = GetParam();
+  const TempFolder folder;
+  const std::string file = folder.path("report.html").string();
+  std::vector<std::string> command = report.command;
+  command.insert(command.end(), {"--html", file, "--quiet"});
+  const Outcome ran = run_poise(command);
+  if (report.exit_code >= 0) {
+    ASSERT_EQ(ran.exit_code, report.exit_code) << ran.out << ran.err;
+  }
+  ASSERT_TRUE(std::filesystem::exists(file)) << ran.out << ran.err;
+  browser().open("file://" + file);
+  EXPECT_TRUE(browser().wait_for("document.querySelector('h1') && document.readyState === 'complete'"));
+  const json seen = browser().run(
+      "return {text: document.body.innerText, wide: document.documentElement.scrollWidth - innerWidth,"
+      " figures: document.querySelectorAll('figure, svg').length,"
+      " fetched: performance.getEntriesByType('resource').filter(e => !e.name.startsWith('data:')).length,"
+      " seconds: performance.timing.domInteractive - performance.timing.navigationStart}");
+  EXPECT_LE(seen["wide"], 0) << "the page is wider than the window";
+  EXPECT_EQ(seen["fetched"], 0);
+  EXPECT_GT(seen["text"].get<std::string>().size(), 100U);
+  for (const std::string& line : browser().console()) ADD_FAILURE() << line;
+  std::printf("%-18s %7.0f kB, interactive after %4.0f ms\n", report.name,
+              static_cast<double>(std::filesystem::file_size(file)) / 1000.0, seen["seconds"].get<double>());
+}
+
+INSTANTIATE_TEST_SUITE_P(AllCommands, ReportPages, testing::ValuesIn(reports()),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+}  // namespace
+}  // namespace poise::page_tests

@@ -1,0 +1,259 @@
+// What `poise view` answers to requests, without a browser.
+#include "app/view/view_session.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "statics/named_equilibrium.hpp"
+#include "tests/app/run_poise.hpp"
+
+namespace poise::app {
+namespace {
+
+using app_tests::contents;
+using app_tests::dataset;
+using app_tests::TempFolder;
+using nlohmann::json;
+
+json asked(ViewSession& session, const json& request) { return json::parse(session.act(request)); }
+
+json look(ViewSession& session) { return asked(session, {{"do", "look"}}); }
+
+std::string error_of(const json& answer) { return answer.contains("error") ? answer["error"]["text"] : ""; }
+
+/// Greatest difference of the angles shown from those that the scene's text gives to `solve`.
+double apart_from_solve(ViewSession& session, const std::string& text) {
+  const NamedEquilibrium found = solve(parse_scene(text, "shown.toml"));
+  if (!found.found()) return INFINITY;
+  const TrackedEquilibrium& tracked = session.tracked();
+  double most = 0.0;
+  for (std::size_t i = 1; i < tracked.scene().bodies.size(); ++i) {
+    most = std::max(most, std::abs(found.angle(tracked.scene().bodies[i].name) - tracked.poses()[i].angle));
+  }
+  return most;
+}
+
+/// A copy of a dataset that can be written to.
+struct OwnScene {
+  explicit OwnScene(const std::string& name) : file(folder.write(name + ".toml", contents(dataset(name)))) {}
+  TempFolder folder;
+  std::string file;
+};
+
+json handle_of(const json& state, const std::string& kind, const std::string& name) {
+  for (const json& handle : state["handles"]) {
+    if (handle["kind"] == kind && handle["name"] == name) return handle;
+  }
+  return nullptr;
+}
+
+TEST(ViewSession, BeginsWhereSolveSettles) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  const json state = look(session);
+  EXPECT_EQ(state["verdict"]["text"], "In equilibrium, proved: stable.");
+  EXPECT_NEAR(session.tracked().poses()[1].angle, 1.6337822873154150442, 1e-14);
+  EXPECT_LT(apart_from_solve(session, state["text"]), 1e-12);
+  EXPECT_TRUE(session.page()["view"]["drawing"]["frames"].is_array());
+}
+
+TEST(ViewSession, DraggedPointComesToThePointer) {
+  const OwnScene own("four_bar_gravity");
+  ViewSession session(own.file);
+  const json before = look(session);
+  const std::string point = "crank.B";
+  const json px = handle_of(before, "point", point)["px"];
+  json state;
+  for (int k = 1; k <= 40; ++k) {
+    // Along the circle round the fixed pivot A.
+    const json a = handle_of(before, "ground", "A")["px"];
+    const double x = px[0].get<double>() - a[0].get<double>(), y = px[1].get<double>() - a[1].get<double>();
+    const double turn = 0.02 * k;
+    const json to = {a[0].get<double>() + x * std::cos(turn) - y * std::sin(turn),
+                     a[1].get<double>() + x * std::sin(turn) + y * std::cos(turn)};
+    state = asked(session, {{"do", "drag"}, {"point", point}, {"px", to}});
+    ASSERT_EQ(error_of(state), "");
+    ASSERT_TRUE(session.tracked().equilibrium().found());
+    const json now = handle_of(state, "point", point)["px"];
+    EXPECT_LT(std::hypot(now[0].get<double>() - to[0].get<double>(), now[1].get<double>() - to[1].get<double>()), 0.05);
+    // What is held is an equilibrium of the scene with the stops of the hand.
+    const json whole = look(session);
+    SolveOptions any;
+    any.seek = Seek::any;
+    const std::string held = whole["text"].get<std::string>() + whole["hand"]["stops"].get<std::string>();
+    const NamedEquilibrium again = solve(parse_scene(held, "held.toml"), any);
+    ASSERT_TRUE(again.found()) << again.result().why;
+    EXPECT_NEAR(again.angle("crank"), session.tracked().poses()[1].angle, 1e-9);
+  }
+  state = asked(session, {{"do", "release"}});
+  EXPECT_EQ(state["transition"]["kind"], "settled");
+  EXPECT_GT(state["drawing"]["frames"].size(), 2U);
+  EXPECT_LT(apart_from_solve(session, state["text"]), 1e-9);
+}
+
+TEST(ViewSession, LoadBeyondTheFoldSnapsAndSaysSo) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  json state = asked(session, {{"do", "set"}, {"path", "load.P"}, {"value", 37}});
+  EXPECT_EQ(state["transition"]["kind"], "none") << "the stop holds it where it was";
+  state = asked(session, {{"do", "set"}, {"path", "load.P"}, {"value", 37.2}});
+  EXPECT_EQ(state["transition"]["kind"], "snapped");
+  EXPECT_FALSE(state["transition"]["why"].get<std::string>().empty());
+  EXPECT_GT(state["drawing"]["frames"].size(), 3U);
+  EXPECT_NEAR(session.tracked().poses()[1].angle * 180 / M_PI, 23.413452, 1e-3);
+  state = asked(session, {{"do", "undo"}});
+  EXPECT_NEAR(session.tracked().poses()[1].angle, 1.63378, 1e-3);
+}
+
+TEST(ViewSession, GestureIsOneStepForUndo) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  EXPECT_EQ(look(session)["saved"], true);
+  for (const double load : {26.0, 28.0, 30.0}) {
+    const json moving = asked(session, {{"do", "set"}, {"path", "load.P"}, {"value", load}, {"goes_on", true}});
+    EXPECT_EQ(moving["undo"], 1);
+    EXPECT_FALSE(moving.contains("text"));
+  }
+  json state = asked(session, {{"do", "set"}, {"path", "load.P"}, {"value", 31}});
+  EXPECT_EQ(state["undo"], 1);
+  EXPECT_EQ(state["saved"], false);
+  state = asked(session, {{"do", "undo"}});
+  EXPECT_DOUBLE_EQ(norm(session.tracked().scene().forces[0].vector), 25.0);
+  EXPECT_EQ(state["saved"], true);
+}
+
+TEST(ViewSession, BadTextNamesItsLineAndChangesNothing) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  const std::string text = look(session)["text"];
+  std::string bad = text;
+  bad.replace(bad.find("mass = 0.28"), 11, "mass = -1.0");
+  const json answer = asked(session, {{"do", "text"}, {"text", bad}});
+  ASSERT_TRUE(answer.contains("error"));
+  const auto line =
+      1 + std::count(bad.begin(), bad.begin() + static_cast<std::ptrdiff_t>(bad.find("mass = -1.0")), '\n');
+  EXPECT_EQ(answer["error"]["line"], line) << answer["error"]["text"];
+  EXPECT_EQ(look(session)["text"], text);
+}
+
+TEST(ViewSession, RequestsWithoutMeaningAreAnswered) {
+  const OwnScene own("four_bar_gravity");
+  ViewSession session(own.file);
+  const std::string text = look(session)["text"];
+  const std::vector<json> requests = {json::object(),
+                                      {{"do", 7}},
+                                      {{"do", "dance"}},
+                                      {{"do", "drag"}},
+                                      {{"do", "drag"}, {"point", "crank.Z"}, {"px", {1, 2}}},
+                                      {{"do", "drag"}, {"point", "ground.A"}, {"px", {1, 2}}},
+                                      {{"do", "drag"}, {"point", "crank.B"}, {"px", {1}}},
+                                      {{"do", "drag"}, {"point", "crank.B"}, {"px", {"a", "b"}}},
+                                      {{"do", "set"}, {"path", "load.Q"}, {"value", 1}},
+                                      {{"do", "set"}, {"path", "body.crank.mass"}, {"value", -1}},
+                                      {{"do", "set"}, {"path", "body.crank.mass"}, {"value", nullptr}},
+                                      {{"do", "set"}, {"path", "point.rocker.C.x"}, {"value", 1e9}},
+                                      {{"do", "switch"}, {"item", "spring.none"}, {"on", false}},
+                                      {{"do", "load"}, {"name", "none"}, {"px", {1, 2}}},
+                                      {{"do", "go"}, {"number", 99}},
+                                      {{"do", "undo"}},
+                                      {{"do", "redo"}},
+                                      {{"do", "text"}, {"text", "\xff\xfe"}},
+                                      {{"do", "text"}, {"text", std::string(1000, '[')}}};
+  for (const json& request : requests) {
+    const json answer = asked(session, request);
+    EXPECT_NE(error_of(answer), "") << request.dump(-1, ' ', false, json::error_handler_t::replace);
+    EXPECT_EQ(error_of(answer).find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(look(session)["text"], text);
+}
+
+TEST(ViewSession, SwitchesSpringsOffAndOn) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  const double before = session.tracked().poses()[3].angle;
+  json state = asked(session, {{"do", "switch"}, {"item", "spring.rubber"}, {"on", false}});
+  ASSERT_EQ(error_of(state), "");
+  EXPECT_TRUE(session.tracked().scene().elements.empty());
+  EXPECT_TRUE(parse_scene(state["text"].get<std::string>(), "off.toml").elements.empty());
+  state = asked(session, {{"do", "undo"}});
+  EXPECT_EQ(session.tracked().scene().elements.size(), 1U);
+  EXPECT_NEAR(session.tracked().poses()[3].angle, before, 1e-12);
+  state = asked(session, {{"do", "redo"}});
+  state = asked(session, {{"do", "switch"}, {"item", "spring.rubber"}, {"on", true}});
+  EXPECT_EQ(parse_scene(state["text"].get<std::string>(), "on.toml").elements.size(), 1U);
+}
+
+TEST(ViewSession, SavesOnlyOverWhatItHasRead) {
+  const OwnScene own("four_bar_gravity");
+  ViewSession session(own.file);
+  asked(session, {{"do", "set"}, {"path", "gravity.y"}, {"value", -5}});
+  EXPECT_EQ(session.poll(0)["file"], "same");
+  json state = asked(session, {{"do", "save"}});
+  EXPECT_EQ(error_of(state), "");
+  EXPECT_EQ(state["saved"], true);
+  EXPECT_NEAR(read_scene(own.file).gravity.y, -5.0 * read_scene(own.file).units.length, 1e-12);
+  own.folder.write("four_bar_gravity.toml", contents(dataset("four_bar_gravity")));
+  EXPECT_EQ(session.poll(0)["file"], "changed");
+  EXPECT_NE(error_of(asked(session, {{"do", "save"}})).find("changed on disk"), std::string::npos);
+  state = asked(session, {{"do", "reload"}});
+  EXPECT_EQ(session.poll(0)["file"], "same");
+  std::filesystem::remove(own.file);
+  EXPECT_EQ(session.poll(0)["file"], "gone");
+}
+
+std::vector<std::string> scenes() {
+  std::vector<std::string> out;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(dataset("zeeman")).parent_path())) {
+    if (entry.path().extension() != ".toml") continue;
+    try {
+      read_scene(entry.path());
+      out.push_back(entry.path().string());
+    } catch (const InputError&) {
+      continue;  // an experiment, a design
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// 200 random steps with the pointer on every scene of datasets/: what is shown as an equilibrium is one.
+TEST(ViewSession, RandomDragsShowEquilibria) {
+  for (const std::string& file : scenes()) {
+    SCOPED_TRACE(file);
+    ViewSession session(file);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    json state = look(session);
+    ASSERT_EQ(error_of(state), "");
+    for (int k = 0; k < 200; ++k) {
+      const json& handles = state["handles"];
+      const json handle = handles[random() % handles.size()];
+      if (handle["kind"] != "point") continue;
+      json to = handle["px"];
+      for (int step = 0; step < 5; ++step, ++k) {
+        for (json& x : to) x = x.get<double>() + 12.0 * uniform(random);
+        const json answer = asked(session, {{"do", "drag"}, {"point", handle["name"]}, {"px", to}});
+        if (answer.contains("error")) break;
+        const Equilibrium& shown = session.tracked().equilibrium();
+        if (!shown.found()) {
+          EXPECT_EQ(answer["drawing"]["confirmed"].back(), false);
+          continue;
+        }
+        EXPECT_TRUE(check(session.tracked().model(), shown.x).is_equilibrium()) << handle["name"];
+      }
+      state = asked(session, {{"do", "release"}});
+      ASSERT_EQ(error_of(state), "");
+    }
+    EXPECT_LT(apart_from_solve(session, look(session)["text"]), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace poise::app

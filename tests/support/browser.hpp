@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace poise::test {
+
+/// A headless Chromium, driven through its ChromeDriver (WebDriver, W3C Recommendation 2018). Debian's packages
+/// chromium and chromium-driver; cmake/setup.sh browser installs them. Whatever the browser denies is thrown as
+/// std::runtime_error.
+class Browser {
+ public:
+  /// Why there is none here; empty where one can be started. Tests skip with it.
+  static std::string missing();
+
+  /// A window of that size, px, in a light or dark scheme.
+  explicit Browser(int width = 1280, int height = 900, bool dark = false);
+  ~Browser();
+  Browser(const Browser&) = delete;
+  Browser& operator=(const Browser&) = delete;
+
+  void open(const std::string& address);
+  /// Runs the body of a function in the page, with its arguments in `arguments`, and returns what it returns.
+  nlohmann::json run(const std::string& script, const nlohmann::json& arguments);
+  nlohmann::json run(const std::string& script);
+  /// Waits until an expression is true; false where it is not after `seconds`.
+  bool wait_for(const std::string& expression, double seconds = 60.0);
+
+  /// The pointer, at places of the window, px.
+  void press(double x, double y);
+  void move(double x, double y);
+  void let_go();
+  void click(double x, double y);
+  /// Keys of the keyboard, one after the other: "a", "Enter", "ArrowRight", "Tab", ...
+  void type(const std::vector<std::string>& keys);
+
+  /// What was written to the console since the last call, errors and warnings of the browser included.
+  std::vector<std::string> console();
+  /// The window as a PNG file.
+  void picture(const std::filesystem::path& file);
+
+ private:
+  nlohmann::json ask(const std::string& what, const nlohmann::json& body);
+  nlohmann::json get(const std::string& what);
+  class Driver;
+  std::unique_ptr<Driver> driver_;
+};
+
+}  // namespace poise::test
