@@ -31,7 +31,7 @@ std::vector<Panel> path_panels(const VariedScene& varied, const Path& path, cons
 struct PathCharts {
   std::vector<PathMark> marks;
   std::vector<PathMeasure> measures;
-  std::vector<Panel> panels;
+  std::vector<Panel> panels{};
 };
 PathCharts charts_of(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures);
 
