@@ -94,10 +94,7 @@ std::vector<std::string> captions_of(const StaticModel& model, const Equilibrium
   for (std::size_t k = 0; k < set.equilibria.size(); ++k) {
     const Equilibrium& equilibrium = set.equilibria[k];
     std::string text = std::to_string(k + 1);
-    if (!assemblies) {
-      text += ": " + to_string(equilibrium.certificate.stability);
-      if (equilibrium.energy) text += ", " + with_unit(model, *equilibrium.energy, Quantity::energy, 5);
-    }
+    if (!assemblies) text += ": " + stability_and_energy(model, equilibrium);
     if (static_cast<int>(k) == set.settles_into) text += assemblies ? ": the start" : "; solve settles here";
     out.push_back(std::move(text));
   }

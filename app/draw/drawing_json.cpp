@@ -21,24 +21,6 @@ std::string_view name_of(Align align) {
   return align == Align::start ? "start" : align == Align::end ? "end" : "middle";
 }
 
-std::string_view name_of(Tone tone) {
-  switch (tone) {
-    case Tone::plain:
-      return "plain";
-    case Tone::strong:
-      return "strong";
-    case Tone::good:
-      return "good";
-    case Tone::bad:
-      return "bad";
-    case Tone::doubtful:
-      return "doubtful";
-    case Tone::faint:
-      return "faint";
-  }
-  return "plain";
-}
-
 /// Texts that many refer to by their numbers.
 class Pool {
  public:

@@ -20,24 +20,6 @@ using nlohmann::json;
 // Digits by which rows are sorted; the data have all.
 constexpr int digits_of_cells = 9;
 
-const char* word_of(Tone tone) {
-  switch (tone) {
-    case Tone::plain:
-      return "plain";
-    case Tone::strong:
-      return "strong";
-    case Tone::good:
-      return "good";
-    case Tone::bad:
-      return "bad";
-    case Tone::doubtful:
-      return "doubtful";
-    case Tone::faint:
-      return "faint";
-  }
-  return "";
-}
-
 double rounded(double value) { return std::strtod(fmt::format("{:.{}g}", value, digits_of_cells).c_str(), nullptr); }
 
 /// Without the blanks that align text.
@@ -63,20 +45,20 @@ json column_of(const TextColumn& column) {
   if (!column.column->is_words() && !column.column->numbers.empty()) out["values"] = values_of(column);
   const std::vector<Tone>& tones = column.column->tones;
   if (std::any_of(tones.begin(), tones.end(), [](Tone tone) { return tone != Tone::plain; })) {
-    for (const Tone tone : tones) out["tones"].push_back(word_of(tone));
+    for (const Tone tone : tones) out["tones"].push_back(name_of(tone));
   }
   return out;
 }
 
 json fact(const std::string& label, const std::string& text, Tone tone) {
-  return {{"kind", "fact"}, {"label", label}, {"text", text}, {"tone", word_of(tone)}};
+  return {{"kind", "fact"}, {"label", label}, {"text", text}, {"tone", name_of(tone)}};
 }
 
 json items_of(const Group& group);
 
 json item_of(const Line& line) {
   if (!line.label.empty()) return fact(line.label, line.text, line.tone);
-  return {{"kind", "note"}, {"text", line.text}, {"tone", word_of(line.tone)}};
+  return {{"kind", "note"}, {"text", line.text}, {"tone", name_of(line.tone)}};
 }
 
 json item_of(const Entry& entry) { return fact(entry.label, text_of(entry), Tone::plain); }
@@ -116,7 +98,7 @@ json items_of(const Group& group) {
   return out;
 }
 
-json in_tone(const Line& line) { return {{"text", line.text}, {"tone", word_of(line.tone)}}; }
+json in_tone(const Line& line) { return {{"text", line.text}, {"tone", name_of(line.tone)}}; }
 
 }  // namespace
 

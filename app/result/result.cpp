@@ -20,6 +20,24 @@ const Table* csv_of(const Group& group) {
 
 }  // namespace
 
+std::string_view name_of(Tone tone) {
+  switch (tone) {
+    case Tone::plain:
+      return "plain";
+    case Tone::strong:
+      return "strong";
+    case Tone::good:
+      return "good";
+    case Tone::bad:
+      return "bad";
+    case Tone::doubtful:
+      return "doubtful";
+    case Tone::faint:
+      return "faint";
+  }
+  return "plain";
+}
+
 Column& Table::words(std::string key, std::string title, std::vector<std::string> cells) {
   return columns.emplace_back(
       Column{.key = std::move(key), .title = std::move(title), .kind = Column::Kind::word, .words = std::move(cells)});

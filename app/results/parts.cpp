@@ -133,6 +133,12 @@ Tone tone_of(Stability stability) {
   return Tone::plain;
 }
 
+std::string stability_and_energy(const ScaledModel& model, const Equilibrium& equilibrium) {
+  std::string text = to_string(equilibrium.certificate.stability);
+  if (equilibrium.energy) text += ", " + with_unit(model, *equilibrium.energy, Quantity::energy, 5);
+  return text;
+}
+
 std::vector<double>::const_iterator largest_by_size(const std::vector<double>& values) {
   return std::max_element(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
 }

@@ -45,6 +45,9 @@ std::string with_unit(const ScaledModel& model, double si, Quantity quantity, in
 std::string in_words(const Certificate& certificate);
 Tone tone_of(Stability stability);
 
+/// "stable, -131.69 N m"; the energy where it is known.
+std::string stability_and_energy(const ScaledModel& model, const Equilibrium& equilibrium);
+
 /// The value that is largest by size; the end of an empty row.
 std::vector<double>::const_iterator largest_by_size(const std::vector<double>& values);
 /// The largest size; 0 of an empty row.

@@ -21,11 +21,7 @@ using app_tests::TempFolder;
 using nlohmann::json;
 using test::Browser;
 
-/// A browser for all tests of this file: starting one takes longer than they do.
-Browser& browser() {
-  static Browser one;
-  return one;
-}
+Browser& browser() { return Browser::shared(); }
 
 struct Report {
   const char* name;

@@ -34,10 +34,7 @@ using app_tests::TempFolder;
 using nlohmann::json;
 using test::Browser;
 
-Browser& browser() {
-  static Browser one;
-  return one;
-}
+Browser& browser() { return Browser::shared(); }
 
 /// `poise view` of a copy of a dataset, and its page in the browser.
 class ViewPage : public testing::Test {

@@ -186,6 +186,11 @@ Browser::Browser(int width, int height, bool dark) : driver_(std::make_unique<Dr
 
 Browser::~Browser() = default;
 
+Browser& Browser::shared() {
+  static Browser one;
+  return one;
+}
+
 json Browser::ask(const std::string& what, const json& body) {
   return driver_->post("/session/" + driver_->session + "/" + what, body);
 }

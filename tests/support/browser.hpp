@@ -24,6 +24,9 @@ class Browser {
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
 
+  /// One of the usual size that all tests of a program share: starting it takes longer than most of them.
+  static Browser& shared();
+
   void open(const std::string& address);
   /// Runs the body of a function in the page, with its arguments in `arguments`, and returns what it returns.
   nlohmann::json run(const std::string& script, const nlohmann::json& arguments);
