@@ -30,6 +30,7 @@ class FrameDrawer {
   Canvas draw(const MechanismPicture& picture);
   /// Frames drawn by this as a drawing of the area, with the legend of all pictures so far.
   Drawing finished(std::vector<Frame> frames, std::string description) const;
+  const Box& area() const { return area_; }
   double pin_radius() const { return sizes_.pin_radius; }  ///< px
   /// Where the world is in that drawing.
   FrameView view() const;

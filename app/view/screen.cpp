@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/draw/followed.hpp"
 #include "app/draw/symbols.hpp"
 #include "statics/answer.hpp"
 
@@ -13,7 +14,6 @@ namespace poise::app {
 namespace {
 
 constexpr Vec2 room{720.0, 460.0};
-constexpr double for_arrows = 60.0;  // px round the part that is shown
 constexpr std::size_t most_passed = 40;
 
 /// The scene without the hand, its force as a load.
@@ -31,20 +31,12 @@ MechanismPicture picture_of(const TrackedEquilibrium& tracked) {
   return picture;
 }
 
-Box extent_now(const TrackedEquilibrium& tracked) {
-  return extent_of(tracked.scene(), readings_of(tracked.scene(), tracked.poses()));
-}
+Box extent_now(const TrackedEquilibrium& tracked) { return world_of(tracked.scene(), {.poses = tracked.poses()}); }
 
 /// With a third of its size to all sides.
 Box with_room_to_move(Box box) {
   const double more = std::max({box.width(), box.height(), 1e-6}) / 3;
   return {box.low - Vec2{more, more}, box.high + Vec2{more, more}};
-}
-
-Box area_for(const Sizes& sizes, const Box& world) {
-  constexpr double across = 422.0;  // px: half of the width of a page, its margins left out
-  const Vec2 half = 0.5 * sizes.scale * Vec2{world.width(), world.height()} + Vec2{for_arrows, for_arrows};
-  return {{-std::max(half.x, across), -half.y}, {std::max(half.x, across), half.y}};
 }
 
 std::string in_words(const TrackedEquilibrium& tracked) {
@@ -58,12 +50,9 @@ std::string in_words(const TrackedEquilibrium& tracked) {
 Screen::Screen(const TrackedEquilibrium& tracked)
     : scene_(drawn_scene(tracked)),
       world_(with_room_to_move(extent_now(tracked))),
-      area_(area_for(sizes_for(scene_, world_, room), world_)),
-      drawer_(scene_, world_, room) {
-  drawer_.show(area_);
-  view_ = drawer_.view();
-  largest_force_ = largest_force_of(scene_, picture_of(tracked));
-}
+      drawer_(scene_, world_, room),
+      view_(drawer_.view()),
+      largest_force_(largest_force_of(scene_, picture_of(tracked))) {}
 
 bool Screen::shows(const TrackedEquilibrium& tracked) const {
   const Box now = extent_now(tracked);
@@ -81,9 +70,7 @@ Drawing Screen::drawing(const TrackedEquilibrium& tracked, const Transition& tra
   picture.largest_force = largest_force_;
   std::vector<Frame> frames;
   for (const Transition::Course& course : transition.courses) {
-    const std::size_t count = course.poses.size();
-    const std::size_t step = std::max<std::size_t>(1, (count + most_passed - 1) / most_passed);
-    for (std::size_t k = 0; k < count; k += step) {
+    for (const std::size_t k : evenly(course.poses.size(), most_passed)) {
       const MechanismPicture passed{.poses = course.poses[k], .confirmed = false, .largest_force = largest_force_};
       frames.push_back({drawer_.draw(passed), "moving: " + course.why, Tone::doubtful, false});
     }
@@ -93,7 +80,7 @@ Drawing Screen::drawing(const TrackedEquilibrium& tracked, const Transition& tra
                     : tracked.equilibrium().certificate.stability == Stability::unstable ? Tone::bad
                                                                                          : Tone::good;
   frames.push_back({drawer_.draw(picture), in_words(tracked), tone, found});
-  find_loads(frames.back().canvas, picture.poses);
+  find_loads(frames.back().canvas, tracked);
   Drawing out = drawer_.finished(std::move(frames), scene_.title.empty() ? "the mechanism" : scene_.title);
   // A legend that becomes shorter moves nothing.
   height_ = out.height = std::max(height_, out.height);
@@ -102,7 +89,7 @@ Drawing Screen::drawing(const TrackedEquilibrium& tracked, const Transition& tra
 
 Drawing Screen::others(const OtherEquilibria::Found& found) const {
   FrameDrawer drawer(found.scene, world_, room, false);
-  drawer.show(area_);
+  drawer.show(drawer_.area());
   std::vector<Frame> frames;
   for (const BodyPoses& poses : found.poses) {
     frames.push_back({.canvas = drawer.draw({.poses = poses, .loads = false})});
@@ -120,10 +107,11 @@ Figure Screen::figure(const TrackedEquilibrium& tracked) {
   return out;
 }
 
-void Screen::find_loads(const Canvas& canvas, const BodyPoses& poses) {
+void Screen::find_loads(const Canvas& canvas, const TrackedEquilibrium& tracked) {
   loads_.clear();
   const Vec2 origin = px(world_.middle());  // of what was drawn
-  for (const Force& force : scene_.forces) {
+  const BodyPoses poses = tracked.poses();
+  for (const Force& force : tracked.scene().forces) {
     for (const Canvas::Entry& entry : canvas.entries()) {
       const auto* shaft = std::get_if<shape::Line>(&entry.shape);
       if (shaft == nullptr || canvas.items()[entry.item].name != "load " + force.name) continue;

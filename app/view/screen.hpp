@@ -14,6 +14,8 @@ class Screen {
  public:
   /// Fits the mechanism where it stands, with room to move.
   explicit Screen(const TrackedEquilibrium& tracked);
+  Screen(const Screen&) = delete;  // the drawer refers to its scene
+  Screen& operator=(const Screen&) = delete;
 
   /// Whether all of the mechanism is within the part that is shown.
   bool shows(const TrackedEquilibrium& tracked) const;
@@ -28,7 +30,7 @@ class Screen {
   Vec2 world(Vec2 px) const { return view_.world(px); }
   Vec2 px(Vec2 world) const { return view_.page(world); }
 
-  /// The arrow of a load as it was drawn last.
+  /// The arrow of a load of the scene as it was drawn last.
   struct LoadArrow {
     std::string name;
     Vec2 at, far;             ///< px: the point of the load, and the end of the arrow that is not there
@@ -39,10 +41,10 @@ class Screen {
   Vec2 pulled(const std::string& load, Vec2 to) const;
 
  private:
-  void find_loads(const Canvas& canvas, const BodyPoses& poses);
+  void find_loads(const Canvas& canvas, const TrackedEquilibrium& tracked);
 
   Scene scene_;  // as it is drawn: with the force of the hand as a load
-  Box world_, area_;
+  Box world_;
   FrameDrawer drawer_;
   FrameView view_;
   double height_ = 0.0;         // px
