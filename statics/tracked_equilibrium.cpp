@@ -119,8 +119,6 @@ std::string to_string(Transition::Kind kind) {
       return "settled";
     case Transition::Kind::blocked:
       return "blocked";
-    case Transition::Kind::refused:
-      return "refused";
   }
   return "unknown";
 }

@@ -23,8 +23,7 @@ struct Transition {
     followed,  ///< along a curve of equilibria, and no fold was crossed; a dragged point along its way
     snapped,   ///< followed to a fold, from where it moved to another equilibrium, which was followed further
     settled,   ///< nothing led there without a jump: released where it was, it moved to where it rests
-    blocked,   ///< a dragged point can follow no further; it was taken as far as it can
-    refused    ///< the change is impossible, and nothing changed
+    blocked    ///< a dragged point can follow no further; it was taken as far as it can
   };
   Kind kind = Kind::none;
   std::string why;                  ///< one sentence; empty where it was simply followed

@@ -1,4 +1,4 @@
-#include <filesystem>
+#include <charconv>
 #include <memory>
 #include <string>
 
@@ -32,10 +32,7 @@ std::string answer(ViewSession& session, const std::string& body) {
 
 std::string answer_poll(ViewSession& session, const std::string& revision) {
   long number = 0;
-  for (const char digit : revision.substr(0, 15)) {
-    if (digit < '0' || digit > '9') break;
-    number = 10 * number + (digit - '0');
-  }
+  std::from_chars(revision.data(), revision.data() + revision.size(), number);
   return session.poll(number).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

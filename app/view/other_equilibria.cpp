@@ -50,13 +50,6 @@ void OtherEquilibria::look_for(Scene scene, long revision) {
   changed_.notify_all();
 }
 
-void OtherEquilibria::forget() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  interrupt_ = true;
-  found_.reset();
-  next_.reset();
-}
-
 std::optional<OtherEquilibria::Found> OtherEquilibria::found() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return found_;

@@ -31,8 +31,6 @@ class OtherEquilibria {
 
   /// Looks for those of this scene; what is being looked for is given up. `revision` is the caller's.
   void look_for(Scene scene, long revision);
-  /// Gives up what is being looked for, and forgets what was found.
-  void forget();
   /// What was found last; empty while it is looked for.
   std::optional<Found> found() const;
   bool searching() const;

@@ -1,12 +1,12 @@
 #include "app/view/view_session.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <fstream>
-#include <functional>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,7 +19,6 @@
 #include "app/results/statics/solve.hpp"
 #include "app/terminal/output_file.hpp"
 #include "app/view/parked_items.hpp"
-#include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/rewritten_scene.hpp"
@@ -44,14 +43,15 @@ std::optional<int> line_in(const std::string& message, const std::string& file) 
   return line;
 }
 
+/// Whether undo takes a request back: dragging about with the hand changes no number.
+bool changes_scene(const std::string& what) {
+  constexpr std::array<std::string_view, 6> changing = {"ground", "load", "set", "switch", "text", "reload"};
+  return std::find(changing.begin(), changing.end(), what) != changing.end();
+}
+
 Vec2 px_of(const json& request) {
   const json& px = request.at("px");
   return {px.at(0).get<double>(), px.at(1).get<double>()};
-}
-
-double finite(double value, const char* what) {
-  if (!std::isfinite(value) || std::abs(value) > 1e50) throw InputError(fmt::format("{}: expected a number", what));
-  return value;
 }
 
 const char* group_of(const ParameterRow& row, const Scene& scene) {
@@ -211,11 +211,15 @@ void ViewSession::remember(Snapshot before) {
   if (undo_.size() > most_steps_back) undo_.erase(undo_.begin());
 }
 
-void ViewSession::go_back_to(Snapshot snapshot) {
-  tracked_->restore(without_items(snapshot.scene, snapshot.off));
-  text_ = std::move(snapshot.text);
-  scene_ = std::move(snapshot.scene);
-  off_ = std::move(snapshot.off);
+/// From the last of `from` to which `to` then leads back.
+void ViewSession::go_back(const std::string& what, std::vector<Snapshot>& from, std::vector<Snapshot>& to) {
+  if (from.empty()) throw InputError(fmt::format("there is nothing to {}", what));
+  tracked_->restore(without_items(from.back().scene, from.back().off));
+  to.push_back(snapshot());
+  text_ = std::move(from.back().text);
+  scene_ = std::move(from.back().scene);
+  off_ = std::move(from.back().off);
+  from.pop_back();
   sync();
 }
 
@@ -270,8 +274,7 @@ Transition ViewSession::do_load(const json& request) {
 
 Transition ViewSession::do_set(const json& request) {
   Scene wanted = scene_;
-  const double value = finite(request.at("value").get<double>(), "value");
-  set_value(wanted, request.at("path").get<std::string>(), value);
+  set_value(wanted, request.at("path").get<std::string>(), request.at("value").get<double>());
   return take(std::move(wanted));
 }
 
@@ -349,24 +352,21 @@ std::string ViewSession::act(const json& request) {
   std::string drawing, what;
   try {
     what = request.value("do", "");
-    Parts parts = Parts::all;
     Transition transition;
-    const Snapshot before = snapshot();
     // What a slider or an arrow does in one go is one step for undo.
     const std::string gesture = what == "set"      ? "set " + request.value("path", "")
                                 : what == "load"   ? "load " + request.value("name", "")
                                 : what == "ground" ? "ground " + request.value("point", "")
                                                    : what;
     const bool goes_on = request.value("goes_on", false);
-    bool undoable = !(in_gesture_ && gesture == gesture_);
+    const Parts parts = goes_on || what == "drag" ? Parts::moving : Parts::all;
+    const bool is_step = changes_scene(what) && !(in_gesture_ && gesture == gesture_);
+    const std::optional<Snapshot> before = is_step ? std::optional(snapshot()) : std::nullopt;
     if (what == "drag") {
       transition = do_drag(request);
-      parts = Parts::moving;
-      undoable = false;
     } else if (what == "release") {
       transition = tracked_->release();
       sync();
-      undoable = false;
     } else if (what == "ground") {
       transition = do_ground(request);
     } else if (what == "load") {
@@ -384,25 +384,16 @@ std::string ViewSession::act(const json& request) {
       saved_text_ = present_text();
     } else if (what == "go") {
       transition = do_go(request);
-      undoable = false;
-    } else if (what == "undo" || what == "redo") {
-      std::vector<Snapshot>&from = what == "undo" ? undo_ : redo_, &to = what == "undo" ? redo_ : undo_;
-      if (from.empty()) throw InputError(fmt::format("there is nothing to {}", what));
-      Snapshot back = std::move(from.back());
-      from.pop_back();
-      go_back_to(std::move(back));
-      to.push_back(before);
-      undoable = false;
+    } else if (what == "undo") {
+      go_back(what, undo_, redo_);
+    } else if (what == "redo") {
+      go_back(what, redo_, undo_);
     } else if (what == "save") {
       do_save(request);
-      undoable = false;
-    } else if (what == "look") {
-      undoable = false;
-    } else {
+    } else if (what != "look") {
       throw InputError(fmt::format("unknown request \"{}\"", what));
     }
-    if (goes_on) parts = Parts::moving;
-    if (undoable) remember(before);
+    if (before) remember(*before);
     if (what != "look") {
       gesture_ = gesture;
       in_gesture_ = goes_on;
@@ -517,7 +508,6 @@ json ViewSession::handles() const {
     }
   }
   for (const Screen::LoadArrow& load : screen_->loads()) {
-    if (load.name == "hand") continue;
     out.push_back(
         {{"kind", "load"}, {"name", load.name}, {"px", {load.far.x, load.far.y}}, {"tail", {load.at.x, load.at.y}}});
   }
@@ -544,8 +534,7 @@ json ViewSession::others_json(const OtherEquilibria::Found& found) const {
   for (std::size_t k = 0; k < found.poses.size(); ++k) {
     const Equilibrium& one = found.set.equilibria[k];
     const Stability stability = one.certificate.stability;
-    std::string caption = fmt::format("{}: {}", k + 1, to_string(stability));
-    if (one.energy) caption += ", " + with_unit(tracked_->model(), *one.energy, Quantity::energy, 5);
+    const std::string caption = fmt::format("{}: {}", k + 1, stability_and_energy(tracked_->model(), one));
     out["equilibria"].push_back({{"caption", caption},
                                  {"tone", stability == Stability::stable ? "good" : "bad"},
                                  {"stable", stability == Stability::stable},
@@ -556,15 +545,10 @@ json ViewSession::others_json(const OtherEquilibria::Found& found) const {
 
 json ViewSession::poll(long revision) {
   json out = {{"revision", revision_}, {"others", nullptr}, {"file", "same"}, {"searching", others_.searching()}};
-  std::error_code unknown;
-  if (!std::filesystem::exists(file_, unknown)) {
+  try {
+    if (read_text_file(file_) != on_disk_) out["file"] = "changed";
+  } catch (const InputError&) {
     out["file"] = "gone";
-  } else {
-    try {
-      if (read_text_file(file_) != on_disk_) out["file"] = "changed";
-    } catch (const InputError&) {
-      out["file"] = "gone";
-    }
   }
   const std::optional<OtherEquilibria::Found> found = others_.found();
   if (found && found->revision > revision) out["others"] = others_json(*found);

@@ -52,7 +52,7 @@ class ViewSession {
   void expect_parked() const;
   Snapshot snapshot() const { return {text_, scene_, off_}; }
   void remember(Snapshot before);
-  void go_back_to(Snapshot snapshot);
+  void go_back(const std::string& what, std::vector<Snapshot>& from, std::vector<Snapshot>& to);
   Transition take(Scene scene);
   PointRef point_called(const std::string& name) const;
   nlohmann::json shown(const Transition& transition, Parts parts);
