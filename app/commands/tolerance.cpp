@@ -45,7 +45,8 @@ int run_tolerance(const ToleranceRequest& request, const Palette& palette) {
   const ToleranceStudy study = tolerance_study(model, tolerances, of, options);
   const Result result = tolerance_result(model.scene(), study, request.common.settings);
   Pictures pictures;
-  const std::vector<Panel> panels = histogram_panels(model.scene(), study);
+  std::vector<Panel> panels;
+  if (files.wants_svg() || files.wants_html()) panels = histogram_panels(model.scene(), study);
   if (files.wants_svg() && !panels.empty()) {
     progress.now("drawing");
     pictures.svg = draw_plot(panels);

@@ -119,7 +119,10 @@ json page_document(const Result& result, const PageOrigin& origin, const std::ve
               {"figures", json::array()},
               {"result", result_json(result)}});
   // Whose texts may be no UTF-8.
-  for (const Figure& figure : figures) out["figures"].push_back(json::parse(one_line(figure_json(figure))));
+  for (const Figure& figure : figures) {
+    const bool is_empty = figure.drawing.frames.empty() && figure.charts.panels.empty();
+    if (!is_empty) out["figures"].push_back(json::parse(one_line(figure_json(figure))));
+  }
   return out;
 }
 
