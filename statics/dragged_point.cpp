@@ -18,6 +18,7 @@ using Eigen::VectorXd;
 
 constexpr double longest_step = 0.05;   // rad or mechanism sizes
 constexpr double shortest_step = 1e-8;  // the same, below which it is blocked
+constexpr double shortest_leap = 5e-3;  // the same, of a step across a place from which short ones lead away
 constexpr int most_steps = 400;
 constexpr double close_enough = 1e-11;  // of what a step still gains, mechanism sizes
 constexpr double immovable = 1e-9;      // rate of a point, mechanism sizes per rad or size
@@ -77,14 +78,17 @@ void DraggedPoint::go_to(Vec2 target) {
   locked_ = false;
   // At the end of its reach it moves along a curve, to first order.
   moves_in_an_area_ = directions().size() == 2;
+  sense_ = {};
+  sense_ = sense_at(motions({}));
   if (moves_in_an_area_ && go_straight(target)) return;
-  last_held_ = {x_, passed_.size()};
+  last_held_ = {x_, passed_.size(), sense_};
   const double at_start = least_rate(motions({}));
   approach(target, false);
   if (const Motions now = motions({}); holds_at(now) || least_rate(now) >= at_start) return;
   // It has come to where no force on the point holds it: up to there, then.
   x_ = last_held_.x;
   passed_.resize(last_held_.passed);
+  sense_ = last_held_.sense;
   look();
   approach(target, true);
 }
@@ -138,7 +142,7 @@ bool DraggedPoint::go_straight(Vec2 target) {
     if (reach(goal)) {
       const Motions then = motions({});
       const bool is_held = holds_at(then) || least_rate(then) >= least_rate(now);
-      if (is_held && then.basis.cols() == now.basis.cols() && !turns_over(now, then)) {
+      if (is_held && then.basis.cols() == now.basis.cols() && goes_to(then)) {
         passed_.push_back(place());
         if (to == 1.0) return true;
         part = to;
@@ -200,27 +204,26 @@ void DraggedPoint::approach(Vec2 target, bool holds) {
       const VectorXd step = step_to(target, strongly);
       const double size = step.size() == 0 ? 0.0 : step.cwiseAbs().maxCoeff();
       if (!(size > shortest_step)) return false;
-      locked_ = !advance(step, std::min(1.0, longest_step / size), target, holds);
+      locked_ = !advance(step, std::min(1.0, longest_step / size), target, holds, shortest_step);
       return !locked_;
     };
     if (!try_step(false) && !(locked_ && try_step(true))) return;
     passed_.push_back(place());
     const Motions now = motions({});
     moves_in_an_area_ = moves_in_an_area_ || !now.runs_on_a_curve();
-    if (holds_at(now)) last_held_ = {x_, passed_.size()};
-    // Where a way is slow for a while the point gains next to nothing, and may farther on.
-    const bool is_slow = !moves_in_an_area_ && !holds_at(now);
-    if (before - norm(target - place_) < close_enough && !(is_slow && leap(target, holds))) return;
+    if (holds_at(now)) last_held_ = {x_, passed_.size(), sense_};
+    // Where a way is slow for a while, and beside a cusp of it, the point gains next to nothing, and may farther on.
+    if (before - norm(target - place_) < close_enough && (moves_in_an_area_ || !leap(target, holds))) return;
   }
 }
 
-// A long step along the way of a point.
+// A long step along the way of a point, either way.
 bool DraggedPoint::leap(Vec2 target, bool holds) {
   const Motions now = motions({});
   if (now.basis.cols() != 1) return false;
   const double towards = now.rates(0, 0) * (target.x - place_.x) + now.rates(1, 0) * (target.y - place_.y);
-  const double length = std::copysign(longest_step, towards) / now.basis.cwiseAbs().maxCoeff();
-  return advance(length * now.basis.col(0), 1.0, target, holds);
+  const VectorXd step = std::copysign(longest_step, towards) / now.basis.cwiseAbs().maxCoeff() * now.basis.col(0);
+  return advance(step, 1.0, target, holds, shortest_leap) || advance(-step, 1.0, target, holds, shortest_leap);
 }
 
 void DraggedPoint::look() {
@@ -335,23 +338,37 @@ bool DraggedPoint::overruns(const std::vector<double>& x, const std::vector<doub
   return false;
 }
 
-// Two freedoms: between them the point cannot move across its way, as at the end of the reach of an arm of two links,
-// and beyond that the arm is bent the other way.
-bool DraggedPoint::turns_over(const Motions& now, const Motions& then) {
-  if (now.basis.cols() != 2 || now.runs_on_a_curve() || then.runs_on_a_curve()) return false;
-  const MatrixXd turn = now.basis.transpose() * then.basis;
+// The sign of det(dP/dx Z) with the motions Z turned as those before, where the point does not run on a curve.
+DraggedPoint::Sense DraggedPoint::sense_at(const Motions& there) const {
+  if (there.basis.cols() != 2) return {};
+  Sense out{there.basis, sense_.sign};
   const auto determinant = [](const MatrixXd& m) { return m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0); };
-  return determinant(now.rates) * determinant(then.rates) * determinant(turn) < 0.0;
+  double turned = 1.0;
+  if (sense_.basis.cols() == 2 && determinant(sense_.basis.transpose() * there.basis) < 0.0) {
+    out.basis.col(0) *= -1.0;
+    turned = -1.0;
+  }
+  if (!there.runs_on_a_curve()) out.sign = turned * determinant(there.rates) < 0.0 ? -1 : 1;
+  return out;
+}
+
+// False where, with two freedoms, the point could not move across its way in between, as at the end of the reach of an
+// arm of two links: beyond that the arm is bent the other way.
+bool DraggedPoint::goes_to(const Motions& there) {
+  Sense sense = sense_at(there);
+  if (sense_.sign != 0 && sense.sign != 0 && sense.sign != sense_.sign) return false;
+  sense_ = std::move(sense);
+  return true;
 }
 
 // A part of the step after which the loops close nearby, no stop is overrun and the point is closer.
-bool DraggedPoint::advance(const VectorXd& step, double part, Vec2 target, bool holds) {
+bool DraggedPoint::advance(const VectorXd& step, double part, Vec2 target, bool holds, double shortest) {
   const double before = norm(target - place_);
   const Motions now = motions({});
   const double least = least_rate(now);
   const std::vector<double> from = x_;
   const double size = step.cwiseAbs().maxCoeff();
-  for (; part * size > shortest_step; part *= 0.5) {
+  for (; part * size > shortest; part *= 0.5) {
     std::vector<double> to = from;
     for (std::size_t i = 0; i < to.size(); ++i) to[i] += part * step[static_cast<Index>(i)];
     const std::vector<double> predicted = to;
@@ -369,7 +386,7 @@ bool DraggedPoint::advance(const VectorXd& step, double part, Vec2 target, bool 
     if (norm(target - place_) < before) {
       const Motions then = motions({});
       const bool is_held = !holds || holds_at(then) || least_rate(then) >= least;
-      if (is_held && then.basis.cols() == now.basis.cols() && !turns_over(now, then)) return true;
+      if (is_held && then.basis.cols() == now.basis.cols() && goes_to(then)) return true;
     }
     x_ = from;
     look();

@@ -67,8 +67,14 @@ class DraggedPoint {
   int first_blocked(const Eigen::VectorXd& step, const std::vector<int>& held) const;
   bool overruns(const std::vector<double>& x, const std::vector<double>& before) const;
   bool leap(Vec2 target, bool holds);
-  static bool turns_over(const Motions& now, const Motions& then);
-  bool advance(const Eigen::VectorXd& step, double part, Vec2 target, bool holds);
+  /// Which way round two motions move the point in the plane.
+  struct Sense {
+    Eigen::MatrixXd basis;  ///< of the motions where it was found last, turned the same way all along
+    int sign = 0;           ///< 0: not known, as with other than two freedoms
+  };
+  Sense sense_at(const Motions& there) const;
+  bool goes_to(const Motions& there);
+  bool advance(const Eigen::VectorXd& step, double part, Vec2 target, bool holds, double shortest);
 
   StaticModel model_;  // with the point's coordinates as two stops without limits, the last
   solvers::Newton closing_;
@@ -77,9 +83,11 @@ class DraggedPoint {
   std::vector<double> values_;              // of stops, the point's coordinates last
   Vec2 place_{};                            // mechanism sizes
   std::vector<Vec2> passed_;
+  Sense sense_;  // where it has come to
   struct {
     std::vector<double> x;
     std::size_t passed = 0;
+    Sense sense;
   } last_held_;  // where a force on the point held the mechanism last
   std::string held_up_by_;
   bool locked_ = false;

@@ -15,9 +15,14 @@
 namespace poise {
 namespace {
 
-constexpr double shortest_part = 1.0 / 64;  // of a change that is followed in a few steps
-constexpr int most_tries = 24;
-constexpr int most_points = 500;         // of a curve, so that no change takes long
+constexpr double shortest_part = 1e-7;  // of a change; next to a singular pose steps are short
+constexpr int most_tries = 300;  // of steps in a change
+constexpr int most_points = 500;        // of a section, so that no change takes long
+constexpr double usual_step = 0.1, fine_step = 0.004;  // of a section: parts of it, rad, mechanism sizes
+constexpr int most_sections = 12;
+constexpr double section_before = 0.01;  // of its beginning before the end of the steps, rad or mechanism sizes
+constexpr double sections_width = 8.0;   // of a section, at least, in steps that were too long
+constexpr double sections_wider = 8.0;   // than the last, where steps have not come beyond it
 constexpr double carried_step = 0.05;    // rad or mechanism sizes
 constexpr double shortest_carry = 1e-6;  // of a change
 
@@ -44,34 +49,80 @@ Scene starting_as(Scene scene, const Scene& other) {
 }
 
 struct Spot {
-  std::unique_ptr<StaticModel> model;
-  std::vector<double> x;
+  double part = 0.0;      // of a change
+  std::vector<double> x;  // coordinates there
 };
 
-Spot start_of(const VariedScene& varied) {
-  Spot out{varied.model_at(0.0), {}};
-  out.x = out.model->start();
-  return out;
-}
-
-// A few steps; where they end is left in `spot`. Returns the part of the change.
-double step_along(const VariedScene& varied, const std::vector<int>& active_stops, Spot& spot) {
-  double part = 0.0, step = 0.5;
-  for (int tries = 0; part < 1.0 && step >= shortest_part && tries < most_tries; ++tries) {
-    const double to = std::min(1.0, part + step);
-    auto model = varied.model_at(to);
-    if (auto x = followed_in_one_step(*spot.model, spot.x, active_stops, *model)) {
-      spot = {std::move(model), std::move(*x)};
-      part = to;
-      step *= 2.0;
-    } else {
-      step *= 0.5;
+/// Proved steps from one scene towards another.
+struct Stepped {
+  Stepped(const Scene& before, const Scene& after, const BodyPoses& from, const std::vector<int>& active_stops,
+          int& tries_left)
+      : poses(from) {
+    const Scene here = started_at(before, from), there = starting_as(after, here);
+    if (in_one(here, there, active_stops)) return;
+    try {
+      varied.emplace(here, there);
+    } catch (const InputError&) {
+      return;  // more than numbers differs
     }
+    std::unique_ptr<StaticModel> model = varied->model_at(0.0);
+    spots.push_back({0.0, model->start()});
+    int same = 0;  // steps until a longer one is tried again
+    for (; part < 1.0 && step >= shortest_part && tries_left > 0; --tries_left) {
+      const double to = std::min(1.0, part + step);
+      auto next = varied->model_at(to);
+      if (auto at = followed_in_one_step(*model, spots.back().x, active_stops, *next)) {
+        model = std::move(next);
+        part = to;
+        spots.push_back({part, std::move(*at)});
+        if (same-- <= 0) step *= 2.0;
+      } else {
+        step *= 0.5;
+        same = part > 0.0 ? 3 : 0;
+      }
+    }
+    if (part > 0.0) poses = model->poses(spots.back().x);
   }
-  return part;
-}
 
-void trace(const VariedScene& varied, const TrackedOptions& settings, FollowedChange& out) {
+  // The last of which some coordinate differs by so much from the end, or the first.
+  const Spot& before_end(double by) const {
+    const auto is_far = [&](const Spot& spot) { return solvers::largest_difference(spot.x, spots.back().x) > by; };
+    const auto at = std::find_if(spots.rbegin(), spots.rend(), is_far);
+    return at == spots.rend() ? spots.front() : *at;
+  }
+
+  std::vector<Spot> spots;            ///< to which they lead, where one step was too long
+  double part = 0.0;                  ///< of the change, to which they lead
+  double step = 0.5;                  ///< of which the last was too long
+  BodyPoses poses;                    ///< there
+  std::optional<VariedScene> varied;  ///< where one step was too long
+
+ private:
+  bool in_one(const Scene& here, const Scene& there, const std::vector<int>& active_stops) {
+    const StaticModel to(there);
+    const StaticModel from(here, to.scales(), &there);
+    const auto x = followed_in_one_step(from, from.start(), active_stops, to);
+    if (!x) return false;
+    poses = to.poses(*x);
+    part = 1.0;
+    return true;
+  }
+};
+
+/// A load path over a part of a change.
+struct Section {
+  bool arrived = false;
+  bool has_events = false;
+  Scene scene;  ///< where it ends
+  BodyPoses poses;
+  std::vector<int> active_stops;
+  std::vector<std::string> passed;
+  std::vector<Transition::Course> courses;
+};
+
+// `longest_step`: parts of the section, rad, mechanism sizes. Empty where the equilibrium does not depend on what
+// changes, or no equilibrium was found at its beginning.
+std::optional<Section> section_along(const VariedScene& varied, double longest_step, const TrackedOptions& settings) {
   PathOptions options;
   options.from = PathOptions::From::given;
   options.start = varied.model_at(0.0)->start();
@@ -79,6 +130,7 @@ void trace(const VariedScene& varied, const TrackedOptions& settings, FollowedCh
   options.certify = false;
   options.courses = true;
   options.spacing = 1.0;
+  options.longest_step = longest_step;
   options.most_points = most_points;
   options.certificate = settings.certificate;
   options.interrupt = settings.interrupt;
@@ -86,72 +138,103 @@ void trace(const VariedScene& varied, const TrackedOptions& settings, FollowedCh
   try {
     found = path(varied, options);
   } catch (const InputError&) {
-    return;  // the equilibrium does not depend on what changes
+    return std::nullopt;
   }
-  if (found.branches.empty()) return;
+  if (found.branches.empty() || found.branches.back().points.empty()) return std::nullopt;
+  Section out;
+  out.has_events = !found.events.empty();
   for (const PathEvent& event : found.events) {
     if (event.kind == PathEvent::Kind::snap) {
       const auto model = varied.model_at(event.at.parameter);
       Transition::Course course{"the equilibrium ends at a fold", {}};
       for (const std::vector<double>& x : event.course) course.poses.push_back(model->poses(x));
-      if (!course.poses.empty()) out.transition.courses.push_back(std::move(course));
+      if (!course.poses.empty()) out.courses.push_back(std::move(course));
     } else if (std::string words = in_words(varied.scene(), event); !words.empty()) {
-      out.transition.passed.push_back(std::move(words));
+      out.passed.push_back(std::move(words));
     }
   }
   const PathBranch& last = found.branches.back();
-  if (last.points.empty()) return;
   const PathPoint& point = last.points.back();
   out.poses = varied.model_at(point.parameter)->poses(point.x);
   out.scene = varied.scene_at(point.parameter);
+  out.active_stops = point.active_stops;
   out.arrived = last.end == PathBranch::End::range && point.parameter == 1.0;
+  return out;
+}
+
+// Where proved steps come to an end but a load path finds nothing it may have stepped over something, and takes shorter
+// steps.
+std::optional<Section> section_between(const Scene& from, const Scene& to, const BodyPoses& poses,
+                                       const TrackedOptions& settings) {
+  std::optional<VariedScene> varied;
+  try {
+    const Scene here = started_at(from, poses);
+    varied.emplace(here, starting_as(to, here));
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+  std::optional<Section> out = section_along(*varied, usual_step, settings);
+  if (!out || out->has_events || !out->arrived) return out;
+  std::optional<Section> fine = section_along(*varied, fine_step, settings);
+  return fine && (fine->arrived || fine->has_events) ? fine : out;
 }
 
 }  // namespace
 
-std::optional<BodyPoses> step_to(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                 const std::vector<int>& active_stops) {
-  const Scene here = started_at(before, poses), there = starting_as(after, here);
-  const StaticModel to(there);
-  const StaticModel from(here, to.scales(), &there);
-  const auto x = followed_in_one_step(from, from.start(), active_stops, to);
-  return x ? std::optional(to.poses(*x)) : std::nullopt;
+std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
+                                         const std::vector<int>& active_stops) {
+  int tries_left = most_tries;
+  const Stepped way(before, after, poses, active_stops, tries_left);
+  return way.part == 1.0 ? std::optional(way.poses) : std::nullopt;
 }
 
 FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
                              const std::vector<int>& active_stops, const TrackedOptions& options) {
   FollowedChange out;
+  Transition& transition = out.transition;
+  transition.kind = Transition::Kind::followed;
   out.poses = poses;
-  out.transition.kind = Transition::Kind::followed;
-  const Scene here = started_at(before, poses), there = starting_as(after, here);
-  const auto arrive = [&](BodyPoses at) {
-    out.poses = std::move(at);
-    out.scene = after;
+  out.scene = before;
+  std::vector<int> active = active_stops;
+  double width = 0.0;
+  int tries_left = most_tries;
+  for (int k = 0; k < most_sections; ++k) {
+    Stepped way(out.scene, after, out.poses, active, tries_left);
+    out.arrived = way.part == 1.0;
+    if (out.arrived) {
+      out.poses = std::move(way.poses);
+      out.scene = after;
+      break;
+    }
+    if (!way.varied) break;
+    // A short part at first, in which the path shows what has ended the steps; from a little before, because nothing
+    // can be followed from a fold.
+    const Spot& first = way.before_end(section_before);
+    const bool is_same = way.part <= width;
+    width = is_same ? sections_wider * width : std::max(way.part - first.part, sections_width * way.step);
+    const bool is_rest = tries_left == 0 || k + 1 == most_sections || way.part + width >= 1.0;
+    const Scene next = is_rest ? after : way.varied->scene_at(way.part + width);
+    const BodyPoses from = way.varied->model_at(first.part)->poses(first.x);
+    std::optional<Section> section = section_between(way.varied->scene_at(first.part), next, from, options);
+    if (!section) {
+      out.poses = std::move(way.poses);
+      out.scene = way.varied->scene_at(way.part);
+      break;
+    }
+    for (std::string& words : section->passed) transition.passed.push_back(std::move(words));
+    for (Transition::Course& course : section->courses) transition.courses.push_back(std::move(course));
+    out.scene = std::move(section->scene);
+    out.poses = std::move(section->poses);
+    active = std::move(section->active_stops);
+    if (!section->arrived) break;
+    if (!is_rest) continue;
     out.arrived = true;
-    return out;
-  };
-  out.scene = here;
-  if (auto at = step_to(before, after, poses, active_stops)) return arrive(std::move(*at));
-  std::optional<VariedScene> varied;
-  try {
-    varied.emplace(here, there);
-  } catch (const InputError&) {
-    return out;  // more than numbers differs
+    out.scene = after;
+    break;
   }
-  Spot spot = start_of(*varied);
-  const double part = step_along(*varied, active_stops, spot);
-  if (part == 1.0) return arrive(spot.model->poses(spot.x));
-  if (part > 0.0) {
-    out.poses = spot.model->poses(spot.x);
-    out.scene = varied->scene_at(part);
-    Scene from = started_at(out.scene, out.poses);
-    Scene to = starting_as(after, from);
-    varied.emplace(std::move(from), std::move(to));
-  }
-  trace(*varied, options, out);
-  if (!out.transition.courses.empty()) {
-    out.transition.kind = Transition::Kind::snapped;
-    out.transition.why = out.transition.courses.back().why;
+  if (!transition.courses.empty()) {
+    transition.kind = Transition::Kind::snapped;
+    transition.why = transition.courses.back().why;
   }
   return out;
 }

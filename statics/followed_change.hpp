@@ -22,9 +22,9 @@ struct FollowedChange {
 FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
                              const std::vector<int>& active_stops, const TrackedOptions& options);
 
-/// The same in one step; empty where that is too large (statics/small_step.hpp).
-std::optional<BodyPoses> step_to(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                 const std::vector<int>& active_stops);
+/// The same by proved steps alone; empty where they do not lead there (statics/small_step.hpp).
+std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
+                                         const std::vector<int>& active_stops);
 
 /// The poses that a mechanism passes whose loops are kept closed by shortest steps while the numbers change, from
 /// `poses` on. Throws InputError where they cannot be closed.

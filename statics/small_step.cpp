@@ -7,11 +7,9 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "statics/body_measures.hpp"
 #include "statics/curvature.hpp"
 #include "statics/path_piece.hpp"
-#include "statics/readings.hpp"
-#include "statics/varied_mechanism.hpp"
+#include "statics/proved_segment.hpp"
 
 namespace poise {
 namespace {
@@ -22,18 +20,13 @@ using Eigen::VectorXd;
 
 constexpr int most_coordinates = 200;   // of dense factors
 constexpr double longest = 0.2;         // of a step, rad or mechanism sizes
-constexpr double largest_change = 0.5;  // of the equations
-constexpr double room = 0.3;            // to a limit, in what the distance from it changes
-constexpr double least_room = 1e-9;     // the same, rad or mechanism sizes, or the model's unit of force
 constexpr double in_balance = 1e-7;     // of the start, in its largest force
 constexpr double closed = 1e-8;         // of the start
 constexpr double converged = 1e-12;
-constexpr int most_iterations = 7;
+constexpr double rounding = 1e-8;  // larger steps are none of rounding
+constexpr int most_iterations = 8;
 
 double largest_of(const VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
-
-// Row sums.
-double norm_of(const MatrixXd& m) { return m.size() == 0 ? 0.0 : m.cwiseAbs().rowwise().sum().maxCoeff(); }
 
 class SmallStep {
  public:
@@ -42,12 +35,13 @@ class SmallStep {
       : from_(from), to_(to), x_(x), n_(static_cast<Index>(x.size())) {
     const Mechanism<double>&a = from.mechanism(), &b = to.mechanism();
     const bool alike = a.coordinates() == b.coordinates() && a.equalities() == b.equalities() &&
-                       a.stops() == b.stops() && from.scales().length == to.scales().length &&
+                       a.stops() == b.stops() && a.jacobian_row() == b.jacobian_row() &&
+                       a.jacobian_column() == b.jacobian_column() && a.tangent_row() == b.tangent_row() &&
+                       a.tangent_column() == b.tangent_column() && from.scales().length == to.scales().length &&
                        from.scales().force == to.scales().force;
     if (!alike || n_ != a.coordinates() || n_ > most_coordinates) return;
     side_ = piece_at(from, x, active).side;
     rows_ = independent_closures(a, x);
-    closures_ = static_cast<Index>(rows_.size());
     for (int s = 0; s < a.stops(); ++s) {
       if (side_[static_cast<std::size_t>(s)] != 0) rows_.push_back(a.stop_row(s));
     }
@@ -62,9 +56,8 @@ class SmallStep {
     const double heaviest = std::max({1e-3, largest_of(begin.force), largest_of(y)});
     if (largest_of(left) > in_balance * heaviest) return std::nullopt;
     if (largest_of(gaps(from_.mechanism(), begin)) > closed) return std::nullopt;
-    const VectorXd before = margins(from_, x_, begin, y);
+    const VectorXd first = y;
     const MatrixXd equations = equations_at(begin, y);
-    const Eigen::PartialPivLU<MatrixXd> factors(equations);
     std::vector<double> x = x_;
     double last = longest;
     for (int i = 0; i < most_iterations; ++i) {
@@ -77,12 +70,16 @@ class SmallStep {
       if (!step.allFinite()) return std::nullopt;
       y = step.tail(y.size());
       const double size = largest_of(step.head(n_));
-      if (size > std::max(last, converged)) return std::nullopt;
+      // Next to a singular pose rounding ends it earlier; the proof bounds what is left.
+      const bool is_last = size <= converged || (size > last && size < rounding);
+      if (size > last && !is_last) return std::nullopt;
       for (Index j = 0; j < n_; ++j) x[static_cast<std::size_t>(j)] += step[j];
       last = 0.5 * size;
-      if (size > converged) continue;
-      if (!is_near(factors, equations, before, x, y)) return std::nullopt;
-      return x;
+      if (!is_last) continue;
+      const MatrixXd middle = 0.5 * (equations + k);
+      const bool is_proved =
+          is_closed(x) && segment_is_proved({from_, x_, first}, {to_, x, y}, rows_, side_, middle);
+      return is_proved ? std::optional(x) : std::nullopt;
     }
     return std::nullopt;
   }
@@ -111,56 +108,12 @@ class SmallStep {
     return out;
   }
 
-  // What must not vanish on the way.
-  VectorXd margins(const StaticModel& model, const std::vector<double>& x, const DensePoint<double>& point,
-                   const VectorXd& y) const {
-    const Mechanism<double>& m = model.mechanism();
-    std::vector<double> out;
-    Index push = closures_;
-    for (int s = 0; s < m.stops(); ++s) {
-      const signed char side = side_[static_cast<std::size_t>(s)];
-      const double value = point.constraint[static_cast<std::size_t>(m.stop_row(s))];
-      if (side == 0) {
-        if (std::isfinite(m.lower()[s])) out.push_back(value - m.lower()[s]);
-        if (std::isfinite(m.upper()[s])) out.push_back(m.upper()[s] - value);
-        continue;
-      }
-      if (m.lower()[s] != m.upper()[s]) out.push_back(side * y[push]);
-      ++push;
-    }
-    const std::vector<int> one_way = VariedMechanism::one_way_springs(model.scene());
-    if (!one_way.empty()) {
-      const std::vector<BodyPose<double>> poses = model.poses(x);
-      for (const int e : one_way) {
-        const Element& element = model.scene().elements[static_cast<std::size_t>(e)];
-        const double free_length = std::get<LinearSpring>(element.law).free_length;
-        const double scale = element.on.is_angle() ? 1.0 : model.scales().length;
-        out.push_back((value_of(model.scene(), element.on, poses) - free_length) / scale);
-      }
-    }
-    return VectorXd::Map(out.data(), static_cast<Index>(out.size()));
-  }
-
-  bool is_near(const Eigen::PartialPivLU<MatrixXd>& factors, const MatrixXd& equations, const VectorXd& before,
-               const std::vector<double>& x, const VectorXd& y) const {
-    DensePoint<double> end(to_.mechanism(), x, rows_);
-    for (int r = 0; r < to_.mechanism().equalities(); ++r) {
-      if (std::abs(end.constraint[static_cast<std::size_t>(r)]) > closed) return false;  // repeats others no longer
-    }
-    const VectorXd after = margins(to_, x, end, y);
-    for (Index i = 0; i < after.size(); ++i) {
-      if (before[i] * after[i] <= 0.0) return false;
-      const double least = std::min(std::abs(before[i]), std::abs(after[i]));
-      if (least < least_room || least < room * std::abs(after[i] - before[i])) return false;
-    }
-    // A bound on the spectral radius that does not depend on the unit of y.
-    const MatrixXd change = factors.solve(equations_at(end, y) - equations);
-    if (!change.allFinite()) return false;
-    const Index k = y.size();
-    const double xx = norm_of(change.topLeftCorner(n_, n_)), yy = norm_of(change.bottomRightCorner(k, k));
-    const double xy = norm_of(change.topRightCorner(n_, k)), yx = norm_of(change.bottomLeftCorner(k, n_));
-    const double bound = 0.5 * (xx + yy) + std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * yx);
-    return bound < largest_change;
+  // Closures that repeated others still do.
+  bool is_closed(const std::vector<double>& x) const {
+    const Mechanism<double>& m = to_.mechanism();
+    const DensePoint<double> end(m, x, rows_);
+    return std::none_of(end.constraint.begin(), end.constraint.begin() + m.equalities(),
+                        [](double gap) { return std::abs(gap) > closed; });
   }
 
   const StaticModel& from_;
@@ -170,7 +123,6 @@ class SmallStep {
   bool is_possible_ = false;
   std::vector<signed char> side_;
   std::vector<int> rows_;
-  Index closures_ = 0;
 };
 
 }  // namespace

@@ -16,6 +16,7 @@ namespace {
 constexpr double still = 1e-9;       // rad or mechanism sizes: it rests where it did
 constexpr double same_place = 1e-6;  // the same: a search ended where it was expected to
 constexpr double near_place = 0.1;   // the same: near a position that is asked for
+constexpr double cosine_of_turn = 0.95;  // of a way along which a hand holds in one direction
 
 constexpr const char* no_further = "it can go no further that way";
 
@@ -73,6 +74,9 @@ std::vector<char> jointed_to_ground(const Scene& scene) {
   }
   return out;
 }
+
+/// Whether a part of the way of a point leads away from a unit vector along which it is held.
+bool turns_away(Vec2 part, Vec2 held) { return std::abs(dot(part, held)) < cosine_of_turn * norm(part); }
 
 /// How a dragged point came to where it is.
 Transition way_of(const DraggedPoint& walk) {
@@ -195,8 +199,8 @@ TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene held, const BodyPos
   if (equilibrium.found() && equilibrium.certificate.outcome != Outcome::neutral && far > within) {
     equilibrium.status = Status::elsewhere;
     equilibrium.why += fmt::format("; it left the position sought for one {:.2g} (rad or sizes) away", far);
-    equilibrium.x = out.model->start();
   }
+  if (!equilibrium.found()) equilibrium.x = out.model->start();
   return out;
 }
 
@@ -311,11 +315,31 @@ Transition TrackedEquilibrium::drag(PointRef point, Vec2 place) {
   const std::vector<Vec2> along = walk.directions();
   if (along.empty()) throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
   if (walk.freedoms() > static_cast<int>(along.size())) return drag_in_equilibrium(point, place);
+  // A hand that moves in an area moves straight, where it can. It leaves no freedom.
+  const Vec2 from = walk.place();
+  const auto straight = [&](Vec2 to) {
+    return follow_by_steps(with_hand(scene_, point, along, from), with_hand(scene_, point, along, to), poses(), {});
+  };
+  if (along.size() == 2) {
+    if (const auto there = straight(place)) {
+      Found found = found_at(with_hand(scene_, point, along, place), *there, same_place);
+      if (found.equilibrium.found()) {
+        take(scene_, Hand{point, along}, std::move(found));
+        Transition out;
+        out.kind = Transition::Kind::followed;
+        return out;
+      }
+    }
+  }
   walk.go_to(place);
   Transition out = way_of(walk);
   walk.clear_stops();
-  const BodyPoses there = walk.poses();
-  const std::vector<Vec2> held = walk.directions();
+  BodyPoses there = walk.poses();
+  std::vector<Vec2> held = walk.directions();
+  if (held.empty()) held = along;
+  if (along.size() == 2 && held == along) {
+    if (auto direct = straight(walk.place())) there = std::move(*direct);
+  }
   Found found = found_at(with_hand(scene_, point, held, walk.place()), there, same_place);
   take(scene_, Hand{point, held}, std::move(found));
   return out;
@@ -364,7 +388,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   }
   // Where it can be held just there no walk has to say how near it comes.
   if (along.size() == 2 && now.is_stable) {
-    if (const auto there = step_to(now.scene, held_at(place), now.poses, now.active_stops)) {
+    if (const auto there = follow_by_steps(now.scene, held_at(place), now.poses, now.active_stops)) {
       Found arrived = found_at(held_at(place), *there, same_place);
       if (arrived.equilibrium.found()) {
         if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
@@ -394,9 +418,14 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
       go_to(walk->place());
     } else {
       // The directions in which it is held turn with the way. After a jump the way is another.
-      for (const Vec2 there : walk->passed()) {
-        along = DraggedPoint(started_at(scene_, now.poses), hand.at).directions();
-        if (along.empty() || !go_to(there)) break;
+      const std::vector<Vec2>& passed = walk->passed();
+      for (std::size_t k = 0; k < passed.size(); ++k) {
+        const bool is_last = k + 1 == passed.size();
+        if (!is_last && !turns_away(passed[k + 1] - passed[k], along.front())) continue;
+        if (!go_to(passed[k]) || is_last) break;
+        if (auto next = DraggedPoint(started_at(scene_, now.poses), hand.at).directions(); !next.empty()) {
+          along = std::move(next);
+        }
       }
     }
   } catch (const InputError&) {
@@ -404,8 +433,8 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
     way.why = no_further;
   }
   const std::vector<Vec2> last = DraggedPoint(started_at(scene_, now.poses), hand.at).directions();
-  if (!found || last != along) {
-    along = last;
+  if (!found || (last != along && !last.empty())) {
+    if (!last.empty()) along = last;
     found = found_at(held_at(place_of(scene_, now.poses, hand.at)), now.poses, same_place);
   }
   if (out.kind != Transition::Kind::snapped && out.kind != Transition::Kind::settled) {

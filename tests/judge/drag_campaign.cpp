@@ -28,6 +28,7 @@ using Kind = Transition::Kind;
 
 constexpr double same = 1e-5;         // rad or mechanism sizes
 constexpr double same_place = 3e-4;   // of a dragged point at the end of its way, mechanism sizes
+constexpr double same_picture = 3e-3;  // a point of a picture, rad or mechanism sizes
 constexpr double longest_pose = 0.5;  // between poses of a course, rad or mechanism sizes
 constexpr double open = 1e-6;         // gap of a joint in a course, mechanism sizes
 
@@ -497,9 +498,9 @@ class Run {
     SmallSteps steps;
     try {
       steps = follow_numbers(*varied, from);
-      // Before it contradicts it takes smaller ones.
+      // Before it contradicts it takes care.
       const bool agrees = steps.end == SmallSteps::End::arrived && apart(steps.poses, poses_now(), size_) <= same;
-      if (!agrees) steps = follow_numbers(*varied, from, 0.004);
+      if (!agrees) steps = follow_numbers(*varied, from, true);
     } catch (const InputError& error) {
       return leave_undecided(error.what());
     }
@@ -524,7 +525,10 @@ class Run {
       const bool says_so = std::any_of(way.passed.begin(), way.passed.end(), [](const std::string& passed) {
         return passed == "branch point" || passed == "fold";
       });
-      if (moved && !says_so) contradict(fmt::format("{}, but small steps are lost: {}", to_string(way.kind), small));
+      if (!moved || says_so) return;
+      // It is lost so near that the pictures are the same.
+      if (now.found() && far <= same_picture) return leave_undecided("lost next to where it is: " + small);
+      contradict(fmt::format("{}, but small steps are lost: {}, {:.3g} away", to_string(way.kind), small, far));
       return;
     }
     if (!live_.equilibrium().found()) {
@@ -573,10 +577,22 @@ class Run {
 
   static SmallSteps follow_numbers_between(const Scene& from, const Scene& to, const BodyPoses& poses) {
     try {
-      return follow_numbers(VariedScene(from, to), poses);
+      return follow_numbers(VariedScene(from, to), poses, true);
     } catch (const InputError&) {
       return {};
     }
+  }
+
+  // Held in both directions, on a straight way, small steps come to where it is now.
+  bool came_straight(const Before& was, PointRef point, Vec2 start, Vec2 end) const {
+    const auto held_at = [&](Vec2 place) {
+      Scene scene = started_at(live_.scene(), was.poses);
+      scene.stops.push_back({.name = "x of hand", .on = Measure::x_of(point), .min = place.x, .max = place.x});
+      scene.stops.push_back({.name = "y of hand", .on = Measure::y_of(point), .min = place.y, .max = place.y});
+      return scene;
+    };
+    const SmallSteps steps = follow_numbers_between(held_at(start), held_at(end), was.poses);
+    return steps.end == SmallSteps::End::arrived && apart(steps.poses, poses_now(), size_) <= same;
   }
 
   void judge_drag(const Before& was, PointRef point, Vec2 target, const Transition& way) {
@@ -624,6 +640,11 @@ class Run {
       const double straight = std::abs(readings_of(live_.held_scene(), poses_now()).stops.back() -
                                        readings_of(live_.held_scene(), was.poses).stops.back());
       if (straight < 0.95 * norm(end - start)) return leave_undecided("a way on a curve that turns");
+      // At the end of its reach a point that came there straight is held in one direction.
+      if (was.stability == Stability::stable && came_straight(was, point, start, end)) {
+        ++out_.judged;
+        return;
+      }
     }
     const Scene there = live_.held_scene();
     const Readings at_start = readings_of(there, was.poses);
@@ -641,7 +662,7 @@ class Run {
     to.stops[to.stops.size() - 2].min = to.stops[to.stops.size() - 2].max = target.x;
     to.stops.back().min = to.stops.back().max = target.y;
     try {
-      const SmallSteps all = follow_numbers(VariedScene(from, to), was.poses);
+      const SmallSteps all = follow_numbers(VariedScene(from, to), was.poses, true);
       if (all.end == SmallSteps::End::arrived) {
         contradict(fmt::format("{} ({}): {:.6g} from the place, which small steps reach", to_string(way.kind), way.why,
                                now / size_));

@@ -6,11 +6,13 @@
 #include <utility>
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "solvers/linear_algebra.hpp"
 #include "statics/curvature.hpp"
+#include "statics/settle.hpp"
 
 namespace poise::judge {
 namespace {
@@ -24,7 +26,11 @@ constexpr double shortest_change = 1e-7;  // the same, of a step in which stops 
 constexpr int most_steps = 3000;
 constexpr double kept_to = 1e-9;  // of stops, rad or mechanism sizes; of pushes, the model's unit of force
 constexpr double flat = 1e-8;     // curvature over the largest entry of the tangent
-constexpr double near_flat = 1e-2;
+constexpr double faster = 30.0;           // at a fold than in the last of the steps that are not next to it
+constexpr double next_to_a_fold = 1e-5;   // part of the way
+constexpr double longest = 0.02, shorter = 0.004;  // steps, rad or mechanism sizes
+constexpr double invisible = 2e-3;                  // of a snap, rad or mechanism sizes
+constexpr double little = 0.7;                      // change of the equations in a step that is taken with care
 
 double largest_of(const VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
 
@@ -35,7 +41,8 @@ struct Rest {
   std::vector<signed char> side;  ///< per stop: -1 at min, 1 at max, 0 free
   double least = 0.0;             ///< curvature, over the largest entry of the tangent
   double weakest = 1.0;           ///< singular value of the rows, over the largest
-  int sign = 0;                   ///< of the determinant of the equations, 0 where rows repeat others
+  MatrixXd equations;             ///< those that decide; empty where rows repeat others
+  int sign = 0;                   ///< of their determinant
 };
 
 struct Values {
@@ -53,19 +60,34 @@ Values values_at(const Mechanism<double>& m, const std::vector<double>& x) {
   return out;
 }
 
-std::vector<int> rows_of(const Mechanism<double>& m, const std::vector<signed char>& side) {
-  std::vector<int> rows(m.equalities());
-  std::iota(rows.begin(), rows.end(), 0);
+// Of these rows some that are independent at x.
+std::vector<int> independent(const Mechanism<double>& m, const std::vector<double>& x, const std::vector<int>& rows) {
+  if (rows.empty()) return rows;
+  const DensePoint<double> point(m, x, rows);
+  const auto order = solvers::pivot_order<double>(point.jacobian.transpose(), solvers::known_to::closed_point);
+  std::vector<int> out;
+  for (int k = 0; k < order.rank; ++k) out.push_back(rows[order.columns[k]]);
+  return out;
+}
+
+std::vector<int> independent_closures(const Mechanism<double>& m, const std::vector<double>& x) {
+  std::vector<int> all(m.equalities());
+  std::iota(all.begin(), all.end(), 0);
+  return independent(m, x, all);
+}
+
+std::vector<int> rows_of(const Mechanism<double>& m, std::vector<int> closures, const std::vector<signed char>& side) {
   for (int s = 0; s < m.stops(); ++s) {
-    if (side[s] != 0) rows.push_back(m.stop_row(s));
+    if (side[s] != 0) closures.push_back(m.stop_row(s));
   }
-  return rows;
+  return closures;
 }
 
 // Newton's method on F + J^T y = 0, c = 0, stops of `side` at their limits.
-std::optional<Rest> newton(const StaticModel& model, std::vector<double> x, const std::vector<signed char>& side) {
+std::optional<Rest> newton(const StaticModel& model, std::vector<double> x, const std::vector<int>& closures,
+                           const std::vector<signed char>& side) {
   const Mechanism<double>& m = model.mechanism();
-  const std::vector<int> rows = rows_of(m, side);
+  const std::vector<int> rows = rows_of(m, closures, side);
   const auto n = static_cast<Index>(x.size()), k = static_cast<Index>(rows.size());
   Rest out;
   out.side = side;
@@ -100,6 +122,10 @@ std::optional<Rest> newton(const StaticModel& model, std::vector<double> x, cons
     // The equations hold, which a least-squares solution alone does not say.
     const VectorXd left = all * step - right;
     if (largest_of(left) > 1e-8 * std::max(1.0, largest_of(right))) return std::nullopt;
+    const Values reached = values_at(m, x);
+    for (int r = 0; r < m.equalities(); ++r) {
+      if (std::abs(reached.c[r]) > 1e-8) return std::nullopt;  // one that repeated others no longer does
+    }
     out.x = std::move(x);
     const MatrixXd basis = k == 0 ? MatrixXd(MatrixXd::Identity(n, n))
                                   : solvers::null_space<double>(point.jacobian, solvers::known_to::closed_point);
@@ -116,17 +142,30 @@ std::optional<Rest> newton(const StaticModel& model, std::vector<double> x, cons
       const Index independent = n - basis.cols();
       out.weakest = independent > 0 ? values[independent - 1] / values[0] : 1.0;
     }
-    if (!repeats) out.sign = Eigen::PartialPivLU<MatrixXd>(all).determinant() >= 0.0 ? 1 : -1;
+    // Where nothing is free the equations of balance follow from those of the rows, and change no sign.
+    const MatrixXd& square = k == n ? point.jacobian : all;
+    if (!repeats) {
+      out.sign = Eigen::PartialPivLU<MatrixXd>(square).determinant() >= 0.0 ? 1 : -1;
+      out.equations = square;
+    }
     return out;
   }
   return std::nullopt;
+}
+
+// The equations change so little that none between them is singular: with A from one to the other, all eigenvalues of
+// A0^-1 A1 are near 1. Near a cusp two regular points may be close, and on different sheets.
+bool change_little(const MatrixXd& from, const MatrixXd& to) {
+  if (from.rows() == 0 || from.rows() != to.rows()) return true;
+  const MatrixXd change = Eigen::PartialPivLU<MatrixXd>(from).solve(to - from);
+  return change.allFinite() && change.eigenvalues().cwiseAbs().maxCoeff() < little;
 }
 
 // A stop that is overrun, or one that would have to pull; -1 if there is none.
 int broken_stop(const StaticModel& model, const Rest& rest) {
   const Mechanism<double>& m = model.mechanism();
   const Values values = values_at(m, rest.x);
-  Index y = m.equalities();
+  Index y = rest.y.size() - std::count_if(rest.side.begin(), rest.side.end(), [](signed char s) { return s != 0; });
   int worst = -1;
   double by = 1.0;
   const double heavy = std::max(1.0, largest_of(rest.y));
@@ -176,7 +215,7 @@ std::optional<std::vector<double>> coordinates_at(const StaticModel& model, cons
   return x;
 }
 
-SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, double longest) {
+SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, bool with_care) {
   SmallSteps out;
   out.poses = poses;
   const auto begin = varied.model_at(0.0);
@@ -188,15 +227,22 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, dou
   if (m.has_follower_loads()) return undecided("loads follow bodies");
   const auto start = coordinates_at(*begin, poses);
   if (!start) return undecided("the loops do not close at the start");
+  const std::vector<int> closures = independent_closures(m, *start);
   std::vector<signed char> side(m.stops(), 0);
   const Values values = values_at(m, *start);
   for (int s = 0; s < m.stops(); ++s) {
     if (values.lower(m, s) < 1e-8) side[s] = -1;
     if (values.upper(m, s) < 1e-8) side[s] = 1;
   }
+  // What a stop would share with others these carry alone.
+  for (int s = 0; s < m.stops(); ++s) {
+    if (side[s] == 0 || m.lower()[s] == m.upper()[s]) continue;
+    const std::vector<int> rows = rows_of(m, closures, side);
+    if (independent(m, *start, rows).size() < rows.size()) side[s] = 0;
+  }
   std::optional<Rest> here;
   for (int k = 0; k <= m.stops(); ++k) {
-    here = newton(*begin, *start, side);
+    here = newton(*begin, *start, closures, side);
     if (!here) return undecided("no equilibrium at the start");
     const int broken = broken_stop(*begin, *here);
     if (broken < 0) break;
@@ -205,8 +251,9 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, dou
   }
   if (apart(begin->poses(here->x), poses, begin->scales().length) > 1e-6) return undecided("it does not rest there");
   if (here->least < flat) return undecided("not stable at the start");
-  if (here->weakest < 1e-6) return undecided("singular at the start");
+  if (here->sign == 0 || here->weakest < 1e-6) return undecided("singular at the start");
   double s = 0.0, h = 0.02;
+  double rate = 0.0, rate_before = 1e300;  // of motion, in the last step, and in the last of some length
   const auto distance = [](const std::vector<double>& a, const std::vector<double>& b) {
     double far = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) far = std::max(far, std::abs(a[i] - b[i]));
@@ -216,14 +263,16 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, dou
     if (k == most_steps) return undecided(fmt::format("{} steps came to {:.6g}", most_steps, s));
     const double to = std::min(1.0, s + h);
     const auto model = varied.model_at(to);
-    std::optional<Rest> next = newton(*model, here->x, here->side);
+    std::optional<Rest> next = newton(*model, here->x, closures, here->side);
     std::string why;
     bool is_singular = false;
     const auto judge = [&] {
       if (!next) {
         why = "no equilibrium near";
-      } else if (distance(next->x, here->x) > longest) {
+      } else if (distance(next->x, here->x) > (with_care ? shorter : longest)) {
         why = "it moves too far";
+      } else if (with_care && next->side == here->side && !change_little(here->equations, next->equations)) {
+        why = "the equations change too far";
       } else if (next->least < flat) {
         why = "it turns unstable";
         is_singular = true;
@@ -243,7 +292,7 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, dou
         std::vector<signed char> other = next->side;
         const Values at = values_at(m, next->x);
         other[broken] = other[broken] != 0 ? 0 : at.c[m.stop_row(broken)] < model->mechanism().lower()[broken] ? -1 : 1;
-        next = newton(*model, here->x, other);
+        next = newton(*model, here->x, closures, other);
         if (!judge()) break;
         broken = broken_stop(*model, *next);
       }
@@ -254,17 +303,35 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, dou
         h *= 0.5;
         continue;
       }
+      // A snap that nobody can see, and on.
+      bool goes_on = false;
+      for (double beyond = 1e-9; !goes_on && beyond < 1e-4 && s + beyond < 1.0; beyond *= 10.0) {
+        const auto there = varied.model_at(s + beyond);
+        const Settling rest = settle(*there, here->x);
+        if (rest.end != Settling::End::settled || distance(rest.x, here->x) > invisible) continue;
+        next = newton(*there, rest.x, closures, here->side);
+        goes_on = next && distance(next->x, here->x) < invisible && next->least >= flat &&
+                  broken_stop(*there, *next) < 0;
+        if (goes_on) s += beyond;
+      }
+      if (goes_on) {
+        here = std::move(next);
+        continue;
+      }
       out.part = s;
       out.why = why;
       out.poses = varied.model_at(s)->poses(here->x);
-      const bool is_weak = here->least < near_flat || here->weakest < near_flat || is_singular;
-      out.end = is_weak ? SmallSteps::End::lost : SmallSteps::End::undecided;
+      // Towards a fold it moves faster and faster, as one over the square root of the way to it; otherwise rounding has
+      // ended the steps.
+      out.end = is_singular || rate > faster * rate_before ? SmallSteps::End::lost : SmallSteps::End::undecided;
       return out;
     }
     const double moved = distance(next->x, here->x);
+    rate = moved / (to - s);
+    if (to - s > next_to_a_fold) rate_before = rate;
     here = std::move(next);
     s = to;
-    h *= moved < 0.3 * longest ? 2.0 : 1.0;
+    h *= moved < 0.3 * (with_care ? shorter : longest) ? 2.0 : 1.0;
   }
   out.end = SmallSteps::End::arrived;
   out.part = 1.0;
@@ -280,13 +347,7 @@ CurveOfPoses::CurveOfPoses(Scene scene, int held, const BodyPoses& poses)
   const auto x = coordinates_at(model_, poses);
   if (!x) return;
   x_ = *x;
-  std::vector<int> all(m.equalities());
-  std::iota(all.begin(), all.end(), 0);
-  if (!all.empty()) {
-    const DensePoint<double> point(m, x_, all);
-    const auto order = solvers::pivot_order<double>(point.jacobian.transpose(), solvers::known_to::closed_point);
-    rows_.assign(order.columns.begin(), order.columns.begin() + order.rank);
-  }
+  rows_ = independent_closures(m, x_);
   is_curve_ = static_cast<int>(rows_.size()) + 1 == m.coordinates();
 }
 

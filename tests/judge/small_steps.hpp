@@ -25,8 +25,9 @@ struct SmallSteps {
 };
 
 /// Follows the stable equilibrium at `poses` from one scene to the other, all numbers growing in proportion: Newton
-/// from the last point, in steps that move nothing by more than `longest`, rad or mechanism sizes.
-SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, double longest = 0.02);
+/// from the last point, in steps that move nothing by more than 0.02 rad or mechanism sizes. With care: in shorter ones, in
+/// which the equations change so little that they cannot turn singular between.
+SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, bool with_care = false);
 
 /// A mechanism with one freedom: its poses are a curve, which is walked in small steps.
 class CurveOfPoses {
