@@ -20,8 +20,10 @@ constexpr int most_tries = 300;  // of steps in a change
 constexpr int most_points = 500;        // of a section, so that no change takes long
 constexpr double usual_step = 0.1, fine_step = 0.004;  // of a section: parts of it, rad, mechanism sizes
 constexpr int most_sections = 12;
+constexpr double no_change = 1e-11;       // of a section
+constexpr double no_motion = 1e-4;        // rad or mechanism sizes
 constexpr double section_before = 0.01;  // of its beginning before the end of the steps, rad or mechanism sizes
-constexpr double sections_width = 8.0;   // of a section, at least, in steps that were too long
+constexpr double least_width = 1.0 / 64;  // of a section, parts of what is left of a change
 constexpr double sections_wider = 8.0;   // than the last, where steps have not come beyond it
 constexpr double carried_step = 0.05;    // rad or mechanism sizes
 constexpr double shortest_carry = 1e-6;  // of a change
@@ -120,6 +122,26 @@ struct Section {
   std::vector<Transition::Course> courses;
 };
 
+// Where a curve leads on while the numbers stand still every pose is in equilibrium, and it may move in no time: from
+// one stop to another, say, where the force that pressed it against one passes zero.
+std::vector<Transition::Course> free_motions(const VariedScene& varied, const PathBranch& branch) {
+  std::vector<Transition::Course> out;
+  bool moves = false;
+  for (std::size_t k = 1; k < branch.points.size(); ++k) {
+    const PathPoint &from = branch.points[k - 1], &to = branch.points[k];
+    const bool stands_still = std::abs(to.parameter - from.parameter) < no_change;
+    if (!stands_still || solvers::largest_difference(from.x, to.x) < no_motion) {
+      moves = false;
+      continue;
+    }
+    const auto model = varied.model_at(to.parameter);
+    if (!moves) out.push_back({"nothing holds it there: it moves to where it rests", {model->poses(from.x)}});
+    out.back().poses.push_back(model->poses(to.x));
+    moves = true;
+  }
+  return out;
+}
+
 // `longest_step`: parts of the section, rad, mechanism sizes. Empty where the equilibrium does not depend on what
 // changes, or no equilibrium was found at its beginning.
 std::optional<Section> section_along(const VariedScene& varied, double longest_step, const TrackedOptions& settings) {
@@ -152,6 +174,9 @@ std::optional<Section> section_along(const VariedScene& varied, double longest_s
     } else if (std::string words = in_words(varied.scene(), event); !words.empty()) {
       out.passed.push_back(std::move(words));
     }
+  }
+  for (const PathBranch& branch : found.branches) {
+    for (Transition::Course& course : free_motions(varied, branch)) out.courses.push_back(std::move(course));
   }
   const PathBranch& last = found.branches.back();
   const PathPoint& point = last.points.back();
@@ -210,8 +235,8 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
     // A short part at first, in which the path shows what has ended the steps; from a little before, because nothing
     // can be followed from a fold.
     const Spot& first = way.before_end(section_before);
-    const bool is_same = way.part <= width;
-    width = is_same ? sections_wider * width : std::max(way.part - first.part, sections_width * way.step);
+    const bool is_same = width > 0.0 && way.part <= width;
+    width = is_same ? sections_wider * width : std::max(way.part - first.part, least_width);
     const bool is_rest = tries_left == 0 || k + 1 == most_sections || way.part + width >= 1.0;
     const Scene next = is_rest ? after : way.varied->scene_at(way.part + width);
     const BodyPoses from = way.varied->model_at(first.part)->poses(first.x);

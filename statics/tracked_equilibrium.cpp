@@ -398,6 +398,18 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   }
   walk->go_to(place);
   Transition way = way_of(*walk);
+  // A stop that holds the walk up need not be in the way of those in equilibrium.
+  if (along.size() == 2 && now.is_stable && !walk->held_up_by().empty()) {
+    FollowedChange direct = follow_change(now.scene, held_at(place), now.poses, now.active_stops, options_);
+    if (direct.arrived && direct.transition.kind == Transition::Kind::followed) {
+      Found arrived = found_at(held_at(place), direct.poses, same_place);
+      if (arrived.equilibrium.found()) {
+        if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
+        for (std::string& words : direct.transition.passed) out.passed.push_back(std::move(words));
+        return arrived;
+      }
+    }
+  }
   // Whether it came there without a jump.
   const auto go_to = [&](Vec2 there) {
     Transition step;

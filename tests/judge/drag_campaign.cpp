@@ -101,10 +101,11 @@ class Run {
   }
 
  private:
-  void contradict(const std::string& what) {
-    out_.contradictions.push_back(fmt::format("step {}, {}: {}", out_.steps, doing_, what));
+  void contradict(Fault fault, const std::string& what) {
+    out_.contradictions.push_back({fault, fmt::format("step {}, {}: {}", out_.steps, doing_, what)});
     if (!trial_.print) return;
-    fmt::print("CONTRADICTED: {}\n# The scene before:\n{}# End of the scene\n", out_.contradictions.back(), before_);
+    fmt::print("CONTRADICTED: {}\n# The scene before:\n{}# End of the scene\n", out_.contradictions.back().words,
+               before_);
   }
   void leave_undecided(const std::string& what) {
     out_.undecided.push_back(fmt::format("step {}, {}: {}", out_.steps, doing_, what));
@@ -127,13 +128,13 @@ class Run {
       error = e.what();
     } catch (const std::exception& e) {
       error = e.what();
-      contradict(fmt::format("threw what is no InputError: {}", e.what()));
+      contradict(Fault::other, fmt::format("threw what is no InputError: {}", e.what()));
     }
     const double seconds = processor_time() - begin;
     ++out_.steps;
     const bool jumps = out && (out->kind == Kind::snapped || out->kind == Kind::settled);
     out_.times.push_back({seconds, action, jumps, fmt::format("step {}, {}", out_.steps, doing_)});
-    if (seconds > trial_.slow) contradict(fmt::format("took {:.2f} s", seconds));
+    if (seconds > trial_.slow) contradict(Fault::slow, fmt::format("took {:.2f} s", seconds));
     if (out) {
       ++out_.kinds[static_cast<std::size_t>(out->kind)];
       if (trial_.print) {
@@ -147,7 +148,7 @@ class Run {
     if (trial_.print) fmt::print("{} {}: {}\n", out_.steps, doing_, error);
     const bool unchanged = same_numbers(scene, live_.scene()) && same_numbers(held, live_.held_scene()) &&
                            apart(poses, poses_now(), size_) == 0.0 && status == live_.equilibrium().status;
-    if (!unchanged) contradict("threw, but something has changed: " + error);
+    if (!unchanged) contradict(Fault::other, "threw, but something has changed: " + error);
     return out;
   }
 
@@ -225,7 +226,7 @@ class Run {
     const bool numbers_only = same_structure(was.scene, wanted);
     const auto way = act(numbers_only ? 'c' : 's', [&] { return live_.change(wanted); });
     if (!way) return;
-    if (!same_numbers(wanted, live_.scene())) contradict("the scene is not the one wanted");
+    if (!same_numbers(wanted, live_.scene())) contradict(Fault::other, "the scene is not the one wanted");
     judge_rest();
     if (numbers_only)
       judge_change(was, *way);
@@ -335,13 +336,13 @@ class Run {
     const auto way = act('r', [&] { return live_.release(); });
     if (!way) return;
     judge_rest();
-    if (live_.hand()) contradict("the hand still holds");
+    if (live_.hand()) contradict(Fault::other, "the hand still holds");
     if (was.hand) judge_release(was, *way);
     const BodyPoses once = poses_now();
     doing_ = "release again";
     const auto twice = act('r', [&] { return live_.release(); });
     if (twice && (twice->kind != Kind::none || apart(once, poses_now(), size_) != 0.0)) {
-      contradict(fmt::format("{}, {:.3g} away", to_string(twice->kind), apart(once, poses_now(), size_)));
+      contradict(Fault::other, fmt::format("{}, {:.3g} away", to_string(twice->kind), apart(once, poses_now(), size_)));
     }
   }
 
@@ -358,7 +359,7 @@ class Run {
     judge_rest();
     const bool is_stable = was.found && was.is_proved && was.stability == Stability::stable;
     if (is_stable && apart(was.poses, poses_now(), size_) > 1e-8) {
-      contradict(fmt::format("it is {:.3g} away", apart(was.poses, poses_now(), size_)));
+      contradict(Fault::other, fmt::format("it is {:.3g} away", apart(was.poses, poses_now(), size_)));
     }
   }
 
@@ -394,7 +395,7 @@ class Run {
     const BodyPoses poses = poses_now();
     for (const auto& p : poses) {
       if (!std::isfinite(p.angle) || !std::isfinite(p.origin.x) || !std::isfinite(p.origin.y)) {
-        return contradict("a body is nowhere");
+        return contradict(Fault::other, "a body is nowhere");
       }
     }
     if (!e.found()) return;
@@ -402,26 +403,38 @@ class Run {
     if (places_.size() < 20) places_.push_back(poses);
     const StaticModel fresh(started_at(live_.held_scene(), poses));
     const auto x = coordinates_at(fresh, poses);
-    if (!x) return contradict("the loops are open there");
+    if (!x) return contradict(Fault::unconfirmed, "the loops are open there");
     const Certificate certificate = certify(fresh, *x);
     if (!certificate.confirmed()) {
       // What repeats to rounding only, or is on the edge of being proved, a restart may leave open.
-      return contradict(fmt::format("confirmed, but a fresh certificate says: {} ({})", certificate.statement,
+      return contradict(Fault::unconfirmed, fmt::format("confirmed, but a fresh certificate says: {} ({})", certificate.statement,
                                     to_string(certificate.outcome)));
     }
     const double allowed = certificate.radius + e.certificate.radius + 1e-9 + 10 * certificate.rounding_effect;
     const double off = apart(poses, fresh.poses(certificate.x), size_) / (1 + static_cast<double>(poses.size()));
     if (certificate.outcome == Outcome::proved && off > allowed) {
-      contradict(fmt::format("the equilibrium proved is {:.3g} away, radius {:.3g}", off, certificate.radius));
+      contradict(Fault::unconfirmed, fmt::format("the equilibrium proved is {:.3g} away, radius {:.3g}", off, certificate.radius));
     }
     if (certificate.stability != e.certificate.stability) {
-      contradict(fmt::format("said to be {}, and is {}", to_string(e.certificate.stability),
+      contradict(Fault::unconfirmed, fmt::format("said to be {}, and is {}", to_string(e.certificate.stability),
                              to_string(certificate.stability)));
     }
     const Check bodies = check(fresh, certificate.x, {}, &certificate.active_stops, certificate.sharing_stops);
-    // Where nothing acts the largest force is rounding.
-    const bool is_rounding = bodies.closed && bodies.stops_kept && bodies.imbalance < 1e-13 * fresh.scales().force;
-    if (!bodies.is_equilibrium() && !is_rounding) contradict("free bodies: " + bodies.objection);
+    // Where nothing acts the largest force is rounding, of springs too.
+    const bool is_rounding =
+        bodies.closed && bodies.stops_kept && bodies.imbalance < 1e-13 * std::max(fresh.scales().force, spring_force());
+    if (!bodies.is_equilibrium() && !is_rounding) contradict(Fault::unconfirmed, "free bodies: " + bodies.objection);
+  }
+
+  // What springs would exert by their whole length, N: their forces are known to the rounding of that.
+  double spring_force() const {
+    double most = 0.0;
+    for (const Element& element : live_.scene().elements) {
+      if (const auto* spring = std::get_if<LinearSpring>(&element.law)) {
+        most = std::max(most, spring->stiffness * (element.on.is_angle() ? 1.0 / size_ : size_));
+      }
+    }
+    return most;
   }
 
   // `way` of a drag: a course may come before what the hand does, or after.
@@ -433,16 +446,16 @@ class Run {
           const double step = apart(course.poses[k - 1], course.poses[k], size_);
           if (step > longest_pose) {
             return contradict(
-                fmt::format("pose {} of {} of a course is {:.3g} from the last", k, course.poses.size(), step));
+                Fault::course, fmt::format("pose {} of {} of a course is {:.3g} from the last", k, course.poses.size(), step));
           }
         }
         const double gap = gap_of(course.poses[k]);
         // A snap on the way has the numbers of the way.
         if (way.courses.size() == 1 && way.kind == Kind::settled && way.passed.empty() && gap > open * size_) {
-          return contradict(fmt::format("pose {} of {} of a course has a gap of {:.3g}", k, course.poses.size(), gap));
+          return contradict(Fault::course, fmt::format("pose {} of {} of a course has a gap of {:.3g}", k, course.poses.size(), gap));
         }
       }
-      if (course.poses.empty()) return contradict("a course is empty");
+      if (course.poses.empty()) return contradict(Fault::course, "a course is empty");
     }
     if (way.courses.empty() || !live_.equilibrium().found()) return;
     // Loops that a change has opened are closed first.
@@ -455,9 +468,9 @@ class Run {
     }
     if (way.kind == Kind::settled && !drag && keeps_stops && gap_of(was.poses) < open * size_) {
       const double begin = apart(way.courses.front().poses.front(), was.poses, size_);
-      if (begin > longest_pose) contradict(fmt::format("a course begins {:.3g} away", begin));
+      if (begin > longest_pose) contradict(Fault::course, fmt::format("a course begins {:.3g} away", begin));
       const double end = apart(way.courses.back().poses.back(), poses_now(), size_);
-      if (end > same) contradict(fmt::format("a course ends {:.3g} away", end));
+      if (end > same) contradict(Fault::course, fmt::format("a course ends {:.3g} away", end));
     }
   }
 
@@ -528,19 +541,19 @@ class Run {
       if (!moved || says_so) return;
       // It is lost so near that the pictures are the same.
       if (now.found() && far <= same_picture) return leave_undecided("lost next to where it is: " + small);
-      contradict(fmt::format("{}, but small steps are lost: {}, {:.3g} away", to_string(way.kind), small, far));
+      contradict(Fault::flip, fmt::format("{}, but small steps are lost: {}, {:.3g} away", to_string(way.kind), small, far));
       return;
     }
     if (!live_.equilibrium().found()) {
-      contradict(fmt::format("{}, {}: {}; small steps arrive", to_string(way.kind),
+      contradict(Fault::lost, fmt::format("{}, {}: {}; small steps arrive", to_string(way.kind),
                              to_string(live_.equilibrium().status), live_.equilibrium().why));
     } else if (moved && far > same) {
-      contradict(fmt::format("{}, but small steps arrive {:.3g} away", to_string(way.kind), far));
+      contradict(Fault::flip, fmt::format("{}, but small steps arrive {:.3g} away", to_string(way.kind), far));
     } else if (!moved && !drag) {
-      contradict(fmt::format("{} ({}), but small steps arrive, {:.3g} away", to_string(way.kind), way.why, far));
+      contradict(Fault::jump, fmt::format("{} ({}), but small steps arrive, {:.3g} away", to_string(way.kind), way.why, far));
     }
     if (way.kind == Kind::none && apart(from, poses_now(), size_) > 1e-8) {
-      contradict(fmt::format("none, but it moved by {:.3g}", apart(from, poses_now(), size_)));
+      contradict(Fault::flip, fmt::format("none, but it moved by {:.3g}", apart(from, poses_now(), size_)));
     }
   }
 
@@ -548,9 +561,9 @@ class Run {
   void judge_release(const Before& was, const Transition& way) {
     judge_courses(was, way);
     const double moved = apart(was.poses, poses_now(), size_);
-    if (way.kind == Kind::none && moved > 1e-8) contradict(fmt::format("none, but it moved by {:.3g}", moved));
+    if (way.kind == Kind::none && moved > 1e-8) contradict(Fault::flip, fmt::format("none, but it moved by {:.3g}", moved));
     if (way.kind == Kind::snapped || way.kind == Kind::blocked)
-      contradict("it can only settle, but " + to_string(way.kind));
+      contradict(Fault::other, "it can only settle, but " + to_string(way.kind));
     if (!live_.equilibrium().found()) return;
     Equilibrium e;
     const StaticModel fresh(started_at(live_.held_scene(), was.poses));
@@ -564,7 +577,7 @@ class Run {
     ++out_.judged;
     if (e.settling->end == Settling::End::start_unstable) return;
     const double far = apart(fresh.poses(e.x), poses_now(), size_);
-    if (far > same) contradict(fmt::format("{}, {:.3g} from where the scene settles", to_string(way.kind), far));
+    if (far > same) contradict(Fault::jump, fmt::format("{}, {:.3g} from where the scene settles", to_string(way.kind), far));
   }
 
   int freedoms() const {
@@ -602,23 +615,23 @@ class Run {
     const bool jumped = way.kind == Kind::snapped || way.kind == Kind::settled;
     const double before_it = norm(target - start), now = norm(target - end);
     if (was.found && now > before_it + 1e-5 * size_) {
-      contradict(fmt::format("{}: {:.6g} from the place, {:.6g} before", to_string(way.kind), now, before_it));
+      contradict(Fault::short_way, fmt::format("{}: {:.6g} from the place, {:.6g} before", to_string(way.kind), now, before_it));
     }
     const int held = static_cast<int>(live_.held_scene().stops.size() - live_.scene().stops.size());
-    if (held == 0) return contradict("nothing holds the point");
+    if (held == 0) return contradict(Fault::other, "nothing holds the point");
     const CurveOfPoses curve(live_.held_scene(), held, was.poses);
     if (curve.is_curve()) {
       if (jumped) {
-        if (was.found) contradict(fmt::format("{} with one freedom", to_string(way.kind)));
+        if (was.found) contradict(Fault::flip, fmt::format("{} with one freedom", to_string(way.kind)));
         return;
       }
       const Equilibrium& e = live_.equilibrium();
       if (curve.begins_singular()) return leave_undecided("a singular pose at the start");
-      if (was.found && !e.found()) contradict(fmt::format("held, but {}: {}", to_string(e.status), e.why));
+      if (was.found && !e.found()) contradict(Fault::lost, fmt::format("held, but {}: {}", to_string(e.status), e.why));
       const auto walked = curve.to(poses_now());
       ++out_.judged;
       if (!walked.passed) {
-        contradict(fmt::format("{} ({}), but the curve of poses does not lead there: {}", to_string(way.kind), way.why,
+        contradict(Fault::flip, fmt::format("{} ({}), but the curve of poses does not lead there: {}", to_string(way.kind), way.why,
                                walked.why));
         return;
       }
@@ -631,7 +644,7 @@ class Run {
         if (nearest.ended_by.starts_with("a singular"))
           leave_undecided(what);
         else
-          contradict(what);
+          contradict(Fault::short_way, what);
       }
       return;
     }
@@ -664,7 +677,7 @@ class Run {
     try {
       const SmallSteps all = follow_numbers(VariedScene(from, to), was.poses, true);
       if (all.end == SmallSteps::End::arrived) {
-        contradict(fmt::format("{} ({}): {:.6g} from the place, which small steps reach", to_string(way.kind), way.why,
+        contradict(Fault::short_way, fmt::format("{} ({}): {:.6g} from the place, which small steps reach", to_string(way.kind), way.why,
                                now / size_));
       }
     } catch (const InputError&) {
@@ -704,6 +717,28 @@ Scene random_chain(std::uint64_t seed) {
 }
 
 }  // namespace
+
+std::string to_string(Fault fault) {
+  switch (fault) {
+    case Fault::flip:
+      return "flip";
+    case Fault::unconfirmed:
+      return "not an equilibrium";
+    case Fault::other:
+      return "other";
+    case Fault::lost:
+      return "lost";
+    case Fault::jump:
+      return "jump";
+    case Fault::short_way:
+      return "stops short";
+    case Fault::course:
+      return "course";
+    case Fault::slow:
+      return "slow";
+  }
+  return "unknown";
+}
 
 JudgedDrags judge_drags(const Scene& scene, std::uint64_t seed, const DragTrial& trial) {
   return Run(scene, seed, trial).go();

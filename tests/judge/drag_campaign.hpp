@@ -15,6 +15,19 @@ struct DragTrial {
   double slow = 1.0;   ///< s of a step that is too slow
 };
 
+/// What is wrong with a step.
+enum class Fault {
+  flip,         ///< followed to another equilibrium than small steps find, without a word
+  unconfirmed,  ///< called an equilibrium, or stable, and is none
+  other,        ///< an exception of another kind, say, or a state that was changed by an error
+  lost,         ///< not found where small steps find an equilibrium
+  jump,         ///< told and played, but needless, or not to where the scene settles
+  short_way,    ///< a dragged point stops before the place that it could reach
+  course,       ///< gaps in the motion that is played
+  slow
+};
+std::string to_string(Fault fault);
+
 /// What a random run of one scene found.
 struct JudgedDrags {
   int bodies = 0;
@@ -23,7 +36,11 @@ struct JudgedDrags {
   int errors = 0;              ///< InputError, with everything as before
   int judged = 0;              ///< transitions compared with small steps, which could decide
   std::vector<std::string> undecided;
-  std::vector<std::string> contradictions;
+  struct Contradiction {
+    Fault fault = Fault::other;
+    std::string words;
+  };
+  std::vector<Contradiction> contradictions;
   struct Time {
     double seconds = 0.0;  ///< of the processor
     char action = 'd';     ///< d: drag, c: change of numbers, s: another structure, r: release and the like

@@ -5,7 +5,7 @@
 // Without files: the random mechanisms of the seeds FIRST ... (scene_to_drag). With files, and with the cases of a
 // catalogue: each scene with each of the seeds. What is no scene, or has more than 60 bodies, is left out. --print:
 // every step. Prints what is contradicted, with the seed and step, and a summary; times are those of the processor.
-// Ends with 1 where something is contradicted.
+// Ends with 1 where a position is wrong: a flip, no equilibrium, or another fault than those of how it moves.
 
 #include <algorithm>
 #include <array>
@@ -25,6 +25,7 @@
 
 namespace {
 
+using poise::judge::Fault;
 using poise::judge::JudgedDrags;
 
 constexpr std::size_t most_bodies = 60;
@@ -32,6 +33,7 @@ constexpr std::size_t most_bodies = 60;
 struct Summary {
   int runs = 0, none = 0, steps = 0, confirmed = 0, errors = 0, judged = 0, undecided = 0, contradicted = 0;
   std::array<int, 6> kinds{};
+  std::map<Fault, int> faults;
   std::map<std::pair<int, std::string>, std::vector<JudgedDrags::Time>> times;
 
   void add(const std::string& name, const JudgedDrags& run, bool print) {
@@ -52,7 +54,10 @@ struct Summary {
                                                     : "other";
       times[{upto, what}].push_back(std::move(time));
     }
-    for (const std::string& c : run.contradictions) std::cout << name << ": CONTRADICTED: " << c << '\n';
+    for (const JudgedDrags::Contradiction& c : run.contradictions) {
+      ++faults[c.fault];
+      std::cout << fmt::format("{}: CONTRADICTED: {}: {}\n", name, to_string(c.fault), c.words);
+    }
     if (print) {
       for (const std::string& u : run.undecided) std::cout << name << ": undecided: " << u << '\n';
     }
@@ -65,6 +70,7 @@ struct Summary {
         "refused {}, input errors {}; {} confirmed; {} ways judged by small steps, {} undecided; {} contradicted\n",
         runs, none, steps, kinds[0], kinds[1], kinds[2], kinds[3], kinds[4], kinds[5], errors, confirmed, judged,
         undecided, contradicted);
+    for (const auto& [fault, count] : faults) std::cout << fmt::format("{}: {}\n", to_string(fault), count);
     for (auto& [key, all] : times) {
       std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.seconds < b.seconds; });
       const auto part = [&](double p) {
@@ -139,7 +145,9 @@ int main(int count, char** words) {
       }
     }
     summary.print();
-    return summary.contradicted == 0 ? 0 : 1;
+    const bool is_wrong = summary.faults.contains(Fault::flip) || summary.faults.contains(Fault::unconfirmed) ||
+                          summary.faults.contains(Fault::other);
+    return is_wrong ? 1 : 0;
   } catch (const std::exception& error) {
     std::cerr << "poise_drags: " << error.what() << '\n';
     return 2;

@@ -12,7 +12,9 @@ namespace poise::judge {
 namespace {
 
 void expect_true(const std::string& name, const JudgedDrags& run) {
-  for (const std::string& contradiction : run.contradictions) ADD_FAILURE() << name << ": " << contradiction;
+  for (const JudgedDrags::Contradiction& c : run.contradictions) {
+    ADD_FAILURE() << name << ": " << to_string(c.fault) << ": " << c.words;
+  }
   EXPECT_GT(run.confirmed, 0) << name;
 }
 

@@ -25,7 +25,7 @@ constexpr double shortest = 1e-11;        // part of the way
 constexpr double shortest_change = 1e-7;  // the same, of a step in which stops come on or off
 constexpr int most_steps = 3000;
 constexpr double kept_to = 1e-9;  // of stops, rad or mechanism sizes; of pushes, the model's unit of force
-constexpr double flat = 1e-8;     // curvature over the largest entry of the tangent
+constexpr double flat = 1e-8;     // curvature over the largest entry of the tangent; soft springs may have less
 constexpr double faster = 30.0;           // at a fold than in the last of the steps that are not next to it
 constexpr double next_to_a_fold = 1e-5;   // part of the way
 constexpr double longest = 0.02, shorter = 0.004;  // steps, rad or mechanism sizes
@@ -273,7 +273,7 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, boo
         why = "it moves too far";
       } else if (with_care && next->side == here->side && !change_little(here->equations, next->equations)) {
         why = "the equations change too far";
-      } else if (next->least < flat) {
+      } else if (next->least < -flat) {
         why = "it turns unstable";
         is_singular = true;
       } else if (next->sign * here->sign < 0 && next->side == here->side) {
