@@ -15,18 +15,18 @@
 namespace poise {
 namespace {
 
-constexpr double shortest_part = 1e-7;  // of a change; next to a singular pose steps are short
-constexpr int most_tries = 300;  // of steps in a change
-constexpr int most_points = 500;        // of a section, so that no change takes long
+constexpr double shortest_part = 1e-7;                 // of a change; next to a singular pose steps are short
+constexpr int most_tries = 300;                        // of steps in a change
+constexpr int most_points = 500;                       // of a section, so that no change takes long
 constexpr double usual_step = 0.1, fine_step = 0.004;  // of a section: parts of it, rad, mechanism sizes
 constexpr int most_sections = 12;
 constexpr double no_change = 1e-11;       // of a section
 constexpr double no_motion = 1e-4;        // rad or mechanism sizes
-constexpr double section_before = 0.01;  // of its beginning before the end of the steps, rad or mechanism sizes
+constexpr double section_before = 0.01;   // of its beginning before the end of the steps, rad or mechanism sizes
 constexpr double least_width = 1.0 / 64;  // of a section, parts of what is left of a change
-constexpr double sections_wider = 8.0;   // than the last, where steps have not come beyond it
-constexpr double carried_step = 0.05;    // rad or mechanism sizes
-constexpr double shortest_carry = 1e-6;  // of a change
+constexpr double sections_wider = 8.0;    // than the last, where steps have not come beyond it
+constexpr double carried_step = 0.05;     // rad or mechanism sizes
+constexpr double shortest_carry = 1e-6;   // of a change
 
 std::string in_words(const Scene& scene, const PathEvent& event) {
   const auto item = static_cast<std::size_t>(event.item);

@@ -201,18 +201,16 @@ class ProvedSegment {
       if (s < 0) continue;
       const auto i = static_cast<std::size_t>(a.jacobian_column()[e]);
       const Interval &at_begin = ends_[0].jacobian[e], &at_end = ends_[1].jacobian[e];
-      off[static_cast<std::size_t>(s)] += with_quarter(hull(at_begin, at_end) * Interval(-radius_[i], radius_[i]),
-                                                       (at_begin - at_end) * change_[i]);
+      off[static_cast<std::size_t>(s)] +=
+          with_quarter(hull(at_begin, at_end) * Interval(-radius_[i], radius_[i]), (at_begin - at_end) * change_[i]);
     }
     for (int s = 0; s < a.stops(); ++s) {
       const auto at = static_cast<std::size_t>(s);
       if (side_[at] == 0) {
         const auto row = static_cast<std::size_t>(a.stop_row(s));
         const Interval &v = ends_[0].constraint_at_z[row], &w = ends_[1].constraint_at_z[row];
-        const Interval above =
-            hull(v - Interval(a.lower()[at]), w - Interval(b.lower()[at])) + off[at];
-        const Interval below =
-            hull(Interval(a.upper()[at]) - v, Interval(b.upper()[at]) - w) - off[at];
+        const Interval above = hull(v - Interval(a.lower()[at]), w - Interval(b.lower()[at])) + off[at];
+        const Interval below = hull(Interval(a.upper()[at]) - v, Interval(b.upper()[at]) - w) - off[at];
         if (!(above > Interval(0)) || !(below > Interval(0))) return false;
         continue;
       }

@@ -26,7 +26,8 @@ struct SegmentEnd {
 /// their side, and all others are between their limits. So the solutions are one smooth curve without a fold or branch
 /// point, and as many directions are unstable at its end as at its beginning. Where numbers enter G affinely, these are
 /// the equilibria of all numbers between. By Krawczyk's operator (R. E. Moore, R. B. Kearfott, M. J. Cloud,
-/// "Introduction to Interval Analysis", 2009, section 8.3) with the derivatives D_A, D_B over the tube Z of these boxes,
+/// "Introduction to Interval Analysis", 2009, section 8.3) with the derivatives D_A, D_B over the tube Z of these
+/// boxes,
 ///   |C r| + |I - C D| e < e,   r in hull(G_A(z_A), G_B(z_B)) + [0, 1/4] (D_A(Z) - D_B(Z)) d,   D = hull(D_A, D_B)(Z),
 /// since t (1 - t) is what the mean value theorem leaves of both residuals at z_A + t d.
 ///

@@ -18,10 +18,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int most_coordinates = 200;   // of dense factors
-constexpr double longest = 0.2;         // of a step, rad or mechanism sizes
-constexpr double in_balance = 1e-7;     // of the start, in its largest force
-constexpr double closed = 1e-8;         // of the start
+constexpr int most_coordinates = 200;  // of dense factors
+constexpr double longest = 0.2;        // of a step, rad or mechanism sizes
+constexpr double in_balance = 1e-7;    // of the start, in its largest force
+constexpr double closed = 1e-8;        // of the start
 constexpr double converged = 1e-12;
 constexpr double rounding = 1e-8;  // larger steps are none of rounding
 constexpr int most_iterations = 8;
@@ -77,8 +77,7 @@ class SmallStep {
       last = 0.5 * size;
       if (!is_last) continue;
       const MatrixXd middle = 0.5 * (equations + k);
-      const bool is_proved =
-          is_closed(x) && segment_is_proved({from_, x_, first}, {to_, x, y}, rows_, side_, middle);
+      const bool is_proved = is_closed(x) && segment_is_proved({from_, x_, first}, {to_, x, y}, rows_, side_, middle);
       return is_proved ? std::optional(x) : std::nullopt;
     }
     return std::nullopt;

@@ -13,9 +13,9 @@
 namespace poise {
 namespace {
 
-constexpr double still = 1e-9;       // rad or mechanism sizes: it rests where it did
-constexpr double same_place = 1e-6;  // the same: a search ended where it was expected to
-constexpr double near_place = 0.1;   // the same: near a position that is asked for
+constexpr double still = 1e-9;           // rad or mechanism sizes: it rests where it did
+constexpr double same_place = 1e-6;      // the same: a search ended where it was expected to
+constexpr double near_place = 0.1;       // the same: near a position that is asked for
 constexpr double cosine_of_turn = 0.95;  // of a way along which a hand holds in one direction
 
 constexpr const char* no_further = "it can go no further that way";

@@ -26,11 +26,11 @@ namespace {
 using comparison::Random;
 using Kind = Transition::Kind;
 
-constexpr double same = 1e-5;         // rad or mechanism sizes
-constexpr double same_place = 3e-4;   // of a dragged point at the end of its way, mechanism sizes
+constexpr double same = 1e-5;          // rad or mechanism sizes
+constexpr double same_place = 3e-4;    // of a dragged point at the end of its way, mechanism sizes
 constexpr double same_picture = 3e-3;  // a point of a picture, rad or mechanism sizes
-constexpr double longest_pose = 0.5;  // between poses of a course, rad or mechanism sizes
-constexpr double open = 1e-6;         // gap of a joint in a course, mechanism sizes
+constexpr double longest_pose = 0.5;   // between poses of a course, rad or mechanism sizes
+constexpr double open = 1e-6;          // gap of a joint in a course, mechanism sizes
 
 double processor_time() {
   timespec now{};
@@ -407,17 +407,18 @@ class Run {
     const Certificate certificate = certify(fresh, *x);
     if (!certificate.confirmed()) {
       // What repeats to rounding only, or is on the edge of being proved, a restart may leave open.
-      return contradict(Fault::unconfirmed, fmt::format("confirmed, but a fresh certificate says: {} ({})", certificate.statement,
-                                    to_string(certificate.outcome)));
+      return contradict(Fault::unconfirmed, fmt::format("confirmed, but a fresh certificate says: {} ({})",
+                                                        certificate.statement, to_string(certificate.outcome)));
     }
     const double allowed = certificate.radius + e.certificate.radius + 1e-9 + 10 * certificate.rounding_effect;
     const double off = apart(poses, fresh.poses(certificate.x), size_) / (1 + static_cast<double>(poses.size()));
     if (certificate.outcome == Outcome::proved && off > allowed) {
-      contradict(Fault::unconfirmed, fmt::format("the equilibrium proved is {:.3g} away, radius {:.3g}", off, certificate.radius));
+      contradict(Fault::unconfirmed,
+                 fmt::format("the equilibrium proved is {:.3g} away, radius {:.3g}", off, certificate.radius));
     }
     if (certificate.stability != e.certificate.stability) {
       contradict(Fault::unconfirmed, fmt::format("said to be {}, and is {}", to_string(e.certificate.stability),
-                             to_string(certificate.stability)));
+                                                 to_string(certificate.stability)));
     }
     const Check bodies = check(fresh, certificate.x, {}, &certificate.active_stops, certificate.sharing_stops);
     // Where nothing acts the largest force is rounding, of springs too.
@@ -445,14 +446,15 @@ class Run {
         if (k > 0) {
           const double step = apart(course.poses[k - 1], course.poses[k], size_);
           if (step > longest_pose) {
-            return contradict(
-                Fault::course, fmt::format("pose {} of {} of a course is {:.3g} from the last", k, course.poses.size(), step));
+            return contradict(Fault::course, fmt::format("pose {} of {} of a course is {:.3g} from the last", k,
+                                                         course.poses.size(), step));
           }
         }
         const double gap = gap_of(course.poses[k]);
         // A snap on the way has the numbers of the way.
         if (way.courses.size() == 1 && way.kind == Kind::settled && way.passed.empty() && gap > open * size_) {
-          return contradict(Fault::course, fmt::format("pose {} of {} of a course has a gap of {:.3g}", k, course.poses.size(), gap));
+          return contradict(Fault::course,
+                            fmt::format("pose {} of {} of a course has a gap of {:.3g}", k, course.poses.size(), gap));
         }
       }
       if (course.poses.empty()) return contradict(Fault::course, "a course is empty");
@@ -541,16 +543,18 @@ class Run {
       if (!moved || says_so) return;
       // It is lost so near that the pictures are the same.
       if (now.found() && far <= same_picture) return leave_undecided("lost next to where it is: " + small);
-      contradict(Fault::flip, fmt::format("{}, but small steps are lost: {}, {:.3g} away", to_string(way.kind), small, far));
+      contradict(Fault::flip,
+                 fmt::format("{}, but small steps are lost: {}, {:.3g} away", to_string(way.kind), small, far));
       return;
     }
     if (!live_.equilibrium().found()) {
       contradict(Fault::lost, fmt::format("{}, {}: {}; small steps arrive", to_string(way.kind),
-                             to_string(live_.equilibrium().status), live_.equilibrium().why));
+                                          to_string(live_.equilibrium().status), live_.equilibrium().why));
     } else if (moved && far > same) {
       contradict(Fault::flip, fmt::format("{}, but small steps arrive {:.3g} away", to_string(way.kind), far));
     } else if (!moved && !drag) {
-      contradict(Fault::jump, fmt::format("{} ({}), but small steps arrive, {:.3g} away", to_string(way.kind), way.why, far));
+      contradict(Fault::jump,
+                 fmt::format("{} ({}), but small steps arrive, {:.3g} away", to_string(way.kind), way.why, far));
     }
     if (way.kind == Kind::none && apart(from, poses_now(), size_) > 1e-8) {
       contradict(Fault::flip, fmt::format("none, but it moved by {:.3g}", apart(from, poses_now(), size_)));
@@ -561,7 +565,8 @@ class Run {
   void judge_release(const Before& was, const Transition& way) {
     judge_courses(was, way);
     const double moved = apart(was.poses, poses_now(), size_);
-    if (way.kind == Kind::none && moved > 1e-8) contradict(Fault::flip, fmt::format("none, but it moved by {:.3g}", moved));
+    if (way.kind == Kind::none && moved > 1e-8)
+      contradict(Fault::flip, fmt::format("none, but it moved by {:.3g}", moved));
     if (way.kind == Kind::snapped || way.kind == Kind::blocked)
       contradict(Fault::other, "it can only settle, but " + to_string(way.kind));
     if (!live_.equilibrium().found()) return;
@@ -577,7 +582,8 @@ class Run {
     ++out_.judged;
     if (e.settling->end == Settling::End::start_unstable) return;
     const double far = apart(fresh.poses(e.x), poses_now(), size_);
-    if (far > same) contradict(Fault::jump, fmt::format("{}, {:.3g} from where the scene settles", to_string(way.kind), far));
+    if (far > same)
+      contradict(Fault::jump, fmt::format("{}, {:.3g} from where the scene settles", to_string(way.kind), far));
   }
 
   int freedoms() const {
@@ -615,7 +621,8 @@ class Run {
     const bool jumped = way.kind == Kind::snapped || way.kind == Kind::settled;
     const double before_it = norm(target - start), now = norm(target - end);
     if (was.found && now > before_it + 1e-5 * size_) {
-      contradict(Fault::short_way, fmt::format("{}: {:.6g} from the place, {:.6g} before", to_string(way.kind), now, before_it));
+      contradict(Fault::short_way,
+                 fmt::format("{}: {:.6g} from the place, {:.6g} before", to_string(way.kind), now, before_it));
     }
     const int held = static_cast<int>(live_.held_scene().stops.size() - live_.scene().stops.size());
     if (held == 0) return contradict(Fault::other, "nothing holds the point");
@@ -629,10 +636,11 @@ class Run {
       if (curve.begins_singular()) return leave_undecided("a singular pose at the start");
       if (was.found && !e.found()) contradict(Fault::lost, fmt::format("held, but {}: {}", to_string(e.status), e.why));
       const auto walked = curve.to(poses_now());
+      if (!walked.passed && walked.goes_on) return leave_undecided("a long way");
       ++out_.judged;
       if (!walked.passed) {
-        contradict(Fault::flip, fmt::format("{} ({}), but the curve of poses does not lead there: {}", to_string(way.kind), way.why,
-                               walked.why));
+        contradict(Fault::flip, fmt::format("{} ({}), but the curve of poses does not lead there: {}",
+                                            to_string(way.kind), way.why, walked.why));
         return;
       }
       const auto nearest = curve.nearest(point, target);
@@ -677,8 +685,8 @@ class Run {
     try {
       const SmallSteps all = follow_numbers(VariedScene(from, to), was.poses, true);
       if (all.end == SmallSteps::End::arrived) {
-        contradict(Fault::short_way, fmt::format("{} ({}): {:.6g} from the place, which small steps reach", to_string(way.kind), way.why,
-                               now / size_));
+        contradict(Fault::short_way, fmt::format("{} ({}): {:.6g} from the place, which small steps reach",
+                                                 to_string(way.kind), way.why, now / size_));
       }
     } catch (const InputError&) {
     }

@@ -24,13 +24,13 @@ using Eigen::VectorXd;
 constexpr double shortest = 1e-11;        // part of the way
 constexpr double shortest_change = 1e-7;  // the same, of a step in which stops come on or off
 constexpr int most_steps = 3000;
-constexpr double kept_to = 1e-9;  // of stops, rad or mechanism sizes; of pushes, the model's unit of force
-constexpr double flat = 1e-8;     // curvature over the largest entry of the tangent; soft springs may have less
-constexpr double faster = 30.0;           // at a fold than in the last of the steps that are not next to it
-constexpr double next_to_a_fold = 1e-5;   // part of the way
+constexpr double kept_to = 1e-9;         // of stops, rad or mechanism sizes; of pushes, the model's unit of force
+constexpr double flat = 1e-8;            // curvature over the largest entry of the tangent; soft springs may have less
+constexpr double faster = 30.0;          // at a fold than in the last of the steps that are not next to it
+constexpr double next_to_a_fold = 1e-5;  // part of the way
 constexpr double longest = 0.02, shorter = 0.004;  // steps, rad or mechanism sizes
-constexpr double invisible = 2e-3;                  // of a snap, rad or mechanism sizes
-constexpr double little = 0.7;                      // change of the equations in a step that is taken with care
+constexpr double invisible = 2e-3;                 // of a snap, rad or mechanism sizes
+constexpr double little = 0.7;                     // change of the equations in a step that is taken with care
 
 double largest_of(const VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
 
@@ -310,8 +310,8 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, boo
         const Settling rest = settle(*there, here->x);
         if (rest.end != Settling::End::settled || distance(rest.x, here->x) > invisible) continue;
         next = newton(*there, rest.x, closures, here->side);
-        goes_on = next && distance(next->x, here->x) < invisible && next->least >= flat &&
-                  broken_stop(*there, *next) < 0;
+        goes_on =
+            next && distance(next->x, here->x) < invisible && next->least >= flat && broken_stop(*there, *next) < 0;
         if (goes_on) s += beyond;
       }
       if (goes_on) {
@@ -482,6 +482,7 @@ CurveOfPoses::Walked CurveOfPoses::to(const BodyPoses& poses) const {
       walked += moved;
       here = std::move(there);
     }
+    out.goes_on = out.goes_on || walked >= farthest;
   }
   if (out.why.empty()) out.why = "it is on another curve";
   return out;

@@ -25,8 +25,8 @@ struct SmallSteps {
 };
 
 /// Follows the stable equilibrium at `poses` from one scene to the other, all numbers growing in proportion: Newton
-/// from the last point, in steps that move nothing by more than 0.02 rad or mechanism sizes. With care: in shorter ones, in
-/// which the equations change so little that they cannot turn singular between.
+/// from the last point, in steps that move nothing by more than 0.02 rad or mechanism sizes. With care: in shorter
+/// ones, in which the equations change so little that they cannot turn singular between.
 SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, bool with_care = false);
 
 /// A mechanism with one freedom: its poses are a curve, which is walked in small steps.
@@ -41,7 +41,8 @@ class CurveOfPoses {
   double size() const { return model_.scales().length; }
 
   struct Walked {
-    bool passed = false;  ///< the curve leads there, through regular poses that keep the stops
+    bool passed = false;   ///< the curve leads there, through regular poses that keep the stops
+    bool goes_on = false;  ///< it is longer than was walked
     std::string why;
   };
   Walked to(const BodyPoses& poses) const;
