@@ -48,9 +48,11 @@ function roundStep(wanted) {
   return [1, 2, 5, 10].map((step) => step * decade).find((step) => step >= 0.65 * wanted);
 }
 
-// Very large and very small numbers of an axis share one power of ten.
-function linearTicks([low, high], most) {
-  const step = roundStep((high - low) / most);
+// Very large and very small numbers of an axis share one power of ten. `whole`: between whole numbers there is nothing,
+// so that no tick is there either, unless the axis has been zoomed into until it shows no whole number.
+function linearTicks([low, high], most, whole) {
+  const usual = roundStep((high - low) / most);
+  const step = whole && high - low >= 1 ? Math.max(1, usual) : usual;
   const largest = Math.max(Math.abs(low), Math.abs(high));
   const exponent = largest >= smallest_plain && largest < largest_plain ? 0 : orderOf(largest);
   const decimals = Math.min(20, Math.max(0, exponent - orderOf(step)));
@@ -75,7 +77,7 @@ function logTicks([low, high], most) {
     last = Math.floor(Math.log10(high) + 1e-9);
   if (last - first < 1) {
     const inner = logSteps(low, high, [1, 2, 5]);
-    return inner.length > 2 ? inner : linearTicks([low, high], most);
+    return inner.length > 2 ? inner : linearTicks([low, high], most, false);
   }
   if (3 * (last - first) <= most + 1) return logSteps(low, high, [1, 2, 5]);
   const step = Math.max(1, Math.ceil((last - first) / most));
@@ -98,9 +100,9 @@ function logSteps(low, high, multiples) {
   return ticks;
 }
 
-/// Ticks of an axis, at most about `most`.
-export function axisTicks(range, log, most) {
-  return log ? logTicks(range, most) : linearTicks(range, most);
+/// Ticks of an axis, at most about `most`; `whole`: its values are whole numbers, and so are ticks of a linear axis.
+export function axisTicks(range, log, most, whole) {
+  return log ? logTicks(range, most) : linearTicks(range, most, whole);
 }
 
 /// Places of the thin lines between decades; none where there are too many decades.

@@ -94,7 +94,7 @@ class Chart {
       axis === 'x'
         ? Math.max(2, Math.min(9, Math.floor(width / 85)))
         : Math.max(2, Math.floor(this.height / (this.log.y ? 32 : 38)));
-    return axisTicks(this.range[axis], this.log[axis], most);
+    return axisTicks(this.range[axis], this.log[axis], most, axis === 'x' && this.events.isCounted());
   }
 
   get leftRoom() {
@@ -533,6 +533,14 @@ class XGroup {
 
   zoomedX() {
     return this.zoomed;
+  }
+
+  /// Whether x counts something, such as lags or iterations: every x of all curves is a whole number.
+  isCounted() {
+    this.counted ??= this.charts.every(({panel}) =>
+      panel.curves.every(({x}) => x.every((value) => value === null || Number.isInteger(value)))
+    );
+    return this.counted;
   }
 
   fitX() {
