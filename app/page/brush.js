@@ -11,6 +11,21 @@ const dashes = new Map([
   ['dashed', [7, 5]],
   ['dotted', [1.5, 5]],
 ]);
+const repeated_dash = [14, 4];
+
+// Curves nearer to each other than this, px of the screen, are seen as one.
+const coincident = 1.2;
+// Where curves coincide their colours take turns, so many px each.
+const turn_length = 9;
+
+// The dash of a curve's line; empty where it is solid.
+function dashOf({style, repeated}) {
+  return dashes.get(style) ?? (repeated ? repeated_dash : []);
+}
+
+function hasLine({style}) {
+  return !['points', 'crosses'].includes(style);
+}
 
 /// Draws in the plotting area of a uPlot. Places are px of the canvas; lengths times `unit` are px of the screen.
 export class Brush {
@@ -74,7 +89,14 @@ export class Brush {
       const {panel, shown} = this.chart;
       this.pen('dark', 1, [6, 4]);
       for (const level of panel.levels ?? []) this.level(this.y(level.y));
-      panel.curves.forEach((curve, i) => shown[i] && this.curve(curve));
+      const curves = panel.curves.filter((_, i) => shown[i]);
+      const lines = curves.filter(hasLine);
+      const solid = lines.filter((curve) => dashOf(curve).length === 0);
+      for (const curve of solid) this.path(curve);
+      this.shareWays(solid);
+      // What is dashed, and points, let what is below them be seen.
+      for (const curve of lines) if (dashOf(curve).length > 0) this.path(curve);
+      for (const curve of curves) if (has_points.includes(curve.style)) this.points(curve);
       for (const arrow of panel.arrows ?? []) this.arrow(arrow);
       if (with_cursor) this.cursor();
     });
@@ -105,15 +127,10 @@ export class Brush {
     this.segment(x, this.area.top, x, this.area.top + this.area.height);
   }
 
-  curve(curve) {
-    const {style} = curve;
-    this.pen(curve.colour, style === 'dotted' ? 2 : 1.7, dashes.get(style) ?? []);
-    if (!['points', 'crosses'].includes(style)) this.path(curve);
-    if (has_points.includes(style)) this.points(curve, style);
-  }
-
-  path({x, y}) {
+  path(curve) {
     const {ctx} = this;
+    const {x, y, style, colour} = curve;
+    this.pen(colour, style === 'dotted' ? 2 : 1.7, dashOf(curve));
     ctx.beginPath();
     let open = false;
     for (let i = 0; i < x.length; ++i) {
@@ -127,10 +144,44 @@ export class Brush {
     ctx.stroke();
   }
 
-  points({x, y}, style) {
+  // Without this the last of several curves on one way would hide the others.
+  shareWays(curves) {
+    const places = curves.map(({x, y}) => x.map((value, i) => [this.x(value), this.y(y[i])]));
+    const near = ([x0, y0], [x1, y1]) => Math.hypot(x1 - x0, y1 - y0) < coincident * this.unit;
+    curves.forEach((curve, c) => {
+      // Those that go the same way from place i - 1 to place i: curves of a chart have their places at the same x.
+      const company = places[c].map((place, i) =>
+        i === 0
+          ? []
+          : places.flatMap((other, k) =>
+              other.length > i && near(place, other[i]) && near(places[c][i - 1], other[i - 1]) ? [k] : []
+            )
+      );
+      for (let i = 1, first = 1; i <= company.length; ++i) {
+        if (i < company.length && sameNumbers(company[i], company[first])) continue;
+        if (company[first]?.length > 1) this.turns(curve, places[c].slice(first - 1, i), company[first], c);
+        first = i;
+      }
+    });
+  }
+
+  // A curve where it has a way in common with others: its turns among theirs.
+  turns({colour}, places, company, own) {
+    const {ctx} = this;
+    this.pen(colour, 1.7, [turn_length, turn_length * (company.length - 1)]);
+    ctx.lineDashOffset = -turn_length * this.unit * company.indexOf(own);
+    ctx.lineCap = 'butt';
+    ctx.beginPath();
+    for (const place of places) ctx.lineTo(...place);
+    ctx.stroke();
+    ctx.lineCap = 'round';
+    ctx.lineDashOffset = 0;
+  }
+
+  points({x, y, style, colour}) {
     const {ctx, unit} = this;
+    this.pen(colour, 1.7, []);
     const r = (style === 'crosses' ? 4 : style === 'marked' ? 3 : x.length > 300 ? 1.5 : 2.5) * unit;
-    ctx.setLineDash([]);
     ctx.beginPath();
     for (let i = 0; i < x.length; ++i) {
       const [px, py] = [this.x(x[i]), this.y(y[i])];
@@ -198,18 +249,23 @@ export class Brush {
   }
 }
 
+function sameNumbers(a, b) {
+  return a.length === b.length && a.every((value, i) => value === b[i]);
+}
+
 /// The sign of a curve in a legend.
-export function curveSample({style, colour}) {
+export function curveSample(curve) {
+  const {style, colour} = curve;
   const name = /^[a-z0-9-]+$/.test(colour) ? `var(--c-${colour})` : 'currentColor';
   const sample = svgElement('svg', {class: 'sample', viewBox: '0 0 28 12', 'aria-hidden': 'true'});
-  if (!['points', 'crosses'].includes(style)) {
+  if (hasLine(curve)) {
     sample.append(
       svgElement('path', {
         d: 'M2 6h24',
         stroke: name,
         'stroke-width': 2.4,
         'stroke-linecap': 'round',
-        'stroke-dasharray': dashes.get(style)?.join(' ') ?? 'none',
+        'stroke-dasharray': dashOf(curve).join(' ') || 'none',
       })
     );
   }

@@ -21,11 +21,21 @@ function widestLabel(ticks) {
   return Math.max(0, ...ticks.map((tick) => ruler.measureText(tick.label).width));
 }
 
+// Colours repeat where there are more curves than colours: the later ones are marked as repeated.
+function withRepeats(curves) {
+  const names = new Map();
+  return curves.map((curve) => {
+    const look = `${curve.colour} ${curve.style}`;
+    if (!names.has(look)) names.set(look, curve.name);
+    return {...curve, repeated: names.get(look) !== curve.name};
+  });
+}
+
 /// One panel. The panels of a column that share x also share the range of x and the room for labels at the left.
 class Chart {
   constructor(panel, index, events) {
     Object.assign(this, {
-      panel,
+      panel: {...panel, curves: withRepeats(panel.curves)},
       events,
       shown: panel.curves.map(() => true),
       point: null,
