@@ -170,7 +170,7 @@ void draw_paths(Stage& stage) {
     const Vec2 middle = points[points.size() / 2];
     const Vec2 bulge = middle - 0.5 * (points.front() + points.back());
     const Vec2 away = norm(bulge) > 1.0 ? (1 / norm(bulge)) * bulge : Vec2{0, -1};
-    stage.label(path.name, middle, away, 6, colour);
+    stage.label(path.name, middle, away, 6, ink::dark);
     stage.signs.insert(Sign::path);
   }
   stage.canvas.close();
