@@ -11,6 +11,10 @@ const usual_text = 11;
 const most_text_scale = 1.9;
 // Their places are laid out as one block: enlarged texts would overlap.
 const fixed_text_layers = ['heading', 'legend'];
+// Texts enlarged by less than this have room at their places.
+const least_crowding = 1.15;
+// Enlarged texts may overlap by so much, as a part of their height: their boxes have room above and below the letters.
+const text_overlap = 0.3;
 const frames_between_keys = 32;
 
 function pointsText(numbers) {
@@ -62,10 +66,19 @@ function sameGeometry(a, b) {
   return a[0] === b[0] && a.length === b.length && a.every((value, i) => i === 1 || sameValues(value, b[i]));
 }
 
+function overlap(a, b) {
+  const room = text_overlap * Math.min(a.height, b.height);
+  const apart = (from, size) => a[from] + a[size] < b[from] + room || b[from] + b[size] < a[from] + room;
+  return !apart('x', 'width') && !apart('y', 'height');
+}
+
 /// A drawing on the page. `overlay` is a group above all shapes in which others draw; `traces` is one just below it.
+/// `thinned(is_thinned)` is told whether texts are left out, because they would overlap.
 export class Picture {
-  constructor(container, palette) {
+  constructor(container, palette, thinned = () => {}) {
     this.palette = palette;
+    this.thinned = thinned;
+    this.is_thinned = false;
     this.hidden = new Set();
     this.slots = [];
     this.shapes = svgElement('g');
@@ -97,6 +110,7 @@ export class Picture {
       if (this.state === null || this.state[i] !== state[i]) this.put(this.slots[i], state[i]);
     }
     this.state = state;
+    this.thinText();
   }
 
   /// Changes the part of the drawing that is seen.
@@ -118,6 +132,7 @@ export class Picture {
     if (hidden) this.hidden.add(layer);
     else this.hidden.delete(layer);
     for (const slot of this.slots) this.display(slot);
+    this.thinText();
   }
 
   /// The name of the item whose shape is at a place of the window or near it; empty for none.
@@ -154,7 +169,8 @@ export class Picture {
             'font-style': style.italic ? 'italic' : 'normal',
             class: style.halo ? 'halo' : '',
           };
-    return {attributes: Object.entries(attributes), size: style.size, key: JSON.stringify(style)};
+    const {size, colour} = style;
+    return {attributes: Object.entries(attributes), size, is_remark: colour === 'faint', key: JSON.stringify(style)};
   }
 
   fitSlots(slots) {
@@ -236,8 +252,31 @@ export class Picture {
     const {clientWidth, clientHeight} = this.svg;
     if (!clientWidth || !this.box) return;
     const shrunk = usual_text * Math.min(clientWidth / this.box.width, clientHeight / this.box.height);
-    const scale = Math.min(most_text_scale, Math.max(1, least_text / shrunk));
-    this.svg.style.setProperty('--text-scale', scale.toFixed(2));
+    this.text_scale = Math.min(most_text_scale, Math.max(1, least_text / shrunk));
+    this.svg.style.setProperty('--text-scale', this.text_scale.toFixed(2));
+    this.thinText();
+  }
+
+  // The places of a drawing's texts are made for their usual size: of enlarged ones that overlap the first is shown.
+  // Remarks, such as names of bodies, come last.
+  thinText() {
+    const enlarged = this.text_scale > least_crowding;
+    if (!enlarged && !this.is_thinned) return;
+    const texts = this.slots.filter((slot) => slot.shape?.[0] === 'text' && !fixed_text_layers.includes(slot.layer));
+    const is_remark = (slot) => Number(this.styles[slot.shape[1]].is_remark);
+    const shown = [];
+    let left_out = false;
+    for (const slot of enlarged ? texts.sort((a, b) => is_remark(a) - is_remark(b)) : texts) {
+      const box = enlarged && slot.displayed ? slot.node.getBBox() : null;
+      const hides = box !== null && shown.some((other) => overlap(box, other));
+      slot.node.classList.toggle('left-out', hides);
+      if (box !== null && !hides) shown.push(box);
+      left_out ||= hides;
+    }
+    // Said as long as texts are enlarged: what comes and goes from frame to frame would move what is below.
+    const is_thinned = enlarged && (left_out || this.is_thinned);
+    if (is_thinned !== this.is_thinned) this.thinned(is_thinned);
+    this.is_thinned = is_thinned;
   }
 }
 
@@ -390,7 +429,10 @@ export function drawingView(drawing, palette) {
     role: 'group',
     'aria-label': 'Drawing. Plus and minus zoom, 0 shows the whole.',
   });
-  const picture = new Picture(stage, palette);
+  const thinned = element('p', {class: 'hint', hidden: true}, 'Texts that would overlap are left out: zoom to see them.');
+  const picture = new Picture(stage, palette, (is_thinned) => {
+    thinned.hidden = !is_thinned;
+  });
   const reset = button('Show the whole', () => zoom.reset(), {class: 'quiet'});
   const zoom = new Zoom(picture, stage, () => {
     reset.hidden = !zoom.active;
@@ -416,5 +458,6 @@ export function drawingView(drawing, palette) {
     showCaption(caption, stage, drawing, k);
   };
   frame(0);
-  return {element: element('div', {class: 'drawing'}, stage, caption, tools), stage, picture, caption, tools, frame};
+  const whole = element('div', {class: 'drawing'}, stage, thinned, caption, tools);
+  return {element: whole, stage, picture, caption, tools, frame};
 }
