@@ -136,6 +136,15 @@ export function copyButton(label, text) {
   return copy;
 }
 
+/// A file's name made of any words, with an ending: "My four-bar" and "json" give "My-four-bar.json".
+export function fileName(words, ending) {
+  const stem = words
+    .replace(/[^\p{L}\p{N}_]+/gu, '-')
+    .replace(/^-+|-+$/g, '')
+    .slice(0, 60);
+  return `${stem || 'poise'}.${ending}`;
+}
+
 export function download(name, type, text) {
   const address = URL.createObjectURL(new Blob([text], {type}));
   element('a', {href: address, download: name}).click();

@@ -1,6 +1,6 @@
 // The page: made from the document that it contains.
 
-import {button, closeMenusOutside, copyButton, download, element} from './dom.js';
+import {button, closeMenusOutside, copyButton, download, element, fileName} from './dom.js';
 import {startTheme, themeChoice, usePalette, whenTold} from './theme.js';
 import {reportView, verdictView, warningsView} from './report.js';
 import {drawingView} from './figure.js';
@@ -26,13 +26,7 @@ function memberText(text, key) {
 
 function headerView(page, text) {
   const name = page.title || `poise ${page.command}`;
-  const file = `${
-    name
-      .replace(/[^\p{L}\p{N}]+/gu, '-')
-      .replace(/^-+|-+$/g, '')
-      .slice(0, 60) || 'poise'
-  }.json`;
-  const save = () => download(file, 'application/json', `${memberText(text, 'result')}\n`);
+  const save = () => download(fileName(name, 'json'), 'application/json', `${memberText(text, 'result')}\n`);
   return element(
     'header',
     {class: 'page-header'},

@@ -1,7 +1,7 @@
 // The live view: the mechanism in the browser, which answers every change with its equilibrium. What is right is decided
 // by the program alone; the page sends wishes and shows its answers.
 
-import {button, download, element, menu, numberText} from './dom.js';
+import {button, download, element, fileName, menu, numberText} from './dom.js';
 import {themeChoice, whenTold} from './theme.js';
 import {reportView, verdictView, warningsView} from './report.js';
 import {Program} from './view_program.js';
@@ -483,7 +483,7 @@ class LiveView {
   async share() {
     try {
       const page = await this.program.shared();
-      download(`${(this.state.file || 'mechanism').replace(/\.toml$/, '')}.html`, 'text/html', page);
+      download(fileName((this.state.file || 'mechanism').replace(/\.toml$/, ''), 'html'), 'text/html', page);
     } catch {
       this.say('The page was not made: the program did not answer.');
     }
