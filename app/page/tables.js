@@ -31,6 +31,8 @@ function csvText(columns, rows) {
   return lines.map((line) => line.map(csvField).join(',')).join('\n') + '\n';
 }
 
+const views = new WeakMap();
+
 class TableView {
   constructor(item, heading) {
     this.item = item;
@@ -61,21 +63,34 @@ class TableView {
         copyButton('Copy as CSV', () => csvText(this.columns, this.rows()))
       )
     );
+    views.set(this.element, this);
     whenTold(this.element, {print: () => this.fill(true), printed: () => this.fill()});
     this.fill();
   }
 
+  get arrangement() {
+    const {sorted, words, whole} = this;
+    return {sorted, words, whole};
+  }
+
+  arrange({sorted, words, whole}) {
+    Object.assign(this, {sorted: sorted.column < this.columns.length ? sorted : this.sorted, words, whole});
+    if (this.filter) this.filter.value = words;
+    this.showOrder();
+    this.fill();
+  }
+
   top(heading) {
-    const filter = element('input', {
+    this.filter = element('input', {
       type: 'search',
       placeholder: 'Filter rows',
       'aria-label': 'Filter rows',
       input: () => {
-        this.words = filter.value.toLowerCase();
+        this.words = this.filter.value.toLowerCase();
         this.fill();
       },
     });
-    return element('div', {class: 'table-top'}, heading, this.size > most_rows ? filter : null);
+    return element('div', {class: 'table-top'}, heading, this.size > most_rows ? this.filter : null);
   }
 
   head(column, i) {
@@ -94,12 +109,19 @@ class TableView {
   sort(i) {
     const {column, sign} = this.sorted;
     this.sorted = column !== i ? {column: i, sign: 1} : sign > 0 ? {column: i, sign: -1} : {column: null, sign: 1};
-    const word = this.sorted.column === null ? 'none' : this.sorted.sign > 0 ? 'ascending' : 'descending';
-    this.heads.forEach((head, k) => {
-      if (head.hasAttribute('aria-sort')) head.setAttribute('aria-sort', k === i ? word : 'none');
-    });
+    const word = this.showOrder();
     say(word === 'none' ? 'in the order of the report' : `sorted by ${columnTitle(this.columns[i])}, ${word}`);
     this.fill();
+  }
+
+  // Marks the column by which rows are sorted, and returns the word for the order.
+  showOrder() {
+    const {column, sign} = this.sorted;
+    const word = column === null ? 'none' : sign > 0 ? 'ascending' : 'descending';
+    this.heads.forEach((head, k) => {
+      if (head.hasAttribute('aria-sort')) head.setAttribute('aria-sort', k === column ? word : 'none');
+    });
+    return word;
   }
 
   showAll() {
@@ -139,6 +161,22 @@ class TableView {
       );
     });
     return element('tr', {}, ...cells);
+  }
+}
+
+function viewsIn(place) {
+  return [...place.querySelectorAll('.table')].map((table) => views.get(table));
+}
+
+/// How the reader has sorted, filtered and opened the tables in a place, by their titles.
+export function arrangementsIn(place) {
+  return new Map(viewsIn(place).map((view) => [view.item.title, view.arrangement]));
+}
+
+/// Arranges the tables in a place as those that were there before.
+export function arrangeTables(place, arrangements) {
+  for (const view of viewsIn(place)) {
+    if (arrangements.has(view.item.title)) view.arrange(arrangements.get(view.item.title));
   }
 }
 

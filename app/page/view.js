@@ -4,6 +4,7 @@
 import {button, download, element, fileName, menu, numberText} from './dom.js';
 import {themeChoice, whenTold} from './theme.js';
 import {reportView, verdictView, warningsView} from './report.js';
+import {arrangementsIn, arrangeTables} from './tables.js';
 import {Program} from './view_program.js';
 import {MovingPicture} from './view_motion.js';
 import {Handles} from './view_drag.js';
@@ -380,7 +381,9 @@ class LiveView {
     this.report_shown = report;
     const open = [...this.forces.querySelectorAll('details.details')].map((box) => box.open);
     const scrolled = [...this.forces.querySelectorAll('.scroll')].map((box) => box.scrollLeft);
+    const arrangements = arrangementsIn(this.forces);
     this.forces.replaceChildren(reportView(report, 3));
+    arrangeTables(this.forces, arrangements);
     this.forces.querySelectorAll('details.details').forEach((box, i) => {
       box.open = open[i] ?? false;
     });
