@@ -1,7 +1,7 @@
 // The live view: the mechanism in the browser, which answers every change with its equilibrium. What is right is decided
 // by the program alone; the page sends wishes and shows its answers.
 
-import {button, download, element, fileName, menu, numberText} from './dom.js';
+import {button, copyButton, download, element, fileName, menu, numberText} from './dom.js';
 import {themeChoice, whenTold} from './theme.js';
 import {reportView, verdictView, warningsView} from './report.js';
 import {arrangementsIn, arrangeTables} from './tables.js';
@@ -206,6 +206,10 @@ class LiveView {
   makeFinding() {
     this.verdict = element('div', {class: 'live-verdict'});
     this.hand = element('p', {class: 'hand'});
+    this.hand_stops = '';
+    this.copy_stops = copyButton('Copy as stops', () => this.hand_stops);
+    this.copy_stops.title = 'Put behind the scene’s text, they hold the point where it was held last';
+    this.copy_stops.hidden = true;
     this.status = element('p', {class: 'status', role: 'status', 'aria-live': 'polite'});
     this.computing = element('p', {class: 'hint', role: 'status', hidden: true}, 'The program is computing …');
     this.warnings = element('div');
@@ -239,7 +243,13 @@ class LiveView {
           'section',
           {class: 'live-finding', 'aria-label': 'Finding'},
           this.verdict,
-          element('div', {class: 'live-lines'}, this.hand, this.status, this.computing),
+          element(
+            'div',
+            {class: 'live-lines'},
+            element('div', {class: 'hand-line'}, this.hand, this.copy_stops),
+            this.status,
+            this.computing
+          ),
           this.warnings
         )
       ),
@@ -315,9 +325,10 @@ class LiveView {
     return differ(before.handles, answer.handles, (one) => one.kind !== 'load', visible_move);
   }
 
-  // What the hand does, and going to another equilibrium, leave the equilibria what they are.
+  // What the hand does, and going to another equilibrium, leave the equilibria what they are, and what its stops hold.
   keepOthers({request, note}, refitted, whole) {
     const same = ['drag', 'release', 'go', 'save'].includes(request.do) || (request.do === 'look' && note !== 'gesture');
+    if (!same) this.hand_stops = '';
     if (!same || refitted) this.others.forget();
     else if (whole || request.do === 'drag') this.others.suspend();
     this.tabs.retitle('others', this.others.count > 0 ? `Other equilibria (${this.others.count})` : 'Other equilibria');
@@ -329,6 +340,9 @@ class LiveView {
     this.handles.place(state.handles);
     const hand = state.hand?.text ?? '';
     if (this.hand.textContent !== hand) this.hand.textContent = hand;
+    // Whoever holds a point has no hand free: its stops are offered until another is held.
+    if (state.hand) this.hand_stops = state.hand.stops;
+    this.copy_stops.hidden = this.hand_stops === '';
     this.undo_button.disabled = this.program.gone || !state.undo;
     this.redo_button.disabled = this.program.gone || !state.redo;
     if (whole) {
