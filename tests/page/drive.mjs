@@ -4,30 +4,16 @@
 
 import {mkdirSync, readFileSync} from 'node:fs';
 import {createServer} from 'node:http';
-import {createRequire} from 'node:module';
 import {basename, resolve} from 'node:path';
 
-const [pages, modules, program = '/usr/bin/chromium'] = process.argv.slice(2);
-const {chromium} = createRequire(resolve(modules, 'package.json'))('playwright-core');
-const flags = [
-  '--no-sandbox',
-  '--disable-gpu',
-  '--disable-quic',
-  '--no-first-run',
-  '--disable-background-networking',
-  '--disable-component-update',
-  '--disable-sync',
-];
+import {Expectations, packagesIn, startBrowser} from './browser.mjs';
+
+const [pages, modules, program] = process.argv.slice(2);
 const shots = resolve(pages, 'shots');
 mkdirSync(shots, {recursive: true});
-const browser = await chromium.launch({executablePath: program, args: flags});
-let failed = 0;
-
-function expect(what, holds, found = '') {
-  if (holds) return;
-  ++failed;
-  console.log(`FAILED: ${what} ${found}`);
-}
+const browser = await startBrowser(packagesIn(modules), program);
+const expectations = new Expectations();
+const {expect} = expectations;
 
 async function open(name, width = 1280, colorScheme = 'light') {
   const context = await browser.newContext({viewport: {width, height: 900}, colorScheme, hasTouch: width < 600});
@@ -357,7 +343,7 @@ async function takeShots() {
   }
 }
 
-for (const check of [
+await expectations.run([
   checkTables,
   checkPlayer,
   checkZoom,
@@ -368,9 +354,6 @@ for (const check of [
   checkSpeed,
   printAll,
   takeShots,
-]) {
-  await check().catch((error) => expect(check.name, false, error.message));
-}
+]);
 await browser.close();
-console.log(failed === 0 ? 'all passed' : `${failed} failed`);
-process.exitCode = failed === 0 ? 0 : 1;
+expectations.conclude();

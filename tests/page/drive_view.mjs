@@ -5,25 +5,19 @@
 
 import {execFileSync} from 'node:child_process';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
 import {basename, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
 
-const [address, file, shots, modules, program = '/usr/bin/chromium'] = process.argv.slice(2);
-const need = createRequire(resolve(modules, 'package.json'));
-const {chromium} = need('playwright-core');
-const flags = ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking'];
+import {Expectations, packagesIn, startBrowser} from './browser.mjs';
+
+const [address, file, shots, modules, program] = process.argv.slice(2);
 const scene = basename(file, '.toml');
 const original = readFileSync(file, 'utf8');
 mkdirSync(shots, {recursive: true});
-const browser = await chromium.launch({executablePath: program, args: flags});
-let failed = 0;
-
-function expect(what, holds, found = '') {
-  if (holds) return;
-  ++failed;
-  console.log(`FAILED: ${scene}: ${what} ${found}`);
-}
+const need = packagesIn(modules);
+const browser = await startBrowser(need, program);
+const expectations = new Expectations(scene);
+const {expect} = expectations;
 
 async function assembled() {
   const served = await (await fetch(address)).text();
@@ -108,6 +102,10 @@ async function checkDrag() {
   await page.mouse.up();
   await settled(page);
   expect('the hand lets go', (await page.locator('.hand').textContent()) === '');
+  await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+  await page.getByRole('button', {name: 'Copy as stops'}).click();
+  const stops = await page.evaluate(() => navigator.clipboard.readText());
+  expect('its stops are copied', stops.includes('[[stop]]') && stops.includes(name), stops);
   const after = await data(page);
   const status = await page.locator('.status').textContent();
   await page.screenshot({path: `${shots}/${scene}-released.png`});
@@ -119,6 +117,25 @@ async function checkDrag() {
       `program ${server.toFixed(2)} ms; confirmed ${confirmed}/${steps}; ${after.kind}: "${status}"`
   );
   expect('within a frame', total <= 16, total);
+  await page.context().close();
+}
+
+// The order of a table stays while answers come.
+async function checkSorting() {
+  const page = await open();
+  await page.getByRole('tab', {name: 'Forces'}).click();
+  const sort = page.locator('#panel-forces .sort').first();
+  await sort.click();
+  await sort.click();
+  const order = () => page.locator('#panel-forces th[aria-sort="descending"]').count();
+  expect('sorted', (await order()) === 1);
+  await handle(page, 'point').focus();
+  await page.keyboard.press('ArrowUp');
+  await settled(page);
+  await page.keyboard.press('Enter');
+  await settled(page);
+  await page.waitForTimeout(200);
+  expect('still sorted', (await order()) === 1);
   await page.context().close();
 }
 
@@ -441,15 +458,20 @@ async function checkGone() {
   await page.context().close();
 }
 
-const checks = [checkDrag, checkKeys, checkNumbers, checkText, checkSwitchesAndOthers, checkAccess, checkTouch, takeShots];
+const checks = [
+  checkDrag,
+  checkSorting,
+  checkKeys,
+  checkNumbers,
+  checkText,
+  checkSwitchesAndOthers,
+  checkAccess,
+  checkTouch,
+  takeShots,
+];
 if (process.env.PROGRAM) checks.push(checkGone);
 if (scene.includes('toggle_clamp')) checks.unshift(checkSnap);
-const wanted = process.env.ONLY?.split(',');
-for (const check of checks) {
-  if (wanted && !wanted.includes(check.name)) continue;
-  await check().catch((error) => expect(check.name, false, error.message));
-}
+await expectations.run(checks);
 await browser.close();
 writeFileSync(file, original);
-console.log(failed === 0 ? `${scene}: all passed` : `${scene}: ${failed} failed`);
-process.exitCode = failed === 0 ? 0 : 1;
+expectations.conclude();
