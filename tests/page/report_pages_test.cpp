@@ -66,23 +66,29 @@ class ReportPages : public testing::TestWithParam<Report> {
  protected:
   void SetUp() override {
     if (const std::string why = Browser::missing(); !why.empty()) GTEST_SKIP() << why;
+    browser().emulate({});
+    file_ = folder_.path("report.html").string();
+    std::vector<std::string> command = GetParam().command;
+    command.insert(command.end(), {"--html", file_, "--quiet"});
+    const Outcome ran = run_poise(command);
+    if (GetParam().exit_code >= 0) {
+      ASSERT_EQ(ran.exit_code, GetParam().exit_code) << ran.out << ran.err;
+    }
+    ASSERT_TRUE(std::filesystem::exists(file_)) << ran.out << ran.err;
   }
+
+  void open() const {
+    browser().open("file://" + file_);
+    ASSERT_TRUE(browser().wait_for("document.querySelector('h1') && document.readyState === 'complete'"));
+  }
+
+  TempFolder folder_;
+  std::string file_;
 };
 
 /// Opens from disk, says what was found, and writes nothing to the console.
 TEST_P(ReportPages, OpenWithoutAWordOnTheConsole) {
-  const Report& report = GetParam();
-  const TempFolder folder;
-  const std::string file = folder.path("report.html").string();
-  std::vector<std::string> command = report.command;
-  command.insert(command.end(), {"--html", file, "--quiet"});
-  const Outcome ran = run_poise(command);
-  if (report.exit_code >= 0) {
-    ASSERT_EQ(ran.exit_code, report.exit_code) << ran.out << ran.err;
-  }
-  ASSERT_TRUE(std::filesystem::exists(file)) << ran.out << ran.err;
-  browser().open("file://" + file);
-  EXPECT_TRUE(browser().wait_for("document.querySelector('h1') && document.readyState === 'complete'"));
+  open();
   const json seen = browser().run(
       "return {text: document.body.innerText, wide: document.documentElement.scrollWidth - innerWidth,"
       " figures: document.querySelectorAll('figure, svg').length,"
@@ -92,8 +98,18 @@ TEST_P(ReportPages, OpenWithoutAWordOnTheConsole) {
   EXPECT_EQ(seen["fetched"], 0);
   EXPECT_GT(seen["text"].get<std::string>().size(), 100U);
   for (const std::string& line : browser().console()) ADD_FAILURE() << line;
-  std::printf("%-18s %7.0f kB, interactive after %4.0f ms\n", report.name,
-              static_cast<double>(std::filesystem::file_size(file)) / 1000.0, seen["seconds"].get<double>());
+  std::printf("%-18s %7.0f kB, interactive after %4.0f ms\n", GetParam().name,
+              static_cast<double>(std::filesystem::file_size(file_)) / 1000.0, seen["seconds"].get<double>());
+}
+
+/// On a telephone, in the dark, by keys alone.
+TEST_P(ReportPages, FitATelephoneAndTheKeyboard) {
+  browser().emulate({.width = 400, .height = 800, .dark = true});
+  open();
+  EXPECT_EQ(browser().run("return document.documentElement.dataset.theme"), "dark");
+  EXPECT_LE(browser().run("return document.documentElement.scrollWidth - innerWidth"), 0) << "wider than the window";
+  EXPECT_EQ(browser().missed_by_tab(), std::vector<std::string>());
+  for (const std::string& line : browser().console()) ADD_FAILURE() << line;
 }
 
 INSTANTIATE_TEST_SUITE_P(AllCommands, ReportPages, testing::ValuesIn(reports()),

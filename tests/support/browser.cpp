@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
@@ -110,8 +111,8 @@ class Browser::Driver {
     const int listens = number_printed(output_, "successfully on port ");
     client_ = std::make_unique<httplib::Client>("127.0.0.1", listens);
     client_->set_read_timeout(120);
-    client_->set_tcp_nodelay(true);
-    client_->set_keep_alive(true);
+    // ChromeDriver sends an answer in two pieces, and holds back the second for 40 ms where the connection stays open.
+    client_->set_keep_alive(false);
     std::string folder = (std::filesystem::temp_directory_path() / "poise_browser_XXXXXX").string();
     if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no folder for the browser");
     profile_ = folder;
@@ -155,33 +156,26 @@ std::string Browser::missing() {
   return "no chromium with its chromedriver here; cmake/setup.sh browser installs them";
 }
 
-Browser::Browser(int width, int height, bool dark) : driver_(std::make_unique<Driver>()) {
-  json arguments = {"--headless=new",
-                    "--no-sandbox",
-                    "--disable-gpu",
-                    "--disable-quic",
-                    "--disable-dev-shm-usage",
-                    "--no-first-run",
-                    "--disable-background-networking",
-                    "--disable-component-update",
-                    "--disable-sync",
-                    "--hide-scrollbars",
-                    "--user-data-dir=" + driver_->profile(),
-                    fmt::format("--window-size={},{}", width, height)};
-  if (dark) arguments.push_back("--force-dark-mode");
+Browser::Browser(const Screen& screen) : driver_(std::make_unique<Driver>()) {
+  const json arguments = {"--headless=new",
+                          "--no-sandbox",
+                          "--disable-gpu",
+                          "--disable-quic",
+                          "--disable-dev-shm-usage",
+                          "--no-first-run",
+                          "--disable-background-networking",
+                          "--disable-component-update",
+                          "--disable-sync",
+                          "--hide-scrollbars",
+                          "--user-data-dir=" + driver_->profile(),
+                          fmt::format("--window-size={},{}", screen.width, screen.height)};
   const json capabilities = {{"capabilities",
                               {{"alwaysMatch",
                                 {{"browserName", "chrome"},
                                  {"goog:loggingPrefs", {{"browser", "ALL"}}},
                                  {"goog:chromeOptions", {{"binary", *chromium()}, {"args", arguments}}}}}}}};
   driver_->session = driver_->post("/session", capabilities).at("sessionId").get<std::string>();
-  // The window has borders, and the page gets the size that was asked for; a headless one cannot be made narrow.
-  ask("goog/cdp/execute",
-      {{"cmd", "Emulation.setDeviceMetricsOverride"},
-       {"params", {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}}}});
-  ask("goog/cdp/execute",
-      {{"cmd", "Emulation.setEmulatedMedia"},
-       {"params", {{"features", {{{"name", "prefers-color-scheme"}, {"value", dark ? "dark" : "light"}}}}}}});
+  emulate(screen);
 }
 
 Browser::~Browser() = default;
@@ -191,8 +185,22 @@ Browser& Browser::shared() {
   return one;
 }
 
+void Browser::emulate(const Screen& screen) {
+  // The window has borders, and the page gets the size that was asked for; a headless one cannot be made narrow.
+  demand("Emulation.setDeviceMetricsOverride",
+         {{"width", screen.width}, {"height", screen.height}, {"deviceScaleFactor", 1}, {"mobile", false}});
+  const json features = {
+      {{"name", "prefers-color-scheme"}, {"value", screen.dark ? "dark" : "light"}},
+      {{"name", "prefers-reduced-motion"}, {"value", screen.less_motion ? "reduce" : "no-preference"}}};
+  demand("Emulation.setEmulatedMedia", {{"features", features}});
+}
+
 json Browser::ask(const std::string& what, const json& body) {
   return driver_->post("/session/" + driver_->session + "/" + what, body);
+}
+
+void Browser::demand(const std::string& command, const json& parameters) {
+  ask("goog/cdp/execute", {{"cmd", command}, {"params", parameters}});
 }
 
 json Browser::get(const std::string& what) { return driver_->get("/session/" + driver_->session + "/" + what); }
@@ -214,27 +222,27 @@ bool Browser::wait_for(const std::string& expression, double seconds) {
   }
 }
 
-namespace {
-
-json pointer(const json& actions) {
-  return {{"actions",
-           {{{"type", "pointer"}, {"id", "mouse"}, {"parameters", {{"pointerType", "mouse"}}}, {"actions", actions}}}}};
+// ChromeDriver's own moves do not say which button is down, and Chromium then captures no pointer.
+void Browser::mouse(const std::string& type, double x, double y) {
+  x_ = std::round(x);
+  y_ = std::round(y);
+  const bool down = is_down_ || type == "mousePressed";
+  demand("Input.dispatchMouseEvent", {{"type", type},
+                                      {"x", x_},
+                                      {"y", y_},
+                                      {"button", down ? "left" : "none"},
+                                      {"buttons", down && type != "mouseReleased" ? 1 : 0},
+                                      {"clickCount", type == "mouseMoved" ? 0 : 1}});
+  is_down_ = down && type != "mouseReleased";
 }
 
-json moved(double x, double y) {
-  return {
-      {"type", "pointerMove"}, {"duration", 0}, {"x", std::lround(x)}, {"y", std::lround(y)}, {"origin", "viewport"}};
+void Browser::press(double x, double y) {
+  move(x, y);
+  mouse("mousePressed", x, y);
 }
 
-const json down = {{"type", "pointerDown"}, {"button", 0}};
-const json up = {{"type", "pointerUp"}, {"button", 0}};
-
-}  // namespace
-
-void Browser::press(double x, double y) { ask("actions", pointer({moved(x, y), down})); }
-void Browser::move(double x, double y) { ask("actions", pointer(json::array({moved(x, y)}))); }
-void Browser::let_go() { ask("actions", pointer(json::array({up}))); }
-void Browser::click(double x, double y) { ask("actions", pointer({moved(x, y), down, up})); }
+void Browser::move(double x, double y) { mouse("mouseMoved", x, y); }
+void Browser::let_go() { mouse("mouseReleased", x_, y_); }
 
 void Browser::type(const std::vector<std::string>& keys) {
   json actions = json::array();
@@ -243,6 +251,18 @@ void Browser::type(const std::vector<std::string>& keys) {
     actions.push_back({{"type", "keyUp"}, {"value", key_code(key)}});
   }
   ask("actions", {{"actions", {{{"type", "key"}, {"id", "keyboard"}, {"actions", actions}}}}});
+}
+
+std::vector<std::string> Browser::missed_by_tab() {
+  // Of radio buttons only the chosen one is a stop of Tab, and of tabs the open one: arrow keys lead to the others.
+  const json count =
+      run("window.wanted = new Set([...document.querySelectorAll('a[href], button, input, select, textarea, summary, "
+          "[tabindex=\"0\"]')].filter(one => one.checkVisibility({visibilityProperty: true}) && !one.disabled &&"
+          " one.tabIndex >= 0 && !(one.type === 'radio' && !one.checked)));"
+          "document.addEventListener('focusin', event => window.wanted.delete(event.target));"
+          "document.activeElement.blur(); return window.wanted.size");
+  type(std::vector<std::string>(count.get<std::size_t>() + 5, "Tab"));
+  return run("return [...window.wanted].map(one => one.outerHTML.slice(0, 200))").get<std::vector<std::string>>();
 }
 
 std::vector<std::string> Browser::console() {

@@ -10,6 +10,13 @@
 
 namespace poise::test {
 
+/// What a page is shown on.
+struct Screen {
+  int width = 1280, height = 900;  ///< px
+  bool dark = false;               ///< the scheme that the system asks for
+  bool less_motion = false;        ///< the system asks for less motion
+};
+
 /// A headless Chromium, driven through its ChromeDriver (WebDriver, W3C Recommendation 2018). Debian's packages
 /// chromium and chromium-driver; cmake/setup.sh browser installs them. Whatever the browser denies is thrown as
 /// std::runtime_error.
@@ -18,17 +25,20 @@ class Browser {
   /// Why there is none here; empty where one can be started. Tests skip with it.
   static std::string missing();
 
-  /// A window of that size, px, in a light or dark scheme.
-  explicit Browser(int width = 1280, int height = 900, bool dark = false);
+  explicit Browser(const Screen& screen = {});
   ~Browser();
   Browser(const Browser&) = delete;
   Browser& operator=(const Browser&) = delete;
 
-  /// One of the usual size that all tests of a program share: starting it takes longer than most of them.
+  /// One that all tests of a program share: starting it takes longer than most of them.
   static Browser& shared();
 
+  /// Goes on with another screen.
+  void emulate(const Screen& screen);
+
   void open(const std::string& address);
-  /// Runs the body of a function in the page, with its arguments in `arguments`, and returns what it returns.
+  /// Runs the body of a function in the page, with its arguments in `arguments`, and returns what it returns; a promise
+  /// is waited for.
   nlohmann::json run(const std::string& script, const nlohmann::json& arguments);
   nlohmann::json run(const std::string& script);
   /// Waits until an expression is true; false where it is not after `seconds`.
@@ -38,9 +48,11 @@ class Browser {
   void press(double x, double y);
   void move(double x, double y);
   void let_go();
-  void click(double x, double y);
   /// Keys of the keyboard, one after the other: "a", "Enter", "ArrowRight", "Tab", ...
   void type(const std::vector<std::string>& keys);
+
+  /// Which controls that are seen the Tab key does not come to, of those that it should; as HTML.
+  std::vector<std::string> missed_by_tab();
 
   /// What was written to the console since the last call, errors and warnings of the browser included.
   std::vector<std::string> console();
@@ -50,8 +62,14 @@ class Browser {
  private:
   nlohmann::json ask(const std::string& what, const nlohmann::json& body);
   nlohmann::json get(const std::string& what);
+  /// A command of the Chrome DevTools Protocol.
+  void demand(const std::string& command, const nlohmann::json& parameters);
+  void mouse(const std::string& type, double x, double y);
+
   class Driver;
   std::unique_ptr<Driver> driver_;
+  double x_ = 0.0, y_ = 0.0;  // of the pointer
+  bool is_down_ = false;
 };
 
 }  // namespace poise::test
