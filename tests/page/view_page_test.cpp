@@ -4,11 +4,15 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
+#include <random>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <fcntl.h>
@@ -18,6 +22,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "model/input_error.hpp"
+#include "model/scene.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/support/browser.hpp"
 
@@ -41,9 +47,16 @@ class ViewPage : public testing::Test {
  protected:
   void SetUp() override {
     if (const std::string why = Browser::missing(); !why.empty()) GTEST_SKIP() << why;
+    browser().emulate({});
   }
 
-  void TearDown() override { end(); }
+  void TearDown() override {
+    if (!Browser::missing().empty()) return;
+    // Otherwise the page would write to the console that the program has gone.
+    browser().open("about:blank");
+    end();
+    browser().console();
+  }
 
   void show(const std::string& name) {
     file_ = folder_.write(name + ".toml", contents(dataset(name)));
@@ -171,6 +184,134 @@ TEST_F(ViewPage, JointDraggedAlongACircleIsWhereTheCommandLineFindsIt) {
   ASSERT_FALSE(total.empty());
   std::printf("drag event to picture: median %.1f ms, program %.2f ms\n", total[total.size() / 2],
               server[server.size() / 2]);
+}
+
+/// Whatever is dragged anywhere: every request is answered, and the page shows the answer.
+class RandomDrags : public ViewPage, public testing::WithParamInterface<std::string> {};
+
+/// Names of the datasets that are scenes.
+std::vector<std::string> scenes() {
+  std::vector<std::string> out;
+  for (const auto& file : std::filesystem::directory_iterator(std::filesystem::path(dataset("zeeman")).parent_path())) {
+    if (file.path().extension() != ".toml") continue;
+    try {
+      read_scene(file.path());
+      out.push_back(file.path().stem().string());
+    } catch (const InputError&) {
+      // An experiment, a design or tolerances.
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// Has the page write down what the program answers and what it shows then, unless the next answer is there already.
+const char* const recorder =
+    "window.sent = window.answered = 0; window.seen = []; const send = XMLHttpRequest.prototype.send;"
+    "const shown = (answer) => ({revision: document.body.dataset.revision === String(answer.revision),"
+    "  confirmed: document.body.dataset.confirmed === String(answer.drawing.confirmed?.at(-1) ?? true),"
+    "  verdict: document.querySelector('.live-verdict').innerText.includes(answer.verdict.text),"
+    "  hand: document.querySelector('.hand').textContent === (answer.hand?.text ?? '')});"
+    "XMLHttpRequest.prototype.send = function (body) { ++window.sent;"
+    "  this.addEventListener('load', () => { const number = ++window.answered; setTimeout(() => {"
+    "    const answer = JSON.parse(this.responseText), compares = !answer.error && number === window.answered;"
+    "    window.seen.push({error: answer.error?.text ?? '', is: compares ? shown(answer) : {}, request: body}); }); });"
+    "  return send.call(this, body); }";
+/// Waits until nothing has been sent for a while that is not answered, and returns what was written down since.
+const char* const recorded =
+    "return new Promise(done => { const end = performance.now() + 25000; let calm = 0, last = -1;"
+    "const look = () => { calm = window.sent === last && window.seen.length === last ? calm + 1 : 0; last = "
+    "window.sent;"
+    "  if (calm < 4 && performance.now() < end) { setTimeout(look, 5); return; }"
+    "  done({sent: window.sent, seen: window.seen}); window.sent = 0; window.seen = []; }; look(); })";
+
+TEST_P(RandomDrags, AreAnsweredAndShown) {
+  constexpr int drags = 20, moves = 10, drags_between_solutions = 5;
+  // Small, because painting takes the time; without motions, for which the next move would have to wait.
+  browser().emulate({.width = 700, .height = 600, .less_motion = true});
+  show(GetParam());
+  browser().run(recorder);
+  const std::vector<double> area = browser().run(
+      "const box = document.querySelector('.stage').getBoundingClientRect();"
+      "return [box.x, box.y, box.x + box.width, Math.min(innerHeight, box.y + box.height)]");
+  std::mt19937_64 random(std::hash<std::string>{}(GetParam()));
+  const auto within = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random() >> 11U) / 9007199254740992.0);
+  };
+  int answers = 0, compared = 0;
+  for (int drag = 1; drag <= drags; ++drag) {
+    // Those that a press there takes hold of.
+    const std::vector<std::string> points = browser().run(
+        "return [...document.querySelectorAll('[data-handle=point]')].filter(one => {"
+        "  const box = one.getBoundingClientRect();"
+        "  return document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2) === one;"
+        "}).map(one => one.dataset.name)");
+    ASSERT_FALSE(points.empty()) << "drag " << drag;
+    const std::string& point = points[random() % points.size()];
+    auto [x, y] = place_of("point", point);
+    browser().press(x, y);
+    for (int move = 0; move < moves; ++move) {
+      const auto [from_x, from_y] = std::pair(x, y);
+      do {
+        const double turn = within(0.0, 6.28), far = within(5.0, 60.0);
+        x = from_x + far * std::cos(turn);
+        y = from_y + far * std::sin(turn);
+      } while (x < area[0] || y < area[1] || x > area[2] || y > area[3]);
+      browser().move(x, y);
+    }
+    const auto expect_shown = [&](const json& record) {
+      EXPECT_GT(record["sent"], 0) << "drag " << drag << " of " << point;
+      EXPECT_EQ(record["sent"], record["seen"].size()) << "drag " << drag << " of " << point << " is not answered";
+      for (const json& answer : record["seen"]) {
+        EXPECT_EQ(answer["error"], "") << "drag " << drag << ": " << answer["request"];
+        for (const auto& [what, is] : answer["is"].items()) {
+          EXPECT_EQ(is, true) << what << " after drag " << drag << ": " << answer["request"];
+        }
+        ++answers;
+      }
+    };
+    expect_shown(browser().run(recorded));
+    if (drag % drags_between_solutions == 0 && browser().run("return document.body.dataset.confirmed") == "true") {
+      const json whole = ask({{"do", "look"}});
+      const std::string text = whole["text"];
+      const json angles = angles_by_command_line(text + whole["hand"]["stops"].get<std::string>(), {"--seek", "any"});
+      for (const auto& [name, angle] : start_of(text)) {
+        if (!angles.contains(name)) continue;  // a drive
+        EXPECT_NEAR(angles[name].get<double>(), angle, 1e-9) << "drag " << drag << " of " << point << ", " << name;
+      }
+      ++compared;
+      browser().run(recorded);
+    }
+    browser().let_go();
+    expect_shown(browser().run(recorded));
+  }
+  expect_silence();
+  std::printf("%-28s %d moves, %d answers, %d equilibria compared with the command line\n", GetParam().c_str(),
+              drags * moves, answers, compared);
+}
+
+INSTANTIATE_TEST_SUITE_P(Datasets, RandomDrags, testing::ValuesIn(scenes()), [](const auto& of) { return of.param; });
+
+TEST_F(ViewPage, FitsATelephoneAndTheKeyboard) {
+  browser().emulate({.width = 400, .height = 800, .dark = true});
+  show("toggle_clamp");
+  EXPECT_EQ(browser().run("return document.documentElement.dataset.theme"), "dark");
+  EXPECT_LE(browser().run("return document.documentElement.scrollWidth - innerWidth"), 0) << "wider than the window";
+  for (const char* panel : {"switches", "forces", "others", "text", "numbers"}) {
+    browser().run("document.querySelector('[role=tab][aria-selected=true]').focus()");
+    browser().type({"ArrowRight"});
+    EXPECT_EQ(browser().run("return document.activeElement.id"), std::string("tab-") + panel);
+    EXPECT_LE(browser().run("return document.documentElement.scrollWidth - innerWidth"), 0) << panel;
+    EXPECT_EQ(browser().missed_by_tab(), std::vector<std::string>()) << panel;
+  }
+  // Arrow keys drag a point, and Enter lets it go.
+  browser().run("document.querySelector('[data-handle=point][data-name=\"handle.grip\"]').focus()");
+  browser().type({"ArrowUp", "ArrowUp", "ArrowLeft"});
+  EXPECT_TRUE(browser().wait_for("document.querySelector('.hand').textContent.startsWith('held at handle.grip with')"));
+  EXPECT_EQ(browser().run("return document.body.dataset.confirmed"), "true");
+  browser().type({"Enter"});
+  EXPECT_TRUE(browser().wait_for("document.querySelector('.hand').textContent === ''"));
+  expect_silence();
 }
 
 TEST_F(ViewPage, SnapAtAFoldIsPlayed) {
