@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/judge/drag_campaign.hpp"
+#include "tests/judge/small_steps.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::judge {
@@ -20,6 +21,24 @@ void expect_true(const std::string& name, const JudgedDrags& run) {
 
 // Times of a test machine say nothing.
 constexpr DragTrial trial{.steps = 25, .slow = 100.0};
+
+// The fold of the toggle is at 42.914325731224687 N.
+TEST(SmallSteps, ArriveBeforeAFoldAndAreLostAtIt) {
+  const Scene toggle = read_scene(test::dataset("von_mises_toggle.toml"));
+  const TrackedEquilibrium rests(toggle);
+  const double begin = -toggle.forces[0].vector.y;
+  const auto up_to = [&](double load, bool with_care) {
+    Scene loaded = toggle;
+    loaded.forces[0].vector.y = -load;
+    return follow_numbers(VariedScene(toggle, loaded), rests.poses(), with_care);
+  };
+  for (const bool with_care : {false, true}) {
+    EXPECT_EQ(up_to(42.0, with_care).end, SmallSteps::End::arrived);
+    const SmallSteps beyond = up_to(43.0, with_care);
+    EXPECT_EQ(beyond.end, SmallSteps::End::lost) << beyond.why;
+    EXPECT_NEAR(begin + beyond.part * (43.0 - begin), 42.914325731224687, 1e-8);
+  }
+}
 
 TEST(RandomDrags, OfRandomMechanismsAreFollowed) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
