@@ -41,7 +41,7 @@ struct Transition {
 std::string to_string(Transition::Kind kind);
 
 struct TrackedOptions {
-  CertificateOptions certificate{};
+  CertificateOptions certificate{.seconds = 1.0};  ///< somebody waits for each answer
   const std::atomic<bool>* interrupt = nullptr;
 };
 
