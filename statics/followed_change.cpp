@@ -9,7 +9,9 @@
 #include "solvers/newton.hpp"
 #include "solvers/vectors.hpp"
 #include "statics/path.hpp"
+#include "statics/readings.hpp"
 #include "statics/small_step.hpp"
+#include "statics/varied_mechanism.hpp"
 #include "statics/varied_scene.hpp"
 
 namespace poise {
@@ -28,19 +30,35 @@ constexpr double sections_wider = 8.0;    // than the last, where steps have not
 constexpr double carried_step = 0.05;     // rad or mechanism sizes
 constexpr double shortest_carry = 1e-6;   // of a change
 
+constexpr const char* acts = "acts";
+constexpr const char* is_slack = "is slack";
+
 std::string in_words(const Scene& scene, const PathEvent& event) {
   const auto item = static_cast<std::size_t>(event.item);
   switch (event.kind) {
     case PathEvent::Kind::stop:
       return fmt::format("stop \"{}\" {}", scene.stops[item].name, event.on ? "comes on" : "comes off");
     case PathEvent::Kind::slack:
-      return fmt::format("\"{}\" {}", scene.elements[item].name, event.on ? "acts" : "is slack");
+      return fmt::format("\"{}\" {}", scene.elements[item].name, event.on ? acts : is_slack);
     case PathEvent::Kind::fold:
       return "fold";
     case PathEvent::Kind::branch:
       return "branch point";
     default:
       return "";
+  }
+}
+
+// One-way springs that act in one of two positions and are slack in the other.
+void add_changes_of_springs(const Scene& before, const BodyPoses& from, const Scene& after, const BodyPoses& to,
+                            std::vector<std::string>& passed) {
+  const std::vector<int> springs = VariedMechanism::one_way_springs(before);
+  if (springs.empty()) return;
+  const Readings first = readings_of(before, from), last = readings_of(after, to);
+  for (const int e : springs) {
+    const auto at = static_cast<std::size_t>(e);
+    if (first.elements[at].slack == last.elements[at].slack) continue;
+    passed.push_back(fmt::format("\"{}\" {}", before.elements[at].name, first.elements[at].slack ? acts : is_slack));
   }
 }
 
@@ -227,6 +245,7 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
     Stepped way(out.scene, after, out.poses, active, tries_left);
     out.arrived = way.part == 1.0;
     if (out.arrived) {
+      add_changes_of_springs(out.scene, out.poses, after, way.poses, transition.passed);
       out.poses = std::move(way.poses);
       out.scene = after;
       break;
@@ -239,8 +258,10 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
     width = is_same ? sections_wider * width : std::max(way.part - first.part, least_width);
     const bool is_rest = tries_left == 0 || k + 1 == most_sections || way.part + width >= 1.0;
     const Scene next = is_rest ? after : way.varied->scene_at(way.part + width);
+    const Scene begin = way.varied->scene_at(first.part);
     const BodyPoses from = way.varied->model_at(first.part)->poses(first.x);
-    std::optional<Section> section = section_between(way.varied->scene_at(first.part), next, from, options);
+    add_changes_of_springs(out.scene, out.poses, begin, from, transition.passed);
+    std::optional<Section> section = section_between(begin, next, from, options);
     if (!section) {
       out.poses = std::move(way.poses);
       out.scene = way.varied->scene_at(way.part);

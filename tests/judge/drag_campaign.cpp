@@ -412,6 +412,9 @@ class Run {
       for (double& value : beside) value += random_.uniform(-nudge, nudge);
       certificate = certify(fresh, beside);
     }
+    if (certificate.outcome == Outcome::degenerate && !certificate.confirmed()) {
+      return leave_undecided("an equilibrium, but rounding decides whether it is neutral");
+    }
     if (!certificate.confirmed()) {
       // What repeats to rounding only, or is on the edge of being proved, a restart may leave open.
       return contradict(Fault::unconfirmed, fmt::format("confirmed, but a fresh certificate says: {} ({})",

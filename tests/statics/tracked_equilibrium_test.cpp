@@ -166,6 +166,74 @@ TEST(TrackedEquilibrium, FollowsSeveralNumbersTogether) {
   EXPECT_EQ(live.change(wanted).kind, Kind::none);
 }
 
+// A block on a spring of 100 N/m, and on a rope of 300 N/m that is tight from 0.01 m on.
+TEST(TrackedEquilibrium, TellsThatARopeComesTight) {
+  TrackedEquilibrium live(parse_scene(R"(
+[ground]
+points = { O = [0, 0], L = [-1, 0] }
+[body.block]
+points = { C = [0, 0] }
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+[[spring]]
+name = "spring"
+points = ["ground.L", "block.C"]
+stiffness = 100
+free_length = 1
+[[spring]]
+name = "rope"
+points = ["ground.L", "block.C"]
+stiffness = 300
+free_length = 1.01
+acts = "tension"
+[[force]]
+name = "P"
+at = "block.C"
+vector = [0.5, 0]
+)",
+                                      "block"));
+  Scene wanted = live.scene();
+  wanted.forces[0].vector = {2.0, 0.0};
+  const Transition way = live.change(wanted);
+  EXPECT_EQ(way.kind, Kind::followed);
+  EXPECT_EQ(way.passed, std::vector<std::string>{"\"rope\" acts"});
+  EXPECT_NEAR(live.poses()[1].origin.x, 0.01 + 1.0 / 400.0, 1e-12);
+}
+
+// Two stops 0.2 m apart, and nothing else on a rail: where the load turns it moves to the other one.
+TEST(TrackedEquilibrium, MovesAtOnceWhereNothingHoldsIt) {
+  TrackedEquilibrium live(parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+[[stop]]
+name = "ends"
+slide = "rail"
+min = -0.1
+max = 0.1
+[[force]]
+name = "P"
+at = "block.C"
+vector = [1, 0]
+)",
+                                      "block"));
+  ASSERT_NEAR(live.poses()[1].origin.x, 0.1, 1e-12);
+  Scene wanted = live.scene();
+  wanted.forces[0].vector = {-1.0, 0.0};
+  const Transition way = live.change(wanted);
+  EXPECT_TRUE(way.kind == Kind::snapped || way.kind == Kind::settled) << to_string(way.kind);
+  ASSERT_FALSE(way.courses.empty());
+  EXPECT_NEAR(way.courses.front().poses.front()[1].origin.x, 0.1, 1e-6);
+  EXPECT_NEAR(live.poses()[1].origin.x, -0.1, 1e-12);
+}
+
 TEST(TrackedEquilibrium, SnapsAtTheFoldToWhereThePathLands) {
   const Scene toggle = read_scene(test::dataset("von_mises_toggle.toml"));
   TrackedEquilibrium live(toggle);
