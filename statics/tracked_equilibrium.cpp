@@ -171,6 +171,7 @@ void TrackedEquilibrium::take(Scene scene, std::optional<Hand> hand, Found found
   const BodyPoses poses = found.model->poses(found.equilibrium.x);
   scene_ = started_at(std::move(scene), poses);
   hand_ = std::move(hand);
+  movable_.reset();
   model_ = std::move(found.model);
   equilibrium_ = std::move(found.equilibrium);
 }
@@ -313,9 +314,45 @@ Transition TrackedEquilibrium::change(Scene wanted) {
 Transition TrackedEquilibrium::drag(PointRef point, Vec2 place) {
   DraggedPoint walk(scene_, point);
   const std::vector<Vec2> along = walk.directions();
+  if (along.empty() && movable_ && hand_ && hand_->at == point) return drag_back(point, place);
   if (along.empty()) throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
-  if (walk.freedoms() > static_cast<int>(along.size())) return drag_in_equilibrium(point, place);
-  // A hand that moves in an area moves straight, where it can. It leaves no freedom.
+  BodyPoses begin = poses();
+  Transition way = walk.freedoms() > static_cast<int>(along.size()) ? drag_in_equilibrium(point, place)
+                                                                    : drag_all(walk, along, point, place);
+  movable_ = std::move(begin);
+  return way;
+}
+
+// At the very end of its way a point cannot move, to first order: it goes back to where the last drag began, and from
+// there.
+Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place) {
+  const BodyPoses there = *movable_;
+  const std::vector<Vec2> along = DraggedPoint(started_at(scene_, there), point).directions();
+  Found before = found_at(with_hand(scene_, point, along, place_of(scene_, there, point)), there, same_place);
+  if (along.empty() || !before.equilibrium.found()) {
+    throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
+  }
+  Scene scene = scene_;
+  std::optional<Hand> hand = std::exchange(hand_, Hand{point, along});
+  std::swap(model_, before.model);
+  std::swap(equilibrium_, before.equilibrium);
+  scene_ = started_at(scene_, there);
+  try {
+    return drag(point, place);
+  } catch (const InputError&) {
+    scene_ = std::move(scene);
+    hand_ = std::move(hand);
+    model_ = std::move(before.model);
+    equilibrium_ = std::move(before.equilibrium);
+    movable_ = there;
+    throw;
+  }
+}
+
+// The hand leaves no freedom.
+Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Vec2>& along, PointRef point,
+                                        Vec2 place) {
+  // A hand that moves in an area moves straight, where it can.
   const Vec2 from = walk.place();
   const auto straight = [&](Vec2 to) {
     return follow_by_steps(with_hand(scene_, point, along, from), with_hand(scene_, point, along, to), poses(), {});

@@ -13,6 +13,8 @@
 
 namespace poise {
 
+class DraggedPoint;
+
 /// Where all bodies stand, SI.
 using BodyPoses = std::vector<BodyPose<double>>;
 
@@ -122,10 +124,13 @@ class TrackedEquilibrium {
   Transition drag_in_equilibrium(PointRef point, Vec2 place);
   Found dragged_to(Vec2 place, Hand& hand, Transition& out) const;
   void take(Scene scene, std::optional<Hand> hand, Found found);
+  Transition drag_back(PointRef point, Vec2 place);
+  Transition drag_all(DraggedPoint& walk, const std::vector<Vec2>& along, PointRef point, Vec2 place);
 
   TrackedOptions options_;
   Scene scene_;
   std::optional<Hand> hand_;
+  std::optional<BodyPoses> movable_;  // where the hand could move its point last
   std::unique_ptr<StaticModel> model_;
   Equilibrium equilibrium_;
 };

@@ -255,6 +255,52 @@ TEST(TrackedEquilibrium, SnapsAtTheFoldToWhereThePathLands) {
   EXPECT_LT(live.poses()[1].origin.y, -0.5);
 }
 
+// A knee on a rail is dragged as far as it goes, where its end can hardly move, and comes back.
+TEST(TrackedEquilibrium, ComesBackFromWhereAPointCannotMove) {
+  TrackedEquilibrium live(parse_scene(R"(
+[units]
+angle = "deg"
+[ground]
+points = { A = [0, 0], D = [2, 0] }
+[body.left]
+points = { A = [0, 0], B = [1, 0] }
+[body.right]
+points = { B = [0, 0], D = [1.5, 0] }
+[body.block]
+points = { D = [0, 0] }
+[[pin]]
+name = "A"
+points = ["ground.A", "left.A"]
+[[pin]]
+name = "B"
+points = ["left.B", "right.B"]
+[[pin]]
+name = "D"
+points = ["right.D", "block.D"]
+[[slide]]
+name = "rail"
+points = ["ground.A", "block.D"]
+axis = [1, 0]
+[[torsion_spring]]
+name = "spring"
+bodies = ["ground", "left"]
+stiffness = 1
+free_angle = 50
+[start]
+left = 50
+right = -30
+rail = 2
+)",
+                                      "knee"));
+  const PointRef end{3, 0};
+  live.drag(end, {3.0, 0.0});
+  const double stretched = place_of(live, end).x;
+  EXPECT_GT(stretched, 2.49);
+  for (const double x : {3.0, 2.7, 2.4, 2.2}) live.drag(end, {x, 0.0});
+  EXPECT_NEAR(place_of(live, end).x, 2.2, 1e-9);
+  EXPECT_TRUE(live.equilibrium().found());
+}
+
 TEST(TrackedEquilibrium, TheHandFeelsTheSpringOfALever) {
   TrackedEquilibrium live(lever());
   const PointRef tip{1, 1};
