@@ -30,6 +30,7 @@ constexpr double sections_wider = 8.0;    // than the last, where steps have not
 constexpr double carried_step = 0.05;     // rad or mechanism sizes
 constexpr double shortest_carry = 1e-6;   // of a change
 
+constexpr const char* not_proved_way = "a nearly singular place, through which the way is not proved";
 constexpr const char* acts = "acts";
 constexpr const char* is_slack = "is slack";
 
@@ -219,7 +220,9 @@ std::optional<Section> section_between(const Scene& from, const Scene& to, const
   std::optional<Section> out = section_along(*varied, usual_step, settings);
   if (!out || out->has_events || !out->arrived) return out;
   std::optional<Section> fine = section_along(*varied, fine_step, settings);
-  return fine && (fine->arrived || fine->has_events) ? fine : out;
+  if (fine && (fine->arrived || fine->has_events)) out = std::move(fine);
+  if (!out->has_events) out->passed.emplace_back(not_proved_way);
+  return out;
 }
 
 }  // namespace

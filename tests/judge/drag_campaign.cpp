@@ -551,7 +551,7 @@ class Run {
     const std::string small = fmt::format("{} at {:.9g}", steps.why, steps.part);
     // Where equilibria branch it goes on beside the one that small steps lose, or stay on.
     const bool says_so = std::any_of(way.passed.begin(), way.passed.end(), [](const std::string& passed) {
-      return passed == "branch point" || passed == "fold";
+      return passed == "branch point" || passed == "fold" || passed.ends_with("not proved");
     });
     if (steps.end == SmallSteps::End::lost) {
       if (!moved || says_so) return;
