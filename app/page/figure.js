@@ -11,6 +11,9 @@ const usual_text = 11;
 const most_text_scale = 1.9;
 // Their places are laid out as one block: enlarged texts would overlap.
 const fixed_text_layers = ['heading', 'legend'];
+// A legend shown smaller than this, as a part of its usual size, cannot be read.
+const least_legend_scale = 0.75;
+const legend_margin = 2;
 // Texts enlarged by less than this have room at their places.
 const least_crowding = 1.15;
 // Enlarged texts may overlap by so much, as a part of their height: their boxes have room above and below the letters.
@@ -72,13 +75,53 @@ function overlap(a, b) {
   return !apart('x', 'width') && !apart('y', 'height');
 }
 
+function isText(slot) {
+  return slot.shape?.[0] === 'text';
+}
+
+// Copies of shapes, at the size that they have in the drawing.
+function sampleView(nodes) {
+  const boxes = nodes.map((node) => node.getBBox());
+  const edge = (of, value) => of(...boxes.map(value));
+  const x = edge(Math.min, (box) => box.x) - legend_margin;
+  const y = edge(Math.min, (box) => box.y) - legend_margin;
+  const width = edge(Math.max, (box) => box.x + box.width) + legend_margin - x;
+  const height = edge(Math.max, (box) => box.y + box.height) + legend_margin - y;
+  return svgElement(
+    'svg',
+    {class: 'key-sample', viewBox: `${x} ${y} ${width} ${height}`, width, height, 'aria-hidden': 'true'},
+    ...nodes.map((node) => node.cloneNode(true))
+  );
+}
+
+// The entries of a legend: a text ends each, and shapes before it are its sample.
+function keyEntries(slots) {
+  const entries = [];
+  let sample = [];
+  for (const slot of slots) {
+    if (isText(slot)) {
+      entries.push(element('li', {}, sample.length > 0 ? sampleView(sample) : null, slot.shape[4]));
+      sample = [];
+    } else {
+      sample.push(slot.node);
+    }
+  }
+  return entries;
+}
+
 /// A drawing on the page. `overlay` is a group above all shapes in which others draw; `traces` is one just below it.
-/// `thinned(is_thinned)` is told whether texts are left out, because they would overlap.
+/// Told, where given: `thinned(is_thinned)`, whether texts are left out, because they would overlap; `key(entries)`,
+/// the entries of a legend that is left out because it would be too small, none where it is in the picture.
 export class Picture {
-  constructor(container, palette, thinned = () => {}) {
+  constructor(container, palette, {thinned = () => {}, key = null} = {}) {
     this.palette = palette;
     this.thinned = thinned;
     this.is_thinned = false;
+    this.key = key;
+    this.key_texts = '';
+    this.is_small = false;
+    this.text_scale = 1;
+    this.was_enlarged = false;
     this.hidden = new Set();
     this.slots = [];
     this.shapes = svgElement('g');
@@ -111,6 +154,7 @@ export class Picture {
     }
     this.state = state;
     this.thinText();
+    this.tellKey();
   }
 
   /// Changes the part of the drawing that is seen.
@@ -133,6 +177,7 @@ export class Picture {
     else this.hidden.delete(layer);
     for (const slot of this.slots) this.display(slot);
     this.thinText();
+    this.tellKey();
   }
 
   /// The name of the item whose shape is at a place of the window or near it; empty for none.
@@ -181,7 +226,10 @@ export class Picture {
       this.shapes.append(slot.group);
     }
     slots.forEach(([layer, name], i) => {
-      if (this.slots[i].layer !== layer) this.slots[i].style = '';
+      if (this.slots[i].layer !== layer) {
+        this.slots[i].style = '';
+        this.slots[i].group.setAttribute('class', layer === 'legend' ? 'in-legend' : '');
+      }
       Object.assign(this.slots[i], {layer, name});
       this.display(this.slots[i]);
     });
@@ -192,6 +240,19 @@ export class Picture {
     if (shown === slot.displayed) return;
     slot.displayed = shown;
     slot.group.setAttribute('display', shown ? 'inline' : 'none');
+  }
+
+  // Whether the legend can be read depends on the drawing's size, not on what of it is seen.
+  tellKey() {
+    if (!this.key) return;
+    const is_rule = ({shape}) => shape[0] === 'line' && Math.abs(shape[4] - shape[2]) > this.drawing.width / 2;
+    const is_entry = (slot) => slot.layer === 'legend' && slot.displayed && slot.shape !== null && !is_rule(slot);
+    const slots = this.is_small ? this.slots.filter(is_entry) : [];
+    const texts = JSON.stringify(slots.filter(isText).map((slot) => slot.shape[4]));
+    this.svg.classList.toggle('without-legend', slots.length > 0);
+    if (texts === this.key_texts) return;
+    this.key_texts = texts;
+    this.key(keyEntries(slots));
   }
 
   // The shape of every slot in frame k. Some states are kept, so that jumps back need not begin at frame 0.
@@ -251,23 +312,32 @@ export class Picture {
   scaleText() {
     const {clientWidth, clientHeight} = this.svg;
     if (!clientWidth || !this.box) return;
+    const {drawing} = this;
+    this.is_small = Math.min(clientWidth / drawing.width, clientHeight / drawing.height) < least_legend_scale;
     const shrunk = usual_text * Math.min(clientWidth / this.box.width, clientHeight / this.box.height);
     this.text_scale = Math.min(most_text_scale, Math.max(1, least_text / shrunk));
     this.svg.style.setProperty('--text-scale', this.text_scale.toFixed(2));
     this.thinText();
+    this.tellKey();
   }
 
   // The places of a drawing's texts are made for their usual size: of enlarged ones that overlap the first is shown.
-  // Remarks, such as names of bodies, come last.
+  // Remarks, such as names of bodies, come last. One that would go on beyond an edge is moved inwards.
   thinText() {
     const enlarged = this.text_scale > least_crowding;
-    if (!enlarged && !this.is_thinned) return;
-    const texts = this.slots.filter((slot) => slot.shape?.[0] === 'text' && !fixed_text_layers.includes(slot.layer));
+    if (!enlarged && !this.was_enlarged) return;
+    this.was_enlarged = enlarged;
+    const texts = this.slots.filter((slot) => isText(slot) && !fixed_text_layers.includes(slot.layer));
     const is_remark = (slot) => Number(this.styles[slot.shape[1]].is_remark);
     const shown = [];
     let left_out = false;
-    for (const slot of enlarged ? texts.sort((a, b) => is_remark(a) - is_remark(b)) : texts) {
-      const box = enlarged && slot.displayed ? slot.node.getBBox() : null;
+    if (enlarged) texts.sort((a, b) => is_remark(a) - is_remark(b));
+    const boxes = texts.map((slot) => (enlarged && slot.displayed ? slot.node.getBBox() : null));
+    for (const [i, slot] of texts.entries()) {
+      const box = boxes[i];
+      const shift = box === null ? 0 : Math.max(0, -box.x) - Math.max(0, box.x + box.width - this.drawing.width);
+      slot.node.style.setProperty('--shift', `${shift}px`);
+      if (box !== null) box.x += shift;
       const hides = box !== null && shown.some((other) => overlap(box, other));
       slot.node.classList.toggle('left-out', hides);
       if (box !== null && !hides) shown.push(box);
@@ -430,8 +500,15 @@ export function drawingView(drawing, palette) {
     'aria-label': 'Drawing. Plus and minus zoom, 0 shows the whole.',
   });
   const thinned = element('p', {class: 'hint', hidden: true}, 'Texts that would overlap are left out: zoom to see them.');
-  const picture = new Picture(stage, palette, (is_thinned) => {
-    thinned.hidden = !is_thinned;
+  const key = element('ul', {class: 'key', hidden: true, 'aria-label': 'Legend'});
+  const picture = new Picture(stage, palette, {
+    thinned: (is_thinned) => {
+      thinned.hidden = !is_thinned;
+    },
+    key: (entries) => {
+      key.hidden = entries.length === 0;
+      key.replaceChildren(...entries);
+    },
   });
   const reset = button('Show the whole', () => zoom.reset(), {class: 'quiet'});
   const zoom = new Zoom(picture, stage, () => {
@@ -458,6 +535,6 @@ export function drawingView(drawing, palette) {
     showCaption(caption, stage, drawing, k);
   };
   frame(0);
-  const whole = element('div', {class: 'drawing'}, stage, thinned, caption, tools);
+  const whole = element('div', {class: 'drawing'}, stage, key, thinned, caption, tools);
   return {element: whole, stage, picture, caption, tools, frame};
 }
