@@ -180,6 +180,35 @@ export function arrangeTables(place, arrangements) {
   }
 }
 
+const reached = 'button, input, summary, .scroll';
+
+// What names a control in a report, whose tables may come and go.
+function nameOf(control) {
+  const table = control.closest('.table')?.querySelector('table').getAttribute('aria-label') ?? '';
+  const place = control.closest('th')?.cellIndex ?? [...control.parentNode.children].indexOf(control);
+  return `${table} ${control.tagName} ${control.className} ${place}`;
+}
+
+/// What in a place has the focus, for refocus() after the place was filled anew; null where the focus is elsewhere.
+export function focusIn(place) {
+  const control = document.activeElement;
+  if (!place.contains(control) || !control.matches(reached)) return null;
+  const name = nameOf(control);
+  const alike = [...place.querySelectorAll(reached)].filter((one) => nameOf(one) === name);
+  return {name, which: alike.indexOf(control), caret: control.selectionStart ?? null};
+}
+
+/// Gives the focus to what is named like the control that had it.
+export function refocus(place, focus) {
+  if (focus === null) return;
+  const alike = [...place.querySelectorAll(reached)].filter((one) => nameOf(one) === focus.name);
+  const control = alike[focus.which] ?? alike[0];
+  if (!control) return;
+  if (control.matches('.scroll')) control.tabIndex = 0;
+  control.focus({preventScroll: true});
+  if (focus.caret !== null) control.setSelectionRange(focus.caret, focus.caret);
+}
+
 /// A table item of the report below its heading.
 export function tableView(item, heading) {
   return new TableView(item, heading).element;

@@ -4,7 +4,7 @@
 import {button, copyButton, download, element, fileName, menu, numberText} from './dom.js';
 import {themeChoice, whenTold} from './theme.js';
 import {reportView, verdictView, warningsView} from './report.js';
-import {arrangementsIn, arrangeTables} from './tables.js';
+import {arrangementsIn, arrangeTables, focusIn, refocus} from './tables.js';
 import {Program} from './view_program.js';
 import {MovingPicture} from './view_motion.js';
 import {Handles} from './view_drag.js';
@@ -396,6 +396,7 @@ class LiveView {
     const open = [...this.forces.querySelectorAll('details.details')].map((box) => box.open);
     const scrolled = [...this.forces.querySelectorAll('.scroll')].map((box) => box.scrollLeft);
     const arrangements = arrangementsIn(this.forces);
+    const focus = focusIn(this.forces);
     this.forces.replaceChildren(reportView(report, 3));
     arrangeTables(this.forces, arrangements);
     this.forces.querySelectorAll('details.details').forEach((box, i) => {
@@ -404,6 +405,7 @@ class LiveView {
     this.forces.querySelectorAll('.scroll').forEach((box, i) => {
       box.scrollLeft = scrolled[i] ?? 0;
     });
+    refocus(this.forces, focus);
   }
 
   opened(name) {
