@@ -536,5 +536,5 @@ export function drawingView(drawing, palette) {
   };
   frame(0);
   const whole = element('div', {class: 'drawing'}, stage, key, thinned, caption, tools);
-  return {element: whole, stage, picture, caption, tools, frame};
+  return {element: whole, stage, picture, caption, key, tools, frame};
 }

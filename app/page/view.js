@@ -250,7 +250,9 @@ class LiveView {
             this.status,
             this.computing
           ),
-          this.warnings
+          this.warnings,
+          // Not below the picture, which stays in view on narrow windows and leaves little beside itself.
+          this.moving.view.key
         )
       ),
       this.tabs.element
