@@ -6,6 +6,7 @@ import {reportView, verdictView, warningsView} from './report.js';
 import {drawingView} from './figure.js';
 import {Player} from './player.js';
 import {cardsView} from './cards.js';
+import {isLong} from './tables.js';
 import {chartsView} from './chart.js';
 import {showLiveView} from './view.js';
 
@@ -128,8 +129,8 @@ export function showPage(text) {
       ? element('section', {class: 'report'}, element('h2', {}, 'Report'), reportView(page.report, 3))
       : null;
   const beside = isStill(figures[0]) && report !== null;
-  // Charts explain the numbers of a report, a mechanism introduces them.
-  const report_first = figures.every((figure) => figure.kind === 'charts');
+  // Charts explain the numbers of a report; a mechanism introduces them, and so do charts where all points come first.
+  const report_first = figures.every((figure) => figure.kind === 'charts') && !isLong(page.report?.[0]);
   const parts = report_first ? [report, ...figure_views] : [...figure_views, report];
   const main = element(
     'main',

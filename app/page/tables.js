@@ -21,6 +21,35 @@ function compareRows(column, sign) {
   };
 }
 
+function rowCount(item) {
+  return item.columns.length === 0 ? 0 : item.columns[0].cells.length;
+}
+
+/// Whether an item of a report is a table that is cut to its first rows.
+export function isLong(item) {
+  return item?.kind === 'table' && rowCount(item) > most_rows;
+}
+
+// In texts a row of signs is the bar of a histogram.
+function isBar(text) {
+  return /^#+$/.test(text);
+}
+
+function barView(text) {
+  const bar = element('span', {class: 'count-bar', role: 'img', 'aria-label': `bar of ${text.length}`});
+  bar.style.setProperty('--count', text.length);
+  return bar;
+}
+
+// What scrolls must be reached by keys too; what does not would only be in the way of Tab.
+function reachWhileScrolling(box) {
+  new ResizeObserver(() => {
+    if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
+    else box.removeAttribute('tabindex');
+  }).observe(box);
+  return box;
+}
+
 function csvField(text) {
   return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
@@ -37,7 +66,7 @@ class TableView {
   constructor(item, heading) {
     this.item = item;
     this.columns = item.columns;
-    this.size = this.columns.length === 0 ? 0 : this.columns[0].cells.length;
+    this.size = rowCount(item);
     this.sorted = {column: null, sign: 1};
     this.words = '';
     this.whole = this.size <= most_rows;
