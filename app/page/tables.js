@@ -4,6 +4,8 @@ import {button, copyButton, element, say, toneClass} from './dom.js';
 import {whenTold} from './theme.js';
 
 const most_rows = 25;
+// On narrow windows longer texts go on in a second line.
+const most_letters = 30;
 
 function columnTitle(column) {
   return column.unit ? `${column.title} (${column.unit})`.trim() : column.title;
@@ -39,15 +41,6 @@ function barView(text) {
   const bar = element('span', {class: 'count-bar', role: 'img', 'aria-label': `bar of ${text.length}`});
   bar.style.setProperty('--count', text.length);
   return bar;
-}
-
-// What scrolls must be reached by keys too; what does not would only be in the way of Tab.
-function reachWhileScrolling(box) {
-  new ResizeObserver(() => {
-    if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
-    else box.removeAttribute('tabindex');
-  }).observe(box);
-  return box;
 }
 
 function csvField(text) {
@@ -181,12 +174,18 @@ class TableView {
   row(row) {
     const cells = this.columns.map((column, i) => {
       const tone = column.tones?.[row] ?? 'plain';
-      const classes = [column.align === 'right' ? 'right' : '', tone === 'plain' ? '' : toneClass(tone)];
+      const text = column.cells[row];
+      const is_long = column.align !== 'right' && text.length > most_letters && !isBar(text);
+      const classes = [
+        column.align === 'right' ? 'right' : '',
+        tone === 'plain' ? '' : toneClass(tone),
+        is_long ? 'long' : '',
+      ];
       const is_name = i === 0 && column.align !== 'right';
       return element(
         is_name ? 'th' : 'td',
-        {scope: is_name ? 'row' : null, class: classes.join(' ').trim() || null},
-        column.cells[row]
+        {scope: is_name ? 'row' : null, class: classes.filter((name) => name).join(' ') || null},
+        isBar(text) ? barView(text) : text
       );
     });
     return element('tr', {}, ...cells);
