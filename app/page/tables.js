@@ -43,6 +43,15 @@ function barView(text) {
   return bar;
 }
 
+// What scrolls must be reached by keys too; what does not would only be in the way of Tab.
+function reachWhileScrolling(box) {
+  new ResizeObserver(() => {
+    if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
+    else box.removeAttribute('tabindex');
+  }).observe(box);
+  return box;
+}
+
 function csvField(text) {
   return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
@@ -76,7 +85,7 @@ class TableView {
       'div',
       {class: this.whole ? 'table short' : 'table'},
       this.top(heading),
-      element('div', {class: 'scroll'}, table),
+      reachWhileScrolling(element('div', {class: 'scroll', role: 'group', 'aria-label': item.title || 'Table'}, table)),
       ...(item.footnotes ?? []).map((note) => element('p', {class: 'footnote'}, note)),
       element(
         'div',
