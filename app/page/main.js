@@ -25,6 +25,11 @@ function memberText(text, key) {
   return 'null';
 }
 
+// A line may break between words, not at the hyphens of an option.
+function wordsOf(line) {
+  return line.split(' ').flatMap((word, i) => [i > 0 ? ' ' : null, element('span', {}, word)]);
+}
+
 function headerView(page, text) {
   const name = page.title || `poise ${page.command}`;
   const save = () => download(fileName(name, 'json'), 'application/json', `${memberText(text, 'result')}\n`);
@@ -48,7 +53,7 @@ function headerView(page, text) {
       ? element(
           'div',
           {class: 'line'},
-          element('code', {}, page.line),
+          element('code', {}, ...wordsOf(page.line)),
           copyButton('Copy', () => page.line)
         )
       : null
