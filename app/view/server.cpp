@@ -84,7 +84,8 @@ class LocalServer::Server {
     server_.new_task_queue = [] { return new httplib::ThreadPool(threads); };  // httplib deletes it
     server_.set_tcp_nodelay(true);
     server_.set_keep_alive_max_count(1'000'000);
-    server_.set_keep_alive_timeout(30);
+    // For so long Ctrl-C waits for connections that a browser keeps open.
+    server_.set_keep_alive_timeout(1);
     server_.set_read_timeout(10);
     server_.set_write_timeout(10);
     server_.set_payload_max_length(largest_body);

@@ -2,6 +2,9 @@
 #include "app/view/server.hpp"
 
 #include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
 #include <regex>
 #include <string>
 #include <thread>
@@ -30,13 +33,14 @@ class Running {
     port_ = std::stoi(match[1]);
     base_ = match[2];
   }
-  ~Running() {
-    interrupt_ = true;
-    thread_.join();
-  }
+  ~Running() { end(); }
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
 
+  void end() {
+    interrupt_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
   httplib::Client client() const { return httplib::Client("127.0.0.1", port_); }
   const std::string& base() const { return base_; }
   int port() const { return port_; }
@@ -107,6 +111,16 @@ TEST(LocalServer, LimitsRequests) {
     too_many += result && result->status == 429;
   }
   EXPECT_GT(too_many, 3);
+}
+
+// A browser keeps its connection for the next request; the program must not wait for it as long as it likes.
+TEST(LocalServer, EndsWhileABrowserKeepsItsConnection) {
+  const auto server = std::make_unique<Running>();
+  httplib::Client client = server->client();
+  client.set_keep_alive(true);
+  EXPECT_EQ(client.Get(server->base().c_str())->body, "the page");
+  const std::future<void> ended = std::async(std::launch::async, [&] { server->end(); });
+  EXPECT_EQ(ended.wait_for(std::chrono::seconds(10)), std::future_status::ready);
 }
 
 TEST(LocalServer, TellsBrowsersNotToShareThePage) {
