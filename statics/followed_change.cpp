@@ -17,9 +17,9 @@
 namespace poise {
 namespace {
 
-constexpr double shortest_part = 1e-7;                 // of a change; next to a singular pose steps are short
-constexpr int most_tries = 200;                        // of steps in a change
-constexpr int most_points = 500;                       // of a section, so that no change takes long
+constexpr double shortest_part = 1e-7;                // of a change; next to a singular pose steps are short
+constexpr int most_tries = 200;                       // of steps in a change
+constexpr int most_points = 500;                      // of a section, so that no change takes long
 constexpr double usual_step = 0.1, fine_step = 0.02;  // of a section: parts of it, rad, mechanism sizes
 constexpr int most_sections = 12;
 constexpr double no_change = 1e-11;       // of a section
