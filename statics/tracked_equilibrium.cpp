@@ -423,14 +423,17 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
     walk.emplace(started_at(scene_, now.poses), hand.at);
     along = walk->directions();
   }
+  // The equilibrium at these poses, to which it was followed.
+  const auto held_where = [&](const BodyPoses& there) -> std::optional<Found> {
+    Found arrived = found_at(held_at(place), there, same_place);
+    if (!arrived.equilibrium.found()) return std::nullopt;
+    if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
+    return arrived;
+  };
   // Where it can be held just there no walk has to say how near it comes.
   if (along.size() == 2 && now.is_stable) {
     if (const auto there = follow_by_steps(now.scene, held_at(place), now.poses, now.active_stops)) {
-      Found arrived = found_at(held_at(place), *there, same_place);
-      if (arrived.equilibrium.found()) {
-        if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
-        return arrived;
-      }
+      if (auto arrived = held_where(*there)) return std::move(*arrived);
     }
   }
   walk->go_to(place);
@@ -439,11 +442,9 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   if (along.size() == 2 && now.is_stable && !walk->held_up_by().empty()) {
     FollowedChange direct = follow_change(now.scene, held_at(place), now.poses, now.active_stops, options_);
     if (direct.arrived && direct.transition.kind == Transition::Kind::followed) {
-      Found arrived = found_at(held_at(place), direct.poses, same_place);
-      if (arrived.equilibrium.found()) {
-        if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
+      if (auto arrived = held_where(direct.poses)) {
         for (std::string& words : direct.transition.passed) out.passed.push_back(std::move(words));
-        return arrived;
+        return std::move(*arrived);
       }
     }
   }

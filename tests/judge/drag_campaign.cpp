@@ -422,11 +422,10 @@ class Run {
     }
     const double allowed = certificate.radius + e.certificate.radius + 1e-9 + 10 * certificate.rounding_effect;
     const double off = apart(poses, fresh.poses(certificate.x), size_) / (1 + static_cast<double>(poses.size()));
-    if (certificate.outcome == Outcome::proved && e.certificate.outcome == Outcome::proved && off > allowed &&
-        off < same) {
-      return leave_undecided("another equilibrium side by side, next to a singular pose");
-    }
     if (certificate.outcome == Outcome::proved && off > allowed) {
+      if (e.certificate.outcome == Outcome::proved && off < same) {
+        return leave_undecided("another equilibrium side by side, next to a singular pose");
+      }
       contradict(Fault::unconfirmed,
                  fmt::format("the equilibrium proved is {:.3g} away, radius {:.3g}", off, certificate.radius));
     }
