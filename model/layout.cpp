@@ -139,10 +139,11 @@ class Builder {
       if (p.body == 0) points_[0].push_back(scene_.local(p));
     };
     const auto use_measure = [&](const Measure& measure, const auto& self) -> void {
-      if (measure.kind == Measure::Kind::distance) {
+      if (measure.kind == Measure::Kind::distance || measure.kind == Measure::Kind::component) {
         use(measure.a);
         use(measure.b);
       }
+      for (const RopeContact& contact : measure.contacts) use(contact.at);
       for (const Measure::Term& term : measure.terms) self(term.measure, self);
     };
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
@@ -409,12 +410,27 @@ class Builder {
     note_what_never_enters(heavy);
   }
 
-  // Of a distance or a coordinate of a point.
+  std::vector<Arm> path_between(PointRef a, PointRef b) const {
+    return out_.path(a.body, scene_.local(a), b.body, scene_.local(b));
+  }
+
+  // Of a measure of points.
   std::vector<Arm> arms_of(const Measure& measure) const {
-    if (measure.kind == Measure::Kind::distance) {
-      return out_.path(measure.a.body, scene_.local(measure.a), measure.b.body, scene_.local(measure.b));
+    switch (measure.kind) {
+      case Measure::Kind::distance:
+      case Measure::Kind::component:
+        return path_between(measure.a, measure.b);
+      case Measure::Kind::rope: {
+        std::vector<Arm> arms;
+        for (std::size_t k = 1; k < measure.contacts.size(); ++k) {
+          const std::vector<Arm> part = path_between(measure.contacts[k - 1].at, measure.contacts[k].at);
+          arms.insert(arms.end(), part.begin(), part.end());
+        }
+        return arms;
+      }
+      default:
+        return out_.path(0, {0, 0}, measure.b.body, scene_.local(measure.b));
     }
-    return out_.path(0, {0, 0}, measure.b.body, scene_.local(measure.b));
   }
 
   // False for a measure that is constant: an angle between parallel bodies, a distance on one body.
@@ -428,8 +444,11 @@ class Builder {
         return std::any_of(measure.terms.begin(), measure.terms.end(),
                            [this](const Measure::Term& term) { return changes(term.measure); });
       default: {
+        // A direction may turn under a vector that does not.
         const std::vector<Arm> arms = arms_of(measure);
-        return std::any_of(arms.begin(), arms.end(), [](const Arm& arm) { return arm.coordinate >= 0; });
+        const bool turns = measure.kind == Measure::Kind::component && out_.links[measure.a.body].frame >= 0;
+        return (turns && !arms.empty()) ||
+               std::any_of(arms.begin(), arms.end(), [](const Arm& arm) { return arm.coordinate >= 0; });
       }
     }
   }
@@ -445,7 +464,12 @@ class Builder {
       case Measure::Kind::travel:
         mark(out_.travel[measure.joint], reason);
         break;
+      case Measure::Kind::component:
+        mark(out_.links[measure.a.body].frame, reason);
+        mark_path(arms_of(measure), reason);
+        break;
       case Measure::Kind::distance:
+      case Measure::Kind::rope:
       case Measure::Kind::x:
       case Measure::Kind::y:
         mark_path(arms_of(measure), reason);

@@ -1,31 +1,46 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "model/dimension.hpp"
+#include "model/planar.hpp"
 #include "model/point_ref.hpp"
+#include "model/profile.hpp"
 #include "model/value_range.hpp"
 
 namespace poise {
 
+/// A point that a rope touches: an end, an eye, or the rim of a round pulley around the point.
+struct RopeContact {
+  PointRef at;
+  double radius = 0.0;  ///< of the pulley, m; 0 of a point
+  int turn = 1;         ///< the rope passes round the pulley counter-clockwise (1) or clockwise (-1)
+};
+
 /// A scalar function g of the pose, as a scene declares it. Force elements, stops, drives and sensors act on measures.
 /// Compiled forms with derivatives: model/measures/.
 ///
-/// angle     angle(body_b) - angle(body_a), rad, unwrapped: turns count
-/// distance  |b - a| of two points, m
-/// travel    of a slide or pin in a slot: signed distance from its point a to its point b along the axis, m
-/// x, y      world coordinate of point b, m
-/// sum       sum of factor_i g_i over `terms`; all terms are angles, or all are lengths
+/// angle      angle(body_b) - angle(body_a), rad, unwrapped: turns count
+/// distance   |b - a| of two points, m
+/// travel     of a slide or pin in a slot: signed distance from its point a to its point b along the axis, m
+/// x, y       world coordinate of point b, m
+/// component  of b - a along `axis`, a direction fixed in the body of point a, m
+/// rope       length of a taut rope over `contacts`: straight between them, and along the rims of pulleys, m
+/// sum        sum of factor_i g_i, or of factor_i P_i(g_i), over `terms`; an angle if all terms without a profile P are
+///            angles, otherwise a length, with factors in m/rad of angles and in m of profiles
 struct Measure {
-  enum class Kind { angle, distance, travel, x, y, sum };
+  enum class Kind { angle, distance, travel, x, y, component, rope, sum };
   struct Term;
 
   Kind kind = Kind::angle;
   int body_a = 0, body_b = 0;
   PointRef a, b;
-  int joint = -1;  ///< travel: index into Scene::joints
+  int joint = -1;       ///< travel: index into Scene::joints
+  Vec2 axis{1.0, 0.0};  ///< component: of any length, only its direction matters
+  std::vector<RopeContact> contacts;
   std::vector<Term> terms;
 
   static Measure angle_between(int body_a, int body_b);
@@ -33,6 +48,8 @@ struct Measure {
   static Measure travel_of(int joint);
   static Measure x_of(PointRef point);
   static Measure y_of(PointRef point);
+  static Measure component_along(PointRef a, PointRef b, Vec2 axis);
+  static Measure rope_over(std::vector<RopeContact> contacts);
   static Measure sum_of(std::vector<Term> terms);
 
   /// True if g is an angle, rad; otherwise it is a length, m.
@@ -41,12 +58,19 @@ struct Measure {
   /// Dimension of the conjugate effort: a torque, N m, or a force, N.
   Dimension effort_dimension() const { return is_angle() ? dimension::torque : dimension::force; }
   /// Values that g can take: a distance is not negative.
-  Range range() const { return kind == Kind::distance ? Range::not_negative : Range::finite; }
+  Range range() const { return kind == Kind::distance || kind == Kind::rope ? Range::not_negative : Range::finite; }
 };
 
 struct Measure::Term {
   double factor = 1.0;
   Measure measure;
+  /// If given the term is  factor P((g - shift) / span),  with span a full turn where g is an angle.
+  std::shared_ptr<const Profile> profile{};
+  double shift = 0.0;  ///< rad or m
+  double span = 1.0;   ///< m, of a length g
+
+  /// What the factor multiplies.
+  Dimension dimension() const { return profile ? dimension::none : measure.dimension(); }
 };
 
 inline Measure Measure::angle_between(int body_a, int body_b) {
@@ -84,6 +108,20 @@ inline Measure Measure::y_of(PointRef point) {
   return m;
 }
 
+inline Measure Measure::component_along(PointRef a, PointRef b, Vec2 axis) {
+  Measure m = distance_between(a, b);
+  m.kind = Kind::component;
+  m.axis = axis;
+  return m;
+}
+
+inline Measure Measure::rope_over(std::vector<RopeContact> contacts) {
+  Measure m;
+  m.kind = Kind::rope;
+  m.contacts = std::move(contacts);
+  return m;
+}
+
 inline Measure Measure::sum_of(std::vector<Term> terms) {
   Measure m;
   m.kind = Kind::sum;
@@ -92,7 +130,10 @@ inline Measure Measure::sum_of(std::vector<Term> terms) {
 }
 
 inline bool Measure::is_angle() const {
-  if (kind == Kind::sum) return !terms.empty() && terms.front().measure.is_angle();
+  if (kind == Kind::sum) {
+    return std::all_of(terms.begin(), terms.end(),
+                       [](const Term& term) { return term.profile != nullptr || term.measure.is_angle(); });
+  }
   return kind == Kind::angle;
 }
 

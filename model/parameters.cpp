@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "model/couplings.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise {
@@ -98,8 +99,8 @@ void visit_items(AnyScene& scene, Use use) {
   }
   for (int i = 0; i < count(scene.stops); ++i) {
     auto& stop = scene.stops[i];
-    use(Parts{"stop", stop.name}, ParameterPlace{Owner::stop, i}, stop, std::span<const Number>(Stop::numbers),
-        &stop.on);
+    const Owner owner = coupling_kind(stop) != nullptr ? Owner::coupling : Owner::stop;
+    use(Parts{stop.table, stop.name}, ParameterPlace{owner, i}, stop, stop.numbers(), &stop.on);
   }
 }
 
@@ -133,6 +134,19 @@ void at_path(AnyScene& scene, std::string_view path, Use use) {
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     if (row.path.is(path)) use(row, item, number);
   });
+}
+
+/// Radii of pulleys; in sums what turns the dimension of a term into that of the sum, and the argument of a profile.
+void scale_measure(Measure& measure, const Scales& scales) {
+  const double per_length = dimension::length.per_scale(scales);
+  for (RopeContact& contact : measure.contacts) contact.radius *= per_length;
+  for (Measure::Term& term : measure.terms) {
+    scale_measure(term.measure, scales);
+    term.factor *= measure.dimension().per_scale(scales) / term.dimension().per_scale(scales);
+    const double per_argument = term.measure.dimension().per_scale(scales);
+    term.shift *= per_argument;
+    term.span *= per_argument;
+  }
 }
 
 [[noreturn]] void fail(const ParameterRow& row, const std::string& message) {
@@ -230,6 +244,9 @@ void scale(Scene& scene, const Scales& scales) {
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     number.scale(&item, row.dimension.per_scale(scales));
   });
+  for (Element& element : scene.elements) scale_measure(element.on, scales);
+  for (Drive& drive : scene.drives) scale_measure(drive.on, scales);
+  for (Stop& stop : scene.stops) scale_measure(stop.on, scales);
 }
 
 Scene scaled(const Scene& scene, const Scales& scales) {

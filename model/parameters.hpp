@@ -14,12 +14,12 @@
 namespace poise {
 
 /// The kind of item that a number of a scene belongs to.
-enum class Owner { scene, force, torque, body, point, element, drive, joint, stop, start };
+enum class Owner { scene, force, torque, body, point, element, drive, joint, stop, coupling, start };
 
 /// The place of a number in the table, which is the same for all scenes of the same structure.
 struct ParameterPlace {
   Owner owner = Owner::scene;
-  int item = 0;    ///< index into the owner's list
+  int item = 0;    ///< index into the owner's list; of a coupling into the stops
   int part = 0;    ///< point: index into the body's points; start: 0 angle, 1 travel, 2 place
   int number = 0;  ///< index into the item's numbers
 

@@ -1,8 +1,22 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace poise {
+
+/// pi in the scalar T, to its own precision; scalars that enclose sets of numbers specialise it.
+template <class T>
+T pi_of() {
+  if constexpr (std::numeric_limits<T>::digits10 > std::numeric_limits<double>::digits10) {
+    using std::atan;
+    static const T value = T(4) * atan(T(1));
+    return value;
+  } else {
+    return static_cast<T>(std::numbers::pi);
+  }
+}
 
 /// A plane vector, also the complex number x + i y.
 ///
@@ -75,6 +89,14 @@ Planar<T> unit(const T& angle) {
   using std::cos;
   using std::sin;
   return {cos(angle), sin(angle)};
+}
+
+/// The angle of a vector other than zero, counter-clockwise from the x axis, in [0, 2 pi).
+template <class T>
+T full_angle_of(const Planar<T>& a) {
+  using std::atan2;
+  const T angle = atan2(a.y, a.x);
+  return angle < T(0) ? T(angle + T(2) * pi_of<T>()) : angle;
 }
 
 using Vec2 = Planar<double>;

@@ -7,14 +7,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "model/read_measure.hpp"
+
 namespace poise {
 namespace {
-
-std::vector<std::string> numbered(const std::string& what, std::size_t count) {
-  std::vector<std::string> names;
-  for (std::size_t i = 1; i <= count; ++i) names.push_back(what + " " + std::to_string(i));
-  return names;
-}
 
 /// "torsion_spring" -> "torsion spring".
 std::string spaced(std::string_view key) {
@@ -23,13 +19,10 @@ std::string spaced(std::string_view key) {
   return text;
 }
 
-using MeasureKeys = std::vector<std::string_view>;
-const MeasureKeys all_measures{"bodies", "points", "slide", "x", "y", "sum"};
-
 class ElementReader {
  public:
   ElementReader(const TomlTable& root, const SceneNames& names, Scene& scene)
-      : root_(root), names_(names), scene_(scene), units_(scene.units) {}
+      : root_(root), names_(names), measures_(names, scene.units), scene_(scene), units_(scene.units) {}
 
   void read() {
     read_laws(std::type_identity<Law>{});
@@ -72,8 +65,8 @@ class ElementReader {
 
   template <class L>
   Element read_element(const TomlTable& table, const LawTable& written) const {
-    const MeasureKeys measures = written.angles_only ? MeasureKeys{"bodies"} : all_measures;
-    const bool is_angle = written.angles_only || reads_angle(table, measure_key(table, measures));
+    const MeasureKeys measures = written.angles_only ? MeasureKeys{"bodies"} : all_measures();
+    const bool is_angle = written.angles_only || MeasureReader::reads_angle(table, measures);
     Keys allowed;
     for (const Number& number : L::numbers) {
       allowed.push_back(is_angle && !number.angle_key.empty() ? number.angle_key : number.key);
@@ -83,7 +76,7 @@ class ElementReader {
     }
     Element element;
     element.table = written.key;
-    element.on = read_measure(table, measures, allowed);
+    element.on = measures_.read(table, measures, allowed);
     L law;
     read_numbers(table, L::numbers, &law, &element.on, units_);
     if constexpr (requires { L::choices; }) {
@@ -137,14 +130,14 @@ class ElementReader {
     Drive drive;
     Keys keys;
     for (const Number& number : Drive::numbers) keys.push_back(number.key);
-    drive.on = read_measure(table, {"bodies", "slide"}, keys);
+    drive.on = measures_.read(table, {"bodies", "slide"}, keys);
     read_numbers(table, Drive::numbers, &drive, &drive.on, units_);
     return drive;
   }
 
   Stop read_stop(const TomlTable& table) const {
     Stop stop;
-    stop.on = read_measure(table, all_measures, {"min", "max"});
+    stop.on = measures_.read(table, all_measures(), {"min", "max"});
     const double unit = stop.on.dimension().unit(units_);
     stop.min = table.find_number("min", unit, stop.on.range()).value_or(stop.min);
     stop.max = table.find_number("max", unit, stop.on.range()).value_or(stop.max);
@@ -155,89 +148,20 @@ class ElementReader {
     return stop;
   }
 
-  /// The measure of a table that has one of the keys `measures` and, besides a name, the keys `others`.
-  Measure read_measure(const TomlTable& table, const MeasureKeys& measures, const Keys& others) const {
-    const std::optional<std::string_view> key = measure_key(table, measures);
-    Keys allowed{"name"};
-    if (key)
-      allowed.push_back(*key);
-    else
-      allowed.insert(allowed.end(), measures.begin(), measures.end());
-    allowed.insert(allowed.end(), others.begin(), others.end());
-    table.allow_keys(allowed);
-    if (!key) fail_without_measure(table, measures);
-    return measure_under(table, *key);
-  }
-
-  Measure measure_under(const TomlTable& table, std::string_view key) const {
-    if (key == "bodies") {
-      const auto [a, b] = names_.two_bodies(table);
-      return Measure::angle_between(a, b);
-    }
-    if (key == "points") {
-      const auto [a, b] = names_.two_points(table);
-      return Measure::distance_between(a, b);
-    }
-    if (key == "slide") return Measure::travel_of(names_.travelling_joint(table.text("slide")));
-    if (key == "x") return Measure::x_of(names_.point(table.text("x")));
-    if (key == "y") return Measure::y_of(names_.point(table.text("y")));
-    std::vector<Measure::Term> terms;
-    for (const TomlTable& term : table.tables("sum")) {
-      Measure measure = read_measure(term, {"bodies", "points", "slide", "x", "y"}, {"factor"});
-      terms.push_back({term.number("factor", 1.0, Range::finite), std::move(measure)});
-      if (terms.back().measure.is_angle() != terms.front().measure.is_angle()) {
-        term.place().fail("expected terms that are all angles (bodies) or all lengths (points, slide, x, y)");
-      }
-    }
-    if (terms.empty())
-      table.place_of("sum").fail("expected one term or more, for example { factor = NUMBER, slide = \"...\" }");
-    return Measure::sum_of(std::move(terms));
-  }
-
-  /// Whether the measure under this key is an angle, before it is read: it determines the other keys of the table.
-  static bool reads_angle(const TomlTable& table, std::optional<std::string_view> key) {
-    if (key != "sum") return key == "bodies";
-    const std::vector<TomlTable> terms = table.tables("sum");
-    return !terms.empty() && terms.front().has("bodies");
-  }
-
-  /// The one of these keys that the table has; empty if it has none. Fails if it has several.
-  static std::optional<std::string_view> measure_key(const TomlTable& table, const MeasureKeys& measures) {
-    std::optional<std::string_view> key;
-    for (const std::string_view measure : measures) {
-      if (!table.has(measure)) continue;
-      if (key) fail_without_measure(table, measures);
-      key = measure;
-    }
-    return key;
-  }
-
-  [[noreturn]] static void fail_without_measure(const TomlTable& table, const MeasureKeys& measures) {
-    if (measures.size() == 1) {
-      // The meaning of the key.
-      table.two_texts(measures.front());
-    }
-    std::string list;
-    for (const std::string_view measure : measures) {
-      list += (list.empty() ? "" : ", ") + std::string(measure) + " (" + std::string(meaning_of(measure)) + ")";
-    }
-    table.place().fail("expected one of the keys " + list);
-  }
-
-  static std::string_view meaning_of(std::string_view measure) {
-    if (measure == "bodies") return "relative angle";
-    if (measure == "points") return "distance";
-    if (measure == "slide") return "travel";
-    return measure == "sum" ? "of the others" : "of a point";
-  }
-
   const TomlTable& root_;
   const SceneNames& names_;
+  MeasureReader measures_;
   Scene& scene_;
   const Units& units_;
 };
 
 }  // namespace
+
+std::vector<std::string> numbered(std::string_view what, std::size_t count) {
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= count; ++i) names.push_back(std::string(what) + " " + std::to_string(i));
+  return names;
+}
 
 void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on,
                   const Units& units) {

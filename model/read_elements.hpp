@@ -4,6 +4,7 @@
 // the readers of model/.
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "model/toml_reader.hpp"
 
 namespace poise {
+
+/// "stop 1", "stop 2", ...: the names of so many items that are given none.
+std::vector<std::string> numbered(std::string_view what, std::size_t count);
 
 /// Reads these numbers of an item at its address `item`, which acts on the measure `on` or on none (null), under their
 /// keys. Fails if a required one is absent.

@@ -4,7 +4,9 @@
 #include <tuple>
 #include <utility>
 
+#include "model/couplings.hpp"
 #include "model/nearest_name.hpp"
+#include "model/read_couplings.hpp"
 #include "model/read_elements.hpp"
 #include "model/scene.hpp"
 #include "model/scene_names.hpp"
@@ -60,6 +62,7 @@ class SceneReader {
     std::vector<std::string_view> keys{"title", "source", "gravity", "units", "ground", "body"};
     for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
     for (const std::string_view key : element_tables()) keys.push_back(key);
+    for (const CouplingKind& kind : coupling_kinds()) keys.push_back(kind.table);
     keys.insert(keys.end(), {"drive", "force", "torque", "stop", "start"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
@@ -67,7 +70,9 @@ class SceneReader {
     read_bodies();
     read_joints();
     read_elements(root_, names_, scene_);
+    read_couplings(root_, names_, scene_);
     read_start();
+    set_values_from_start(root_, scene_);
     return std::move(scene_);
   }
 

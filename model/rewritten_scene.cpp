@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -83,6 +84,22 @@ class Rewriter {
     return static_cast<std::size_t>(std::count_if(items.begin(), items.begin() + index, same));
   }
 
+  /// Place of an item in the list of its table, in which elements and stops may take turns: by line, and on one line by
+  /// their order.
+  template <class Item>
+  std::size_t rank_of(const Item& item) const {
+    const auto in = [&](const auto& items) {
+      return std::count_if(items.begin(), items.end(), [&](const auto& other) {
+        bool is_before = other.line < item.line;
+        if constexpr (std::is_same_v<std::decay_t<decltype(other)>, Item>) {
+          is_before = is_before || (other.line == item.line && &other < &item);
+        }
+        return other.table == item.table && is_before;
+      });
+    };
+    return static_cast<std::size_t>(in(old_.elements) + in(old_.stops));
+  }
+
   Spot spot_of(const ParameterRow& row) const {
     const auto at = static_cast<std::size_t>(row.place.item);
     const std::string_view kind = row.path.parts[0];
@@ -107,17 +124,18 @@ class Rewriter {
         return {table(owner, "points"), "", body.points[static_cast<std::size_t>(row.place.part)].name,
                 row.place.number};
       }
-      case Owner::element: {
-        const auto same = [&](const Element& other) { return other.table == kind; };
-        return {item(kind, rank(old_.elements, row.place.item, same)), "", key};
-      }
+      case Owner::element:
+        return {item(kind, rank_of(old_.elements[at])), "", key};
+      case Owner::coupling:
+        return {item(kind, rank_of(old_.stops[at])), "", key};
       case Owner::joint: {
         const auto same = [&](const Joint& other) { return other.kind == old_.joints[at].kind; };
         return {item(kind, rank(old_.joints, row.place.item, same)), "", key};
       }
       case Owner::drive:
-      case Owner::stop:
         return {item(kind, at), "", key};
+      case Owner::stop:
+        return {item(kind, rank_of(old_.stops[at])), "", key};
       case Owner::start:
         break;
     }

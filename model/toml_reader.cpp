@@ -235,6 +235,29 @@ std::optional<TomlTable> TomlTable::find_table(std::string_view key) const {
   return TomlTable(*table, place_of(key));
 }
 
+std::vector<TomlItem> TomlTable::items(std::string_view key) const {
+  std::vector<TomlItem> result;
+  const toml::node* const node = find(key);
+  if (node == nullptr) return result;
+  const toml::array* const list = node->as_array();
+  if (list == nullptr) place_of(key).fail("expected a list" + found(*node));
+  for (const toml::node& element : *list) {
+    TomlPlace place = place_of(element, std::string(key) + " " + std::to_string(result.size() + 1));
+    TomlItem item{{}, {}, &element, place};
+    if (element.is_string()) item.text = TomlText{element.as_string()->get(), place};
+    if (const toml::table* const table = element.as_table()) item.table.emplace(*table, place);
+    result.push_back(std::move(item));
+  }
+  return result;
+}
+
+Vec2 TomlItem::vector() const {
+  const toml::array* const list = node->as_array();
+  if (list == nullptr || list->size() != 2) where.fail("expected two numbers [X, Y]" + found(*node));
+  const auto component = [&](std::size_t i) { return read_number((*list)[i], where, 1.0, Range::finite); };
+  return {component(0), component(1)};
+}
+
 std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   std::vector<TomlTable> result;
   const toml::node* const node = find(key);

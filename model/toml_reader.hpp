@@ -49,6 +49,8 @@ struct TomlText {
 /// Index of the text among the allowed words; fails with the nearest.
 std::size_t choose(const TomlText& text, const std::vector<std::string>& words);
 
+struct TomlItem;
+
 /// A table read key by key. Refers to a document that must outlive it.
 class TomlTable {
  public:
@@ -93,6 +95,8 @@ class TomlTable {
   std::vector<TomlText> texts(std::string_view key) const;
 
   std::optional<TomlTable> find_table(std::string_view key) const;
+  /// A list of strings, tables and vectors, none when the key is absent.
+  std::vector<TomlItem> items(std::string_view key) const;
   /// The tables of [[key]], none when the key is absent; the item of each is `key "NAME"` if it has a name, otherwise
   /// "key 2" by its position in the list, after the item of this table.
   std::vector<TomlTable> tables(std::string_view key) const;
@@ -105,6 +109,18 @@ class TomlTable {
 
   const toml::table* table_;
   TomlPlace place_;
+};
+
+/// One item of a list: a string, a table or something else.
+struct TomlItem {
+  std::optional<TomlText> text;
+  std::optional<TomlTable> table;
+  const toml::node* node;
+  TomlPlace where;
+
+  const TomlPlace& place() const { return where; }
+  /// [x, y] as they are written; fails on anything else.
+  Vec2 vector() const;
 };
 
 /// Parses a TOML text; throws InputError with file:line of a syntax error.

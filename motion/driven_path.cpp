@@ -7,6 +7,8 @@
 
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "statics/curvature.hpp"
+#include "statics/held_rows.hpp"
 
 namespace poise {
 namespace {
@@ -52,32 +54,30 @@ double minimiser(F f, double a, double b) {
 // --- closures -------------------------------------------------------------------------------------------------------
 
 SplitClosure::SplitClosure(const MotionModel& model, std::vector<int> driven)
-    : model_(model), driven_(std::move(driven)) {
-  for (int i = 0; i < model.mechanism().coordinates(); ++i) {
+    : model_(model), driven_(std::move(driven)), rows_(held_rows(model.mechanism())) {
+  const Mechanism<double>& m = model.mechanism();
+  for (int i = 0; i < m.coordinates(); ++i) {
     if (std::find(driven_.begin(), driven_.end(), i) == driven_.end()) free_.push_back(i);
+  }
+  const Scene& scaled = model.scaled_scene();
+  for (std::size_t k = static_cast<std::size_t>(m.equalities()); k < rows_.size(); ++k) {
+    couplings_.push_back(rows_[k] - m.equalities());
+    coupled_.emplace_back(scaled, m.layout(), m.phasors(),
+                          scaled.stops[static_cast<std::size_t>(couplings_.back())].on);
   }
 }
 
 VectorXd SplitClosure::gap(const VectorXd& x) const {
   const Mechanism<double>& m = model_.mechanism();
   std::vector<Planar<double>> pose(m.pose_size());
-  VectorXd c(m.constraints());
+  std::vector<double> c(m.constraints());
   m.place(x.data(), pose.data());
   m.constraint(x.data(), pose.data(), c.data());
-  return c.head(m.equalities());
+  return gaps_of(m, rows_, c);
 }
 
 MatrixXd SplitClosure::jacobian(const VectorXd& x) const {
-  const Mechanism<double>& m = model_.mechanism();
-  std::vector<Planar<double>> pose(m.pose_size());
-  std::vector<double> values(m.jacobian_row().size());
-  m.place(x.data(), pose.data());
-  m.jacobian(pose.data(), values.data());
-  MatrixXd out = MatrixXd::Zero(m.equalities(), m.coordinates());
-  for (std::size_t e = 0; e < values.size(); ++e) {
-    if (m.jacobian_row()[e] < out.rows()) out(m.jacobian_row()[e], m.jacobian_column()[e]) += values[e];
-  }
-  return out;
+  return DensePoint<double>(model_.mechanism(), {x.begin(), x.end()}, rows_).jacobian;
 }
 
 MatrixXd SplitClosure::free_columns(const MatrixXd& jacobian) const {
@@ -89,10 +89,14 @@ MatrixXd SplitClosure::free_columns(const MatrixXd& jacobian) const {
 VectorXd SplitClosure::curvature(const VectorXd& x, const VectorXd& v) const {
   const Mechanism<double>& m = model_.mechanism();
   std::vector<Planar<double>> pose(m.pose_size()), second(m.coordinates());
-  VectorXd out(m.equalities());
+  VectorXd out(static_cast<Eigen::Index>(rows_.size()));
   m.place(x.data(), pose.data());
   m.phasors().second(pose.data(), v.data(), v.data(), second.data());
   m.closures_of(second.data(), out.data());
+  const Configuration<double> at{m.phasors(), pose.data(), pose.data() + m.phasors().pose_size()};
+  for (std::size_t k = 0; k < coupled_.size(); ++k) {
+    out[m.equalities() + static_cast<Eigen::Index>(k)] = coupled_[k].second(at, v.data(), v.data());
+  }
   return out;
 }
 

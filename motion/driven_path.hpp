@@ -21,7 +21,9 @@ class SplitClosure {
   const std::vector<int>& driven() const { return driven_; }
   const std::vector<int>& free() const { return free_; }
 
-  /// c(x), two rows per closure.
+  /// Stops whose limits are equal, which have a row each behind those of the closures.
+  const std::vector<int>& couplings() const { return couplings_; }
+  /// c(x), two rows per closure and one per coupling.
   Eigen::VectorXd gap(const Eigen::VectorXd& x) const;
   /// dc/dx.
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& x) const;
@@ -34,7 +36,9 @@ class SplitClosure {
 
  private:
   const MotionModel& model_;
-  std::vector<int> driven_, free_;
+  std::vector<int> driven_, free_, couplings_;
+  std::vector<int> rows_;                         // of the constraint vector
+  std::vector<CompiledMeasure<double>> coupled_;  // their measures, in scaled units
 };
 
 /// A pose of the path, with its derivatives by the path's parameter.

@@ -8,7 +8,7 @@ namespace {
 /// What a stop carries in one pose: 0 where it is not in contact.
 double stop_force(const Stop& stop, const Forces& forces) {
   for (const Reaction& r : forces.reactions) {
-    if (r.kind == "stop" && r.name == stop.name) return stop.on.is_angle() ? r.moment : r.axial;
+    if (r.of_stop && r.name == stop.name) return stop.on.is_angle() ? r.moment : r.axial;
   }
   return 0.0;
 }

@@ -41,7 +41,8 @@ std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<doub
     const double g = at.constraint[closures + s];
     if (g >= m.upper()[s] - touching || g <= m.lower()[s] + touching) rows.push_back(closures + s);
   }
-  // Stops whose reaction has the wrong sign or is zero are released, the largest wrong one first.
+  // Stops whose reaction has the wrong sign or is zero are released, the largest wrong one first; those whose limits
+  // are equal hold whatever they carry.
   while (static_cast<int>(rows.size()) > closures) {
     const DensePoint<double> point(m, x, rows);
     const VectorXd push = point.multipliers();
@@ -50,6 +51,7 @@ std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<doub
     double hardest = zero;
     for (Index k = closures; k < push.size(); ++k) {
       const int s = rows[k] - closures;
+      if (m.upper()[s] == m.lower()[s]) continue;
       const bool both = m.upper()[s] - m.lower()[s] <= 2 * touching;
       const double pressure = both                                                   ? std::abs(push[k])
                               : point.constraint[rows[k]] >= m.upper()[s] - touching ? push[k]

@@ -42,7 +42,8 @@ struct Influence {
 
 /// The equations of motion of a mechanism in its independent coordinates z, f = freedoms() of the n coordinates q.
 ///
-/// Closures and drives c(q, t) = 0 with Jacobian J give the dependent coordinates, their rates and accelerations:
+/// Closures, couplings and drives c(q, t) = 0 with Jacobian J give the dependent coordinates, their rates and
+/// accelerations:
 ///   q(z, t),   v = B w + (rates of the drives),   a = B alpha + a0,   J B = 0,   w = z', alpha = w'.
 /// With G = M a + velocity terms + (-Q) + resistances, d'Alembert's principle B^T G = 0 gives
 ///   (B^T M B) alpha = -B^T G(a0).
@@ -72,7 +73,7 @@ class ReducedMotion {
   const Layout& layout() const { return mechanism_.layout(); }
   int coordinates() const { return n_; }
   int freedoms() const { return static_cast<int>(independent_.size()); }
-  /// Drives, and rows of friction that is held.
+  /// Drives, stops whose limits are equal, and rows of friction that is held.
   int drives() const { return static_cast<int>(drives_.size()); }
   const std::vector<int>& independent() const { return independent_; }
   /// Rank of J when the coordinates were last chosen.
@@ -185,6 +186,7 @@ class ReducedMotion {
   };
   template <class S>
   friend class ReducedMotion;
+  static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
   void make_rows();
   void make_room();
   void predict(const T& dt, const T* z);
@@ -208,6 +210,7 @@ class ReducedMotion {
   const Inertia<T>& inertia_;
   int n_, rows_;
   std::vector<DriveRow> drives_;
+  std::size_t prescribed_ = 0;  // rows of drives and stops, before those of friction
   std::vector<MotionInput> inputs_;
   std::vector<InputLoad<T>> input_loads_;
   int first_rank_ = -1;

@@ -255,11 +255,10 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
       }
       piece.weight = static_cast<T>(weight);
       int drive_scratch = 0;
-      for (const Drive& drive : scene.drives) {
-        piece.drives.push_back({drive,
-                                {scene, piece.mechanism->layout(), piece.mechanism->phasors(), drive.on},
-                                static_cast<T>(drive.start.value_or(0.0))});
-        drive_scratch = std::max(drive_scratch, piece.drives.back().on.scratch_size());
+      piece.drives = rows_of(scene, *piece.mechanism);
+      for (DriveRow& row : piece.drives) {
+        row.start = static_cast<T>(row.drive.start.value_or(0.0));
+        drive_scratch = std::max(drive_scratch, row.on.scratch_size());
       }
       for (const int e : held_) {
         piece.drives.push_back(

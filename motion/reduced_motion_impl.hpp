@@ -12,9 +12,8 @@ namespace poise {
 template <class T>
 ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanism, const Inertia<T>& inertia)
     : mechanism_(mechanism), inertia_(inertia), n_(mechanism.coordinates()), singular_limit_(1e-9) {
-  for (const Drive& drive : scene.drives) {
-    drives_.push_back({drive, {scene, mechanism.layout(), mechanism.phasors(), drive.on}, T(0)});
-  }
+  drives_ = rows_of(scene, mechanism);
+  prescribed_ = drives_.size();
   const std::size_t n = static_cast<std::size_t>(n_);
   for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_,
                      &varied_force_}) {
@@ -26,6 +25,23 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   pose_.resize(mechanism.pose_size());
   resistances_.resize(mechanism.resistances_size());
   for (auto* phasors : {&second_, &weight_, &work_, &work2_}) phasors->resize(n);
+}
+
+// Drives, and behind them the stops whose limits are equal: each holds its measure as a drive that stands still does.
+template <class T>
+std::vector<typename ReducedMotion<T>::DriveRow> ReducedMotion<T>::rows_of(const Scene& scene,
+                                                                           const Mechanism<T>& mechanism) {
+  std::vector<DriveRow> rows;
+  for (const Drive& drive : scene.drives) {
+    rows.push_back({drive, {scene, mechanism.layout(), mechanism.phasors(), drive.on}, T(0)});
+  }
+  for (const Stop& stop : scene.stops) {
+    if (!stop.holds()) continue;
+    Drive held;
+    held.start = stop.max;
+    rows.push_back({held, {scene, mechanism.layout(), mechanism.phasors(), stop.on}, static_cast<T>(stop.max)});
+  }
+  return rows;
 }
 
 // Sizes the buffers that depend on the number of rows.
@@ -50,7 +66,7 @@ void ReducedMotion<T>::set_slides(const Scene& scene, std::vector<int> slides, c
   first_rank_ = -1;
   slides_ = std::move(slides);
   held_.clear();
-  drives_.resize(scene.drives.size());
+  drives_.resize(prescribed_);
   for (std::size_t e = 0; e < slides_.size(); ++e) {
     if (slides_[e] != 0) continue;
     held_.push_back(static_cast<int>(e));
@@ -58,7 +74,7 @@ void ReducedMotion<T>::set_slides(const Scene& scene, std::vector<int> slides, c
   }
   make_rows();
   mechanism_.place(q, pose_.data());
-  for (std::size_t row = scene.drives.size(); row < drives_.size(); ++row) {
+  for (std::size_t row = prescribed_; row < drives_.size(); ++row) {
     drives_[row].start = drives_[row].on.value(here());
   }
 }

@@ -23,9 +23,13 @@ std::string listed(const std::vector<std::string>& names) {
 std::string describe_singularity(const SplitClosure& closure, const PathPose& pose) {
   const Layout& layout = closure.model().layout();
   if (pose.left.size() == 0) return "";
-  std::vector<double> share(layout.closures.size());
-  for (std::size_t l = 0; l < share.size(); ++l) {
+  const std::size_t closures = layout.closures.size();
+  std::vector<double> share(closures);
+  for (std::size_t l = 0; l < closures; ++l) {
     share[l] = pose.left.segment<2>(2 * static_cast<Eigen::Index>(l)).norm();
+  }
+  for (std::size_t k = 0; k < closure.couplings().size(); ++k) {
+    share.push_back(std::abs(pose.left[static_cast<Eigen::Index>(2 * closures + k)]));
   }
   const double most = *std::max_element(share.begin(), share.end());
   // What moves while the drives are fixed, and whether all of it acts on all those loops along one line.
@@ -39,13 +43,19 @@ std::string describe_singularity(const SplitClosure& closure, const PathPose& po
     const Coordinate& mover = layout.coordinates[closure.free()[i]];
     movers.push_back(mover.name);
     in_line = in_line && mover.kind == Coordinate::Kind::angle;
-    for (std::size_t l = 0; l < share.size(); ++l) {
+    for (std::size_t l = 0; l < closures; ++l) {
       const Eigen::Vector2d push = jacobian.col(closure.free()[i]).segment<2>(2 * static_cast<Eigen::Index>(l));
       if (share[l] > takes_part * most && !push.isZero(0.0)) pushes.push_back({push.x(), push.y()});
     }
   }
   for (std::size_t l = 0; l < share.size(); ++l) {
-    if (share[l] > takes_part * most) loops.push_back(fmt::format("\"{}\"", layout.closures[l].name));
+    if (!(share[l] > takes_part * most)) continue;
+    const bool is_loop = l < closures;
+    in_line = in_line && is_loop;
+    loops.push_back(fmt::format(
+        "\"{}\"",
+        is_loop ? layout.closures[l].name
+                : closure.model().scene().stops[static_cast<std::size_t>(closure.couplings()[l - closures])].name));
   }
   in_line = in_line && movers.size() > 1 && !pushes.empty();
   for (const Vec2& push : pushes) {

@@ -42,7 +42,7 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
 
 [[noreturn]] void fail_to_drive(const MotionModel& model) {
   throw InputError(
-      fmt::format("{}cannot reach the start values of its drives; expected a [start] near them, or "
+      fmt::format("{}cannot reach the start values of its drives and couplings; expected a [start] near them, or "
                   "leave the drives' start out",
                   where(model)));
 }

@@ -103,6 +103,24 @@ class Ball {
     arb_hypot(out.v_, x.v_, y.v_, working_bits);
     return out;
   }
+  static Ball pi() {
+    Ball out;
+    arb_const_pi(out.v_, working_bits);
+    return out;
+  }
+  /// All real numbers.
+  static Ball entire() {
+    Ball out;
+    arb_zero_pm_inf(out.v_);
+    return out;
+  }
+  /// The angle of the vectors (x, y) from the x axis, in (-pi, pi]; of such on both sides of the negative x axis all of
+  /// that.
+  friend Ball angle_of(const Ball& x, const Ball& y) {
+    Ball out;
+    arb_atan2(out.v_, y.v_, x.v_, working_bits);
+    return out;
+  }
   friend Ball abs(const Ball& a) {
     Ball out;
     arb_abs(out.v_, a.v_);

@@ -22,6 +22,32 @@ inline Planar<Ball> unit(const Ball& angle) {
 }
 
 template <>
+inline constexpr bool is_set_valued<Ball> = true;
+
+template <>
+inline Ball hull_of(const Ball& a, const Ball& b) {
+  return Ball::of_both(a, b);
+}
+
+template <>
+inline Ball joined_range(const Ball& a, const Ball& b) {
+  return Ball::of_both(a, b);
+}
+
+template <>
+inline Ball pi_of() {
+  return Ball::pi();
+}
+
+// All numbers where it may be zero, from which the angle leaps.
+template <>
+inline Ball full_angle_of(const Planar<Ball>& a) {
+  if (!(a.y > 0) && !(a.y < 0) && !(a.x < 0)) return Ball::entire();
+  const Ball half = angle_of(-a.x, -a.y);
+  return half + Ball::pi();
+}
+
+template <>
 inline Ball rounded_number(double value, double rounding) {
   return Ball::rounded(value, rounding);
 }

@@ -51,4 +51,9 @@ template <class Pose>
 std::vector<UnitEffortOf<ScalarOf<Pose>>> unit_efforts(const Scene& scene, const Measure& measure,
                                                        const std::vector<Pose>& poses);
 
+/// Where a rope would have to lie on the wrong side of a pulley, so that it does not touch it: that pulley's point;
+/// null where it touches all, and of other measures.
+const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,
+                                    const std::vector<BodyPose<double>>& poses);
+
 }  // namespace poise

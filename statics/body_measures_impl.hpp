@@ -28,6 +28,38 @@ Planar<T> in_any_direction() {
   return {};
 }
 
+/// Component of the axis of a measure, a unit vector.
+template <class Pose>
+auto axis_of(const Measure& measure, const std::vector<Pose>& poses) {
+  return direction<ScalarOf<Pose>>(measure.axis) * poses[measure.a.body].direction();
+}
+
+/// Where a rope leaves the rim of one contact and meets that of the next, k and k + 1.
+template <class T>
+struct RopePart {
+  Planar<T> from, to, along;
+  T length;
+};
+
+/// From the triangle of the line of centres and the two radii: the straight part is turned from the line of centres by
+/// the angle whose sine is the difference of the signed radii over the distance.
+template <class Pose, class T = ScalarOf<Pose>>
+RopePart<T> rope_part(const Scene& scene, const Measure& measure, std::size_t k, const std::vector<Pose>& poses) {
+  const RopeContact& a = measure.contacts[k];
+  const RopeContact& b = measure.contacts[k + 1];
+  const Planar<T> centre_a = world(scene, poses, a.at);
+  const Planar<T> centre_b = world(scene, poses, b.at);
+  const T r_a(a.turn * a.radius), r_b(b.turn * b.radius);
+  const Planar<T> d = centre_b - centre_a;
+  const T apart = length_of(d);
+  const Planar<T> towards = T(1) / apart * d;
+  const T sine = (r_b - r_a) / apart;
+  using std::sqrt;
+  const Planar<T> along = towards * Planar<T>{sqrt(T(T(1) - sine * sine)), -sine};
+  const Planar<T> left = quarter_turn(along);
+  return {centre_a - r_a * left, centre_b - r_b * left, along, dot(along, d)};
+}
+
 template <class Pose, class T = ScalarOf<Pose>>
 void add_efforts(const Scene& scene, const Measure& measure, const std::vector<Pose>& poses, const T& factor,
                  std::vector<UnitEffortOf<T>>& out) {
@@ -58,9 +90,24 @@ void add_efforts(const Scene& scene, const Measure& measure, const std::vector<P
       out.push_back({0, measure.b.body, at, at, along, T(0)});
       break;
     }
+    case Measure::Kind::component: {
+      // Along the axis of body a, at the point of body b.
+      const Planar<T> at = world(scene, poses, measure.b);
+      out.push_back({measure.a.body, measure.b.body, at, at, factor * axis_of(measure, poses), T(0)});
+      break;
+    }
+    case Measure::Kind::rope:
+      for (std::size_t k = 0; k + 1 < measure.contacts.size(); ++k) {
+        const RopePart<T> part = rope_part(scene, measure, k, poses);
+        out.push_back({measure.contacts[k].at.body, measure.contacts[k + 1].at.body, part.from, part.to,
+                       factor * part.along, T(0)});
+      }
+      break;
     case Measure::Kind::sum:
       for (const Measure::Term& term : measure.terms) {
-        add_efforts(scene, term.measure, poses, T(factor * T(term.factor)), out);
+        T share = factor * T(term.factor);
+        if (term.profile) share = share * profile_of<T>(term).at(value_of(scene, term.measure, poses)).first;
+        add_efforts(scene, term.measure, poses, share, out);
       }
       break;
   }
@@ -73,6 +120,7 @@ ScalarOf<Pose> value_of(const Scene& scene, const Measure& measure, const std::v
   using T = ScalarOf<Pose>;
   using body_measures::axis_of;
   using body_measures::length_of;
+  using body_measures::rope_part;
   using body_measures::world;
   switch (measure.kind) {
     case Measure::Kind::angle:
@@ -87,11 +135,28 @@ ScalarOf<Pose> value_of(const Scene& scene, const Measure& measure, const std::v
       return world(scene, poses, measure.b).x - poses[0].origin.x;
     case Measure::Kind::y:
       return world(scene, poses, measure.b).y - poses[0].origin.y;
+    case Measure::Kind::component:
+      return dot(axis_of(measure, poses), world(scene, poses, measure.b) - world(scene, poses, measure.a));
+    case Measure::Kind::rope: {
+      T length(0);
+      Planar<T> before{};
+      for (std::size_t k = 0; k + 1 < measure.contacts.size(); ++k) {
+        const auto part = rope_part(scene, measure, k, poses);
+        const RopeContact& contact = measure.contacts[k];
+        if (k > 0 && contact.radius > 0) length += T(contact.radius) * rope_wrap(before, part.along, contact.turn);
+        length += part.length;
+        before = part.along;
+      }
+      return length;
+    }
     case Measure::Kind::sum:
       break;
   }
   T sum(0);
-  for (const Measure::Term& term : measure.terms) sum += T(term.factor) * value_of(scene, term.measure, poses);
+  for (const Measure::Term& term : measure.terms) {
+    const T value = value_of(scene, term.measure, poses);
+    sum += T(term.factor) * (term.profile ? profile_of<T>(term).at(value).value : value);
+  }
   return sum;
 }
 

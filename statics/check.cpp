@@ -107,12 +107,11 @@ class EquilibriumCheck {
       }
       if (beyond <= out_.stop_violation) continue;
       out_.stop_violation = beyond;
-      out_.worst_stop = stop.name;
+      out_.worst_stop = fmt::format("{} \"{}\"", stop.family(), stop.name);
     }
     if (out_.stop_violation > tolerances_.stop) {
       out_.stops_kept = false;
-      object(fmt::format("stop \"{}\" is overrun by {:.3g} of the mechanism's size", out_.worst_stop,
-                         out_.stop_violation));
+      object(fmt::format("{} is overrun by {:.3g} of the mechanism's size", out_.worst_stop, out_.stop_violation));
     }
   }
 
@@ -126,16 +125,18 @@ class EquilibriumCheck {
     for (const int s : sharing_) {
       const std::string& name = scene_.stops[static_cast<std::size_t>(s)].name;
       const bool shown = std::any_of(out_.reactions.begin(), out_.reactions.end(),
-                                     [&](const Reaction& r) { return r.kind == "stop" && r.name == name; });
+                                     [&](const Reaction& r) { return r.of_stop && r.name == name; });
       if (shown) continue;
       Reaction& none = out_.reactions.emplace_back();
       none.name = name;
-      none.kind = "stop";
+      none.kind = scene_.stops[static_cast<std::size_t>(s)].table;
+      none.of_stop = true;
       none.determined = false;
     }
     for (const Element& e : scene_.elements) {
       out_.element_forces.push_back({.value = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value});
     }
+    object_to_untouched_pulleys();
     if (const Element* cone = pushing_at_zero_length()) {
       object(fmt::format(
           "{} \"{}\" is compressed to length zero, where its force has no direction: no equilibrium is possible there",
@@ -171,6 +172,24 @@ class EquilibriumCheck {
     }
     if (const auto* spring = std::get_if<LinearSpring>(&e.law)) turns += std::abs(spring->free_length);
     return k * turns / size_;
+  }
+
+  // Of ropes that carry a force.
+  void object_to_untouched_pulleys() {
+    const auto object_to = [&](const std::string& family, const std::string& name, const Measure& on) {
+      const RopeContact* const pulley = untouched_pulley(scene_, on, poses_);
+      if (pulley == nullptr) return;
+      object(
+          fmt::format("{} \"{}\" does not touch its pulley \"{}\", round which it would have to pass on the other side",
+                      family, name, scene_.name_of(pulley->at)));
+    };
+    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+      const Element& element = scene_.elements[e];
+      if (out_.element_forces[e].value != 0.0) object_to(element.family(), element.name, element.on);
+    }
+    for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
+      if (touching_[s] != 0) object_to(scene_.stops[s].family(), scene_.stops[s].name, scene_.stops[s].on);
+    }
   }
 
   // Its energy has the tip of a cone there, where no derivative exists.

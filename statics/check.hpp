@@ -12,11 +12,14 @@ namespace poise {
 /// body at the point `at` (world, m), with the opposite on its first.
 struct Reaction {
   std::string name;
-  std::string kind;  ///< "pin", "slide", "pin_in_slot", "weld", "bar", "stop"
+  std::string
+      kind;  ///< "pin", "slide", "pin_in_slot", "weld", "bar", "drive", or the table of a stop: "stop", "gear", ...
+  bool of_stop = false;  ///< of an item of Scene::stops
   Vec2 at{};
+  /// Of a stop on a sum (of a coupling, a cam) those on its first measure.
   Vec2 force{};
   double moment = 0.0;
-  double axial = 0.0;      ///< bars, distance and travel stops: N, tension positive
+  double axial = 0.0;      ///< bars, stops on lengths: N, tension positive
   bool determined = true;  ///< false: statically indeterminate, the set of minimum norm (moments over size)
   /// Proved distances of `force` (its length) and `axial`, N, and of `moment`, N m, from the exact ones; infinite where
   /// nothing is proved (statics/enclosed_reactions.hpp).

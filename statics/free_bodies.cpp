@@ -139,6 +139,7 @@ class Statics {
       Reaction& reaction = out_.reactions.emplace_back();
       reaction.name = *item.name;
       reaction.kind = item.kind;
+      reaction.of_stop = item.stop >= 0;
       reaction.at = item.at;
     }
     pulls_ = false;

@@ -32,7 +32,7 @@ class FreeBodyEquations {
   /// The joint, stop or drive that a set of unknowns belongs to.
   struct Item {
     const std::string* name;
-    std::string_view kind;  ///< of a joint, or "stop", "drive"
+    std::string_view kind;  ///< of a joint, a stop's table, or "drive"
     Planar<T> at{};
     bool axial = false;  ///< its unknown is a pressure: of bars, and of stops and drives on lengths
     int stop = -1;       ///< index of Scene::stops
@@ -118,7 +118,7 @@ class FreeBodyEquations {
   void add_stop(int index, int side) {
     const Stop& stop = scene_.stops[index];
     const bool is_pin = stop.on.kind == Measure::Kind::distance && stop.max <= 0.0;
-    Item& item = add_item(stop.name, "stop");
+    Item& item = add_item(stop.name, stop.table);
     item.stop = index;
     item.side = is_pin ? 2 : side;
     if (is_pin)

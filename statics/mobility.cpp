@@ -24,6 +24,7 @@ constexpr int dense_limit = 400;
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
   for (const Joint& joint : scene.joints) count -= joint.traits().constraints();
+  for (const Stop& stop : scene.stops) count -= stop.couples() ? 1 : 0;
   return count;
 }
 
@@ -52,16 +53,18 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
     const double g = c[m.stop_row(s)];
     const double beyond = passed_by(m, s, c);
     if (g > m.upper()[s] - 1e-6 || g < m.lower()[s] + 1e-6) {
-      held += fmt::format("{} stop \"{}\"", held.empty() ? " while held by" : " and", scene.stops[s].name);
+      held += fmt::format("{} {} \"{}\"", held.empty() ? " while held by" : " and", scene.stops[s].family(),
+                          scene.stops[s].name);
     }
     if (beyond <= widest) continue;
     widest = beyond;
     const Stop& stop = scene.stops[s];
     const bool is_angle = stop.on.is_angle();
     out.gap_line = stop.line;
-    out.gap = fmt::format("stop \"{}\" remains overrun by {:.4g} {}", stop.name,
-                          is_angle ? beyond / scene.units.angle : beyond * in_units,
-                          is_angle ? scene.units.angle_name : scene.units.length_name);
+    out.gap =
+        fmt::format("{} \"{}\" remains {} by {:.4g} {}", stop.family(), stop.name, stop.couples() ? "open" : "overrun",
+                    is_angle ? beyond / scene.units.angle : beyond * in_units,
+                    is_angle ? scene.units.angle_name : scene.units.length_name);
   }
   out.gap += held;
 }
@@ -102,8 +105,11 @@ bool is_same(const Measure& a, const Measure& b) {
       return a.joint == b.joint;
     case Measure::Kind::distance:
       return a.a == b.a && a.b == b.b;
-    default:
+    case Measure::Kind::x:
+    case Measure::Kind::y:
       return a.b == b.b;
+    default:
+      return false;
   }
 }
 
@@ -129,13 +135,28 @@ bool is_impossible(const ScaledModel& model) {
   return false;
 }
 
-// The closures that own one of the dependent rows.
+// The rows of closures, and behind them those of couplings, which hold in every pose too.
+std::vector<int> rows_of_mechanism(const ScaledModel& model) {
+  const Mechanism<double>& m = model.mechanism();
+  std::vector<int> rows(static_cast<std::size_t>(m.equalities()));
+  std::iota(rows.begin(), rows.end(), 0);
+  for (int s = 0; s < m.stops(); ++s) {
+    if (model.scene().stops[static_cast<std::size_t>(s)].couples()) rows.push_back(m.stop_row(s));
+  }
+  return rows;
+}
+
+// The closures and couplings that own one of the dependent rows, of rows_of_mechanism().
 template <class Repeats>
-void name_redundant(const Mechanism<double>& m, Repeats repeats, Mobility& out) {
+void name_redundant(const ScaledModel& model, const std::vector<int>& rows, Repeats repeats, Mobility& out) {
+  const Mechanism<double>& m = model.mechanism();
   for (const ConstraintBlock& block : m.blocks()) {
     bool any = false;
     for (int r = block.first_row; r < block.first_row + block.rows; ++r) any = any || repeats(r);
     if (any) out.redundant.push_back(m.layout().closures[block.closure].name);
+  }
+  for (int k = m.equalities(); k < static_cast<int>(rows.size()); ++k) {
+    if (repeats(k)) out.redundant.push_back(model.scene().stops[rows[k] - m.equalities()].name);
   }
 }
 
@@ -144,10 +165,11 @@ void name_redundant(const Mechanism<double>& m, Repeats repeats, Mobility& out) 
 //
 // Redundant are closures with a row that is a combination of others: those with a component in the left null space of
 // J.
-void find_redundancy(const ScaledModel& model, Mobility& out) {
+void find_redundancy(const ScaledModel& model, const std::vector<int>& rows, Mobility& out) {
   const Mechanism<double>& m = model.mechanism();
-  const int rows = m.equalities();
-  if (rows == 0) return;
+  if (rows.empty()) return;
+  std::vector<int> place(static_cast<std::size_t>(m.constraints()), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k) place[rows[k]] = static_cast<int>(k);
   std::vector<Planar<double>> pose(m.pose_size());
   std::vector<double> values(m.jacobian_row().size());
   m.place(out.x.data(), pose.data());
@@ -157,23 +179,24 @@ void find_redundancy(const ScaledModel& model, Mobility& out) {
   entries.reserve(values.size());
   for (std::size_t e = 0; e < values.size(); ++e) {
     const int row = m.jacobian_row()[e];
-    if (row >= rows || std::abs(values[e]) <= rounding[row]) continue;
-    entries.emplace_back(row, m.jacobian_column()[e], values[e]);
+    if (place[row] < 0 || std::abs(values[e]) <= rounding[row]) continue;
+    entries.emplace_back(place[row], m.jacobian_column()[e], values[e]);
   }
-  Eigen::SparseMatrix<double> jacobian(rows, m.coordinates());
+  const int count = static_cast<int>(rows.size());
+  Eigen::SparseMatrix<double> jacobian(count, m.coordinates());
   jacobian.setFromTriplets(entries.begin(), entries.end());
-  if (rows > dense_limit) {
+  if (count > dense_limit) {
     const NullSpace repeats = SparseLeastSquares(jacobian).left_null_space();
-    out.rank = rows - repeats.dimension;
+    out.rank = count - repeats.dimension;
     name_redundant(
-        m, [&](int row) { return static_cast<bool>(repeats.touches[row]); }, out);
+        model, rows, [&](int row) { return static_cast<bool>(repeats.touches[row]); }, out);
     return;
   }
   const Eigen::MatrixXd null =
       solvers::null_space(Eigen::MatrixXd(jacobian.transpose()), solvers::known_to::closed_point);
-  out.rank = rows - static_cast<int>(null.cols());
+  out.rank = count - static_cast<int>(null.cols());
   name_redundant(
-      m, [&](int row) { return null.row(row).norm() > 1e-8; }, out);
+      model, rows, [&](int row) { return null.row(row).norm() > 1e-8; }, out);
 }
 
 }  // namespace
@@ -186,7 +209,8 @@ Mobility analyse_mobility(const ScaledModel& model) {
   out.joints = static_cast<int>(model.scene().joints.size());
   out.gruebler = gruebler_count(model.scene());
   out.coordinates = m.coordinates();
-  out.closures = m.equalities();
+  const std::vector<int> rows = rows_of_mechanism(model);
+  out.closures = static_cast<int>(rows.size());
 
   const EquilibriumProblem problem(m);
   solvers::Newton newton(problem);
@@ -198,7 +222,7 @@ Mobility analyse_mobility(const ScaledModel& model) {
     find_widest_gap(model, out);
     out.impossible = is_impossible(model);
   }
-  find_redundancy(model, out);
+  find_redundancy(model, rows, out);
   for (int j : layout.redundant_angle) {
     out.redundant.push_back(model.scene().joints[j].name + " (angle)");
   }

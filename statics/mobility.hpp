@@ -11,9 +11,9 @@ namespace poise {
 struct Mobility {
   int bodies = 0;       ///< moving ones, bars left out
   int joints = 0;       ///< bars included
-  int gruebler = 0;     ///< 3 bodies - 2 pins - 2 slides - 1 pin in slot - 3 welds - 1 bar
+  int gruebler = 0;     ///< 3 bodies - 2 pins - 2 slides - 1 pin in slot - 3 welds - 1 bar - 1 coupling
   int coordinates = 0;  ///< of the compiled model
-  int closures = 0;     ///< scalar closure equations of the compiled model
+  int closures = 0;     ///< scalar closure equations of the compiled model, and couplings
   int rank = 0;         ///< of the closure Jacobian at the assembled start
   int freedoms = 0;     ///< coordinates - rank
   bool assembled = false;
@@ -21,7 +21,7 @@ struct Mobility {
   std::string gap;          ///< which loop (or stop) remains open and by how much, if not assembled
   int gap_line = 0;         ///< its line in the scene file
   std::vector<double> x;    ///< scaled coordinates, assembled or with the smallest gap found
-  std::vector<std::string> redundant;      ///< joints whose closure is a consequence of others
+  std::vector<std::string> redundant;      ///< joints and couplings whose closure is a consequence of others
   std::vector<std::string> kept, dropped;  ///< of the compiled model, and why
 };
 

@@ -44,6 +44,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
         joint_number_[place.item] = at;
         break;
       case Owner::stop:
+      case Owner::coupling:
         stop_number_[place.item] = at;
         break;
       case Owner::drive:
@@ -77,7 +78,8 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
     joint_.push_back(unknowns_);
     unknowns_ += joint.traits().constraints();
   }
-  for (std::size_t s = 0; s < scene_.stops.size(); ++s) put_all(stop_number_[s], scene_.stops[s], Stop::numbers);
+  for (std::size_t s = 0; s < scene_.stops.size(); ++s)
+    put_all(stop_number_[s], scene_.stops[s], scene_.stops[s].numbers());
   for (std::size_t h = 0; h < held_.size(); ++h) stop_.push_back(unknowns_++);
   turns_.assign(scene_.joints.size(), 0.0);
 }

@@ -11,6 +11,8 @@
 
 #include <ceres/jet.h>
 
+#include "model/couplings.hpp"
+#include "model/measures/sum.hpp"
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
 #include "solvers/real50.hpp"
@@ -57,8 +59,6 @@ class NumberedEquations {
   /// First multiplier of a joint, and that of a held stop (place in held()).
   int multiplier_of_joint(int joint) const { return joint_[joint]; }
   int multiplier_of_stop(int held) const { return stop_[held]; }
-  /// Place in p of a stop's min, before its max.
-  int number_of_stop(int stop) const { return stop_number_[stop]; }
   /// Adds whole turns to the constant angles of joints, of which scenes leave them out, so that they fit z.
   void count_turns(const double* z);
 
@@ -77,7 +77,14 @@ class NumberedEquations {
   void place(const T* z, std::vector<Placed<T>>& placed) const;
   /// g of a measure.
   template <class T>
-  T value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed) const;
+  T value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed) const {
+    return value(measure, numbers, placed, -1);
+  }
+  /// g of a stop less its max (`upper`), or its min.
+  template <class T>
+  T overrun(int stop, bool upper, const T* numbers, const std::vector<Placed<T>>& placed) const {
+    return value(scene_.stops[stop].on, numbers, placed, stop) - limit(stop, upper, numbers);
+  }
   /// Static force of an element, positive where it tends to reduce its measure.
   template <class T>
   T element_force(int element, const T* numbers, const std::vector<Placed<T>>& placed) const;
@@ -107,6 +114,18 @@ class NumberedEquations {
     return turned(planar_cast<T>(joint.direction()), placed[joint.a.body]);
   }
   template <class T>
+  static Planar<T> axis_of(const Measure& component, const std::vector<Placed<T>>& placed) {
+    return turned(direction<T>(component.axis), placed[component.a.body]);
+  }
+  /// Of the part of a rope between the contacts k and k + 1.
+  template <class T>
+  RopeSpan<T> span_of(const Measure& rope, std::size_t k, const T* numbers,
+                      const std::vector<Placed<T>>& placed) const {
+    const RopeContact& a = rope.contacts[k];
+    const RopeContact& b = rope.contacts[k + 1];
+    return {world(b.at, numbers, placed) - world(a.at, numbers, placed), T(b.turn * b.radius - a.turn * a.radius)};
+  }
+  template <class T>
   Planar<T> force_of(int force, const T* numbers, const std::vector<Placed<T>>& placed) const {
     const Force& f = scene_.forces[force];
     const Planar<T> along = planar_cast<T>(direction_[force]);
@@ -124,8 +143,44 @@ class NumberedEquations {
   }
   /// An effort on a measure, positive if it tends to increase it.
   template <class T>
-  void push_on(const Measure& measure, const T& effort, const T* numbers, const std::vector<Placed<T>>& placed,
-               T* r) const;
+  void push_on(const Measure& measure, const T& effort, const T* numbers, const std::vector<Placed<T>>& placed, T* r,
+               int stop = -1) const;
+  /// g of a measure; with the numbers of a coupling where it is that of the stop of this index.
+  template <class T>
+  T value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed, int stop) const;
+  /// A limit of a stop, which couplings have as a number where it is finite.
+  template <class T>
+  T limit(int stop, bool upper, const T* numbers) const {
+    const CouplingKind* const kind = coupling_kind(scene_.stops[stop]);
+    if (kind == nullptr) return numbers[stop_number_[stop] + (upper ? 1 : 0)];
+    const double as_given = upper ? scene_.stops[stop].max : scene_.stops[stop].min;
+    for (std::size_t k = 0; std::isfinite(as_given) && k < kind->parts.size(); ++k) {
+      if (kind->parts[k].of == CouplingPart::Of::value) return numbers[stop_number_[stop] + static_cast<int>(k)];
+    }
+    return T(as_given);
+  }
+  /// A term of the measure of a stop (index -1: of another) with the coupling's numbers in it.
+  template <class T>
+  struct NumberedTerm {
+    T factor;
+    ProfileOf<T> of;
+  };
+  template <class T>
+  NumberedTerm<T> term_of(const Measure& measure, std::size_t term, const T* numbers, int stop) const {
+    const Measure::Term& as_given = measure.terms[term];
+    NumberedTerm<T> out{T(as_given.factor), as_given.profile ? profile_of<T>(as_given) : ProfileOf<T>{}};
+    const CouplingKind* const kind = stop < 0 ? nullptr : coupling_kind(scene_.stops[stop]);
+    for (std::size_t k = 0; kind != nullptr && k < kind->parts.size(); ++k) {
+      const CouplingPart& part = kind->parts[k];
+      const T& number = numbers[stop_number_[stop] + static_cast<int>(k)];
+      if (part.of == CouplingPart::Of::value || part.term != static_cast<int>(term)) continue;
+      if (part.of == CouplingPart::Of::factor)
+        out.factor = T(scene_.stops[stop].sense) * number;
+      else
+        out.of.shift = number;
+    }
+    return out;
+  }
   template <class T>
   T force_of_law(int element, const T* numbers, const T& g) const;
   template <class T>
@@ -225,7 +280,8 @@ void NumberedEquations::place(const T* z, std::vector<Placed<T>>& placed) const 
 }
 
 template <class T>
-T NumberedEquations::value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed) const {
+T NumberedEquations::value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed,
+                           int stop) const {
   switch (measure.kind) {
     case Measure::Kind::angle:
       return placed[measure.body_b].angle - placed[measure.body_a].angle;
@@ -241,17 +297,35 @@ T NumberedEquations::value(const Measure& measure, const T* numbers, const std::
       return world(measure.b, numbers, placed).x;
     case Measure::Kind::y:
       return world(measure.b, numbers, placed).y;
+    case Measure::Kind::component:
+      return dot(axis_of(measure, placed), world(measure.b, numbers, placed) - world(measure.a, numbers, placed));
+    case Measure::Kind::rope: {
+      T length(0);
+      Planar<T> before{};
+      for (std::size_t k = 0; k + 1 < measure.contacts.size(); ++k) {
+        const RopeSpan<T> span = span_of(measure, k, numbers, placed);
+        const RopeContact& contact = measure.contacts[k];
+        if (k > 0 && contact.radius > 0) length += T(contact.radius) * rope_wrap(before, span.along, contact.turn);
+        length += span.length;
+        before = span.along;
+      }
+      return length;
+    }
     case Measure::Kind::sum:
       break;
   }
   T sum(0);
-  for (const Measure::Term& term : measure.terms) sum += T(term.factor) * value(term.measure, numbers, placed);
+  for (std::size_t k = 0; k < measure.terms.size(); ++k) {
+    const NumberedTerm<T> term = term_of(measure, k, numbers, stop);
+    const T g = value(measure.terms[k].measure, numbers, placed);
+    sum += term.factor * (term.of.profile ? term.of.at(g).value : g);
+  }
   return sum;
 }
 
 template <class T>
 void NumberedEquations::push_on(const Measure& measure, const T& effort, const T* numbers,
-                                const std::vector<Placed<T>>& placed, T* r) const {
+                                const std::vector<Placed<T>>& placed, T* r, int stop) const {
   const auto between = [&](int a, int b, const Planar<T>& at_a, const Planar<T>& at_b, const Planar<T>& force) {
     push(a, at_a, -force, T(0), placed, r);
     push(b, at_b, force, T(0), placed, r);
@@ -281,11 +355,28 @@ void NumberedEquations::push_on(const Measure& measure, const T& effort, const T
       push(measure.b.body, at, force, T(0), placed, r);
       return;
     }
+    case Measure::Kind::component: {
+      const Planar<T> at = world(measure.b, numbers, placed);
+      between(measure.a.body, measure.b.body, at, at, effort * axis_of(measure, placed));
+      return;
+    }
+    case Measure::Kind::rope:
+      // At the centres of pulleys, about which the pulls on their rims have no moment together.
+      for (std::size_t k = 0; k + 1 < measure.contacts.size(); ++k) {
+        const PointRef a = measure.contacts[k].at, b = measure.contacts[k + 1].at;
+        between(a.body, b.body, world(a, numbers, placed), world(b, numbers, placed),
+                effort * span_of(measure, k, numbers, placed).along);
+      }
+      return;
     case Measure::Kind::sum:
       break;
   }
-  for (const Measure::Term& term : measure.terms) {
-    push_on(term.measure, T(T(term.factor) * effort), numbers, placed, r);
+  for (std::size_t k = 0; k < measure.terms.size(); ++k) {
+    const NumberedTerm<T> term = term_of(measure, k, numbers, stop);
+    const Measure& of = measure.terms[k].measure;
+    T share = term.factor * effort;
+    if (term.of.profile) share = share * term.of.at(value(of, numbers, placed)).first;
+    push_on(of, share, numbers, placed, r);
   }
 }
 
@@ -384,9 +475,9 @@ void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector
     }
   }
   for (std::size_t h = 0; h < held_.size(); ++h) {
-    const Measure& on = scene_.stops[held_[h].stop].on;
-    push_on(on, z[stop_[h]], numbers, placed, r);
-    r[stop_[h]] = value(on, numbers, placed) - numbers[stop_number_[held_[h].stop] + (held_[h].upper ? 1 : 0)];
+    const int s = held_[h].stop;
+    push_on(scene_.stops[s].on, z[stop_[h]], numbers, placed, r, s);
+    r[stop_[h]] = value(scene_.stops[s].on, numbers, placed, s) - limit(s, held_[h].upper, numbers);
   }
 }
 

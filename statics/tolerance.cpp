@@ -80,9 +80,8 @@ class Stops {
   }
   /// The side on which a free stop is overrun, and by how much.
   std::pair<bool, double> overrun(int stop) const {
-    const double g = equations_.value(equations_.scene().stops[stop].on, numbers_.data(), placed_);
-    const int at = equations_.number_of_stop(stop);
-    const double below = numbers_[at] - g, above = g - numbers_[at + 1];
+    const double below = -equations_.overrun(stop, false, numbers_.data(), placed_);
+    const double above = equations_.overrun(stop, true, numbers_.data(), placed_);
     return {above > below, std::max(above, below)};
   }
   bool all_kept() const {

@@ -501,7 +501,7 @@ Vec2 TrackedEquilibrium::force_of_hand() const {
     const std::size_t stop = scene_.stops.size() + k;
     for (const Reaction& reaction : equilibrium_.check.reactions) {
       // Of a sum of measures its force alone says how large it is.
-      if (reaction.kind == "stop" && reaction.name == held_scene().stops[stop].name) {
+      if (reaction.of_stop && reaction.name == held_scene().stops[stop].name) {
         sum += -reaction.axial * hand_->along[k];
       }
     }

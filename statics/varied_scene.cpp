@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "model/couplings.hpp"
 #include "model/input_error.hpp"
 #include "model/nearest_name.hpp"
 
@@ -24,6 +25,11 @@ bool enters_affinely(const Scene& scene, const ParameterPlace& place) {
     case Owner::body:
     case Owner::stop:
       return true;
+    case Owner::coupling:
+      // The value that its measure is held at, or the factor of a measure in the sum; not the place of a profile.
+      return coupling_kind(scene.stops[static_cast<std::size_t>(place.item)])
+                 ->parts[static_cast<std::size_t>(place.number)]
+                 .of != CouplingPart::Of::shift;
     case Owner::element:
       return !std::holds_alternative<CubicSpring>(scene.elements[place.item].law) || place.number < 2;
     default:

@@ -199,7 +199,7 @@ void draw_reactions(Stage& stage) {
   stage.canvas.open("reactions");
   for (const Reaction& reaction : *stage.picture.reactions) {
     const auto joint = joints.find(reaction.name);
-    if (reaction.kind != "stop" && joint != joints.end()) draw_reaction(stage, reaction, *joint->second);
+    if (!reaction.of_stop && joint != joints.end()) draw_reaction(stage, reaction, *joint->second);
   }
   stage.canvas.close();
 }

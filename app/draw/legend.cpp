@@ -38,6 +38,12 @@ const std::vector<LegendItem>& legend_items() {
     draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
   };
   static const Draw bar = [](Canvas& c) { draw_massless_bar(c, {3, 0}, {31, 0}, 5.0); };
+  static const Draw pitch_circle = [](Canvas& c) {
+    c.circle({17, 0}, 9, {.stroke = ink::free_stop, .width = 1.3, .dash = "7 2 2 2"});
+  };
+  static const Draw cam = [](Canvas& c) {
+    c.polygon({{10, -6}, {17, -8}, {30, 0}, {17, 8}, {10, 6}, {8, 0}}, {.stroke = ink::stop, .width = 1.6});
+  };
   static const Draw centre = [](Canvas& c) { draw_centre_of_mass(c, {17, 0}, 5.0); };
   static const std::vector<LegendItem> items = {
       {Sign::load, "load", an_arrow(ink::load, 2.4)},
@@ -51,6 +57,9 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::damper, "damper, no force in equilibrium", dashpot},
       {Sign::massless_bar, "massless bar, tension +", bar},
       {Sign::centre_of_mass, "centre of mass", centre},
+      {Sign::rope, "rope, dotted where it is slack", a_line({4, 0}, {30, 0}, ink::stop, 2.0)},
+      {Sign::wheels, "gears, rack or belt, at their pitch circles", pitch_circle},
+      {Sign::cam, "cam, larger where it lifts", cam},
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
       {Sign::other_pose, "", a_line({4, 0}, {30, 0}, ink::ghost, 6.0)},

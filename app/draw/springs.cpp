@@ -146,6 +146,15 @@ void draw_springs_and_dampers(Stage& stage) {
     draw_strung(stage, strung, shift);
   }
   const std::vector<Element>& elements = stage.scene.elements;
+  for (std::size_t i = 0; i < elements.size() && !sketch; ++i) {
+    if (elements[i].on.kind != Measure::Kind::rope || !stores_energy(elements[i].law)) continue;
+    const ElementReading& reading = stage.now.elements[i];
+    stage.canvas.item(elements[i].family() + " " + elements[i].name, state_of(stage, elements[i], reading));
+    draw_rope_line(
+        stage, elements[i].on,
+        {.stroke = reading.slack ? ink::slack : ink::spring, .width = 1.6, .dash = reading.slack ? "3 3" : ""});
+    stage.signs.insert(Sign::rope);
+  }
   std::vector<Vec2> pivots;
   for (std::size_t i = 0; i < elements.size() && !sketch; ++i) {
     const bool torsion = stores_energy(elements[i].law) && elements[i].on.kind == Measure::Kind::angle;

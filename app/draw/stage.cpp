@@ -44,6 +44,11 @@ Box extent_of(const Scene& scene, const Readings& readings) {
     include(s.a);
     include(s.b);
   }
+  const auto include_rope = [&](const Measure& on) {
+    for (const RopeContact& contact : on.contacts) box.include(world(scene, readings, contact.at), contact.radius);
+  };
+  for (const Element& element : scene.elements) include_rope(element.on);
+  for (const Stop& stop : scene.stops) include_rope(stop.on);
   return box;
 }
 

@@ -173,6 +173,11 @@ void draw_centres_of_mass(Stage& stage);
 void draw_paths(Stage& stage);
 void draw_reactions(Stage& stage);
 void draw_drives(Stage& stage);
+/// A rope over its points and pulleys.
+void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint);
+void draw_rope(Stage& stage, const Stop& stop, bool taut);
+/// Pitch circles of gears, racks and belts; a cam as a shape that stands out where it lifts.
+void draw_coupling(Stage& stage, const Stop& stop, bool in_contact);
 void draw_loads(Stage& stage);
 
 }  // namespace poise::app

@@ -19,7 +19,7 @@ const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
   if (!stage.picture.reactions) return nullptr;
   const auto& reactions = *stage.picture.reactions;
   const auto found = std::find_if(reactions.begin(), reactions.end(),
-                                  [&](const Reaction& r) { return r.kind == "stop" && r.name == stop.name; });
+                                  [&](const Reaction& r) { return r.of_stop && r.name == stop.name; });
   return found == reactions.end() ? nullptr : &*found;
 }
 
@@ -105,6 +105,14 @@ LimitedLine world_line(const Stage& stage, PointRef point, double now, Vec2 axis
   return {stage.page(point) - (stage.scale * now) * along, along, stage.pin_radius + 2};
 }
 
+/// Along an axis that turns with the body of its first point, through its second point.
+LimitedLine component_line(const Stage& stage, const Measure& on) {
+  const Vec2 axis = direction<double>(on.axis) * unit(stage.now.poses[static_cast<std::size_t>(on.a.body)].angle);
+  const Vec2 along = stage.page_direction(axis);
+  const Vec2 from = stage.page(on.a), to = stage.page(on.b);
+  return {to - dot(to - from, along) * along, along, stage.pin_radius + 2};
+}
+
 /// Marks across the line, where the block's face would meet them.
 void draw_line_stop(Stage& stage, const Stop& stop, const LimitedLine& line, double now, const Reaction* active) {
   const Vec2 across = quarter_turn(line.along);
@@ -128,7 +136,7 @@ void draw_stops(Stage& stage) {
     const Stop& stop = stage.scene.stops[i];
     const double now = stage.now.stops[i];
     const Reaction* active = reaction_of(stage, stop);
-    stage.canvas.item("stop " + stop.name, state_of(stage, stop, now, active));
+    stage.canvas.item(stop.family() + " " + stop.name, state_of(stage, stop, now, active));
     switch (stop.on.kind) {
       case Measure::Kind::angle:
         draw_angle_stop(stage, stop, now, active);
@@ -145,8 +153,16 @@ void draw_stops(Stage& stage) {
       case Measure::Kind::y:
         draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {0, 1}), now, active);
         break;
+      case Measure::Kind::component:
+        draw_line_stop(stage, stop, component_line(stage, stop.on), now, active);
+        break;
+      case Measure::Kind::rope:
+        draw_rope(stage, stop, active != nullptr);
+        continue;
       case Measure::Kind::sum:
-        continue;  // it has no place of its own
+        if (stop.table == "stop") continue;  // it has no place of its own
+        draw_coupling(stage, stop, active != nullptr);
+        continue;
     }
     stage.signs.insert(active ? Sign::active_stop : Sign::inactive_stop);
   }

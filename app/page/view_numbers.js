@@ -10,6 +10,7 @@ const group_titles = {
   springs: 'Springs',
   dampers: 'Dampers',
   stops: 'Stops',
+  couplings: 'Couplings',
   dimensions: 'Dimensions',
   masses: 'Masses',
   others: 'Others',

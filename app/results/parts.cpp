@@ -24,7 +24,7 @@ class ReactionBodies {
     for (const Stop& stop : scene.stops) stops_.emplace(stop.name, second_body(scene, stop.on));
   }
   const std::string& of(const Reaction& reaction) const {
-    return (reaction.kind == "stop" ? stops_ : joints_).at(reaction.name);
+    return (reaction.of_stop ? stops_ : joints_).at(reaction.name);
   }
 
  private:
@@ -156,13 +156,16 @@ std::string second_body(const Scene& scene, const Measure& on) {
     case Measure::Kind::travel:
       return scene.bodies[scene.joints[on.joint].b.body].name;
     case Measure::Kind::distance:
+    case Measure::Kind::component:
     case Measure::Kind::x:
     case Measure::Kind::y:
       return scene.bodies[on.b.body].name;
+    case Measure::Kind::rope:
+      return scene.bodies[on.contacts.back().at.body].name;
     case Measure::Kind::sum:
       break;
   }
-  return "(sum)";
+  return on.terms.empty() ? "" : second_body(scene, on.terms.front().measure);
 }
 
 NamedRows rigid_rows(const Scene& scene, const std::vector<std::string>& bodies) {
@@ -243,7 +246,7 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   const int digits = known_digits(force_digits, largest, widest(each(reactions, &Reaction::radius)));
   const std::vector<double> moments = each(reactions, &Reaction::moment);
   const std::string heading =
-      any([](const Reaction& r) { return r.kind == "stop"; }) ? "Forces of joints and active stops" : "Joint forces";
+      any([](const Reaction& r) { return r.of_stop; }) ? "Forces of joints and active stops" : "Joint forces";
   Table& table = group.table("reactions", heading + " on the named body, along world axes", Rows::list, level);
   table.words("name", "joint", each(reactions, &Reaction::name));
   table.words("kind", "kind", each(reactions, &Reaction::kind));

@@ -65,6 +65,8 @@ const char* group_of(const ParameterRow& row, const Scene& scene) {
       return stores_energy(scene.elements[static_cast<std::size_t>(row.place.item)].law) ? "springs" : "dampers";
     case Owner::stop:
       return "stops";
+    case Owner::coupling:
+      return "couplings";
     case Owner::point:
     case Owner::joint:
       return "dimensions";

@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "model/input_error.hpp"
@@ -10,15 +11,29 @@
 
 namespace poise {
 
-/// A stop keeps min <= g <= max of the measure g: rad or m. An absent limit is infinite.
+/// A stop keeps min <= g <= max of the measure g: rad or m. An absent limit is infinite. One whose limits are equal
+/// holds its measure: gears, belts, racks and other couplings are such stops on sums of measures, a cam is one on the
+/// lift of its follower less its profile, and a rope that does not stretch one on its length
+/// (model/couplings.hpp).
 struct Stop {
-  std::string name;
-  Measure on;
+  std::string table = "stop";  ///< its table in the scene file
+  std::string name{};
+  Measure on{};
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
+  double sense = 1.0;  ///< 1 or -1: the sign with which a coupling's factor is its number
   int line = 0;
 
-  static const std::array<Number, 2> numbers;
+  /// It holds its measure at one value.
+  bool holds() const { return min == max; }
+  /// It is a coupling that holds: a part of the mechanism, which takes a degree of freedom from it.
+  bool couples() const { return holds() && table != "stop"; }
+  /// "stop", "gear", for messages.
+  std::string family() const;
+  /// Its numbers, which depend on its table; those of a plain stop are its limits.
+  std::span<const Number> numbers() const;
+
+  static const std::array<Number, 2> limits;
 
  private:
   template <bool is_max>
@@ -46,6 +61,6 @@ struct Stop {
   }
 };
 
-inline constexpr std::array<Number, 2> Stop::numbers{limit<false>("min"), limit<true>("max")};
+inline constexpr std::array<Number, 2> Stop::limits{limit<false>("min"), limit<true>("max")};
 
 }  // namespace poise

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "model/measures/angle.hpp"
+#include "model/measures/component.hpp"
 #include "model/measures/distance.hpp"
 #include "model/measures/half_square.hpp"
 #include "model/measures/position.hpp"
+#include "model/measures/rope.hpp"
 #include "model/measures/sum.hpp"
 #include "model/measures/travel.hpp"
 #include "model/scene.hpp"
@@ -73,8 +75,8 @@ class CompiledMeasure {
   }
 
  private:
-  using Form =
-      std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, SumMeasure<T>, HalfSquareMeasure<T>>;
+  using Form = std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, ComponentMeasure<T>,
+                            RopeMeasure<T>, SumMeasure<T>, HalfSquareMeasure<T>>;
 
   static Form compile(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
     switch (measure.kind) {
@@ -88,6 +90,10 @@ class CompiledMeasure {
         return PositionMeasure<T>(place_of(scene, layout, phasors, measure.b), {T(1), T(0)});
       case Measure::Kind::y:
         return PositionMeasure<T>(place_of(scene, layout, phasors, measure.b), {T(0), T(1)});
+      case Measure::Kind::component:
+        return component(scene, layout, phasors, measure);
+      case Measure::Kind::rope:
+        return rope(scene, layout, phasors, measure);
       case Measure::Kind::sum:
         break;
     }
@@ -96,19 +102,47 @@ class CompiledMeasure {
     return sum;
   }
 
-  // A sum within a sum is expanded.
+  // Along an axis of the ground, or of a body that does not turn, the component of a point moves as a position does.
+  static Form component(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
+    const Link& carrier = layout.links[measure.a.body];
+    Planar<T> axis = direction<T>(measure.axis);
+    if (carrier.turn != 0) axis = axis * phasors.turned(carrier.turn);
+    PhasorSum<T> d = between(scene, layout, phasors, measure.a, measure.b);
+    if (carrier.frame >= 0 && !phasors.dropped(carrier.frame)) {
+      return ComponentMeasure<T>(std::move(d), axis, carrier.frame);
+    }
+    if (carrier.frame >= 0) axis = axis * unit(phasors.start(carrier.frame));
+    return PositionMeasure<T>(std::move(d), axis);
+  }
+
+  static RopeMeasure<T> rope(const Scene& scene, const Layout& layout, const Phasors<T>& phasors,
+                             const Measure& measure) {
+    std::vector<typename RopeMeasure<T>::Contact> contacts;
+    std::vector<PhasorSum<T>> parts;
+    for (std::size_t k = 0; k < measure.contacts.size(); ++k) {
+      const RopeContact& contact = measure.contacts[k];
+      contacts.push_back({static_cast<T>(contact.radius), contact.turn});
+      if (k > 0) parts.push_back(between(scene, layout, phasors, measure.contacts[k - 1].at, contact.at));
+    }
+    return {std::move(contacts), std::move(parts)};
+  }
+
+  // A sum within a sum is expanded; profiles are of single measures.
   static void add_terms(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure,
                         const T& factor, SumMeasure<T>& sum) {
     for (const Measure::Term& term : measure.terms) {
       const T whole = factor * static_cast<T>(term.factor);
-      if (term.measure.kind == Measure::Kind::sum) {
+      ProfileOf<T> of;
+      if (term.profile) {
+        of = profile_of<T>(term);
+      } else if (term.measure.kind == Measure::Kind::sum) {
         add_terms(scene, layout, phasors, term.measure, whole, sum);
         continue;
       }
       std::visit(
           [&]<class G>(G g) {
             if constexpr (!std::is_same_v<G, SumMeasure<T>> && !std::is_same_v<G, HalfSquareMeasure<T>>) {
-              sum.add(whole, std::move(g));
+              sum.add(whole, std::move(g), std::move(of));
             }
           },
           compile(scene, layout, phasors, term.measure));

@@ -1,23 +1,55 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "model/measure.hpp"
+#include "model/measures/component.hpp"
 #include "model/measures/distance.hpp"
 #include "model/measures/linear.hpp"
 #include "model/measures/position.hpp"
+#include "model/measures/rope.hpp"
+#include "model/profile.hpp"
 
 namespace poise {
 
-/// g = sum_i factor_i g_i of other measures.
+/// A profile of a measure g:  factor P((g - shift) / span).
+template <class T>
+struct ProfileOf {
+  std::shared_ptr<const Profile> profile;
+  T shift{}, span{1};
+
+  /// P and its derivatives by g.
+  ProfileValue<T> at(const T& g) const {
+    ProfileValue<T> p = profile->at(T((g - shift) / span));
+    p.first = p.first / span;
+    p.second = p.second / (span * span);
+    p.third = p.third / (span * span * span);
+    return p;
+  }
+};
+
+template <class T>
+ProfileOf<T> profile_of(const Measure::Term& term) {
+  return {term.profile, static_cast<T>(term.shift),
+          term.measure.is_angle() ? T(2) * pi_of<T>() : static_cast<T>(term.span)};
+}
+
+/// g = sum_i factor_i g_i of other measures, or factor_i P_i(g_i) of profiles of them. Of a profile with the
+/// derivatives P1, P2, P3 by its measure g, along directions,
+///   P_u   = P1 g_u
+///   P_uv  = P1 g_uv + P2 g_u g_v
+///   P_uvw = P1 g_uvw + P2 (g_uv g_w + g_uw g_v + g_vw g_u) + P3 g_u g_v g_w.
 template <class T>
 class SumMeasure {
  public:
-  using Part = std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>>;
+  using Part =
+      std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, ComponentMeasure<T>, RopeMeasure<T>>;
 
-  void add(const T& factor, Part part) {
+  void add(const T& factor, Part part, ProfileOf<T> of = {}) {
     std::visit(
         [&](const auto& g) {
           support_.insert(support_.end(), g.support().begin(), g.support().end());
@@ -26,7 +58,7 @@ class SumMeasure {
         part);
     std::sort(support_.begin(), support_.end());
     support_.erase(std::unique(support_.begin(), support_.end()), support_.end());
-    terms_.push_back({factor, std::move(part), {}});
+    terms_.push_back({factor, std::move(part), std::move(of), {}});
     for (Term& term : terms_) term.slots = slots_of(term.part);
   }
 
@@ -34,7 +66,9 @@ class SumMeasure {
   int scratch_size() const { return scratch_of_parts_ + static_cast<int>(support_.size()); }
 
   T value(const Configuration<T>& at) const {
-    return sum([&](const auto& g) { return g.value(at); });
+    return sum([&](const Term& term, const auto& g) -> T {
+      return term.of.profile ? term.of.at(g.value(at)).value : g.value(at);
+    });
   }
 
   template <class Use>
@@ -54,22 +88,51 @@ class SumMeasure {
       const auto add_mapped = [&](int i, int j, const T& value) {
         add(std::max(term.slots[i], term.slots[j]), std::min(term.slots[i], term.slots[j]), value);
       };
-      std::visit([&](const auto& g) { g.curvature(at, T(force * term.factor), T(0), add_mapped); }, term.part);
+      const T share = force * term.factor;
+      std::visit(
+          [&](const auto& g) {
+            if (!term.of.profile) return g.curvature(at, share, T(0), add_mapped);
+            const ProfileValue<T> p = term.of.at(g.value(at));
+            g.curvature(at, T(share * p.first), T(share * p.second), add_mapped);
+          },
+          term.part);
     }
   }
 
   T second(const Configuration<T>& at, const T* u, const T* v) const {
-    return sum([&](const auto& g) { return g.second(at, u, v); });
+    return sum([&](const Term& term, const auto& g) -> T {
+      if (!term.of.profile) return g.second(at, u, v);
+      const ProfileValue<T> p = term.of.at(g.value(at));
+      return p.first * g.second(at, u, v) + p.second * along(g, at, u) * along(g, at, v);
+    });
   }
   T third(const Configuration<T>& at, const T* u, const T* v, const T* w) const {
-    return sum([&](const auto& g) { return g.third(at, u, v, w); });
+    return sum([&](const Term& term, const auto& g) -> T {
+      if (!term.of.profile) return g.third(at, u, v, w);
+      const ProfileValue<T> p = term.of.at(g.value(at));
+      const T g_u = along(g, at, u), g_v = along(g, at, v), g_w = along(g, at, w);
+      return p.first * g.third(at, u, v, w) +
+             p.second * (g.second(at, u, v) * g_w + g.second(at, u, w) * g_v + g.second(at, v, w) * g_u) +
+             p.third * g_u * g_v * g_w;
+    });
   }
 
   template <class Use>
   void bend(const Configuration<T>& at, const T* u, Use use) const {
     for (const Term& term : terms_) {
-      const auto use_mapped = [&](int i, const T& value) { use(term.slots[i], T(term.factor * value)); };
-      std::visit([&](const auto& g) { g.bend(at, u, use_mapped); }, term.part);
+      std::visit(
+          [&](const auto& g) {
+            if (!term.of.profile) {
+              g.bend(at, u, [&](int i, const T& value) { use(term.slots[i], T(term.factor * value)); });
+              return;
+            }
+            const ProfileValue<T> p = term.of.at(g.value(at));
+            const T first = term.factor * p.first;
+            const T second = term.factor * p.second * along(g, at, u);
+            g.bend(at, u, [&](int i, const T& value) { use(term.slots[i], T(first * value)); });
+            g.gradient(at, [&](int i, const T& value) { use(term.slots[i], T(second * value)); });
+          },
+          term.part);
     }
   }
 
@@ -77,13 +140,23 @@ class SumMeasure {
   struct Term {
     T factor;
     Part part;
+    ProfileOf<T> of;
     std::vector<int> slots;  // of the part's support in support_
   };
+
+  template <class G>
+  static T along(const G& g, const Configuration<T>& at, const T* u) {
+    T sum(0);
+    g.gradient(at, [&](int i, const T& by) { sum += by * u[g.support()[static_cast<std::size_t>(i)]]; });
+    return sum;
+  }
 
   template <class Of>
   T sum(Of of) const {
     T g(0);
-    for (const Term& term : terms_) g += term.factor * std::visit(of, term.part);
+    for (const Term& term : terms_) {
+      g += term.factor * std::visit([&](const auto& part) -> T { return of(term, part); }, term.part);
+    }
     return g;
   }
 
@@ -92,8 +165,12 @@ class SumMeasure {
     Planar<T>* total = at.scratch + scratch_of_parts_;
     std::fill(total, total + support_.size(), Planar<T>{});
     for (const Term& term : terms_) {
-      const auto add = [&](int i, const T& value) { total[term.slots[i]].x += term.factor * value; };
-      std::visit([&](const auto& g) { g.gradient(at, add); }, term.part);
+      std::visit(
+          [&](const auto& g) {
+            const T factor = term.of.profile ? T(term.factor * term.of.at(g.value(at)).first) : term.factor;
+            g.gradient(at, [&](int i, const T& value) { total[term.slots[i]].x += factor * value; });
+          },
+          term.part);
     }
     return total;
   }

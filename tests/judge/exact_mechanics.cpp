@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -165,11 +166,18 @@ Smooth ExactMechanics::measure(const Measure& m, const Vector& q) const {
       return component(end(0, {}, q), end(m.b, q), {Real(1), Real(0)}, false);
     case Measure::Kind::y:
       return component(end(0, {}, q), end(m.b, q), {Real(0), Real(1)}, false);
+    case Measure::Kind::component:
+      return component(end(m.a, q), end(m.b, q), direction<Real>(m.axis) * unit(angle(m.a.body, q)), true);
+    case Measure::Kind::rope:
+      throw std::invalid_argument("the judge knows no ropes");
     case Measure::Kind::sum:
       break;
   }
   Smooth sum = zero();
-  for (const Measure::Term& term : m.terms) add(sum, Real(term.factor), measure(term.measure, q));
+  for (const Measure::Term& term : m.terms) {
+    if (term.profile) throw std::invalid_argument("the judge knows no cams");
+    add(sum, Real(term.factor), measure(term.measure, q));
+  }
   return sum;
 }
 

@@ -1,5 +1,7 @@
 #include "tests/support/every_measure.hpp"
 
+#include <memory>
+
 #include "tests/support/elements.hpp"
 
 namespace poise::test {
@@ -38,6 +40,29 @@ std::vector<NamedMeasure> measures_of(Scene& scene, Random& random) {
   all.push_back({"sum of angles", Measure::sum_of({{2.0, angle()}, {-3.0, angle()}})});
   all.push_back({"sum of sums", Measure::sum_of({{0.5, Measure::sum_of(terms)}, {-1.5, distance()}})});
   const Measure turn = angle();
+  const int carrier = body_but(-1);
+  const auto component = [&] {
+    const int b = body_but(carrier);
+    return Measure::component_along(probes[carrier], probes[b], {random.uniform(0.2, 1.0), random.uniform(-1.0, 1.0)});
+  };
+  all.push_back({"component", component()});
+  const auto rope = [&] {
+    std::vector<RopeContact> contacts{{probes[body_but(-1)]}};
+    for (int k = 0; k < 3; ++k) {
+      const int body = body_but(contacts.back().at.body);
+      const bool is_end = k == 2;
+      contacts.push_back({probes[body], is_end ? 0.0 : random.uniform(0.0, 0.05), random.index(2) == 0 ? 1 : -1});
+    }
+    return Measure::rope_over(contacts);
+  };
+  all.push_back({"rope", rope()});
+  const auto profile =
+      std::make_shared<const Profile>(Profile::spline({0.0, 0.2, 0.45, 0.7, 1.0}, {0.1, 1.0, 0.4, -0.3, 0.1}, true));
+  all.push_back(
+      {"follower on a cam",
+       Measure::sum_of({{1.0, y()}, {random.uniform(-0.5, 0.5), angle(), profile, random.uniform(-1.0, 1.0)}})});
+  all.push_back({"profile of a length", Measure::sum_of({{1.0, rope()}, {0.3, component(), profile, 0.1, 2.0}})});
+  all.push_back({"rack", Measure::sum_of({{1.0, x()}, {random.uniform(-0.5, 0.5), angle()}})});
   all.push_back({"nothing", Measure::sum_of({{1.0, turn}, {-1.0, turn}})});
   return all;
 }

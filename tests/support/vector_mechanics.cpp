@@ -1,6 +1,7 @@
 #include "tests/support/vector_mechanics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 namespace poise::test {
@@ -41,6 +42,32 @@ Vec2 gap(const Scene& scene, int joint, double travel, const Poses& poses) {
   return apart - j.length * unit(bar.angle);
 }
 
+namespace {
+
+/// Straight parts by Pythagoras, wraps as differences of their directions: those of the lines of centres, turned by the
+/// angle whose sine is the difference of the radii over the distance.
+double rope_length(const Scene& scene, const Measure& rope, const Poses& poses) {
+  double length = 0.0, before = 0.0;
+  for (std::size_t k = 0; k + 1 < rope.contacts.size(); ++k) {
+    const RopeContact& a = rope.contacts[k];
+    const RopeContact& b = rope.contacts[k + 1];
+    const Vec2 d = world(scene, b.at, poses) - world(scene, a.at, poses);
+    const double apart = std::hypot(d.x, d.y), offset = b.turn * b.radius - a.turn * a.radius;
+    const double direction = std::atan2(d.y, d.x) - std::asin(offset / apart);
+    length += std::sqrt(apart * apart - offset * offset);
+    if (k > 0) {
+      double wrap = std::fmod(a.turn * (direction - before), 2 * M_PI);
+      if (wrap < -0.5 * M_PI) wrap += 2 * M_PI;
+      if (wrap > 1.5 * M_PI) wrap -= 2 * M_PI;
+      length += a.radius * wrap;
+    }
+    before = direction;
+  }
+  return length;
+}
+
+}  // namespace
+
 double measured(const Scene& scene, const Measure& measure, const Poses& poses) {
   switch (measure.kind) {
     case Measure::Kind::angle:
@@ -56,11 +83,21 @@ double measured(const Scene& scene, const Measure& measure, const Poses& poses) 
       return world(scene, measure.b, poses).x;
     case Measure::Kind::y:
       return world(scene, measure.b, poses).y;
+    case Measure::Kind::component: {
+      const Vec2 axis = (1 / norm(measure.axis)) * measure.axis * unit(poses[measure.a.body].angle);
+      return dot(axis, world(scene, measure.b, poses) - world(scene, measure.a, poses));
+    }
+    case Measure::Kind::rope:
+      return rope_length(scene, measure, poses);
     case Measure::Kind::sum:
       break;
   }
   double sum = 0.0;
-  for (const Measure::Term& term : measure.terms) sum += term.factor * measured(scene, term.measure, poses);
+  for (const Measure::Term& term : measure.terms) {
+    const double g = measured(scene, term.measure, poses);
+    const double span = term.measure.is_angle() ? 2 * M_PI : term.span;
+    sum += term.factor * (term.profile ? term.profile->at((g - term.shift) / span).value : g);
+  }
   return sum;
 }
 

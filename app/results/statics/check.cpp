@@ -68,10 +68,22 @@ std::string in_words(const Scene& scene, const Measure& on) {
       return "x of " + scene.name_of(on.b);
     case Measure::Kind::y:
       return "y of " + scene.name_of(on.b);
+    case Measure::Kind::component:
+      return fmt::format("{} to {} along [{}, {}]", scene.name_of(on.a), scene.name_of(on.b),
+                         significant(on.axis.x, force_digits), significant(on.axis.y, force_digits));
+    case Measure::Kind::rope: {
+      std::string over;
+      for (const RopeContact& contact : on.contacts) over += (over.empty() ? "" : ", ") + scene.name_of(contact.at);
+      return "rope over " + over;
+    }
     case Measure::Kind::sum:
       break;
   }
-  return "a sum";
+  std::string sum;
+  for (const Measure::Term& term : on.terms) {
+    sum += (sum.empty() ? "" : " + ") + std::string(term.profile ? "profile of " : "") + in_words(scene, term.measure);
+  }
+  return "sum of " + sum;
 }
 
 /// The numbers of every item of one kind: "stiffness 400 N/mm, free_length 14 mm".
@@ -127,10 +139,23 @@ void add_stops_and_drives(Group& group, const Scene& scene) {
     };
     return fmt::format("{} to {} {}", limit(stop.min), limit(stop.max), unit_name(quantity, scene.units));
   };
+  const auto is_plain = [](const Stop& stop) { return stop.table == "stop"; };
+  std::vector<Stop> plain;
+  std::copy_if(scene.stops.begin(), scene.stops.end(), std::back_inserter(plain), is_plain);
   Table& stops = group.table("stops", "Stops", Rows::list);
-  stops.words("name", "name", each(scene.stops, &Stop::name));
-  stops.words("on", "on", each(scene.stops, [&](const Stop& stop) { return in_words(scene, stop.on); }));
-  stops.words("range", "range", each(scene.stops, range));
+  stops.words("name", "name", each(plain, &Stop::name));
+  stops.words("on", "on", each(plain, [&](const Stop& stop) { return in_words(scene, stop.on); }));
+  stops.words("range", "range", each(plain, range));
+  const std::vector<std::string> numbers = numbers_of_items(scene, Owner::coupling, scene.stops.size());
+  std::vector<std::size_t> couplings;
+  for (std::size_t i = 0; i < scene.stops.size(); ++i) {
+    if (!is_plain(scene.stops[i])) couplings.push_back(i);
+  }
+  Table& coupled = group.table("couplings", "Couplings, cams and ropes", Rows::list);
+  coupled.words("name", "name", each(couplings, [&](std::size_t i) { return scene.stops[i].name; }));
+  coupled.words("kind", "kind", each(couplings, [&](std::size_t i) { return scene.stops[i].family(); }));
+  coupled.words("on", "on", each(couplings, [&](std::size_t i) { return in_words(scene, scene.stops[i].on); }));
+  coupled.words("numbers", "numbers", each(couplings, [&](std::size_t i) { return numbers[i]; }));
   Table& drives = group.table("drives", "Drives", Rows::list);
   drives.words("name", "name", each(scene.drives, &Drive::name));
   drives.words("on", "on", each(scene.drives, [&](const Drive& drive) { return in_words(scene, drive.on); }));

@@ -251,11 +251,14 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
   const std::vector<std::size_t> rows = places(stops.size());
   const auto limit = [&](std::size_t i) -> std::string {
     const bool in_contact = std::any_of(check.reactions.begin(), check.reactions.end(),
-                                        [&](const Reaction& r) { return r.kind == "stop" && r.name == stops[i].name; });
+                                        [&](const Reaction& r) { return r.of_stop && r.name == stops[i].name; });
     return in_contact ? pressed_limit(stops[i], readings.stops[i]).name : "";
   };
-  Table& table = group.table("stops", "Stops", Rows::by_name);
+  const bool any_coupling =
+      std::any_of(stops.begin(), stops.end(), [](const Stop& stop) { return stop.table != "stop"; });
+  Table& table = group.table("stops", any_coupling ? "Stops, couplings and ropes" : "Stops", Rows::by_name);
   table.words("name", "stop", each(stops, &Stop::name));
+  table.words("kind", "kind", each(stops, &Stop::family)).shown = any_coupling;
   const auto add = [&](const std::string& key, auto&& si) {
     table
         .numbers(
@@ -270,8 +273,12 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
   add("max", [&](std::size_t i) { return stops[i].max; });
   Column& contact = table.words("active", "", each(rows, limit));
   contact.kind = Column::Kind::word_or_null;
-  contact.texts =
-      each(contact.words, [](const std::string& at) { return at.empty() ? "free" : "active at its " + at; });
+  contact.texts = each(rows, [&](std::size_t i) -> std::string {
+    if (stops[i].couples()) return "holds";
+    if (stops[i].table == "rope") return contact.words[i].empty() ? "slack" : "taut";
+    if (stops[i].table == "cam") return contact.words[i].empty() ? "lifted off" : "in contact";
+    return contact.words[i].empty() ? "free" : "active at its " + contact.words[i];
+  });
   contact.tones = each(contact.words, [](const std::string& at) { return at.empty() ? Tone::faint : Tone::plain; });
 }
 

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "app/draw/stage.hpp"
+#include "app/draw/symbols.hpp"
+#include "statics/body_measures_impl.hpp"
+
+namespace poise::app {
+namespace {
+
+/// The pivots of two wheels on their page, and the radii at which they roll on one another or with a belt.
+struct Wheels {
+  Vec2 a, b;
+  double radius_a, radius_b;
+};
+
+// Of wheels on one axis the radii are not known: circles of a size that can be seen.
+Wheels wheels_of(const Stage& stage, const Stop& stop) {
+  const Measure& of_b = stop.on.terms[0].measure;
+  const Measure& of_a = stop.on.terms[1].measure;
+  Wheels out{stage.pivot(of_a.body_a, of_a.body_b), stage.pivot(of_b.body_a, of_b.body_b), 14.0, 14.0};
+  const double apart = norm(out.b - out.a);
+  const double ratio = std::abs(stop.on.terms[1].factor);
+  if (apart < 4.0) return out;
+  if (stop.table == "belt") {
+    const double both = 0.5 * apart;
+    out.radius_a = both * ratio / (1.0 + ratio);
+    out.radius_b = both / (1.0 + ratio);
+  } else if (stop.sense > 0.0) {
+    out.radius_a = apart * ratio / (1.0 + ratio);
+    out.radius_b = apart / (1.0 + ratio);
+  } else if (ratio != 1.0) {
+    out.radius_a = apart * ratio / std::abs(1.0 - ratio);
+    out.radius_b = apart / std::abs(1.0 - ratio);
+  }
+  return out;
+}
+
+constexpr double line_width = 1.3;
+constexpr std::string_view pitch_line = "7 2 2 2";  // the dash of pitch circles in engineering drawings
+
+void draw_wheels(Stage& stage, const Stop& stop) {
+  const Wheels wheels = wheels_of(stage, stop);
+  const Paint paint{.stroke = ink::free_stop, .width = line_width, .dash = pitch_line};
+  stage.canvas.circle(wheels.a, wheels.radius_a, paint);
+  stage.canvas.circle(wheels.b, wheels.radius_b, paint);
+  const Vec2 line = wheels.b - wheels.a;
+  const double apart = norm(line);
+  if (stop.table != "belt" || apart < 4.0) return;
+  const Vec2 along = (1 / apart) * line;
+  const bool crossed = stop.sense > 0.0;
+  for (const double side : {1.0, -1.0}) {
+    const double offset = side * ((crossed ? -1.0 : 1.0) * wheels.radius_b - wheels.radius_a) / apart;
+    const Vec2 out = side * (Vec2{-offset * side, std::sqrt(std::max(0.0, 1.0 - offset * offset))} * along);
+    stage.canvas.line(wheels.a + wheels.radius_a * out, wheels.b + (crossed ? -wheels.radius_b : wheels.radius_b) * out,
+                      {.stroke = ink::free_stop, .width = line_width});
+  }
+}
+
+void draw_rack(Stage& stage, const Stop& stop) {
+  const Joint& slide = stage.scene.joints[static_cast<std::size_t>(stop.on.terms[0].measure.joint)];
+  const Measure& pinion = stop.on.terms[1].measure;
+  const Vec2 pivot = stage.pivot(pinion.body_a, pinion.body_b);
+  const double radius = stage.scale * std::abs(stop.on.terms[1].factor);
+  const Vec2 along = stage.page_axis(slide);
+  // The rack meets the rim on the side of its slide.
+  const Vec2 beside = quarter_turn(along);
+  const double side = dot(stage.page(slide.b) - pivot, beside) < 0.0 ? -1.0 : 1.0;
+  const Vec2 contact = pivot + (side * radius) * beside;
+  stage.canvas.circle(pivot, radius, {.stroke = ink::free_stop, .width = line_width, .dash = pitch_line});
+  stage.canvas.line(contact - (1.5 * radius + 8.0) * along, contact + (1.5 * radius + 8.0) * along,
+                    {.stroke = ink::free_stop, .width = line_width, .dash = pitch_line});
+}
+
+// A scene gives lifts, not the shape of a cam: what is drawn turns with it and stands out where the lift is large.
+void draw_cam(Stage& stage, const Stop& stop, bool in_contact) {
+  const Measure::Term& term = stop.on.terms[1];
+  const Vec2 pivot = stage.pivot(term.measure.body_a, term.measure.body_b);
+  double least = INFINITY, most = -INFINITY;
+  constexpr int sides = 120;
+  std::vector<double> lift;
+  for (int k = 0; k < sides; ++k) {
+    lift.push_back(term.profile->at(static_cast<double>(k) / sides).value);
+    least = std::min(least, lift.back());
+    most = std::max(most, lift.back());
+  }
+  constexpr double base = 12.0, height = 14.0;
+  std::vector<Vec2> outline;
+  const double turned = stage.now.poses[static_cast<std::size_t>(term.measure.body_b)].angle;
+  for (int k = 0; k < sides; ++k) {
+    // The lift at the angle of the cam is that of the point that has turned back by it.
+    const double angle = turned - (term.shift + 2 * M_PI * k / sides);
+    const double share = most > least ? (lift[static_cast<std::size_t>(k)] - least) / (most - least) : 0.0;
+    outline.push_back(pivot + (base + height * share) * Stage::page_direction(unit(angle)));
+  }
+  stage.canvas.polygon(std::move(outline), {.stroke = in_contact ? ink::stop : ink::free_stop, .width = 1.6});
+}
+
+}  // namespace
+
+void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint) {
+  const std::vector<BodyPose<double>>& poses = stage.now.poses;
+  Vec2 before{};
+  for (std::size_t k = 0; k + 1 < rope.contacts.size(); ++k) {
+    const auto part = body_measures::rope_part(stage.scene, rope, k, poses);
+    stage.canvas.line(stage.page(part.from), stage.page(part.to), paint);
+    const RopeContact& contact = rope.contacts[k];
+    if (k > 0 && contact.radius > 0.0) {
+      const Vec2 centre = world(stage.scene, stage.now, contact.at);
+      const Vec2 page = stage.page(centre);
+      const double radius = stage.scale * contact.radius;
+      stage.canvas.circle(page, radius, {.stroke = ink::free_stop, .width = 1.0});
+      const auto angle = [&](Vec2 at) { return std::atan2(at.y - centre.y, at.x - centre.x); };
+      const double wrap = rope_wrap(before, part.along, contact.turn);
+      const double begin = angle(centre - (contact.turn * contact.radius) * quarter_turn(before));
+      if (wrap > 0.0) stage.canvas.arc(page, radius, begin, begin + contact.turn * wrap, paint);
+    }
+    before = part.along;
+  }
+}
+
+void draw_rope(Stage& stage, const Stop& stop, bool taut) {
+  draw_rope_line(stage, stop.on,
+                 {.stroke = taut ? ink::stop : ink::free_stop, .width = taut ? 2.0 : 1.2, .dash = taut ? "" : "2 4"});
+  stage.signs.insert(Sign::rope);
+}
+
+void draw_coupling(Stage& stage, const Stop& stop, bool in_contact) {
+  if (stop.table == "gear" || stop.table == "belt") {
+    draw_wheels(stage, stop);
+    stage.signs.insert(Sign::wheels);
+  } else if (stop.table == "rack") {
+    draw_rack(stage, stop);
+    stage.signs.insert(Sign::wheels);
+  } else if (stop.table == "cam") {
+    draw_cam(stage, stop, in_contact);
+    stage.signs.insert(Sign::cam);
+  }
+}
+
+}  // namespace poise::app
