@@ -137,6 +137,17 @@ class Ball {
     arb_cos(out.v_, a.v_, working_bits);
     return out;
   }
+  friend Ball exp(const Ball& a) {
+    Ball out;
+    arb_exp(out.v_, a.v_, working_bits);
+    return out;
+  }
+  friend Ball log(const Ball& a) {
+    Ball out;
+    arb_log(out.v_, a.v_, working_bits);
+    return out;
+  }
+  friend Ball hull(const Ball& a, const Ball& b) { return of_both(a, b); }
 
   bool is_finite() const { return arb_is_finite(v_) != 0; }
   bool contains_zero() const { return arb_contains_zero(v_) != 0; }

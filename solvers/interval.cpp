@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numbers>
 
 namespace poise::solvers {
@@ -93,7 +94,57 @@ Interval angle_of_point(double x, double y, double near) {
   return Interval(guess) + Interval(-slope, slope);
 }
 
+// ln 2 as a sum: a number of 33 bits, whose products with small integers are exact, and the rest, which lies between
+// neighbouring doubles (0.b17217f7d1cf79abc9e3b398... in base 16).
+constexpr double ln_2_high = 0x1.62e42feep-1;
+constexpr double ln_2_rest_below = 0x1.a39ef35793c76p-33;
+constexpr double ln_2_rest_above = 0x1.a39ef35793c77p-33;
+
+// Exponents beyond it have results that are not in the range of normal doubles.
+constexpr double largest_exponent = 708.0;
+constexpr int exponential_terms = 16;
+
+// Encloses the exponential of one number, of |x| <= largest_exponent. By Horner's scheme, from the tail
+// 1 + r/17 + r^2/(17 18) + ... on, which for |r| < 0.4 lies between 1 - 0.4 and 1/(1 - 0.4).
+Interval exp_at(double x) {
+  const double k = std::floor(x * std::numbers::log2e + 0.5);
+  const double k_high = k * ln_2_high;  // exact, as k has at most 11 bits
+  const Interval r = Interval::from(k_high - x, x - k_high) - Interval(k) * Interval(ln_2_rest_below, ln_2_rest_above);
+  Interval p(0.6, 1.7);
+  for (int i = exponential_terms; i > 0; --i) p = Interval(1) + r * p / Interval(i);
+  return p * Interval(std::ldexp(1.0, static_cast<int>(k)));
+}
+
+// Encloses the logarithm of one positive number.
+Interval log_at(double x) {
+  constexpr double trusted = 0.1;
+  const double guess = std::log(x);
+  if (!(std::abs(guess) <= largest_exponent)) return Interval::entire();
+  const Interval t = Interval(x) * exp_at(-guess) - Interval(1);
+  if (!(t.magnitude() < trusted)) return Interval::entire();
+  const Interval least = Interval(t.lower()) / (Interval(1) + Interval(t.lower()));
+  return Interval(guess) + Interval(least.lower(), t.upper());
+}
+
 }  // namespace
+
+Interval exp(const Interval& a) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (std::isnan(a.lower()) || std::isnan(a.upper())) return a;
+  const double below = std::min(a.lower(), largest_exponent);
+  const double above = std::max(a.upper(), -largest_exponent);
+  const double lower = below < -largest_exponent ? 0.0 : exp_at(below).lower();
+  return {lower, above > largest_exponent ? infinity : exp_at(above).upper()};
+}
+
+Interval log(const Interval& a) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (std::isnan(a.lower()) || std::isnan(a.upper())) return a;
+  const double lower = a.lower() > 0 ? log_at(a.lower()).lower() : -infinity;
+  // Of smaller numbers, or where none is positive, the bound of this one.
+  constexpr double least_positive = 1e-300;
+  return {lower, log_at(std::max(a.upper(), least_positive)).upper()};
+}
 
 void sin_cos(const Interval& angle, Interval& sine, Interval& cosine) {
   sine = Interval(-1, 1);

@@ -138,6 +138,12 @@ class Interval {
     return from(a.minus_lower_ > 0 ? -0.0 : a.minus_lower_, a.upper_ < 0 ? 0.0 : a.upper_);
   }
   friend Interval with_zero(const Interval& a) { return hull(a, Interval(0.0)); }
+  /// Its numbers from `lower` to `upper`, of which there are some.
+  friend Interval within(const Interval& a, double lower, double upper) {
+    Interval out = a;
+    out.meet(Interval(lower, upper));
+    return out;
+  }
 
  private:
   // NaN where one of both is.
@@ -162,6 +168,14 @@ inline const Interval full_turn(0x1.921fb54442d18p+2, 0x1.921fb54442d19p+2);
 /// Sine and cosine of all numbers of an interval, by their Taylor series of at most pi/4, whose terms alternate in sign
 /// and shrink, so that the first one left out bounds the rest. Full range for bounds beyond 1e5.
 void sin_cos(const Interval& angle, Interval& sine, Interval& cosine);
+
+/// Exponentials of all numbers of an interval: by the Taylor series of what is left beside a multiple of ln 2, whose
+/// tail is bounded by a geometric series.
+Interval exp(const Interval& a);
+
+/// Logarithms of its positive numbers. That of a bound is taken from the library and corrected by what the exponential
+/// shows is left: t/(1 + t) <= ln(1 + t) <= t.
+Interval log(const Interval& a);
 
 /// All angles of the vectors of a box that does not contain zero, those nearest to `near`; entire if it may contain it.
 /// The angle of a corner is taken from the library and corrected by the slope that is left when the corner is turned

@@ -221,6 +221,46 @@ TEST(Interval, SineAndCosineContainTheExactValuesAndAreTight) {
   }
 }
 
+TEST(Interval, ExponentialAndLogarithmContainTheExactValuesAndAreTight) {
+  const Ball::Precision precision(300);
+  std::mt19937_64 random(13);
+  std::uniform_real_distribution<double> exponent(-720.0, 720.0);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int k = 0; k < 30000; ++k) {
+    const double a = k % 4 == 0 ? exponent(random) : (k % 7 == 0 ? 0.0 : exponent(random) / 500);
+    const double b = a + (k % 3 == 0 ? 0.0 : std::pow(10.0, -16.0 * share(random) + 1.0));
+    const double inside = std::clamp(a + share(random) * (b - a), a, b);
+    const double from = std::exp(a), to = std::exp(b);
+    const double between = std::clamp(from + share(random) * (to - from), from, to);
+    Interval power, logarithm;
+    {
+      const RoundingUp up;
+      power = exp(Interval(a, b));
+      if (to < 1e300 && from > 1e-300) logarithm = log(Interval(from, to));
+    }
+    expect_in(power, exp(Ball(inside)), "exp");
+    if (to < 1e300 && from > 1e-300) expect_in(logarithm, log(Ball(between)), "log");
+    if (a == b && std::abs(a) < 700) {
+      EXPECT_LE(power.upper() - power.lower(), 4e-15 * power.lower());
+      EXPECT_LE(logarithm.upper() - logarithm.lower(), 4e-15 * std::max(1.0, std::abs(a)));
+    }
+  }
+}
+
+TEST(Interval, ExponentialAndLogarithmKeepTheirEnds) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const RoundingUp up;
+  const Interval all = exp(Interval(-infinity, infinity));
+  EXPECT_EQ(all.lower(), 0.0);
+  EXPECT_EQ(all.upper(), infinity);
+  const Interval from_zero = log(Interval(0.0, 2.0));
+  EXPECT_EQ(from_zero.lower(), -infinity);
+  EXPECT_NEAR(from_zero.upper(), std::log(2.0), 1e-15);
+  EXPECT_LT(log(Interval(0.0, 0.0)).upper(), -600.0);
+  EXPECT_EQ(exp(log(Interval(0.0, 0.0))).lower(), 0.0);
+  EXPECT_FALSE(exp(Interval::from(NAN, NAN)) < Interval(1e300));
+}
+
 // The direction of every vector of the box is that of an angle found, within a turn.
 TEST(Interval, AnglesOfABoxContainThoseOfItsVectors) {
   const Ball::Precision precision(200);
