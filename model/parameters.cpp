@@ -1,8 +1,11 @@
 #include "model/parameters.hpp"
 
+#include <algorithm>
 #include <span>
+#include <variant>
 
 #include "model/couplings.hpp"
+#include "model/gas_struts.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise {
@@ -46,6 +49,11 @@ constexpr Number place_guess(std::string_view key) {
 
 constexpr std::array<Number, 2> place_guesses{place_guess<0>("x"), place_guess<1>("y")};
 
+bool has_gas_struts(const Scene& scene) {
+  return std::any_of(scene.elements.begin(), scene.elements.end(),
+                     [](const Element& element) { return std::holds_alternative<GasStrut>(element.law); });
+}
+
 /// Calls use(prefix of their path, place, item, numbers, measure of the item or null) for the numbers of every item.
 template <class AnyScene, class Use>
 void visit_items(AnyScene& scene, Use use) {
@@ -80,8 +88,8 @@ void visit_items(AnyScene& scene, Use use) {
     auto& element = scene.elements[i];
     std::visit(
         [&](auto& law) {
-          use(Parts{element.table, element.name}, ParameterPlace{Owner::element, i}, law,
-              std::span<const Number>(law.numbers), &element.on);
+          use(Parts{element.table, element.name}, ParameterPlace{Owner::element, i}, law, numbers_of_law(law),
+              &element.on);
         },
         element.law);
   }
@@ -97,8 +105,10 @@ void visit_items(AnyScene& scene, Use use) {
     use(Parts{"start", joint.name}, ParameterPlace{Owner::start, i, 1}, scene.start.travel.at(i),
         std::span<const Number>(travel_guess), none);
   }
+  const bool has_struts = has_gas_struts(scene);
   for (int i = 0; i < count(scene.stops); ++i) {
     auto& stop = scene.stops[i];
+    if (has_struts && strut_of(scene, stop) >= 0) continue;
     const Owner owner = coupling_kind(stop) != nullptr ? Owner::coupling : Owner::stop;
     use(Parts{stop.table, stop.name}, ParameterPlace{owner, i}, stop, stop.numbers(), &stop.on);
   }
@@ -146,6 +156,15 @@ void scale_measure(Measure& measure, const Scales& scales) {
     const double per_argument = term.measure.dimension().per_scale(scales);
     term.shift *= per_argument;
     term.span *= per_argument;
+  }
+}
+
+/// The stops of gas struts have the limits that the numbers of the struts give them.
+void let_stops_follow(Scene& scene) {
+  if (!has_gas_struts(scene)) return;
+  for (Stop& stop : scene.stops) {
+    const int strut = strut_of(scene, stop);
+    if (strut >= 0) hold_in_stroke(stop, std::get<GasStrut>(scene.elements[static_cast<std::size_t>(strut)].law));
   }
 }
 
@@ -210,6 +229,7 @@ void set_value_at(Scene& scene, const ParameterPlace& place, double si) {
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     if (row.place == place) number.set(&item, si);
   });
+  let_stops_follow(scene);
 }
 
 void set_value(Scene& scene, std::string_view path, double value) {
@@ -222,6 +242,7 @@ void set_value(Scene& scene, std::string_view path, double value) {
       fail(row, error.what());
     }
   });
+  let_stops_follow(scene);
 }
 
 double get_value(const Scene& scene, std::string_view path) {
@@ -247,6 +268,16 @@ void scale(Scene& scene, const Scales& scales) {
   for (Element& element : scene.elements) scale_measure(element.on, scales);
   for (Drive& drive : scene.drives) scale_measure(drive.on, scales);
   for (Stop& stop : scene.stops) scale_measure(stop.on, scales);
+  for (Element& element : scene.elements) {
+    std::visit(
+        [&]<class L>(L& law) {
+          if constexpr (requires { law.rescale(1.0, 1.0); }) {
+            law.rescale(element.on.dimension().per_scale(scales), element.on.effort_dimension().per_scale(scales));
+          }
+        },
+        element.law);
+  }
+  let_stops_follow(scene);
 }
 
 Scene scaled(const Scene& scene, const Scales& scales) {

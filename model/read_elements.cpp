@@ -1,12 +1,16 @@
 #include "model/read_elements.hpp"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <variant>
 
+#include "model/gas_struts.hpp"
+#include "model/read_curve.hpp"
 #include "model/read_measure.hpp"
 
 namespace poise {
@@ -25,10 +29,15 @@ class ElementReader {
       : root_(root), names_(names), measures_(names, scene.units), scene_(scene), units_(scene.units) {}
 
   void read() {
-    read_laws(std::type_identity<Law>{});
+    for (const std::string_view key : element_tables()) {
+      read_family(key, scene_.elements,
+                  [key](const ElementReader* self, const TomlTable& table) { return self->read_element(table, key); });
+    }
+    add_friction_of_struts();
     read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_loads();
     read_family("stop", scene_.stops, &ElementReader::read_stop);
+    add_stops_of_struts();
   }
 
  private:
@@ -50,35 +59,74 @@ class ElementReader {
     family.push_back(std::move(item));
   }
 
-  template <class... L>
-  void read_laws(std::type_identity<std::variant<L...>>) {
-    (read_tables_of<L>(), ...);
+  /// Calls use(type of the law, its table) for all laws that tables [[key]] declare.
+  template <class Use>
+  static void each_law_of(std::string_view key, Use use) {
+    const auto each = [&]<class... L>(std::type_identity<std::variant<L...>>) {
+      const auto each_table = [&]<class One>(std::type_identity<One> law) {
+        for (const LawTable& written : One::tables) {
+          if (written.key == key) use(law, written);
+        }
+      };
+      (each_table(std::type_identity<L>{}), ...);
+    };
+    each(std::type_identity<Law>{});
   }
 
-  template <class L>
-  void read_tables_of() {
-    for (const LawTable& written : L::tables) {
-      read_family(written.key, scene_.elements,
-                  [&](const ElementReader*, const TomlTable& table) { return read_element<L>(table, written); });
+  Element read_element(const TomlTable& table, std::string_view key) const {
+    bool angles_only = false;
+    each_law_of(key, [&](auto, const LawTable& written) { angles_only = written.angles_only; });
+    const MeasureKeys measures = angles_only ? MeasureKeys{"bodies"} : all_measures();
+    const bool is_angle = angles_only || MeasureReader::reads_angle(table, measures);
+    const std::string_view told = law_told_by(table, key, is_angle);
+    Element element;
+    each_law_of(key, [&]<class L>(std::type_identity<L>, const LawTable& written) {
+      if (written.told_on(is_angle) == told) element = read_element_of<L>(table, measures, written, is_angle);
+    });
+    return element;
+  }
+
+  /// The key that tells which law of the tables [[key]] this one declares; empty for the one without such a key.
+  static std::string_view law_told_by(const TomlTable& table, std::string_view key, bool is_angle) {
+    std::vector<std::string_view> told;
+    each_law_of(key, [&](auto, const LawTable& written) {
+      const std::string_view by = written.told_on(is_angle), other = written.told_on(!is_angle);
+      if (by != other && table.has(other)) {
+        table.place_of(other).fail("expected the key " + std::string(by) + " on " +
+                                   (is_angle ? "an angle" : "a length") + "; rename it");
+      }
+      if (!by.empty() && table.has(by)) told.push_back(by);
+    });
+    if (told.size() > 1) {
+      table.place().fail("expected one of the keys " + std::string(told[0]) + " and " + std::string(told[1]) +
+                         ", found both; leave one out");
     }
+    return told.empty() ? "" : told.front();
   }
 
   template <class L>
-  Element read_element(const TomlTable& table, const LawTable& written) const {
-    const MeasureKeys measures = written.angles_only ? MeasureKeys{"bodies"} : all_measures();
-    const bool is_angle = written.angles_only || MeasureReader::reads_angle(table, measures);
+  Element read_element_of(const TomlTable& table, const MeasureKeys& measures, const LawTable& written,
+                          bool is_angle) const {
     Keys allowed;
     for (const Number& number : L::numbers) {
       allowed.push_back(is_angle && !number.angle_key.empty() ? number.angle_key : number.key);
     }
+    if constexpr (std::is_same_v<L, GasStrut>) allowed.clear();  // they are in its own table
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) allowed.push_back(choice.key);
     }
+    const std::string_view told = written.told_on(is_angle);
+    if (!told.empty() && std::find(allowed.begin(), allowed.end(), told) == allowed.end()) allowed.push_back(told);
     Element element;
     element.table = written.key;
     element.on = measures_.read(table, measures, allowed);
     L law;
-    read_numbers(table, L::numbers, &law, &element.on, units_);
+    if constexpr (std::is_same_v<L, GasStrut>) {
+      read_gas(table, element.on, law);
+    } else {
+      if constexpr (std::is_same_v<L, CurveSpring>) law = read_curve(*table.find_table(told), element.on, units_);
+      read_numbers(table, L::numbers, &law, &element.on, units_);
+    }
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) {
         if (const auto word = table.find_text(choice.key)) {
@@ -88,6 +136,76 @@ class ElementReader {
     }
     element.law = law;
     return element;
+  }
+
+  /// Key of a number of a gas strut in the table `gas`.
+  static std::string_view key_in_gas(const Number& number) {
+    return number.key.substr(std::string_view("gas.").size());
+  }
+
+  void read_gas(const TomlTable& spring, const Measure& on, GasStrut& law) const {
+    const TomlTable table = *spring.find_table("gas");
+    if (on.is_angle()) {
+      spring.place_of("gas").fail(
+          "expected a measure that is a length, for example points; a gas strut pushes along it");
+    }
+    Keys keys{"friction", "friction_width"};
+    std::array<Number, GasStrut::numbers.size()> numbers = GasStrut::numbers;
+    for (Number& number : numbers) {
+      number.key = key_in_gas(number);
+      keys.push_back(number.key);
+    }
+    table.allow_keys(keys);
+    read_numbers(table, numbers, &law, &on, units_);
+    if (contains(on.range(), law.length - law.stroke)) return;
+    table.place_of("stroke").fail(
+        "expected a stroke of at most the length; a strut with its rod in is not shorter than 0");
+  }
+
+  /// use(its table `gas`, the element) for all gas struts.
+  template <class Use>
+  void each_strut(Use use) {
+    const std::vector<TomlTable> tables = root_.tables("spring");
+    for (std::size_t i = 0, next = 0; i < scene_.elements.size(); ++i) {
+      if (scene_.elements[i].table != "spring") continue;
+      const TomlTable& table = tables[next++];
+      if (std::holds_alternative<GasStrut>(scene_.elements[i].law)) use(*table.find_table("gas"), i);
+    }
+  }
+
+  void add_friction_of_struts() {
+    each_strut([&](const TomlTable& gas, std::size_t strut) {
+      if (!gas.has("friction")) {
+        if (gas.has("friction_width")) gas.place().fail("expected the key friction beside friction_width; add it");
+        return;
+      }
+      Element element{"friction", scene_.elements[strut].name, scene_.elements[strut].on, {}, gas.place().line};
+      DryFriction law;
+      std::array<Number, 2> numbers = DryFriction::numbers;
+      numbers[0].key = "friction";
+      numbers[1].key = "friction_width";
+      read_numbers(gas, numbers, &law, &element.on, units_);
+      element.law = law;
+      for (const Element& other : scene_.elements) {
+        if (other.table == element.table && other.name == element.name) {
+          fail_taken(gas.place_of("friction"), element.name, other.line);
+        }
+      }
+      scene_.elements.push_back(std::move(element));
+    });
+  }
+
+  void add_stops_of_struts() {
+    each_strut([&](const TomlTable& gas, std::size_t strut) {
+      const Element& element = scene_.elements[strut];
+      const auto& law = std::get<GasStrut>(element.law);
+      for (const Stop& other : scene_.stops) {
+        if (other.name == element.name) fail_taken(gas.place(), element.name, other.line);
+      }
+      Stop stop{.name = element.name, .on = element.on, .line = gas.place().line};
+      hold_in_stroke(stop, law);
+      scene_.stops.push_back(std::move(stop));
+    });
   }
 
   void read_loads() {
@@ -169,10 +287,9 @@ void read_numbers(const TomlTable& table, std::span<const Number> numbers, void*
     const std::string_view key = number.key_on(on);
     const double unit = number.dimension_on(on).unit(units);
     const Range range = number.range_on(on);
-    if (number.needed_on(on))
-      number.set(item, table.number(key, unit, range));
-    else if (const auto value = table.find_number(key, unit, range))
-      number.set(item, *value);
+    const std::optional<double> value =
+        number.needed_on(on) ? table.number(key, unit, range) : table.find_number(key, unit, range);
+    if (value) located(table.place_of(key), [&] { number.set(item, *value); });
   }
 }
 
@@ -180,7 +297,9 @@ std::vector<std::string_view> element_tables() {
   std::vector<std::string_view> keys;
   const auto add = [&]<class... L>(std::type_identity<std::variant<L...>>) {
     const auto add_law = [&](const auto& tables) {
-      for (const LawTable& table : tables) keys.emplace_back(table.key);
+      for (const LawTable& table : tables) {
+        if (std::find(keys.begin(), keys.end(), table.key) == keys.end()) keys.emplace_back(table.key);
+      }
     };
     (add_law(L::tables), ...);
   };

@@ -8,6 +8,7 @@
 #include <map>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -62,6 +63,7 @@ class Rewriter {
     std::string header;                  // of that table
     std::string key;
     int component = -1;
+    int point = -1;  // in a list of pairs, whose second number it is
   };
 
   [[noreturn]] void fail() const {
@@ -76,6 +78,20 @@ class Rewriter {
     const toml::array* const list = document_.contains(key) ? document_.get(key)->as_array() : nullptr;
     if (list == nullptr || index >= list->size()) fail();
     return list->get(index)->as_table();
+  }
+
+  /// The table of an element, the n-th of [[kind]]; of friction that a gas strut has, which comes behind all tables
+  /// [[friction]], that strut's table `gas`.
+  const toml::table* element_table(const std::string& kind, std::size_t n, const std::string& name) const {
+    const toml::array* const list = document_[kind].as_array();
+    if (kind != "friction" || (list != nullptr && n < list->size())) return item(kind, n);
+    const auto spring = std::find_if(old_.elements.begin(), old_.elements.end(), [&](const Element& element) {
+      return std::holds_alternative<GasStrut>(element.law) && element.name == name;
+    });
+    if (spring == old_.elements.end()) fail();
+    const auto is_spring = [](const Element& element) { return element.table == "spring"; };
+    return table(item("spring", rank(old_.elements, static_cast<int>(spring - old_.elements.begin()), is_spring)),
+                 "gas");
   }
 
   /// Place of an item among those of its list that `same` holds for: each table of a file has a list of its own.
@@ -124,8 +140,22 @@ class Rewriter {
         return {table(owner, "points"), "", body.points[static_cast<std::size_t>(row.place.part)].name,
                 row.place.number};
       }
-      case Owner::element:
-        return {item(kind, rank_of(old_.elements[at])), "", key};
+      case Owner::element: {
+        const auto same = [&](const Element& other) { return other.table == kind; };
+        const Element& element = old_.elements[at];
+        if (element.table == "rope") return {item(kind, rank_of(element)), "", key};
+        const toml::table* const written =
+            element_table(element.table, rank(old_.elements, row.place.item, same), element.name);
+        if (element.table == "friction" && written != nullptr && written->contains("friction")) {
+          return {written, "", row.place.number == 0 ? "friction" : "friction_width"};
+        }
+        const std::size_t dot = key.find('.');
+        if (dot == std::string::npos) return {written, "", key};
+        const toml::table* const part = table(written, key.substr(0, dot));
+        const std::string number = key.substr(dot + 1);
+        if (!std::holds_alternative<CurveSpring>(element.law)) return {part, "", number};
+        return {part, "", "curve", -1, std::stoi(number) - 1};
+      }
       case Owner::coupling:
         return {item(kind, rank_of(old_.stops[at])), "", key};
       case Owner::joint: {
@@ -135,7 +165,7 @@ class Rewriter {
       case Owner::drive:
         return {item(kind, at), "", key};
       case Owner::stop:
-        return {item(kind, rank_of(old_.stops[at])), "", key};
+        return {item(kind, at), "", key};
       case Owner::start:
         break;
     }
@@ -165,6 +195,11 @@ class Rewriter {
       if (node == nullptr) fail();
       replace(*node, 0, number(vector.x));
       replace(*node, 1, number(vector.y));
+    } else if (spot.point >= 0) {
+      const toml::array* const points = node != nullptr ? node->as_array() : nullptr;
+      const auto point = static_cast<std::size_t>(spot.point);
+      if (points == nullptr || point >= points->size()) fail();
+      replace(*points->get(point), 1, number(value_at(wanted_, row.place)));
     } else if (node != nullptr) {
       replace(*node, spot.component, number(value_at(wanted_, row.place)));
     } else if (spot.component < 0) {

@@ -94,11 +94,25 @@ struct SceneBuilder::Document {
     toml::table& table = next(list, name);
     set_measure(table, on);
     for (const Key& entry : entries) {
-      if (table.contains(entry.name)) {
+      const std::size_t dot = entry.name.find('.');
+      const std::string first = entry.name.substr(0, dot);
+      const bool is_nested = dot != std::string::npos;
+      const bool is_taken = table.contains(first) && !(is_nested && table.get(first)->is_table());
+      toml::table& owner = is_nested && !is_taken ? part(table, first) : table;
+      const std::string key = is_nested ? entry.name.substr(dot + 1) : first;
+      if (is_taken || owner.contains(key)) {
         const std::string item = name.empty() ? list : fmt::format("{} \"{}\"", list, name);
         TomlPlace{title, 0, item}.fail("expected the key " + entry.name + " once, found it twice");
       }
-      std::visit([&](const auto& value) { set(table, entry.name, value); }, entry.value);
+      if (const auto* pairs = std::get_if<std::vector<Vec2>>(&entry.value)) {
+        toml::array rows;
+        for (const Vec2& pair : *pairs) rows.push_back(pair_of(pair));
+        set(owner, key, std::move(rows));
+      } else if (const auto* number = std::get_if<double>(&entry.value)) {
+        set(owner, key, *number);
+      } else {
+        set(owner, key, std::get<std::string>(entry.value));
+      }
     }
   }
 

@@ -70,13 +70,15 @@ class SceneBuilder {
     double inertia = 0.0;  ///< about the centre of mass
   };
 
-  /// A key of a table of a scene file with its number or word.
+  /// A key of a table of a scene file with its number, its word or its pairs of numbers. A key of a table in that table
+  /// has both names: {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}}.
   struct Key {
     Key(std::string key, double number) : name(std::move(key)), value(number) {}
     Key(std::string key, std::string word) : name(std::move(key)), value(std::move(word)) {}
+    Key(std::string key, std::vector<Vec2> pairs) : name(std::move(key)), value(std::move(pairs)) {}
 
     std::string name;
-    std::variant<double, std::string> value;
+    std::variant<double, std::string, std::vector<Vec2>> value;
   };
 
   SceneBuilder& source(std::string text);  ///< where the data come from
@@ -94,7 +96,8 @@ class SceneBuilder {
   SceneBuilder& bar(const std::string& a, const std::string& b, double length, const std::string& name = {});
 
   /// A force element with the numbers (and words) of its table in docs/scene-files.md#force-elements: "spring",
-  /// "torsion_spring", "cubic_spring", "constant_force", "damper", "torsion_damper", "friction".
+  /// "torsion_spring", "cubic_spring", "constant_force", "damper", "torsion_damper", "friction",
+  /// "bump_stop".
   SceneBuilder& element(const std::string& table, const std::string& name, const MeasureByName& on,
                         const std::vector<Key>& keys);
   /// A drive with its "start", "rate", "acceleration", "amplitude", "frequency", "phase".

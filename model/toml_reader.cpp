@@ -190,6 +190,24 @@ std::vector<double> TomlTable::numbers(std::string_view key) const {
   return result;
 }
 
+std::vector<TomlTable::Pair> TomlTable::pairs(std::string_view key, double unit_a, double unit_b) const {
+  const toml::node& node = require(key, "[[A, B], ...]");
+  const std::string expected = "expected a list of pairs [[A, B], ...]";
+  if (!node.is_array()) place_of(node, key).fail(expected + found(node));
+  std::vector<Pair> result;
+  for (const toml::node& element : *node.as_array()) {
+    const TomlPlace place = place_of(element, key);
+    const toml::array* const pair = element.as_array();
+    if (pair == nullptr) place.fail(expected + found(element) + " in it");
+    if (pair->size() != 2) place.fail(expected + ", found a list of " + std::to_string(pair->size()) + " in it");
+    const auto number = [&](std::size_t i, double unit) {
+      return read_number((*pair)[i], place_of((*pair)[i], key), unit, Range::finite);
+    };
+    result.push_back({{number(0, unit_a), number(1, unit_b)}, place});
+  }
+  return result;
+}
+
 TomlText TomlTable::text(std::string_view key) const {
   require(key, "\"...\"");
   return *find_text(key);

@@ -87,6 +87,13 @@ class TomlTable {
   /// A list of finite numbers as they are written, none when the key is absent.
   std::vector<double> numbers(std::string_view key) const;
 
+  /// A list of pairs [[A, B], ...], each with its place, A and B times their units.
+  struct Pair {
+    Vec2 value;
+    TomlPlace place;
+  };
+  std::vector<Pair> pairs(std::string_view key, double unit_a, double unit_b) const;
+
   TomlText text(std::string_view key) const;
   std::optional<TomlText> find_text(std::string_view key) const;
   /// A list of exactly two strings.

@@ -69,7 +69,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   }
   for (std::size_t t = 0; t < scene_.torques.size(); ++t) put_all(torque_[t], scene_.torques[t], Torque::numbers);
   for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-    std::visit([&](const auto& law) { put_all(element_[e], law, law.numbers); }, scene_.elements[e].law);
+    std::visit([&](const auto& law) { put_all(element_[e], law, numbers_of_law(law)); }, scene_.elements[e].law);
   }
   unknowns_ = poses();
   for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
@@ -78,8 +78,10 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
     joint_.push_back(unknowns_);
     unknowns_ += joint.traits().constraints();
   }
-  for (std::size_t s = 0; s < scene_.stops.size(); ++s)
-    put_all(stop_number_[s], scene_.stops[s], scene_.stops[s].numbers());
+  for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
+    strut_.push_back(strut_of(scene_, scene_.stops[s]));
+    if (strut_.back() < 0) put_all(stop_number_[s], scene_.stops[s], scene_.stops[s].numbers());
+  }
   for (std::size_t h = 0; h < held_.size(); ++h) stop_.push_back(unknowns_++);
   turns_.assign(scene_.joints.size(), 0.0);
 }

@@ -12,6 +12,7 @@
 #include <ceres/jet.h>
 
 #include "model/couplings.hpp"
+#include "model/gas_struts.hpp"
 #include "model/measures/sum.hpp"
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
@@ -148,9 +149,13 @@ class NumberedEquations {
   /// g of a measure; with the numbers of a coupling where it is that of the stop of this index.
   template <class T>
   T value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed, int stop) const;
-  /// A limit of a stop, which couplings have as a number where it is finite.
+  /// A limit of a stop, which couplings have as a number where it is finite, and gas struts in their numbers.
   template <class T>
   T limit(int stop, bool upper, const T* numbers) const {
+    if (strut_[stop] >= 0) {
+      const T* strut = numbers + element_[strut_[stop]];
+      return upper ? strut[length_of_strut] : T(strut[length_of_strut] - strut[stroke_of_strut]);
+    }
     const CouplingKind* const kind = coupling_kind(scene_.stops[stop]);
     if (kind == nullptr) return numbers[stop_number_[stop] + (upper ? 1 : 0)];
     const double as_given = upper ? scene_.stops[stop].max : scene_.stops[stop].min;
@@ -195,6 +200,7 @@ class NumberedEquations {
   int gravity_ = 0;
   std::vector<std::vector<int>> point_;
   std::vector<int> body_, element_, force_, torque_, joint_number_, stop_number_;
+  std::vector<int> strut_;       // of each stop, see strut_of()
   std::vector<Vec2> direction_;  // of each force
   std::vector<double> turns_;    // of each joint, rad
   std::vector<int> joint_, stop_;
@@ -217,6 +223,24 @@ template <class S>
 S energy_by_number(const ConstantForce&, int /*number*/, const S& g) {
   return g;
 }
+template <class S>
+S energy_by_number(const PreloadedSpring& law, int number, const S& g) {
+  const S u = g - S(law.length);
+  if (number == 0) return u * u / S(2);
+  return number == 1 ? u : S(-law.at_rest(g).value);
+}
+template <class S>
+S energy_by_number(const CurveSpring& law, int number, const S& g) {
+  return law.energy_by(number, g);
+}
+template <class S>
+S energy_by_number(const GasStrut& law, int number, const S& g) {
+  return law.energy_by(number, g);
+}
+template <class S>
+S energy_by_number(const BumpStop& law, int number, const S& g) {
+  return law.energy_by(number, g);
+}
 
 /// The law with other numbers.
 template <class T>
@@ -224,7 +248,7 @@ Law with_numbers(Law law, const T* numbers) {
   std::visit(
       [&](auto& l) {
         int k = 0;
-        for (const Number& number : l.numbers) number.set(&l, plain_value(numbers[k++]));
+        for (const Number& number : numbers_of_law(l)) number.set(&l, plain_value(numbers[k++]));
       },
       law);
   return law;
@@ -243,7 +267,7 @@ T with_change_of_numbers(const Law& law, const T* numbers, T value, Derivative b
     std::visit(
         [&]<class L>(const L& l) {
           if constexpr (StoresEnergy<L>) {
-            for (std::size_t k = 0; k < l.numbers.size(); ++k) {
+            for (std::size_t k = 0; k < numbers_of_law(l).size(); ++k) {
               value += by_number(l, static_cast<int>(k)) * (numbers[k] - T(plain_value(numbers[k])));
             }
           }

@@ -23,8 +23,7 @@ Readings readings_of(const Scene& scene, std::vector<BodyPose<double>> poses) {
     ElementReading reading;
     reading.value = value_of(scene, element.on, r.poses);
     reading.force = force_at_rest(element.law, reading.value).value;
-    const auto* spring = std::get_if<LinearSpring>(&element.law);
-    reading.slack = spring != nullptr && spring->slack(reading.value);
+    reading.slack = is_slack(element.law, reading.value);
     r.elements.push_back(reading);
   }
   for (const Stop& stop : scene.stops) r.stops.push_back(value_of(scene, stop.on, r.poses));

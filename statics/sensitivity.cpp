@@ -170,6 +170,12 @@ struct Column {
   std::string why;  // it may not
 };
 
+/// Whether the force of a curve has no derivative by this number, the force at a point.
+bool is_kinked_in(const Law& law, int number) {
+  const auto* spring = std::get_if<CurveSpring>(&law);
+  return spring != nullptr && number >= 2 && !spring->curve().has_derivatives_by(static_cast<std::size_t>(number - 2));
+}
+
 /// The numbers that statics uses, and why some have no derivative.
 std::vector<Column> columns_of(const NumberedEquations& equations, const LinearResponse& response, int& without) {
   const Scene& scene = equations.scene();
@@ -198,6 +204,9 @@ std::vector<Column> columns_of(const NumberedEquations& equations, const LinearR
         scene.elements[place.item].on.kind == Measure::Kind::distance &&
         equations.value(scene.elements[place.item].on, equations.numbers().data(), placed) == 0.0) {
       column.why = "the points of the spring coincide, where its length has no direction";
+    }
+    if (place.owner == Owner::element && is_kinked_in(scene.elements[place.item].law, place.number)) {
+      column.why = "the curve is flat beside the point, where its slope has no derivative";
     }
     out.push_back(std::move(column));
   }

@@ -15,8 +15,8 @@
 namespace poise {
 namespace {
 
-/// Dead and follower loads, weights, stiffnesses, free lengths of linear springs and limits of stops enter forces,
-/// tangent and constraints affinely.
+/// Dead and follower loads, weights, most numbers of force laws and limits of stops enter forces, tangent and
+/// constraints affinely.
 bool enters_affinely(const Scene& scene, const ParameterPlace& place) {
   switch (place.owner) {
     case Owner::scene:
@@ -31,7 +31,7 @@ bool enters_affinely(const Scene& scene, const ParameterPlace& place) {
                  ->parts[static_cast<std::size_t>(place.number)]
                  .of != CouplingPart::Of::shift;
     case Owner::element:
-      return !std::holds_alternative<CubicSpring>(scene.elements[place.item].law) || place.number < 2;
+      return is_affine_in(scene.elements[place.item].law, place.number);
     default:
       return false;
   }

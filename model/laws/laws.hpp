@@ -4,16 +4,21 @@
 #include <string_view>
 #include <variant>
 
+#include "model/laws/bump_stop.hpp"
 #include "model/laws/constant_force.hpp"
 #include "model/laws/cubic_spring.hpp"
+#include "model/laws/curve_spring.hpp"
 #include "model/laws/damper.hpp"
 #include "model/laws/dry_friction.hpp"
+#include "model/laws/gas_strut.hpp"
 #include "model/laws/linear_spring.hpp"
+#include "model/laws/preloaded_spring.hpp"
 
 namespace poise {
 
 /// All force laws. A new one needs its own file in this folder and its name here.
-using Law = std::variant<LinearSpring, CubicSpring, ConstantForce, Damper, DryFriction>;
+using Law = std::variant<LinearSpring, CubicSpring, ConstantForce, Damper, DryFriction, PreloadedSpring, CurveSpring,
+                         GasStrut, BumpStop>;
 
 /// A law that stores energy, and so acts in statics.
 template <class L>
@@ -54,8 +59,40 @@ inline bool sticks(const Law& law) {
   return friction != nullptr && friction->sticks();
 }
 
+template <class L>
+std::span<const Number> numbers_of_law(const L& law) {
+  if constexpr (requires { law.all_numbers(); })
+    return law.all_numbers();
+  else
+    return L::numbers;
+}
+
 inline std::span<const Number> numbers_of(const Law& law) {
-  return std::visit([](const auto& l) { return std::span<const Number>(l.numbers); }, law);
+  return std::visit([](const auto& l) { return numbers_of_law(l); }, law);
+}
+
+/// Whether the static force is an affine function of this number.
+inline bool is_affine_in(const Law& law, int number) {
+  return std::visit(
+      [&]<class L>(const L&) {
+        if constexpr (requires { L::affine_numbers; })
+          return number < L::affine_numbers;
+        else
+          return true;
+      },
+      law);
+}
+
+/// Whether the law acts on one side only, and not where the measure is g.
+inline bool is_slack(const Law& law, double g) {
+  return std::visit(
+      [&]<class L>(const L& l) {
+        if constexpr (requires { l.slack(g); })
+          return l.slack(g);
+        else
+          return false;
+      },
+      law);
 }
 
 /// Why the law never acts with its present numbers; empty if it does.

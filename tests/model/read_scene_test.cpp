@@ -686,14 +686,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, pin_in_slot, "
-            "weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, friction, drive, "
-            "force, torque, "
+            "weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, friction, bump_stop, "
+            "drive, force, torque, "
             "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
-                 "torsion_damper, friction, "
+                 "torsion_damper, friction, bump_stop, "
                  "drive, force, torque, stop, start; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},

@@ -227,8 +227,12 @@ std::vector<Number> elements_of(const Scene& scene) {
     const std::span<const poise::Number> all = numbers_of(element.law);
     for (int k = 0; k < static_cast<int>(all.size()); ++k) {
       const auto add = [=](Scene& s, double by) {
-        std::visit([&](auto& law) { law.numbers[k].set(&law, law.numbers[k].get(&law).value() + by); },
-                   s.elements[i].law);
+        std::visit(
+            [&](auto& law) {
+              const poise::Number& number = numbers_of_law(law)[static_cast<std::size_t>(k)];
+              number.set(&law, number.get(&law).value() + by);
+            },
+            s.elements[i].law);
       };
       numbers.push_back({element.family() + " \"" + element.name + "\", " + std::string(all[k].key),
                          forceful({ForceNumber::Of::element, i, k}), add});

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "model/laws/force_curve.hpp"
+#include "model/laws/law_force.hpp"
+#include "model/number.hpp"
+
+namespace poise {
+
+/// Spring with a measured characteristic: T = c F(g - s), V = c W(g - s), with a curve F and its integral W from the
+/// first point on (ForceCurve). The factor c and the shift s fit a curve of a catalogue to a specimen; the forces of
+/// the points are numbers too where the scene file has the points, and the curve comes from no other file.
+class CurveSpring {
+ public:
+  /// As many points have numbers of their own.
+  static constexpr std::size_t most_points = 64;
+
+  double scale = 1.0;  ///< c
+  double shift = 0.0;  ///< s: m or rad
+
+  CurveSpring() : CurveSpring({0.0, 1.0}, {0.0, 1.0}, true) {}
+  /// Points of ascending x (m or rad) with their forces (N or N m); `numbered`: at most most_points, each a number.
+  CurveSpring(std::vector<double> x, std::vector<double> forces, bool numbered)
+      : curve_(std::make_shared<const ForceCurve>(std::move(x), std::move(forces))), numbered_(numbered) {}
+
+  const ForceCurve& curve() const { return *curve_; }
+  bool has_numbered_points() const { return numbered_; }
+
+  template <class S>
+  S energy(const S& g) const {
+    return S(scale) * curve_->work(S(g - S(shift)));
+  }
+
+  template <class S>
+  LawForce<S> at_rest(const S& g) const {
+    const auto [value, slope] = curve_->force(S(g - S(shift)));
+    return {S(scale) * value, S(scale) * slope, S(0)};
+  }
+
+  template <class S>
+  S force_by(int number, const S& g, const S&) const {
+    const S x = g - S(shift);
+    if (number == 0) return curve_->force(x).first;
+    if (number == 1) return -S(scale) * curve_->force(x).second;
+    return S(scale) * curve_->force_by(static_cast<std::size_t>(number - 2), x);
+  }
+
+  /// d energy / d number.
+  template <class S>
+  S energy_by(int number, const S& g) const {
+    const S x = g - S(shift);
+    if (number == 0) return curve_->work(x);
+    if (number == 1) return -S(scale) * curve_->force(x).first;
+    return S(scale) * curve_->work_by(static_cast<std::size_t>(number - 2), x);
+  }
+
+  double force_scale(double) const { return (scale < 0.0 ? -scale : scale) * curve_->largest(); }
+
+  std::string_view idle() const {
+    if (scale == 0.0) return "its scale is zero";
+    return curve_->largest() == 0.0 ? "its forces are zero" : "";
+  }
+
+  void rescale(double measure, double effort) {
+    curve_ = std::make_shared<const ForceCurve>(curve_->rescaled(measure, effort));
+  }
+
+  void set_force(std::size_t point, double force) {
+    if (curve_->forces()[point] == force) return;
+    curve_ = std::make_shared<const ForceCurve>(curve_->with_force(point, force));
+  }
+
+  static constexpr int affine_numbers = 1;
+  static constexpr std::array tables{LawTable{"spring", false, "force", "torque"},
+                                     LawTable{"torsion_spring", true, "force", "torque"}};
+  /// Scale and shift; all_numbers() has those of the points behind them.
+  static const std::array<Number, 2> numbers;
+  std::span<const Number> all_numbers() const;
+
+ private:
+  // Shared by copies of the law: scenes are copied, curves seldom change.
+  std::shared_ptr<const ForceCurve> curve_;
+  bool numbered_ = true;
+};
+
+namespace curve_numbers {
+
+/// "force.1" ... and "torque.1" ..., with the point counted from 1.
+struct PointKeys {
+  std::array<char, 12> force{}, torque{};
+  std::size_t force_size = 0, torque_size = 0;
+};
+
+constexpr std::size_t write_key(std::array<char, 12>& to, std::string_view word, std::size_t number) {
+  std::size_t size = 0;
+  for (const char c : word) to[size++] = c;
+  to[size++] = '.';
+  if (number >= 10) to[size++] = static_cast<char>('0' + number / 10);
+  to[size++] = static_cast<char>('0' + number % 10);
+  return size;
+}
+
+inline constexpr auto keys = [] {
+  static_assert(CurveSpring::most_points < 100);
+  std::array<PointKeys, CurveSpring::most_points> out{};
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k].force_size = write_key(out[k].force, "force", k + 1);
+    out[k].torque_size = write_key(out[k].torque, "torque", k + 1);
+  }
+  return out;
+}();
+
+template <std::size_t Point>
+constexpr Number force_of_point() {
+  Number F{{keys[Point].force.data(), keys[Point].force_size}, {}, Range::finite};
+  F.angle_key = {keys[Point].torque.data(), keys[Point].torque_size};
+  F.effort_power = 1;
+  F.get = [](const void* item) {
+    return std::optional<double>(static_cast<const CurveSpring*>(item)->curve().forces()[Point]);
+  };
+  F.set = [](void* item, double value) { static_cast<CurveSpring*>(item)->set_force(Point, value); };
+  F.scale = [](void*, double) {};  // by CurveSpring::rescale, with the whole curve
+  return F;
+}
+
+/// Scale, shift, and the forces of all points there may be.
+inline constexpr auto all = []<std::size_t... Point>(std::index_sequence<Point...>) {
+  Number c = plain_number<&CurveSpring::scale>("scale", {});
+  Number s = plain_number<&CurveSpring::shift>("shift", {});
+  s.measure_power = 1;
+  return std::array{c, s, force_of_point<Point>()...};
+}
+(std::make_index_sequence<CurveSpring::most_points>());
+
+}  // namespace curve_numbers
+
+inline constexpr std::array<Number, 2> CurveSpring::numbers{curve_numbers::all[0], curve_numbers::all[1]};
+
+inline std::span<const Number> CurveSpring::all_numbers() const {
+  return std::span(curve_numbers::all).first(2 + (numbered_ ? curve_->points() : 0));
+}
+
+}  // namespace poise
