@@ -1,10 +1,13 @@
 #include "model/parameters.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
+#include <type_traits>
 #include <variant>
 
 #include "model/couplings.hpp"
+#include "model/dependent_number.hpp"
 #include "model/gas_struts.hpp"
 #include "model/nearest_name.hpp"
 
@@ -60,6 +63,11 @@ void visit_items(AnyScene& scene, Use use) {
   using Parts = std::array<std::string_view, 4>;
   const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
   const Measure* const none = nullptr;
+  for (int i = 0; i < count(scene.named_values); ++i) {
+    auto& named = scene.named_values[i];
+    use(Parts{"numbers", named.name}, ParameterPlace{Owner::number, i}, named,
+        std::span<const Number>(SceneNumber::numbers), none);
+  }
   use(Parts{"gravity"}, ParameterPlace{Owner::scene}, scene, std::span<const Number>(Scene::numbers), none);
   for (int i = 0; i < count(scene.forces); ++i) {
     auto& force = scene.forces[i];
@@ -172,7 +180,127 @@ void let_stops_follow(Scene& scene) {
   throw InputError(row.path.text() + ": " + message);
 }
 
+/// A component without a row.
+double& component(Scene& scene, const DependentPlace& at) {
+  const auto item = static_cast<std::size_t>(at.place.item);
+  const auto of = [&](Vec2& vector) -> double& { return at.component == 0 ? vector.x : vector.y; };
+  if (at.of == DependentPlace::Of::force) return of(scene.forces[item].vector);
+  if (at.of == DependentPlace::Of::axis) return of(scene.joints[item].axis);
+  Measure& on = at.place.owner == Owner::element ? scene.elements[item].on
+                : at.place.owner == Owner::drive ? scene.drives[item].on
+                                                 : scene.stops[item].on;
+  return on.terms[static_cast<std::size_t>(at.component)].factor;
+}
+
+/// The value that follows from named ones, in the scene's units.
+double value_of(const DependentNumber& number, const std::vector<double>& named, const Scene& scene, bool in_range) {
+  const double written = number.expression.value(named);
+  const double si = written * number.dimension.unit(scene.units);
+  const bool is_possible = std::isfinite(si) && (number.range != Range::positive || si > 0.0);
+  if (!is_possible || (in_range && !contains(number.range, si))) {
+    throw InputError(number.item + " = \"" + number.expression.text() + "\": " + out_of_range(number.range, written));
+  }
+  return si * number.dimension.per_scale(scene.measured_in);
+}
+
+/// Sets a named number and what follows from it, or changes nothing.
+void set_named(Scene& scene, int named, double value, bool in_range) {
+  if (!scene.dependents) {
+    scene.named_values[static_cast<std::size_t>(named)].value = value;
+    return;
+  }
+  Scene changed = scene;
+  changed.named_values[static_cast<std::size_t>(named)].value = value;
+  follow_expressions(changed, in_range);
+  scene = std::move(changed);
+}
+
 }  // namespace
+
+const DependentNumber* dependent_number(const Scene& scene, const ParameterPlace& place) {
+  if (!scene.dependents) return nullptr;
+  const auto found = std::find_if(scene.dependents->begin(), scene.dependents->end(), [&](const DependentNumber& one) {
+    return one.at.place == place && (one.at.of == DependentPlace::Of::row || one.at.of == DependentPlace::Of::force);
+  });
+  return found == scene.dependents->end() ? nullptr : &*found;
+}
+
+void check_is_free(const Scene& scene, const ParameterRow& row) {
+  const DependentNumber* const dependent = dependent_number(scene, row.place);
+  if (dependent == nullptr) return;
+  std::string names;
+  for (const int used : dependent->expression.uses()) {
+    names += (names.empty() ? "numbers." : ", numbers.") + scene.named_values[static_cast<std::size_t>(used)].name;
+  }
+  fail(row, "expected a number of its own, found the expression \"" + dependent->expression.text() + "\"; " +
+                (names.empty() ? "write it as a number in the scene" : "change " + names));
+}
+
+std::vector<double> named_values(const Scene& scene) {
+  std::vector<double> values;
+  for (const SceneNumber& one : scene.named_values) values.push_back(one.value);
+  return values;
+}
+
+std::vector<double> dependent_values(const Scene& scene, std::vector<double> named, bool in_range) {
+  std::vector<double> out;
+  if (!scene.dependents) return out;
+  for (const DependentNumber& one : *scene.dependents) {
+    out.push_back(value_of(one, named, scene, in_range));
+    if (one.at.place.owner == Owner::number) named[static_cast<std::size_t>(one.at.place.item)] = out.back();
+  }
+  return out;
+}
+
+std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double> named) {
+  std::vector<double> out;
+  if (!scene.dependents) return out;
+  std::vector<double> slopes(named.size(), 0.0);
+  slopes[static_cast<std::size_t>(by)] = 1.0;
+  for (const DependentNumber& one : *scene.dependents) {
+    const double slope = one.expression.slope(named, slopes);
+    if (one.at.place.owner == Owner::number) {
+      const auto item = static_cast<std::size_t>(one.at.place.item);
+      slopes[item] = slope;
+      named[item] = one.expression.value(named);
+    }
+    out.push_back(slope * one.dimension.unit(scene.units) * one.dimension.per_scale(scene.measured_in));
+  }
+  return out;
+}
+
+void follow_expressions(Scene& scene, bool in_range) {
+  if (!scene.dependents) return;
+  const std::vector<DependentNumber>& all = *scene.dependents;
+  const std::vector<double> values = dependent_values(scene, named_values(scene), in_range);
+  std::size_t next = 0;
+  const auto follows = [&](const ParameterRow& row) {
+    return next < all.size() && all[next].at.of == DependentPlace::Of::row && all[next].at.place == row.place;
+  };
+  for (; next < all.size() && all[next].at.place.owner == Owner::number; ++next) {
+    scene.named_values[static_cast<std::size_t>(all[next].at.place.item)].value = values[next];
+  }
+  visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
+    if (!follows(row)) return;
+    // Both limits of a stop: one alone might pass the other on the way.
+    if constexpr (std::is_same_v<decltype(item), Stop&>)
+      (row.place.number == 0 ? item.min : item.max) = values[next];
+    else
+      number.set(&item, values[next]);
+    ++next;
+  });
+  for (; next < all.size(); ++next) component(scene, all[next].at) = values[next];
+  for (const DependentNumber& one : all) {
+    const auto item = static_cast<std::size_t>(one.at.place.item);
+    if (one.at.of == DependentPlace::Of::axis && scene.joints[item].axis == Vec2{}) {
+      throw InputError(one.item + ": expected a direction, found [0, 0]");
+    }
+    if (one.at.of == DependentPlace::Of::row && one.at.place.owner == Owner::stop &&
+        !(scene.stops[item].min <= scene.stops[item].max)) {
+      throw InputError(one.item + ": expected min <= max");
+    }
+  }
+}
 
 std::string ParameterPath::text() const {
   std::string joined;
@@ -226,6 +354,7 @@ std::optional<double> value_at(const Scene& scene, const ParameterPlace& place) 
 }
 
 void set_value_at(Scene& scene, const ParameterPlace& place, double si) {
+  if (place.owner == Owner::number) return set_named(scene, place.item, si, false);
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     if (row.place == place) number.set(&item, si);
   });
@@ -236,8 +365,12 @@ void set_value(Scene& scene, std::string_view path, double value) {
   at_path(scene, path, [&](const ParameterRow& row, auto& item, const Number& number) {
     const double si = value * row.dimension.unit(scene.units);
     if (!contains(row.range, si)) fail(row, out_of_range(row.range, value));
+    check_is_free(scene, row);
     try {
-      number.set(&item, si);
+      if (row.place.owner == Owner::number)
+        set_named(scene, row.place.item, value, true);
+      else
+        number.set(&item, si);
     } catch (const InputError& error) {
       fail(row, error.what());
     }
@@ -278,6 +411,8 @@ void scale(Scene& scene, const Scales& scales) {
         element.law);
   }
   let_stops_follow(scene);
+  scene.measured_in.length *= scales.length;
+  scene.measured_in.force *= scales.force;
 }
 
 Scene scaled(const Scene& scene, const Scales& scales) {

@@ -14,7 +14,7 @@
 namespace poise {
 
 /// The kind of item that a number of a scene belongs to.
-enum class Owner { scene, force, torque, body, point, element, drive, joint, stop, coupling, start };
+enum class Owner { scene, number, force, torque, body, point, element, drive, joint, stop, coupling, start };
 
 /// The place of a number in the table, which is the same for all scenes of the same structure.
 struct ParameterPlace {
@@ -53,7 +53,9 @@ ParameterRow parameter(const Scene& scene, std::string_view path);
 /// SI value of a number, empty if the scene gives none.
 std::optional<double> value_at(const Scene& scene, const ParameterPlace& place);
 
-/// Sets a number, SI, without checking its range. Throws InputError if it contradicts the item's other numbers.
+/// Sets a number, SI, without checking its range; what follows from it too. Throws InputError if it contradicts the
+/// item's other numbers, or where an expression of it has no value (follow_expressions()). A number that is written as
+/// an expression differs from it until the next named number is set.
 void set_value_at(Scene& scene, const ParameterPlace& place, double si);
 
 /// The same mechanism measured in `scales`: every number times Dimension::per_scale, which is exact. Lengths become

@@ -9,6 +9,7 @@
 #include "model/read_couplings.hpp"
 #include "model/read_elements.hpp"
 #include "model/scene.hpp"
+#include "model/scene_expressions.hpp"
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
@@ -51,7 +52,10 @@ Units read_units(const TomlTable& table) {
 /// Reads the parts of a scene in the order in which they refer to each other.
 class SceneReader {
  public:
-  explicit SceneReader(const TomlTable& root) : root_(root), names_(scene_) { scene_.file = root.place().file; }
+  SceneReader(const toml::table& document, const TomlPlace& place)
+      : document_(document), root_(document, place, &expressions_), names_(scene_) {
+    scene_.file = place.file;
+  }
 
   Scene read() {
     if (root_.has("scene") && !root_.has("body")) {
@@ -59,13 +63,14 @@ class SceneReader {
           "expected a scene, found a file that names one: an experiment or a design; give it to poise identify or "
           "design, or give the scene that it names");
     }
-    std::vector<std::string_view> keys{"title", "source", "gravity", "units", "ground", "body"};
+    std::vector<std::string_view> keys{"title", "source", "gravity", "units", "numbers", "ground", "body"};
     for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
     for (const std::string_view key : element_tables()) keys.push_back(key);
     for (const CouplingKind& kind : coupling_kinds()) keys.push_back(kind.table);
     keys.insert(keys.end(), {"drive", "force", "torque", "stop", "start"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
+    expressions_.read_named(root_, scene_);
     read_header();
     read_bodies();
     read_joints();
@@ -73,6 +78,7 @@ class SceneReader {
     read_couplings(root_, names_, scene_);
     read_start();
     set_values_from_start(root_, scene_);
+    expressions_.find_dependents(document_, scene_);
     return std::move(scene_);
   }
 
@@ -205,6 +211,8 @@ class SceneReader {
 
   const Units& units() const { return scene_.units; }
 
+  const toml::table& document_;
+  SceneExpressions expressions_;
   TomlTable root_;
   Scene scene_;
   SceneNames names_;
@@ -212,9 +220,7 @@ class SceneReader {
 
 }  // namespace
 
-Scene read_document(const toml::table& document, const TomlPlace& place) {
-  return SceneReader(TomlTable(document, place)).read();
-}
+Scene read_document(const toml::table& document, const TomlPlace& place) { return SceneReader(document, place).read(); }
 
 toml::table table_of(const UnitNames& names) {
   return toml::table{{"length", names.length}, {"force", names.force}, {"mass", names.mass}, {"angle", names.angle}};

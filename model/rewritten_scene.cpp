@@ -6,13 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "model/dependent_number.hpp"
+#include "model/number_spots.hpp"
 #include "model/parameters.hpp"
 #include "model/toml_reader.hpp"
 #include "model/toml_text.hpp"
@@ -25,7 +25,12 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 class Rewriter {
  public:
   Rewriter(std::string_view text, const std::string& file, const Scene& wanted)
-      : text_(text), file_(file), wanted_(wanted), old_(parse_scene(text, file)), document_(parse_toml(text, file)) {
+      : text_(text),
+        file_(file),
+        wanted_(wanted),
+        old_(parse_scene(text, file)),
+        document_(parse_toml(text, file)),
+        spots_(document_, old_) {
     lines_.push_back(0);
     for (std::size_t i = 0; i < text.size(); ++i) {
       if (text[i] == '\n') lines_.push_back(i + 1);
@@ -37,6 +42,8 @@ class Rewriter {
     if (rows.size() != parameter_table(wanted_).size()) fail();
     for (const ParameterRow& row : rows) {
       const std::optional<double> value = value_at(wanted_, row.place);
+      // What follows from other numbers follows from those that are written.
+      if (dependent_number(old_, row.place) != nullptr) continue;
       if (value && value != value_at(old_, row.place)) write(row);
     }
     for (const auto& [place, numbers] : additions_) add(place, numbers);
@@ -57,123 +64,9 @@ class Rewriter {
     std::size_t from, to;
     std::string text;
   };
-  /// Where a number is written: under the key of a table, there as it is, or as a component of a vector.
-  struct Spot {
-    const toml::table* table = nullptr;  // none where the file does not have it
-    std::string header;                  // of that table
-    std::string key;
-    int component = -1;
-    int point = -1;  // in a list of pairs, whose second number it is
-  };
 
   [[noreturn]] void fail() const {
     throw InputError(file_ + ": expected the scene that was read before; leave it unchanged until the end");
-  }
-
-  const toml::table* table(const toml::table* in, std::string_view key) const {
-    return in != nullptr && in->contains(key) ? in->get(key)->as_table() : nullptr;
-  }
-
-  const toml::table* item(std::string_view key, std::size_t index) const {
-    const toml::array* const list = document_.contains(key) ? document_.get(key)->as_array() : nullptr;
-    if (list == nullptr || index >= list->size()) fail();
-    return list->get(index)->as_table();
-  }
-
-  /// The table of an element, the n-th of [[kind]]; of friction that a gas strut has, which comes behind all tables
-  /// [[friction]], that strut's table `gas`.
-  const toml::table* element_table(const std::string& kind, std::size_t n, const std::string& name) const {
-    const toml::array* const list = document_[kind].as_array();
-    if (kind != "friction" || (list != nullptr && n < list->size())) return item(kind, n);
-    const auto spring = std::find_if(old_.elements.begin(), old_.elements.end(), [&](const Element& element) {
-      return std::holds_alternative<GasStrut>(element.law) && element.name == name;
-    });
-    if (spring == old_.elements.end()) fail();
-    const auto is_spring = [](const Element& element) { return element.table == "spring"; };
-    return table(item("spring", rank(old_.elements, static_cast<int>(spring - old_.elements.begin()), is_spring)),
-                 "gas");
-  }
-
-  /// Place of an item among those of its list that `same` holds for: each table of a file has a list of its own.
-  template <class Items, class Same>
-  static std::size_t rank(const Items& items, int index, Same same) {
-    return static_cast<std::size_t>(std::count_if(items.begin(), items.begin() + index, same));
-  }
-
-  /// Place of an item in the list of its table, in which elements and stops may take turns: by line, and on one line by
-  /// their order.
-  template <class Item>
-  std::size_t rank_of(const Item& item) const {
-    const auto in = [&](const auto& items) {
-      return std::count_if(items.begin(), items.end(), [&](const auto& other) {
-        bool is_before = other.line < item.line;
-        if constexpr (std::is_same_v<std::decay_t<decltype(other)>, Item>) {
-          is_before = is_before || (other.line == item.line && &other < &item);
-        }
-        return other.table == item.table && is_before;
-      });
-    };
-    return static_cast<std::size_t>(in(old_.elements) + in(old_.stops));
-  }
-
-  Spot spot_of(const ParameterRow& row) const {
-    const auto at = static_cast<std::size_t>(row.place.item);
-    const std::string_view kind = row.path.parts[0];
-    std::string key(row.path.parts[3]);
-    switch (row.place.owner) {
-      case Owner::scene:
-        return {&document_, "", "gravity", row.place.number};
-      case Owner::force:
-        return {item("force", at), "", "vector", 0};
-      case Owner::torque:
-        return {item("torque", at), "", "value"};
-      case Owner::body: {
-        const std::string& name = old_.bodies[at].name;
-        const toml::table* const body = table(table(&document_, "body"), name);
-        const std::string header = "body." + toml_key(name);
-        return row.place.number < 2 ? Spot{body, header, key} : Spot{body, header, "center", row.place.number - 2};
-      }
-      case Owner::point: {
-        const Body& body = old_.bodies[at];
-        const toml::table* const owner =
-            at == 0 ? table(&document_, "ground") : table(table(&document_, "body"), body.name);
-        return {table(owner, "points"), "", body.points[static_cast<std::size_t>(row.place.part)].name,
-                row.place.number};
-      }
-      case Owner::element: {
-        const auto same = [&](const Element& other) { return other.table == kind; };
-        const Element& element = old_.elements[at];
-        if (element.table == "rope") return {item(kind, rank_of(element)), "", key};
-        const toml::table* const written =
-            element_table(element.table, rank(old_.elements, row.place.item, same), element.name);
-        if (element.table == "friction" && written != nullptr && written->contains("friction")) {
-          return {written, "", row.place.number == 0 ? "friction" : "friction_width"};
-        }
-        const std::size_t dot = key.find('.');
-        if (dot == std::string::npos) return {written, "", key};
-        const toml::table* const part = table(written, key.substr(0, dot));
-        const std::string number = key.substr(dot + 1);
-        if (!std::holds_alternative<CurveSpring>(element.law)) return {part, "", number};
-        return {part, "", "curve", -1, std::stoi(number) - 1};
-      }
-      case Owner::coupling:
-        return {item(kind, rank_of(old_.stops[at])), "", key};
-      case Owner::joint: {
-        const auto same = [&](const Joint& other) { return other.kind == old_.joints[at].kind; };
-        return {item(kind, rank(old_.joints, row.place.item, same)), "", key};
-      }
-      case Owner::drive:
-        return {item(kind, at), "", key};
-      case Owner::stop:
-        return {item(kind, at), "", key};
-      case Owner::start:
-        break;
-    }
-    const toml::table* const start = table(&document_, "start");
-    const std::string name(row.path.parts[1]);
-    if (row.place.part < 2) return {start, "start", name};
-    const toml::table* const position = table(start, "position");
-    return {position, "start.position", name, row.place.number};
   }
 
   /// In the units of the file, so that reading it gives exactly this number where that is possible.
@@ -186,7 +79,7 @@ class Rewriter {
   }
 
   void write(const ParameterRow& row) {
-    const Spot spot = spot_of(row);
+    const NumberSpot spot = spots_.of(row);
     const double unit = row.dimension.unit(wanted_.units);
     const toml::node* const node = spot.table != nullptr ? spot.table->get(spot.key) : nullptr;
     const auto number = [&](const std::optional<double>& si) { return toml_number(in_unit(si.value_or(0.0), unit)); };
@@ -343,6 +236,12 @@ class Rewriter {
       const std::optional<double> value = value_at(wanted_, row.place);
       const std::optional<double> read = value_at(back, row.place);
       if (!value || value == read || (read && std::abs(*value - *read) <= rounding * std::abs(*value))) continue;
+      if (const DependentNumber* const dependent = dependent_number(wanted_, row.place)) {
+        if (row.place.owner == Owner::start) continue;  // a guess stays one
+        throw InputError(fmt::format(
+            "{}: {}: expected the value of its expression \"{}\", found {}; write it as a number", file_,
+            row.path.text(), dependent->expression.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
+      }
       throw InputError(fmt::format("{}: {}: expected a number that can be written into this file; write it there as {}",
                                    file_, row.path.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
     }
@@ -353,6 +252,7 @@ class Rewriter {
   const Scene& wanted_;
   Scene old_;
   toml::table document_;
+  NumberSpots spots_;
   std::vector<std::size_t> lines_;  // offsets of their first characters
   std::map<TablePlace, Numbers> additions_;
   std::vector<Edit> edits_;

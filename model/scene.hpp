@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,7 @@
 #include "model/number.hpp"
 #include "model/planar.hpp"
 #include "model/point_ref.hpp"
+#include "model/scales.hpp"
 #include "model/units.hpp"
 
 namespace poise {
@@ -138,6 +140,19 @@ struct Start {
   std::vector<std::optional<Vec2>> position;  ///< per body
 };
 
+/// A number of the table [numbers], which expressions refer to: without a unit, used as it is written.
+struct SceneNumber {
+  std::string name;
+  double value = 0.0;
+  int line = 0;
+
+  static const std::array<Number, 1> numbers;
+};
+
+inline constexpr std::array<Number, 1> SceneNumber::numbers{plain_number<&SceneNumber::value>("", dimension::none)};
+
+struct DependentNumber;
+
 /// A planar mechanism as declared in a scene file. All values SI.
 struct Scene {
   std::string file;  ///< for messages
@@ -153,6 +168,11 @@ struct Scene {
   std::vector<Torque> torques;
   std::vector<Stop> stops;
   Start start;
+  std::vector<SceneNumber> named_values;
+  /// Numbers that follow from the named ones: first those that have names themselves, each behind those that it uses,
+  /// then the rows of the parameter table in its order, then components without a row. Null where there are none.
+  std::shared_ptr<const std::vector<DependentNumber>> dependents;
+  Scales measured_in{};  ///< units of all numbers but the named ones, where scale() has changed them
 
   /// A scene with the ground only.
   Scene();
@@ -182,6 +202,7 @@ Scene read_scene(const std::filesystem::path& file);
 Scene parse_scene(std::string_view text, const std::string& name);
 
 /// Sets one number of the scene, given in the scene's own units, by its path:
+///   numbers.NAME          of the table [numbers]; all numbers that are expressions of it follow
 ///   load.NAME             magnitude of force NAME along its direction, or the torque NAME
 ///   gravity.x | y
 ///   point.BODY.POINT.x | y   in the body's frame; BODY may be ground
@@ -193,7 +214,8 @@ Scene parse_scene(std::string_view text, const std::string& name);
 ///   stop.NAME.min | max
 ///   start.NAME            guess for the angle of a body or the travel of a joint
 ///   start.NAME.x | y      guess for the position of a body
-/// Throws InputError naming the nearest valid path. Takes some 10 ns per number that the scene holds.
+/// Throws InputError naming the nearest valid path, and for a number that is written as an expression; the scene is
+/// then unchanged. Takes some 10 ns per number that the scene holds.
 void set_value(Scene& scene, std::string_view path, double value);
 
 /// The number that set_value sets, in the scene's own units: get_value(set_value(x)) = x. An absent limit of a stop is

@@ -135,6 +135,16 @@ SceneBuilder& SceneBuilder::source(std::string text) {
   return *this;
 }
 
+SceneBuilder& SceneBuilder::number(const std::string& name, double value) {
+  document_->add(document_->part(document_->root, "numbers"), "numbers", name, value);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::number(const std::string& name, const std::string& expression) {
+  document_->add(document_->part(document_->root, "numbers"), "numbers", name, expression);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::gravity(Vec2 acceleration) {
   document_->root.insert_or_assign("gravity", pair_of(acceleration));
   return *this;

@@ -70,8 +70,8 @@ class SceneBuilder {
     double inertia = 0.0;  ///< about the centre of mass
   };
 
-  /// A key of a table of a scene file with its number, its word or its pairs of numbers. A key of a table in that table
-  /// has both names: {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}}.
+  /// A key of a table of a scene file with its number, its word, which for a number is an expression, or its pairs of
+  /// numbers. A key of a table in that table has both names: {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}}.
   struct Key {
     Key(std::string key, double number) : name(std::move(key)), value(number) {}
     Key(std::string key, std::string word) : name(std::move(key)), value(std::move(word)) {}
@@ -82,6 +82,9 @@ class SceneBuilder {
   };
 
   SceneBuilder& source(std::string text);  ///< where the data come from
+  /// A number that expressions refer to, or one that is such an expression itself (docs/scene-files.md#expressions).
+  SceneBuilder& number(const std::string& name, double value);
+  SceneBuilder& number(const std::string& name, const std::string& expression);
   SceneBuilder& gravity(Vec2 acceleration);
   SceneBuilder& ground_point(const std::string& name, Vec2 at);
   SceneBuilder& body(const std::string& name, const BodyData& data);

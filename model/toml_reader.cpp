@@ -31,20 +31,6 @@ std::string found(const toml::node& node) {
   }
 }
 
-double read_number(const toml::node& node, const TomlPlace& place, double unit, Range range) {
-  double written = 0.0;
-  if (const auto* integer = node.as_integer()) {
-    written = static_cast<double>(integer->get());
-  } else if (const auto* real = node.as_floating_point()) {
-    written = real->get();
-  } else {
-    place.fail("expected a number" + found(node));
-  }
-  const double value = written * unit;
-  if (!contains(range, value)) place.fail(out_of_range(range, written));
-  return value;
-}
-
 TomlText read_text(const toml::node& node, TomlPlace place) {
   const auto* const text = node.as_string();
   if (text == nullptr) place.fail("expected a string" + found(node));
@@ -70,7 +56,27 @@ std::size_t choose(const TomlText& text, const std::vector<std::string>& words) 
   text.place.fail("expected one of " + shown + ", found \"" + text.value + "\"" + did_you_mean(text.value, words));
 }
 
-TomlTable::TomlTable(const toml::table& table, TomlPlace place) : table_(&table), place_(std::move(place)) {}
+TomlTable::TomlTable(const toml::table& table, TomlPlace place, ExpressionReader* expressions)
+    : table_(&table), place_(std::move(place)), expressions_(expressions) {}
+
+double TomlTable::read_number(const toml::node& node, const TomlPlace& place, double unit, Range range) const {
+  double written = 0.0;
+  const auto* const text = expressions_ != nullptr ? node.as_string() : nullptr;
+  if (const auto* integer = node.as_integer()) {
+    written = static_cast<double>(integer->get());
+  } else if (const auto* real = node.as_floating_point()) {
+    written = real->get();
+  } else if (text != nullptr) {
+    written = expressions_->value(*text, place);
+  } else {
+    place.fail("expected a number" + found(node));
+  }
+  const double value = written * unit;
+  if (!contains(range, value)) {
+    place.fail(out_of_range(range, written) + (text != nullptr ? " from \"" + text->get() + "\"" : ""));
+  }
+  return value;
+}
 
 std::pair<int, int> TomlTable::position() const {
   int column = std::numeric_limits<int>::max();
@@ -86,6 +92,11 @@ bool TomlTable::holds_table(std::string_view key) const {
 bool TomlTable::holds_list(std::string_view key) const {
   const toml::node* const node = find(key);
   return node != nullptr && node->is_array();
+}
+
+bool TomlTable::holds_text(std::string_view key) const {
+  const toml::node* const node = find(key);
+  return node != nullptr && node->is_string();
 }
 
 TomlPlace TomlTable::place_of(std::string_view key) const {
@@ -250,7 +261,7 @@ std::optional<TomlTable> TomlTable::find_table(std::string_view key) const {
   if (node == nullptr) return std::nullopt;
   const toml::table* const table = node->as_table();
   if (table == nullptr) place_of(key).fail("expected a table" + found(*node));
-  return TomlTable(*table, place_of(key));
+  return TomlTable(*table, place_of(key), expressions_);
 }
 
 std::vector<TomlItem> TomlTable::items(std::string_view key) const {
@@ -261,9 +272,9 @@ std::vector<TomlItem> TomlTable::items(std::string_view key) const {
   if (list == nullptr) place_of(key).fail("expected a list" + found(*node));
   for (const toml::node& element : *list) {
     TomlPlace place = place_of(element, std::string(key) + " " + std::to_string(result.size() + 1));
-    TomlItem item{{}, {}, &element, place};
+    TomlItem item{{}, {}, &element, this, place};
     if (element.is_string()) item.text = TomlText{element.as_string()->get(), place};
-    if (const toml::table* const table = element.as_table()) item.table.emplace(*table, place);
+    if (const toml::table* const table = element.as_table()) item.table.emplace(*table, place, expressions_);
     result.push_back(std::move(item));
   }
   return result;
@@ -272,7 +283,7 @@ std::vector<TomlItem> TomlTable::items(std::string_view key) const {
 Vec2 TomlItem::vector() const {
   const toml::array* const list = node->as_array();
   if (list == nullptr || list->size() != 2) where.fail("expected two numbers [X, Y]" + found(*node));
-  const auto component = [&](std::size_t i) { return read_number((*list)[i], where, 1.0, Range::finite); };
+  const auto component = [&](std::size_t i) { return of->read_number((*list)[i], where, 1.0, Range::finite); };
   return {component(0), component(1)};
 }
 
@@ -290,7 +301,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
     place.item += std::string(key) + " ";
     const auto* const name = table->get_as<std::string>("name");
     place.item += name == nullptr ? std::to_string(result.size() + 1) : "\"" + name->get() + "\"";
-    result.emplace_back(*table, std::move(place));
+    result.emplace_back(*table, std::move(place), expressions_);
   }
   return result;
 }

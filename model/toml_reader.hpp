@@ -51,10 +51,19 @@ std::size_t choose(const TomlText& text, const std::vector<std::string>& words);
 
 struct TomlItem;
 
+/// Gives strings that stand where numbers are expected their values.
+class ExpressionReader {
+ public:
+  virtual ~ExpressionReader() = default;
+  /// The value in the unit of the place; fails where it has none. The node belongs to the document.
+  virtual double value(const toml::value<std::string>& node, const TomlPlace& place) = 0;
+};
+
 /// A table read key by key. Refers to a document that must outlive it.
 class TomlTable {
  public:
-  TomlTable(const toml::table& table, TomlPlace place);
+  /// `expressions`: by which strings stand for numbers; none where they do not. Outlives this.
+  TomlTable(const toml::table& table, TomlPlace place, ExpressionReader* expressions = nullptr);
 
   const TomlPlace& place() const { return place_; }
   /// Orders tables as the document does: line, then column of the first key.
@@ -62,6 +71,7 @@ class TomlTable {
   bool has(std::string_view key) const { return table_->contains(key); }
   bool holds_table(std::string_view key) const;
   bool holds_list(std::string_view key) const;
+  bool holds_text(std::string_view key) const;
   /// The place of one key of the table, present or not.
   TomlPlace place_of(std::string_view key) const;
   /// The keys in the order of the file.
@@ -70,8 +80,9 @@ class TomlTable {
   void allow_keys(std::span<const std::string_view> valid) const;
   void allow_keys(std::initializer_list<std::string_view> valid) const { allow_keys(std::span(valid)); }
 
-  /// The number under `key` times `unit`, the SI value of its unit. Fails unless it is an integer or a float within
-  /// `range`, also after conversion. The second is empty if the key is absent.
+  /// The number under `key` times `unit`, the SI value of its unit. Fails unless it is an integer, a float or, where
+  /// strings stand for numbers, an expression within `range`, also after conversion. The second is empty if the key is
+  /// absent.
   double number(std::string_view key, double unit, Range range) const;
   std::optional<double> find_number(std::string_view key, double unit, Range range) const;
 
@@ -109,20 +120,26 @@ class TomlTable {
   std::vector<TomlTable> tables(std::string_view key) const;
 
  private:
+  friend struct TomlItem;
+
   const toml::node* find(std::string_view key) const { return table_->get(key); }
   /// The node under `key`; fails when it is absent, showing how it is written.
   const toml::node& require(std::string_view key, const std::string& how) const;
   TomlPlace place_of(const toml::node& node, std::string_view key) const;
 
+  double read_number(const toml::node& node, const TomlPlace& place, double unit, Range range) const;
+
   const toml::table* table_;
   TomlPlace place_;
+  ExpressionReader* expressions_;
 };
 
-/// One item of a list: a string, a table or something else.
+/// One item of a list of the table `of`, which outlives it: a string, a table or something else.
 struct TomlItem {
   std::optional<TomlText> text;
   std::optional<TomlTable> table;
   const toml::node* node;
+  const TomlTable* of;
   TomlPlace where;
 
   const TomlPlace& place() const { return where; }

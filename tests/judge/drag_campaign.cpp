@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "comparison/random.hpp"
+#include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 #include "statics/mobility.hpp"
 #include "tests/judge/small_steps.hpp"
@@ -241,6 +242,7 @@ class Run {
       const ParameterRow& row = rows[static_cast<std::size_t>(random_.index(rows.size()))];
       const Owner owner = row.place.owner;
       if (owner == Owner::start || owner == Owner::drive) continue;
+      if (dependent_number(live_.scene(), row.place) != nullptr) continue;
       const auto value = value_at(live_.scene(), row.place);
       if (value && std::isfinite(*value)) return row;
     }

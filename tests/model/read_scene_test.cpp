@@ -685,15 +685,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"NoBody", "title = 'a'\n[body]\n", "1: body: expected at least one body; add [body.NAME]"},
         BadScene{
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
-            "2: bdoy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, pin_in_slot, "
-            "weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, friction, bump_stop, "
-            "drive, force, torque, "
+            "2: bdoy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
+            "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, "
+            "friction, bump_stop, gear, belt, rack, cam, coupling, rope, drive, force, torque, "
             "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
-                 "1: bo dy: expected one of the keys title, source, gravity, units, ground, body, pin, slide, "
+                 "1: bo dy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
-                 "torsion_damper, friction, bump_stop, "
+                 "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, "
                  "drive, force, torque, stop, start; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
@@ -745,7 +745,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"NegativeMass", "[body.a]\nmass = -0.5\n",
                  "2: body.a.mass: expected a finite number >= 0, found -0.5"},
         BadScene{"InfiniteMass", "[body.a]\nmass = inf\n", "2: body.a.mass: expected a finite number >= 0, found inf"},
-        BadScene{"MassInQuotes", "[body.a]\nmass = '2'\n", "2: body.a.mass: expected a number, found a string"},
+        BadScene{"MassInWords", "[body.a]\nmass = 'heavy'\n",
+                 "2: body.a.mass: expected a name of [numbers], pi or a function, found \"heavy\" in \"heavy\"; known here: "
+                 "pi, sqrt, exp, log, sin, cos, tan, asin, acos, atan, abs, max and 3 more"},
         BadScene{"NegativeInertia", "[body.a]\n\ninertia = -1\n",
                  "3: body.a.inertia: expected a finite number >= 0, found -1"},
         BadScene{"OverflowByUnit",

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 #include "model/text_file.hpp"
 
@@ -153,6 +154,8 @@ TEST(RewrittenScene, ReadsBackWithAllNumbersOfAllScenesChanged) {
         if (row.place.owner == Owner::force && value == 0.0) continue;
         // Limits of stops keep their order.
         if (row.place.owner == Owner::stop) continue;
+        // What follows from an expression changes with named numbers.
+        if (dependent_number(scene, row.place) != nullptr) continue;
         if (value) set_value_at(scene, row.place, *value != 0.0 ? *value * factor(random) : 0.1 * factor(random));
       }
       expect_reads_back(rewritten_scene(text, file.path().string(), scene), scene);

@@ -1,0 +1,58 @@
+#pragma once
+
+// Numbers of a scene that follow from others: expressions of the numbers that the table [numbers] gives names.
+
+#include <string>
+#include <vector>
+
+#include "model/expression.hpp"
+#include "model/parameters.hpp"
+
+namespace poise {
+
+/// Where a dependent number stands: a row of the parameter table, or a component that has no row of its own.
+struct DependentPlace {
+  enum class Of {
+    row,     ///< `place` in the table
+    force,   ///< component of a force's vector, whose magnitude is the row `place`
+    axis,    ///< component of a joint's axis; `place` names the joint
+    factor,  ///< factor of a term of the sum on which the item `place` acts
+  };
+  Of of = Of::row;
+  ParameterPlace place;
+  int component = 0;  ///< 0 x, 1 y; of a factor its term
+};
+
+/// A number that a scene file writes as an expression of named numbers: in the units of the file, as a number there.
+struct DependentNumber {
+  DependentPlace at;
+  std::string item;  ///< "spring \"k\".stiffness"
+  Expression expression;
+  Dimension dimension;
+  Range range = Range::finite;
+};
+
+/// What a row of the table follows from, of a force also one of its components; null where it is a number.
+const DependentNumber* dependent_number(const Scene& scene, const ParameterPlace& place);
+
+/// Throws InputError where a row follows from an expression, and so cannot be set or varied by itself; names the
+/// expression and the numbers to set instead.
+void check_is_free(const Scene& scene, const ParameterRow& row);
+
+/// Values of the named numbers, in their order.
+std::vector<double> named_values(const Scene& scene);
+
+/// Values of the scene's dependent numbers, in its order, where the named ones that are not expressions have these
+/// values; in the scene's units: SI, or those of a scaled scene. Throws InputError where one has none, or is 0 or
+/// negative where it has to be positive; with `in_range` where it leaves its range.
+std::vector<double> dependent_values(const Scene& scene, std::vector<double> named, bool in_range);
+
+/// Their derivatives there by a named number that is not an expression, along all expressions between them. Not a
+/// number where an expression has none.
+std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double> named);
+
+/// Gives all dependent numbers the values that follow from the named ones. Throws InputError as dependent_values()
+/// does, and where two of them contradict each other.
+void follow_expressions(Scene& scene, bool in_range);
+
+}  // namespace poise

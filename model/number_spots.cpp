@@ -1,0 +1,146 @@
+#include "model/number_spots.hpp"
+
+#include <algorithm>
+#include <map>
+#include <variant>
+
+#include "model/input_error.hpp"
+#include "model/toml_text.hpp"
+
+namespace poise {
+namespace {
+
+const toml::table* below(const toml::table* in, std::string_view key) {
+  return in != nullptr && in->contains(key) ? in->get(key)->as_table() : nullptr;
+}
+
+}  // namespace
+
+const toml::node* NumberSpot::node() const {
+  const toml::node* const value = table != nullptr ? table->get(key) : nullptr;
+  const auto item = [](const toml::node* list, int at) -> const toml::node* {
+    const toml::array* const all = list != nullptr ? list->as_array() : nullptr;
+    return all != nullptr ? all->get(static_cast<std::size_t>(at)) : nullptr;
+  };
+  if (point >= 0) return item(item(value, point), 1);
+  return component < 0 ? value : item(value, component);
+}
+
+NumberSpots::NumberSpots(const toml::table& document, const Scene& scene) : document_(document), scene_(scene) {
+  std::map<std::string_view, std::size_t> count;
+  for (const Element& element : scene.elements) elements_.push_back(count[element.table]++);
+  for (const Stop& stop : scene.stops) stops_.push_back(count[stop.table]++);
+  // Ropes that stretch are elements, others stops: they take turns in one list, by their lines.
+  const auto before = [&](int line) {
+    const auto is_before = [&](const auto& item) { return item.table == "rope" && item.line < line; };
+    return static_cast<std::size_t>(std::count_if(scene.elements.begin(), scene.elements.end(), is_before) +
+                                    std::count_if(scene.stops.begin(), scene.stops.end(), is_before));
+  };
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    if (scene.elements[e].table == "rope") elements_[e] = before(scene.elements[e].line);
+  }
+  for (std::size_t s = 0; s < stops_.size(); ++s) {
+    if (scene.stops[s].table == "rope") stops_[s] = before(scene.stops[s].line);
+  }
+  for (const Joint& joint : scene.joints) joints_.push_back(count[joint.traits().key]++);
+}
+
+const toml::table* NumberSpots::in_list(std::string_view key, std::size_t index) const {
+  const toml::array* const list = document_.contains(key) ? document_.get(key)->as_array() : nullptr;
+  if (list == nullptr || index >= list->size()) {
+    throw InputError(scene_.file + ": expected the scene that was read before; leave it unchanged until the end");
+  }
+  return list->get(index)->as_table();
+}
+
+const toml::table* NumberSpots::item(Owner owner, int index) const {
+  const auto at = static_cast<std::size_t>(index);
+  switch (owner) {
+    case Owner::element:
+      return table_of(at);
+    case Owner::joint:
+      return in_list(scene_.joints[at].traits().key, joints_[at]);
+    case Owner::force:
+      return in_list("force", at);
+    case Owner::torque:
+      return in_list("torque", at);
+    case Owner::drive:
+      return in_list("drive", at);
+    case Owner::stop:
+    case Owner::coupling:
+      return in_list(scene_.stops[at].table, stops_[at]);
+    default:
+      return nullptr;
+  }
+}
+
+// Of friction that a gas strut has, which comes behind all tables [[friction]], that strut's table `gas`.
+const toml::table* NumberSpots::table_of(std::size_t element) const {
+  const Element& of = scene_.elements[element];
+  const toml::array* const list = document_.contains(of.table) ? document_.get(of.table)->as_array() : nullptr;
+  if (of.table != "friction" || (list != nullptr && elements_[element] < list->size())) {
+    return in_list(of.table, elements_[element]);
+  }
+  const auto strut = std::find_if(scene_.elements.begin(), scene_.elements.end(), [&](const Element& other) {
+    return std::holds_alternative<GasStrut>(other.law) && other.name == of.name;
+  });
+  if (strut == scene_.elements.end()) return in_list(of.table, elements_[element]);
+  return below(table_of(static_cast<std::size_t>(strut - scene_.elements.begin())), "gas");
+}
+
+// A key with a dot is in a table of the element's table: "gas.preload", "force.3" of a curve.
+NumberSpot NumberSpots::of_element(std::size_t element, const std::string& key, int number) const {
+  const toml::table* const written = table_of(element);
+  if (scene_.elements[element].table == "friction" && written != nullptr && written->contains("friction")) {
+    return {written, "", number == 0 ? "friction" : "friction_width"};
+  }
+  const std::size_t dot = key.find('.');
+  if (dot == std::string::npos) return {written, "", key};
+  const toml::table* const part = below(written, key.substr(0, dot));
+  const std::string last = key.substr(dot + 1);
+  if (!std::holds_alternative<CurveSpring>(scene_.elements[element].law)) return {part, "", last};
+  return {part, "", "curve", -1, std::stoi(last) - 1};
+}
+
+NumberSpot NumberSpots::of(const ParameterRow& row) const {
+  const auto at = static_cast<std::size_t>(row.place.item);
+  std::string key(row.path.parts[3]);
+  switch (row.place.owner) {
+    case Owner::scene:
+      return {&document_, "", "gravity", row.place.number};
+    case Owner::number:
+      return {below(&document_, "numbers"), "numbers", scene_.named_values[at].name};
+    case Owner::force:
+      return {item(Owner::force, row.place.item), "", "vector", 0};
+    case Owner::torque:
+      return {item(Owner::torque, row.place.item), "", "value"};
+    case Owner::body: {
+      const std::string& name = scene_.bodies[at].name;
+      const toml::table* const body = below(below(&document_, "body"), name);
+      const std::string header = "body." + toml_key(name);
+      return row.place.number < 2 ? NumberSpot{body, header, key}
+                                  : NumberSpot{body, header, "center", row.place.number - 2};
+    }
+    case Owner::point: {
+      const Body& body = scene_.bodies[at];
+      const toml::table* const owner =
+          at == 0 ? below(&document_, "ground") : below(below(&document_, "body"), body.name);
+      return {below(owner, "points"), "", body.points[static_cast<std::size_t>(row.place.part)].name, row.place.number};
+    }
+    case Owner::element:
+      return of_element(at, key, row.place.number);
+    case Owner::joint:
+    case Owner::drive:
+    case Owner::stop:
+    case Owner::coupling:
+      return {item(row.place.owner, row.place.item), "", key};
+    case Owner::start:
+      break;
+  }
+  const toml::table* const start = below(&document_, "start");
+  const std::string name(row.path.parts[1]);
+  if (row.place.part < 2) return {start, "start", name};
+  return {below(start, "position"), "start.position", name, row.place.number};
+}
+
+}  // namespace poise

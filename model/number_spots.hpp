@@ -1,0 +1,50 @@
+#pragma once
+
+// Where the numbers of a scene stand in its document. Private to model/.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "model/parameters.hpp"
+#include "model/scene.hpp"
+
+namespace poise {
+
+/// Where a number is written: under the key of a table, there as it is, or as a component of a vector.
+struct NumberSpot {
+  const toml::table* table = nullptr;  ///< none where the document does not have it
+  std::string header;                  ///< of that table
+  std::string key;
+  int component = -1;
+  int point = -1;  ///< in a list of pairs, whose second number it is
+
+  /// The number itself; null where the document leaves it to its default.
+  const toml::node* node() const;
+};
+
+/// Finds the spots of a scene in the document that it was read from; both must outlive it.
+class NumberSpots {
+ public:
+  NumberSpots(const toml::table& document, const Scene& scene);
+
+  /// Of a row of the parameter table; of a force the x of its vector. Throws InputError naming the scene's file where
+  /// the document is no longer that of the scene.
+  NumberSpot of(const ParameterRow& row) const;
+  /// The table of an element, joint, force, drive or stop.
+  const toml::table* item(Owner owner, int index) const;
+
+ private:
+  const toml::table* in_list(std::string_view key, std::size_t index) const;
+  const toml::table* table_of(std::size_t element) const;
+  NumberSpot of_element(std::size_t element, const std::string& key, int number) const;
+
+  const toml::table& document_;
+  const Scene& scene_;
+  // Place of each among those of its table: each table of a file has a list of its own.
+  std::vector<std::size_t> elements_, joints_, stops_;
+};
+
+}  // namespace poise
