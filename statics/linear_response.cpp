@@ -48,6 +48,20 @@ std::vector<HeldStop> held_at(const Scene& scene, const std::vector<double>& pos
   return out;
 }
 
+namespace {
+
+/// The chain rule: what follows from a named number changes with it. One row per derivative.
+template <class Derivatives>
+void add_followers(const NumberedEquations& equations, const std::vector<double>& numbers, Derivatives& by_numbers) {
+  for (std::size_t row = 0; row < equations.scene().named_values.size(); ++row) {
+    for (const auto& [at, slope] : equations.followers(static_cast<int>(row), numbers)) {
+      by_numbers.col(static_cast<Eigen::Index>(row)) += slope * by_numbers.col(at);
+    }
+  }
+}
+
+}  // namespace
+
 ResidualDerivatives differentiate(const NumberedEquations& equations, const std::vector<double>& numbers,
                                   const std::vector<double>& z, bool by_numbers) {
   const int n = equations.unknowns();
@@ -66,6 +80,7 @@ ResidualDerivatives differentiate(const NumberedEquations& equations, const std:
       }
     }
   });
+  if (by_numbers) add_followers(equations, numbers, out.by_numbers);
   return out;
 }
 
@@ -83,6 +98,8 @@ QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& 
       (first + k < n ? out.by_unknowns[first + k] : out.by_numbers[first + k - n]) = value.v[k];
     }
   });
+  Eigen::Map<Eigen::RowVectorXd> row(out.by_numbers.data(), out.by_numbers.size());
+  add_followers(equations, numbers, row);
   return out;
 }
 

@@ -74,6 +74,7 @@ class LoopTurns::WoundSprings {
     std::erase_if(springs.elements, [](const Element& element) {
       return !element.on.is_angle() || std::holds_alternative<ConstantForce>(element.law);
     });
+    springs.dependents.reset();  // which refer to places in these lists
     springs.gravity = {};
     springs.forces.clear();
     springs.torques.clear();

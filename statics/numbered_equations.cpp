@@ -1,5 +1,6 @@
 #include "statics/numbered_equations.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
@@ -47,6 +48,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
       case Owner::coupling:
         stop_number_[place.item] = at;
         break;
+      case Owner::number:
       case Owner::drive:
       case Owner::start:
         break;
@@ -56,6 +58,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   const auto put_all = [&](int at, const auto& item, std::span<const Number> numbers) {
     for (const Number& number : numbers) put(at++, number.get(&item).value_or(0.0));
   };
+  for (std::size_t i = 0; i < scene_.named_values.size(); ++i) put(static_cast<int>(i), scene_.named_values[i].value);
   put_all(gravity_, scene_, Scene::numbers);
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     const Body& body = scene_.bodies[i];
@@ -84,6 +87,89 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   }
   for (std::size_t h = 0; h < held_.size(); ++h) stop_.push_back(unknowns_++);
   turns_.assign(scene_.joints.size(), 0.0);
+  place_dependents();
+}
+
+void NumberedEquations::place_dependents() {
+  if (!scene_.dependents) return;
+  followed_ = dependent_values(scene_, named_values(scene_), false);
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < followed_.size(); ++k) {
+    const DependentPlace& at = (*scene_.dependents)[k].at;
+    const auto item = static_cast<std::size_t>(at.place.item);
+    int place = -1;
+    if (at.of == DependentPlace::Of::row && at.place.owner != Owner::number) {
+      while (!(rows_[row].place == at.place)) ++row;
+      place = static_cast<int>(row);
+    } else if (at.of == DependentPlace::Of::force || at.of == DependentPlace::Of::axis) {
+      const bool is_force = at.of == DependentPlace::Of::force;
+      std::vector<Components>& all = is_force ? vector_ : axis_;
+      all.resize(is_force ? scene_.forces.size() : scene_.joints.size());
+      const Vec2& vector = is_force ? scene_.forces[item].vector : scene_.joints[item].axis;
+      place = static_cast<int>(numbers_.size());
+      (at.component == 0 ? all[item].x : all[item].y) = place;
+      numbers_.push_back(at.component == 0 ? vector.x : vector.y);
+    }
+    dependent_.push_back(place);
+  }
+}
+
+namespace {
+
+/// The named numbers come first in p, and have no unit.
+std::vector<double> named_in(const Scene& scene, const std::vector<double>& numbers) {
+  return {numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(scene.named_values.size())};
+}
+
+}  // namespace
+
+void NumberedEquations::follow(std::vector<double>& numbers) const {
+  if (dependent_.empty()) return;
+  const std::vector<double> values = dependent_values(scene_, named_in(scene_, numbers), false);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (dependent_[k] >= 0) numbers[dependent_[k]] += values[k] - followed_[k];
+  }
+  for (std::size_t f = 0; f < vector_.size(); ++f) {
+    if (!vector_[f].varies()) continue;
+    const Vec2& before = scene_.forces[f].vector;
+    const Vec2 after{vector_[f].x >= 0 ? numbers[vector_[f].x] : before.x,
+                     vector_[f].y >= 0 ? numbers[vector_[f].y] : before.y};
+    numbers[force_[f]] += norm(after) - norm(before);
+  }
+}
+
+std::vector<std::pair<int, double>> NumberedEquations::followers(int row, const std::vector<double>& numbers) const {
+  std::vector<std::pair<int, double>> out;
+  if (dependent_.empty() || rows_[row].place.owner != Owner::number) return out;
+  const std::vector<double> slopes = dependents_by(scene_, rows_[row].place.item, named_in(scene_, numbers));
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    if (dependent_[k] < 0 || slopes[k] == 0.0 || !std::isfinite(slopes[k])) continue;
+    out.emplace_back(dependent_[k], slopes[k]);
+    const DependentPlace& at = (*scene_.dependents)[k].at;
+    if (at.of != DependentPlace::Of::force) continue;
+    // The magnitude follows from the components.
+    const Planar<double> direction = along(scene_.forces[at.place.item].vector, vector_[at.place.item], numbers.data());
+    out.emplace_back(force_[at.place.item], slopes[k] * (at.component == 0 ? direction.x : direction.y));
+  }
+  return out;
+}
+
+std::string NumberedEquations::why_not_followed(int row) const {
+  if (dependent_.empty() || rows_[row].place.owner != Owner::number) return "";
+  const std::vector<double> slopes = dependents_by(scene_, rows_[row].place.item, named_values(scene_));
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    const DependentNumber& one = (*scene_.dependents)[k];
+    const std::string written = one.item + " = \"" + one.expression.text() + "\"";
+    if (!std::isfinite(slopes[k])) return written + " has no derivative by it";
+    if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::factor) {
+      return written + " is a factor of a sum, by which there are no derivatives";
+    }
+    if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::force &&
+        scene_.forces[one.at.place.item].vector == Vec2{}) {
+      return written + " is a force of zero, which has no direction";
+    }
+  }
+  return "";
 }
 
 void NumberedEquations::count_turns(const double* z) {

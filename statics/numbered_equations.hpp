@@ -5,13 +5,16 @@
 // a scene file stands where it acts; equations of the compiled mechanism (model/mechanism.hpp) have sums of numbers.
 
 #include <cmath>
+#include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include <ceres/jet.h>
 
 #include "model/couplings.hpp"
+#include "model/dependent_number.hpp"
 #include "model/gas_struts.hpp"
 #include "model/measures/sum.hpp"
 #include "model/parameters.hpp"
@@ -45,7 +48,9 @@ double plain_value(const ceres::Jet<T, N>& a) {
 ///
 /// Multipliers are efforts on body b, their opposites on a: force x, y of a pin, force normal to the axis of a slide,
 /// moment, pressure of a bar, and of a stop what tends to increase its measure. Numbers p are the rows of
-/// parameter_table(), in the units of the scene, which is measured in scales of its own (scaled()).
+/// parameter_table(), in the units of the scene, which is measured in scales of its own (scaled()); behind them
+/// components of forces and axes that are dependent numbers. Dependent numbers are variables like others: residual()
+/// does not let them follow, follow() does.
 class NumberedEquations {
  public:
   NumberedEquations(const Scene& scene, std::vector<HeldStop> held);
@@ -54,6 +59,14 @@ class NumberedEquations {
   const std::vector<ParameterRow>& rows() const { return rows_; }
   /// p of the scene; of an absent limit infinite, of an absent guess 0.
   const std::vector<double>& numbers() const { return numbers_; }
+  /// Adds to dependent numbers by how much they follow the named ones from the scene's values to those of p. Throws
+  /// InputError where an expression has no value.
+  void follow(std::vector<double>& numbers) const;
+  /// The derivatives of p by the named number of a row, along the expressions that follow from it: for each dependent
+  /// number its place in p and the derivative, 0 where it has none or there is no such place (why_not_followed()).
+  std::vector<std::pair<int, double>> followers(int row, const std::vector<double>& numbers) const;
+  /// Why some number that follows from that of a row has no derivative by it; empty where all have.
+  std::string why_not_followed(int row) const;
   const std::vector<HeldStop>& held() const { return held_; }
   int unknowns() const { return unknowns_; }
   int poses() const { return 3 * (static_cast<int>(scene_.bodies.size()) - 1); }
@@ -110,9 +123,17 @@ class NumberedEquations {
   Planar<T> world(PointRef point, const T* numbers, const std::vector<Placed<T>>& placed) const {
     return placed[point.body].origin + turned(local(point, numbers), placed[point.body]);
   }
+  // Places in p of the components of a vector that are numbers without a row, or -1.
+  struct Components {
+    int x = -1, y = -1;
+    bool varies() const { return x >= 0 || y >= 0; }
+  };
   template <class T>
-  static Planar<T> axis_of(const Joint& joint, const std::vector<Placed<T>>& placed) {
-    return turned(planar_cast<T>(joint.direction()), placed[joint.a.body]);
+  Planar<T> axis_of(int joint, const T* numbers, const std::vector<Placed<T>>& placed) const {
+    const Joint& of = scene_.joints[joint];
+    return turned(axis_.empty() || !axis_[joint].varies() ? planar_cast<T>(of.direction())
+                                                          : along(of.axis, axis_[joint], numbers),
+                  placed[of.a.body]);
   }
   template <class T>
   static Planar<T> axis_of(const Measure& component, const std::vector<Placed<T>>& placed) {
@@ -129,8 +150,16 @@ class NumberedEquations {
   template <class T>
   Planar<T> force_of(int force, const T* numbers, const std::vector<Placed<T>>& placed) const {
     const Force& f = scene_.forces[force];
-    const Planar<T> along = planar_cast<T>(direction_[force]);
-    return numbers[force_[force]] * (f.follows >= 0 ? turned(along, placed[f.follows]) : along);
+    const Planar<T> direction = vector_.empty() || !vector_[force].varies() ? planar_cast<T>(direction_[force])
+                                                                            : along(f.vector, vector_[force], numbers);
+    return numbers[force_[force]] * (f.follows >= 0 ? turned(direction, placed[f.follows]) : direction);
+  }
+  /// A vector of which some components are numbers without a row, divided by its size.
+  template <class T>
+  static Planar<T> along(const Vec2& vector, const Components& at, const T* numbers) {
+    const Planar<T> whole{at.x >= 0 ? numbers[at.x] : T(vector.x), at.y >= 0 ? numbers[at.y] : T(vector.y)};
+    return plain_value(whole.x) == 0.0 && plain_value(whole.y) == 0.0 ? Planar<T>{T(0), T(0)}
+                                                                      : T(T(1) / norm(whole)) * whole;
   }
   /// Adds a force at a point of the world, and a moment, on a body.
   template <class T>
@@ -191,6 +220,8 @@ class NumberedEquations {
   template <class T>
   T energy_of_law(int element, const T* numbers, const T& g) const;
 
+  void place_dependents();
+
   Scene scene_;
   std::vector<HeldStop> held_;
   std::vector<ParameterRow> rows_;
@@ -202,7 +233,11 @@ class NumberedEquations {
   std::vector<int> body_, element_, force_, torque_, joint_number_, stop_number_;
   std::vector<int> strut_;       // of each stop, see strut_of()
   std::vector<Vec2> direction_;  // of each force
-  std::vector<double> turns_;    // of each joint, rad
+  // Empty where no component is a number of its own.
+  std::vector<Components> vector_, axis_;
+  std::vector<int> dependent_;    // place in p of each dependent number, or -1
+  std::vector<double> followed_;  // values that follow from the scene's named numbers
+  std::vector<double> turns_;     // of each joint, rad
   std::vector<int> joint_, stop_;
 };
 
@@ -315,7 +350,8 @@ T NumberedEquations::value(const Measure& measure, const T* numbers, const std::
     }
     case Measure::Kind::travel: {
       const Joint& joint = scene_.joints[measure.joint];
-      return dot(axis_of(joint, placed), world(joint.b, numbers, placed) - world(joint.a, numbers, placed));
+      return dot(axis_of(measure.joint, numbers, placed),
+                 world(joint.b, numbers, placed) - world(joint.a, numbers, placed));
     }
     case Measure::Kind::x:
       return world(measure.b, numbers, placed).x;
@@ -369,7 +405,7 @@ void NumberedEquations::push_on(const Measure& measure, const T& effort, const T
     case Measure::Kind::travel: {
       const Joint& joint = scene_.joints[measure.joint];
       const Planar<T> at = world(joint.b, numbers, placed);
-      between(joint.a.body, joint.b.body, at, at, effort * axis_of(joint, placed));
+      between(joint.a.body, joint.b.body, at, at, effort * axis_of(measure.joint, numbers, placed));
       return;
     }
     case Measure::Kind::x:
@@ -418,7 +454,7 @@ Planar<T> NumberedEquations::joint_force(int joint, const T* numbers, const T* z
     const Planar<T> d = world(of.b, numbers, placed) - world(of.a, numbers, placed);
     return T(effort[0] / norm(d)) * d;
   }
-  if (of.has_travel()) return effort[0] * quarter_turn(axis_of(of, placed));
+  if (of.has_travel()) return effort[0] * quarter_turn(axis_of(joint, numbers, placed));
   return {effort[0], effort[1]};
 }
 
@@ -488,7 +524,7 @@ void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector
       continue;
     }
     if (joint.has_travel()) {
-      r[row++] = cross(axis_of(joint, placed), b - a);
+      r[row++] = cross(axis_of(static_cast<int>(j), numbers, placed), b - a);
     } else {
       r[row++] = b.x - a.x;
       r[row++] = b.y - a.y;

@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
+#include "statics/static_numbers.hpp"
 #include "statics/tolerance.hpp"
 
 namespace poise {
@@ -31,9 +33,8 @@ bool matches(std::string_view pattern, std::string_view text) {
 
 /// Statics uses it, and it is given.
 bool is_used(const Scene& scene, const ParameterRow& row) {
-  if (row.place.owner == Owner::drive || row.place.owner == Owner::start) return false;
-  if (row.place.owner == Owner::body && row.place.number == 1) return false;
-  if (row.place.owner == Owner::element && !stores_energy(scene.elements[row.place.item].law)) return false;
+  if (!acts_in_statics(scene, row.place)) return false;
+  if (row.place.owner == Owner::number && dependent_number(scene, row.place) != nullptr) return false;
   const std::optional<double> value = value_at(scene, row.place);
   return value && std::isfinite(*value);
 }
@@ -79,6 +80,12 @@ void check_range(const Scene& scene, const ParameterRow& row, double value, cons
   }
   if (row.place.owner == Owner::force && value == 0.0) {
     place.fail(tolerance.number + " is zero and has no direction; give the force a vector that is not zero");
+  }
+  if (row.place.owner == Owner::number) {
+    for (const double end : {value - reach, value + reach}) {
+      Scene there = scene;
+      located(place, [&] { set_value(there, tolerance.number, end); });
+    }
   }
   if (row.place.owner == Owner::stop) {
     const Stop& stop = scene.stops[row.place.item];

@@ -9,11 +9,13 @@
 
 #include <fmt/format.h>
 
+#include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "model/nearest_name.hpp"
 #include "statics/linear_response.hpp"
 #include "statics/path.hpp"
 #include "statics/path_measures.hpp"
+#include "statics/static_numbers.hpp"
 
 namespace poise {
 namespace {
@@ -176,6 +178,27 @@ bool is_kinked_in(const Law& law, int number) {
   return spring != nullptr && number >= 2 && !spring->curve().has_derivatives_by(static_cast<std::size_t>(number - 2));
 }
 
+/// Why there is no derivative by a number that is not named; empty where there is one.
+std::string why_not_by(const NumberedEquations& equations, const ParameterPlace& place,
+                       const std::vector<NumberedEquations::Placed<double>>& placed) {
+  const Scene& scene = equations.scene();
+  if (place.owner == Owner::force && norm(scene.forces[place.item].vector) == 0.0) {
+    return "a force of zero has no direction";
+  }
+  if (place.owner == Owner::stop && scene.stops[place.item].min == scene.stops[place.item].max) {
+    return "min and max of the stop are equal and can only change together";
+  }
+  if (place.owner == Owner::element && place.number == 1 &&
+      scene.elements[place.item].on.kind == Measure::Kind::distance &&
+      equations.value(scene.elements[place.item].on, equations.numbers().data(), placed) == 0.0) {
+    return "the points of the spring coincide, where its length has no direction";
+  }
+  if (place.owner == Owner::element && is_kinked_in(scene.elements[place.item].law, place.number)) {
+    return "the curve is flat beside the point, where its slope has no derivative";
+  }
+  return "";
+}
+
 /// The numbers that statics uses, and why some have no derivative.
 std::vector<Column> columns_of(const NumberedEquations& equations, const LinearResponse& response, int& without) {
   const Scene& scene = equations.scene();
@@ -185,28 +208,22 @@ std::vector<Column> columns_of(const NumberedEquations& equations, const LinearR
   without = 0;
   for (std::size_t k = 0; k < equations.rows().size(); ++k) {
     const ParameterPlace& place = equations.rows()[k].place;
-    const bool at_rest = place.owner != Owner::element || stores_energy(scene.elements[place.item].law);
-    const bool used = place.owner != Owner::drive && place.owner != Owner::start &&
-                      !(place.owner == Owner::body && place.number == 1) && at_rest;
-    if (!used) {
+    // A named number that is an expression is but a step to those that follow from it.
+    if (place.owner == Owner::number && dependent_number(scene, place) != nullptr) continue;
+    if (!acts_in_statics(scene, place)) {
       ++without;
       continue;
     }
     if (!std::isfinite(equations.numbers()[k])) continue;
-    Column column{static_cast<int>(k), ""};
-    if (place.owner == Owner::force && norm(scene.forces[place.item].vector) == 0.0) {
-      column.why = "a force of zero has no direction";
-    }
-    if (place.owner == Owner::stop && scene.stops[place.item].min == scene.stops[place.item].max) {
-      column.why = "min and max of the stop are equal and can only change together";
-    }
-    if (place.owner == Owner::element && place.number == 1 &&
-        scene.elements[place.item].on.kind == Measure::Kind::distance &&
-        equations.value(scene.elements[place.item].on, equations.numbers().data(), placed) == 0.0) {
-      column.why = "the points of the spring coincide, where its length has no direction";
-    }
-    if (place.owner == Owner::element && is_kinked_in(scene.elements[place.item].law, place.number)) {
-      column.why = "the curve is flat beside the point, where its slope has no derivative";
+    Column column{static_cast<int>(k), why_not_by(equations, place, placed)};
+    if (place.owner == Owner::number) {
+      column.why = equations.why_not_followed(column.row);
+      for (const auto& [at, slope] : equations.followers(column.row, equations.numbers())) {
+        if (at >= static_cast<int>(equations.rows().size()) || !column.why.empty()) continue;
+        const ParameterRow& row = equations.rows()[at];
+        const std::string why = why_not_by(equations, row.place, placed);
+        if (!why.empty()) column.why = row.path.text() + " follows from it: " + why;
+      }
     }
     out.push_back(std::move(column));
   }

@@ -241,6 +241,7 @@ class Sampler {
         if (equations().rows()[k].path.is(tolerance.number)) rows_.push_back(static_cast<int>(k));
       }
       per_.push_back(tolerance.dimension.per_scale(model.scales()));
+      names_vary_ = names_vary_ || equations().rows()[rows_.back()].place.owner == Owner::number;
     }
     if (!regular_) return;
     moves_.resize(n, static_cast<Eigen::Index>(rows_.size()));
@@ -306,6 +307,7 @@ class Sampler {
   Sample sample(std::size_t k, Work& work, double* values) const {
     draw(k, work);
     Sample out;
+    if (!set_numbers(work)) return out;  // an expression has no value
     if (chord(work)) {
       out.fate = Fate::taken;
       read(*nominal_.equations, work.numbers, work.z, work.placed, values);
@@ -335,6 +337,7 @@ class Sampler {
 
   /// Values at numbers that differ by work.by, scaled units; false where the equilibrium does not continue to there.
   bool continued(Work& work, double* values) const {
+    if (!set_numbers(work)) return false;
     if (chord(work)) {
       read(*nominal_.equations, work.numbers, work.z, work.placed, values);
       return true;
@@ -355,7 +358,7 @@ class Sampler {
   /// Derivatives of quantities by the tolerated numbers, scaled units, at numbers that differ by work.by, with the
   /// stops of the nominal equilibrium.
   std::optional<Eigen::MatrixXd> slopes(Work& work) const {
-    if (!chord(work)) return std::nullopt;
+    if (!set_numbers(work) || !chord(work)) return std::nullopt;
     const ResidualDerivatives at = differentiate(equations(), work.numbers, work.z, true);
     const solvers::FullyPivotedLu transposed(Eigen::MatrixXd(at.by_unknowns.transpose()));
     Eigen::MatrixXd out(static_cast<Eigen::Index>(of_.size()), static_cast<Eigen::Index>(rows_.size()));
@@ -384,10 +387,22 @@ class Sampler {
     return out;
   }
 
-  bool chord(Work& work) const {
+  /// Those that differ by work.by, with what follows from them; false where an expression has no value.
+  bool set_numbers(Work& work) const {
+    if (names_vary_) work.numbers = equations().numbers();
     for (std::size_t t = 0; t < rows_.size(); ++t) {
       work.numbers[rows_[t]] = equations().numbers()[rows_[t]] + work.by[static_cast<Eigen::Index>(t)];
     }
+    if (!names_vary_) return true;
+    try {
+      equations().follow(work.numbers);
+    } catch (const InputError&) {
+      return false;
+    }
+    return true;
+  }
+
+  bool chord(Work& work) const {
     work.dz.noalias() = moves_ * work.by;
     double before = size_of(work.dz);
     const double enough = std::max(converged, rounding_);
@@ -429,10 +444,15 @@ class Sampler {
   bool settle(Work& work, double* values) const {
     for (std::size_t q = 0; q < of_.size(); ++q) values[q] = std::numeric_limits<double>::quiet_NaN();
     Scene scene = model_.scene();
-    for (std::size_t t = 0; t < rows_.size(); ++t) {
-      set_value_at(scene, equations().rows()[rows_[t]].place, work.numbers[rows_[t]] / per_[t]);
-    }
     try {
+      // Named numbers first: what follows from them may differ by a tolerance of its own.
+      for (const bool named : {true, false}) {
+        for (std::size_t t = 0; t < rows_.size(); ++t) {
+          const ParameterPlace& place = equations().rows()[rows_[t]].place;
+          if ((place.owner == Owner::number) != named) continue;
+          set_value_at(scene, place, work.numbers[rows_[t]] / per_[t]);
+        }
+      }
       const StaticModel model(std::move(scene), model_.scales());
       const Equilibrium found = solve(model, options_.solve);
       if (!found.found()) return false;
@@ -458,6 +478,7 @@ class Sampler {
   Eigen::MatrixXd inverse_, moves_;  // A^-1, dz/dp
   std::vector<int> rows_;
   std::vector<double> per_;
+  bool names_vary_ = false;
   std::vector<char> one_way_;
 };
 

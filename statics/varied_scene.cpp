@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 
 #include "model/couplings.hpp"
+#include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "model/nearest_name.hpp"
+#include "statics/static_numbers.hpp"
 
 namespace poise {
 namespace {
@@ -111,7 +113,9 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     if (places_.empty()) fail("the scene has no loads; expected a force or a torque, or name another number");
   } else {
     const ParameterRow row = parameter(scene_, name_);
-    if (row.place.owner == Owner::start || row.place.owner == Owner::drive) {
+    check_is_free(scene_, row);
+    const bool is_idle = row.place.owner == Owner::number && !acts_in_statics(scene_, row.place);
+    if (row.place.owner == Owner::start || row.place.owner == Owner::drive || is_idle) {
       fail(
           "equilibrium does not depend on it; expected a load, a stiffness, a dimension or a driven measure, say "
           "angle.BODY");
@@ -134,8 +138,11 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
   }
   if (from == to) fail(fmt::format("the range {}..{} has no length; expected two different values", from, to));
   try {
-    scene_at(from_);
-    scene_at(to_);
+    // Derivatives by a named number are taken around each value, so that expressions need values beyond the ends too.
+    constexpr double beyond = 0.004;
+    const bool is_named = !places_.empty() && places_[0].owner == Owner::number;
+    scene_at(is_named ? value_at(-beyond) : from_);
+    scene_at(is_named ? value_at(1.0 + beyond) : to_);
   } catch (const InputError& error) {
     fail(error.what());  // limits of a stop that change places, say
   }
@@ -153,7 +160,16 @@ VariedScene::VariedScene(Scene from, Scene to) : scene_(std::move(from)), name_(
                      std::equal(rows.begin(), rows.end(), others.begin(), [](const auto& a, const auto& b) {
                        return a.place == b.place && a.path.parts == b.path.parts;
                      });
-  if (!alike) fail("expected two scenes that differ in numbers only");
+  const auto expressions = [](const Scene& scene) {
+    std::vector<std::string> out;
+    if (!scene.dependents) return out;
+    for (const DependentNumber& one : *scene.dependents) {
+      out.push_back(one.item);
+      out.push_back(one.expression.text());
+    }
+    return out;
+  };
+  if (!alike || expressions(scene_) != expressions(to)) fail("expected two scenes that differ in numbers only");
   for (const ParameterRow& row : rows) {
     if (row.place.owner == Owner::start || row.place.owner == Owner::drive) continue;
     const std::optional<double> a = poise::value_at(scene_, row.place), b = poise::value_at(to, row.place);
@@ -208,6 +224,7 @@ Scene VariedScene::scene_at(double value) const {
   }
   if (other_) {
     for (const ParameterPlace& place : places_) blend(scene, *other_, place, value);
+    scene.start = scene_.start;  // guesses that follow from named numbers too
     return scene;
   }
   for (std::size_t k = 0; k < places_.size(); ++k) {

@@ -1,0 +1,191 @@
+// Scenes whose numbers are expressions: derivatives, tolerances, paths and changes by named numbers, against closed
+// forms.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "model/parameters.hpp"
+#include "statics/path.hpp"
+#include "statics/sensitivity.hpp"
+#include "statics/static_model.hpp"
+#include "statics/tolerance.hpp"
+#include "statics/tracked_equilibrium.hpp"
+#include "statics/varied_pair.hpp"
+#include "statics/varied_scene.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+Scene arm() { return read_scene(test::dataset("balanced_arm.toml")); }
+
+const Sensitivity& by(const QuantitySensitivity& of, const std::string& number) {
+  const auto found = std::find_if(of.by.begin(), of.by.end(), [&](const Sensitivity& s) { return s.number == number; });
+  if (found == of.by.end()) throw std::runtime_error("no derivative by " + number);
+  return *found;
+}
+
+QuantitySensitivity sensitivity(const Scene& scene, const std::string& name) {
+  const StaticModel model(scene);
+  const Sensitivities found = sensitivities(model, {find_quantity(scene, name)});
+  EXPECT_EQ(found.why, "");
+  return found.of.at(0);
+}
+
+std::string message_of(const auto& act) {
+  try {
+    act();
+    return "none";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+// A block on a rail at the angle a, on a spring along it, pulled by a force at the angle c and pressed against by a
+// sum:
+//   k s = F cos(c - a) - m g sin(a),   the rail presses  m g cos(a) - F sin(c - a).
+const std::string rail = R"-(
+gravity = [0, "-g"]
+[numbers]
+g = 10
+a = 0.4
+c = 0.9
+F = 7
+k = 40
+m = 1.5
+half = "m/2"
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { P = [0, 0] }
+mass = "2*half"
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.P"]
+axis = ["3*cos(a)", "3*sin(a)"]
+[[spring]]
+name = "coil"
+slide = "rail"
+stiffness = "k"
+free_length = 0
+[[force]]
+name = "P"
+at = "block.P"
+vector = ["F*cos(c)", "F*sin(c)"]
+)-";
+
+double travel(double g, double a, double c, double F, double k, double m) {
+  return (F * std::cos(c - a) - m * g * std::sin(a)) / k;
+}
+
+TEST(NamedNumbersInStatics, MoveTheBalancedArmAsItsClosedForm) {
+  const QuantitySensitivity angle = sensitivity(arm(), "angle.arm");
+  EXPECT_NEAR(angle.value, 45 * degree, 1e-13);
+  // tan(a) = (share - 1) / (2 pull) = 1
+  EXPECT_NEAR(by(angle, "numbers.share").derivative, 1.25, 1e-12);
+  EXPECT_NEAR(by(angle, "numbers.pull").derivative, -2.5, 1e-12);
+  EXPECT_NEAR(by(angle, "numbers.lean").derivative, 0.5 * degree, 1e-13);
+  for (const char* none : {"numbers.L", "numbers.m", "numbers.g"}) {
+    EXPECT_NEAR(by(angle, none).derivative, 0.0, 1e-13) << none;
+  }
+  // Of what follows, as if it alone changed.
+  EXPECT_GT(std::abs(by(angle, "point.arm.B.x").derivative), 1.0);
+  for (const Sensitivity& one : angle.by) EXPECT_NE(one.number, "numbers.h") << "it is but a step";
+}
+
+// Axes and directions of forces have no number of their own.
+TEST(NamedNumbersInStatics, MoveAxesAndDirections) {
+  const Scene scene = parse_scene(rail, "rail.toml");
+  const double g = 10, a = 0.4, c = 0.9, F = 7, k = 40, m = 1.5;
+  const QuantitySensitivity s = sensitivity(scene, "travel.rail");
+  EXPECT_NEAR(s.value, travel(g, a, c, F, k, m), 1e-13);
+  EXPECT_NEAR(by(s, "numbers.a").derivative, (F * std::sin(c - a) - m * g * std::cos(a)) / k, 1e-12);
+  EXPECT_NEAR(by(s, "numbers.c").derivative, -F * std::sin(c - a) / k, 1e-12);
+  EXPECT_NEAR(by(s, "numbers.F").derivative, std::cos(c - a) / k, 1e-12);
+  EXPECT_NEAR(by(s, "numbers.k").derivative, -s.value / k, 1e-12);
+  EXPECT_NEAR(by(s, "numbers.m").derivative, -g * std::sin(a) / k, 1e-12);
+  EXPECT_NEAR(by(s, "numbers.g").derivative, -m * std::sin(a) / k, 1e-12);
+  const QuantitySensitivity press = sensitivity(scene, "reaction.rail");
+  EXPECT_NEAR(press.value, m * g * std::cos(a) - F * std::sin(c - a), 1e-12);
+  EXPECT_NEAR(by(press, "numbers.a").derivative, -m * g * std::sin(a) + F * std::cos(c - a), 1e-11);
+}
+
+TEST(NamedNumbersInStatics, SayWhereThereIsNoDerivative) {
+  std::string text = rail;
+  text.replace(text.find("slide = \"rail\"\nstiff"), 14, "sum = [{ factor = \"k/40\", slide = \"rail\" }]");
+  EXPECT_EQ(by(sensitivity(parse_scene(text, "s.toml"), "travel.rail"), "numbers.k").why,
+            "spring \"coil\".sum.factor = \"k/40\" is a factor of a sum, by which there are no derivatives");
+  text = rail;
+  text.replace(text.find("\"2*half\""), 8, "\"max(m, 1.5)\"");
+  EXPECT_EQ(by(sensitivity(parse_scene(text, "s.toml"), "travel.rail"), "numbers.m").why,
+            "body.block.mass = \"max(m, 1.5)\" has no derivative by it");
+}
+
+TEST(NamedNumbersInStatics, VaryAlongPaths) {
+  const VariedScene varied(arm(), "numbers.share", 1.2, 1.8);
+  PathOptions options;
+  options.certify = false;
+  const Path found = path(varied, options);
+  ASSERT_FALSE(found.branches.empty());
+  for (const PathPoint& point : found.branches[0].points) {
+    const double share = point.parameter;
+    EXPECT_NEAR(varied.model_at(share)->poses(point.x)[1].angle, std::atan((share - 1) / 0.4), 1e-10);
+  }
+  EXPECT_EQ(found.branches[0].points.back().parameter, 1.8);
+  EXPECT_EQ(message_of([] { VariedScene(arm(), "spring.balance.stiffness", 1, 2); }),
+            "spring.balance.stiffness: expected a number of its own, found the expression "
+            "\"share*weight*(L/2)/(b*h)\"; change numbers.L, numbers.share, numbers.h, numbers.b, numbers.weight");
+  EXPECT_NE(message_of([] { VariedScene(arm(), "numbers.L", -100, 100); }), "none");
+  EXPECT_NE(message_of([] {
+              VariedPair(arm(), {"loads", 0.5, 1}, {"numbers.pull", 0.1, 0.3});
+            }).find("loads"),
+            std::string::npos);
+}
+
+TEST(NamedNumbersInStatics, HaveTolerances) {
+  const StaticModel model(arm());
+  const std::string file = "[tolerances]\n\"numbers.share\" = 0.02\n\"numbers.L\" = 5\n";
+  const std::vector<Tolerance> tolerances = parse_tolerances(file, "t.toml", model.scene());
+  ASSERT_EQ(tolerances.size(), 2U);
+  ToleranceOptions options;
+  options.samples = 4000;
+  options.jobs = 1;
+  const ToleranceStudy study = tolerance_study(model, tolerances, {find_quantity(model.scene(), "angle.arm")}, options);
+  ASSERT_EQ(study.why, "");
+  const ToleranceBand& band = study.of[0];
+  ASSERT_EQ(band.why, "");
+  EXPECT_NEAR(band.sigma, 1.25 * 0.02 / std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(study.continued, options.samples);
+  EXPECT_EQ(study.disagreed, 0U);
+  // Every sample is the closed form, whatever the length.
+  EXPECT_NEAR(band.all.least, std::atan(0.38 / 0.4), 1e-4);
+  EXPECT_NEAR(band.all.most, std::atan(0.42 / 0.4), 1e-4);
+  EXPECT_NEAR(*band.at_most, std::atan(0.42 / 0.4), 1e-11);
+  // d2a/dshare2 = -2 tan / (1 + tan^2)^2 / (2 pull)^2
+  EXPECT_NEAR(band.shift, 0.5 * (-0.5 / 0.16) * 0.02 * 0.02 / 3.0, 1e-8);
+  EXPECT_EQ(message_of([&] { parse_tolerances("[tolerances]\n\"numbers.L\" = 500\n", "t.toml", model.scene()); }),
+            "t.toml:2: tolerances.numbers.L: numbers.L: point.arm.tip = \"L\"");
+}
+
+TEST(NamedNumbersInStatics, AreFollowedWhileTheyChange) {
+  TrackedEquilibrium tracked(arm());
+  for (const double share : {1.5, 1.9, 1.3}) {
+    Scene wanted = tracked.scene();
+    set_value(wanted, "numbers.share", share);
+    set_value(wanted, "numbers.lean", 10 * (share - 1));
+    const Transition transition = tracked.change(wanted);
+    EXPECT_EQ(transition.kind, Transition::Kind::followed);
+    // K cos(a) = sin(a - lean), K = (share - 1) / (2 pull)
+    const double lean = 10 * (share - 1) * degree, K = (share - 1) / 0.4;
+    EXPECT_NEAR(tracked.poses()[1].angle, std::atan2(K + std::sin(lean), std::cos(lean)), 1e-9) << share;
+  }
+}
+
+}  // namespace
+}  // namespace poise
