@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "identification/some_runs.hpp"
+#include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 
 namespace poise {
@@ -201,6 +202,10 @@ class Comparing {
       const bool is_free = std::any_of(full.unknowns.begin(), full.unknowns.end(), [&](const Unknown& unknown) {
         return unknown.part == part && unknown.path == path;
       });
+      // What follows from an unknown by the same expression differs as it does.
+      const DependentNumber *const own = dependent_number(scene, rows[i].place), *const theirs = dependent_number(
+                                                                                     other, others[i].place);
+      if (own != nullptr && theirs != nullptr && own->expression.text() == theirs->expression.text()) continue;
       if (!is_free && value_at(scene, rows[i].place) != value_at(other, others[i].place)) return false;
     }
     return true;

@@ -13,6 +13,7 @@
 #include "identification/read_runs.hpp"
 #include "identification/scene_parameter.hpp"
 #include "identification/set_parameter.hpp"
+#include "model/dependent_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/read_parameter_changes.hpp"
@@ -278,6 +279,7 @@ class ExperimentReader {
             "expected a number that the motion depends on; start values of a run are estimated unless start_known = "
             "true");
       }
+      located(path.place, [&] { check_is_free(experiment_.scene, parameter(experiment_.scene, path.value)); });
       unknown.unit = value_unit(experiment_.scene, path.value);
       return value * unknown.unit;
     }
@@ -410,6 +412,9 @@ class ExperimentReader {
                           "give the unknown a prior",
                           unknown.line));
         }
+      }
+      if (!known.of_sensor) {
+        located(path.place, [&] { check_is_free(experiment_.scene, parameter(experiment_.scene, path.value)); });
       }
       if (!known.of_sensor && !SceneParameter::find(experiment_.scene, known.path)) {
         path.place.fail(

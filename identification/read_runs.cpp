@@ -15,6 +15,7 @@
 #include "identification/read_inputs.hpp"
 #include "identification/run_data.hpp"
 #include "identification/same_record.hpp"
+#include "model/dependent_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/read_parameter_changes.hpp"
@@ -266,7 +267,8 @@ class RunsReader {
       const bool linear =
           row.place.owner == Owner::element &&
           std::holds_alternative<LinearSpring>(scene.elements[static_cast<std::size_t>(row.place.item)].law);
-      if (linear && (number == "free_length" || number == "free_angle")) {
+      if (linear && dependent_number(scene, row.place) == nullptr &&
+          (number == "free_length" || number == "free_angle")) {
         valid.push_back(row.path.text());
       }
     }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "identification/sensor_reader.hpp"
+#include "model/dependent_number.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "solvers/linear_algebra.hpp"
 
@@ -86,6 +87,13 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     if (input.motion.of != MotionInput::Of::drive) continue;
     // The start is found with the scene's drive, which is here the input at time 0.
     Drive& drive = scene_.drives[static_cast<std::size_t>(input.motion.item)];
+    for (int k = 0; k < static_cast<int>(Drive::numbers.size()); ++k) {
+      if (dependent_number(scene_, {Owner::drive, input.motion.item, 0, k}) == nullptr) continue;
+      throw InputError(at(experiment.file_of(run_.part), run_.line) +
+                       fmt::format("run \"{}\".inputs: expected numbers in drive \"{}\", whose place the input takes, "
+                                   "found an expression; write its value",
+                                   run_.name, drive.name));
+    }
     drive.start = input.motion.curve->at(0);
     drive.rate = input.motion.curve->at(0, 1);
     drive.acceleration = drive.amplitude = 0.0;
@@ -105,7 +113,9 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     if (!number.is_geometric()) continue;
     if (!also_) also_ = scene_;
     // No other number that the scene has is likely to cancel these.
-    number.set(*also_, number.get(scene_) + 0.0618033988749895 * reach(number));
+    double change = 0.0618033988749895 * reach(number);
+    while (!number.allows(*also_, number.get(scene_) + change)) change *= -0.5;
+    number.set(*also_, number.get(scene_) + change);
   }
   std::string written;
   std::vector<StartValue> wanted;
@@ -271,6 +281,7 @@ std::vector<RunModel::Reading> RunModel::due(const std::vector<Scaling>& scaling
 }
 
 double RunModel::reach(const SceneParameter& number) const {
+  if (number.is_named()) return number.reach(scene_, size_);
   if (number.place().owner == Owner::scene) return std::max(1.0, norm(scene_.gravity));
   return number.is_length() ? size_ : std::max(1.0, std::abs(number.get(scene_)));
 }
@@ -381,8 +392,10 @@ RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool
   Built out;
   Scene scene = scene_;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
-    if (!numbers_[i].allows(unknowns[i])) {
-      out.why = fmt::format("{} is not positive", numbers_[i].path());
+    if (!numbers_[i].allows(scene, unknowns[i])) {
+      out.why =
+          fmt::format("{} {}", numbers_[i].path(),
+                      numbers_[i].is_named() ? "gives some number a value that it cannot have" : "is not positive");
       return out;
     }
     numbers_[i].set(scene, unknowns[i]);
@@ -478,10 +491,11 @@ void RunModel::vary(const Scene& scene, Built& out) const {
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const SceneParameter& number = numbers_[i];
     const Owner owner = number.place().owner;
-    const bool moves_start = owner == Owner::point || owner == Owner::joint || owner == Owner::drive;
+    const bool moves_start =
+        owner == Owner::point || owner == Owner::joint || owner == Owner::drive || number.is_named();
     if (number.is_geometric()) {
       out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
-      out.variations.emplace_back();
+      out.variations.push_back({.pieces = {}, .changes_drives = number.is_named()});
     } else {
       out.influences.push_back(number.influence(scene, scales_));
       if (start_unknown_ || !moves_start) continue;
@@ -490,7 +504,10 @@ void RunModel::vary(const Scene& scene, Built& out) const {
     const bool quadratic = owner == Owner::scene || (quadratic_ && number.is_length());
     const double value = number.get(scene);
     double step = std::exp2(std::round(std::log2(reach(number)))) * (quadratic ? 0x1p-3 : 0x1p-13);
-    while (!number.allows(value - 4 * step)) step /= 2;
+    while (!number.allows(scene, value - 4 * step) || (number.is_named() && !number.allows(scene, value + 4 * step))) {
+      step /= 2;
+      if (value + step == value) throw InputError(number.path() + " is at an end of its range");
+    }
     const bool close = moves_start && (!start_unknown_ || !measured_starts_.empty());
     for (const auto& [steps, weight] : quadratic ? std::span<const Step>(central) : std::span<const Step>(stencil)) {
       Scene other = scene;

@@ -1,5 +1,10 @@
 #include "identification/scene_parameter.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "model/dependent_number.hpp"
+
 namespace poise {
 
 std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::string_view path) {
@@ -13,6 +18,35 @@ std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::stri
 void SceneParameter::set(Scene& scene, double si) const {
   if (place_.owner == Owner::force && get(scene) == 0.0) return;
   set_value_at(scene, place_, si);
+}
+
+bool SceneParameter::allows(const Scene& scene, double si) const {
+  if (!is_named()) return range_ != Range::positive || si > 0;
+  try {
+    Scene changed = scene;
+    set_value_at(changed, place_, si);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+double SceneParameter::reach(const Scene& scene, double length) const {
+  const std::vector<double> slopes = dependents_by(scene, place_.item, named_values(scene));
+  double least = INFINITY;
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    const DependentNumber& one = (*scene.dependents)[k];
+    const bool is_row = one.at.of == DependentPlace::Of::row;
+    const bool is_geometric =
+        one.at.place.owner == Owner::point || one.at.place.owner == Owner::joint || one.at.place.owner == Owner::scene;
+    double size = is_row ? std::abs(value_at(scene, one.at.place).value_or(0.0)) : 1.0;
+    if (is_row && is_geometric)
+      size = std::max(size, one.dimension.length == 1 && one.dimension.time == 0 ? length : 1.0);
+    if (one.at.of == DependentPlace::Of::force) size = value_at(scene, one.at.place).value_or(0.0);
+    const double change = size / std::abs(slopes[k]);
+    if (change > 0 && std::isfinite(change)) least = std::min(least, change);
+  }
+  return std::isfinite(least) ? least : std::max(1.0, std::abs(get(scene)));
 }
 
 Influence SceneParameter::influence(const Scene& scene, const Scales& scales) const {

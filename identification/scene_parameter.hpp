@@ -19,11 +19,14 @@ class SceneParameter {
   const ParameterPlace& place() const { return place_; }
   const Dimension& dimension() const { return dimension_; }
   /// SI value. set() checks no range: a lumped mass beside others may be negative; allows() says whether the mechanism
-  /// exists: lengths that have to be > 0.
+  /// exists: lengths that have to be > 0, and of a named number all expressions that follow from it have values.
   double get(const Scene& scene) const { return value_at(scene, place_).value_or(0.0); }
   /// A force of magnitude zero has no direction and is left unchanged.
   void set(Scene& scene, double si) const;
-  bool allows(double si) const { return range_ != Range::positive || si > 0; }
+  bool allows(const Scene& scene, double si) const;
+  /// Of a named number: the change over which some number that follows from it changes by its own size, or by the
+  /// `length` of the mechanism, rad or one acceleration of 1 m/s^2 where it is geometric.
+  double reach(const Scene& scene, double length) const;
   /// How the scaled scene's equations of motion change per SI unit of the number; `scene` in SI. Not of one that
   /// is_geometric(): its derivatives follow from a Variation.
   Influence influence(const Scene& scene, const Scales& scales) const;
@@ -36,9 +39,10 @@ class SceneParameter {
   /// Number of a body's inertia.
   bool is_inertial() const { return place_.owner == Owner::body; }
   bool is_length() const { return dimension_.length == 1 && dimension_.force == 0 && dimension_.time == 0; }
-  /// A point, a dimension of a joint, or gravity.
+  bool is_named() const { return place_.owner == Owner::number; }
+  /// A point, a dimension of a joint, gravity, or a named number, which may move all of these.
   bool is_geometric() const {
-    return place_.owner == Owner::point || place_.owner == Owner::joint || place_.owner == Owner::scene;
+    return place_.owner == Owner::point || place_.owner == Owner::joint || place_.owner == Owner::scene || is_named();
   }
 
  private:

@@ -13,7 +13,9 @@ Layout layout_in_si(const ScaledModel& model) {
 
 SensorReader::SensorReader(const ScaledModel& model, const Sensor& sensor)
     : phasors_(layout_in_si(model), true),
-      on_(model.scene(), layout_in_si(model), phasors_, sensor.on),
+      // Of an element, whose measure may have a factor that varies.
+      on_(model.scene(), layout_in_si(model), phasors_,
+          sensor.reads_force() ? model.scene().elements[static_cast<std::size_t>(sensor.element)].on : sensor.on),
       rate_(sensor.rate),
       q_(static_cast<std::size_t>(phasors_.coordinates()), 0.0),
       v_(q_),

@@ -20,6 +20,7 @@ struct Variation {
     double weight = 0.0;  ///< per unit of the number
   };
   std::vector<Piece> pieces;
+  bool changes_drives = false;  ///< the pieces' drives differ in more than their starts
 };
 
 /// A parameter of the scene for sensitivities of motion: part of a body's inertia, a number of a force or of a drive,
@@ -183,6 +184,7 @@ class ReducedMotion {
     std::vector<DriveRow> drives;
     std::vector<InputLoad<T>> input_loads;
     T weight{};
+    bool changes_drives = false;
   };
   template <class S>
   friend class ReducedMotion;

@@ -254,6 +254,7 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
         piece.inertia = std::make_shared<const Inertia<T>>(scene, *piece.mechanism);
       }
       piece.weight = static_cast<T>(weight);
+      piece.changes_drives = variation.changes_drives;
       int drive_scratch = 0;
       piece.drives = rows_of(scene, *piece.mechanism);
       for (DriveRow& row : piece.drives) {
@@ -292,6 +293,9 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
     for (int r = 0; r < equalities; ++r) sum[r] += piece.weight * varied_rows_[r];
     for (int k = 0; k < drives(); ++k) sum[equalities + k] += piece.weight * driven(piece.drives[k]);
   };
+  const auto moved = [&](const DriveRow& d, int derivative) {
+    return piece.changes_drives && !d.input ? d.drive.moved(t_, derivative) : T(0);
+  };
   T* g = varied_force_.data();
   m.negative_force(q_.data(), pose, g);
   m.resist(pose, v_.data(), slides(), varied_resistances_.data());
@@ -305,13 +309,13 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
   for (int i = 0; i < n_; ++i) g[i] += piece.inertia->moment(i) * a_[i];
   if (rows_ > 0) {
     m.constraint(q_.data(), pose, varied_rows_.data());
-    add_rows(direct_.gap, [&](const DriveRow& d) { return d.on.value(there) - d.start; });
+    add_rows(direct_.gap, [&](const DriveRow& d) { return d.on.value(there) - d.start - moved(d, 0); });
     m.phasors().first(pose, v_.data(), work_.data());
     m.closures_of(work_.data(), varied_rows_.data());
-    add_rows(direct_.rate, [&](const DriveRow& d) { return d.on.along(there, v_.data()); });
+    add_rows(direct_.rate, [&](const DriveRow& d) { return d.on.along(there, v_.data()) - moved(d, 1); });
     m.closures_of(second_.data(), varied_rows_.data());
     add_rows(direct_.acceleration, [&](const DriveRow& d) {
-      return d.on.second(there, v_.data(), v_.data()) + d.on.along(there, a_.data());
+      return d.on.second(there, v_.data(), v_.data()) + d.on.along(there, a_.data()) - moved(d, 2);
     });
     m.jacobian(pose, varied_values_.data());
     const auto& row = m.jacobian_row();
