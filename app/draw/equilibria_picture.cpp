@@ -16,6 +16,7 @@ namespace {
 
 /// The mechanism without motors: a stop whose limits are equal stands for one.
 Scene without_motors(Scene scene) {
+  scene.dependents.reset();  // which refer to places of stops
   std::erase_if(scene.stops, [](const Stop& stop) { return stop.min == stop.max; });
   return scene;
 }

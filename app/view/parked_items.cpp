@@ -1,10 +1,14 @@
 #include "app/view/parked_items.hpp"
 
 #include <algorithm>
+#include <map>
+#include <memory>
 #include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "model/dependent_number.hpp"
 
 namespace poise::app {
 namespace {
@@ -42,6 +46,26 @@ void remove(std::vector<Kept>& list, const std::vector<SwitchedItem>& items, con
   std::erase_if(list, [&](const Kept&) { return off.contains(items[at++].item); });
 }
 
+/// Expressions of items that are left, at their new places.
+void move_expressions(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
+  if (!scene.dependents) return;
+  const std::map<Owner, const std::vector<SwitchedItem>*> lists{{Owner::element, &all.elements},
+                                                                {Owner::stop, &all.stops},
+                                                                {Owner::force, &all.forces},
+                                                                {Owner::torque, &all.torques}};
+  std::vector<DependentNumber> left;
+  for (DependentNumber one : *scene.dependents) {
+    if (const auto list = lists.find(one.at.place.owner); list != lists.end()) {
+      const auto item = list->second->begin() + one.at.place.item;
+      const auto is_off = [&](const SwitchedItem& other) { return off.contains(other.item); };
+      if (is_off(*item)) continue;
+      one.at.place.item -= static_cast<int>(std::count_if(list->second->begin(), item, is_off));
+    }
+    left.push_back(std::move(one));
+  }
+  scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(left));
+}
+
 }  // namespace
 
 std::vector<SwitchedItem> items_of(const Scene& scene) {
@@ -60,6 +84,7 @@ Scene without_items(Scene scene, const std::set<std::string>& off) {
   remove(scene.stops, all.stops, off);
   remove(scene.forces, all.forces, off);
   remove(scene.torques, all.torques, off);
+  move_expressions(scene, all, off);
   return scene;
 }
 

@@ -19,6 +19,7 @@
 #include "app/results/statics/solve.hpp"
 #include "app/terminal/output_file.hpp"
 #include "app/view/parked_items.hpp"
+#include "model/dependent_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/rewritten_scene.hpp"
@@ -59,6 +60,8 @@ const char* group_of(const ParameterRow& row, const Scene& scene) {
     case Owner::force:
     case Owner::torque:
       return "loads";
+    case Owner::number:
+      return "numbers";
     case Owner::scene:
       return "gravity";
     case Owner::element:
@@ -254,9 +257,16 @@ Transition ViewSession::do_drag(const json& request) {
   return out;
 }
 
+void ViewSession::expect_free(const ParameterPlace& place) const {
+  for (const ParameterRow& row : parameter_table(scene_)) {
+    if (row.place == place) check_is_free(scene_, row);
+  }
+}
+
 Transition ViewSession::do_ground(const json& request) {
   const PointRef point = point_called("ground." + request.at("point").get<std::string>());
   Scene wanted = scene_;
+  for (const int component : {0, 1}) expect_free({Owner::point, 0, point.point, component});
   wanted.bodies[0].points[static_cast<std::size_t>(point.point)].at = screen_->world(px_of(request));
   return take(std::move(wanted));
 }
@@ -267,6 +277,7 @@ Transition ViewSession::do_load(const json& request) {
   const auto load =
       std::find_if(wanted.forces.begin(), wanted.forces.end(), [&](const Force& force) { return force.name == name; });
   if (load == wanted.forces.end()) throw InputError(fmt::format("load: expected one of the scene, found \"{}\"", name));
+  expect_free({Owner::force, static_cast<int>(load - wanted.forces.begin())});
   load->vector = screen_->pulled(name, px_of(request));
   if (load->follows >= 0) {
     load->vector = load->vector * conj(unit(tracked_->poses()[static_cast<std::size_t>(load->follows)].angle));
@@ -453,14 +464,15 @@ json ViewSession::shown(const Transition& transition, Parts parts) {
 }
 
 json ViewSession::numbers() const {
-  static const std::vector<std::string> order = {"loads", "gravity",    "springs", "dampers",
-                                                 "stops", "dimensions", "masses",  "others"};
+  static const std::vector<std::string> order = {"numbers", "loads",      "gravity", "springs", "dampers",
+                                                 "stops",   "dimensions", "masses",  "others"};
   const double size = tracked_->model().scales().length;
   std::map<std::string, std::vector<json>> groups;
   for (const ParameterRow& row : parameter_table(scene_)) {
     if (row.place.owner == Owner::start || row.place.owner == Owner::drive) continue;
     const std::optional<double> si = value_at(scene_, row.place);
-    if (!si || !std::isfinite(*si)) continue;
+    // What follows from a named number moves with its slider.
+    if (!si || !std::isfinite(*si) || dependent_number(scene_, row.place) != nullptr) continue;
     const double unit = row.dimension.unit(scene_.units);
     const auto [low, high] = slider(row, *si, size);
     const std::string path = row.path.text();

@@ -13,6 +13,7 @@
 
 #include "app/view/other_equilibria.hpp"
 #include "app/view/screen.hpp"
+#include "model/parameters.hpp"
 #include "statics/tracked_equilibrium.hpp"
 
 namespace poise::app {
@@ -63,6 +64,8 @@ class ViewSession {
   nlohmann::json others_json(const OtherEquilibria::Found& found) const;
 
   Transition do_drag(const nlohmann::json& request);
+  /// Throws InputError where a number follows from an expression.
+  void expect_free(const ParameterPlace& place) const;
   Transition do_ground(const nlohmann::json& request);
   Transition do_load(const nlohmann::json& request);
   Transition do_set(const nlohmann::json& request);

@@ -9,6 +9,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 
 namespace poise::app {
@@ -131,6 +132,31 @@ void add_loads(Group& group, const Scene& scene) {
   table.words("value", "value", each(loads, &Load::value));
 }
 
+/// The named numbers, and the items whose expressions use each.
+void add_named(Result& out, const Scene& scene) {
+  std::vector<std::string> expressions(scene.named_values.size()), uses(scene.named_values.size());
+  if (scene.dependents) {
+    for (const DependentNumber& one : *scene.dependents) {
+      if (one.at.place.owner == Owner::number) {
+        expressions[static_cast<std::size_t>(one.at.place.item)] = one.expression.text();
+      }
+      for (const int used : one.expression.uses()) {
+        std::string& text = uses[static_cast<std::size_t>(used)];
+        text += (text.empty() ? "" : ", ") + one.item;
+      }
+    }
+  }
+  Table& table = out.content.table("numbers", "Numbers with names", Rows::list);
+  table.words("name", "name", each(scene.named_values, &SceneNumber::name));
+  table.numbers("value", "value", "", each(scene.named_values, &SceneNumber::value));
+  table.words("expression", "expression", expressions);
+  table.words("used_by", "used by", uses);
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (!uses[i].empty()) continue;
+    out.warnings.push_back(doubtful(fmt::format("numbers.{} is used by nothing", scene.named_values[i].name)));
+  }
+}
+
 void add_stops_and_drives(Group& group, const Scene& scene) {
   const auto range = [&](const Stop& stop) {
     const Quantity quantity = quantity_of(stop.on);
@@ -204,6 +230,7 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const st
                                             acceleration, significant(norm(scene.gravity), 4)));
   content.list("redundant_joints", mobility.assembled ? "Redundant joints" : "Redundant or conflicting joints",
                mobility.redundant);
+  add_named(out, scene);
   add_bodies(content, scene);
   add_joints(content, scene);
   add_elements(content, scene);
