@@ -84,7 +84,8 @@ void check_range(const Scene& scene, const ParameterRow& row, double value, cons
   if (row.place.owner == Owner::number) {
     for (const double end : {value - reach, value + reach}) {
       Scene there = scene;
-      located(place, [&] { set_value(there, tolerance.number, end); });
+      // The message names the path itself.
+      located({place.file, place.line, "tolerances"}, [&] { set_value(there, tolerance.number, end); });
     }
   }
   if (row.place.owner == Owner::stop) {

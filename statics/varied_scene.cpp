@@ -137,10 +137,14 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     if (!contains(range, end * unit_)) fail(out_of_range(range, end));
   }
   if (from == to) fail(fmt::format("the range {}..{} has no length; expected two different values", from, to));
+  const bool is_named = !places_.empty() && places_[0].owner == Owner::number;
+  for (const double end : {from, to}) {
+    Scene there = scene_;
+    if (is_named) set_value(there, name_, end);  // with all that follows in its range
+  }
   try {
     // Derivatives by a named number are taken around each value, so that expressions need values beyond the ends too.
     constexpr double beyond = 0.004;
-    const bool is_named = !places_.empty() && places_[0].owner == Owner::number;
     scene_at(is_named ? value_at(-beyond) : from_);
     scene_at(is_named ? value_at(1.0 + beyond) : to_);
   } catch (const InputError& error) {
