@@ -260,6 +260,7 @@ TEST(JsonDocs, Check) {
   const TempFolder folder;
   check_section("check", {{{"check", scene("redundant_parallelogram")}},
                           {{"check", folder.write("driven.toml", driven)}},
+                          {{"check", scene("balanced_arm")}},
                           {{"check", scene("toggle_clamp"), "--set", "load.P=30"}}});
 }
 
