@@ -3,8 +3,11 @@
 // affect it.
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,6 +28,7 @@ namespace {
 
 constexpr double hand_limit = 3.0;    // Poise's Newton over the one written by hand
 constexpr double ipopt_limit = 1.2;   // Poise's Ipopt over the bare program
+constexpr double curve_limit = 1.5;   // springs of a curve over linear springs
 constexpr double linear_limit = 2.0;  // growth of Poise's time per link and step over the yardstick's
 
 // Result of one solution.
@@ -167,10 +171,62 @@ void race_chain_energies(Table& table, int links) {
             ipopt_limit, energy_error);
 }
 
+// An arm held by many springs of one force each; with curves every one goes through 20 points of that line, and is that
+// line again, so that both solutions take the same steps.
+Scene fan_of_springs(bool curves) {
+  constexpr int springs = 60;
+  constexpr std::size_t points = 20;
+  Scene scene;
+  const int arm = scene.add_body("arm");
+  Joint pin;
+  pin.a = scene.add_point(0, "O", {0, 0});
+  pin.b = scene.add_point(arm, "O", {0, 0});
+  scene.add_joint(pin);
+  scene.start.angle[1] = 0.3;
+  for (int k = 0; k < springs; ++k) {
+    const double turn = 0.1 * k;
+    Element element;
+    element.table = "spring";
+    element.name = fmt::format("{}", k);
+    element.on = Measure::distance_between(scene.add_point(0, element.name, 2.0 * unit(turn)),
+                                           scene.add_point(arm, element.name, {0.5 + 0.01 * k, 0.1}));
+    const double stiffness = 1.0 + 0.1 * k, free_length = 1.0 + 0.02 * k;
+    std::vector<double> x, force;
+    for (std::size_t i = 0; i < points; ++i) {
+      x.push_back(0.25 * static_cast<double>(i));
+      force.push_back(stiffness * (x.back() - free_length));
+    }
+    if (curves)
+      element.law = CurveSpring(std::move(x), std::move(force), true);
+    else
+      element.law = LinearSpring{stiffness, free_length};
+    scene.elements.push_back(std::move(element));
+  }
+  return scene;
+}
+
+void race_curves(Table& table) {
+  const StaticModel curved(fan_of_springs(true)), linear(fan_of_springs(false));
+  solvers::Newton on_curves(curved.problem()), on_lines(linear.problem());
+  const std::vector<double> start = linear.start();
+  const solvers::NewtonResult *found = nullptr, *expected = nullptr;
+  table.row("60 spring curves over linear ones",
+            race({[&] { found = &on_curves.solve(start); },
+                  [&] {
+                    return Answer{found->iterations, std::abs(found->x[0] - expected->x[0])};
+                  }},
+                 {[&] { expected = &on_lines.solve(start); },
+                  [&] {
+                    return Answer{expected->iterations, 0.0};
+                  }}),
+            curve_limit, virtual_work_error);
+}
+
 bool measure() {
   Table table;
   table.head();
   race_four_bars(table);
+  race_curves(table);
   race_chains(table, 10);
   const Race short_chain = race_chains(table, 100);
   race_chains(table, 1000);
@@ -179,7 +235,8 @@ bool measure() {
   table.growth("time per link, 1e5 over 1e2", short_chain, 100, long_chain, 100000, linear_limit);
   for (int links = 10; links <= 10000; links *= 10) race_chain_energies(table, links);
   fmt::print(
-      "\nYardsticks: virtual work, a Newton written by hand for the one mechanism; energy, a bare Ipopt program with "
+      "\nYardsticks: virtual work, a Newton written by hand for the one mechanism, or Poise with linear springs; "
+      "energy, a bare Ipopt program with "
       "the\n"
       "same options and units. steps and error: Poise, then yardstick; error against the reference, rad, m or N.\n");
   return table.all_right();

@@ -34,6 +34,9 @@ const std::vector<LegendItem>& legend_items() {
   static const Draw spiral = [](Canvas& c) {
     draw_spiral(c, {17, 0}, {1, 0}, 10, {.stroke = ink::spring, .width = 1.3});
   };
+  static const Draw strut = [](Canvas& c) {
+    draw_gas_strut(c, {0, 0}, {34, 0}, {}, {.stroke = ink::spring, .width = 1.4});
+  };
   static const Draw dashpot = [](Canvas& c) {
     draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
   };
@@ -53,6 +56,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::drive, "drive", an_arrow(ink::drive, 2.0)},
       {Sign::spring, "spring, tension +", a_spring(ink::spring, 1.5)},
       {Sign::slack_spring, "slack spring", a_spring(ink::slack, 1.3, "3 3")},
+      {Sign::gas_strut, "gas strut, tension +", strut},
       {Sign::torsion_spring, "torsion spring, moment on its second body", spiral},
       {Sign::damper, "damper, no force in equilibrium", dashpot},
       {Sign::massless_bar, "massless bar, tension +", bar},

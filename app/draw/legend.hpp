@@ -19,6 +19,7 @@ enum class Sign {
   drive,
   spring,
   slack_spring,
+  gas_strut,
   torsion_spring,
   damper,
   massless_bar,

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "app/draw/stage.hpp"
@@ -90,17 +91,23 @@ void draw_strung(Stage& stage, const Strung& strung, Vec2 shift) {
   const ElementReading& reading = stage.now.elements[strung.element];
   const bool full = stage.detail == Detail::full;
   const bool spring = stores_energy(element.law);
+  const bool gas = std::holds_alternative<GasStrut>(element.law);
   const Vec2 a = stage.page(strung.a);
   const Vec2 b = stage.page(strung.b);
   const double width = full ? 1.7 : 1.0;
   stage.canvas.item(element.family() + " " + element.name, state_of(stage, element, reading));
   if (!spring)
     draw_dashpot(stage.canvas, a, b, shift, {.stroke = ink::damper, .width = 0.95 * width});
+  else if (gas)
+    draw_gas_strut(stage.canvas, a, b, shift, {.stroke = ink::spring, .width = width});
   else if (reading.slack)
     draw_spring(stage.canvas, a, b, shift, {.stroke = ink::slack, .width = 0.8 * width, .dash = "3 3"});
   else
     draw_spring(stage.canvas, a, b, shift, {.stroke = ink::spring, .width = width});
-  stage.signs.insert(!spring ? Sign::damper : reading.slack ? Sign::slack_spring : Sign::spring);
+  stage.signs.insert(!spring         ? Sign::damper
+                     : gas           ? Sign::gas_strut
+                     : reading.slack ? Sign::slack_spring
+                                     : Sign::spring);
   if (!full) return;
   stage.setter.avoid(a + shift, b + shift, 14.0);
   Vec2 toward = quarter_turn(b - a);

@@ -137,6 +137,23 @@ void draw_dashpot(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint
   canvas.polyline({middle, to + shift, to, b}, paint);
 }
 
+void draw_gas_strut(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint) {
+  const double length = norm(b - a);
+  const Vec2 along = direction(a, b);
+  const Vec2 half_width = std::min(5.0, 2.0 + 0.06 * length) * quarter_turn(along);
+  const double corner = corner_of(a, b, shift);
+  const Vec2 from = a + corner * along;
+  const Vec2 to = b - corner * along;
+  const Vec2 base = a + shift + 0.12 * length * along;
+  const Vec2 mouth = a + shift + 0.6 * length * along;
+  const Vec2 piston = a + shift + 0.42 * length * along;
+  canvas.polyline({mouth + half_width, base + half_width, base - half_width, mouth - half_width, mouth + half_width},
+                  paint);
+  canvas.line(piston + half_width, piston - half_width, paint);
+  canvas.polyline({a, from, from + shift, base}, paint);
+  canvas.polyline({piston, to + shift, to, b}, paint);
+}
+
 void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint) {
   constexpr double turns = 2.25;
   constexpr int steps = 72;

@@ -38,6 +38,8 @@ void draw_slot(Canvas& canvas, Vec2 a, Vec2 b, double width, const Paint& paint)
 void draw_spring(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint);
 /// A damper from a to b: a piston in an open pot, moved in the same way.
 void draw_dashpot(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint);
+/// A gas strut from a to b: a closed tube towards a, with the piston of the rod in it, moved in the same way.
+void draw_gas_strut(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint);
 /// A torsion spring as a spiral round `at` that ends in direction `end` at `radius`.
 void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint);
 

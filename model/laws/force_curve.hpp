@@ -178,6 +178,12 @@ class ForceCurve {
     return (before + S(2) * after) / (S(3) * (before + after));
   }
 
+  // Or one of them is zero.
+  template <class S>
+  static bool differ_in_sign(const S& a, const S& b) {
+    return (a <= S(0) && b >= S(0)) || (a >= S(0) && b <= S(0));
+  }
+
   template <class S>
   S slope_inside(std::size_t point) const {
     const S before = secant<S>(point), after = secant<S>(point + 1);
@@ -185,8 +191,11 @@ class ForceCurve {
     if ((before > S(0) && after > S(0)) || (before < S(0) && after < S(0))) {
       return S(1) / (a / before + (S(1) - a) / after);
     }
-    // Of two sets whose signs are not known: the mean lies between the secants.
-    if constexpr (may_enclose_set<S>) return hull(S(0), hull(before, after));
+    if constexpr (may_enclose_set<S>) {
+      // The mean lies between zero and either of these, and so the narrower one.
+      const S by_before = before / a, by_after = after / (S(1) - a);
+      if (!differ_in_sign(before, after)) return hull(S(0), abs(by_before) < abs(by_after) ? by_before : by_after);
+    }
     return S(0);
   }
 
@@ -201,7 +210,8 @@ class ForceCurve {
       return a * to_before * to_before * change_before + (S(1) - a) * to_after * to_after * change_after;
     }
     if constexpr (may_enclose_set<S>) {
-      return hull(S(0), S(change_before / a)) + hull(S(0), S(change_after / (S(1) - a)));
+      if (!differ_in_sign(before, after))
+        return hull(S(0), S(change_before / a)) + hull(S(0), S(change_after / (S(1) - a)));
     }
     return S(0);
   }

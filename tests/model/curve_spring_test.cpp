@@ -166,6 +166,8 @@ TEST(CurveSpring, EnclosesTheForcesOfABall) {
     EXPECT_TRUE(spring.at_rest(g).value.contains(spring.at_rest(inside).value)) << middle << " +- " << radius;
     EXPECT_TRUE(spring.at_rest(g).by_measure.contains(spring.at_rest(inside).by_measure)) << middle;
     EXPECT_TRUE(spring.energy(g).contains(spring.energy(inside))) << middle;
+    // As narrow as the ball, also where secants differ in sign.
+    EXPECT_LT(spring.at_rest(g).value.radius(), 1e3 * radius);
   }
 }
 

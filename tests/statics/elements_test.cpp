@@ -79,6 +79,41 @@ TEST(Elements, CubicSpring) {
   expect_travel("[[cubic_spring]]\nslide = \"guide\"\nstiffness = 40\ncubic = -1\nfree_length = 3\n", 3 + u);
 }
 
+TEST(Elements, PreloadedSpring) {
+  // 8 + 40 (s - 2) + 12 = 0
+  expect_travel("[[spring]]\nslide = \"guide\"\nstiffness = 40\npreload = 8\nlength = 2\n", 1.5);
+}
+
+TEST(Elements, SpringCurves) {
+  // The line -80 + 40 s; and a curve that is -12 at one of its points, where two pieces meet.
+  expect_travel("[[spring]]\nslide = \"guide\"\nforce = { curve = [[0, -80], [4, 80]] }\n", 1.7);
+  expect_travel("[[spring]]\nslide = \"guide\"\nforce.curve = [[0, -40], [1.25, -12], [2, 0], [3, 30]]\n", 1.25);
+  expect_travel("[[spring]]\nslide = \"guide\"\nscale = 2\nshift = 0.5\nforce.curve = [[0, -9], [0.7, -6], [4, 5]]\n",
+                1.2);
+}
+
+TEST(Elements, GasStrut) {
+  // 10 / (1 - y/2) = 12 at y = (3 - s)/2 = 1/3
+  expect_travel(
+      "[[spring]]\nslide = \"guide\"\ngas = { preload = 10, length = 3, stroke = 2, ratio = 2, friction = 1 }\n",
+      7.0 / 3);
+}
+
+TEST(Elements, GasStrutHeldByItsStop) {
+  // 20 N out and more in lift the block up to the length of the strut.
+  const StaticModel model(
+      block_on_a_rail("[[spring]]\nslide = \"guide\"\ngas = { preload = 20, length = 3, stroke = 2.5, ratio = 2 }\n"));
+  for (const Method method : methods) {
+    const Equilibrium found = found_by(model, method, "stable");
+    EXPECT_NEAR(test::travel_of(model, found.x, "guide"), 3.0, tolerance(method)) << to_string(method);
+  }
+}
+
+TEST(Elements, BumpStop) {
+  // 3 (u/0.5)^2 = 12 at u = 2.5 - s = 1
+  expect_travel("[[bump_stop]]\nslide = \"guide\"\nforce = 3\nfree_length = 2.5\ndepth = 0.5\n", 1.5);
+}
+
 TEST(Elements, SpringOnAnXAndAY) {
   // x of the eye is 0.5 + 0.8 s, y is 0.2 + 0.6 s:  0.8 50 (x - 4) + 12 = 0,  0.6 50 (y - 4) + 12 = 0.
   expect_travel("[[spring]]\nx = \"block.eye\"\nstiffness = 50\nfree_length = 4\n", (3.7 - 0.5) / 0.8);

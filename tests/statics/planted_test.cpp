@@ -195,6 +195,40 @@ TEST(Planted, FiftyDigitsSettleOnTheEquilibrium) {
   });
 }
 
+// Springs of other laws: curves, at and between their points, gas struts, preloaded springs, bump stops.
+TEST(PlantedLaws, VirtualWorkRecoversTheEquilibrium) {
+  Tally tally{"virtual_work"};
+  for_samples(90, {.other_laws = true, .disturbance = 0.005}, [&](const Sample& sample) {
+    expect_judged(sample, sample.equilibrium);
+    const Equilibrium answer = sample.solved(Method::virtual_work, Seek::any);
+    tally.add(sample.error(answer.x));
+    EXPECT_LE(sample.error(answer.x), virtual_work_accuracy) << answer.why;
+    EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
+    expect_judged(sample, answer);
+  });
+}
+
+TEST(PlantedLaws, EnergyAgreesWhereTheEquilibriumIsStable) {
+  Tally tally{"energy"};
+  for_samples(30, {.other_laws = true, .disturbance = 0.005}, [&](const Sample& sample) {
+    if (sample.stability() != Stability::stable) return;
+    const Equilibrium answer = sample.solved(Method::energy, Seek::any);
+    tally.add(sample.error(answer.x));
+    EXPECT_LE(sample.error(answer.x), energy_accuracy) << answer.why;
+    EXPECT_EQ(answer.status, Status::confirmed) << answer.why;
+  });
+}
+
+TEST(PlantedLaws, FiftyDigitsSettleOnTheEquilibrium) {
+  Tally tally{"fifty_digits"};
+  for_samples(4, {.other_laws = true, .disturbance = 0.005}, [&](const Sample& sample) {
+    const Reference reference = refine(sample.model, sample.equilibrium);
+    ASSERT_TRUE(reference.refined) << reference.why;
+    tally.add(reference.error);
+    EXPECT_LE(reference.error, virtual_work_accuracy);
+  });
+}
+
 TEST(PlantedFollowers, VirtualWorkRecoversTheEquilibrium) {
   Tally tally{"virtual_work"};
   for_samples(20, {.followers = true}, [&](const Sample& sample) {

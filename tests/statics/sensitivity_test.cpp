@@ -159,7 +159,7 @@ TEST_P(SensitivityOfScenes, AgreeWithDifferencesIn50Digits) {
 INSTANTIATE_TEST_SUITE_P(Datasets, SensitivityOfScenes,
                          testing::Values("toggle_clamp", "four_bar_gravity", "four_bar_torsion", "knee_press",
                                          "six_bar", "heaton_timme", "zeeman", "vertical_slider_crank", "toggle_press",
-                                         "andrews", "lift", "von_mises_toggle"),
+                                         "andrews", "lift", "von_mises_toggle", "gas_lid"),
                          [](const auto& one) { return std::string(one.param); });
 
 TEST(Sensitivity, AgreesWithDifferencesIn50DigitsOnRandomMechanisms) {
@@ -171,6 +171,17 @@ TEST(Sensitivity, AgreesWithDifferencesIn50DigitsOnRandomMechanisms) {
     compared += expect_differences(planted.in_equilibrium, fmt::format("seed {}", seed));
   }
   EXPECT_GT(compared, 1000);
+}
+
+TEST(Sensitivity, AgreesWithDifferencesIn50DigitsForSpringsOfAllLaws) {
+  int compared = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const test::Wish wish{.loops = static_cast<int>(seed % 3), .other_laws = true};
+    const test::PlantedMechanism planted = test::plant_mechanism(seed, wish);
+    if (planted.redundant > 0 || planted.falling() > 0) continue;
+    compared += expect_differences(planted.in_equilibrium, fmt::format("seed {}", seed));
+  }
+  EXPECT_GT(compared, 500);
 }
 
 // The coordinates alone, from the compiled mechanism in 50 digits: other equations, in other unknowns.

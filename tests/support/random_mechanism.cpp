@@ -423,6 +423,7 @@ class Planting {
       const auto acts = static_cast<LinearSpring::Acts>(random_.index(3));
       scene().elements.push_back(
           line_spring(fmt::format("s{}", k), ends.first, ends.second, stiffness, free_length, acts));
+      if (wish_.other_laws) scene().elements.back().law = other_law(stiffness, free_length / stretch, free_length);
     }
     const int torsion_springs = random_.index(3);
     for (int k = 0; k < torsion_springs; ++k) {
@@ -431,6 +432,44 @@ class Planting {
       const double stiffness = random_.uniform(0.2, 2.0);
       const double free_angle = angle_between(a, b) + random_.uniform(-1.5, 1.5);
       scene().elements.push_back(torsion_spring(fmt::format("t{}", k), a, b, stiffness, free_angle));
+      if (wish_.other_laws) scene().elements.back().law = other_law(stiffness, angle_between(a, b), free_angle);
+    }
+  }
+
+  // A law of a spring whose measure is `now` and whose force is about stiffness (now - free): no disturbed start
+  // changes the piece of a curve, nor the side of a stop. A strut has no stop here.
+  Law other_law(double stiffness, double now, double free) {
+    const double size = std::abs(now - free);
+    switch (random_.index(4)) {
+      case 0: {
+        std::vector<double> x{now - random_.uniform(1.2, 1.5) * size}, force{random_.uniform(-1.0, 0.0) * stiffness};
+        for (int k = 0; k < 4; ++k) {
+          x.push_back(x.back() + random_.uniform(0.5, 1.0) * size);
+          force.push_back(force.back() + random_.uniform(-0.2, 1.0) * stiffness * size);
+        }
+        // A point may be at the present value, which belongs to two pieces then.
+        const bool at_point = random_.chance(0.3);
+        if (at_point) x[2] = std::clamp(now, x[1] + 0.1 * size, x[3] - 0.1 * size);
+        CurveSpring curve(std::move(x), std::move(force), true);
+        curve.scale = random_.uniform(0.5, 1.5);
+        curve.shift = at_point ? 0.0 : random_.uniform(-0.1, 0.1) * size;
+        return curve;
+      }
+      case 1: {
+        const double stroke = random_.uniform(1.0, 2.0) * size;
+        return GasStrut{.preload = stiffness * size,
+                        .length = now + random_.uniform(0.1, 0.9) * stroke,
+                        .stroke = stroke,
+                        .ratio = random_.uniform(1.2, 2.0),
+                        .exponent = random_.chance(0.3) ? 1.0 : random_.uniform(0.9, 1.5)};
+      }
+      case 2:
+        return PreloadedSpring{stiffness, stiffness * random_.uniform(-1.0, 1.0) * size, free};
+      default:
+        return BumpStop{stiffness * size, free, size, random_.uniform(1.5, 3.0),
+                        random_.chance(0.3)   ? BumpStop::Acts::both
+                        : random_.chance(0.5) ? BumpStop::Acts::tension
+                                              : BumpStop::Acts::compression};
     }
   }
 

@@ -14,9 +14,10 @@ using comparison::Random;
 /// What a random mechanism should be made of. Bodies, pins, slides, pins in slots, welds, bars, springs of every kind,
 /// masses, gravity and dead loads are always drawn.
 struct Wish {
-  int loops = 1;           ///< independent loops, redundant ones counted
-  bool followers = false;  ///< one or two forces that follow a body
-  bool stops = false;      ///< up to three stops, some of them active
+  int loops = 1;            ///< independent loops, redundant ones counted
+  bool followers = false;   ///< one or two forces that follow a body
+  bool stops = false;       ///< up to three stops, some of them active
+  bool other_laws = false;  ///< curves, gas struts, preloaded springs and bump stops take the place of linear springs
   /// Of the start: rad, or lengths over the length of a typical body. So little that, away from singular poses and
   /// neutral equilibria, the planted equilibrium is the nearest one.
   double disturbance = 0.02;

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -58,7 +59,16 @@ std::string text_of(const Scene& scene, const Element& element) {
   std::string out =
       fmt::format("\n[[{}]]\nname = \"{}\"\n{}\n", element.table, element.name, key_of(scene, element.on));
   const void* law = std::visit([](const auto& l) -> const void* { return &l; }, element.law);
-  for (const Number& number : numbers_of(element.law)) {
+  const auto* curve = std::get_if<CurveSpring>(&element.law);
+  if (curve != nullptr) {
+    std::string points;
+    for (std::size_t k = 0; k < curve->curve().points(); ++k) {
+      points += (k == 0 ? "" : ", ") + pair({curve->curve().x()[k], curve->curve().forces()[k]});
+    }
+    out += fmt::format("{} = {{ curve = [{}] }}\n", element.on.is_angle() ? "torque" : "force", points);
+  }
+  for (const Number& number :
+       curve != nullptr ? std::span<const Number>(CurveSpring::numbers) : numbers_of(element.law)) {
     const std::string_view key = element.on.is_angle() && !number.angle_key.empty() ? number.angle_key : number.key;
     if (const std::optional<double> value = number.get(law)) out += fmt::format("{} = {}\n", key, *value);
   }

@@ -20,9 +20,11 @@ double potential_energy(const Scene& scene, const Poses& poses) {
   for (const Torque& torque : scene.torques) v -= torque.value * poses[torque.body].angle;
   for (const Element& element : scene.elements) {
     const double g = measured(scene, element.on, poses);
-    if (const auto* constant = std::get_if<ConstantForce>(&element.law)) v += constant->force * g;
     const auto* spring = std::get_if<LinearSpring>(&element.law);
-    if (spring == nullptr) continue;
+    if (spring == nullptr) {
+      v += energy(element.law, g);
+      continue;
+    }
     const double stretch = g - spring->free_length;
     if (spring->acts == LinearSpring::Acts::tension && stretch < 0) continue;
     if (spring->acts == LinearSpring::Acts::compression && stretch > 0) continue;
