@@ -8,6 +8,11 @@
 #include "model/number_spots.hpp"
 
 namespace poise {
+namespace {
+
+constexpr std::size_t most_names = 1000;  // each name of an expression is looked for among all
+
+}  // namespace
 
 Expression SceneExpressions::parsed(const std::string& text, const TomlPlace& place) const {
   return located(place, [&] { return Expression(text, names_); });
@@ -17,6 +22,10 @@ void SceneExpressions::read_named(const TomlTable& root, Scene& scene) {
   const std::optional<TomlTable> table = root.find_table("numbers");
   if (!table) return;
   names_ = table->keys();
+  if (names_.size() > most_names) {
+    table->place().fail("expected at most 1000 numbers, found " + std::to_string(names_.size()) +
+                        "; write those that nothing shares where they stand");
+  }
   for (const std::string& name : names_) {
     if (Expression::is_name(name)) continue;
     table->place_of(name).fail(

@@ -264,6 +264,11 @@ TEST(NamedNumbers, SayWhatIsWrong) {
       with("r = 3", "r = 3\n\"a b\" = 1"),
       "s.toml:10: numbers.a b: expected a name of letters, digits and underscores that does not begin with a digit "
       "and is neither pi nor a function");
+  std::string many;
+  for (int k = 0; k < 1000; ++k) many += "\nn" + std::to_string(k) + " = 1";
+  EXPECT_EQ(with("r = 3", "r = 3" + many),
+            "s.toml:7: numbers: expected at most 1000 numbers, found 1003; write those that nothing shares where they "
+            "stand");
   EXPECT_EQ(with("r = 3", "r = [3]"), "s.toml:9: numbers.r: expected a number, found a list");
 }
 

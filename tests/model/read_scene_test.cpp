@@ -745,9 +745,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"NegativeMass", "[body.a]\nmass = -0.5\n",
                  "2: body.a.mass: expected a finite number >= 0, found -0.5"},
         BadScene{"InfiniteMass", "[body.a]\nmass = inf\n", "2: body.a.mass: expected a finite number >= 0, found inf"},
-        BadScene{"MassInWords", "[body.a]\nmass = 'heavy'\n",
-                 "2: body.a.mass: expected a name of [numbers], pi or a function, found \"heavy\" in \"heavy\"; known here: "
-                 "pi, sqrt, exp, log, sin, cos, tan, asin, acos, atan, abs, max and 3 more"},
+        BadScene{
+            "MassInWords", "[body.a]\nmass = 'heavy'\n",
+            "2: body.a.mass: expected a name of [numbers], pi or a function, found \"heavy\" in \"heavy\"; known here: "
+            "exp, tan, atan, abs, atan2, hypot, max, pi, sqrt, log, sin, cos and 3 more"},
         BadScene{"NegativeInertia", "[body.a]\n\ninertia = -1\n",
                  "3: body.a.inertia: expected a finite number >= 0, found -1"},
         BadScene{"OverflowByUnit",
@@ -946,8 +947,8 @@ INSTANTIATE_TEST_SUITE_P(
               "9: drive 1.rate: expected a finite number, found inf"),
         after("DriveFrequencyNegative", "[[drive]]\nbodies = ['ground', 'rod']\nfrequency = -1\n",
               "9: drive 1.frequency: expected a finite number >= 0, found -1"),
-        after("DriveStartNotNumber", "[[drive]]\nbodies = ['ground', 'rod']\nstart = 'now'\n",
-              "9: drive 1.start: expected a number, found a string"),
+        after("DriveStartNotNumber", "[[drive]]\nbodies = ['ground', 'rod']\nstart = [1]\n",
+              "9: drive 1.start: expected a number, found a list"),
         after("DriveNameRepeated",
               "[[drive]]\nname = 'motor'\nbodies = ['ground', 'rod']\n[[drive]]\nname = 'motor'\n"
               "bodies = ['crank', 'rod']\n",
@@ -1034,7 +1035,7 @@ INSTANTIATE_TEST_SUITE_P(
         after("StartOfAPin", "[[pin]]\nname = 'hinge'\npoints = ['ground.O', 'crank.O']\n[start]\nhinge = 1\n",
               "11: start.hinge: expected the name of a body, slide or pin_in_slot, or a table \"position\"; "
               "known here: crank, rod, position"),
-        after("StartNotNumber", "[start]\nrod = 'up'\n", "8: start.rod: expected a number, found a string"),
+        after("StartNotNumber", "[start]\nrod = [1]\n", "8: start.rod: expected a number, found a list"),
         after("StartWithoutQuotes", "[start]\nground.S-rod.B = 1\n",
               "8: start.ground: expected a number; put a name that holds dots in quotes"),
         after("StartPositionNotTable", "[start]\nposition = [1, 2]\n",
