@@ -80,6 +80,22 @@ TEST(ForceCurve, IsContinuousWithItsSlopeAndAtTheEndsWithItsCurvature) {
   }
 }
 
+// Points that lie much closer at one end, and numbers beside them.
+TEST(ForceCurve, FindsThePieceAmongUnevenPoints) {
+  std::vector<double> x, force;
+  for (int k = 0; k < 40; ++k) {
+    x.push_back(std::pow(1.4, k) - 3.0);
+    force.push_back(std::sin(k));
+  }
+  const ForceCurve curve(x, force);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    for (const double at : {x[k], std::nextafter(x[k], -1e9), std::nextafter(x[k], 1e9), x[k] + 0.2}) {
+      EXPECT_LT(relative(Real(curve.force(at).first), curve.force(Real(at)).first), 1e-9) << at;
+    }
+  }
+  EXPECT_TRUE(std::isnan(curve.force(std::nan("")).first));
+}
+
 TEST(ForceCurve, DoubleAgreesWithFiftyDigits) {
   const ForceCurve curve = wavy();
   for (double x = -3.0; x < 8.0; x += 0.0625) {
