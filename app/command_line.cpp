@@ -45,6 +45,7 @@ std::vector<Entry> all_commands() {
       {sensitivity_command(), "datasets/toggle_clamp.toml --of force.rubber,load_at_fold.P"},
       {tolerance_command(),
        "datasets/toggle_clamp.toml --tolerances datasets/toggle_clamp_tolerances.toml --of force.rubber"},
+      {loads_command(), "datasets/structures/three_hinged_portal.toml --svg loads.svg"},
       {compare_command(), "datasets/car_hood.toml --svg hood.svg"},
       {kinematics_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --point platform.Q --svg lift.svg"},
       {motion_command(), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv"},

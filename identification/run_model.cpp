@@ -107,6 +107,8 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     return on.kind == Measure::Kind::angle || on.kind == Measure::Kind::travel;
   };
   for (const Element& element : scene_.elements) quadratic_ = quadratic_ && is_linear(element.on);
+  // The length of a line is a root.
+  for (const Force& force : scene_.forces) quadratic_ = quadratic_ && !force.to;
   for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
   quadratic_ = quadratic_ && start_unknown_ && scene_.drives.empty();
   for (const SceneParameter& number : numbers_) {

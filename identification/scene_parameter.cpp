@@ -10,7 +10,10 @@ namespace poise {
 std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::string_view path) {
   const std::optional<ParameterRow> row = find_parameter(scene, path);
   if (!row) return std::nullopt;
-  if (row->place.owner == Owner::start || row->place.owner == Owner::stop) return std::nullopt;
+  // Motion depends on none of these.
+  if (row->place.owner == Owner::start || row->place.owner == Owner::stop || row->place.owner == Owner::section) {
+    return std::nullopt;
+  }
   if (!value_at(scene, row->place)) return std::nullopt;
   return SceneParameter(*row);
 }

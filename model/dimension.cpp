@@ -8,7 +8,10 @@ std::string Dimension::unit_name(const Units& u) const {
   std::string above, below;
   const auto add = [&](const std::string& name, int power) {
     if (power == 0) return;
-    const std::string factor = name + (std::abs(power) == 2 ? "²" : std::abs(power) == 3 ? "³" : "");
+    const std::string factor = name + (std::abs(power) == 2   ? "²"
+                                       : std::abs(power) == 3 ? "³"
+                                       : std::abs(power) == 4 ? "⁴"
+                                                              : "");
     if (power > 0)
       above += (above.empty() ? "" : " ") + factor;
     else

@@ -383,7 +383,7 @@ class Builder {
     }
     for (const Force& force : scene_.forces) {
       if (is_zero(force.vector)) continue;
-      bear_at(force.at.body, scene_.local(force.at), load);
+      force.for_each_point([&](PointRef point) { bear_at(point.body, scene_.local(point), load); });
       if (force.follows >= 0) mark(out_.links[force.follows].frame, load);
     }
     for (const Torque& torque : scene_.torques) {
@@ -733,6 +733,16 @@ void Layout::loosen(const std::vector<double>& by) {
     if (amount > 0.0) closures[c].arms.push_back({});
     loosen_arms(closures[c].arms, amount);
   }
+}
+
+std::vector<Arm> Layout::paths_to(const Scene& scene, const Force& force) const {
+  std::vector<Arm> out;
+  force.for_each_point([&](PointRef point) {
+    const std::vector<Arm> arms = path(0, {0, 0}, point.body, scene.local(point));
+    out.insert(out.end(), arms.begin(), arms.end());
+  });
+  std::stable_sort(out.begin(), out.end(), [](const Arm& l, const Arm& r) { return l.coordinate < r.coordinate; });
+  return out;
 }
 
 std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {

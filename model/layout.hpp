@@ -114,6 +114,9 @@ struct Layout {
   /// coordinate and turn. Arms that differ in neither are summed exactly; a sum that no double holds remains several
   /// arms, of which the last has the rounding of all. Equal numbers of opposite sign cancel with their rounding.
   std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const;
+
+  /// The sum over the points of a force (Force::for_each_point) of their places in the world, sorted by coordinate.
+  std::vector<Arm> paths_to(const Scene& scene, const Force& force) const;
 };
 
 /// Finds the structure. Throws InputError if welds and slides require contradictory angles. `also`: the same scene with

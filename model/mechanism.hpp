@@ -191,7 +191,7 @@ class Mechanism {
     return frame >= 0 ? force * pose[frame] : force;
   }
   void need_scratch(int size);
-  PhasorSum<T> path_to(const Scene& scene, PointRef point) const;
+  PhasorSum<T> path_to(const Scene& scene, const Force& force) const;
   void compile_loads(const Scene& scene);
   void compile_closures();
   ForceElement compiled_element(const Scene& scene, const Element& element, Purpose purpose) const;

@@ -33,10 +33,10 @@ void Mechanism<T>::need_scratch(int size) {
   scratch_size_ = std::max(scratch_size_, size);
 }
 
-// From the world's origin.
+// From the world's origin, the sum over all points of the force.
 template <class T>
-PhasorSum<T> Mechanism<T>::path_to(const Scene& scene, PointRef point) const {
-  return {phasors_, layout_.path(0, {0, 0}, point.body, scene.local(point))};
+PhasorSum<T> Mechanism<T>::path_to(const Scene& scene, const Force& force) const {
+  return {phasors_, layout_.paths_to(scene, force)};
 }
 
 // Every dead force F at p does the work Re(conj(F) p): summed over the tree, all of them become one number per phasor.
@@ -60,7 +60,9 @@ void Mechanism<T>::compile_loads(const Scene& scene) {
     }
   }
   for (const Force& force : scene.forces) {
-    if (force.follows < 0) apply(force.at.body, scene.local(force.at), planar_cast<T>(force.vector));
+    if (force.follows >= 0) continue;
+    const Planar<T> share = scene.share_at_points<T>(force) * planar_cast<T>(force.vector);
+    force.for_each_point([&](PointRef point) { apply(point.body, scene.local(point), share); });
   }
   for (auto it = layout_.tree_order.rbegin(); it != layout_.tree_order.rend(); ++it) {
     const Link& link = layout_.links[*it];
@@ -137,8 +139,8 @@ void Mechanism<T>::compile_followers(const Scene& scene) {
   for (const Force& f : scene.forces) {
     if (f.follows < 0 || (f.vector.x == 0 && f.vector.y == 0)) continue;
     const Link& carrier = layout_.links[f.follows];
-    Follower follower{
-        path_to(scene, f.at), {}, planar_cast<T>(f.vector) * phasors_.turned(carrier.turn), carrier.frame, {}};
+    const Planar<T> share = scene.share_at_points<T>(f) * planar_cast<T>(f.vector);
+    Follower follower{path_to(scene, f), {}, share * phasors_.turned(carrier.turn), carrier.frame, {}};
     need_scratch(follower.path.size());
     followers_.push_back(std::move(follower));
     follower_names_.push_back(f.name);
@@ -160,13 +162,13 @@ template <class T>
 void Mechanism<T>::compile_load_derivatives(const Scene& scene) {
   for (const Force& f : scene.forces) {
     const double size = norm(f.vector);
-    Planar<T> along = planar_cast<T>(size > 0 ? (1 / size) * f.vector : Vec2{});
+    Planar<T> along = scene.share_at_points<T>(f) * planar_cast<T>(size > 0 ? (1 / size) * f.vector : Vec2{});
     int frame = -1;
     if (f.follows >= 0) {
       along = along * phasors_.turned(layout_.links[f.follows].turn);
       frame = layout_.links[f.follows].frame;
     }
-    loads_.push_back({path_to(scene, f.at), along, frame});
+    loads_.push_back({path_to(scene, f), along, frame});
     need_scratch(loads_.back().path.size());
   }
   for (const Torque& t : scene.torques) torque_coordinate_.push_back(layout_.links[t.body].frame);

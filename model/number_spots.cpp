@@ -42,12 +42,15 @@ NumberSpots::NumberSpots(const toml::table& document, const Scene& scene) : docu
   for (std::size_t s = 0; s < stops_.size(); ++s) {
     if (scene.stops[s].table == "rope") stops_[s] = before(scene.stops[s].line);
   }
+  for (const Force& force : scene.forces) forces_.push_back(count[force.to ? "distributed_load" : "force"]++);
   for (const Joint& joint : scene.joints) joints_.push_back(count[joint.traits().key]++);
 }
 
 const toml::table* NumberSpots::in_list(std::string_view key, std::size_t index) const {
   const toml::array* const list = document_.contains(key) ? document_.get(key)->as_array() : nullptr;
   if (list == nullptr || index >= list->size()) {
+    // The parts of flexible links are in no list of the document.
+    if (!scene_.flexible_links.empty()) return nullptr;
     throw InputError(scene_.file + ": expected the scene that was read before; leave it unchanged until the end");
   }
   return list->get(index)->as_table();
@@ -61,7 +64,7 @@ const toml::table* NumberSpots::item(Owner owner, int index) const {
     case Owner::joint:
       return in_list(scene_.joints[at].traits().key, joints_[at]);
     case Owner::force:
-      return in_list("force", at);
+      return in_list(scene_.forces[at].to ? "distributed_load" : "force", forces_[at]);
     case Owner::torque:
       return in_list("torque", at);
     case Owner::drive:
@@ -120,6 +123,10 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
       const std::string header = "body." + toml_key(name);
       return row.place.number < 2 ? NumberSpot{body, header, key}
                                   : NumberSpot{body, header, "center", row.place.number - 2};
+    }
+    case Owner::section: {
+      const std::string& name = row.place.part == 0 ? scene_.bodies[at].name : scene_.flexible_links[at].name;
+      return {below(below(below(&document_, "body"), name), "section"), "body." + toml_key(name) + ".section", key};
     }
     case Owner::point: {
       const Body& body = scene_.bodies[at];

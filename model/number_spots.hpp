@@ -44,7 +44,7 @@ class NumberSpots {
   const toml::table& document_;
   const Scene& scene_;
   // Place of each among those of its table: each table of a file has a list of its own.
-  std::vector<std::size_t> elements_, joints_, stops_;
+  std::vector<std::size_t> elements_, forces_, joints_, stops_;
 };
 
 }  // namespace poise

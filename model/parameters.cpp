@@ -71,8 +71,7 @@ void visit_items(AnyScene& scene, Use use) {
   use(Parts{"gravity"}, ParameterPlace{Owner::scene}, scene, std::span<const Number>(Scene::numbers), none);
   for (int i = 0; i < count(scene.forces); ++i) {
     auto& force = scene.forces[i];
-    use(Parts{"load", force.name}, ParameterPlace{Owner::force, i}, force, std::span<const Number>(Force::numbers),
-        none);
+    use(Parts{"load", force.name}, ParameterPlace{Owner::force, i}, force, force.numbers(), none);
   }
   for (int i = 0; i < count(scene.torques); ++i) {
     auto& torque = scene.torques[i];
@@ -87,10 +86,19 @@ void visit_items(AnyScene& scene, Use use) {
     }
     if (i == 0) continue;
     use(Parts{"body", body.name}, ParameterPlace{Owner::body, i}, body, std::span<const Number>(Body::numbers), none);
+    if (body.section) {
+      use(Parts{"body", body.name, "section"}, ParameterPlace{Owner::section, i}, *body.section,
+          std::span<const Number>(CrossSection::numbers), none);
+    }
     use(Parts{"start", body.name}, ParameterPlace{Owner::start, i, 0}, scene.start.angle.at(i),
         std::span<const Number>(angle_guess), none);
     use(Parts{"start", body.name}, ParameterPlace{Owner::start, i, 2}, scene.start.position.at(i),
         std::span<const Number>(place_guesses), none);
+  }
+  for (int i = 0; i < count(scene.flexible_links); ++i) {
+    auto& link = scene.flexible_links[i];
+    use(Parts{"body", link.name, "section"}, ParameterPlace{Owner::section, i, 1}, link.section,
+        std::span<const Number>(CrossSection::numbers), none);
   }
   for (int i = 0; i < count(scene.elements); ++i) {
     auto& element = scene.elements[i];
@@ -173,6 +181,21 @@ void let_stops_follow(Scene& scene) {
   for (Stop& stop : scene.stops) {
     const int strut = strut_of(scene, stop);
     if (strut >= 0) hold_in_stroke(stop, std::get<GasStrut>(scene.elements[static_cast<std::size_t>(strut)].law));
+  }
+}
+
+/// Sets a number of an item, SI; the springs of a flexible link keep their proportion to the stiffness of its section.
+void set_number(Scene& scene, const ParameterPlace& place, void* item, const Number& number, double si) {
+  const auto stiffness = [](const CrossSection& section) { return section.modulus * section.second_moment; };
+  const bool is_flexible = place.owner == Owner::section && place.part == 1;
+  const double before = is_flexible ? stiffness(scene.flexible_links[place.item].section) : 1.0;
+  number.set(item, si);
+  if (!is_flexible) return;
+  const FlexibleLink& link = scene.flexible_links[place.item];
+  const double after = stiffness(link.section);
+  if (after == before) return;
+  for (const int spring : link.springs) {
+    std::get<LinearSpring>(scene.elements[spring].law).stiffness *= after / before;
   }
 }
 
@@ -356,7 +379,7 @@ std::optional<double> value_at(const Scene& scene, const ParameterPlace& place) 
 void set_value_at(Scene& scene, const ParameterPlace& place, double si) {
   if (place.owner == Owner::number) return set_named(scene, place.item, si, false);
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
-    if (row.place == place) number.set(&item, si);
+    if (row.place == place) set_number(scene, place, &item, number, si);
   });
   let_stops_follow(scene);
 }
@@ -370,7 +393,7 @@ void set_value(Scene& scene, std::string_view path, double value) {
       if (row.place.owner == Owner::number)
         set_named(scene, row.place.item, value, true);
       else
-        number.set(&item, si);
+        set_number(scene, row.place, &item, number, si);
     } catch (const InputError& error) {
       fail(row, error.what());
     }

@@ -14,13 +14,21 @@
 namespace poise {
 
 /// The kind of item that a number of a scene belongs to.
-enum class Owner { scene, number, force, torque, body, point, element, drive, joint, stop, coupling, start };
+enum class Owner { scene, number, force, torque, body, section, point, element, drive, joint, stop, coupling, start };
+
+/// Whether the equilibrium depends on numbers of such an owner where the item acts: not on guesses, on drives, which
+/// statics leaves out, nor on sections, which matter inside of rigid bodies only; those of flexible links act through
+/// the stiffness of their springs.
+constexpr bool counts_in_statics(Owner owner) {
+  return owner != Owner::start && owner != Owner::drive && owner != Owner::section;
+}
 
 /// The place of a number in the table, which is the same for all scenes of the same structure.
 struct ParameterPlace {
   Owner owner = Owner::scene;
   int item = 0;    ///< index into the owner's list; of a coupling into the stops
-  int part = 0;    ///< point: index into the body's points; start: 0 angle, 1 travel, 2 place
+  int part = 0;    ///< point: index into the body's points; start: 0 angle, 1 travel, 2 place; section: 0 of a body, 1
+                   ///< of a flexible link
   int number = 0;  ///< index into the item's numbers
 
   friend bool operator==(const ParameterPlace&, const ParameterPlace&) = default;

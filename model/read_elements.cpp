@@ -210,16 +210,21 @@ class ElementReader {
 
   void read_loads() {
     const std::vector<TomlTable> forces = root_.tables("force");
+    const std::vector<TomlTable> distributed = root_.tables("distributed_load");
     const std::vector<TomlTable> torques = root_.tables("torque");
-    // Forces and torques share one set of names, because load.NAME must be unique.
+    // All loads share one set of names, because load.NAME must be unique.
     std::vector<TomlTable> loads = forces;
+    loads.insert(loads.end(), distributed.begin(), distributed.end());
     loads.insert(loads.end(), torques.begin(), torques.end());
     std::vector<std::string> defaults = numbered("force", forces.size());
+    for (std::string& name : numbered("distributed load", distributed.size())) defaults.push_back(std::move(name));
     for (std::string& name : numbered("torque", torques.size())) defaults.push_back(std::move(name));
     const std::vector<std::string> names = names_of(loads, defaults, {});
     for (std::size_t i = 0; i < loads.size(); ++i) {
       if (i < forces.size())
         add(loads[i], names[i], scene_.forces, &ElementReader::read_force);
+      else if (i < forces.size() + distributed.size())
+        add(loads[i], names[i], scene_.forces, &ElementReader::read_distributed_load);
       else
         add(loads[i], names[i], scene_.torques, &ElementReader::read_torque);
     }
@@ -236,10 +241,41 @@ class ElementReader {
     return force;
   }
 
+  Force read_distributed_load(const TomlTable& table) const {
+    table.allow_keys({"name", "points", "vector", "follows"});
+    Force force;
+    const std::array<TomlText, 2> points = table.two_texts("points");
+    force.at = names_.point(points[0]);
+    force.to = names_.point(points[1]);
+    if (force.at.body == 0) points[0].place.fail("expected points of a body that can move, found one of the ground");
+    for (const FlexibleLink& link : scene_.flexible_links) {
+      if (std::find(link.bodies.begin(), link.bodies.end(), force.at.body) == link.bodies.end()) continue;
+      points[0].place.fail("expected points of a rigid body; \"" + link.name +
+                           "\" is flexible and carries forces at its points, and its own weight along its line");
+    }
+    if (force.to->body != force.at.body) {
+      points[1].place.fail("expected two points of one body, the ends of the line that the load is on");
+    }
+    if (scene_.local(force.at) == scene_.local(*force.to)) {
+      points[1].place.fail("expected two points that are apart, the ends of the line that the load is on");
+    }
+    force.vector = table.vector("vector", Force::distributed[0].dimension.unit(units_));
+    if (const auto follows = table.find_text("follows")) force.follows = names_.movable_body(*follows);
+    return force;
+  }
+
   Torque read_torque(const TomlTable& table) const {
-    table.allow_keys({"name", "on", "value"});
+    table.allow_keys({"name", table.has("at") ? "at" : "on", "value"});
     Torque torque;
-    torque.body = names_.movable_body(table.text("on"));
+    if (table.has("at")) {
+      const TomlText at = table.text("at");
+      const PointRef point = names_.point(at);
+      if (point.body == 0) at.place.fail("expected a point of a body that can move, found one of the ground");
+      torque.body = point.body;
+      torque.point = point.point;
+    } else {
+      torque.body = names_.movable_body(table.text("on"));
+    }
     torque.value = table.number("value", dimension::torque.unit(units_), Range::finite);
     return torque;
   }

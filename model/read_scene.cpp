@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "model/couplings.hpp"
+#include "model/flexible_link.hpp"
 #include "model/nearest_name.hpp"
 #include "model/read_couplings.hpp"
 #include "model/read_elements.hpp"
+#include "model/read_section.hpp"
 #include "model/scene.hpp"
 #include "model/scene_expressions.hpp"
 #include "model/scene_names.hpp"
@@ -67,7 +69,7 @@ class SceneReader {
     for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
     for (const std::string_view key : element_tables()) keys.push_back(key);
     for (const CouplingKind& kind : coupling_kinds()) keys.push_back(kind.table);
-    keys.insert(keys.end(), {"drive", "force", "torque", "stop", "start"});
+    keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
     expressions_.read_named(root_, scene_);
@@ -76,6 +78,7 @@ class SceneReader {
     read_joints();
     read_elements(root_, names_, scene_);
     read_couplings(root_, names_, scene_);
+    add_chains();
     read_start();
     set_values_from_start(root_, scene_);
     expressions_.find_dependents(document_, scene_);
@@ -103,19 +106,94 @@ class SceneReader {
       if (name == scene_.bodies[0].name) {
         bodies->place_of(name).fail("expected another name, this is the fixed frame; give its points in [ground]");
       }
-      names_.learn_body(read_body(*bodies->find_table(name), name));
+      const TomlTable body = *bodies->find_table(name);
+      const int index = read_body(body, name);
+      const auto section = body.find_table("section");
+      if (section && section->flag("flexible", false))
+        make_chain(*bodies, body, *section, index);
+      else
+        names_.learn_body(index);
     }
   }
 
   int read_body(const TomlTable& table, const std::string& name) {
-    table.allow_keys({"points", "mass", "center", "inertia"});
+    table.allow_keys({"points", "mass", "center", "inertia", "section"});
     const int index = scene_.add_body(name);
     Body& body = scene_.bodies[index];
     body.line = table.place().line;
     read_numbers(table, std::span(Body::numbers).first<2>(), &body, nullptr, units());
     body.center = table.find_vector("center", units().length).value_or(Vec2{});
     read_points(table, index);
+    if (const auto section = table.find_table("section")) body.section = read_section(*section, body, units());
     return index;
+  }
+
+  /// Puts a flexible link in the place of a body. Its name stands for the first body of the chain.
+  void make_chain(const TomlTable& bodies, const TomlTable& table, const TomlTable& section, int index) {
+    constexpr long long most = 10'000;
+    const long long elements = section.whole_number("elements", 1, 8);
+    if (elements > most) section.place_of("elements").fail("expected at most " + std::to_string(most) + " elements");
+    const Body& body = scene_.bodies[index];
+    const std::string name = body.name;
+    if (table.has("inertia")) {
+      table.place_of("inertia").fail("expected none: it follows from the mass, which is spread along the line");
+    }
+    if (table.has("center") && !is_middle_of_line(body)) {
+      table.place_of("center").fail("expected none, or the middle of the line along which the mass is spread");
+    }
+    std::vector<std::string> points;
+    for (std::size_t p = 0; p < body.points.size(); ++p) {
+      points.push_back(body.points[p].name);
+      if (std::count(body.section->line.begin(), body.section->line.end(), static_cast<int>(p)) == 1) continue;
+      section.place().fail("expected every point of a flexible link on its line; add \"" + points.back() +
+                           "\" to line, or make it a point of a body that is welded to the link");
+    }
+    FlexibleChain chain = make_flexible(scene_, index, static_cast<int>(elements));
+    for (const int one : chain.link.bodies) {
+      const std::string& taken = scene_.bodies[one].name;
+      if (bodies.has(taken)) fail_taken(bodies.place_of(taken), taken, table.place().line);
+      names_.learn_body(one);
+    }
+    names_.learn_chain(name, index);
+    for (std::size_t p = 0; p < points.size(); ++p) names_.learn_point(name + "." + points[p], chain.points[p]);
+    scene_.flexible_links.push_back(chain.link);
+    chains_.push_back(std::move(chain));
+  }
+
+  static bool is_middle_of_line(const Body& body) {
+    constexpr double rounding = 1e-9;
+    const std::vector<int>& line = body.section->line;
+    Vec2 moment{};
+    double length = 0.0;
+    for (std::size_t j = 0; j + 1 < line.size(); ++j) {
+      const Vec2 a = body.points[line[j]].at, b = body.points[line[j + 1]].at;
+      moment += (0.5 * norm(b - a)) * (a + b);
+      length += norm(b - a);
+    }
+    return norm((1 / length) * moment - body.center) <= rounding * length;
+  }
+
+  /// Joints and springs of flexible links, behind those of the file.
+  void add_chains() {
+    const auto expect_free = [&](const auto& items, const auto& item, const std::string& kind) {
+      for (const auto& other : items) {
+        if (other.name == item.name) fail_taken({scene_.file, other.line, kind}, other.name, item.line);
+      }
+    };
+    for (FlexibleChain& chain : chains_) {
+      for (Joint& joint : chain.joints) {
+        joint.name = scene_.name_of(joint.a) + "-" + scene_.name_of(joint.b);
+        expect_free(scene_.joints, joint, "joint");
+      }
+      for (const Element& spring : chain.springs) expect_free(scene_.elements, spring, "force element");
+    }
+    for (std::size_t k = 0; k < chains_.size(); ++k) {
+      for (Joint& joint : chains_[k].joints) names_.learn_joint(scene_.add_joint(std::move(joint)));
+      for (Element& spring : chains_[k].springs) {
+        scene_.flexible_links[k].springs.push_back(static_cast<int>(scene_.elements.size()));
+        scene_.elements.push_back(std::move(spring));
+      }
+    }
   }
 
   void read_points(const TomlTable& owner, int body) {
@@ -189,7 +267,12 @@ class SceneReader {
       } else if (is_table) {
         table->place_of(name).fail("expected a number; put a name that holds dots in quotes");
       } else if (turns) {
-        scene_.start.angle[body] = table->number(name, units().angle, Range::finite);
+        const double angle = table->number(name, units().angle, Range::finite);
+        scene_.start.angle[body] = angle;
+        for (const FlexibleLink& link : scene_.flexible_links) {
+          if (link.name != name) continue;
+          for (const int one : link.bodies) scene_.start.angle[one] = angle;
+        }
       } else if (travels) {
         scene_.start.travel[joint] = table->number(name, units().length, Range::finite);
       } else {
@@ -216,6 +299,7 @@ class SceneReader {
   TomlTable root_;
   Scene scene_;
   SceneNames names_;
+  std::vector<FlexibleChain> chains_;
 };
 
 }  // namespace

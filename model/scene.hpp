@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/cross_section.hpp"
 #include "model/input_error.hpp"
 #include "model/joint.hpp"
 #include "model/laws/drive.hpp"
@@ -43,8 +44,18 @@ struct Body {
   Vec2 center{};         ///< centre of mass in the body's frame, m
   double inertia = 0.0;  ///< about the centre of mass, kg m^2
   int line = 0;          ///< in the scene file
+  std::optional<CrossSection> section{};
 
   static const std::array<Number, 4> numbers;
+};
+
+/// A link that bends in the equilibrium: a chain of rigid bodies, pinned one after the other along its line, and springs
+/// on their angles (model/flexible_link.hpp). The scene file has it as one body.
+struct FlexibleLink {
+  std::string name;
+  CrossSection section;      ///< its line is empty: the points belong to the bodies
+  std::vector<int> bodies;   ///< in their order along the line
+  std::vector<int> springs;  ///< elements of the scene, each with a stiffness in proportion to modulus second_moment
 };
 
 /// Inertia of a body about the origin of its frame: mass, first moment, moment of inertia.
@@ -88,21 +99,32 @@ struct Element {
   std::string family() const;
 };
 
-/// Force at a point, N. A dead load keeps its direction in the world; a follower force keeps its direction in the
-/// frame of the body `follows` and has no potential.
+/// Force at a point, N, or distributed evenly over the straight line between two points of a body, N/m. A dead load
+/// keeps its direction in the world; a follower force keeps its direction in the frame of the body `follows` and has no
+/// potential.
 struct Force {
   std::string name;
   PointRef at;
   Vec2 vector{};
   int follows = -1;  ///< body, or -1 for a dead load
   int line = 0;
+  std::optional<PointRef> to{};  ///< of a distributed force: the end of the line that begins at `at`, of the same body
 
-  static const std::array<Number, 1> numbers;
+  /// Calls visit(point) for the points at which equal forces are equivalent to it on a rigid body: `at`, or both ends
+  /// of its line.
+  template <class Visit>
+  void for_each_point(Visit visit) const {
+    visit(at);
+    if (to) visit(*to);
+  }
+
+  static const std::array<Number, 1> concentrated, distributed;
+  std::span<const Number> numbers() const { return to ? distributed : concentrated; }
 };
 
-/// The magnitude along the force's direction.
-inline constexpr std::array<Number, 1> Force::numbers{[] {
-  Number number{"", dimension::force, Range::not_negative};
+/// The magnitude along the force's direction, of this dimension.
+constexpr Number magnitude_of_force(Dimension dimension) {
+  Number number{"", dimension, Range::not_negative};
   number.get = [](const void* item) { return std::optional<double>(norm(static_cast<const Force*>(item)->vector)); };
   number.set = [](void* item, double value) {
     Vec2& F = static_cast<Force*>(item)->vector;
@@ -117,7 +139,10 @@ inline constexpr std::array<Number, 1> Force::numbers{[] {
     F = factor * F;
   };
   return number;
-}()};
+}
+inline constexpr std::array<Number, 1> Force::concentrated{magnitude_of_force(dimension::force)};
+inline constexpr std::array<Number, 1> Force::distributed{
+    magnitude_of_force(dimension::force * dimension::length.power(-1))};
 
 /// Torque on a body from the ground, N m, counter-clockwise positive.
 struct Torque {
@@ -125,6 +150,7 @@ struct Torque {
   int body = 0;
   double value = 0.0;
   int line = 0;
+  int point = -1;  ///< of the body, where it enters, or -1 where the scene does not say; only inside the body it counts
 
   static const std::array<Number, 1> numbers;
 };
@@ -167,6 +193,7 @@ struct Scene {
   std::vector<Force> forces;
   std::vector<Torque> torques;
   std::vector<Stop> stops;
+  std::vector<FlexibleLink> flexible_links;
   Start start;
   std::vector<SceneNumber> named_values;
   /// Numbers that follow from the named ones: first those that have names themselves, each behind those that it uses,
@@ -186,6 +213,17 @@ struct Scene {
   const Vec2& local(PointRef p) const { return bodies[p.body].points[p.point].at; }
   /// "crank.B".
   std::string name_of(PointRef p) const;
+  /// What acts at each of the points of Force::for_each_point(), over Force::vector, in the scalar T: 1, or half the
+  /// length of the line, m.
+  template <class T>
+  T share_at_points(const Force& force) const {
+    if (!force.to) return T(1);
+    return norm(planar_cast<T>(local(*force.to)) - planar_cast<T>(local(force.at))) / T(2);
+  }
+  /// Magnitude of the resultant of a force, N.
+  double size_of(const Force& force) const {
+    return (force.to ? 2.0 : 1.0) * share_at_points<double>(force) * norm(force.vector);
+  }
 
   static const std::array<Number, 2> numbers;
 };
@@ -203,10 +241,12 @@ Scene parse_scene(std::string_view text, const std::string& name);
 
 /// Sets one number of the scene, given in the scene's own units, by its path:
 ///   numbers.NAME          of the table [numbers]; all numbers that are expressions of it follow
-///   load.NAME             magnitude of force NAME along its direction, or the torque NAME
+///   load.NAME             magnitude of force NAME along its direction, per length of a distributed one, or the torque
+///                         NAME
 ///   gravity.x | y
 ///   point.BODY.POINT.x | y   in the body's frame; BODY may be ground
 ///   body.NAME.mass | inertia | center.x | center.y
+///   body.NAME.section.area | second_moment | modulus | height | left
 ///   TABLE.NAME.NUMBER     of a force element: spring.NAME.stiffness, friction.NAME.torque, ...; declared with
 ///                         each law in model/laws/
 ///   drive.NAME.start | rate | acceleration | amplitude | frequency | phase

@@ -169,6 +169,23 @@ SceneBuilder& SceneBuilder::body(const std::string& name, const BodyData& data) 
   return *this;
 }
 
+SceneBuilder& SceneBuilder::section(const std::string& body, const std::vector<Key>& keys,
+                                    const std::vector<std::string>& line) {
+  toml::table& bodies = document_->part(document_->root, "body");
+  toml::table* const owner = bodies.get_as<toml::table>(body);
+  const std::string path = "body." + body;
+  if (owner == nullptr) TomlPlace{document_->title, 0, path}.fail("expected a body; add it before its section");
+  toml::table section;
+  for (const Key& key : keys) {
+    std::visit([&](const auto& value) { document_->add(section, path + ".section", key.name, value); }, key.value);
+  }
+  toml::array points;
+  for (const std::string& point : line) points.push_back(point);
+  if (!line.empty()) document_->set(section, "line", std::move(points));
+  document_->add(*owner, path, "section", std::move(section));
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::pin(const std::string& a, const std::string& b, const std::string& name) {
   document_->next_joint("pin", a, b, name);
   return *this;
@@ -221,6 +238,15 @@ SceneBuilder& SceneBuilder::force(const std::string& name, const std::string& at
                                   const std::string& follows) {
   toml::table& load = document_->next("force", name);
   document_->set(load, "at", at);
+  document_->set(load, "vector", pair_of(vector));
+  if (!follows.empty()) document_->set(load, "follows", follows);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::distributed_load(const std::string& name, const std::string& a, const std::string& b,
+                                             Vec2 vector, const std::string& follows) {
+  toml::table& load = document_->next("distributed_load", name);
+  document_->set(load, "points", toml::array{a, b});
   document_->set(load, "vector", pair_of(vector));
   if (!follows.empty()) document_->set(load, "follows", follows);
   return *this;

@@ -88,6 +88,10 @@ class SceneBuilder {
   SceneBuilder& gravity(Vec2 acceleration);
   SceneBuilder& ground_point(const std::string& name, Vec2 at);
   SceneBuilder& body(const std::string& name, const BodyData& data);
+  /// The section of a body that was added before, with its "area", "second_moment", "modulus", "height", "left" and
+  /// "profile", and the points of its line in order; both points of a body that has two where none are given.
+  SceneBuilder& section(const std::string& body, const std::vector<Key>& keys,
+                        const std::vector<std::string>& line = {});
 
   /// Joints of two points of different bodies, see Joint. The axis is fixed in the first body; only its direction
   /// counts. angle: what angle(second body) - angle(first body) stays.
@@ -110,6 +114,9 @@ class SceneBuilder {
 
   /// A force at a point, which keeps its direction in the world, or in the body that it `follows`.
   SceneBuilder& force(const std::string& name, const std::string& at, Vec2 vector, const std::string& follows = {});
+  /// A force per length on the straight line between two points of one body.
+  SceneBuilder& distributed_load(const std::string& name, const std::string& a, const std::string& b, Vec2 vector,
+                                 const std::string& follows = {});
   /// A torque on a body from the ground, counter-clockwise positive.
   SceneBuilder& torque(const std::string& name, const std::string& body, double value);
 

@@ -24,6 +24,9 @@ class SceneNames {
   /// Registers a body (joint) that was added to the scene, with its points.
   void learn_body(int body);
   void learn_joint(int joint);
+  /// Registers a name for the first body of a chain, and one for a point.
+  void learn_chain(const std::string& name, int first) { bodies_.emplace(name, first); }
+  void learn_point(const std::string& name, PointRef point) { points_.emplace(name, point); }
 
   /// The body of that name; fails if there is none. `movable` excludes the ground.
   int body(const TomlText& name) const { return find_body(name, 0); }

@@ -10,7 +10,7 @@ namespace {
 double applied_loads(const StaticModel& model) {
   const Scene& scene = model.scene();
   double sum = 0.0;
-  for (const Force& force : scene.forces) sum += norm(force.vector);
+  for (const Force& force : scene.forces) sum += scene.size_of(force);
   for (const Torque& torque : scene.torques) sum += std::abs(torque.value) / model.scales().length;
   for (const Body& body : scene.bodies) sum += body.mass * norm(scene.gravity);
   return sum;

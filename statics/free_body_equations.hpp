@@ -60,7 +60,8 @@ class FreeBodyEquations {
     for (const Force& f : scene_.forces) {
       Planar<T> force = planar_cast<T>(f.vector);
       if (f.follows >= 0) force = force * poses_[f.follows].direction();
-      push(f.at.body, world(f.at), force, T(0));
+      const Planar<T> share = scene_.template share_at_points<T>(f) * force;
+      f.for_each_point([&](PointRef point) { push(point.body, world(point), share, T(0)); });
     }
     for (const Torque& t : scene_.torques) push(t.body, poses_[t.body].origin, {}, T(t.value));
   }

@@ -50,6 +50,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
         break;
       case Owner::number:
       case Owner::drive:
+      case Owner::section:
       case Owner::start:
         break;
     }
@@ -67,7 +68,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   }
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
     const Vec2& vector = scene_.forces[f].vector;
-    put_all(force_[f], scene_.forces[f], Force::numbers);
+    put_all(force_[f], scene_.forces[f], scene_.forces[f].numbers());
     direction_.push_back(norm(vector) > 0.0 ? direction<double>(vector) : Vec2{});
   }
   for (std::size_t t = 0; t < scene_.torques.size(); ++t) put_all(torque_[t], scene_.torques[t], Torque::numbers);

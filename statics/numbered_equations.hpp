@@ -147,12 +147,14 @@ class NumberedEquations {
     const RopeContact& b = rope.contacts[k + 1];
     return {world(b.at, numbers, placed) - world(a.at, numbers, placed), T(b.turn * b.radius - a.turn * a.radius)};
   }
+  /// At each of the points of Force::for_each_point().
   template <class T>
   Planar<T> force_of(int force, const T* numbers, const std::vector<Placed<T>>& placed) const {
     const Force& f = scene_.forces[force];
     const Planar<T> direction = vector_.empty() || !vector_[force].varies() ? planar_cast<T>(direction_[force])
                                                                             : along(f.vector, vector_[force], numbers);
-    return numbers[force_[force]] * (f.follows >= 0 ? turned(direction, placed[f.follows]) : direction);
+    const Planar<T> now = numbers[force_[force]] * (f.follows >= 0 ? turned(direction, placed[f.follows]) : direction);
+    return f.to ? T(norm(local(*f.to, numbers) - local(f.at, numbers)) / T(2)) * now : now;
   }
   /// A vector of which some components are numbers without a row, divided by its size.
   template <class T>
@@ -467,7 +469,9 @@ T NumberedEquations::energy(const T* numbers, const std::vector<Placed<T>>& plac
     sum -= body[0] * dot(gravity, placed[i].origin + turned(Planar<T>{body[2], body[3]}, placed[i]));
   }
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
-    sum -= dot(force_of(static_cast<int>(f), numbers, placed), world(scene_.forces[f].at, numbers, placed));
+    const Planar<T> force = force_of(static_cast<int>(f), numbers, placed);
+    sum -= dot(force, world(scene_.forces[f].at, numbers, placed));
+    if (scene_.forces[f].to) sum -= dot(force, world(*scene_.forces[f].to, numbers, placed));
   }
   for (std::size_t t = 0; t < scene_.torques.size(); ++t) {
     sum -= numbers[torque_[t]] * placed[scene_.torques[t].body].angle;
@@ -489,8 +493,10 @@ void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector
     push(static_cast<int>(i), center, body[0] * gravity, T(0), placed, r);
   }
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
-    const PointRef at = scene_.forces[f].at;
-    push(at.body, world(at, numbers, placed), force_of(static_cast<int>(f), numbers, placed), T(0), placed, r);
+    const Force& load = scene_.forces[f];
+    const Planar<T> force = force_of(static_cast<int>(f), numbers, placed);
+    push(load.at.body, world(load.at, numbers, placed), force, T(0), placed, r);
+    if (load.to) push(load.to->body, world(*load.to, numbers, placed), force, T(0), placed, r);
   }
   for (std::size_t t = 0; t < scene_.torques.size(); ++t) {
     const int body = scene_.torques[t].body;

@@ -20,7 +20,7 @@ Scales choose_scales(const Scene& scene, double size) {
   scales.length = power_of_two_near(size);
   double load = 0.0;
   for (const Body& b : scene.bodies) load += b.mass * norm(scene.gravity);
-  for (const Force& f : scene.forces) load += norm(f.vector);
+  for (const Force& f : scene.forces) load += scene.size_of(f);
   for (const Torque& t : scene.torques) load += std::abs(t.value) / scales.length;
   if (load == 0.0) {
     for (const Element& e : scene.elements) load = std::max(load, force_of(e, scales.length));

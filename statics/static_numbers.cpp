@@ -30,6 +30,7 @@ bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
     case Owner::number:
       return acts_by_followers(scene, place.item);
     case Owner::drive:
+    case Owner::section:
     case Owner::start:
       return false;
     case Owner::body:

@@ -114,8 +114,11 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
   } else {
     const ParameterRow row = parameter(scene_, name_);
     check_is_free(scene_, row);
+    if (row.place.owner == Owner::section && row.place.part == 1) {
+      fail("it acts through all springs of a flexible link, which paths cannot vary together; expected another number");
+    }
     const bool is_idle = row.place.owner == Owner::number && !acts_in_statics(scene_, row.place);
-    if (row.place.owner == Owner::start || row.place.owner == Owner::drive || is_idle) {
+    if (!counts_in_statics(row.place.owner) || is_idle) {
       fail(
           "equilibrium does not depend on it; expected a load, a stiffness, a dimension or a driven measure, say "
           "angle.BODY");
@@ -159,6 +162,10 @@ VariedScene::VariedScene(Scene from, Scene to) : scene_(std::move(from)), name_(
   const auto fail = [&](const std::string& what) { throw InputError(fmt::format("{}: {}", name_, what)); };
   scene_.start = to.start;
   scene_.drives = to.drives;
+  for (std::size_t i = 0; i < std::min(scene_.bodies.size(), to.bodies.size()); ++i) {
+    scene_.bodies[i].section = to.bodies[i].section;
+  }
+  scene_.flexible_links = to.flexible_links;
   const std::vector<ParameterRow> rows = parameter_table(scene_), others = parameter_table(to);
   const bool alike = rows.size() == others.size() &&
                      std::equal(rows.begin(), rows.end(), others.begin(), [](const auto& a, const auto& b) {
@@ -175,7 +182,7 @@ VariedScene::VariedScene(Scene from, Scene to) : scene_(std::move(from)), name_(
   };
   if (!alike || expressions(scene_) != expressions(to)) fail("expected two scenes that differ in numbers only");
   for (const ParameterRow& row : rows) {
-    if (row.place.owner == Owner::start || row.place.owner == Owner::drive) continue;
+    if (!counts_in_statics(row.place.owner)) continue;
     const std::optional<double> a = poise::value_at(scene_, row.place), b = poise::value_at(to, row.place);
     const bool has_other_vector =
         row.place.owner == Owner::force && !(scene_.forces[row.place.item].vector == to.forces[row.place.item].vector);

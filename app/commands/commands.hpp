@@ -35,6 +35,10 @@ Command sensitivity_command();
 /// have one and all samples were drawn. Ctrl-C keeps the samples drawn so far.
 Command tolerance_command();
 
+/// `poise loads SCENE`: normal force, shear force, bending moment, stress and deflection along links that have a
+/// section, at rest. Exit code solved where every body is in balance and every such link has them.
+Command loads_command();
+
 /// `poise compare SCENE`: an equilibrium, by virtual work and by energy side by side; exit code solved where every
 /// method that applies is confirmed. With --methods by any of them; exit code solved where one is confirmed.
 /// With --tolerances: what accuracy costs each method; exit code solved where some run is confirmed.

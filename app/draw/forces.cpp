@@ -163,6 +163,28 @@ void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
   draw_force(stage, at, leaving(stage, at, effort.value * unit.force), text, ink::drive, 2.0, "");
 }
 
+/// A row of arrows that end on the line of a distributed load, with a line along their tails.
+void draw_distributed(Stage& stage, const Force& force, Vec2 now, bool named) {
+  constexpr double length = 20.0, spacing = 16.0;
+  const Vec2 a = stage.page(force.at), b = stage.page(*force.to);
+  const Vec2 back = (-length / norm(now)) * Stage::page_direction(now);
+  const Dimension per_length = Force::distributed[0].dimension;
+  const std::string text =
+      significant(norm(now) / per_length.unit(stage.scene.units), 5) + " " + per_length.unit_name(stage.scene.units);
+  stage.canvas.item("distributed load " + force.name, text);
+  const int parts = std::clamp(static_cast<int>(norm(b - a) / spacing), 1, 40);
+  for (int k = 0; k <= parts; ++k) {
+    const Vec2 tip = a + (static_cast<double>(k) / parts) * (b - a);
+    draw_arrow(stage.canvas, tip + back, tip, ink::load, 1.2);
+  }
+  stage.canvas.line(a + back, b + back, {.stroke = ink::load, .width = 1.2});
+  stage.setter.avoid(a + back, b + back, 4.0);
+  stage.setter.avoid(a + 0.5 * back, b + 0.5 * back, length);
+  const Vec2 middle = 0.5 * (a + b) + back;
+  if (named) stage.label(force.name + " = " + text, middle, (1 / length) * back, 4, ink::load);
+  stage.signs.insert(Sign::load);
+}
+
 }  // namespace
 
 void draw_loads(Stage& stage) {
@@ -172,8 +194,12 @@ void draw_loads(Stage& stage) {
   for (const Force& force : stage.scene.forces) {
     const double size = norm(force.vector);
     if (size == 0.0) continue;
-    const Vec2 at = stage.page(force.at);
     const Vec2 now = force.follows < 0 ? force.vector : force.vector * unit(stage.now.poses[force.follows].angle);
+    if (force.to) {
+      draw_distributed(stage, force, now, named);
+      continue;
+    }
+    const Vec2 at = stage.page(force.at);
     stage.canvas.item("load " + force.name, stage.value(size, Quantity::force));
     std::string text;
     if (named) text = force.name + " = " + stage.value(size, Quantity::force);

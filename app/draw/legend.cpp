@@ -47,6 +47,10 @@ const std::vector<LegendItem>& legend_items() {
   static const Draw cam = [](Canvas& c) {
     c.polygon({{10, -6}, {17, -8}, {30, 0}, {17, 8}, {10, 6}, {8, 0}}, {.stroke = ink::stop, .width = 1.6});
   };
+  static const Draw area = [](Canvas& c) {
+    c.polygon({{2, 7}, {2, -1}, {32, -8}, {32, 7}}, {.fill = curve_colour(0), .opacity = 0.25});
+    c.line({2, -1}, {32, -8}, {.stroke = curve_colour(0), .width = 1.6});
+  };
   static const Draw centre = [](Canvas& c) { draw_centre_of_mass(c, {17, 0}, 5.0); };
   static const std::vector<LegendItem> items = {
       {Sign::load, "load", an_arrow(ink::load, 2.4)},
@@ -67,7 +71,8 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
       {Sign::other_pose, "", a_line({4, 0}, {30, 0}, ink::ghost, 6.0)},
-      {Sign::path, "path of the point named", a_line({2, 0}, {32, 0}, curve_colour(0), 1.8)}};
+      {Sign::path, "path of the point named", a_line({2, 0}, {32, 0}, curve_colour(0), 1.8)},
+      {Sign::diagram, "internal load along the link", area}};
   return items;
 }
 

@@ -30,7 +30,8 @@ enum class Sign {
   active_stop,
   inactive_stop,
   other_pose,
-  path
+  path,
+  diagram
 };
 
 /// What a legend has to explain.

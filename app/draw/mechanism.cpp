@@ -63,6 +63,7 @@ void draw_all(Stage& stage) {
   draw_pins(stage);
   draw_stops(stage);
   draw_paths(stage);
+  draw_diagrams(stage);
   draw_reactions(stage);
   draw_drives(stage);
   draw_loads(stage);

@@ -6,6 +6,7 @@
 
 #include "app/draw/canvas.hpp"
 #include "model/mechanism.hpp"
+#include "model/quantity.hpp"
 #include "motion/inverse_dynamics.hpp"
 #include "statics/equilibrium.hpp"
 
@@ -26,6 +27,16 @@ struct PointPath {
   std::vector<Vec2> points;
 };
 
+/// A quantity along a line of the mechanism, drawn as an area beside it; of several diagrams in one scale.
+struct Diagram {
+  std::string name;  ///< of the body
+  Quantity quantity = Quantity::force;
+  Colour colour = Colour::none;
+  std::vector<Vec2> at{};       ///< places along the line, m in the world
+  std::vector<Vec2> toward{};   ///< at each the direction, a unit vector, in which positive values are drawn
+  std::vector<double> value{};  ///< at each, SI
+};
+
 /// What a picture shows of a mechanism beside its bodies, joints, springs, dampers and stops. All numbers are finite.
 struct MechanismPicture {
   Poses poses;            ///< the position drawn
@@ -37,6 +48,7 @@ struct MechanismPicture {
   std::vector<DriveEffort> drives{};  ///< of the scene's drives, by their names
   std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
   std::vector<PointPath> paths{};
+  std::vector<Diagram> diagrams{};
   /// The part of the world, m, to which the scale fits; where absent, that which the positions and paths take up.
   std::optional<Box> frame{};
   /// The force, N, whose arrow is the longest; where absent, the largest of those drawn.

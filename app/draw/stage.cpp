@@ -84,7 +84,7 @@ double force_of_arrow(double length, double largest) {
 double largest_force_of(const Scene& scene, const MechanismPicture& picture) {
   double largest = 0.0;
   if (picture.loads) {
-    for (const Force& force : scene.forces) largest = std::max(largest, norm(force.vector));
+    for (const Force& force : scene.forces) largest = std::max(largest, scene.size_of(force));
   }
   if (picture.reactions) {
     for (const Reaction& r : *picture.reactions) largest = std::max(largest, norm(r.force));

@@ -171,6 +171,7 @@ void draw_pins(Stage& stage);
 void draw_stops(Stage& stage);
 void draw_centres_of_mass(Stage& stage);
 void draw_paths(Stage& stage);
+void draw_diagrams(Stage& stage);
 void draw_reactions(Stage& stage);
 void draw_drives(Stage& stage);
 /// A rope over its points and pulleys.

@@ -116,11 +116,12 @@ void add_loads(Group& group, const Scene& scene) {
   };
   std::vector<Load> loads;
   for (const Force& force : scene.forces) {
-    const auto part = [&](double si) { return significant(in_unit(si, Quantity::force, scene.units), force_digits); };
+    const Dimension dimension = force.numbers()[0].dimension;
+    const auto part = [&](double si) { return significant(si / dimension.unit(scene.units), force_digits); };
     const std::string follows = force.follows < 0 ? "" : ", follows " + scene.bodies[force.follows].name;
-    loads.push_back(
-        {force.name, scene.name_of(force.at),
-         fmt::format("[{}, {}] {}{}", part(force.vector.x), part(force.vector.y), scene.units.force_name, follows)});
+    loads.push_back({force.name, scene.name_of(force.at) + (force.to ? " to " + scene.name_of(*force.to) : ""),
+                     fmt::format("[{}, {}] {}{}", part(force.vector.x), part(force.vector.y),
+                                 dimension.unit_name(scene.units), follows)});
   }
   const std::vector<std::string> torques = numbers_of_items(scene, Owner::torque, scene.torques.size());
   for (std::size_t i = 0; i < scene.torques.size(); ++i) {

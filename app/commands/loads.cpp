@@ -1,0 +1,76 @@
+#include "app/results/statics/loads.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/commands/commands.hpp"
+#include "app/commands/options.hpp"
+#include "app/commands/session.hpp"
+#include "app/draw/loads_picture.hpp"
+#include "app/terminal/interrupt.hpp"
+
+namespace poise::app {
+namespace {
+
+struct LoadsRequest {
+  Request common;
+  std::string seek = "settle";
+  std::optional<double> proof_seconds;
+  int steps = 10;
+};
+
+int run_loads(const LoadsRequest& request, const Palette& palette) {
+  expect_between("--steps", request.steps, 1, 1000);
+  SolveOptions options;
+  options.seek = read_seek(request.seek);
+  options.certificate = read_proof(request.proof_seconds);
+  Progress progress;
+  progress.now("reading the scene");
+  const StaticModel model(load_scene(request.common));
+  const Scene& scene = model.scene();
+  const std::vector<int> bodies = links_of(scene);
+  if (bodies.empty()) {
+    throw InputError(scene.file +
+                     ": expected a body with a section; add [body.NAME.section] with profile = \"IPE 80\" and modulus");
+  }
+  OutputFiles files(request.common);
+  options.interrupt = &watch_for_interrupt();
+  progress.now("solving");
+  LoadsAnswer answer{solve_or_hold(model, options), {}};
+  const Equilibrium& equilibrium = answer.equilibrium;
+  const bool stands = equilibrium.found() || equilibrium.status == Status::checked;
+  if (stands) {
+    const std::vector<BodyPose<double>> poses = model.poses(equilibrium.x);
+    for (const int body : bodies) answer.links.push_back(link_loads(scene, poses, equilibrium.check, body));
+  }
+  const Result result = loads_result(model, answer, request.steps, request.common.settings);
+  Pictures pictures;
+  const bool confirmed = answer.is_complete();
+  if (files.wants_svg() && stands) {
+    pictures.svg = loads_picture(model, equilibrium.x, answer.links, result.verdict.text, confirmed);
+  }
+  if (files.wants_html() && stands) pictures.figures = {loads_figure(model, equilibrium.x, answer.links, confirmed)};
+  const bool interrupted = equilibrium.status == Status::interrupted;
+  return finish(request.common, result, interrupted ? nullptr : &files, pictures, confirmed, progress, palette);
+}
+
+}  // namespace
+
+Command loads_command() {
+  const auto request = std::make_shared<LoadsRequest>();
+  Command command{"loads", "Find internal forces, moments, stresses and deflections of links"};
+  add_scene_options(command, request->common);
+  add_seek_option(command, request->seek);
+  command.add({"--steps", &request->steps, "N", "Equal parts of each piece of a diagram in JSON and CSV (10)"});
+  add_proof_option(command, request->proof_seconds);
+  add_output_options(
+      command, request->common,
+      {.svg = "Draw normal force, shear force, bending moment and deflection on the\nmechanism, into FILE",
+       .csv = "Write the diagrams, one line for each place, to FILE"});
+  command.run = [request](const Palette& palette) { return run_loads(*request, palette); };
+  return command;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,49 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/draw/stage.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr double largest_ordinate = 52.0;  // px
+constexpr double negligible = 1e-9;
+
+void draw_diagram(Stage& stage, const Diagram& diagram, double largest) {
+  std::vector<Vec2> line, area;
+  std::size_t top = 0;
+  for (std::size_t k = 0; k < diagram.value.size(); ++k) {
+    line.push_back(stage.page(diagram.at[k]));
+    area.push_back(line.back() +
+                   (largest_ordinate * diagram.value[k] / largest) * Stage::page_direction(diagram.toward[k]));
+    if (std::abs(diagram.value[k]) > std::abs(diagram.value[top])) top = k;
+  }
+  if (std::abs(diagram.value[top]) <= negligible * largest) return;
+  const std::string text = stage.value(diagram.value[top], diagram.quantity);
+  stage.canvas.item(diagram.name, text);
+  std::vector<Vec2> outline = area;
+  outline.insert(outline.end(), line.rbegin(), line.rend());
+  stage.canvas.polygon(outline, {.fill = diagram.colour, .opacity = 0.25});
+  stage.canvas.line(line.front(), area.front(), {.stroke = diagram.colour, .width = 1.0});
+  stage.canvas.polyline(area, {.stroke = diagram.colour, .width = 1.6});
+  stage.canvas.line(area.back(), line.back(), {.stroke = diagram.colour, .width = 1.0});
+  for (std::size_t k = 1; k < area.size(); ++k) stage.setter.avoid(area[k - 1], area[k], 2.0);
+  const Vec2 away = area[top] - line[top];
+  stage.label(text, area[top], (1 / norm(away)) * away, 4, ink::dark);
+  stage.signs.insert(Sign::diagram);
+}
+
+}  // namespace
+
+void draw_diagrams(Stage& stage) {
+  double largest = 0.0;
+  for (const Diagram& diagram : stage.picture.diagrams) {
+    for (const double value : diagram.value) largest = std::max(largest, std::abs(value));
+  }
+  if (largest == 0.0) return;
+  stage.canvas.open("diagrams");
+  for (const Diagram& diagram : stage.picture.diagrams) draw_diagram(stage, diagram, largest);
+  stage.canvas.close();
+}
+
+}  // namespace poise::app

@@ -1,0 +1,144 @@
+#include "app/draw/loads_picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/draw/frames.hpp"
+#include "app/draw/mechanism.hpp"
+#include "app/present/numbers.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr int steps = 24;  // parts in which a piece is drawn
+
+/// Where positive values are drawn, seen in the direction of the line.
+enum class Side { left, right };
+
+/// A quantity that is drawn along the links.
+struct Drawn {
+  const char* title;
+  double LinkState::*value;
+  Quantity quantity;
+  Side side;
+  Colour colour;
+};
+
+constexpr std::array<Drawn, 3> drawn_quantities{
+    Drawn{"Normal force", &LinkState::normal, Quantity::force, Side::left, ink::curve_1},
+    Drawn{"Shear force", &LinkState::shear, Quantity::force, Side::left, ink::curve_2},
+    Drawn{"Bending moment, on the stretched side", &LinkState::moment, Quantity::moment, Side::right, ink::curve_3}};
+
+/// Calls visit(state, direction of the line) at the places of a link, all in the frame of its body.
+template <class Visit>
+void along(const CrossSection& section, const LinkLoads& link, Visit visit) {
+  for (const LinkPiece& piece : link.pieces) {
+    for (int k = 0; k <= steps; ++k) {
+      const double s = k == steps ? piece.to : piece.from + k * (piece.to - piece.from) / steps;
+      visit(link.at(section, piece, s), piece.along);
+    }
+  }
+}
+
+MechanismPicture picture_of_quantity(const StaticModel& model, const Poses& poses, const std::vector<LinkLoads>& links,
+                                     const Drawn& drawn) {
+  const Scene& scene = model.scene();
+  MechanismPicture picture{.poses = poses};
+  for (const LinkLoads& link : links) {
+    const auto body = static_cast<std::size_t>(link.body);
+    Diagram diagram{.name = scene.bodies[body].name, .quantity = drawn.quantity, .colour = drawn.colour};
+    along(*scene.bodies[body].section, link, [&](const LinkState& state, Vec2 direction) {
+      const Vec2 left = quarter_turn(direction) * poses[body].direction();
+      diagram.at.push_back(poses[body].world(state.at));
+      diagram.toward.push_back(drawn.side == Side::left ? left : -left);
+      diagram.value.push_back(state.*drawn.value);
+    });
+    picture.diagrams.push_back(std::move(diagram));
+  }
+  return picture;
+}
+
+/// A factor of one digit by which the largest deflection is drawn as a tenth of the longest link.
+double enlargement(const std::vector<LinkLoads>& links) {
+  double length = 0.0, deflection = 0.0;
+  for (const LinkLoads& link : links) {
+    length = std::max(length, link.length);
+    deflection = std::max(deflection, link.deflection.value);
+  }
+  if (deflection <= 0.0) return 1.0;
+  const double factor = 0.1 * length / deflection;
+  const double decade = std::pow(10.0, std::floor(std::log10(factor)));
+  return std::max(1.0, std::floor(factor / decade) * decade);
+}
+
+MechanismPicture picture_of_deflection(const StaticModel& model, const Poses& poses,
+                                       const std::vector<LinkLoads>& links, double factor) {
+  const Scene& scene = model.scene();
+  MechanismPicture picture{.poses = poses};
+  for (const LinkLoads& link : links) {
+    const auto body = static_cast<std::size_t>(link.body);
+    PointPath path{"", {}};
+    along(*scene.bodies[body].section, link, [&](const LinkState& state, Vec2) {
+      path.points.push_back(poses[body].world(state.at + factor * state.deflection));
+    });
+    path.name = scene.bodies[body].name;
+    picture.paths.push_back(std::move(path));
+  }
+  return picture;
+}
+
+struct Titled {
+  std::string title;
+  MechanismPicture picture;
+};
+
+std::vector<Titled> pictures_of(const StaticModel& model, const std::vector<double>& x,
+                                const std::vector<LinkLoads>& all) {
+  std::vector<LinkLoads> links;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(links), [](const LinkLoads& l) { return l.why.empty(); });
+  const Poses poses = model.poses(x);
+  std::vector<Titled> out;
+  for (const Drawn& drawn : drawn_quantities) {
+    out.push_back({drawn.title, picture_of_quantity(model, poses, links, drawn)});
+  }
+  const double factor = enlargement(links);
+  out.push_back({fmt::format("Deflection, {} times as large", significant(factor, 4)),
+                 picture_of_deflection(model, poses, links, factor)});
+  return out;
+}
+
+}  // namespace
+
+std::string loads_picture(const StaticModel& model, const std::vector<double>& x, const std::vector<LinkLoads>& links,
+                          const std::string& heading, bool confirmed) {
+  std::string out;
+  for (Titled& one : pictures_of(model, x, links)) {
+    one.picture.heading = one.title + ". " + heading;
+    one.picture.confirmed = confirmed;
+    const std::string document = draw_mechanism(model.scene(), one.picture);
+    out = out.empty() ? document : stacked(out, document);
+  }
+  return out;
+}
+
+Figure loads_figure(const StaticModel& model, const std::vector<double>& x, const std::vector<LinkLoads>& links,
+                    bool confirmed) {
+  std::vector<Position> positions;
+  for (Titled& one : pictures_of(model, x, links)) {
+    Position& position = positions.emplace_back();
+    position.scene = &model.scene();
+    position.picture = std::move(one.picture);
+    position.picture.heading = one.title;
+    position.picture.confirmed = confirmed;
+  }
+  return {.title = "Internal loads",
+          .drawing = draw_frames(std::move(positions),
+                                 "Normal force, shear force, bending moment and deflection of the "
+                                 "links, drawn on the mechanism")};
+}
+
+}  // namespace poise::app

@@ -1,0 +1,230 @@
+#include "app/results/statics/loads.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/present/numbers.hpp"
+#include "app/results/parts.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr Dimension stress = dimension::force * dimension::length.power(-2);
+
+/// A link that has internal loads, with its body.
+struct ShownLink {
+  const Body* body;
+  const LinkLoads* loads;
+};
+
+bool stands(const Equilibrium& equilibrium) { return equilibrium.found() || equilibrium.status == Status::checked; }
+
+std::string how(const Equilibrium& equilibrium) {
+  if (equilibrium.found()) return "in equilibrium, " + in_few_words(equilibrium);
+  return equilibrium.why.find("structure") != std::string::npos ? "in balance as a structure, in which nothing can move"
+                                                                : "in balance by free-body statics, not proved";
+}
+
+Line verdict(const LoadsAnswer& answer) {
+  const Equilibrium& equilibrium = answer.equilibrium;
+  if (!stands(equilibrium)) {
+    return bad(fmt::format("No internal loads: no equilibrium, {}.", to_string(equilibrium.status)));
+  }
+  const auto known =
+      std::count_if(answer.links.begin(), answer.links.end(), [](const LinkLoads& link) { return link.why.empty(); });
+  const int links = static_cast<int>(answer.links.size());
+  const std::string of = answer.is_complete() ? count(links, "link", "links")
+                                              : fmt::format("{} of {}", known, count(links, "link", "links"));
+  const std::string text = fmt::format("Internal loads of {}, {}.", of, how(equilibrium));
+  return answer.is_complete() ? good(text) : doubtful(text);
+}
+
+/// What a reader must know of how a link was taken.
+void warn(Result& result, const ScaledModel& model, const LoadsAnswer& answer) {
+  for (const LinkLoads& link : answer.links) {
+    const std::string& name = model.scene().bodies[static_cast<std::size_t>(link.body)].name;
+    if (!link.why.empty()) {
+      result.warnings.push_back(bad(fmt::format("No internal loads of \"{}\": {}.", name, link.why)));
+    }
+    for (const LinkAction& action : link.actions) {
+      if (action.arm == 0.0) continue;
+      const std::string where = action.name == "weight" ? ", because its centre of mass is not that of its line" : "";
+      result.warnings.push_back(doubtful(fmt::format(
+          "The {} of \"{}\" acts {} beside its line{}: through a rigid arm at {} along it.", action.name, name,
+          with_unit(model, action.arm, Quantity::length, 4), where, with_unit(model, action.s, Quantity::length, 4))));
+    }
+    const double stressed = std::max(link.tension.value, -link.compression.value);
+    const CrossSection& section = *model.scene().bodies[static_cast<std::size_t>(link.body)].section;
+    if (stressed > 0.01 * section.modulus) {
+      result.warnings.push_back(
+          doubtful(fmt::format("The strain of \"{}\" reaches {:.2g}: beyond what linear beam theory describes.", name,
+                               stressed / section.modulus)));
+    }
+    constexpr double small = 0.05;
+    if (link.deflection.value > small * link.length) {
+      result.warnings.push_back(doubtful(
+          fmt::format("The deflection of \"{}\" is {:.2g} of its length, so large that it changes the loads; they are "
+                      "those of the rigid link.",
+                      name, link.deflection.value / link.length)));
+    }
+    if (link.buckling_factor && *link.buckling_factor <= 1.0) {
+      result.warnings.push_back(bad(fmt::format("\"{}\" buckles: its compression is {:.4g} times Euler's load.", name,
+                                                1.0 / *link.buckling_factor)));
+    }
+  }
+}
+
+void add_links(Group& group, const ScaledModel& model, const std::vector<ShownLink>& links) {
+  const Units& units = model.scene().units;
+  Table& table = group.table("links", "Largest internal loads", Rows::list);
+  table.words("name", "link", each(links, [](const ShownLink& link) { return link.body->name; }));
+  const auto add = [&](const std::string& key, const std::string& title, const std::string& unit, double si_unit,
+                       LargestOnLink LinkLoads::*which) {
+    const std::vector<double> values = each(links, [&](const ShownLink& l) { return (l.loads->*which).value; });
+    std::vector<double> shown = values;
+    for (double& value : shown) value /= si_unit;
+    table.numbers(key, title, unit, std::move(shown), {.style = Format::Style::significant, .digits = force_digits});
+    table.data(key + "_at",
+               in_unit(each(links, [&](const ShownLink& l) { return (l.loads->*which).s; }), Quantity::length, units));
+  };
+  const auto add_quantity = [&](const std::string& key, const std::string& title, Quantity quantity,
+                                LargestOnLink LinkLoads::*which) {
+    add(key, title, unit_name(quantity, units), unit_value(quantity, units), which);
+  };
+  add_quantity("normal", "N", Quantity::force, &LinkLoads::normal);
+  add_quantity("shear", "V", Quantity::force, &LinkLoads::shear);
+  add_quantity("moment", "M", Quantity::moment, &LinkLoads::moment);
+  add("tension", "tension", stress.unit_name(units), stress.unit(units), &LinkLoads::tension);
+  add("compression", "compression", stress.unit_name(units), stress.unit(units), &LinkLoads::compression);
+  add_quantity("deflection", "deflection", Quantity::length, &LinkLoads::deflection);
+  table.data("turn_first",
+             in_unit(each(links, [](const ShownLink& l) { return l.loads->turn_first; }), Quantity::angle, units));
+  table.data("turn_last",
+             in_unit(each(links, [](const ShownLink& l) { return l.loads->turn_last; }), Quantity::angle, units));
+  Column& factor = table.numbers("buckling_factor", "buckling", "",
+                                 each(links, [](const ShownLink& l) { return or_gap(l.loads->buckling_factor); }),
+                                 {.style = Format::Style::significant, .digits = 4});
+  factor.shown =
+      std::any_of(links.begin(), links.end(), [](const ShownLink& l) { return l.loads->buckling_factor.has_value(); });
+  table.data("length",
+             in_unit(each(links, [](const ShownLink& l) { return l.loads->length; }), Quantity::length, units));
+  table.data("imbalance", each(links, [](const ShownLink& l) { return l.loads->imbalance; }));
+  table.footnotes = {
+      "N: normal force, tension positive; V = dM/ds; M: bending moment, positive where it stretches the right of the "
+      "line; stresses in the extreme fibres",
+      "deflection: from bending alone, against the line through both ends of the link"};
+  if (factor.shown) {
+    table.footnotes.emplace_back(
+        "buckling: Euler's load of the link between its two pins over its compression; of links that no other force "
+        "acts on");
+  }
+}
+
+void add_actions(Group& group, const ScaledModel& model, const std::vector<ShownLink>& links) {
+  struct Row {
+    std::string link, name;
+    double from, to, x, y, moment, arm;
+  };
+  std::vector<Row> rows;
+  for (const ShownLink& link : links) {
+    for (const LinkAction& action : link.loads->actions) {
+      rows.push_back({link.body->name, action.name, action.s, action.s, action.force.x, action.force.y, action.moment,
+                      action.arm});
+    }
+    for (const LineAction& action : link.loads->line_actions) {
+      const Vec2 whole = (action.to - action.from) * action.per_length;
+      rows.push_back({link.body->name, action.name, action.from, action.to, whole.x, whole.y, 0.0, 0.0});
+    }
+  }
+  Table& table = group.table("actions", "What acts on them, along the axes of the link", Rows::list);
+  table.words("link", "link", each(rows, &Row::link));
+  table.words("name", "what", each(rows, &Row::name));
+  add_column(table, model, "from", "from", Quantity::length, each(rows, &Row::from), force_digits);
+  add_column(table, model, "to", "to", Quantity::length, each(rows, &Row::to), force_digits);
+  add_column(table, model, "force[]", "Fx", Quantity::force, each(rows, &Row::x), force_digits);
+  add_column(table, model, "force[]", "Fy", Quantity::force, each(rows, &Row::y), force_digits);
+  add_column(table, model, "moment", "moment", Quantity::moment, each(rows, &Row::moment), force_digits);
+  table.data("arm", in_unit(each(rows, &Row::arm), Quantity::length, model.scene().units));
+  table.footnotes = {"places along the line of the link; even loads act from one place to another"};
+}
+
+void add_diagrams(Group& group, const ScaledModel& model, const std::vector<BodyPose<double>>& poses,
+                  const std::vector<ShownLink>& links, int steps) {
+  const Units& units = model.scene().units;
+  std::vector<std::string> names;
+  std::vector<double> s;
+  std::vector<LinkState> states;
+  std::vector<Vec2> at;
+  for (const ShownLink& link : links) {
+    for (const LinkPiece& piece : link.loads->pieces) {
+      for (int k = 0; k <= steps; ++k) {
+        s.push_back(k == steps ? piece.to : piece.from + k * (piece.to - piece.from) / steps);
+        states.push_back(link.loads->at(*link.body->section, piece, s.back()));
+        names.push_back(link.body->name);
+        at.push_back(poses[static_cast<std::size_t>(link.loads->body)].world(states.back().at));
+      }
+    }
+  }
+  Table& table = group.table("diagrams", "", Rows::list, Verbosity::data);
+  table.csv = true;
+  const std::string length = unit_name(Quantity::length, units);
+  table.words("link", "", std::move(names));
+  const auto add = [&](const std::string& key, Quantity quantity, const std::vector<double>& si) {
+    table.data(key, in_unit(si, quantity, units));
+  };
+  const auto of = [&](double LinkState::*member) { return each(states, member); };
+  add("s", Quantity::length, s);
+  add("x", Quantity::length, each(at, [](Vec2 p) { return p.x; }));
+  add("y", Quantity::length, each(at, [](Vec2 p) { return p.y; }));
+  add("normal", Quantity::force, of(&LinkState::normal));
+  add("shear", Quantity::force, of(&LinkState::shear));
+  add("moment", Quantity::moment, of(&LinkState::moment));
+  for (const auto& [key, member] :
+       {std::pair{"stress_left", &LinkState::stress_left}, std::pair{"stress_right", &LinkState::stress_right}}) {
+    std::vector<double> values = of(member);
+    for (double& value : values) value /= stress.unit(units);
+    table.data(key, std::move(values));
+  }
+  add("deflection", Quantity::length, each(states, [](const LinkState& state) { return norm(state.deflection); }));
+  add("turn", Quantity::angle, of(&LinkState::turn));
+}
+
+}  // namespace
+
+bool LoadsAnswer::is_complete() const {
+  return stands(equilibrium) &&
+         std::all_of(links.begin(), links.end(), [](const LinkLoads& l) { return l.why.empty(); });
+}
+
+std::string stress_unit(const Units& units) { return stress.unit_name(units); }
+
+Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int steps,
+                    const std::vector<std::string>& settings) {
+  const Scene& scene = model.scene();
+  Result out = scene_result(scene, settings);
+  out.verdict = verdict(answer);
+  warn(out, model, answer);
+  const Equilibrium& equilibrium = answer.equilibrium;
+  Group& content = out.content;
+  content.data("stress_unit", stress_unit(scene.units));
+  content.data("status", to_string(equilibrium.status));
+  content.data("stability", to_string(equilibrium.certificate.stability));
+  content.data("why", equilibrium.why);
+  std::vector<ShownLink> links;
+  for (const LinkLoads& link : answer.links) {
+    if (link.why.empty()) links.push_back({&scene.bodies[static_cast<std::size_t>(link.body)], &link});
+  }
+  add_links(content, model, links);
+  add_actions(content, model, links);
+  add_diagrams(content, model, model.poses(equilibrium.x), links, steps);
+  const auto refused = chosen_of(answer.links, [](const LinkLoads& link) { return !link.why.empty(); });
+  Table& none = content.table("without", "", Rows::list, Verbosity::data);
+  none.words("name", "",
+             each(refused, [&](const LinkLoads& l) { return scene.bodies[static_cast<std::size_t>(l.body)].name; }));
+  none.words("why", "", each(refused, &LinkLoads::why));
+  return out;
+}
+
+}  // namespace poise::app

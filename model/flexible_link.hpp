@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "model/scene.hpp"
+
+namespace poise {
+
+/// A flexible link that takes the place of one body of a scene. Its joints and springs are to be added to the scene
+/// after all others, so that those of a scene file keep their places.
+struct FlexibleChain {
+  FlexibleLink link;             ///< its springs are not known yet
+  std::vector<PointRef> points;  ///< where the points of the body are now, in their order
+  std::vector<Joint> joints;     ///< pins between neighbouring bodies
+  std::vector<Element> springs;
+};
+
+/// Makes a body with a section, whose points are all on its line, flexible: an inextensible beam of Euler and Bernoulli
+/// that turns by phi(s) against its straight shape, of any size ("elastica").
+///
+/// The line is cut into elements between its points, `elements` in all where there are so many or more than stretches.
+/// Over each, of length h, phi is the cubic through its values at the four nodes of Gauss and Lobatto, xi = 0,
+/// (1 -+ 1/sqrt 5)/2, 1 with the weights w = 1/12, 5/12, 5/12, 1/12. Neighbours share the node between them.
+///
+///   place      r(h) - r(0) = sum_k w_k h d exp(i phi_k),  d the direction of the line
+///     so that each node is a rigid body of length w_k h, and neighbours are pinned together: a chain.
+///   weight     integral of r over the element = h r(0) + h^2 sum_k w_k (1 - xi_k) d exp(i phi_k)
+///     which the bodies have with masses in proportion to w_k and centres of mass h (1 - xi_k - sum_{j > k} w_j) behind
+///     their beginning.
+///   energy     E I / 2 integral of phi'^2 ds, exact by three points of Gauss: a spring on each of
+///     sum_k l_k'(xi) phi_k, l_k the polynomials of Lagrange, with the stiffness E I w / h, w and xi on 0 .. 1.
+///
+/// Ends of elements and what acts there converge as h^6. The first body has its place and direction at the first point
+/// of the line, and bodies of the chain are not turned against each other where the link is straight.
+FlexibleChain make_flexible(Scene& scene, int body, int elements);
+
+}  // namespace poise

@@ -1,0 +1,509 @@
+#include "statics/link_loads.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "statics/body_measures.hpp"
+#include "statics/mobility.hpp"
+
+namespace poise {
+namespace {
+
+/// Part of a length below which places are one, and part of a force below which it is rounding.
+constexpr double same_place = 1e-9;
+constexpr double rounding = 1e-9;
+
+/// A reason why nothing can be said of a link.
+struct Refusal {
+  std::string why;
+};
+
+/// The roots of a + b x + c x^2 within (0, end).
+std::vector<double> roots_within(double a, double b, double c, double end) {
+  std::vector<double> out;
+  const auto add = [&](double x) {
+    if (x > 0.0 && x < end) out.push_back(x);
+  };
+  const double square = b * b - 4 * a * c;
+  if (square < 0.0) return out;
+  // The larger root first: the other is their product over it.
+  const double q = -0.5 * (b + std::copysign(std::sqrt(square), b));
+  if (c != 0.0) add(q / c);
+  if (q != 0.0) add(a / q);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// The polyline of a section, in the frame of its body.
+class Line {
+ public:
+  explicit Line(const Body& body) {
+    for (const int point : body.section->line) {
+      const Vec2 at = body.points[static_cast<std::size_t>(point)].at;
+      if (!corners_.empty()) {
+        const double step = norm(at - corners_.back());
+        if (step == 0.0) throw Refusal{"two points of its line are at the same place"};
+        s_.push_back(s_.back() + step);
+      } else {
+        s_.push_back(0.0);
+      }
+      corners_.push_back(at);
+    }
+  }
+
+  double length() const { return s_.back(); }
+  const std::vector<double>& stations() const { return s_; }
+  Vec2 first() const { return corners_.front(); }
+  Vec2 last() const { return corners_.back(); }
+  std::size_t stretches() const { return s_.size() - 1; }
+  Vec2 along(std::size_t stretch) const {
+    return (1 / (s_[stretch + 1] - s_[stretch])) * (corners_[stretch + 1] - corners_[stretch]);
+  }
+  /// The stretch that begins at s or has it inside; the last one at the end.
+  std::size_t stretch_at(double s) const {
+    const auto next = std::upper_bound(s_.begin(), s_.end(), s);
+    return std::min(static_cast<std::size_t>(next - s_.begin()), stretches()) - 1;
+  }
+  Vec2 at(double s) const {
+    const std::size_t k = stretch_at(s);
+    return corners_[k] + (s - s_[k]) * along(k);
+  }
+  /// s of the nearest point, of several the first.
+  double nearest(Vec2 p) const {
+    double best = 0.0, least = norm(p - corners_.front());
+    for (std::size_t k = 0; k < stretches(); ++k) {
+      const double x = std::clamp(dot(along(k), p - corners_[k]), 0.0, s_[k + 1] - s_[k]);
+      const double distance = norm(p - corners_[k] - x * along(k));
+      if (distance < least - same_place * length()) {
+        best = s_[k] + x;
+        least = distance;
+      }
+    }
+    return best;
+  }
+  Vec2 centroid() const {
+    Vec2 sum{};
+    for (std::size_t k = 0; k < stretches(); ++k) {
+      sum += ((s_[k + 1] - s_[k]) / length()) * (0.5 * (corners_[k] + corners_[k + 1]));
+    }
+    return sum;
+  }
+
+ private:
+  std::vector<Vec2> corners_;
+  std::vector<double> s_;
+};
+
+/// Collects all that acts on a link, in the frame of its body.
+class Actions {
+ public:
+  Actions(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Line& line, LinkLoads& out)
+      : scene_(scene), poses_(poses), pose_(poses[static_cast<std::size_t>(out.body)]), line_(line), out_(out) {}
+
+  void add_loads() {
+    add_weight();
+    for (const Force& force : scene_.forces) {
+      if (force.at.body == out_.body && !(force.vector == Vec2{})) add_force(force);
+    }
+    for (const Torque& torque : scene_.torques) {
+      if (torque.body != out_.body || torque.value == 0.0) continue;
+      const std::string name = "torque " + torque.name;
+      if (torque.point >= 0) {
+        const Vec2 at = scene_.local({torque.body, torque.point});
+        act(name, at, {}, torque.value);
+      } else {
+        couple(name, 0, torque.value, "; give it at = \"BODY.POINT\" in place of on");
+      }
+    }
+  }
+
+  void add_elements(const std::vector<ElementForce>& forces) {
+    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+      const Element& element = scene_.elements[e];
+      add_efforts(element.family() + " " + element.name, element.on, -forces[e].value);
+    }
+  }
+
+  void add_reaction(const Reaction& reaction) {
+    const std::string name = reaction.kind + " " + reaction.name;
+    if (reaction.kind == "stop") {
+      const auto stop = std::find_if(scene_.stops.begin(), scene_.stops.end(),
+                                     [&](const Stop& one) { return one.name == reaction.name; });
+      return add_stop(name, *stop, reaction);
+    }
+    const auto joint = std::find_if(scene_.joints.begin(), scene_.joints.end(),
+                                    [&](const Joint& one) { return one.name == reaction.name; });
+    const bool on_b = joint->b.body == out_.body;
+    if (!on_b && joint->a.body != out_.body) return;
+    expect_determined(name, reaction);
+    const double sign = on_b ? 1.0 : -1.0;
+    // The force of a bar acts at each of its ends, all others where the point of the second body is.
+    const Vec2 at = joint->keeps_length() ? scene_.local(on_b ? joint->b : joint->a) : local(reaction.at);
+    joints_.push_back({name, at});
+    act(name, at, sign * turned_back(reaction.force), sign * reaction.moment);
+  }
+
+  /// A link with three joints or more is a beam only if its line visits them.
+  void expect_joints_on_line() const {
+    std::vector<Vec2> places;
+    for (const auto& [name, at] : joints_) {
+      const bool is_new = std::none_of(places.begin(), places.end(), [&, at = at](Vec2 p) { return is_near(p, at); });
+      if (is_new) places.push_back(at);
+    }
+    if (places.size() < 3) return;
+    for (const auto& [name, at] : joints_) {
+      if (is_near(line_.at(line_.nearest(at)), at)) continue;
+      throw Refusal{fmt::format("it has joints at {} places and {} is not on its line: it is no beam along that line",
+                                places.size(), name)};
+    }
+  }
+
+ private:
+  bool is_near(Vec2 a, Vec2 b) const { return norm(a - b) <= same_place * line_.length(); }
+  Vec2 local(Vec2 world) const { return turned_back(world - pose_.origin); }
+  Vec2 turned_back(Vec2 world) const { return world * conj(pose_.direction()); }
+
+  static void expect_determined(const std::string& name, const Reaction& reaction) {
+    if (!reaction.determined) {
+      throw Refusal{fmt::format("statics does not determine the force of {}: a joint more than needed", name)};
+    }
+  }
+
+  /// Places within rounding of each other are one.
+  double station(double s) {
+    for (const double known : line_.stations()) {
+      if (std::abs(known - s) <= same_place * line_.length()) return known;
+    }
+    for (const LinkAction& action : out_.actions) {
+      if (std::abs(action.s - s) <= same_place * line_.length()) return action.s;
+    }
+    return s;
+  }
+
+  void act(const std::string& name, Vec2 at, Vec2 force, double moment) {
+    if (force == Vec2{} && moment == 0.0) return;
+    const double s = station(line_.nearest(at));
+    const Vec2 arm = at - line_.at(s);
+    const bool is_on_line = norm(arm) <= same_place * line_.length();
+    out_.actions.push_back({name, s, force, moment + cross(arm, force), is_on_line ? 0.0 : norm(arm)});
+  }
+
+  void add_weight() {
+    const Body& body = scene_.bodies[static_cast<std::size_t>(out_.body)];
+    if (body.mass == 0.0 || scene_.gravity == Vec2{}) return;
+    const Vec2 weight = turned_back(body.mass * scene_.gravity);
+    if (is_near(line_.centroid(), body.center))
+      add_along("weight", 0.0, line_.length(), (1 / line_.length()) * weight);
+    else
+      act("weight", body.center, weight, 0.0);
+  }
+
+  void add_along(const std::string& name, double from, double to, Vec2 per_length) {
+    out_.line_actions.push_back({name, from, to, per_length});
+  }
+
+  void add_force(const Force& force) {
+    Vec2 vector = turned_back(force.vector);
+    if (force.follows >= 0) vector = vector * poses_[static_cast<std::size_t>(force.follows)].direction();
+    if (!force.to) return act("force " + force.name, scene_.local(force.at), vector, 0.0);
+    const std::string name = "distributed load " + force.name;
+    const Vec2 a = scene_.local(force.at), b = scene_.local(*force.to);
+    const double s_a = station(line_.nearest(a)), s_b = station(line_.nearest(b));
+    const bool is_on_line = is_near(line_.at(s_a), a) && is_near(line_.at(s_b), b) &&
+                            std::abs(std::abs(s_b - s_a) - norm(b - a)) <= same_place * line_.length();
+    if (!is_on_line) throw Refusal{fmt::format("the line of {} is not part of its own", name)};
+    add_along(name, std::min(s_a, s_b), std::max(s_a, s_b), vector);
+  }
+
+  /// A moment between the link and another body enters at the one joint that they share.
+  void couple(const std::string& name, int other, double moment, const std::string& advice) {
+    std::vector<Vec2> places;
+    for (const Joint& joint : scene_.joints) {
+      const bool on_b = joint.b.body == out_.body;
+      if ((on_b ? joint.a.body : joint.b.body) != other || (!on_b && joint.a.body != out_.body)) continue;
+      places.push_back(scene_.local(on_b ? joint.b : joint.a));
+    }
+    if (places.size() != 1) {
+      throw Refusal{fmt::format("where the moment of {} enters it is not known: it shares {} with \"{}\"{}", name,
+                                places.empty() ? "no joint" : "several joints",
+                                scene_.bodies[static_cast<std::size_t>(other)].name, advice)};
+    }
+    act(name, places.front(), {}, moment);
+  }
+
+  /// An effort on a measure, positive where it tends to increase it.
+  void add_efforts(const std::string& name, const Measure& on, double effort) {
+    if (effort == 0.0) return;
+    for (const UnitEffort& unit : unit_efforts(scene_, on, poses_)) {
+      for (const bool on_b : {false, true}) {
+        if ((on_b ? unit.body_b : unit.body_a) != out_.body) continue;
+        const double size = on_b ? effort : -effort;
+        if (unit.moment != 0.0)
+          couple(name, on_b ? unit.body_a : unit.body_b, size * unit.moment, "");
+        else
+          act(name, local(on_b ? unit.b : unit.a), size * turned_back(unit.force), 0.0);
+      }
+    }
+  }
+
+  void add_stop(const std::string& name, const Stop& stop, const Reaction& reaction) {
+    const std::vector<UnitEffort> units = unit_efforts(scene_, stop.on, poses_);
+    const bool touches = std::any_of(units.begin(), units.end(), [&](const UnitEffort& unit) {
+      return unit.body_a == out_.body || unit.body_b == out_.body;
+    });
+    if (!touches) return;
+    expect_determined(name, reaction);
+    const bool is_pin = stop.on.kind == Measure::Kind::distance && stop.max <= 0.0;
+    if (is_pin) {
+      const double sign = stop.on.b.body == out_.body ? 1.0 : -1.0;
+      return act(name, local(reaction.at), sign * turned_back(reaction.force), 0.0);
+    }
+    if (!stop.on.is_angle()) return add_efforts(name, stop.on, -reaction.axial);
+    // The reaction is that on the first term.
+    add_efforts(name, stop.on, reaction.moment / units.front().moment);
+  }
+
+  const Scene& scene_;
+  const std::vector<BodyPose<double>>& poses_;
+  const BodyPose<double>& pose_;
+  const Line& line_;
+  LinkLoads& out_;
+  std::vector<std::pair<std::string, Vec2>> joints_;
+};
+
+/// The places at which a diagram may have a kink or a jump.
+std::vector<double> breaks_of(const Line& line, const LinkLoads& loads) {
+  std::vector<double> out = line.stations();
+  for (const LinkAction& action : loads.actions) out.push_back(action.s);
+  for (const LineAction& action : loads.line_actions) out.insert(out.end(), {action.from, action.to});
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+double largest_force(const LinkLoads& loads) {
+  double largest = 0.0;
+  for (const LinkAction& action : loads.actions) {
+    largest = std::max({largest, norm(action.force), std::abs(action.moment) / loads.length});
+  }
+  for (const LineAction& action : loads.line_actions) {
+    largest = std::max(largest, norm(action.per_length) * (action.to - action.from));
+  }
+  return largest;
+}
+
+/// Sums what acts along the line.
+void find_pieces(const Line& line, LinkLoads& loads) {
+  const std::vector<double> breaks = breaks_of(line, loads);
+  Vec2 before{};        // the sum of all forces so far
+  double moment = 0.0;  // and their moment about the present place
+  for (std::size_t k = 0; k < breaks.size(); ++k) {
+    const double s = breaks[k];
+    for (const LinkAction& action : loads.actions) {
+      if (action.s != s) continue;
+      before += action.force;
+      moment += action.moment;
+    }
+    if (k + 1 == breaks.size()) break;
+    const double step = breaks[k + 1] - s;
+    const Vec2 along = line.along(line.stretch_at(s)), left = quarter_turn(along);
+    Vec2 even{};
+    for (const LineAction& action : loads.line_actions) {
+      if (action.from <= s && s < action.to) even += action.per_length;
+    }
+    LinkPiece piece{.from = s, .to = breaks[k + 1], .at = line.at(s), .along = along};
+    piece.normal = -dot(before, along);
+    piece.shear = dot(before, left);
+    piece.moment = -moment;
+    piece.normal_slope = -dot(even, along);
+    piece.shear_slope = dot(even, left);
+    loads.pieces.push_back(piece);
+    moment -= step * (piece.shear + 0.5 * step * piece.shear_slope);
+    before += step * even;
+  }
+  const double largest = largest_force(loads);
+  loads.imbalance = largest > 0.0 ? std::max(norm(before), std::abs(moment) / loads.length) / largest : 0.0;
+}
+
+double turn_over(const LinkPiece& piece, double stiffness, double x) {
+  return x * (piece.moment + x * (piece.shear / 2 + x * piece.shear_slope / 6)) / stiffness;
+}
+
+/// Integral of turn_over.
+double rise_over(const LinkPiece& piece, double stiffness, double x) {
+  return x * x * (piece.moment / 2 + x * (piece.shear / 6 + x * piece.shear_slope / 24)) / stiffness;
+}
+
+/// Integrates the curvature, first with the first end clamped, and then turns the line so that its ends stay on the
+/// line through both.
+void find_deflection(const Line& line, double stiffness, LinkLoads& loads) {
+  double turn = 0.0;
+  Vec2 moved{};
+  for (LinkPiece& piece : loads.pieces) {
+    piece.turn = turn;
+    piece.deflection = moved;
+    const double step = piece.to - piece.from;
+    moved += (turn * step + rise_over(piece, stiffness, step)) * quarter_turn(piece.along);
+    turn += turn_over(piece, stiffness, step);
+  }
+  const Vec2 chord = line.last() - line.first();
+  const double span = norm(chord);
+  const double back = span > same_place * loads.length ? -dot(moved, quarter_turn((1 / span) * chord)) / span : 0.0;
+  for (LinkPiece& piece : loads.pieces) {
+    piece.turn += back;
+    piece.deflection += back * quarter_turn(piece.at - line.first());
+  }
+  loads.turn_first = back;
+  loads.turn_last = turn + back;
+}
+
+void enlarge(LargestOnLink& largest, double value, double s) {
+  if (std::abs(value) > std::abs(largest.value)) largest = {value, s};
+}
+
+/// Where the line of a piece does not turn: its displacement may be largest there. Its slope, the curvature, is
+/// quadratic, so that the turn is monotonic between the roots of that.
+std::vector<double> level_places(const LinkPiece& piece, double stiffness) {
+  const double end = piece.to - piece.from;
+  std::vector<double> bounds = roots_within(piece.moment, piece.shear, piece.shear_slope / 2, end);
+  bounds.insert(bounds.begin(), 0.0);
+  bounds.push_back(end);
+  std::vector<double> out;
+  const auto turn = [&](double x) { return piece.turn + turn_over(piece, stiffness, x); };
+  for (std::size_t k = 0; k + 1 < bounds.size(); ++k) {
+    double low = bounds[k], high = bounds[k + 1];
+    if ((turn(low) > 0.0) == (turn(high) > 0.0)) continue;
+    const bool rises = turn(high) > 0.0;
+    while (low < 0.5 * (low + high) && 0.5 * (low + high) < high) {
+      const double middle = 0.5 * (low + high);
+      ((turn(middle) > 0.0) == rises ? high : low) = middle;
+    }
+    out.push_back(low);
+  }
+  return out;
+}
+
+void find_largest(const CrossSection& section, LinkLoads& loads) {
+  const double stiffness = section.modulus * section.second_moment;
+  const auto look_at = [&](const LinkPiece& piece, double x) {
+    const double s = piece.from + x;
+    const LinkState state = loads.at(section, piece, s);
+    enlarge(loads.normal, state.normal, s);
+    enlarge(loads.shear, state.shear, s);
+    enlarge(loads.moment, state.moment, s);
+    for (const double stress : {state.stress_left, state.stress_right}) {
+      if (stress > loads.tension.value) loads.tension = {stress, s};
+      if (stress < loads.compression.value) loads.compression = {stress, s};
+    }
+    enlarge(loads.deflection, norm(state.deflection), s);
+  };
+  for (const LinkPiece& piece : loads.pieces) {
+    const double end = piece.to - piece.from;
+    look_at(piece, 0.0);
+    look_at(piece, end);
+    for (const double x : roots_within(piece.shear, piece.shear_slope, 0.0, end)) look_at(piece, x);
+    for (const double fibre : {-section.to_left(), section.to_right()}) {
+      const double by_shear = fibre / section.second_moment;
+      const double slope = piece.normal_slope / section.area + piece.shear * by_shear;
+      for (const double x : roots_within(slope, piece.shear_slope * by_shear, 0.0, end)) look_at(piece, x);
+    }
+    for (const double x : level_places(piece, stiffness)) look_at(piece, x);
+  }
+}
+
+/// Euler's load of the part between the two forces, over the compression.
+std::optional<double> buckling_factor(const Scene& scene, const CrossSection& section, const LinkLoads& loads) {
+  for (const Joint& joint : scene.joints) {
+    const bool is_on_link = joint.a.body == loads.body || joint.b.body == loads.body;
+    if (is_on_link && joint.keeps_angle()) return std::nullopt;
+  }
+  const double force = loads.normal.value;
+  const double none = rounding * std::abs(force);
+  if (force >= 0.0 || !loads.line_actions.empty()) return std::nullopt;
+  if (std::abs(loads.shear.value) > none || std::abs(loads.moment.value) > none * loads.length) return std::nullopt;
+  double first = loads.length, last = 0.0, pressed = 0.0;
+  for (const LinkPiece& piece : loads.pieces) {
+    if (std::abs(piece.normal) <= none) continue;
+    if (std::abs(piece.normal - force) > none) return std::nullopt;
+    first = std::min(first, piece.from);
+    last = std::max(last, piece.to);
+    pressed += piece.to - piece.from;
+  }
+  if (std::abs(last - first - pressed) > same_place * loads.length) return std::nullopt;
+  const double stiffness = section.modulus * section.second_moment;
+  return std::numbers::pi * std::numbers::pi * stiffness / (pressed * pressed) / -force;
+}
+
+}  // namespace
+
+LinkState LinkLoads::at(const CrossSection& section, const LinkPiece& piece, double s) const {
+  const double x = s - piece.from, stiffness = section.modulus * section.second_moment;
+  LinkState out;
+  out.normal = piece.normal + x * piece.normal_slope;
+  out.shear = piece.shear + x * piece.shear_slope;
+  out.moment = piece.moment + x * (piece.shear + 0.5 * x * piece.shear_slope);
+  out.stress_left = out.normal / section.area - out.moment * section.to_left() / section.second_moment;
+  out.stress_right = out.normal / section.area + out.moment * section.to_right() / section.second_moment;
+  out.at = piece.at + x * piece.along;
+  out.turn = piece.turn + turn_over(piece, stiffness, x);
+  out.deflection = piece.deflection + (piece.turn * x + rise_over(piece, stiffness, x)) * quarter_turn(piece.along);
+  return out;
+}
+
+std::vector<int> links_of(const Scene& scene) {
+  std::vector<int> out;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    if (scene.bodies[i].section) out.push_back(static_cast<int>(i));
+  }
+  return out;
+}
+
+LinkLoads link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check, int body) {
+  const Body& link = scene.bodies[static_cast<std::size_t>(body)];
+  LinkLoads out;
+  out.body = body;
+  try {
+    const Line line(link);
+    out.length = line.length();
+    Actions actions(scene, poses, line, out);
+    actions.add_loads();
+    actions.add_elements(check.element_forces);
+    for (const Reaction& reaction : check.reactions) actions.add_reaction(reaction);
+    actions.expect_joints_on_line();
+    find_pieces(line, out);
+    if (!(out.imbalance <= rounding)) {
+      throw Refusal{fmt::format("what acts on it does not balance along its line, by {:.1g} of the largest force",
+                                out.imbalance)};
+    }
+    find_deflection(line, link.section->modulus * link.section->second_moment, out);
+    find_largest(*link.section, out);
+    out.buckling_factor = buckling_factor(scene, *link.section, out);
+  } catch (const Refusal& refusal) {
+    out = {};
+    out.body = body;
+    out.why = refusal.why;
+  }
+  return out;
+}
+
+Equilibrium solve_or_hold(const StaticModel& model, const SolveOptions& options) {
+  Equilibrium held;
+  if (model.mechanism().coordinates() > 0) {
+    const Mobility mobility = analyse_mobility(model);
+    expect_closed(model, mobility);
+    if (mobility.freedoms > 0) return solve(model, mobility.x, options);
+    held.x = mobility.x;
+  }
+  held.reached = held.x;
+  held.check = check(model, held.x, options.check);
+  held.status = held.check.is_equilibrium() ? Status::checked : Status::not_found;
+  held.why = held.check.is_equilibrium() ? "nothing can move: a structure" : held.check.objection;
+  return held;
+}
+
+}  // namespace poise
