@@ -9,27 +9,12 @@
 namespace poise {
 namespace {
 
-constexpr int nodes = 4;
-const double root_5 = std::sqrt(5.0), root_15 = std::sqrt(15.0);
-const std::array<double, nodes> place{0.0, 0.5 - 0.5 / root_5, 0.5 + 0.5 / root_5, 1.0};
-constexpr std::array<double, nodes> weight{1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12};
-const std::array<double, 3> gauss_place{0.5 - root_15 / 10, 0.5, 0.5 + root_15 / 10};
-constexpr std::array<double, 3> gauss_weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
-
-/// Derivative of the polynomial of Lagrange that is 1 at node k and 0 at the others.
-double lagrange_slope(int k, double x) {
-  double below = 1.0, sum = 0.0;
-  for (int j = 0; j < nodes; ++j) {
-    if (j == k) continue;
-    below *= place[k] - place[j];
-    double product = 1.0;
-    for (int m = 0; m < nodes; ++m) {
-      if (m != k && m != j) product *= x - place[m];
-    }
-    sum += product;
-  }
-  return sum / below;
-}
+using beam_element::gauss_place;
+using beam_element::gauss_weight;
+using beam_element::lagrange_slope;
+using beam_element::nodes;
+using beam_element::place;
+using beam_element::weight;
 
 /// A straight element of the line.
 struct BeamElement {
@@ -168,6 +153,28 @@ class ChainMaker {
 };
 
 }  // namespace
+
+double beam_element::lagrange(int k, double x) {
+  double product = 1.0;
+  for (int j = 0; j < nodes; ++j) {
+    if (j != k) product *= (x - place[j]) / (place[k] - place[j]);
+  }
+  return product;
+}
+
+double beam_element::lagrange_slope(int k, double x) {
+  double below = 1.0, sum = 0.0;
+  for (int j = 0; j < nodes; ++j) {
+    if (j == k) continue;
+    below *= place[k] - place[j];
+    double product = 1.0;
+    for (int m = 0; m < nodes; ++m) {
+      if (m != k && m != j) product *= x - place[m];
+    }
+    sum += product;
+  }
+  return sum / below;
+}
 
 FlexibleChain make_flexible(Scene& scene, int body, int elements) { return ChainMaker(scene, body, elements).run(); }
 

@@ -1,10 +1,25 @@
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "model/scene.hpp"
 
 namespace poise {
+
+/// Nodes and weights of an element of a flexible link, on 0 .. 1.
+namespace beam_element {
+inline constexpr int nodes = 4;
+inline const std::array<double, nodes> place{0.0, 0.5 - 0.5 / std::sqrt(5.0), 0.5 + 0.5 / std::sqrt(5.0), 1.0};
+inline constexpr std::array<double, nodes> weight{1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12};
+inline const std::array<double, 3> gauss_place{0.5 - std::sqrt(15.0) / 10, 0.5, 0.5 + std::sqrt(15.0) / 10};
+inline constexpr std::array<double, 3> gauss_weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
+
+/// The polynomial of Lagrange that is 1 at node k and 0 at the others, and its derivative.
+double lagrange(int k, double x);
+double lagrange_slope(int k, double x);
+}  // namespace beam_element
 
 /// A flexible link that takes the place of one body of a scene. Its joints and springs are to be added to the scene
 /// after all others, so that those of a scene file keep their places.

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "model/flexible_link.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/mobility.hpp"
 
@@ -103,15 +104,15 @@ class Line {
 class Actions {
  public:
   Actions(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Line& line, LinkLoads& out)
-      : scene_(scene), poses_(poses), pose_(poses[static_cast<std::size_t>(out.body)]), line_(line), out_(out) {}
+      : scene_(scene), poses_(poses), pose_(poses[static_cast<std::size_t>(out.frame)]), line_(line), out_(out) {}
 
   void add_loads() {
     add_weight();
     for (const Force& force : scene_.forces) {
-      if (force.at.body == out_.body && !(force.vector == Vec2{})) add_force(force);
+      if (force.at.body == out_.frame && !(force.vector == Vec2{})) add_force(force);
     }
     for (const Torque& torque : scene_.torques) {
-      if (torque.body != out_.body || torque.value == 0.0) continue;
+      if (torque.body != out_.frame || torque.value == 0.0) continue;
       const std::string name = "torque " + torque.name;
       if (torque.point >= 0) {
         const Vec2 at = scene_.local({torque.body, torque.point});
@@ -138,8 +139,8 @@ class Actions {
     }
     const auto joint = std::find_if(scene_.joints.begin(), scene_.joints.end(),
                                     [&](const Joint& one) { return one.name == reaction.name; });
-    const bool on_b = joint->b.body == out_.body;
-    if (!on_b && joint->a.body != out_.body) return;
+    const bool on_b = joint->b.body == out_.frame;
+    if (!on_b && joint->a.body != out_.frame) return;
     expect_determined(name, reaction);
     const double sign = on_b ? 1.0 : -1.0;
     // The force of a bar acts at each of its ends, all others where the point of the second body is.
@@ -194,7 +195,7 @@ class Actions {
   }
 
   void add_weight() {
-    const Body& body = scene_.bodies[static_cast<std::size_t>(out_.body)];
+    const Body& body = scene_.bodies[static_cast<std::size_t>(out_.frame)];
     if (body.mass == 0.0 || scene_.gravity == Vec2{}) return;
     const Vec2 weight = turned_back(body.mass * scene_.gravity);
     if (is_near(line_.centroid(), body.center))
@@ -224,8 +225,8 @@ class Actions {
   void couple(const std::string& name, int other, double moment, const std::string& advice) {
     std::vector<Vec2> places;
     for (const Joint& joint : scene_.joints) {
-      const bool on_b = joint.b.body == out_.body;
-      if ((on_b ? joint.a.body : joint.b.body) != other || (!on_b && joint.a.body != out_.body)) continue;
+      const bool on_b = joint.b.body == out_.frame;
+      if ((on_b ? joint.a.body : joint.b.body) != other || (!on_b && joint.a.body != out_.frame)) continue;
       places.push_back(scene_.local(on_b ? joint.b : joint.a));
     }
     if (places.size() != 1) {
@@ -241,7 +242,7 @@ class Actions {
     if (effort == 0.0) return;
     for (const UnitEffort& unit : unit_efforts(scene_, on, poses_)) {
       for (const bool on_b : {false, true}) {
-        if ((on_b ? unit.body_b : unit.body_a) != out_.body) continue;
+        if ((on_b ? unit.body_b : unit.body_a) != out_.frame) continue;
         const double size = on_b ? effort : -effort;
         if (unit.moment != 0.0)
           couple(name, on_b ? unit.body_a : unit.body_b, size * unit.moment, "");
@@ -254,13 +255,13 @@ class Actions {
   void add_stop(const std::string& name, const Stop& stop, const Reaction& reaction) {
     const std::vector<UnitEffort> units = unit_efforts(scene_, stop.on, poses_);
     const bool touches = std::any_of(units.begin(), units.end(), [&](const UnitEffort& unit) {
-      return unit.body_a == out_.body || unit.body_b == out_.body;
+      return unit.body_a == out_.frame || unit.body_b == out_.frame;
     });
     if (!touches) return;
     expect_determined(name, reaction);
     const bool is_pin = stop.on.kind == Measure::Kind::distance && stop.max <= 0.0;
     if (is_pin) {
-      const double sign = stop.on.b.body == out_.body ? 1.0 : -1.0;
+      const double sign = stop.on.b.body == out_.frame ? 1.0 : -1.0;
       return act(name, local(reaction.at), sign * turned_back(reaction.force), 0.0);
     }
     if (!stop.on.is_angle()) return add_efforts(name, stop.on, -reaction.axial);
@@ -362,6 +363,13 @@ void find_deflection(const Line& line, double stiffness, LinkLoads& loads) {
   loads.turn_last = turn + back;
 }
 
+double stiffness_of(const CrossSection& section) { return section.modulus * section.second_moment; }
+
+void set_stresses(const CrossSection& section, LinkState& state) {
+  state.stress_left = state.normal / section.area - state.moment * section.to_left() / section.second_moment;
+  state.stress_right = state.normal / section.area + state.moment * section.to_right() / section.second_moment;
+}
+
 void enlarge(LargestOnLink& largest, double value, double s) {
   if (std::abs(value) > std::abs(largest.value)) largest = {value, s};
 }
@@ -388,19 +396,21 @@ std::vector<double> level_places(const LinkPiece& piece, double stiffness) {
   return out;
 }
 
-void find_largest(const CrossSection& section, LinkLoads& loads) {
-  const double stiffness = section.modulus * section.second_moment;
+void take_largest(LinkLoads& loads, const LinkState& state, double s) {
+  enlarge(loads.normal, state.normal, s);
+  enlarge(loads.shear, state.shear, s);
+  enlarge(loads.moment, state.moment, s);
+  for (const double stress : {state.stress_left, state.stress_right}) {
+    if (stress > loads.tension.value) loads.tension = {stress, s};
+    if (stress < loads.compression.value) loads.compression = {stress, s};
+  }
+  enlarge(loads.deflection, norm(state.deflection), s);
+}
+
+void find_largest(LinkLoads& loads) {
+  const CrossSection& section = loads.section;
   const auto look_at = [&](const LinkPiece& piece, double x) {
-    const double s = piece.from + x;
-    const LinkState state = loads.at(section, piece, s);
-    enlarge(loads.normal, state.normal, s);
-    enlarge(loads.shear, state.shear, s);
-    enlarge(loads.moment, state.moment, s);
-    for (const double stress : {state.stress_left, state.stress_right}) {
-      if (stress > loads.tension.value) loads.tension = {stress, s};
-      if (stress < loads.compression.value) loads.compression = {stress, s};
-    }
-    enlarge(loads.deflection, norm(state.deflection), s);
+    take_largest(loads, loads.at(piece, piece.from + x), piece.from + x);
   };
   for (const LinkPiece& piece : loads.pieces) {
     const double end = piece.to - piece.from;
@@ -412,14 +422,14 @@ void find_largest(const CrossSection& section, LinkLoads& loads) {
       const double slope = piece.normal_slope / section.area + piece.shear * by_shear;
       for (const double x : roots_within(slope, piece.shear_slope * by_shear, 0.0, end)) look_at(piece, x);
     }
-    for (const double x : level_places(piece, stiffness)) look_at(piece, x);
+    for (const double x : level_places(piece, stiffness_of(section))) look_at(piece, x);
   }
 }
 
 /// Euler's load of the part between the two forces, over the compression.
-std::optional<double> buckling_factor(const Scene& scene, const CrossSection& section, const LinkLoads& loads) {
+std::optional<double> buckling_factor(const Scene& scene, const LinkLoads& loads) {
   for (const Joint& joint : scene.joints) {
-    const bool is_on_link = joint.a.body == loads.body || joint.b.body == loads.body;
+    const bool is_on_link = joint.a.body == loads.frame || joint.b.body == loads.frame;
     if (is_on_link && joint.keeps_angle()) return std::nullopt;
   }
   const double force = loads.normal.value;
@@ -435,58 +445,186 @@ std::optional<double> buckling_factor(const Scene& scene, const CrossSection& se
     pressed += piece.to - piece.from;
   }
   if (std::abs(last - first - pressed) > same_place * loads.length) return std::nullopt;
-  const double stiffness = section.modulus * section.second_moment;
-  return std::numbers::pi * std::numbers::pi * stiffness / (pressed * pressed) / -force;
+  return std::numbers::pi * std::numbers::pi * stiffness_of(loads.section) / (pressed * pressed) / -force;
+}
+
+LinkLoads rigid_link(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check, int body) {
+  const Body& link = scene.bodies[static_cast<std::size_t>(body)];
+  LinkLoads out;
+  out.name = link.name;
+  out.frame = body;
+  out.section = link.section.value();
+  const Line line(link);
+  out.length = line.length();
+  Actions actions(scene, poses, line, out);
+  actions.add_loads();
+  actions.add_elements(check.element_forces);
+  for (const Reaction& reaction : check.reactions) actions.add_reaction(reaction);
+  actions.expect_joints_on_line();
+  find_pieces(line, out);
+  if (!(out.imbalance <= rounding)) {
+    throw Refusal{
+        fmt::format("what acts on it does not balance along its line, by {:.1g} of the largest force", out.imbalance)};
+  }
+  find_deflection(line, stiffness_of(out.section), out);
+  find_largest(out);
+  out.buckling_factor = buckling_factor(scene, out);
+  return out;
+}
+
+/// By the three points of Gauss.
+template <class F>
+auto integral(double from, double to, F f) {
+  decltype(f(from)) sum{};
+  for (std::size_t g = 0; g < beam_element::gauss_place.size(); ++g) {
+    const double x = from + (to - from) * beam_element::gauss_place[g];
+    sum += ((to - from) * beam_element::gauss_weight[g]) * f(x);
+  }
+  return sum;
+}
+
+/// One element of a flexible link, of length h, with the turn of its nodes and what its first pin carries.
+class BentElement {
+ public:
+  BentElement(const Scene& scene, const std::vector<BodyPose<double>>& poses, const FlexibleLink& link,
+              std::size_t element) {
+    for (std::size_t k = 0; k < turn_.size(); ++k) {
+      turn_[k] = poses[static_cast<std::size_t>(link.bodies[3 * element + k])].angle;
+    }
+    // The second body of the element belongs to it alone: its points are where it begins and where it ends.
+    const auto second = static_cast<std::size_t>(link.bodies[3 * element + 1]);
+    const Body& body = scene.bodies[second];
+    const Vec2 along = body.points.back().at - body.points.front().at;
+    length_ = norm(along) / beam_element::weight[1];
+    direction_ = (1 / norm(along)) * along;
+    weight_ = (body.mass / beam_element::weight[1]) * scene.gravity;
+    begins_ = poses[second].world(body.points.front().at) -
+              (length_ * beam_element::weight[0]) * (direction_ * unit(turn_[0]));
+  }
+
+  double length() const { return length_; }
+  /// What the first pin carries has the weight of the first node in it.
+  void set_force(Vec2 of_first_pin) { before_ = of_first_pin - beam_element::weight[0] * weight_; }
+
+  LinkSample at(double x) const {
+    LinkSample out;
+    out.state.turn = turn(x);
+    out.along = direction_ * unit(out.state.turn);
+    out.state.normal = -dot(before_ + x * weight_, out.along);
+    out.state.shear = shear(x);
+    out.state.at = begins_ + length_ * integral(0.0, x, [&](double y) { return direction_ * unit(turn(y)); });
+    return out;
+  }
+  /// Of the moment from one place to another: dM/ds = V.
+  double growth(double from, double to) const {
+    return length_ * integral(from, to, [&](double y) { return shear(y); });
+  }
+
+ private:
+  double turn(double x) const {
+    double sum = 0.0;
+    for (int k = 0; k < beam_element::nodes; ++k) {
+      sum += beam_element::lagrange(k, x) * turn_[static_cast<std::size_t>(k)];
+    }
+    return sum;
+  }
+  double shear(double x) const { return dot(before_ + x * weight_, quarter_turn(direction_ * unit(turn(x)))); }
+
+  std::array<double, beam_element::nodes> turn_{};
+  double length_ = 0.0;
+  Vec2 direction_{}, weight_{}, begins_{}, before_{};
+};
+
+/// What the pin between two neighbours of a chain carries, on the second.
+Vec2 force_between(const Scene& scene, const Check& check, int a, int b) {
+  const auto joint = std::find_if(scene.joints.begin(), scene.joints.end(),
+                                  [&](const Joint& one) { return one.a.body == a && one.b.body == b; });
+  const auto found = std::find_if(check.reactions.begin(), check.reactions.end(), [&](const Reaction& one) {
+    return one.name == joint->name && one.kind == joint->traits().key;
+  });
+  if (!found->determined) throw Refusal{"statics does not determine the forces in it: a joint more than needed"};
+  return found->force;
+}
+
+LinkLoads flexible_link(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check,
+                        const FlexibleLink& link) {
+  LinkLoads out;
+  out.name = link.name;
+  out.flexible = true;
+  out.section = link.section;
+  const auto& gauss = beam_element::gauss_place;
+  for (std::size_t e = 0; 3 * e < link.springs.size(); ++e) {
+    BentElement element(scene, poses, link, e);
+    element.set_force(force_between(scene, check, link.bodies[3 * e], link.bodies[3 * e + 1]));
+    std::array<double, gauss.size()> moment{};
+    for (std::size_t g = 0; g < gauss.size(); ++g) {
+      const auto spring = static_cast<std::size_t>(link.springs[3 * e + g]);
+      moment[g] = check.element_forces[spring].value / beam_element::gauss_weight[g];
+    }
+    const auto add = [&](double x, double bending) {
+      LinkSample sample = element.at(x);
+      sample.s = out.length + x * element.length();
+      sample.state.moment = bending;
+      set_stresses(out.section, sample.state);
+      take_largest(out, sample.state, sample.s);
+      out.samples.push_back(sample);
+    };
+    add(0.0, moment.front() - element.growth(0.0, gauss.front()));
+    for (std::size_t g = 0; g < gauss.size(); ++g) add(gauss[g], moment[g]);
+    add(1.0, moment.back() + element.growth(gauss.back(), 1.0));
+    out.length += element.length();
+  }
+  return out;
 }
 
 }  // namespace
 
-LinkState LinkLoads::at(const CrossSection& section, const LinkPiece& piece, double s) const {
-  const double x = s - piece.from, stiffness = section.modulus * section.second_moment;
+LinkState LinkLoads::at(const LinkPiece& piece, double s) const {
+  const double x = s - piece.from, stiffness = stiffness_of(section);
   LinkState out;
   out.normal = piece.normal + x * piece.normal_slope;
   out.shear = piece.shear + x * piece.shear_slope;
   out.moment = piece.moment + x * (piece.shear + 0.5 * x * piece.shear_slope);
-  out.stress_left = out.normal / section.area - out.moment * section.to_left() / section.second_moment;
-  out.stress_right = out.normal / section.area + out.moment * section.to_right() / section.second_moment;
+  set_stresses(section, out);
   out.at = piece.at + x * piece.along;
   out.turn = piece.turn + turn_over(piece, stiffness, x);
   out.deflection = piece.deflection + (piece.turn * x + rise_over(piece, stiffness, x)) * quarter_turn(piece.along);
   return out;
 }
 
-std::vector<int> links_of(const Scene& scene) {
-  std::vector<int> out;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    if (scene.bodies[i].section) out.push_back(static_cast<int>(i));
+std::vector<LinkSample> LinkLoads::sampled(int parts) const {
+  std::vector<LinkSample> out = samples;
+  for (const LinkPiece& piece : pieces) {
+    for (int k = 0; k <= parts; ++k) {
+      const double s = k == parts ? piece.to : piece.from + k * (piece.to - piece.from) / parts;
+      out.push_back({s, piece.along, at(piece, s)});
+    }
   }
   return out;
 }
 
-LinkLoads link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check, int body) {
-  const Body& link = scene.bodies[static_cast<std::size_t>(body)];
-  LinkLoads out;
-  out.body = body;
-  try {
-    const Line line(link);
-    out.length = line.length();
-    Actions actions(scene, poses, line, out);
-    actions.add_loads();
-    actions.add_elements(check.element_forces);
-    for (const Reaction& reaction : check.reactions) actions.add_reaction(reaction);
-    actions.expect_joints_on_line();
-    find_pieces(line, out);
-    if (!(out.imbalance <= rounding)) {
-      throw Refusal{fmt::format("what acts on it does not balance along its line, by {:.1g} of the largest force",
-                                out.imbalance)};
+bool has_links(const Scene& scene) {
+  return !scene.flexible_links.empty() || std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                                      [](const Body& body) { return body.section.has_value(); });
+}
+
+std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check) {
+  std::vector<LinkLoads> out;
+  const auto add = [&](const std::string& name, auto&& find) {
+    try {
+      out.push_back(find());
+    } catch (const Refusal& refusal) {
+      LinkLoads& refused = out.emplace_back();
+      refused.name = name;
+      refused.why = refusal.why;
     }
-    find_deflection(line, link.section->modulus * link.section->second_moment, out);
-    find_largest(*link.section, out);
-    out.buckling_factor = buckling_factor(scene, *link.section, out);
-  } catch (const Refusal& refusal) {
-    out = {};
-    out.body = body;
-    out.why = refusal.why;
+  };
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    if (!scene.bodies[i].section) continue;
+    add(scene.bodies[i].name, [&] { return rigid_link(scene, poses, check, static_cast<int>(i)); });
+  }
+  for (const FlexibleLink& link : scene.flexible_links) {
+    add(link.name, [&] { return flexible_link(scene, poses, check, link); });
   }
   return out;
 }

@@ -9,9 +9,10 @@
 namespace poise {
 
 // Internal loads of links that have a section (model/cross_section.hpp), by beam theory on the link as it stands in an
-// equilibrium. s runs along the line of the section, t is its direction and n that direction turned a quarter
-// counter-clockwise, to the left. With G the sum of all forces on the part of the link before a cut and m their moment
-// about it (both counter-clockwise positive):
+// equilibrium: a rigid link in its own shape, a flexible one (model/flexible_link.hpp) as it is bent. s runs along the
+// line of the section, t is its direction and n that direction turned a quarter counter-clockwise, to the left. With G
+// the sum of all forces on the part of the link before a cut and m their moment about it (both counter-clockwise
+// positive):
 //
 //   N = -G . t    normal force, tension positive
 //   V =  G . n    shear force,  V = dM/ds
@@ -20,7 +21,7 @@ namespace poise {
 //   stress      N/A - M e_left / I  in the extreme fibre on the left,  N/A + M e_right / I  on the right
 //   curvature   M / (E I)  (Euler and Bernoulli, small deflections, bending only)
 //
-// All vectors are in the frame of the body.
+// All vectors of a rigid link are in the frame of its body, those of a flexible one in the world.
 
 /// What acts on a link at one place of its line.
 struct LinkAction {
@@ -56,6 +57,13 @@ struct LinkPiece {
   Vec2 deflection{};
 };
 
+/// The state at one place of a link, behind what acts there.
+struct LinkSample {
+  double s = 0.0;  ///< m
+  Vec2 along{};    ///< direction t
+  LinkState state;
+};
+
 /// The value that is largest by size, and where.
 struct LargestOnLink {
   double value = 0.0, s = 0.0;
@@ -63,18 +71,24 @@ struct LargestOnLink {
 
 /// The internal loads of one link.
 struct LinkLoads {
-  int body = 0;
+  std::string name;
+  int frame = 0;  ///< body in whose frame all vectors are; the ground of a flexible link
+  bool flexible = false;
+  CrossSection section;
   /// Why nothing is said of this link: one sentence. Then all that follows is empty.
   std::string why;
   double length = 0.0;  ///< of the line, m
   std::vector<LinkAction> actions;
   std::vector<LineAction> line_actions;
-  std::vector<LinkPiece> pieces;
+  std::vector<LinkPiece> pieces;  ///< of a rigid link
+  /// Of a flexible link, at the ends and the three points of Gauss of each element. M at the latter is that of the
+  /// springs; from there to the ends V is integrated.
+  std::vector<LinkSample> samples;
   LargestOnLink normal, shear, moment;
   LargestOnLink tension, compression;  ///< largest and smallest stress, N/m^2
   /// The displacement of the line, in size, where its two ends stay on the line through both of them and the first
   /// stays in its place (of a line that ends where it begins: where the first end does not turn), m, from bending
-  /// alone.
+  /// alone. Of a rigid link, as all that follows.
   LargestOnLink deflection;
   double turn_first = 0.0, turn_last = 0.0;  ///< rad: of the two ends, against that line
   /// Of a link that only two forces act on, at joints that let it turn, and that they compress: Euler's load
@@ -85,17 +99,19 @@ struct LinkLoads {
   double imbalance = 0.0;
 
   /// Inside of a piece, s within it.
-  LinkState at(const CrossSection& section, const LinkPiece& piece, double s) const;
+  LinkState at(const LinkPiece& piece, double s) const;
+  /// So many parts of every piece; all samples of a flexible link.
+  std::vector<LinkSample> sampled(int parts) const;
 };
 
-/// The bodies that have a section.
-std::vector<int> links_of(const Scene& scene);
+/// Whether a scene has links with a section.
+bool has_links(const Scene& scene);
 
-/// The internal loads of a body with a section, in an equilibrium at `poses` (SI, of all bodies) whose joint forces are
-/// those of `check`. Nothing is said of a link where statics does not determine a joint force, where three joints or
-/// more are not all on its line, where a distributed load leaves the line, where a moment enters it at no known place,
-/// or where the sum along the line does not vanish.
-LinkLoads link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check, int body);
+/// The internal loads of all links with a section, the rigid ones first, in an equilibrium at `poses` (SI, of all
+/// bodies) whose joint forces are those of `check`. Nothing is said of a link where statics does not determine a joint
+/// force, where three joints or more are not all on its line, where a distributed load leaves the line, where a moment
+/// enters it at no known place, or where the sum along the line does not vanish.
+std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check);
 
 /// Where internal loads are wanted: the equilibrium that solve() finds, or, where nothing can move (a structure), the
 /// pose in which the joints close. Throws InputError where loops cannot be closed.

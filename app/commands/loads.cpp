@@ -30,8 +30,7 @@ int run_loads(const LoadsRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   const Scene& scene = model.scene();
-  const std::vector<int> bodies = links_of(scene);
-  if (bodies.empty()) {
+  if (!has_links(scene)) {
     throw InputError(scene.file +
                      ": expected a body with a section; add [body.NAME.section] with profile = \"IPE 80\" and modulus");
   }
@@ -41,10 +40,7 @@ int run_loads(const LoadsRequest& request, const Palette& palette) {
   LoadsAnswer answer{solve_or_hold(model, options), {}};
   const Equilibrium& equilibrium = answer.equilibrium;
   const bool stands = equilibrium.found() || equilibrium.status == Status::checked;
-  if (stands) {
-    const std::vector<BodyPose<double>> poses = model.poses(equilibrium.x);
-    for (const int body : bodies) answer.links.push_back(link_loads(scene, poses, equilibrium.check, body));
-  }
+  if (stands) answer.links = link_loads(scene, model.poses(equilibrium.x), equilibrium.check);
   const Result result = loads_result(model, answer, request.steps, request.common.settings);
   Pictures pictures;
   const bool confirmed = answer.is_complete();

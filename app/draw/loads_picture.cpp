@@ -14,7 +14,7 @@
 namespace poise::app {
 namespace {
 
-constexpr int steps = 24;  // parts in which a piece is drawn
+constexpr int parts = 24;  // in which a piece is drawn
 
 /// Where positive values are drawn, seen in the direction of the line.
 enum class Side { left, right };
@@ -33,30 +33,17 @@ constexpr std::array<Drawn, 3> drawn_quantities{
     Drawn{"Shear force", &LinkState::shear, Quantity::force, Side::left, ink::curve_2},
     Drawn{"Bending moment, on the stretched side", &LinkState::moment, Quantity::moment, Side::right, ink::curve_3}};
 
-/// Calls visit(state, direction of the line) at the places of a link, all in the frame of its body.
-template <class Visit>
-void along(const CrossSection& section, const LinkLoads& link, Visit visit) {
-  for (const LinkPiece& piece : link.pieces) {
-    for (int k = 0; k <= steps; ++k) {
-      const double s = k == steps ? piece.to : piece.from + k * (piece.to - piece.from) / steps;
-      visit(link.at(section, piece, s), piece.along);
-    }
-  }
-}
-
-MechanismPicture picture_of_quantity(const StaticModel& model, const Poses& poses, const std::vector<LinkLoads>& links,
-                                     const Drawn& drawn) {
-  const Scene& scene = model.scene();
+MechanismPicture picture_of_quantity(const Poses& poses, const std::vector<LinkLoads>& links, const Drawn& drawn) {
   MechanismPicture picture{.poses = poses};
   for (const LinkLoads& link : links) {
-    const auto body = static_cast<std::size_t>(link.body);
-    Diagram diagram{.name = scene.bodies[body].name, .quantity = drawn.quantity, .colour = drawn.colour};
-    along(*scene.bodies[body].section, link, [&](const LinkState& state, Vec2 direction) {
-      const Vec2 left = quarter_turn(direction) * poses[body].direction();
-      diagram.at.push_back(poses[body].world(state.at));
+    const BodyPose<double>& pose = poses[static_cast<std::size_t>(link.frame)];
+    Diagram diagram{.name = link.name, .quantity = drawn.quantity, .colour = drawn.colour};
+    for (const LinkSample& sample : link.sampled(parts)) {
+      const Vec2 left = quarter_turn(sample.along) * pose.direction();
+      diagram.at.push_back(pose.world(sample.state.at));
       diagram.toward.push_back(drawn.side == Side::left ? left : -left);
-      diagram.value.push_back(state.*drawn.value);
-    });
+      diagram.value.push_back(sample.state.*drawn.value);
+    }
     picture.diagrams.push_back(std::move(diagram));
   }
   return picture;
@@ -75,17 +62,16 @@ double enlargement(const std::vector<LinkLoads>& links) {
   return std::max(1.0, std::floor(factor / decade) * decade);
 }
 
-MechanismPicture picture_of_deflection(const StaticModel& model, const Poses& poses,
-                                       const std::vector<LinkLoads>& links, double factor) {
-  const Scene& scene = model.scene();
+/// Of rigid links; flexible ones are drawn as they are bent.
+MechanismPicture picture_of_deflection(const Poses& poses, const std::vector<LinkLoads>& links, double factor) {
   MechanismPicture picture{.poses = poses};
   for (const LinkLoads& link : links) {
-    const auto body = static_cast<std::size_t>(link.body);
-    PointPath path{"", {}};
-    along(*scene.bodies[body].section, link, [&](const LinkState& state, Vec2) {
-      path.points.push_back(poses[body].world(state.at + factor * state.deflection));
-    });
-    path.name = scene.bodies[body].name;
+    if (link.flexible) continue;
+    PointPath path{link.name, {}};
+    for (const LinkSample& sample : link.sampled(parts)) {
+      const Vec2 at = sample.state.at + factor * sample.state.deflection;
+      path.points.push_back(poses[static_cast<std::size_t>(link.frame)].world(at));
+    }
     picture.paths.push_back(std::move(path));
   }
   return picture;
@@ -103,11 +89,12 @@ std::vector<Titled> pictures_of(const StaticModel& model, const std::vector<doub
   const Poses poses = model.poses(x);
   std::vector<Titled> out;
   for (const Drawn& drawn : drawn_quantities) {
-    out.push_back({drawn.title, picture_of_quantity(model, poses, links, drawn)});
+    out.push_back({drawn.title, picture_of_quantity(poses, links, drawn)});
   }
+  if (std::all_of(links.begin(), links.end(), [](const LinkLoads& l) { return l.flexible; })) return out;
   const double factor = enlargement(links);
   out.push_back({fmt::format("Deflection, {} times as large", significant(factor, 4)),
-                 picture_of_deflection(model, poses, links, factor)});
+                 picture_of_deflection(poses, links, factor)});
   return out;
 }
 

@@ -469,7 +469,7 @@ json ViewSession::numbers() const {
   const double size = tracked_->model().scales().length;
   std::map<std::string, std::vector<json>> groups;
   for (const ParameterRow& row : parameter_table(scene_)) {
-    if (row.place.owner == Owner::start || row.place.owner == Owner::drive) continue;
+    if (!counts_in_statics(row.place.owner)) continue;
     const std::optional<double> si = value_at(scene_, row.place);
     // What follows from a named number moves with its slider.
     if (!si || !std::isfinite(*si) || dependent_number(scene_, row.place) != nullptr) continue;

@@ -447,6 +447,39 @@ TEST(JsonDocs, Forces) {
                            {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}}});
 }
 
+TEST(JsonDocs, Loads) {
+  const TempFolder folder;
+  constexpr const char* clamped_twice = R"(
+[ground]
+points = { A = [0, 0], B = [1, 0] }
+[body.beam]
+points = { A = [0, 0], B = [1, 0] }
+[body.beam.section]
+profile = "IPE 80"
+modulus = 2.1e11
+[body.strut]
+points = { A = [0, 0], B = [1, 0] }
+[body.strut.section]
+profile = "IPE 80"
+modulus = 2.1e11
+[[weld]]
+points = ["ground.A", "beam.A"]
+[[weld]]
+points = ["ground.B", "beam.B"]
+[[pin]]
+points = ["ground.A", "strut.A"]
+[[pin_in_slot]]
+points = ["ground.B", "strut.B"]
+axis = [1, 0]
+[[force]]
+at = "strut.B"
+vector = [-3, 0]
+)";
+  check_section("loads", {{{"loads", scene("structures/three_hinged_portal")}, with_csv},
+                          {{"loads", scene("structures/elastica")}},
+                          {{"loads", folder.write("clamped.toml", clamped_twice)}}});
+}
+
 TEST(JsonDocs, Design) { check_section("design", {{{"design", scene("lift_design")}}}); }
 
 /// A measured run beside simulated ones.

@@ -1,7 +1,7 @@
 // Flexible links against the elastica, Euler's columns and beam theory.
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/link_loads.hpp"
 
 namespace poise {
 namespace {
@@ -227,6 +227,51 @@ vector = [0, -1e-5]
   ASSERT_TRUE(found.equilibrium.found()) << found.equilibrium.why;
   EXPECT_NEAR(found.at.y, 1 - 1e-5 * (1.0 / 3 + 1.0), 1e-9);
   EXPECT_NEAR(found.at.x, 1 + 1e-5 * 0.5, 1e-9);
+}
+
+TEST(FlexibleLink, InternalLoadsAreThoseOfTheBentBeam) {
+  const double load = 3.0, mass = 2.0;
+  const StaticModel model(parse_scene(cantilever(12, {0, -load}, mass), "beam.toml"));
+  const Equilibrium found = solve_or_hold(model);
+  ASSERT_TRUE(found.found()) << found.why;
+  const std::vector<LinkLoads> links = link_loads(model.scene(), model.poses(found.x), found.check);
+  ASSERT_EQ(links.size(), 1U);
+  const LinkLoads& link = links[0];
+  ASSERT_EQ(link.why, "");
+  EXPECT_NEAR(link.length, 1.0, 1e-14);
+  const LinkSample& clamp = link.samples.front();
+  const LinkSample& tip = link.samples.back();
+  EXPECT_EQ(norm(clamp.state.at), 0.0);
+  EXPECT_NEAR(tip.state.moment, 0.0, 1e-6);
+  EXPECT_NEAR(clamp.state.shear, load + mass, 1e-9);
+  // Every moment is that of the load on the tip, and of the weight beyond, by a sum along the bent line.
+  for (std::size_t k = 0; k + 1 < link.samples.size(); k += 7) {
+    const LinkSample& sample = link.samples[k];
+    double moment = -load * (tip.state.at.x - sample.state.at.x);
+    for (std::size_t j = k; j + 1 < link.samples.size(); ++j) {
+      // Places are near each other: the trapezium is enough.
+      const LinkSample& a = link.samples[j];
+      const LinkSample& b = link.samples[j + 1];
+      moment -= mass * (b.s - a.s) * (0.5 * (a.state.at.x + b.state.at.x) - sample.state.at.x);
+    }
+    EXPECT_NEAR(sample.state.moment, moment, 5e-4) << sample.s;
+    EXPECT_NEAR(std::hypot(sample.state.normal, sample.state.shear), load + mass * (1 - sample.s), 1e-9);
+  }
+  // Without weight the sum is exact, and the moments of the springs converge to it as the fourth power.
+  const auto worst = [&](int elements) {
+    const StaticModel light(parse_scene(cantilever(elements, {0, -load}), "beam.toml"));
+    const Equilibrium bent = solve_or_hold(light);
+    const LinkLoads exact = link_loads(light.scene(), light.poses(bent.x), bent.check).at(0);
+    double error = 0.0;
+    for (const LinkSample& sample : exact.samples) {
+      const double arm = exact.samples.back().state.at.x - sample.state.at.x;
+      error = std::max(error, std::abs(sample.state.moment + load * arm));
+    }
+    return error;
+  };
+  const double coarse = worst(8), fine = worst(16);
+  EXPECT_LT(fine, 3e-7);
+  EXPECT_GT(std::log2(coarse / fine), 3.5) << coarse << " " << fine;
 }
 
 TEST(FlexibleLink, RefusesWhatItCannotBe) {

@@ -18,21 +18,16 @@ namespace {
 struct Loaded {
   explicit Loaded(const std::string& text) : Loaded(parse_scene(text, "beam.toml")) {}
   explicit Loaded(Scene of) : model(std::move(of)), equilibrium(solve_or_hold(model)) {
-    for (const int body : links_of(model.scene())) {
-      links.push_back(link_loads(model.scene(), model.poses(equilibrium.x), equilibrium.check, body));
-    }
+    links = link_loads(model.scene(), model.poses(equilibrium.x), equilibrium.check);
   }
 
-  const CrossSection& section(std::size_t link) const {
-    return *model.scene().bodies[static_cast<std::size_t>(links[link].body)].section;
-  }
   /// The state at s of a link, behind what acts there.
   LinkState at(std::size_t link, double s) const {
     const LinkPiece* piece = &links[link].pieces.front();
     for (const LinkPiece& one : links[link].pieces) {
       if (one.from <= s) piece = &one;
     }
-    return links[link].at(section(link), *piece, s);
+    return links[link].at(*piece, s);
   }
 
   StaticModel model;
@@ -263,7 +258,7 @@ TEST(LinkLoads, AgreeWithSumsFromTheOtherEnd) {
 TEST(LinkLoads, DeflectionIsTheIntegralOfTheCurvature) {
   const Loaded found(crane);
   const LinkLoads& link = found.links.at(0);
-  const CrossSection& section = found.section(0);
+  const CrossSection& section = link.section;
   const double ei = section.modulus * section.second_moment;
   double largest = 0.0;
   for (const LinkPiece& piece : link.pieces) {
@@ -271,8 +266,8 @@ TEST(LinkLoads, DeflectionIsTheIntegralOfTheCurvature) {
     const double step = (piece.to - piece.from) / parts;
     for (int k = 0; k < parts; ++k) {
       const double s = piece.from + (k + 0.5) * step;
-      const LinkState before = link.at(section, piece, s - 0.5 * step), after = link.at(section, piece, s + 0.5 * step);
-      const LinkState middle = link.at(section, piece, s);
+      const LinkState before = link.at(piece, s - 0.5 * step), after = link.at(piece, s + 0.5 * step);
+      const LinkState middle = link.at(piece, s);
       EXPECT_NEAR((after.turn - before.turn) / step, middle.moment / ei, 1e-9);
       const Vec2 slope = (1 / step) * (after.deflection - before.deflection);
       EXPECT_NEAR(norm(slope - middle.turn * quarter_turn(piece.along)), 0.0, 1e-9);
@@ -284,7 +279,7 @@ TEST(LinkLoads, DeflectionIsTheIntegralOfTheCurvature) {
   // The ends stay on their line.
   const Vec2 chord{3, 1.2};
   const LinkPiece& last = link.pieces.back();
-  EXPECT_NEAR(cross(chord, link.at(section, last, last.to).deflection), 0.0, 1e-15);
+  EXPECT_NEAR(cross(chord, link.at(last, last.to).deflection), 0.0, 1e-15);
   EXPECT_EQ(norm(link.pieces.front().deflection), 0.0);
 }
 

@@ -13,12 +13,6 @@ namespace {
 
 constexpr Dimension stress = dimension::force * dimension::length.power(-2);
 
-/// A link that has internal loads, with its body.
-struct ShownLink {
-  const Body* body;
-  const LinkLoads* loads;
-};
-
 bool stands(const Equilibrium& equilibrium) { return equilibrium.found() || equilibrium.status == Status::checked; }
 
 std::string how(const Equilibrium& equilibrium) {
@@ -44,23 +38,27 @@ Line verdict(const LoadsAnswer& answer) {
 /// What a reader must know of how a link was taken.
 void warn(Result& result, const ScaledModel& model, const LoadsAnswer& answer) {
   for (const LinkLoads& link : answer.links) {
-    const std::string& name = model.scene().bodies[static_cast<std::size_t>(link.body)].name;
+    const std::string& name = link.name;
     if (!link.why.empty()) {
       result.warnings.push_back(bad(fmt::format("No internal loads of \"{}\": {}.", name, link.why)));
     }
     for (const LinkAction& action : link.actions) {
-      if (action.arm == 0.0) continue;
-      const std::string where = action.name == "weight" ? ", because its centre of mass is not that of its line" : "";
-      result.warnings.push_back(doubtful(fmt::format(
-          "The {} of \"{}\" acts {} beside its line{}: through a rigid arm at {} along it.", action.name, name,
-          with_unit(model, action.arm, Quantity::length, 4), where, with_unit(model, action.s, Quantity::length, 4))));
+      const bool is_weight = action.name == "weight";
+      if (action.arm == 0.0 && !is_weight) continue;
+      const std::string place = with_unit(model, action.s, Quantity::length, 4);
+      const std::string where = action.arm == 0.0
+                                    ? fmt::format("at {} along its line", place)
+                                    : fmt::format("{} beside its line, through a rigid arm at {} along it",
+                                                  with_unit(model, action.arm, Quantity::length, 4), place);
+      const std::string why =
+          is_weight ? ": its centre of mass is not the middle of its line, along which weight is spread otherwise" : "";
+      result.warnings.push_back(doubtful(fmt::format("The {} of \"{}\" acts {}{}.", action.name, name, where, why)));
     }
     const double stressed = std::max(link.tension.value, -link.compression.value);
-    const CrossSection& section = *model.scene().bodies[static_cast<std::size_t>(link.body)].section;
-    if (stressed > 0.01 * section.modulus) {
+    if (stressed > 0.01 * link.section.modulus) {
       result.warnings.push_back(
           doubtful(fmt::format("The strain of \"{}\" reaches {:.2g}: beyond what linear beam theory describes.", name,
-                               stressed / section.modulus)));
+                               stressed / link.section.modulus)));
     }
     constexpr double small = 0.05;
     if (link.deflection.value > small * link.length) {
@@ -76,18 +74,18 @@ void warn(Result& result, const ScaledModel& model, const LoadsAnswer& answer) {
   }
 }
 
-void add_links(Group& group, const ScaledModel& model, const std::vector<ShownLink>& links) {
+void add_links(Group& group, const ScaledModel& model, const std::vector<LinkLoads>& links) {
   const Units& units = model.scene().units;
   Table& table = group.table("links", "Largest internal loads", Rows::list);
-  table.words("name", "link", each(links, [](const ShownLink& link) { return link.body->name; }));
+  table.words("name", "link", each(links, [](const LinkLoads& link) { return link.name; }));
   const auto add = [&](const std::string& key, const std::string& title, const std::string& unit, double si_unit,
                        LargestOnLink LinkLoads::*which) {
-    const std::vector<double> values = each(links, [&](const ShownLink& l) { return (l.loads->*which).value; });
+    const std::vector<double> values = each(links, [&](const LinkLoads& l) { return (l.*which).value; });
     std::vector<double> shown = values;
     for (double& value : shown) value /= si_unit;
     table.numbers(key, title, unit, std::move(shown), {.style = Format::Style::significant, .digits = force_digits});
     table.data(key + "_at",
-               in_unit(each(links, [&](const ShownLink& l) { return (l.loads->*which).s; }), Quantity::length, units));
+               in_unit(each(links, [&](const LinkLoads& l) { return (l.*which).s; }), Quantity::length, units));
   };
   const auto add_quantity = [&](const std::string& key, const std::string& title, Quantity quantity,
                                 LargestOnLink LinkLoads::*which) {
@@ -98,19 +96,26 @@ void add_links(Group& group, const ScaledModel& model, const std::vector<ShownLi
   add_quantity("moment", "M", Quantity::moment, &LinkLoads::moment);
   add("tension", "tension", stress.unit_name(units), stress.unit(units), &LinkLoads::tension);
   add("compression", "compression", stress.unit_name(units), stress.unit(units), &LinkLoads::compression);
-  add_quantity("deflection", "deflection", Quantity::length, &LinkLoads::deflection);
-  table.data("turn_first",
-             in_unit(each(links, [](const ShownLink& l) { return l.loads->turn_first; }), Quantity::angle, units));
-  table.data("turn_last",
-             in_unit(each(links, [](const ShownLink& l) { return l.loads->turn_last; }), Quantity::angle, units));
+  // Flexible links are drawn and measured as they are bent.
+  const auto of_rigid = [](const LinkLoads& l, double value) { return l.flexible ? NAN : value; };
+  const auto add_of_rigid = [&](const std::string& key, Quantity quantity, auto&& value) {
+    table.data(key, in_unit(each(links, [&](const LinkLoads& l) { return of_rigid(l, value(l)); }), quantity, units));
+  };
+  table.numbers("deflection", "deflection", unit_name(Quantity::length, units),
+                in_unit(each(links, [&](const LinkLoads& l) { return of_rigid(l, l.deflection.value); }),
+                        Quantity::length, units),
+                {.style = Format::Style::significant, .digits = force_digits});
+  add_of_rigid("deflection_at", Quantity::length, [](const LinkLoads& l) { return l.deflection.s; });
+  add_of_rigid("turn_first", Quantity::angle, [](const LinkLoads& l) { return l.turn_first; });
+  add_of_rigid("turn_last", Quantity::angle, [](const LinkLoads& l) { return l.turn_last; });
   Column& factor = table.numbers("buckling_factor", "buckling", "",
-                                 each(links, [](const ShownLink& l) { return or_gap(l.loads->buckling_factor); }),
+                                 each(links, [](const LinkLoads& l) { return or_gap(l.buckling_factor); }),
                                  {.style = Format::Style::significant, .digits = 4});
   factor.shown =
-      std::any_of(links.begin(), links.end(), [](const ShownLink& l) { return l.loads->buckling_factor.has_value(); });
-  table.data("length",
-             in_unit(each(links, [](const ShownLink& l) { return l.loads->length; }), Quantity::length, units));
-  table.data("imbalance", each(links, [](const ShownLink& l) { return l.loads->imbalance; }));
+      std::any_of(links.begin(), links.end(), [](const LinkLoads& l) { return l.buckling_factor.has_value(); });
+  table.data("length", in_unit(each(links, [](const LinkLoads& l) { return l.length; }), Quantity::length, units));
+  table.data("imbalance", each(links, [&](const LinkLoads& l) { return of_rigid(l, l.imbalance); }));
+  table.flags("flexible", each(links, &LinkLoads::flexible));
   table.footnotes = {
       "N: normal force, tension positive; V = dM/ds; M: bending moment, positive where it stretches the right of the "
       "line; stresses in the extreme fibres",
@@ -122,20 +127,20 @@ void add_links(Group& group, const ScaledModel& model, const std::vector<ShownLi
   }
 }
 
-void add_actions(Group& group, const ScaledModel& model, const std::vector<ShownLink>& links) {
+void add_actions(Group& group, const ScaledModel& model, const std::vector<LinkLoads>& links) {
   struct Row {
     std::string link, name;
     double from, to, x, y, moment, arm;
   };
   std::vector<Row> rows;
-  for (const ShownLink& link : links) {
-    for (const LinkAction& action : link.loads->actions) {
-      rows.push_back({link.body->name, action.name, action.s, action.s, action.force.x, action.force.y, action.moment,
-                      action.arm});
+  for (const LinkLoads& link : links) {
+    for (const LinkAction& action : link.actions) {
+      rows.push_back(
+          {link.name, action.name, action.s, action.s, action.force.x, action.force.y, action.moment, action.arm});
     }
-    for (const LineAction& action : link.loads->line_actions) {
+    for (const LineAction& action : link.line_actions) {
       const Vec2 whole = (action.to - action.from) * action.per_length;
-      rows.push_back({link.body->name, action.name, action.from, action.to, whole.x, whole.y, 0.0, 0.0});
+      rows.push_back({link.name, action.name, action.from, action.to, whole.x, whole.y, 0.0, 0.0});
     }
   }
   Table& table = group.table("actions", "What acts on them, along the axes of the link", Rows::list);
@@ -151,20 +156,18 @@ void add_actions(Group& group, const ScaledModel& model, const std::vector<Shown
 }
 
 void add_diagrams(Group& group, const ScaledModel& model, const std::vector<BodyPose<double>>& poses,
-                  const std::vector<ShownLink>& links, int steps) {
+                  const std::vector<LinkLoads>& links, int steps) {
   const Units& units = model.scene().units;
   std::vector<std::string> names;
-  std::vector<double> s;
+  std::vector<LinkSample> samples;
   std::vector<LinkState> states;
   std::vector<Vec2> at;
-  for (const ShownLink& link : links) {
-    for (const LinkPiece& piece : link.loads->pieces) {
-      for (int k = 0; k <= steps; ++k) {
-        s.push_back(k == steps ? piece.to : piece.from + k * (piece.to - piece.from) / steps);
-        states.push_back(link.loads->at(*link.body->section, piece, s.back()));
-        names.push_back(link.body->name);
-        at.push_back(poses[static_cast<std::size_t>(link.loads->body)].world(states.back().at));
-      }
+  for (const LinkLoads& link : links) {
+    for (const LinkSample& sample : link.sampled(steps)) {
+      names.push_back(link.name);
+      samples.push_back(sample);
+      states.push_back(sample.state);
+      at.push_back(poses[static_cast<std::size_t>(link.frame)].world(sample.state.at));
     }
   }
   Table& table = group.table("diagrams", "", Rows::list, Verbosity::data);
@@ -175,7 +178,7 @@ void add_diagrams(Group& group, const ScaledModel& model, const std::vector<Body
     table.data(key, in_unit(si, quantity, units));
   };
   const auto of = [&](double LinkState::*member) { return each(states, member); };
-  add("s", Quantity::length, s);
+  add("s", Quantity::length, each(samples, &LinkSample::s));
   add("x", Quantity::length, each(at, [](Vec2 p) { return p.x; }));
   add("y", Quantity::length, each(at, [](Vec2 p) { return p.y; }));
   add("normal", Quantity::force, of(&LinkState::normal));
@@ -212,17 +215,13 @@ Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int ste
   content.data("status", to_string(equilibrium.status));
   content.data("stability", to_string(equilibrium.certificate.stability));
   content.data("why", equilibrium.why);
-  std::vector<ShownLink> links;
-  for (const LinkLoads& link : answer.links) {
-    if (link.why.empty()) links.push_back({&scene.bodies[static_cast<std::size_t>(link.body)], &link});
-  }
+  const auto links = chosen_of(answer.links, [](const LinkLoads& link) { return link.why.empty(); });
   add_links(content, model, links);
   add_actions(content, model, links);
   add_diagrams(content, model, model.poses(equilibrium.x), links, steps);
   const auto refused = chosen_of(answer.links, [](const LinkLoads& link) { return !link.why.empty(); });
   Table& none = content.table("without", "", Rows::list, Verbosity::data);
-  none.words("name", "",
-             each(refused, [&](const LinkLoads& l) { return scene.bodies[static_cast<std::size_t>(l.body)].name; }));
+  none.words("name", "", each(refused, [&](const LinkLoads& l) { return l.name; }));
   none.words("why", "", each(refused, &LinkLoads::why));
   return out;
 }

@@ -1,0 +1,93 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/run_poise.hpp"
+
+namespace poise::app_tests {
+namespace {
+
+using nlohmann::json;
+
+json loads_of(const std::string& scene, int exit_code, std::vector<std::string> more = {}) {
+  const TempFolder folder;
+  const std::string file = folder.path("loads.json").string();
+  std::vector<std::string> words{"loads", scene, "--json", file};
+  words.insert(words.end(), more.begin(), more.end());
+  const Outcome outcome = run_poise(words);
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.out << outcome.err;
+  return json::parse(contents(file));
+}
+
+TEST(LoadsCommand, PortalInItsUnits) {
+  const json found = loads_of(dataset("structures/three_hinged_portal"), 0);
+  EXPECT_EQ(found["stress_unit"], "kN/m²");
+  ASSERT_EQ(found["links"].size(), 3U);
+  EXPECT_EQ(found["links"][0]["name"], "post");
+  EXPECT_NEAR(found["links"][0]["moment"].get<double>(), -36, 1e-9);
+  EXPECT_NEAR(std::abs(found["links"][2]["moment"].get<double>()), 72, 1e-9);
+  EXPECT_NEAR(found["links"][2]["moment_at"].get<double>(), 3, 1e-12);
+  // The same in numbers twice as large.
+  const json doubled = loads_of(dataset("structures/three_hinged_portal"), 0,
+                                {"--set", "load.wind=18", "--set", "load.snow left=24", "--set", "load.snow right=24"});
+  EXPECT_NEAR(doubled["links"][0]["moment"].get<double>(), -72, 1e-9);
+}
+
+TEST(LoadsCommand, FlexibleLinkHasTheLoadsOfItsBentShape) {
+  const json found = loads_of(dataset("structures/elastica"), 0);
+  ASSERT_EQ(found["links"].size(), 1U);
+  EXPECT_TRUE(found["links"][0]["flexible"].get<bool>());
+  // At the clamp the load times its distance, by elliptic integrals.
+  EXPECT_NEAR(found["links"][0]["moment"].get<double>(), -400 * 0.6710587577531538, 1e-3);
+  EXPECT_EQ(found["links"][0]["moment_at"].get<double>(), 0.0);
+  EXPECT_TRUE(found["links"][0]["deflection"].is_null());
+}
+
+TEST(LoadsCommand, RefusesByNameWithoutDiagrams) {
+  const TempFolder folder;
+  const std::string scene = folder.write("clamped.toml", R"(
+[ground]
+points = { A = [0, 0], B = [1, 0] }
+[body.beam]
+points = { A = [0, 0], B = [1, 0] }
+[body.beam.section]
+profile = "IPE 80"
+modulus = 2.1e11
+[[weld]]
+name = "left"
+points = ["ground.A", "beam.A"]
+[[weld]]
+points = ["ground.B", "beam.B"]
+[[force]]
+at = "beam.B"
+vector = [5, 0]
+)");
+  const json found = loads_of(scene, 1);
+  EXPECT_TRUE(found["links"].empty());
+  EXPECT_TRUE(found["diagrams"].empty());
+  ASSERT_EQ(found["without"].size(), 1U);
+  EXPECT_NE(found["without"][0]["why"].get<std::string>().find("weld left"), std::string::npos);
+}
+
+TEST(LoadsCommand, NeedsASection) {
+  const Outcome outcome = run_poise({"loads", dataset("toggle_clamp")});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("expected a body with a section"), std::string::npos) << outcome.err;
+}
+
+TEST(LoadsCommand, DrawsItsDiagrams) {
+  const TempFolder folder;
+  const std::string svg = folder.path("loads.svg").string();
+  const Outcome outcome = run_poise({"loads", dataset("structures/three_hinged_portal"), "--svg", svg});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string drawn = contents(svg);
+  EXPECT_NE(drawn.find("Bending moment, on the stretched side"), std::string::npos);
+  EXPECT_NE(drawn.find("id=\"diagrams\""), std::string::npos);
+  EXPECT_NE(drawn.find("internal load along the link"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace poise::app_tests
