@@ -545,7 +545,7 @@ TEST(ReadScene, ReadsFilesAndNamesThem) {
     ADD_FAILURE() << "no error";
   } catch (const InputError& error) {
     EXPECT_EQ(error.what(), file.string() +
-                                ":2: body.crank.mas: expected one of the keys points, mass, center, inertia; "
+                                ":2: body.crank.mas: expected one of the keys points, mass, center, inertia, section; "
                                 "did you mean \"mass\"?");
   }
   std::ofstream(file) << everything;
@@ -687,14 +687,14 @@ INSTANTIATE_TEST_SUITE_P(
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
             "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, "
-            "friction, bump_stop, gear, belt, rack, cam, coupling, rope, drive, force, torque, "
+            "friction, bump_stop, gear, belt, rack, cam, coupling, rope, drive, force, distributed_load, torque, "
             "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, "
-                 "drive, force, torque, stop, start; did you mean \"body\"?"},
+                 "drive, force, distributed_load, torque, stop, start; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
         BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",
@@ -729,7 +729,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"BodyList", "[[body]]\nmass = 1\n", "1: body: expected a table, found a list"},
         BadScene{"BodyNotTable", "body.crank = 3\n", "1: body.crank: expected a table, found a number"},
         BadScene{"BodyKey", "[body.a]\ncentre = [0, 0]\n",
-                 "2: body.a.centre: expected one of the keys points, mass, center, inertia; did you mean \"center\"?"},
+                 "2: body.a.centre: expected one of the keys points, mass, center, inertia, section; did you mean "
+                 "\"center\"?"},
         BadScene{"BodyWithoutName", "[body.'']\n", "1: body.: expected a name that is not empty"},
         BadScene{"BodyWithControlCharacter", "[body.\"a\\tb\"]\n",
                  "1: body.a b: expected a name without control characters"},
@@ -876,7 +877,8 @@ INSTANTIATE_TEST_SUITE_P(
         after("ForceFollowsUnknown", "[[force]]\nat = 'rod.B'\nvector = [0, 1]\nfollows = 'rd'\n",
               "10: force 1.follows: expected the name of a body other than ground, found \"rd\"; "
               "did you mean \"rod\"?"),
-        after("TorqueKey", "[[torque]]\nat = 'rod'\n", "8: torque 1.at: expected one of the keys name, on, value"),
+        after("TorqueKey", "[[torque]]\nwhere = 'rod'\n",
+              "8: torque 1.where: expected one of the keys name, on, value"),
         after(
             "TorqueOnGround", "[[torque]]\non = 'ground'\nvalue = 1\n",
             "8: torque 1.on: expected the name of a body other than ground, found \"ground\"; known here: crank, rod"),
