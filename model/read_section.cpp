@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "model/nearest_name.hpp"
-#include "model/profiles.hpp"
+#include "model/section_profiles.hpp"
 
 namespace poise {
 namespace {
@@ -53,7 +53,7 @@ CrossSection read_section(const TomlTable& table, const Body& body, const Units&
   CrossSection section;
   const std::optional<TomlText> profile = table.find_text("profile");
   if (profile) {
-    const Profile named = read_profile(*profile, units.length);
+    const SectionProfile named = read_profile(*profile, units.length);
     section.area = named.area;
     section.second_moment = named.second_moment;
     section.height = named.height;

@@ -104,15 +104,21 @@ struct SceneBuilder::Document {
         const std::string item = name.empty() ? list : fmt::format("{} \"{}\"", list, name);
         TomlPlace{title, 0, item}.fail("expected the key " + entry.name + " once, found it twice");
       }
-      if (const auto* pairs = std::get_if<std::vector<Vec2>>(&entry.value)) {
-        toml::array rows;
-        for (const Vec2& pair : *pairs) rows.push_back(pair_of(pair));
-        set(owner, key, std::move(rows));
-      } else if (const auto* number = std::get_if<double>(&entry.value)) {
-        set(owner, key, *number);
-      } else {
-        set(owner, key, std::get<std::string>(entry.value));
-      }
+      with_value(entry, [&](auto value) { set(owner, key, std::move(value)); });
+    }
+  }
+
+  /// use(value) with the value of a key, its pairs as a list.
+  template <class Use>
+  static void with_value(const Key& entry, Use use) {
+    if (const auto* pairs = std::get_if<std::vector<Vec2>>(&entry.value)) {
+      toml::array rows;
+      for (const Vec2& pair : *pairs) rows.push_back(pair_of(pair));
+      use(std::move(rows));
+    } else if (const auto* number = std::get_if<double>(&entry.value)) {
+      use(*number);
+    } else {
+      use(std::get<std::string>(entry.value));
     }
   }
 
@@ -177,7 +183,8 @@ SceneBuilder& SceneBuilder::section(const std::string& body, const std::vector<K
   if (owner == nullptr) TomlPlace{document_->title, 0, path}.fail("expected a body; add it before its section");
   toml::table section;
   for (const Key& key : keys) {
-    std::visit([&](const auto& value) { document_->add(section, path + ".section", key.name, value); }, key.value);
+    Document::with_value(key,
+                         [&](auto value) { document_->add(section, path + ".section", key.name, std::move(value)); });
   }
   toml::array points;
   for (const std::string& point : line) points.push_back(point);

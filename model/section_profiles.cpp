@@ -1,4 +1,4 @@
-#include "model/profiles.hpp"
+#include "model/section_profiles.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -32,18 +32,18 @@ constexpr Rolled rolled[] = {
     {"HEB 100", 100, 100, 6.0, 10.0, 12},  {"HEB 120", 120, 120, 6.5, 11.0, 12},  {"HEB 140", 140, 140, 7.0, 12.0, 12},
     {"HEB 160", 160, 160, 8.0, 13.0, 15},  {"HEB 180", 180, 180, 8.5, 14.0, 15},  {"HEB 200", 200, 200, 9.0, 15.0, 18}};
 
-Profile rectangle(double b, double h) { return {b * h, b * h * h * h / 12, h}; }
+SectionProfile rectangle(double b, double h) { return {b * h, b * h * h * h / 12, h}; }
 
-Profile circle(double d) { return {pi * d * d / 4, pi * d * d * d * d / 64, d}; }
+SectionProfile circle(double d) { return {pi * d * d / 4, pi * d * d * d * d / 64, d}; }
 
-Profile without(const Profile& whole, const Profile& hole) {
+SectionProfile without(const SectionProfile& whole, const SectionProfile& hole) {
   return {whole.area - hole.area, whole.second_moment - hole.second_moment, whole.height};
 }
 
 /// Four fillets, each a square of side r without a quarter of a circle whose centre is the corner that lies away from
 /// web and flange; `corner` is the distance of the other two sides' common corner from the axis. Moments of the square
 /// and of the quarter about their own centroids are taken to the axis.
-Profile fillets(double r, double corner) {
+SectionProfile fillets(double r, double corner) {
   const double square = r * r, quarter = pi * square / 4;
   const double to_centre = corner - r;  // of the circle
   const double own = pi * square * square / 16 - quarter * std::pow(4 * r / (3 * pi), 2);
@@ -52,12 +52,12 @@ Profile fillets(double r, double corner) {
   return {4 * (square - quarter), 4 * second, 0.0};
 }
 
-Profile of(const Rolled& i) {
+SectionProfile of(const Rolled& i) {
   constexpr double mm = 1e-3;
   const double h = mm * i.h, b = mm * i.b, web = mm * i.web, flange = mm * i.flange, r = mm * i.fillet;
   const double between = h - 2 * flange;
-  const Profile plates = without(rectangle(b, h), rectangle(b - web, between));
-  const Profile corners = fillets(r, between / 2);
+  const SectionProfile plates = without(rectangle(b, h), rectangle(b - web, between));
+  const SectionProfile corners = fillets(r, between / 2);
   return {plates.area + corners.area, plates.second_moment + corners.second_moment, h};
 }
 
@@ -100,7 +100,7 @@ std::vector<std::string> rolled_sections() {
   return out;
 }
 
-Profile read_profile(const TomlText& text, double length_unit) {
+SectionProfile read_profile(const TomlText& text, double length_unit) {
   const std::string_view value = text.value;
   for (const Rolled& one : rolled) {
     if (one.name == value) return of(one);

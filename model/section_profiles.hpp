@@ -10,7 +10,7 @@
 namespace poise {
 
 /// What a profile is to a beam that bends about its axis of symmetry; SI.
-struct Profile {
+struct SectionProfile {
   double area = 0.0, second_moment = 0.0, height = 0.0;
 };
 
@@ -25,7 +25,7 @@ struct Profile {
 ///   "box BxHxT"       the rectangle BxH without the rectangle (B - 2 T)x(H - 2 T)
 ///
 /// Dimensions of shapes are lengths of this unit, H across the axis of bending.
-Profile read_profile(const TomlText& text, double length_unit);
+SectionProfile read_profile(const TomlText& text, double length_unit);
 
 /// All names of rolled sections.
 std::vector<std::string> rolled_sections();
