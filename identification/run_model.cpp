@@ -493,8 +493,7 @@ void RunModel::vary(const Scene& scene, Built& out) const {
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const SceneParameter& number = numbers_[i];
     const Owner owner = number.place().owner;
-    const bool moves_start =
-        owner == Owner::point || owner == Owner::joint || owner == Owner::drive || number.is_named();
+    const bool moves_start = number.is_dimension() || owner == Owner::drive || number.is_named();
     if (number.is_geometric()) {
       out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
       out.variations.push_back({.pieces = {}, .changes_drives = number.is_named()});

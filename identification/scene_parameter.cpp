@@ -40,8 +40,9 @@ double SceneParameter::reach(const Scene& scene, double length) const {
   for (std::size_t k = 0; k < slopes.size(); ++k) {
     const DependentNumber& one = (*scene.dependents)[k];
     const bool is_row = one.at.of == DependentPlace::Of::row;
+    const Owner owner = one.at.place.owner;
     const bool is_geometric =
-        one.at.place.owner == Owner::point || one.at.place.owner == Owner::joint || one.at.place.owner == Owner::scene;
+        owner == Owner::point || owner == Owner::joint || owner == Owner::coupling || owner == Owner::scene;
     double size = is_row ? std::abs(value_at(scene, one.at.place).value_or(0.0)) : 1.0;
     if (is_row && is_geometric)
       size = std::max(size, one.dimension.length == 1 && one.dimension.time == 0 ? length : 1.0);

@@ -40,10 +40,12 @@ class SceneParameter {
   bool is_inertial() const { return place_.owner == Owner::body; }
   bool is_length() const { return dimension_.length == 1 && dimension_.force == 0 && dimension_.time == 0; }
   bool is_named() const { return place_.owner == Owner::number; }
-  /// A point, a dimension of a joint, gravity, or a named number, which may move all of these.
-  bool is_geometric() const {
-    return place_.owner == Owner::point || place_.owner == Owner::joint || place_.owner == Owner::scene || is_named();
+  /// A number of a point, a joint or a coupling, on which the pose depends.
+  bool is_dimension() const {
+    return place_.owner == Owner::point || place_.owner == Owner::joint || place_.owner == Owner::coupling;
   }
+  /// One of these, gravity, or a named number, which may move all of them.
+  bool is_geometric() const { return is_dimension() || place_.owner == Owner::scene || is_named(); }
 
  private:
   SceneParameter(const ParameterRow& row)

@@ -26,6 +26,19 @@ std::string key_of(const Scene& scene, const Measure& m) {
       return "x = " + quoted(scene, m.b);
     case Measure::Kind::y:
       return "y = " + quoted(scene, m.b);
+    case Measure::Kind::component:
+      return fmt::format("points = [{}, {}]\naxis = {}", quoted(scene, m.a), quoted(scene, m.b), pair(m.axis));
+    case Measure::Kind::rope: {
+      std::string contacts;
+      for (const RopeContact& contact : m.contacts) {
+        contacts += contacts.empty() ? "" : ", ";
+        contacts += contact.radius == 0.0
+                        ? quoted(scene, contact.at)
+                        : fmt::format("{{ pulley = {}, radius = {}, turn = \"{}\" }}", quoted(scene, contact.at),
+                                      contact.radius, contact.turn > 0 ? "counterclockwise" : "clockwise");
+      }
+      return "rope = [" + contacts + "]";
+    }
     case Measure::Kind::sum:
       break;
   }
