@@ -31,7 +31,7 @@ class Profiler {
         place_(static_cast<std::size_t>(parameter)),
         options_(options) {}
 
-  Profile run() {
+  LikelihoodProfile run() {
     out_.parameter = static_cast<int>(place_);
     const Parameter& p = problem_.parameters()[place_];
     const Estimate& estimate = fitted_.estimates[place_];
@@ -142,20 +142,21 @@ class Profiler {
   const ProfileOptions& options_;
   double error_ = 0.0, ratio_ = 1.0, limit_ = 0.0;
   std::vector<Point> points_;
-  Profile out_;
+  LikelihoodProfile out_;
 };
 
 }  // namespace
 
-Profile profile(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted, int parameter,
-                const ProfileOptions& options) {
+LikelihoodProfile profile(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
+                          int parameter, const ProfileOptions& options) {
   return Profiler(problem, records, fitted, parameter, options).run();
 }
 
-std::vector<Profile> profiles(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
-                              const std::vector<int>& parameters, const ProfileOptions& options) {
+std::vector<LikelihoodProfile> profiles(const FitProblem& problem, const std::vector<Record>& records,
+                                        const Fit& fitted, const std::vector<int>& parameters,
+                                        const ProfileOptions& options) {
   if (parameters.size() == 1) return {profile(problem, records, fitted, parameters.front(), options)};
-  std::vector<std::optional<Profile>> found(parameters.size());
+  std::vector<std::optional<LikelihoodProfile>> found(parameters.size());
   solvers::ParallelOptions parallel{options.jobs, options.interrupt, {}};
   if (options.progress) {
     parallel.progress = [&](std::size_t done) {
@@ -165,8 +166,8 @@ std::vector<Profile> profiles(const FitProblem& problem, const std::vector<Recor
   solvers::parallel_for(parameters.size(), parallel, [&](std::size_t i) {
     found[i] = profile(problem, records, fitted, parameters[i], {.jobs = 1, .interrupt = options.interrupt});
   });
-  std::vector<Profile> out;
-  for (std::optional<Profile>& one : found) {
+  std::vector<LikelihoodProfile> out;
+  for (std::optional<LikelihoodProfile>& one : found) {
     if (one) out.push_back(std::move(*one));
   }
   return out;

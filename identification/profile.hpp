@@ -17,7 +17,7 @@ namespace poise {
 /// Student's t that the fit's own interval has, e_0 the standard error of white noise as stated and e the leading one:
 /// so that without curvature it is that interval, also where residuals are correlated. Source: W. Q. Meeker, L. A.
 /// Escobar, Teaching about approximate confidence regions based on maximum likelihood estimation, 1995.
-struct Profile {
+struct LikelihoodProfile {
   int parameter = 0;
   std::vector<double> value;   ///< shown values, SI, ascending; the fit's among them
   std::vector<double> growth;  ///< sqrt(2 (cost - cost at the fit)) e_0 / e, in standard errors, at each
@@ -36,11 +36,12 @@ struct ProfileOptions {
 
 /// By continuation outwards from the fit: every point starts from the last ones. The fit must be usable and the
 /// parameter's standard error finite.
-Profile profile(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted, int parameter,
-                const ProfileOptions& options = {});
+LikelihoodProfile profile(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
+                          int parameter, const ProfileOptions& options = {});
 
 /// Of several parameters, which are taken on threads; only those that were done before an interrupt.
-std::vector<Profile> profiles(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
-                              const std::vector<int>& parameters, const ProfileOptions& options = {});
+std::vector<LikelihoodProfile> profiles(const FitProblem& problem, const std::vector<Record>& records,
+                                        const Fit& fitted, const std::vector<int>& parameters,
+                                        const ProfileOptions& options = {});
 
 }  // namespace poise

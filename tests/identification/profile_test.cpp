@@ -18,7 +18,7 @@ TEST(Profile, OfALinearProblemIsTheInterval) {
   const FitProblem problem(wheel.experiment);
   const std::vector<Record> records = problem.records();
   const Fit found = fit(problem, records);
-  const Profile of = profile(problem, records, found, 0);
+  const LikelihoodProfile of = profile(problem, records, found, 0);
   const Estimate& k = found.estimates[0];
   ASSERT_TRUE(of.low && of.high);
   EXPECT_NEAR(*of.low, k.low, 0.01 * k.standard_error);
@@ -37,9 +37,9 @@ TEST(Profile, DependsOnNoThreads) {
   const FitProblem problem(wheel.experiment);
   const std::vector<Record> records = problem.records();
   const Fit found = fit(problem, records);
-  const Profile alone = profile(problem, records, found, 1);
+  const LikelihoodProfile alone = profile(problem, records, found, 1);
   for (const int jobs : {1, 2}) {
-    const std::vector<Profile> both = profiles(problem, records, found, {0, 1}, {.jobs = jobs});
+    const std::vector<LikelihoodProfile> both = profiles(problem, records, found, {0, 1}, {.jobs = jobs});
     ASSERT_EQ(both.size(), 2U);
     EXPECT_EQ(both[0].parameter, 0);
     EXPECT_EQ(both[1].low, alone.low);
@@ -69,7 +69,7 @@ TEST(Profile, AtABoundIsOneSided) {
     const Fit found = fit(problem, records);
     if (found.parameters[1] > 0) continue;
     ++at_bound;
-    const Profile of = profile(problem, records, found, 1);
+    const LikelihoodProfile of = profile(problem, records, found, 1);
     EXPECT_TRUE(of.one_sided);
     EXPECT_EQ(of.low, 0.0);
     ASSERT_TRUE(of.high);
@@ -86,7 +86,7 @@ TEST(Profile, EndsWhereTheCostHasGrownByTheLimit) {
   const FitProblem problem(wheel.experiment);
   const std::vector<Record> records = problem.records();
   const Fit found = fit(problem, records);
-  const Profile of = profile(problem, records, found, 0);
+  const LikelihoodProfile of = profile(problem, records, found, 0);
   ASSERT_TRUE(of.low && of.high);
   const Estimate& k = found.estimates[0];
   const double limit = (k.high - k.value) / k.standard_error;

@@ -492,7 +492,7 @@ void add_bootstrap(Group& content, const FitProblem& problem, const FitAnswer& a
 
 void add_profiles(Group& content, const FitProblem& problem, const FitAnswer& answer) {
   Branch& array = content.array("profiles");
-  for (const Profile& found : answer.profiles) {
+  for (const LikelihoodProfile& found : answer.profiles) {
     const auto p = static_cast<std::size_t>(found.parameter);
     const double unit = problem.unknown_of(p).unit;
     Group& one = array.parts.emplace_back();
@@ -505,17 +505,17 @@ void add_profiles(Group& content, const FitProblem& problem, const FitAnswer& an
   }
   if (answer.profiles.empty()) return;
   Table& table = content.table("", "Profile likelihood: 95 % intervals", Rows::list);
-  const auto end = [&](const Profile& found, const std::optional<double>& value) {
+  const auto end = [&](const LikelihoodProfile& found, const std::optional<double>& value) {
     const auto p = static_cast<std::size_t>(found.parameter);
     const Estimate& estimate = answer.fit.estimates[p];
     return value ? rounded_to(*value / estimate.unit, estimate.standard_error / estimate.unit) : std::string("open");
   };
-  table.words("", "parameter", each(answer.profiles, [&](const Profile& found) {
+  table.words("", "parameter", each(answer.profiles, [&](const LikelihoodProfile& found) {
                 return problem.parameters()[static_cast<std::size_t>(found.parameter)].name;
               }));
-  table.words("", "from", each(answer.profiles, [&](const Profile& found) { return end(found, found.low); }));
-  table.words("", "to", each(answer.profiles, [&](const Profile& found) { return end(found, found.high); }));
-  table.remarks(each(answer.profiles, [](const Profile& found) {
+  table.words("", "from", each(answer.profiles, [&](const LikelihoodProfile& found) { return end(found, found.low); }));
+  table.words("", "to", each(answer.profiles, [&](const LikelihoodProfile& found) { return end(found, found.high); }));
+  table.remarks(each(answer.profiles, [](const LikelihoodProfile& found) {
     return std::string(found.one_sided ? "one-sided, the estimate is at its bound" : "");
   }));
 }

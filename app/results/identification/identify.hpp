@@ -22,7 +22,7 @@ struct FitAnswer {
   std::vector<KnownEffect> known;               ///< already in the fit's standard errors
   std::vector<KnownEffect> inputs;              ///< input_effects(), likewise
   std::vector<std::vector<std::string>> stops;  ///< per run: stops_passed()
-  std::vector<Profile> profiles;
+  std::vector<LikelihoodProfile> profiles;
   std::optional<Bootstrap> bootstrap;
 };
 
