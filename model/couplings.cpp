@@ -19,9 +19,9 @@ constexpr Number value_number(std::string_view key) {
   };
   number.set = [](void* item, double value) {
     Stop& stop = *static_cast<Stop*>(item);
-    const bool holds = stop.holds();
-    if (holds || std::isfinite(stop.max)) stop.max = value;
-    if (holds || std::isfinite(stop.min)) stop.min = value;
+    // Not a number where it is not known yet.
+    if (!std::isinf(stop.max)) stop.max = value;
+    if (!std::isinf(stop.min)) stop.min = value;
   };
   number.scale = [](void* item, double factor) {
     Stop& stop = *static_cast<Stop*>(item);

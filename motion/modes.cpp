@@ -154,7 +154,9 @@ class Linear {
     mass_ = reduced_mass(model, x, basis_);
     damping_ = reduced_damping(model, x, basis_);
     out_.freedoms = static_cast<int>(basis_.cols());
-    out_.held = static_cast<int>(rows.size()) - m.equalities();
+    out_.held = static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](int row) {
+      return row >= m.equalities() && !model.scene().stops[static_cast<std::size_t>(row - m.equalities())].couples();
+    }));
   }
 
   Modes modes() {

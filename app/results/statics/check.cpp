@@ -95,9 +95,10 @@ std::vector<std::string> numbers_of_items(const Scene& scene, Owner owner, std::
     if (!si) continue;
     std::string& text = out[static_cast<std::size_t>(row.place.item)];
     const std::string_view key = row.path.parts[2].empty() ? row.path.parts[3] : row.path.parts[2];
-    text += fmt::format("{}{}{}{} {}", text.empty() ? "" : ", ", key, key.empty() ? "" : " ",
-                        significant(*si / row.dimension.unit(scene.units), force_digits),
-                        row.dimension.unit_name(scene.units));
+    const std::string unit = row.dimension.unit_name(scene.units);
+    text +=
+        fmt::format("{}{}{}{}{}{}", text.empty() ? "" : ", ", key, key.empty() ? "" : " ",
+                    significant(*si / row.dimension.unit(scene.units), force_digits), unit.empty() ? "" : " ", unit);
   }
   return out;
 }
