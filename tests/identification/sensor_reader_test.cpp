@@ -122,10 +122,12 @@ double expected(const MotionModel& model, const Sensor& sensor, const State& sta
       return sensor.rate ? velocity(on.b).x : place(on.b).x;
     case Measure::Kind::y:
       return sensor.rate ? velocity(on.b).y : place(on.b).y;
+    case Measure::Kind::component:
+    case Measure::Kind::rope:
     case Measure::Kind::sum:
       break;
   }
-  throw std::logic_error("no sensor here reads a sum");
+  throw std::logic_error("no sensor here reads this");
 }
 
 struct Case {

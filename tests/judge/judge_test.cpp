@@ -110,12 +110,12 @@ TEST(Judge, StopCarriesOrIsLeft) {
   expect(Verdict::right, verdict(scene, {0.5}, Kind::stable, 1e-15));
   expect(Verdict::no_equilibrium, verdict(scene, {1.0}, Kind::stable, 1e-10));
   // Leaning against the stop, however little: the nearest double is below pi / 2. Upright it is within 1e-16, too.
-  scene.stops[0] = {"s", scene.stops[0].on, M_PI / 2, 3.0};
+  scene.stops[0] = {.name = "s", .on = scene.stops[0].on, .min = M_PI / 2, .max = 3.0};
   expect(Verdict::right, verdict(scene, {M_PI / 2}, Kind::stable, 1e-16));
   expect(Verdict::right, verdict(scene, {M_PI / 2}, Kind::unstable, 1e-16));
   // Upright and just touching it falls to the free side.
   scene.gravity = {-1.0, 0.0};
-  scene.stops[0] = {"s", scene.stops[0].on, 0.0, 3.0};
+  scene.stops[0] = {.name = "s", .on = scene.stops[0].on, .min = 0.0, .max = 3.0};
   expect(Verdict::right, verdict(scene, {0.0}, Kind::unstable));
   expect(Verdict::wrong_kind, verdict(scene, {0.0}, Kind::stable));
   expect(Verdict::wrong_kind, verdict(scene, {0.0}, Kind::neutral));

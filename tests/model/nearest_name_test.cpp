@@ -50,7 +50,7 @@ std::vector<std::string> known_keys() {
   add(Damper::numbers);
   add(DryFriction::numbers);
   add(Drive::numbers);
-  add(Stop::numbers);
+  add(Stop::limits);
   std::erase_if(keys, [](const std::string& key) { return key.size() < 3; });
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
