@@ -56,7 +56,9 @@ TEST(Profiles, AreAsSmoothAsTheirLawsSay) {
       const ProfileValue<double> before = profile.at(end - 1e-12), after = profile.at(end + 1e-12);
       EXPECT_NEAR(before.value, after.value, 1e-11);
       EXPECT_NEAR(before.first, after.first, 1e-9);
-      if (law != "harmonic") EXPECT_NEAR(before.second, after.second, 1e-8);
+      if (law != "harmonic") {
+        EXPECT_NEAR(before.second, after.second, 1e-8);
+      }
     }
   }
 }
@@ -145,7 +147,9 @@ TEST(Profiles, AreEnclosed) {
           expect_in(p.first, in.first);
           EXPECT_LE(std::abs(p.value - ball.middle()), ball.radius() + 1e-11);
         }
-        if (radius == 0.0) EXPECT_LT(in.value.width(), 1e-12);
+        if (radius == 0.0) {
+          EXPECT_LT(in.value.width(), 1e-12);
+        }
       }
     }
   }

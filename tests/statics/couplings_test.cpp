@@ -137,9 +137,15 @@ TEST(Couplings, ARatioHasItsExactSensitivity) {
   ASSERT_EQ(found.of.size(), 1U) << found.why;
   const double i = 2.0 / 3.0, j = 0.375;
   for (const Sensitivity& by : found.of[0].by) {
-    if (by.number == "gear.sun and planet.ratio") EXPECT_NEAR(by.derivative, -0.1 / (i * i * j), 1e-10);
-    if (by.number == "gear.planet and ring.ratio") EXPECT_NEAR(by.derivative, -0.1 / (i * j * j), 1e-10);
-    if (by.number == "load.motor") EXPECT_NEAR(by.derivative, 0.25, 1e-12);
+    if (by.number == "gear.sun and planet.ratio") {
+      EXPECT_NEAR(by.derivative, -0.1 / (i * i * j), 1e-10);
+    }
+    if (by.number == "gear.planet and ring.ratio") {
+      EXPECT_NEAR(by.derivative, -0.1 / (i * j * j), 1e-10);
+    }
+    if (by.number == "load.motor") {
+      EXPECT_NEAR(by.derivative, 0.25, 1e-12);
+    }
   }
   const auto has = [&](const std::string& number) {
     return std::any_of(found.of[0].by.begin(), found.of[0].by.end(),
