@@ -15,6 +15,7 @@
 #include "solvers/newton.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
+#include "statics/body_measures.hpp"
 #include "statics/enclosed_set.hpp"
 #include "statics/held_rows.hpp"
 #include "statics/index_sum.hpp"
@@ -612,6 +613,7 @@ EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptio
 }
 
 EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptions& options, const Enclosing& enclose) {
+  refuse_pulleys(model.scene(), "sets of equilibria");
   return Finder(model, options, enclose).run();
 }
 

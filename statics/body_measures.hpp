@@ -4,6 +4,7 @@
 // sums that the mechanism is compiled to. Templates on the type of the poses, BodyPose or PlacedBody of any scalar;
 // their definitions are in statics/body_measures_impl.hpp, and BodyPose<double> is compiled in body_measures.cpp.
 
+#include <string_view>
 #include <vector>
 
 #include "model/mechanism.hpp"
@@ -50,6 +51,10 @@ using UnitEffort = UnitEffortOf<double>;
 template <class Pose>
 std::vector<UnitEffortOf<ScalarOf<Pose>>> unit_efforts(const Scene& scene, const Measure& measure,
                                                        const std::vector<Pose>& poses);
+
+/// Throws InputError where a rope of the scene passes over a pulley, off which it may come, which `what` does not
+/// treat.
+void refuse_pulleys(const Scene& scene, std::string_view what);
 
 /// Where a rope would have to lie on the wrong side of a pulley, so that it does not touch it: that pulley's point;
 /// null where it touches all, and of other measures.

@@ -135,7 +135,7 @@ class FreeBodyEquations {
 
   /// An effort that is no reaction: the scene has no joint or stop for it.
   void add_effort(const UnitEffortOf<T>& effort) {
-    unknowns_.push_back(unknown_of(effort));
+    unknowns_.push_back(unknown_of(effort, true));
     unknowns_.back().item = -1;
   }
 
@@ -152,8 +152,10 @@ class FreeBodyEquations {
   Planar<T> world(PointRef p) const { return body_measures::world(scene_, poses_, p); }
   Planar<T> from_world(const Planar<T>& at) const { return at - poses_[0].origin; }
 
-  Unknown unknown_of(const UnitEffortOf<T>& effort) const {
-    return {last_item(), effort.body_a, effort.body_b, effort.b, effort.force, T(size_) * effort.moment};
+  // In N: of an effort on an angle its moment over the size. In a sum of angles and lengths moments belong to a force.
+  Unknown unknown_of(const UnitEffortOf<T>& effort, bool is_torque) const {
+    const T moment = is_torque ? T(size_) * effort.moment : effort.moment;
+    return {last_item(), effort.body_a, effort.body_b, effort.b, effort.force, moment};
   }
 
   void add_pin(PointRef a, PointRef b) {
@@ -175,9 +177,9 @@ class FreeBodyEquations {
       item.at = from_world(effort.b);
       if (effort.force == Planar<T>{} && effort.moment == T(0)) continue;
       if (is_first)
-        unknowns_.push_back(unknown_of(effort));
+        unknowns_.push_back(unknown_of(effort, measure.is_angle()));
       else
-        unknowns_.back().with.push_back(unknown_of(effort));
+        unknowns_.back().with.push_back(unknown_of(effort, measure.is_angle()));
       is_first = false;
     }
   }

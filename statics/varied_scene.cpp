@@ -12,6 +12,7 @@
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "model/nearest_name.hpp"
+#include "statics/body_measures.hpp"
 #include "statics/static_numbers.hpp"
 
 namespace poise {
@@ -97,6 +98,7 @@ void blend(Scene& scene, const Scene& other, const ParameterPlace& place, double
 VariedScene::VariedScene(Scene scene, const std::string& name, double from, double to)
     : scene_(std::move(scene)), name_(name) {
   const auto fail = [&](const std::string& what) { throw InputError(fmt::format("{}: {}", name_, what)); };
+  refuse_pulleys(scene_, "load paths");
   Range range = Range::finite;
   if (const auto measure = driven_measure(scene_, name_)) {
     driven_ = affine_ = true;

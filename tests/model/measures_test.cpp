@@ -93,7 +93,7 @@ void for_measures(const std::function<void(const Scene&, const Layout&, const Me
       SCOPED_TRACE("seed " + std::to_string(seed));
       Random random(seed);
       Scene scene = test::plant_mechanism(seed, {.loops = loops}).in_equilibrium;
-      const std::vector<NamedMeasure> measures = measures_of(scene, random);
+      const std::vector<NamedMeasure> measures = measures_of(scene, random, true);
       const Purpose purpose = k % 2 == 0 ? Purpose::statics : Purpose::dynamics;
       const Mechanism<double> mechanism(scene, purpose);
       std::vector<double> q = mechanism.start();
@@ -133,7 +133,7 @@ TEST(Measures, AreWhatThePlacesOfTheBodiesSayWhereLoopsClose) {
       Random random(seed);
       const test::PlantedMechanism planted = test::plant_mechanism(seed, {.loops = loops});
       Scene scene = planted.in_equilibrium;
-      const std::vector<NamedMeasure> measures = measures_of(scene, random);
+      const std::vector<NamedMeasure> measures = measures_of(scene, random, true);
       const Mechanism<double> mechanism(scene);
       ASSERT_EQ(mechanism.coordinates(), static_cast<int>(planted.equilibrium.size()));
       for (const auto& [name, measure] : measures) {
@@ -227,7 +227,7 @@ TEST(Measures, KnowTheirDerivatives) {
 TEST(Measures, KnowTheirDerivativesOnARailThatTurns) {
   Random random(5);
   Scene scene = test::quick_return();
-  const std::vector<NamedMeasure> measures = measures_of(scene, random);
+  const std::vector<NamedMeasure> measures = measures_of(scene, random, true);
   const Layout layout = lay_out(scene, Purpose::dynamics);
   const Coordinate& rail = layout.coordinates[layout.travel[3]];
   ASSERT_EQ(rail.kind, Coordinate::Kind::length);

@@ -301,7 +301,7 @@ TEST(Elements, UponEveryMeasureOfRandomMechanismsAreConfirmedBodyByBody) {
     SCOPED_TRACE(seed);
     test::Random random(seed);
     Scene scene = test::plant_mechanism(seed, {.loops = static_cast<int>(seed % 4)}).in_equilibrium;
-    test::add_elements_upon_every_measure(scene, random);
+    test::add_elements_upon_every_measure(scene, random, true);
     const StaticModel model(scene);
     const Equilibrium found = solve(model, test::by(Method::virtual_work, Seek::stable));
     if (!found.found()) continue;

@@ -6,7 +6,7 @@
 
 namespace poise::test {
 
-std::vector<NamedMeasure> measures_of(Scene& scene, Random& random) {
+std::vector<NamedMeasure> measures_of(Scene& scene, Random& random, bool with_couplings) {
   std::vector<PointRef> probes;
   for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
     probes.push_back(scene.add_point(b, "probe", {random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7)}));
@@ -40,6 +40,8 @@ std::vector<NamedMeasure> measures_of(Scene& scene, Random& random) {
   all.push_back({"sum of angles", Measure::sum_of({{2.0, angle()}, {-3.0, angle()}})});
   all.push_back({"sum of sums", Measure::sum_of({{0.5, Measure::sum_of(terms)}, {-1.5, distance()}})});
   const Measure turn = angle();
+  all.push_back({"nothing", Measure::sum_of({{1.0, turn}, {-1.0, turn}})});
+  if (!with_couplings) return all;
   const int carrier = body_but(-1);
   const auto component = [&] {
     const int b = body_but(carrier);
@@ -63,12 +65,11 @@ std::vector<NamedMeasure> measures_of(Scene& scene, Random& random) {
        Measure::sum_of({{1.0, y()}, {random.uniform(-0.5, 0.5), angle(), profile, random.uniform(-1.0, 1.0)}})});
   all.push_back({"profile of a length", Measure::sum_of({{1.0, rope()}, {0.3, component(), profile, 0.1, 2.0}})});
   all.push_back({"rack", Measure::sum_of({{1.0, x()}, {random.uniform(-0.5, 0.5), angle()}})});
-  all.push_back({"nothing", Measure::sum_of({{1.0, turn}, {-1.0, turn}})});
   return all;
 }
 
-void add_elements_upon_every_measure(Scene& scene, Random& random) {
-  for (const auto& [name, measure] : measures_of(scene, random)) {
+void add_elements_upon_every_measure(Scene& scene, Random& random, bool with_couplings) {
+  for (const auto& [name, measure] : measures_of(scene, random, with_couplings)) {
     const double stiffness = random.uniform(0.2, 1.0);
     const double free_length = random.uniform(0.0, 1.0);
     const auto acts = static_cast<LinearSpring::Acts>(random.index(3));
