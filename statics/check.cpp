@@ -107,11 +107,13 @@ class EquilibriumCheck {
       }
       if (beyond <= out_.stop_violation) continue;
       out_.stop_violation = beyond;
-      out_.worst_stop = fmt::format("{} \"{}\"", stop.family(), stop.name);
+      out_.worst_stop = stop.name;
+      worst_family_ = stop.family();
     }
     if (out_.stop_violation > tolerances_.stop) {
       out_.stops_kept = false;
-      object(fmt::format("{} is overrun by {:.3g} of the mechanism's size", out_.worst_stop, out_.stop_violation));
+      object(fmt::format("{} \"{}\" is overrun by {:.3g} of the mechanism's size", worst_family_, out_.worst_stop,
+                         out_.stop_violation));
     }
   }
 
@@ -220,6 +222,7 @@ class EquilibriumCheck {
   std::vector<BodyPose<double>> poses_;
   double size_;
   std::vector<int> touching_;
+  std::string worst_family_;
   Check out_;
 };
 

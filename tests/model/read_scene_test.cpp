@@ -649,7 +649,8 @@ const std::string two_bodies =
     "points = { B = [0, 0] }\n";
 
 const std::string every_measure =
-    "bodies (relative angle), points (distance), slide (travel), x (of a point), y (of a point), sum (of the others)";
+    "bodies (relative angle), points (distance, or component along an axis), slide (travel), x (of a point), y (of a "
+    "point), rope (length over points and pulleys), sum (of the others)";
 
 const std::string slide_ram = two_bodies + "[[slide]]\nname = 'ram'\npoints = ['ground.S', 'rod.B']\naxis = [1, 0]\n";
 
@@ -833,7 +834,7 @@ INSTANTIATE_TEST_SUITE_P(
     SpringsAndLoads, ReadBadScene,
     testing::Values(
         after("SpringKey", "[[spring]]\nstifness = 1\n",
-              "8: spring 1.stifness: expected one of the keys name, bodies, points, slide, x, y, sum, stiffness, "
+              "8: spring 1.stifness: expected one of the keys name, bodies, points, slide, x, y, rope, sum, stiffness, "
               "free_length, acts; "
               "did you mean \"stiffness\"?"),
         after("SpringStiffnessMissing", "[[spring]]\npoints = ['ground.O', 'rod.B']\nfree_length = 1\n",
@@ -893,7 +894,8 @@ INSTANTIATE_TEST_SUITE_P(
     DampersAndDrives, ReadBadScene,
     testing::Values(
         after("DamperKey", "[[damper]]\nstiffness = 1\n",
-              "8: damper 1.stiffness: expected one of the keys name, bodies, points, slide, x, y, sum, coefficient"),
+              "8: damper 1.stiffness: expected one of the keys name, bodies, points, slide, x, y, rope, sum, "
+              "coefficient"),
         after("DamperCoefficientMissing", "[[damper]]\nname = 'oil'\npoints = ['ground.O', 'rod.B']\n",
               "7: damper \"oil\": expected the key coefficient; add coefficient = NUMBER"),
         after("DamperCoefficientNegative", "[[damper]]\npoints = ['ground.O', 'rod.B']\ncoefficient = -1\n",
@@ -920,8 +922,9 @@ INSTANTIATE_TEST_SUITE_P(
               "[[torsion_damper]]\nname = 'oil'\nbodies = ['ground', 'rod']\ncoefficient = 1\n"
               "[[torsion_damper]]\nname = 'oil'\n",
               "12: torsion_damper \"oil\".name: expected a name of its own; \"oil\" is taken in line 8"),
-        after("FrictionKey", "[[friction]]\nvalue = 1\n",
-              "8: friction 1.value: expected one of the keys name, bodies, points, slide, x, y, sum, force, width"),
+        after(
+            "FrictionKey", "[[friction]]\nvalue = 1\n",
+            "8: friction 1.value: expected one of the keys name, bodies, points, slide, x, y, rope, sum, force, width"),
         after("FrictionTorqueMissing", "[[friction]]\nbodies = ['ground', 'rod']\n",
               "7: friction 1: expected the key torque; add torque = NUMBER"),
         after("FrictionTorqueNegative", "[[friction]]\nbodies = ['ground', 'rod']\ntorque = -1\n",
@@ -988,12 +991,14 @@ INSTANTIATE_TEST_SUITE_P(
         after("SumOfAnglesAndLengths",
               "[[spring]]\nsum = [{ factor = 1, x = 'rod.B' },\n{ factor = 1, bodies = ['ground', 'rod'] }]\n"
               "stiffness = 1\nfree_length = 1\n",
-              "9: spring 1.sum 2: expected terms that are all angles (bodies) or all lengths (points, slide, x, y)"),
+              "9: spring 1.sum 2: expected terms that are all angles (bodies) or all lengths (points, slide, x, y, "
+              "rope); a [[coupling]] may mix them"),
         after("SumFactorMissing", "[[spring]]\nsum = [{ x = 'rod.B' }]\nstiffness = 1\nfree_length = 1\n",
               "8: spring 1.sum 1: expected the key factor; add factor = NUMBER"),
         after("SumTermOfNothing", "[[spring]]\nsum = [{ factor = 1 }]\nstiffness = 1\nfree_length = 1\n",
-              "8: spring 1.sum 1: expected one of the keys bodies (relative angle), points (distance), slide (travel), "
-              "x (of a point), y (of a point)"),
+              "8: spring 1.sum 1: expected one of the keys bodies (relative angle), points (distance, or component "
+              "along an axis), slide (travel), "
+              "x (of a point), y (of a point), rope (length over points and pulleys)"),
         after("DriveOfAPoint", "[[drive]]\nx = 'rod.B'\n",
               "8: drive 1.x: expected one of the keys name, bodies, slide, start, rate, acceleration, amplitude, "
               "frequency, phase")),
@@ -1003,7 +1008,7 @@ INSTANTIATE_TEST_SUITE_P(
     StopsAndStart, ReadBadScene,
     testing::Values(
         after("StopKey", "[[stop]]\nbody = ['ground', 'rod']\n",
-              "8: stop 1.body: expected one of the keys name, bodies, points, slide, x, y, sum, min, max"),
+              "8: stop 1.body: expected one of the keys name, bodies, points, slide, x, y, rope, sum, min, max"),
         after("StopOfNothing", "[[stop]]\nmin = 1\n", "7: stop 1: expected one of the keys " + every_measure),
         after("StopOfTwoThings", "[[stop]]\nbodies = ['ground', 'rod']\npoints = ['ground.O', 'rod.B']\nmin = 1\n",
               "7: stop 1: expected one of the keys " + every_measure),

@@ -208,7 +208,7 @@ TEST(SceneBuilder, SaysWhatIsWrongInTheWordsOfTheReader) {
       error_of([](SceneBuilder& b) {
         b.element("spring", "s", measures::distance("ground.O", "rod.C"), {{"stifness", 1}, {"free_length", 1}});
       }),
-      "press: spring \"s\".stifness: expected one of the keys name, points, stiffness, free_length, acts; did you "
+      "press: spring \"s\".stifness: expected one of the keys name, points, axis, stiffness, free_length, acts; did you "
       "mean \"stiffness\"?");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.stop("end", measures::travel("guide"), {}); }),
             "press: stop \"end\": expected the key min, max or both; add max = NUMBER");
