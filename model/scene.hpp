@@ -49,8 +49,8 @@ struct Body {
   static const std::array<Number, 4> numbers;
 };
 
-/// A link that bends in the equilibrium: a chain of rigid bodies, pinned one after the other along its line, and springs
-/// on their angles (model/flexible_link.hpp). The scene file has it as one body.
+/// A link that bends in the equilibrium: a chain of rigid bodies, pinned one after the other along its line, and
+/// springs on their angles (model/flexible_link.hpp). The scene file has it as one body.
 struct FlexibleLink {
   std::string name;
   CrossSection section;      ///< its line is empty: the points belong to the bodies

@@ -204,12 +204,12 @@ TEST(SceneBuilder, SaysWhatIsWrongInTheWordsOfTheReader) {
             "press: slide \"rail\".axis: expected a direction, found [0, 0]; give for example [1, 0]");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.bar("ground.O", "rod.C", 0, "rod"); }),
             "press: bar \"rod\".length: expected a finite number > 0, found 0");
-  EXPECT_EQ(
-      error_of([](SceneBuilder& b) {
-        b.element("spring", "s", measures::distance("ground.O", "rod.C"), {{"stifness", 1}, {"free_length", 1}});
-      }),
-      "press: spring \"s\".stifness: expected one of the keys name, points, axis, stiffness, free_length, acts; did you "
-      "mean \"stiffness\"?");
+  EXPECT_EQ(error_of([](SceneBuilder& b) {
+              b.element("spring", "s", measures::distance("ground.O", "rod.C"), {{"stifness", 1}, {"free_length", 1}});
+            }),
+            "press: spring \"s\".stifness: expected one of the keys name, points, axis, stiffness, free_length, acts; "
+            "did you "
+            "mean \"stiffness\"?");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.stop("end", measures::travel("guide"), {}); }),
             "press: stop \"end\": expected the key min, max or both; add max = NUMBER");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.start("crnk", 1); }),
