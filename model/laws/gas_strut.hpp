@@ -98,41 +98,41 @@ struct GasStrut {
   template <class S>
   struct Gas {
     explicit Gas(const GasStrut& strut)
-        : r(strut.ratio), n(strut.exponent), log_r(log_of_one_plus(S(r - S(1)))), b(-grown(S(-log_r / n))) {}
+        : r_(strut.ratio), n_(strut.exponent), log_r_(log_of_one_plus(S(r_ - S(1)))), b_(-grown(S(-log_r_ / n_))) {}
 
     S force(std::size_t piece, const S& y) const {
       using std::exp;
-      if (piece == 0) return S(1) + n * b * y;
-      if (piece == 2) return r + last_slope() * (y - S(1));
-      return exp(n * e(y));
+      if (piece == 0) return S(1) + n_ * b_ * y;
+      if (piece == 2) return r_ + last_slope() * (y - S(1));
+      return exp(n_ * e(y));
     }
     S slope(std::size_t piece, const S& y) const {
       using std::exp;
-      if (piece == 0) return n * b;
+      if (piece == 0) return n_ * b_;
       if (piece == 2) return last_slope();
-      return n * b * exp((n + S(1)) * e(y));
+      return n_ * b_ * exp((n_ + S(1)) * e(y));
     }
     S work(std::size_t piece, const S& y) const {
-      if (piece == 0) return y + n * b * y * y / S(2);
+      if (piece == 0) return y + n_ * b_ * y * y / S(2);
       if (piece == 2) {
         const S beyond = y - S(1);
-        return work(1, S(1)) + (r + last_slope() * beyond / S(2)) * beyond;
+        return work(1, S(1)) + (r_ + last_slope() * beyond / S(2)) * beyond;
       }
-      return e(y) * mean_exp(S((n - S(1)) * e(y)), 0) / b;
+      return e(y) * mean_exp(S((n_ - S(1)) * e(y)), 0) / b_;
     }
 
     S force_by_ratio(std::size_t piece, const S& y) const {
-      if (piece == 0) return n * y * b_by_ratio();
+      if (piece == 0) return n_ * y * b_by_ratio();
       if (piece == 2) return S(1) + last_slope_by_ratio() * (y - S(1));
       return force_by_b(y) * b_by_ratio();
     }
     S force_by_exponent(std::size_t piece, const S& y) const {
-      if (piece == 0) return (b + n * b_by_exponent()) * y;
+      if (piece == 0) return (b_ + n_ * b_by_exponent()) * y;
       if (piece == 2) return last_slope_by_exponent() * (y - S(1));
       return e(y) * force(1, y) + force_by_b(y) * b_by_exponent();
     }
     S work_by_ratio(std::size_t piece, const S& y) const {
-      if (piece == 0) return n * b_by_ratio() * y * y / S(2);
+      if (piece == 0) return n_ * b_by_ratio() * y * y / S(2);
       if (piece == 2) {
         const S beyond = y - S(1);
         return work_by_ratio(1, S(1)) + (S(1) + last_slope_by_ratio() * beyond / S(2)) * beyond;
@@ -140,25 +140,25 @@ struct GasStrut {
       return work_by_b(y) * b_by_ratio();
     }
     S work_by_exponent(std::size_t piece, const S& y) const {
-      if (piece == 0) return (b + n * b_by_exponent()) * y * y / S(2);
+      if (piece == 0) return (b_ + n_ * b_by_exponent()) * y * y / S(2);
       if (piece == 2) {
         const S beyond = y - S(1);
         return work_by_exponent(1, S(1)) + last_slope_by_exponent() * beyond * beyond / S(2);
       }
-      return work_by_b(y) * b_by_exponent() + e(y) * e(y) * mean_exp(S((n - S(1)) * e(y)), 1) / b;
+      return work_by_b(y) * b_by_exponent() + e(y) * e(y) * mean_exp(S((n_ - S(1)) * e(y)), 1) / b_;
     }
 
    private:
-    S e(const S& y) const { return -log_of_one_plus(S(-b * y)); }
-    S b_by_ratio() const { return (S(1) - b) / (n * r); }
-    S b_by_exponent() const { return -(S(1) - b) * log_r / (n * n); }
-    S force_by_b(const S& y) const { return y / b * slope(1, y); }
-    S work_by_b(const S& y) const { return (y * force(1, y) - work(1, y)) / b; }
+    S e(const S& y) const { return -log_of_one_plus(S(-b_ * y)); }
+    S b_by_ratio() const { return (S(1) - b_) / (n_ * r_); }
+    S b_by_exponent() const { return -(S(1) - b_) * log_r_ / (n_ * n_); }
+    S force_by_b(const S& y) const { return y / b_ * slope(1, y); }
+    S work_by_b(const S& y) const { return (y * force(1, y) - work(1, y)) / b_; }
 
     // f' at the end of the stroke, n r (r^(1/n) - 1).
-    S last_slope() const { return n * b * r / (S(1) - b); }
-    S last_slope_by_ratio() const { return last_slope() / r + S(1) / (S(1) - b); }
-    S last_slope_by_exponent() const { return last_slope() / n - r * log_r / (n * (S(1) - b)); }
+    S last_slope() const { return n_ * b_ * r_ / (S(1) - b_); }
+    S last_slope_by_ratio() const { return last_slope() / r_ + S(1) / (S(1) - b_); }
+    S last_slope_by_exponent() const { return last_slope() / n_ - r_ * log_r_ / (n_ * (S(1) - b_)); }
 
     static S log_of_one_plus(const S& x) {
       using std::log;
@@ -198,7 +198,7 @@ struct GasStrut {
       }
     }
 
-    S r, n, log_r, b;
+    S r_, n_, log_r_, b_;
   };
 };
 
