@@ -197,7 +197,7 @@ const auto called = x3::raw[x3::lexeme[(x3::ascii::alpha | '_') >> *(x3::ascii::
 
 const auto operand_def =
     number[take_number] |
-    (called[begin_call] >> '(' > sum > *((',' > x3::eps[next_argument]) > sum) > x3::lit(')')[end_call]) |
+    ((called[begin_call] >> '(') > sum > *((',' > x3::eps[next_argument]) > sum) > x3::lit(')')[end_call]) |
     word[take_name] | ('(' > sum > ')');
 const auto power_def = operand >> -('^' > (('-' > operand > x3::eps[take<Operation::negative>]) | operand) >
                                     x3::eps[take<Operation::power>]);

@@ -145,7 +145,7 @@ class Actions {
     const double sign = on_b ? 1.0 : -1.0;
     // The force of a bar acts at each of its ends, all others where the point of the second body is.
     const Vec2 at = joint->keeps_length() ? scene_.local(on_b ? joint->b : joint->a) : local(reaction.at);
-    joints_.push_back({name, at});
+    joints_.emplace_back(name, at);
     act(name, at, sign * turned_back(reaction.force), sign * reaction.moment);
   }
 

@@ -261,6 +261,7 @@ TEST(JsonDocs, Check) {
   check_section("check", {{{"check", scene("redundant_parallelogram")}},
                           {{"check", folder.write("driven.toml", driven)}},
                           {{"check", scene("balanced_arm")}},
+                          {{"check", scene("planetary_gear")}},
                           {{"check", scene("toggle_clamp"), "--set", "load.P=30"}}});
 }
 
@@ -301,6 +302,7 @@ TEST(JsonDocs, Solve) {
                  {{"solve", scene("four_bar_torsion")}},
                  {{"solve", scene("hard/follower_four_bar"), "--method", "energy"}},
                  {{"solve", scene("lift")}},
+                 {{"solve", scene("cam_follower")}},
                  {{"solve", scene("hard/balanced_lamp")}},
                  {{"solve", scene("hard/taut")}},
                  {{"solve", folder.write("plate.toml", plate)}},
