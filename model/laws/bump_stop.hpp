@@ -47,7 +47,7 @@ struct BumpStop {
   S force_by(int number, const S& g, const S&) const {
     if (number == 1) return -at_rest(g).by_measure;
     return pieces(g, [&](const S& y, double side) -> S {
-      const S unit = S(side) * power(y, S(exponent));
+      S unit = S(side) * power(y, S(exponent));
       if (number == 0) return unit;
       if (number == 2) return -S(force) * S(exponent) / S(depth) * unit;
       return S(force) * unit * log_of(y);
