@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -15,6 +17,12 @@ template <class S>
 struct ProfileValue {
   S value{}, first{}, second{}, third{};
 };
+
+/// Of sets of values.
+template <class S>
+ProfileValue<S> hull(const ProfileValue<S>& a, const ProfileValue<S>& b) {
+  return {hull(a.value, b.value), hull(a.first, b.first), hull(a.second, b.second), hull(a.third, b.third)};
+}
 
 /// A function P(u) of a number, both without dimension: the lift of a cam over its angle, a coordinate along a curve.
 /// It is made of pieces; in each, with s = (u - from) / (to - from) from 0 to 1,
@@ -37,7 +45,10 @@ class Profile {
   };
 
   /// Pieces in order, each from where the last ends; continuous up to rounding of their coefficients.
-  Profile(std::vector<Piece> pieces, bool periodic) : pieces_(std::move(pieces)), periodic_(periodic) {}
+  Profile(std::vector<Piece> pieces, bool periodic) : pieces_(std::move(pieces)), periodic_(periodic) {
+    borders_.push_back(pieces_.front().from);
+    for (const Piece& piece : pieces_) borders_.push_back(piece.to);
+  }
 
   /// A piece of a standard law from P = begin to P = end; "dwell", "harmonic", "cycloidal", "polynomial_345".
   static Piece standard(std::string_view law, double from, double to, double begin, double end);
@@ -60,8 +71,11 @@ class Profile {
   static ProfileValue<S> on(const Piece& piece, const S& u);
   template <class S>
   ProfileValue<S> along_end(bool last, const S& u) const;
+  template <class S>
+  ProfileValue<S> in_turns(const S& u) const;
 
   std::vector<Piece> pieces_;
+  std::vector<double> borders_;  // of the pieces, both ends included
   bool periodic_;
 };
 
@@ -109,46 +123,38 @@ ProfileValue<S> Profile::along_end(bool last, const S& u) const {
 
 template <class S>
 ProfileValue<S> Profile::at(const S& u) const {
+  if (periodic_) return in_turns(u);
+  return by_pieces(u, borders_, [&](std::size_t k, const S& part) {
+    if (k == 0) return along_end(false, part);
+    return k == borders_.size() ? along_end(true, part) : on(pieces_[k - 1], part);
+  });
+}
+
+template <class S>
+ProfileValue<S> Profile::in_turns(const S& u) const {
   constexpr double most_turns = 1e6;
   double turns = 0.0;
-  if (periodic_) {
-    while (turns < most_turns && u >= S(turns + 1)) ++turns;
-    while (turns > -most_turns && u < S(turns)) --turns;
-  }
-  const S within = periodic_ ? S(u - S(turns)) : u;
-  ProfileValue<S> out;
-  bool is_first = true;
-  const auto join = [&](const ProfileValue<S>& part) {
-    out = is_first ? part
-                   : ProfileValue<S>{hull_of(out.value, part.value), hull_of(out.first, part.first),
-                                     hull_of(out.second, part.second), hull_of(out.third, part.third)};
-    is_first = false;
+  while (turns < most_turns && u >= S(turns + 1)) ++turns;
+  while (turns > -most_turns && u < S(turns)) --turns;
+  const S in_turn = u - S(turns);
+  const auto inside = std::span(borders_).subspan(1, pieces_.size() - 1);
+  const auto in_one_turn = [&](const S& v) {
+    return by_pieces(v, inside, [&](std::size_t k, const S& part) { return on(pieces_[k], part); });
   };
-  if constexpr (!is_set_valued<S>) {
-    if (!periodic_ && !(within >= S(pieces_.front().from))) return along_end(false, within);
-    if (!periodic_ && within > S(pieces_.back().to)) return along_end(true, within);
-    // Not a number where it is none.
-    for (const Piece& piece : pieces_) {
-      if (!(within > S(piece.to))) return on(piece, within);
-    }
-    return on(pieces_.back(), within);
+  if constexpr (!may_enclose_set<S>) {
+    return in_one_turn(in_turn);
   } else {
-    // A set around a multiple of the period reaches into the turn before or after.
-    const bool near = within >= S(-1) && within <= S(2);
-    if (periodic_ && !near) {
-      for (const Piece& piece : pieces_) join(on(piece, joined_range(S(piece.from), S(piece.to))));
-      return out;
-    }
-    if (!periodic_ && !(within >= S(pieces_.front().from))) join(along_end(false, within));
+    // A set around a multiple of the period reaches into the turn before or after; a wider one may be anywhere.
+    if (!(in_turn >= S(-1) && in_turn <= S(2))) return in_one_turn(hull(S(0), S(1)));
+    ProfileValue<S> out;
+    bool is_first = true;
     for (const int shift : {-1, 0, 1}) {
-      if (shift != 0 && !periodic_) continue;
-      const S shifted = within - S(shift);
-      for (const Piece& piece : pieces_) {
-        if (shifted < S(piece.from) || shifted > S(piece.to)) continue;
-        join(on(piece, restricted(shifted, S(piece.from), S(piece.to))));
-      }
+      const S shifted = in_turn - S(shift);
+      if (shifted < S(0) || shifted > S(1)) continue;
+      const ProfileValue<S> part = in_one_turn(within(shifted, 0.0, 1.0));
+      out = is_first ? part : hull(out, part);
+      is_first = false;
     }
-    if (!periodic_ && !(within <= S(pieces_.back().to))) join(along_end(true, within));
     return out;
   }
 }

@@ -22,19 +22,6 @@ inline Planar<Ball> unit(const Ball& angle) {
 }
 
 template <>
-inline constexpr bool is_set_valued<Ball> = true;
-
-template <>
-inline Ball hull_of(const Ball& a, const Ball& b) {
-  return Ball::of_both(a, b);
-}
-
-template <>
-inline Ball joined_range(const Ball& a, const Ball& b) {
-  return Ball::of_both(a, b);
-}
-
-template <>
 inline Ball pi_of() {
   return Ball::pi();
 }

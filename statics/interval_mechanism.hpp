@@ -17,26 +17,6 @@ inline Planar<Interval> unit(const Interval& angle) {
   return out;
 }
 
-template <>
-inline constexpr bool is_set_valued<Interval> = true;
-
-template <>
-inline Interval hull_of(const Interval& a, const Interval& b) {
-  return hull(a, b);
-}
-
-template <>
-inline Interval joined_range(const Interval& a, const Interval& b) {
-  return hull(a, b);
-}
-
-template <>
-inline Interval restricted(const Interval& a, const Interval& from, const Interval& to) {
-  Interval out = a;
-  out.meet(hull(from, to));
-  return out;
-}
-
 // Half of the enclosed full turn: halving is exact.
 template <>
 inline Interval pi_of() {

@@ -2,8 +2,9 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <string_view>
+
+#include "model/set_valued.hpp"
 
 namespace poise {
 
@@ -16,60 +17,10 @@ struct LawForce {
   S by_rate{};
 };
 
-/// For scalars that enclose sets of numbers, some of which may lie on each side of a limit; others know their side.
-/// max(a, 0) of all numbers of the set, and the set with zero added.
-template <class S>
-S not_below_zero(const S& a) {
-  return a;
-}
-template <class S>
-S with_zero(const S& a) {
-  return a;
-}
-
-/// A set that contains both sets; the numbers of a set between two limits, or a set that contains them.
-template <class S>
-S hull(const S& a, const S&) {
-  return a;
-}
-template <class S>
-S within(const S& a, double, double) {
-  return a;
-}
+/// Of sets of forces.
 template <class S>
 LawForce<S> hull(const LawForce<S>& a, const LawForce<S>& b) {
   return {hull(a.value, b.value), hull(a.by_measure, b.by_measure), hull(a.by_rate, b.by_rate)};
-}
-
-/// Whether a scalar may enclose a set of numbers: it is none that the standard library knows the digits of.
-template <class S>
-inline constexpr bool may_enclose_set = !std::numeric_limits<S>::is_specialized;
-
-/// f(a) of a continuous function that is given by pieces, of which piece k reaches from borders[k - 1] to borders[k]
-/// and the first and the last without end: piece(k, a). Borders ascend. Of a set, a set that contains f of all its
-/// numbers.
-template <class S, class Borders, class Piece>
-auto by_pieces(const S& a, const Borders& borders, Piece piece) {
-  std::size_t first = 0;
-  for (std::size_t count = borders.size(); count > 0;) {  // borders below a
-    const std::size_t half = count / 2;
-    const bool is_below = a > S(borders[first + half]);
-    first = is_below ? first + half + 1 : first;
-    count = is_below ? count - half - 1 : half;
-  }
-  if constexpr (may_enclose_set<S>) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    const auto part = [&](std::size_t k) {
-      return within(a, k == 0 ? -infinity : borders[k - 1], k == borders.size() ? infinity : borders[k]);
-    };
-    auto out = piece(first, part(first));
-    for (std::size_t k = first; k < borders.size() && !(a < S(borders[k])); ++k) {
-      out = hull(out, piece(k + 1, part(k + 1)));
-    }
-    return out;
-  } else {
-    return piece(first, a);
-  }
 }
 
 /// A table of a scene file, [[key]], that declares a law, whether it is for angles only, and the key, on an angle
