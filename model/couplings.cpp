@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/one_line.hpp"
+
 namespace poise {
 namespace {
 
@@ -102,10 +104,6 @@ std::span<const Number> Stop::numbers() const {
   return kind != nullptr ? kind->numbers : std::span<const Number>(limits);
 }
 
-std::string Stop::family() const {
-  std::string text = table;
-  std::replace(text.begin(), text.end(), '_', ' ');
-  return text;
-}
+std::string Stop::family() const { return words_of_key(table); }
 
 }  // namespace poise

@@ -1,5 +1,6 @@
 #include "model/one_line.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -48,6 +49,12 @@ std::string one_line(std::string_view text) {
     text.remove_prefix(letter.bytes == 0 ? 1 : letter.bytes);
   }
   return out;
+}
+
+std::string words_of_key(std::string_view key) {
+  std::string words(key);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
 }
 
 }  // namespace poise

@@ -10,18 +10,12 @@
 #include <variant>
 
 #include "model/gas_struts.hpp"
+#include "model/one_line.hpp"
 #include "model/read_curve.hpp"
 #include "model/read_measure.hpp"
 
 namespace poise {
 namespace {
-
-/// "torsion_spring" -> "torsion spring".
-std::string spaced(std::string_view key) {
-  std::string text(key);
-  std::replace(text.begin(), text.end(), '_', ' ');
-  return text;
-}
 
 class ElementReader {
  public:
@@ -47,7 +41,7 @@ class ElementReader {
   template <class Item, class ReadOne>
   void read_family(std::string_view key, std::vector<Item>& family, ReadOne read_one) {
     const std::vector<TomlTable> tables = root_.tables(key);
-    const std::vector<std::string> names = names_of(tables, numbered(spaced(key), tables.size()), {});
+    const std::vector<std::string> names = names_of(tables, numbered(words_of_key(key), tables.size()), {});
     for (std::size_t i = 0; i < tables.size(); ++i) add(tables[i], names[i], family, read_one);
   }
 

@@ -1,8 +1,9 @@
 #include "model/scene.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "model/one_line.hpp"
 
 namespace poise {
 namespace {
@@ -15,11 +16,7 @@ void check_axis(const Joint& joint) {
 
 }  // namespace
 
-std::string Element::family() const {
-  std::string words = table;
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
-}
+std::string Element::family() const { return words_of_key(table); }
 
 Scene::Scene() { add_body("ground"); }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/draw/symbols.hpp"
+#include "model/one_line.hpp"
 
 namespace poise::app {
 namespace {
@@ -249,9 +250,7 @@ std::vector<Vec2> Stage::members_at(Vec2 place) const {
 }
 
 std::string Stage::item_of(const Joint& joint) {
-  std::string kind(joint.traits().key);
-  std::replace(kind.begin(), kind.end(), '_', ' ');
-  return kind + " " + joint.name;
+  return words_of_key(joint.traits().key) + " " + joint.name;
 }
 
 std::string Stage::short_name(const Joint& joint) const {

@@ -10,6 +10,7 @@
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "model/dependent_number.hpp"
+#include "model/one_line.hpp"
 #include "model/parameters.hpp"
 
 namespace poise::app {
@@ -47,11 +48,7 @@ void add_bodies(Group& group, const Scene& scene) {
 void add_joints(Group& group, const Scene& scene) {
   Table& table = group.table("joints", "Joints", Rows::list);
   table.words("name", "name", each(scene.joints, &Joint::name));
-  table.words("kind", "kind", each(scene.joints, [](const Joint& joint) {
-                std::string kind(joint.traits().key);
-                std::replace(kind.begin(), kind.end(), '_', ' ');
-                return kind;
-              }));
+  table.words("kind", "kind", each(scene.joints, [](const Joint& joint) { return words_of_key(joint.traits().key); }));
   table.words("from", "from", each(scene.joints, [&](const Joint& joint) { return scene.name_of(joint.a); }));
   table.words("to", "to", each(scene.joints, [&](const Joint& joint) { return scene.name_of(joint.b); }));
 }
