@@ -138,7 +138,7 @@ class EquilibriumCheck {
     for (const Element& e : scene_.elements) {
       out_.element_forces.push_back({.value = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value});
     }
-    object_to_untouched_pulleys();
+    look_at_pulleys();
     if (const Element* cone = pushing_at_zero_length()) {
       object(fmt::format(
           "{} \"{}\" is compressed to length zero, where its force has no direction: no equilibrium is possible there",
@@ -176,21 +176,22 @@ class EquilibriumCheck {
     return k * turns / size_;
   }
 
-  // Of ropes that carry a force.
-  void object_to_untouched_pulleys() {
-    const auto object_to = [&](const std::string& family, const std::string& name, const Measure& on) {
-      const RopeContact* const pulley = untouched_pulley(scene_, on, poses_);
+  // Of ropes that carry a force: off a pulley its length is not the one of the equations.
+  void look_at_pulleys() {
+    out_.touches_pulleys = true;
+    const auto look_at = [&](const auto& item) {
+      const RopeContact* const pulley = untouched_pulley(scene_, item.on, poses_);
       if (pulley == nullptr) return;
+      out_.touches_pulleys = false;
       object(
           fmt::format("{} \"{}\" does not touch its pulley \"{}\", round which it would have to pass on the other side",
-                      family, name, scene_.name_of(pulley->at)));
+                      item.family(), item.name, scene_.name_of(pulley->at)));
     };
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      const Element& element = scene_.elements[e];
-      if (out_.element_forces[e].value != 0.0) object_to(element.family(), element.name, element.on);
+      if (out_.element_forces[e].value != 0.0) look_at(scene_.elements[e]);
     }
     for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
-      if (touching_[s] != 0) object_to(scene_.stops[s].family(), scene_.stops[s].name, scene_.stops[s].on);
+      if (touching_[s] != 0) look_at(scene_.stops[s]);
     }
   }
 

@@ -53,12 +53,13 @@ struct Check {
   bool closed = false;
   bool balanced = false;
   bool stops_kept = false;
+  bool touches_pulleys = false;  ///< every rope that carries a force lies on all of its pulleys
   std::vector<Reaction> reactions;
   std::vector<ElementForce> element_forces;  ///< per element of the scene
   int redundancy = 0;  ///< number of independent states of self-stress (degree of static indeterminacy)
 
-  /// Closed, balanced and within its stops.
-  bool is_equilibrium() const { return closed && balanced && stops_kept; }
+  /// Closed, balanced, within its stops and on its pulleys.
+  bool is_equilibrium() const { return closed && balanced && stops_kept && touches_pulleys; }
   /// Why it is not an equilibrium, one sentence; empty if it is.
   std::string objection;
 };

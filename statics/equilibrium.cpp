@@ -17,7 +17,6 @@
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
 #include "solvers/nlopt_program.hpp"
-#include "statics/body_measures.hpp"
 #include "statics/curvature.hpp"
 #include "statics/enclosed_reactions.hpp"
 #include "statics/mobility.hpp"
@@ -159,19 +158,6 @@ void search(const StaticModel& model, const std::vector<double>& x, const SolveO
   throw std::invalid_argument(fmt::format("there is no method {}", static_cast<int>(options.method)));
 }
 
-// A rope that carries a force but does not touch one of its pulleys: the length that the equations have is not its own.
-bool is_off_a_pulley(const StaticModel& model, const Equilibrium& found) {
-  const Scene& scene = model.scene();
-  const std::vector<BodyPose<double>> poses = model.poses(found.x);
-  const auto is_off = [&](const Measure& on) { return untouched_pulley(scene, on, poses) != nullptr; };
-  const std::vector<int>& active = found.certificate.active_stops;
-  return std::any_of(active.begin(), active.end(),
-                     [&](int stop) { return is_off(scene.stops[static_cast<std::size_t>(stop)].on); }) ||
-         std::any_of(scene.elements.begin(), scene.elements.end(), [&](const Element& element) {
-           return force_at_rest(element.law, value_of(scene, element.on, poses)).value != 0.0 && is_off(element.on);
-         });
-}
-
 // The certificate decides, independent of the solver's own report.
 void certify_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
   out.reached = out.x;
@@ -186,7 +172,7 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
   out.check = check(model, out.x, options.check, confirmed ? &out.certificate.active_stops : nullptr,
                     confirmed ? out.certificate.sharing_stops : std::vector<int>{});
   confirmed = confirmed && std::isfinite(out.check.largest_force);  // nothing could be said of its forces
-  confirmed = confirmed && !is_off_a_pulley(model, out);
+  confirmed = confirmed && out.check.touches_pulleys;
   if (confirmed) enclose_reactions(model, out.certificate, out.check);
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;
