@@ -7,6 +7,14 @@
 
 namespace poise {
 
+/// Places of the coordinates of one sorted list in another one that has all of them.
+inline std::vector<int> slots_in(const std::vector<int>& all, const std::vector<int>& some) {
+  std::vector<int> slots;
+  slots.reserve(some.size());
+  for (const int t : some) slots.push_back(static_cast<int>(std::lower_bound(all.begin(), all.end(), t) - all.begin()));
+  return slots;
+}
+
 /// A plane vector  p(q) = c0 + sum_e coefficient_e phi_{coordinate_e},  with the coordinates that change it.
 template <class T>
 class PhasorSum {

@@ -24,11 +24,8 @@ class ComponentMeasure {
       : d_(std::move(d)), c_(direction), frame_(frame), support_(d_.support()) {
     const auto at = std::lower_bound(support_.begin(), support_.end(), frame);
     if (at == support_.end() || *at != frame) support_.insert(at, frame);
-    const auto slot = [&](int t) {
-      return static_cast<int>(std::lower_bound(support_.begin(), support_.end(), t) - support_.begin());
-    };
-    for (const int t : d_.support()) slots_.push_back(slot(t));
-    frame_slot_ = slot(frame);
+    slots_ = slots_in(support_, d_.support());
+    frame_slot_ = slots_in(support_, {frame}).front();
   }
 
   const std::vector<int>& support() const { return support_; }

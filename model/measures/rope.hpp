@@ -62,12 +62,8 @@ class RopeMeasure {
       return contacts_[k].turn > 0 ? contacts_[k].radius : T(-contacts_[k].radius);
     };
     for (std::size_t k = 0; k < parts.size(); ++k) {
-      Part part{std::move(parts[k]), signed_radius(k + 1) - signed_radius(k), {}};
-      for (const int t : part.d.support()) {
-        part.slots.push_back(
-            static_cast<int>(std::lower_bound(support_.begin(), support_.end(), t) - support_.begin()));
-      }
-      parts_.push_back(std::move(part));
+      std::vector<int> slots = slots_in(support_, parts[k].support());
+      parts_.push_back({std::move(parts[k]), signed_radius(k + 1) - signed_radius(k), std::move(slots)});
     }
   }
 

@@ -59,7 +59,9 @@ class SumMeasure {
     std::sort(support_.begin(), support_.end());
     support_.erase(std::unique(support_.begin(), support_.end()), support_.end());
     terms_.push_back({factor, std::move(part), std::move(of), {}});
-    for (Term& term : terms_) term.slots = slots_of(term.part);
+    for (Term& term : terms_) {
+      term.slots = std::visit([&](const auto& g) { return slots_in(support_, g.support()); }, term.part);
+    }
   }
 
   const std::vector<int>& support() const { return support_; }
@@ -173,18 +175,6 @@ class SumMeasure {
           term.part);
     }
     return total;
-  }
-
-  std::vector<int> slots_of(const Part& part) const {
-    std::vector<int> slots;
-    std::visit(
-        [&](const auto& g) {
-          for (const int t : g.support()) {
-            slots.push_back(static_cast<int>(std::lower_bound(support_.begin(), support_.end(), t) - support_.begin()));
-          }
-        },
-        part);
-    return slots;
   }
 
   std::vector<Term> terms_;
