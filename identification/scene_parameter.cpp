@@ -41,8 +41,7 @@ double SceneParameter::reach(const Scene& scene, double length) const {
     const DependentNumber& one = (*scene.dependents)[k];
     const bool is_row = one.at.of == DependentPlace::Of::row;
     const Owner owner = one.at.place.owner;
-    const bool is_geometric =
-        owner == Owner::point || owner == Owner::joint || owner == Owner::coupling || owner == Owner::scene;
+    const bool is_geometric = is_dimension(owner) || owner == Owner::scene;
     double size = is_row ? std::abs(value_at(scene, one.at.place).value_or(0.0)) : 1.0;
     if (is_row && is_geometric)
       size = std::max(size, one.dimension.length == 1 && one.dimension.time == 0 ? length : 1.0);

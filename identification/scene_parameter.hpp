@@ -41,9 +41,10 @@ class SceneParameter {
   bool is_length() const { return dimension_.length == 1 && dimension_.force == 0 && dimension_.time == 0; }
   bool is_named() const { return place_.owner == Owner::number; }
   /// A number of a point, a joint or a coupling, on which the pose depends.
-  bool is_dimension() const {
-    return place_.owner == Owner::point || place_.owner == Owner::joint || place_.owner == Owner::coupling;
+  static bool is_dimension(Owner owner) {
+    return owner == Owner::point || owner == Owner::joint || owner == Owner::coupling;
   }
+  bool is_dimension() const { return is_dimension(place_.owner); }
   /// One of these, gravity, or a named number, which may move all of them.
   bool is_geometric() const { return is_dimension() || place_.owner == Owner::scene || is_named(); }
 

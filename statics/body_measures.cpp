@@ -11,18 +11,27 @@ namespace poise {
 template double value_of(const Scene&, const Measure&, const std::vector<BodyPose<double>>&);
 template std::vector<UnitEffort> unit_efforts(const Scene&, const Measure&, const std::vector<BodyPose<double>>&);
 
+namespace {
+
+bool has_pulley(const Measure& on) {
+  return std::any_of(on.contacts.begin(), on.contacts.end(),
+                     [](const RopeContact& contact) { return contact.radius > 0.0; }) ||
+         std::any_of(on.terms.begin(), on.terms.end(),
+                     [](const Measure::Term& term) { return has_pulley(term.measure); });
+}
+
+}  // namespace
+
 void refuse_pulleys(const Scene& scene, std::string_view what) {
-  const auto refuse = [&](const std::string& family, const std::string& name, int line, const Measure& on) {
-    const bool has_pulley = std::any_of(on.contacts.begin(), on.contacts.end(),
-                                        [](const RopeContact& contact) { return contact.radius > 0.0; });
-    if (!has_pulley) return;
+  const auto refuse = [&](const auto& item) {
+    if (!has_pulley(item.on)) return;
     throw InputError(
         fmt::format("{}:{}: {} \"{}\": passes over a pulley, off which it may come: {} do not treat that; expected a "
                     "rope over points",
-                    scene.file, line, family, name, what));
+                    scene.file, item.line, item.family(), item.name, what));
   };
-  for (const Element& element : scene.elements) refuse(element.family(), element.name, element.line, element.on);
-  for (const Stop& stop : scene.stops) refuse(stop.family(), stop.name, stop.line, stop.on);
+  std::for_each(scene.elements.begin(), scene.elements.end(), refuse);
+  std::for_each(scene.stops.begin(), scene.stops.end(), refuse);
 }
 
 const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,

@@ -84,6 +84,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   }
   for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
     strut_.push_back(strut_of(scene_, scene_.stops[s]));
+    coupling_.push_back(coupling_kind(scene_.stops[s]));
     if (strut_.back() < 0) put_all(stop_number_[s], scene_.stops[s], scene_.stops[s].numbers());
   }
   for (std::size_t h = 0; h < held_.size(); ++h) stop_.push_back(unknowns_++);

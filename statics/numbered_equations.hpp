@@ -187,7 +187,7 @@ class NumberedEquations {
       const T* strut = numbers + element_[strut_[stop]];
       return upper ? strut[length_of_strut] : T(strut[length_of_strut] - strut[stroke_of_strut]);
     }
-    const CouplingKind* const kind = coupling_kind(scene_.stops[stop]);
+    const CouplingKind* const kind = coupling_[stop];
     if (kind == nullptr) return numbers[stop_number_[stop] + (upper ? 1 : 0)];
     const double as_given = upper ? scene_.stops[stop].max : scene_.stops[stop].min;
     for (std::size_t k = 0; std::isfinite(as_given) && k < kind->parts.size(); ++k) {
@@ -205,7 +205,7 @@ class NumberedEquations {
   NumberedTerm<T> term_of(const Measure& measure, std::size_t term, const T* numbers, int stop) const {
     const Measure::Term& as_given = measure.terms[term];
     NumberedTerm<T> out{T(as_given.factor), as_given.profile ? profile_of<T>(as_given) : ProfileOf<T>{}};
-    const CouplingKind* const kind = stop < 0 ? nullptr : coupling_kind(scene_.stops[stop]);
+    const CouplingKind* const kind = stop < 0 ? nullptr : coupling_[stop];
     for (std::size_t k = 0; kind != nullptr && k < kind->parts.size(); ++k) {
       const CouplingPart& part = kind->parts[k];
       const T& number = numbers[stop_number_[stop] + static_cast<int>(k)];
@@ -233,8 +233,9 @@ class NumberedEquations {
   int gravity_ = 0;
   std::vector<std::vector<int>> point_;
   std::vector<int> body_, element_, force_, torque_, joint_number_, stop_number_;
-  std::vector<int> strut_;       // of each stop, see strut_of()
-  std::vector<Vec2> direction_;  // of each force
+  std::vector<int> strut_;                     // of each stop, see strut_of()
+  std::vector<const CouplingKind*> coupling_;  // of each stop, null of a plain one
+  std::vector<Vec2> direction_;                // of each force
   // Empty where no component is a number of its own.
   std::vector<Components> vector_, axis_;
   std::vector<int> dependent_;    // place in p of each dependent number, or -1

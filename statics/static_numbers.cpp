@@ -26,13 +26,10 @@ bool acts_by_followers(const Scene& scene, int named) {
 }  // namespace
 
 bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
+  if (!counts_in_statics(place.owner)) return false;
   switch (place.owner) {
     case Owner::number:
       return acts_by_followers(scene, place.item);
-    case Owner::drive:
-    case Owner::section:
-    case Owner::start:
-      return false;
     case Owner::body:
       return place.number != 1;
     case Owner::element:
