@@ -13,9 +13,12 @@
 #include "model/rewritten_scene.hpp"
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
+
+using test::message_of;
 
 /// An expression at every kind of key.
 const std::string everywhere = R"-(gravity = [0, "-10*r"]
@@ -141,15 +144,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
-std::string message_of(const std::function<void()>& act) {
-  try {
-    act();
-    return "none";
-  } catch (const InputError& error) {
-    return error.what();
-  }
 }
 
 std::string message_of(const std::string& text) {

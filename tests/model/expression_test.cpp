@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "model/input_error.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
@@ -21,12 +22,7 @@ double value(const std::string& text, double r = 3.0, double s = 0.5) {
 }
 
 std::string message(const std::string& text) {
-  try {
-    const Expression expression(text, names);
-    return "none";
-  } catch (const InputError& error) {
-    return error.what();
-  }
+  return test::message_of([&] { const Expression expression(text, names); });
 }
 
 TEST(Expression, FollowsTheUsualPrecedence) {

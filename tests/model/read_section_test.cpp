@@ -10,6 +10,7 @@
 #include "model/rewritten_scene.hpp"
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
@@ -21,12 +22,7 @@ std::string with_section(const std::string& section) {
 }
 
 std::string message(const std::string& text) {
-  try {
-    parse_scene(text, "arm.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::message_of([&] { parse_scene(text, "arm.toml"); });
 }
 
 TEST(ReadSection, InTheUnitsOfTheScene) {

@@ -17,9 +17,12 @@
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
 #include "tests/support/elements.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
+
+using test::message_of;
 
 namespace fs = std::filesystem;
 
@@ -35,15 +38,6 @@ axis = [1, 0]
 )";  // the next line is the 10th
 
 Scene with(const std::string& elements) { return parse_scene(rail + elements, "rail.toml"); }
-
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 std::string refusal(const std::string& elements) {
   return message_of([&] { with(elements); });

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "model/parameters.hpp"
+#include "model/text_file.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "motion/kinematics.hpp"
 #include "motion/modes.hpp"
@@ -21,6 +22,7 @@
 #include "statics/mobility.hpp"
 #include "statics/sensitivity.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
@@ -40,53 +42,12 @@ std::vector<Equilibrium> found_both_ways(const StaticModel& model, Seek seek = S
 }
 
 std::string message_of(const std::string& text) {
-  try {
-    parse_scene(text, "scene.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return test::message_of([&] { parse_scene(text, "scene.toml"); });
 }
 
 // Sun 20, planet 30, ring 80 teeth, the ring held. Willis: (sun - carrier) / (0 - carrier) = -80 / 20, so that the sun
-// turns five times as fast as the carrier, and a torque on the sun acts fivefold on it.
-const std::string planetary = R"(
-  [ground]
-  points = { O = [0, 0] }
-  [body.sun]
-  points = { O = [0, 0] }
-  inertia = 0.3
-  [body.carrier]
-  points = { O = [0, 0], Q = [0.05, 0] }
-  inertia = 2
-  [body.planet]
-  points = { Q = [0, 0] }
-  inertia = 0.5
-  [[pin]]
-  points = ["ground.O", "sun.O"]
-  [[pin]]
-  points = ["ground.O", "carrier.O"]
-  [[pin]]
-  points = ["carrier.Q", "planet.Q"]
-  [[gear]]
-  name = "sun and planet"
-  bodies = ["sun", "planet"]
-  carrier = "carrier"
-  ratio = 0.66666666666666666
-  [[gear]]
-  name = "planet and ring"
-  bodies = ["planet", "ground"]
-  carrier = "carrier"
-  ratio = 0.375
-  internal = true
-  [[torque]]
-  name = "motor"
-  on = "sun"
-  value = 2
-  [[torsion_spring]]
-  bodies = ["ground", "carrier"]
-  stiffness = 20
-)";
+// turns five times as fast as the arm that carries the planet, and a torque on the sun acts fivefold on it.
+const std::string planetary = read_text_file(test::dataset("planetary_gear.toml"));
 
 TEST(Couplings, APlanetaryGearHasTheRatioOfWillis) {
   const StaticModel model(parse_scene(planetary, "planetary.toml"));
@@ -95,7 +56,7 @@ TEST(Couplings, APlanetaryGearHasTheRatioOfWillis) {
   EXPECT_EQ(mobility.gruebler, 1);
   for (const Equilibrium& found : found_both_ways(model)) {
     const double near = tolerance(found.method);
-    EXPECT_NEAR(test::angle_of(model, found.x, "carrier"), 0.5, near);
+    EXPECT_NEAR(test::angle_of(model, found.x, "arm"), 0.5, near);
     EXPECT_NEAR(test::angle_of(model, found.x, "sun"), 2.5, near);
     // The planet turns against the carrier by -20/30 of what the sun does.
     EXPECT_NEAR(test::angle_of(model, found.x, "planet"), 0.5 - 2.0 / 3.0 * 2.0, near);
@@ -130,10 +91,10 @@ TEST(Couplings, AGearTrainSwingsWithItsReducedInertia) {
 }
 
 TEST(Couplings, ARatioHasItsExactSensitivity) {
-  // carrier = motor / stiffness (1 + 1 / (ratio ratio')): of the sun's angle against the carrier.
+  // arm = motor / stiffness (1 + 1 / (ratio ratio')): of the sun's angle against the carrier.
   const Scene scene = parse_scene(planetary, "planetary.toml");
   const StaticModel model(scene);
-  const Sensitivities found = sensitivities(model, {find_quantity(scene, "angle.carrier")});
+  const Sensitivities found = sensitivities(model, {find_quantity(scene, "angle.arm")});
   ASSERT_EQ(found.of.size(), 1U) << found.why;
   const double i = 2.0 / 3.0, j = 0.375;
   for (const Sensitivity& by : found.of[0].by) {
@@ -160,7 +121,7 @@ TEST(Couplings, TwoGearsThatRepeatOneAnotherAreNamed) {
     [[belt]]
     name = "repeats"
     bodies = ["sun", "planet"]
-    carrier = "carrier"
+    carrier = "arm"
     ratio = 0.66666666666666666
     crossed = true
   )",
@@ -174,7 +135,7 @@ TEST(Couplings, ALockedTrainHasNoFreedomLeft) {
   EXPECT_THROW(assemble(StaticModel(parse_scene(planetary + R"(
     [[belt]]
     bodies = ["sun", "planet"]
-    carrier = "carrier"
+    carrier = "arm"
     ratio = 2
   )",
                                                 "locked.toml"))),
@@ -351,41 +312,8 @@ TEST(Ropes, ARopeOffItsPulleyIsNoEquilibrium) {
 
 // --- cams -----------------------------------------------------------------------------------------------------------
 
-std::string cam(const std::string& more) {
-  return R"(
-    gravity = [0, -10]
-    [units]
-    angle = "deg"
-    [ground]
-    points = { O = [0, 0] }
-    [body.cam]
-    points = { O = [0, 0] }
-    [body.follower]
-    points = { T = [0, 0] }
-    mass = 3
-    [[pin]]
-    points = ["ground.O", "cam.O"]
-    [[slide]]
-    name = "guide"
-    points = ["ground.O", "follower.T"]
-    axis = [0, 1]
-    [[cam]]
-    name = "lobe"
-    bodies = ["ground", "cam"]
-    follower = { slide = "guide" }
-    law = [{ to = 120, lift = 1, law = "polynomial_345" }, { to = 180, law = "dwell" },
-           { to = 300, lift = 0, law = "cycloidal" }, { to = 360, law = "dwell" }]
-    lift = 0.02
-    base = 0.05
-    [[torsion_spring]]
-    bodies = ["ground", "cam"]
-    stiffness = 0.01
-    free_angle = 70
-    [start]
-    cam = 60
-    guide = 0.06
-  )" + more;
-}
+// The cam of datasets/ with more in its scene.
+std::string cam(const std::string& more) { return read_text_file(test::dataset("cam_follower.toml")) + more; }
 
 TEST(Cams, TheFollowersWeightTurnsTheCamBack) {
   const StaticModel model(parse_scene(cam(""), "cam.toml"));
@@ -434,7 +362,7 @@ TEST(Cams, AGuidedFollowerIsPulledDown) {
 // --- input ----------------------------------------------------------------------------------------------------------
 
 TEST(Couplings, TakeTheirConstantFromTheStart) {
-  const Scene scene = parse_scene(planetary + "[start]\nsun = 1\nplanet = 2\ncarrier = 0.5\n", "planetary.toml");
+  const Scene scene = parse_scene(planetary + "[start]\nsun = 1\nplanet = 2\narm = 0.5\n", "planetary.toml");
   EXPECT_NEAR(get_value(scene, "gear.sun and planet.phase"), 1.5 + 2.0 / 3.0 * 0.5, 1e-15);
   EXPECT_NEAR(get_value(scene, "gear.planet and ring.phase"), -0.5 - 0.375 * 1.5, 1e-15);
 }
@@ -458,8 +386,8 @@ TEST(Couplings, NameWhatIsWrong) {
   EXPECT_NE(with("[[gear]]\nbodies = [\"sun\", \"planet\"]\ncarrier = \"sun\"\nratio = 1\n").find("carries both"),
             std::string::npos);
   EXPECT_NE(with("[[rope]]\nover = [\"ground.O\"]\nlength = 1\n").find("two points"), std::string::npos);
-  EXPECT_NE(with("[[rope]]\nover = [\"ground.O\", \"carrier.Q\"]\n").find("length"), std::string::npos);
-  EXPECT_NE(with("[[coupling]]\nsum = [{ factor = 1, x = \"carrier.Q\" }]\n").find("value"), std::string::npos);
+  EXPECT_NE(with("[[rope]]\nover = [\"ground.O\", \"arm.Q\"]\n").find("length"), std::string::npos);
+  EXPECT_NE(with("[[coupling]]\nsum = [{ factor = 1, x = \"arm.Q\" }]\n").find("value"), std::string::npos);
   EXPECT_NE(with("[[gear]]\nname = \"sun and planet\"\nbodies = [\"sun\", \"planet\"]\nratio = 1\n").find("taken"),
             std::string::npos);
   const auto cam_with = [&](const std::string& from, const std::string& to) {

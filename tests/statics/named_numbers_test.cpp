@@ -17,9 +17,12 @@
 #include "statics/varied_pair.hpp"
 #include "statics/varied_scene.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
+
+using test::message_of;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
@@ -36,15 +39,6 @@ QuantitySensitivity sensitivity(const Scene& scene, const std::string& name) {
   const Sensitivities found = sensitivities(model, {find_quantity(scene, name)});
   EXPECT_EQ(found.why, "");
   return found.of.at(0);
-}
-
-std::string message_of(const auto& act) {
-  try {
-    act();
-    return "none";
-  } catch (const InputError& error) {
-    return error.what();
-  }
 }
 
 // A block on a rail at the angle a, on a spring along it, pulled by a force at the angle c and pressed against by a
