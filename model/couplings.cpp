@@ -33,6 +33,12 @@ constexpr Number value_number(std::string_view key) {
   return number;
 }
 
+// A scene file must give it.
+constexpr Number needed(Number number) {
+  number.needed = Number::Needed::always;
+  return number;
+}
+
 // Factors and shifts are scaled with their measures (scale() of a scene).
 constexpr Number with_measure(Number number) {
   number.scale = [](void*, double) {};
@@ -63,14 +69,14 @@ constexpr Number shift_number(std::string_view key, Dimension dimension) {
   return with_measure(number);
 }
 
-constexpr std::array<Number, 2> wheel_numbers{factor_number<1>("ratio", dimension::none, Range::positive),
+constexpr std::array<Number, 2> wheel_numbers{needed(factor_number<1>("ratio", dimension::none, Range::positive)),
                                               value_number("phase")};
-constexpr std::array<Number, 2> rack_numbers{factor_number<1>("radius", dimension::length, Range::finite),
+constexpr std::array<Number, 2> rack_numbers{needed(factor_number<1>("radius", dimension::length, Range::finite)),
                                              value_number("offset")};
 constexpr std::array<CouplingPart, 2> factor_and_value{CouplingPart{Of::factor, 1}, CouplingPart{Of::value}};
 
 constexpr std::array<Number, 3> cam_numbers{[] {
-                                              Number lift = factor_number<1>("lift", {}, Range::finite);
+                                              Number lift = needed(factor_number<1>("lift", {}, Range::finite));
                                               lift.measure_power = 1;
                                               return lift;
                                             }(),
@@ -79,7 +85,12 @@ constexpr std::array<CouplingPart, 3> cam_parts{CouplingPart{Of::factor, 1}, Cou
                                                 CouplingPart{Of::value}};
 
 constexpr std::array<Number, 1> coupling_numbers{value_number("value")};
-constexpr std::array<Number, 1> rope_numbers{value_number("length")};
+constexpr std::array<Number, 1> rope_numbers{[] {
+  Number length = needed(value_number("length"));
+  length.range = Range::positive;
+  length.range_of_measure = false;
+  return length;
+}()};
 constexpr std::array<CouplingPart, 1> value_only{CouplingPart{Of::value}};
 
 constexpr std::array<CouplingKind, 6> kinds{{{"gear", wheel_numbers, factor_and_value},

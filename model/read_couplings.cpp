@@ -75,7 +75,6 @@ class CouplingReader {
     stop.sense = opposite ? 1.0 : -1.0;
     stop.on =
         Measure::sum_of({{1.0, Measure::angle_between(carrier, b)}, {stop.sense, Measure::angle_between(carrier, a)}});
-    table.number("ratio", 1.0, Range::positive);
   }
 
   // travel - radius angle(carrier -> pinion).
@@ -88,7 +87,6 @@ class CouplingReader {
     if (body == carrier) pinion.place.fail("expected a pinion that turns on its carrier, found the carrier itself");
     stop.sense = -1.0;
     stop.on = Measure::sum_of({{1.0, Measure::travel_of(rack)}, {stop.sense, Measure::angle_between(carrier, body)}});
-    table.number("radius", scene_.units.length, Range::finite);
   }
 
   void read_sum(const TomlTable& table, Stop& stop) const {
@@ -107,7 +105,6 @@ class CouplingReader {
   void read_rope(const TomlTable& table, Stop& stop) const {
     table.allow_keys({"name", "over", "length"});
     stop.on = Measure::rope_over(measures_.contacts(table, "over"));
-    table.number("length", scene_.units.length, Range::positive);
   }
 
   // follower - lift P((angle - phase) / turn).
@@ -124,7 +121,6 @@ class CouplingReader {
     if (stop.on.terms[0].measure.kind == Measure::Kind::sum) {
       follower->place_of("sum").fail("expected a single measure");
     }
-    table.number("lift", stop.on.dimension().unit(scene_.units), Range::finite);
   }
 
   /// P of a cam: from laws = [{ law, to, lift }, ...], of which each part ends at its angle and at its share of the

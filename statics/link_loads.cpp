@@ -132,7 +132,7 @@ class Actions {
 
   void add_reaction(const Reaction& reaction) {
     const std::string name = reaction.kind + " " + reaction.name;
-    if (reaction.kind == "stop") {
+    if (reaction.of_stop) {
       const auto stop = std::find_if(scene_.stops.begin(), scene_.stops.end(),
                                      [&](const Stop& one) { return one.name == reaction.name; });
       return add_stop(name, *stop, reaction);

@@ -85,6 +85,22 @@ TEST(LinkLoads, WeightOfABeamOnTwoSupports) {
   EXPECT_FALSE(link.buckling_factor);
 }
 
+// The force of a coupling is no joint's: it acts on the measures that it binds.
+TEST(LinkLoads, ACouplingHoldsABeamAsASupportDoes) {
+  const Loaded found(beam + R"(
+[[pin]]
+points = ["ground.A", "beam.A"]
+[[coupling]]
+sum = [{ factor = 2, y = "beam.B" }]
+value = 0
+)");
+  const LinkLoads& link = found.links.at(0);
+  ASSERT_EQ(link.why, "");
+  EXPECT_NEAR(link.moment.value, 150 * 16.0 / 8, 1e-10);
+  EXPECT_NEAR(found.at(0, 4.0).shear, -300, 1e-10);
+  EXPECT_LT(link.imbalance, 1e-13);
+}
+
 TEST(LinkLoads, FibresAtUnequalDistances) {
   const Loaded found(on_two_supports + "[[force]]\nat = \"beam.B\"\nvector = [9000, 0]\n");
   Scene scene = found.model.scene();
