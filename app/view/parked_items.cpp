@@ -46,24 +46,38 @@ void remove(std::vector<Kept>& list, const std::vector<SwitchedItem>& items, con
   std::erase_if(list, [&](const Kept&) { return off.contains(items[at++].item); });
 }
 
+/// Place of an item among those that are left; -1 of one that is off.
+int place_left(const std::vector<SwitchedItem>& items, int place, const std::set<std::string>& off) {
+  const auto is_off = [&](const SwitchedItem& item) { return off.contains(item.item); };
+  const auto at = items.begin() + place;
+  return is_off(*at) ? -1 : place - static_cast<int>(std::count_if(items.begin(), at, is_off));
+}
+
 /// Expressions of items that are left, at their new places.
 void move_expressions(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
   if (!scene.dependents) return;
   const std::map<Owner, const std::vector<SwitchedItem>*> lists{{Owner::element, &all.elements},
                                                                 {Owner::stop, &all.stops},
+                                                                {Owner::coupling, &all.stops},
                                                                 {Owner::force, &all.forces},
                                                                 {Owner::torque, &all.torques}};
   std::vector<DependentNumber> left;
   for (DependentNumber one : *scene.dependents) {
     if (const auto list = lists.find(one.at.place.owner); list != lists.end()) {
-      const auto item = list->second->begin() + one.at.place.item;
-      const auto is_off = [&](const SwitchedItem& other) { return off.contains(other.item); };
-      if (is_off(*item)) continue;
-      one.at.place.item -= static_cast<int>(std::count_if(list->second->begin(), item, is_off));
+      one.at.place.item = place_left(*list->second, one.at.place.item, off);
+      if (one.at.place.item < 0) continue;
     }
     left.push_back(std::move(one));
   }
   scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(left));
+}
+
+/// Springs of flexible links that are left, at their new places.
+void move_springs(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
+  for (FlexibleLink& link : scene.flexible_links) {
+    for (int& spring : link.springs) spring = place_left(all.elements, spring, off);
+    std::erase(link.springs, -1);
+  }
 }
 
 }  // namespace
@@ -85,6 +99,7 @@ Scene without_items(Scene scene, const std::set<std::string>& off) {
   remove(scene.forces, all.forces, off);
   remove(scene.torques, all.torques, off);
   move_expressions(scene, all, off);
+  move_springs(scene, all, off);
   return scene;
 }
 
