@@ -123,49 +123,61 @@ class CouplingReader {
     }
   }
 
-  /// P of a cam: from laws = [{ law, to, lift }, ...], of which each part ends at its angle and at its share of the
-  /// lift, or from a curve of such points.
+  /// P of a cam.
   Profile profile_of(const TomlTable& table) const {
-    const double unit = scene_.units.angle / full_turn;
     if (table.has("law") == table.has("curve")) {
       table.place().fail(
           "expected one of the keys law (parts with \"to\", \"lift\" and \"law\") and curve (points [ANGLE, LIFT])");
     }
-    if (table.has("curve")) {
-      std::vector<double> u, lift;
-      for (const TomlItem& point : table.items("curve")) {
-        const Vec2 at = point.vector();
-        u.push_back(at.x * unit);
-        lift.push_back(at.y);
-        if (u.size() > 1 && !(u[u.size() - 2] < u.back())) point.place().fail("expected a greater angle than before");
-      }
-      if (u.size() < 4) table.place_of("curve").fail("expected four points [ANGLE, LIFT] or more, over a full turn");
-      expect_full_turn(u.front(), u.back(), table.place_of("curve"));
-      expect_closed(lift.front(), lift.back(), table.place_of("curve"));
-      u.back() = 1.0;
-      return Profile::spline(u, lift, true);
+    return table.has("curve") ? curve_of(table) : parts_of(table);
+  }
+
+  /// Turns per unit of an angle of the file.
+  double turns() const { return scene_.units.angle / full_turn; }
+
+  /// From curve = [[ANGLE, LIFT], ...].
+  Profile curve_of(const TomlTable& table) const {
+    std::vector<double> u, lift;
+    for (const TomlItem& point : table.items("curve")) {
+      const Vec2 at = point.vector();
+      u.push_back(at.x * turns());
+      lift.push_back(at.y);
+      if (u.size() > 1 && !(u[u.size() - 2] < u.back())) point.place().fail("expected a greater angle than before");
     }
-    std::vector<Profile::Piece> pieces;
-    double angle = 0.0, lift = 0.0, first = 0.0;
+    if (u.size() < 4) table.place_of("curve").fail("expected four points [ANGLE, LIFT] or more, over a full turn");
+    expect_full_turn(u.front(), u.back(), table.place_of("curve"));
+    expect_closed(lift.front(), lift.back(), table.place_of("curve"));
+    u.front() = 0.0;
+    u.back() = 1.0;
+    return Profile::spline(u, lift, true);
+  }
+
+  /// From law = [{ to, lift, law }, ...]: each part ends at its angle and at its share of the lift, or at that of the
+  /// part before. The first begins where the last ends.
+  Profile parts_of(const TomlTable& table) const {
     const std::vector<TomlTable> parts = table.tables("law");
     if (parts.empty())
       table.place_of("law").fail("expected a part or more, for example { to = 120, lift = 1, law = \"harmonic\" }");
-    const bool ends = parts.back().has("lift");
-    first = lift = ends ? parts.back().number("lift", 1.0, Range::finite) : 0.0;
+    const std::vector<std::string> laws(Profile::laws.begin(), Profile::laws.end());
+    const double begin = parts.back().find_number("lift", 1.0, Range::finite).value_or(0.0);
+    double angle = 0.0, lift = begin;
+    std::vector<Profile::Piece> pieces;
     for (const TomlTable& part : parts) {
       part.allow_keys({"to", "lift", "law"});
-      const double to = &part == &parts.back() ? 1.0 : part.number("to", unit, Range::finite);
-      if (&part == &parts.back()) expect_full_turn(0.0, part.number("to", unit, Range::finite), part.place_of("to"));
+      double to = part.number("to", turns(), Range::finite);
+      if (&part == &parts.back()) {
+        expect_full_turn(0.0, to, part.place_of("to"));
+        to = 1.0;
+      }
       if (!(to > angle)) part.place_of("to").fail("expected a greater angle than that of the part before");
-      const std::vector<std::string> laws(Profile::laws.begin(), Profile::laws.end());
       const std::string_view law = Profile::laws[choose(part.text("law"), laws)];
-      const double end = part.has("lift") ? part.number("lift", 1.0, Range::finite) : lift;
+      const double end = part.find_number("lift", 1.0, Range::finite).value_or(lift);
       if (law == "dwell" && end != lift) part.place_of("lift").fail("expected the lift of the part before in a dwell");
       pieces.push_back(Profile::standard(law, angle, to, lift, end));
       angle = to;
       lift = end;
     }
-    expect_closed(first, lift, parts.back().place());
+    expect_closed(begin, lift, parts.back().place());
     return {std::move(pieces), true};
   }
 
