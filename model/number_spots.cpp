@@ -4,6 +4,7 @@
 #include <map>
 #include <variant>
 
+#include "model/gas_struts.hpp"
 #include "model/input_error.hpp"
 #include "model/toml_text.hpp"
 
@@ -46,11 +47,23 @@ NumberSpots::NumberSpots(const toml::table& document, const Scene& scene) : docu
   for (const Joint& joint : scene.joints) joints_.push_back(count[joint.traits().key]++);
 }
 
+// Parts of flexible links and stops of gas struts come with other items.
+bool NumberSpots::is_written(Owner owner, std::size_t at) const {
+  const auto is_in = [](const std::vector<int>& list, int one) {
+    return std::find(list.begin(), list.end(), one) != list.end();
+  };
+  const auto is_part = [&](const FlexibleLink& link) {
+    if (owner == Owner::element) return is_in(link.springs, static_cast<int>(at));
+    return owner == Owner::joint && is_in(link.bodies, scene_.joints[at].a.body) &&
+           is_in(link.bodies, scene_.joints[at].b.body);
+  };
+  return (owner != Owner::stop || strut_of(scene_, scene_.stops[at]) < 0) &&
+         std::none_of(scene_.flexible_links.begin(), scene_.flexible_links.end(), is_part);
+}
+
 const toml::table* NumberSpots::in_list(std::string_view key, std::size_t index) const {
   const toml::array* const list = document_.contains(key) ? document_.get(key)->as_array() : nullptr;
   if (list == nullptr || index >= list->size()) {
-    // The parts of flexible links are in no list of the document.
-    if (!scene_.flexible_links.empty()) return nullptr;
     throw InputError(scene_.file + ": expected the scene that was read before; leave it unchanged until the end");
   }
   return list->get(index)->as_table();
@@ -58,6 +71,7 @@ const toml::table* NumberSpots::in_list(std::string_view key, std::size_t index)
 
 const toml::table* NumberSpots::item(Owner owner, int index) const {
   const auto at = static_cast<std::size_t>(index);
+  if (!is_written(owner, at)) return nullptr;
   switch (owner) {
     case Owner::element:
       return table_of(at);
@@ -93,7 +107,7 @@ const toml::table* NumberSpots::table_of(std::size_t element) const {
 
 // A key with a dot is in a table of the element's table: "gas.preload", "force.3" of a curve.
 NumberSpot NumberSpots::of_element(std::size_t element, const std::string& key, int number) const {
-  const toml::table* const written = table_of(element);
+  const toml::table* const written = item(Owner::element, static_cast<int>(element));
   if (scene_.elements[element].table == "friction" && written != nullptr && written->contains("friction")) {
     return {written, "", number == 0 ? "friction" : "friction_width"};
   }

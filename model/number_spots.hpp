@@ -33,10 +33,11 @@ class NumberSpots {
   /// Of a row of the parameter table; of a force the x of its vector. Throws InputError naming the scene's file where
   /// the document is no longer that of the scene.
   NumberSpot of(const ParameterRow& row) const;
-  /// The table of an element, joint, force, drive or stop.
+  /// The table of an element, joint, force, drive, stop or coupling; null of one that the document has within another.
   const toml::table* item(Owner owner, int index) const;
 
  private:
+  bool is_written(Owner owner, std::size_t at) const;
   const toml::table* in_list(std::string_view key, std::size_t index) const;
   const toml::table* table_of(std::size_t element) const;
   NumberSpot of_element(std::size_t element, const std::string& key, int number) const;

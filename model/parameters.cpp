@@ -305,12 +305,15 @@ void follow_expressions(Scene& scene, bool in_range) {
   }
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     if (!follows(row)) return;
-    // Both limits of a stop: one alone might pass the other on the way.
-    if constexpr (std::is_same_v<decltype(item), Stop&>)
-      (row.place.number == 0 ? item.min : item.max) = values[next];
-    else
-      number.set(&item, values[next]);
-    ++next;
+    const double value = values[next++];
+    if constexpr (std::is_same_v<decltype(item), Stop&>) {
+      // Both limits of a stop: one alone might pass the other on the way.
+      if (row.place.owner == Owner::stop) {
+        (row.place.number == 0 ? item.min : item.max) = value;
+        return;
+      }
+    }
+    set_number(scene, row.place, &item, number, value);
   });
   for (; next < all.size(); ++next) component(scene, all[next].at) = values[next];
   for (const DependentNumber& one : all) {
@@ -323,6 +326,7 @@ void follow_expressions(Scene& scene, bool in_range) {
       throw InputError(one.item + ": expected min <= max");
     }
   }
+  let_stops_follow(scene);
 }
 
 std::string ParameterPath::text() const {

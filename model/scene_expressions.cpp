@@ -120,7 +120,8 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
     const auto add_all = [&](Owner owner, DependentPlace::Of of, std::string_view key, std::size_t count) {
       for (std::size_t i = 0; i < count; ++i) {
         const ParameterPlace place{owner, static_cast<int>(i)};
-        add_components({of, place}, spots.item(owner, place.item)->get(key), dimension::none);
+        const toml::table* const table = spots.item(owner, place.item);
+        add_components({of, place}, table != nullptr ? table->get(key) : nullptr, dimension::none);
       }
     };
     add_all(Owner::joint, DependentPlace::Of::axis, "axis", scene.joints.size());

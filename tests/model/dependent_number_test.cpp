@@ -297,5 +297,44 @@ TEST(NamedNumbers, AreBuiltInCode) {
   EXPECT_EQ(message_of([&] { builder.number("r", 4); }), "arm: numbers.r: expected a name of its own; \"r\" is taken");
 }
 
+// The stop of a gas strut and the parts of a flexible link have no tables of their own.
+TEST(NamedNumbers, StandBesideStrutsAndFlexibleLinks) {
+  Scene scene = parse_scene(R"(
+    [numbers]
+    s = 0.2
+    [ground]
+    points = { O = [0, 0], H = [0, 0.5] }
+    [body.lid]
+    points = { O = [0, 0], E = [0.5, 0] }
+    [body.lid.section]
+    area = 1e-4
+    second_moment = 1e-9
+    modulus = "1e12*s"
+    height = 0.01
+    flexible = true
+    elements = 2
+    [[pin]]
+    points = ["ground.O", "lid.O"]
+    [[spring]]
+    name = "strut"
+    points = ["ground.H", "lid.E"]
+    gas = { preload = 300, length = 0.9, stroke = "2*s", ratio = 1.3 }
+    [[stop]]
+    bodies = ["ground", "lid"]
+    max = "5*s"
+  )",
+                            "s.toml");
+  const auto stiffness = [&] {
+    const int spring = scene.flexible_links.at(0).springs.at(0);
+    return std::get<LinearSpring>(scene.elements[static_cast<std::size_t>(spring)].law).stiffness;
+  };
+  const double before = stiffness();
+  set_value_at(scene, parameter(scene, "numbers.s").place, 0.3);
+  EXPECT_DOUBLE_EQ(stiffness(), 1.5 * before);
+  EXPECT_EQ(get_value(scene, "spring.strut.gas.stroke"), 0.6);
+  EXPECT_EQ(get_value(scene, "stop.stop 1.max"), 1.5);
+  EXPECT_DOUBLE_EQ(scene.stops.back().min, 0.3);
+}
+
 }  // namespace
 }  // namespace poise
