@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "statics/static_numbers.hpp"
+
 namespace poise {
 
 NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> held)
@@ -165,6 +167,9 @@ std::string NumberedEquations::why_not_followed(int row) const {
     if (!std::isfinite(slopes[k])) return written + " has no derivative by it";
     if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::factor) {
       return written + " is a factor of a sum, by which there are no derivatives";
+    }
+    if (slopes[k] != 0.0 && moves_springs(one.at.place)) {
+      return written + " acts through all springs of a flexible link, by which there are no derivatives";
     }
     if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::force &&
         scene_.forces[one.at.place.item].vector == Vec2{}) {

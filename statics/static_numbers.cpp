@@ -16,7 +16,7 @@ bool acts_by_followers(const Scene& scene, int named) {
     if (!uses) continue;
     if (one.at.place.owner == Owner::number) {
       follows[static_cast<std::size_t>(one.at.place.item)] = 1;
-    } else if (acts_in_statics(scene, one.at.place)) {
+    } else if (moves_springs(one.at.place) || acts_in_statics(scene, one.at.place)) {
       return true;
     }
   }
@@ -24,6 +24,10 @@ bool acts_by_followers(const Scene& scene, int named) {
 }
 
 }  // namespace
+
+bool moves_springs(const ParameterPlace& place) {
+  return place.owner == Owner::section && place.part == 1 && (place.number == 1 || place.number == 2);
+}
 
 bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
   if (!counts_in_statics(place.owner)) return false;

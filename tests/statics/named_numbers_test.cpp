@@ -121,6 +121,57 @@ TEST(NamedNumbersInStatics, SayWhereThereIsNoDerivative) {
             "body.block.mass = \"max(m, 1.5)\" has no derivative by it");
 }
 
+std::string strip(const std::string& s, const std::string& area, const std::string& modulus) {
+  return R"(
+    [numbers]
+    s = )" +
+         s + R"(
+    [ground]
+    points = { A = [0, 0] }
+    [body.strip]
+    points = { A = [0, 0], B = [1, 0] }
+    [body.strip.section]
+    area = )" +
+         area + R"(
+    second_moment = 1
+    modulus = )" +
+         modulus + R"(
+    height = 1
+    flexible = true
+    elements = 2
+    [[weld]]
+    points = ["ground.A", "strip.A"]
+    [[force]]
+    name = "P"
+    at = "strip.B"
+    vector = [0, -1]
+  )";
+}
+
+// Springs of a flexible link have no rows of their own: no derivatives, but paths and changes follow.
+TEST(NamedNumbersInStatics, ReachSectionsOfFlexibleLinks) {
+  const auto scene = [](const std::string& s) { return parse_scene(strip(s, "1", "\"s/2\""), "strip.toml"); };
+  const std::string tip = scene("4").bodies.back().name;
+  EXPECT_EQ(by(sensitivity(scene("4"), "angle." + tip), "numbers.s").why,
+            "body.strip.section.modulus = \"s/2\" acts through all springs of a flexible link, by which there are no "
+            "derivatives");
+  const VariedScene varied(scene("4"), "numbers.s", 4, 8);
+  PathOptions options;
+  options.certify = false;
+  const Path found = path(varied, options);
+  ASSERT_FALSE(found.branches.empty());
+  const PathPoint& last = found.branches[0].points.back();
+  EXPECT_EQ(last.parameter, 8);
+  const StaticModel there(scene("8"));
+  const Equilibrium rest = solve(there);
+  ASSERT_TRUE(rest.found()) << rest.why;
+  EXPECT_NEAR(varied.model_at(8)->poses(last.x).back().angle, there.poses(rest.x).back().angle, 1e-10);
+  EXPECT_LT(there.poses(rest.x).back().angle, -0.05);
+
+  const Scene stressed = parse_scene(strip("4", "\"s\"", "2"), "strip.toml");
+  for (const Sensitivity& one : sensitivity(stressed, "angle." + tip).by) EXPECT_NE(one.number, "numbers.s");
+}
+
 TEST(NamedNumbersInStatics, VaryAlongPaths) {
   const VariedScene varied(arm(), "numbers.share", 1.2, 1.8);
   PathOptions options;
