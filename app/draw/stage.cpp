@@ -249,9 +249,7 @@ std::vector<Vec2> Stage::members_at(Vec2 place) const {
   return members;
 }
 
-std::string Stage::item_of(const Joint& joint) {
-  return words_of_key(joint.traits().key) + " " + joint.name;
-}
+std::string Stage::item_of(const Joint& joint) { return words_of_key(joint.traits().key) + " " + joint.name; }
 
 std::string Stage::short_name(const Joint& joint) const {
   const std::string given_to_unnamed = scene.name_of(joint.a) + "-" + scene.name_of(joint.b);
