@@ -54,9 +54,25 @@ class Rewriter {
       out.append(text_.substr(at, edit.from - at)).append(edit.text);
       at = edit.to;
     }
-    out.append(text_.substr(at)).append(appendix_);
-    check(out, rows);
-    return out;
+    return out.append(text_.substr(at)).append(appendix_);
+  }
+
+  /// That the text has the numbers wanted. Rounding to the unit of the file and back is all that may differ.
+  void check() const {
+    constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+    for (const ParameterRow& row : parameter_table(old_)) {
+      const std::optional<double> value = value_at(wanted_, row.place);
+      const std::optional<double> read = value_at(old_, row.place);
+      if (!value || value == read || (read && std::abs(*value - *read) <= rounding * std::abs(*value))) continue;
+      if (const DependentNumber* const dependent = dependent_number(wanted_, row.place)) {
+        if (row.place.owner == Owner::start) continue;  // a guess stays one
+        throw InputError(fmt::format(
+            "{}: {}: expected the value of its expression \"{}\", found {}; write it as a number", file_,
+            row.path.text(), dependent->expression.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
+      }
+      throw InputError(fmt::format("{}: {}: expected a number that can be written into this file; write it there as {}",
+                                   file_, row.path.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
+    }
   }
 
  private:
@@ -228,25 +244,6 @@ class Rewriter {
     return key;
   }
 
-  /// Rounding to the unit of the file and back is all that may differ.
-  void check(const std::string& out, const std::vector<ParameterRow>& rows) const {
-    constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
-    const Scene back = parse_scene(out, file_);
-    for (const ParameterRow& row : rows) {
-      const std::optional<double> value = value_at(wanted_, row.place);
-      const std::optional<double> read = value_at(back, row.place);
-      if (!value || value == read || (read && std::abs(*value - *read) <= rounding * std::abs(*value))) continue;
-      if (const DependentNumber* const dependent = dependent_number(wanted_, row.place)) {
-        if (row.place.owner == Owner::start) continue;  // a guess stays one
-        throw InputError(fmt::format(
-            "{}: {}: expected the value of its expression \"{}\", found {}; write it as a number", file_,
-            row.path.text(), dependent->expression.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
-      }
-      throw InputError(fmt::format("{}: {}: expected a number that can be written into this file; write it there as {}",
-                                   file_, row.path.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
-    }
-  }
-
   std::string_view text_;
   const std::string& file_;
   const Scene& wanted_;
@@ -263,7 +260,12 @@ class Rewriter {
 
 std::string rewritten_scene(std::string_view text, const std::string& file, const Scene& wanted) {
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-  return Rewriter(text, file, wanted).run();
+  // Constants of couplings that the text leaves out follow from the guesses. Where these have changed, reading the text
+  // gives other constants, which are then written too.
+  const std::string once = Rewriter(text, file, wanted).run();
+  const std::string twice = Rewriter(once, file, wanted).run();
+  Rewriter(twice, file, wanted).check();
+  return twice;
 }
 
 }  // namespace poise
