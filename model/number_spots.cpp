@@ -54,6 +54,7 @@ bool NumberSpots::is_written(Owner owner, std::size_t at) const {
   };
   const auto is_part = [&](const FlexibleLink& link) {
     if (owner == Owner::element) return is_in(link.springs, static_cast<int>(at));
+    if (owner == Owner::body || owner == Owner::point) return is_in(link.bodies, static_cast<int>(at));
     return owner == Owner::joint && is_in(link.bodies, scene_.joints[at].a.body) &&
            is_in(link.bodies, scene_.joints[at].b.body);
   };
@@ -122,6 +123,7 @@ NumberSpot NumberSpots::of_element(std::size_t element, const std::string& key, 
 NumberSpot NumberSpots::of(const ParameterRow& row) const {
   const auto at = static_cast<std::size_t>(row.place.item);
   std::string key(row.path.parts[3]);
+  if (!is_written(row.place.owner, at)) return {};
   switch (row.place.owner) {
     case Owner::scene:
       return {&document_, "", "gravity", row.place.number};

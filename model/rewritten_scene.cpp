@@ -96,6 +96,7 @@ class Rewriter {
 
   void write(const ParameterRow& row) {
     const NumberSpot spot = spots_.of(row);
+    if (spot.table == nullptr && spot.header.empty()) return;  // none of the text, which check() says
     const double unit = row.dimension.unit(wanted_.units);
     const toml::node* const node = spot.table != nullptr ? spot.table->get(spot.key) : nullptr;
     const auto number = [&](const std::optional<double>& si) { return toml_number(in_unit(si.value_or(0.0), unit)); };

@@ -13,6 +13,7 @@
 #include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 #include "model/text_file.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
@@ -165,9 +166,30 @@ void expect_all_scenes_read_back(const std::function<bool(const Scene&, const Pa
 
 TEST(RewrittenScene, ReadsBackWithAllNumbersOfAllScenesChanged) {
   expect_all_scenes_read_back([](const Scene& scene, const ParameterRow& row) {
-    // Limits of stops keep their order.
-    return row.place.owner != Owner::stop && (row.place.owner != Owner::force || value_at(scene, row.place) != 0.0);
+    // Limits of stops keep their order; numbers of parts of flexible links are not in the text.
+    return scene.flexible_links.empty() && row.place.owner != Owner::stop &&
+           (row.place.owner != Owner::force || value_at(scene, row.place) != 0.0);
   });
+}
+
+TEST(RewrittenScene, RefusesNumbersOfPartsOfFlexibleLinks) {
+  const std::string file = std::string(POISE_SOURCE_DIR) + "/datasets/structures/elastica.toml";
+  const std::string text = read_text_file(file);
+  const Scene scene = parse_scene(text, file);
+  int parts = 0;
+  for (const ParameterRow& row : parameter_table(scene)) {
+    const std::optional<double> value = value_at(scene, row.place);
+    if (row.place.owner == Owner::start || row.place.owner == Owner::section || !value) continue;
+    const std::string path = row.path.text();
+    if (path.find("beam") == std::string::npos) continue;
+    Scene wanted = scene;
+    set_value_at(wanted, row.place, *value + 0.125);
+    const std::string message = test::message_of([&] { rewritten_scene(text, file, wanted); });
+    EXPECT_EQ(message.find(file + ": " + path + ": expected a number that can be written into this file"), 0U)
+        << path << ": " << message;
+    ++parts;
+  }
+  EXPECT_GT(parts, 16);
 }
 
 /// Constants of couplings that follow from the guesses stay as they are.
