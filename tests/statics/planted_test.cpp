@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -226,6 +227,58 @@ TEST(PlantedLaws, FiftyDigitsSettleOnTheEquilibrium) {
     ASSERT_TRUE(reference.refined) << reference.why;
     tally.add(reference.error);
     EXPECT_LE(reference.error, virtual_work_accuracy);
+  });
+}
+
+// Gears, belts, racks, couplings, cams and ropes, mixed with stops, other laws and springs upon their measures.
+constexpr Wish everything{.stops = true, .other_laws = true, .couplings = true, .disturbance = 0.002};
+
+TEST(PlantedCouplings, SampleIsMixed) {
+  std::map<std::string, int> tables;
+  int pulleys = 0, one_sided = 0;
+  for_samples(90, everything, [&](const Sample& sample) {
+    for (const Stop& stop : sample.model.scene().stops) {
+      ++tables[stop.table];
+      one_sided += stop.table != "stop" && !stop.holds();
+      for (const RopeContact& contact : stop.on.contacts) pulleys += contact.radius > 0.0;
+    }
+    for (const Element& element : sample.model.scene().elements) tables["stretching " + element.table] += 1;
+  });
+  for (const char* table : {"gear", "belt", "rack", "coupling", "cam", "rope", "stretching rope"}) {
+    EXPECT_GT(tables[table], 30) << table;
+  }
+  EXPECT_GT(one_sided, 100);
+  EXPECT_GT(pulleys, 50);
+}
+
+TEST(PlantedCouplings, TheEquilibriumAndItsStabilityAreProved) {
+  for_samples(90, everything, [](const Sample& sample) { expect_judged(sample, sample.equilibrium); });
+}
+
+TEST(PlantedCouplings, BothMethodsDescendOntoThem) {
+  Tally work{"virtual_work"};
+  Tally energy{"energy"};
+  for_samples(90, everything, [&](const Sample& sample) {
+    if (sample.stability() != Stability::stable) return;
+    const Equilibrium descended = sample.solved(Method::virtual_work, Seek::stable);
+    work.add(sample.error(descended.x));
+    EXPECT_LE(sample.error(descended.x), virtual_work_accuracy) << descended.why;
+    expect_judged(sample, descended);
+    const Equilibrium minimised = sample.solved(Method::energy, Seek::stable);
+    energy.add(sample.error(minimised.x));
+    EXPECT_LE(sample.error(minimised.x), energy_accuracy) << minimised.why;
+    expect_judged(sample, minimised);
+  });
+}
+
+TEST(PlantedCouplings, FiftyDigitsSettleOnTheEquilibrium) {
+  Tally tally{"fifty_digits"};
+  for_samples(8, everything, [&](const Sample& sample) {
+    const Reference reference = refine(sample.model, sample.equilibrium);
+    ASSERT_TRUE(reference.refined) << reference.why;
+    tally.add(reference.error);
+    EXPECT_LE(reference.error, virtual_work_accuracy);
+    EXPECT_GE(reference.digits, 40);
   });
 }
 

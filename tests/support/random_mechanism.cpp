@@ -4,9 +4,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,6 +33,7 @@ constexpr double largest_sensitivity = 20.0;  // see PlantedMechanism
 constexpr double largest_load = 10.0;         // a planted one
 constexpr double least_arm = 0.3;             // of two points that a joint or spring should tell apart
 constexpr int tries = 200;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // A scene and the pose in which its loops close.
 struct Draft {
@@ -93,8 +96,8 @@ struct Motion {
   bool is_regular() const { return least > least_singular_value && most_redundant < 1e-12; }
 
   MatrixXd basis;
-  double least = std::numeric_limits<double>::infinity();  // smallest singular value of independent rows
-  double most_redundant = 0.0;                             // largest one of redundant rows
+  double least = infinity;      // smallest singular value of independent rows
+  double most_redundant = 0.0;  // largest one of redundant rows
 };
 
 // Grows the tree and closes its loops.
@@ -374,8 +377,11 @@ class Planting {
     add_dead_loads();
     if (wish_.followers) add_followers();
     if (wish_.stops) add_stops();
-    choose_stops_that_press();
-    if (!balance() || !measure()) return std::nullopt;
+    if (wish_.couplings) {
+      add_couplings();
+      add_springs_upon_their_measures();
+    }
+    if (!choose_stops_that_press() || !balance() || !measure()) return std::nullopt;
     out_.loops = draft_.loops;
     out_.redundant = draft_.redundant;
     finish();
@@ -521,13 +527,155 @@ class Planting {
       } else {
         stop.on = Measure::travel_of(runs[random_.index(runs.size())]);
       }
-      scene().stops.push_back(stop);
+      scene().stops.push_back(with_limits(stop, -1.0, 1.0));
     }
+  }
+
+  // Until they are chosen limits only say which of them there are: two that differ, one, or one value.
+  static Stop with_limits(Stop stop, double min, double max) {
+    stop.min = min;
+    stop.max = max;
+    return stop;
+  }
+
+  Measure angle_of_some_body() {
+    const int b = moving_body();
+    return Measure::angle_between(random_.index(b), b);
+  }
+
+  // A measure that a coupling may have in its sum, or a cam as its follower.
+  Measure some_measure() {
+    switch (random_.index(4)) {
+      case 0:
+        return angle_of_some_body();
+      case 1: {
+        const auto [a, b] = two_points();
+        return Measure::component_along(a, b, unit(random_.uniform(-M_PI, M_PI)));
+      }
+      case 2: {
+        const auto [a, b] = two_points();
+        return Measure::distance_between(a, b);
+      }
+      default:
+        return random_.chance(0.5) ? Measure::x_of(point(moving_body())) : Measure::y_of(point(moving_body()));
+    }
+  }
+
+  // Over three or four points, of which those between the ends may be pulleys: the rope bends round each so much that
+  // it stays on it.
+  std::optional<Measure> some_rope() {
+    for (int k = 0; k < 20; ++k) {
+      std::vector<RopeContact> over;
+      const int points = 3 + random_.index(2);
+      for (int c = 0; c < points; ++c) over.push_back({point(random_.index(scene().bodies.size()))});
+      bool fits = true;
+      const auto leg = [&](int c) { return place(scene(), over[c + 1].at) - place(scene(), over[c].at); };
+      for (int c = 0; c + 1 < points; ++c) fits = fits && norm(leg(c)) > 1.5 * least_arm;
+      for (int c = 1; c + 1 < points && fits; ++c) {
+        const double bend = std::atan2(cross(leg(c - 1), leg(c)), dot(leg(c - 1), leg(c)));
+        fits = std::abs(bend) > 0.5 && std::abs(bend) < 2.5;
+        if (random_.chance(0.5)) continue;
+        over[c].radius = random_.uniform(0.02, 0.1);
+        over[c].turn = bend > 0 ? 1 : -1;
+      }
+      if (fits) return Measure::rope_over(over);
+    }
+    return std::nullopt;
+  }
+
+  std::shared_ptr<const Profile> some_profile() {
+    if (random_.chance(0.5)) {
+      const double top = random_.uniform(-1.0, 1.0), low = random_.uniform(-0.5, 0.5);
+      return std::make_shared<const Profile>(
+          Profile::spline({0.0, 0.2, 0.45, 0.7, 1.0}, {low, random_.uniform(-0.5, 0.5), top, 0.3, low}, true));
+    }
+    const std::string_view law = Profile::laws[1 + random_.index(Profile::laws.size() - 1)];
+    const double rise = random_.uniform(0.3, 0.5);
+    return std::make_shared<const Profile>(std::vector<Profile::Piece>{Profile::standard(law, 0.0, rise, 0.0, 1.0),
+                                                                       Profile::standard(law, rise, 1.0, 1.0, 0.0)},
+                                           true);
+  }
+
+  void add_couplings() {
+    const int couplings = 1 + random_.index(2);
+    for (int k = 0; k < couplings; ++k) {
+      if (std::optional<Stop> coupling = some_coupling()) {
+        coupling->name = fmt::format("{}{}", coupling->table, k);
+        scene().stops.push_back(*std::move(coupling));
+      }
+    }
+  }
+
+  std::optional<Stop> some_coupling() {
+    constexpr double held = 0.0;
+    const double factor = random_.uniform(0.3, 1.5) * (1 - 2 * random_.index(2));
+    Stop stop;
+    switch (random_.index(5)) {
+      case 0:
+        stop.table = random_.chance(0.5) ? "gear" : "belt";
+        stop.sense = factor > 0 ? 1.0 : -1.0;
+        stop.on = Measure::sum_of({{1.0, angle_of_some_body()}, {factor, angle_of_some_body()}});
+        return with_limits(stop, held, held);
+      case 1: {
+        std::vector<int> runs;
+        for (std::size_t j = 0; j < scene().joints.size(); ++j) {
+          if (scene().joints[j].has_travel()) runs.push_back(static_cast<int>(j));
+        }
+        if (runs.empty()) return std::nullopt;
+        stop.table = "rack";
+        stop.sense = -1.0;
+        stop.on = Measure::sum_of(
+            {{1.0, Measure::travel_of(runs[random_.index(runs.size())])}, {factor, angle_of_some_body()}});
+        return with_limits(stop, held, held);
+      }
+      case 2:
+        stop.table = "coupling";
+        stop.on = Measure::sum_of({{1.0, some_measure()}, {factor, some_measure()}});
+        if (random_.chance(0.5)) stop.on.terms.push_back({random_.uniform(-1.0, 1.0), some_measure()});
+        return with_limits(stop, held, held);
+      case 3:
+        stop.table = "cam";
+        stop.sense = -1.0;
+        stop.on = Measure::sum_of(
+            {{1.0, some_measure()}, {factor, angle_of_some_body(), some_profile(), random_.uniform(-3.0, 3.0)}});
+        return random_.chance(0.5) ? with_limits(stop, held, held) : with_limits(stop, held, infinity);
+      default: {
+        const std::optional<Measure> rope = some_rope();
+        if (!rope) return std::nullopt;
+        stop.table = "rope";
+        stop.on = *rope;
+        return with_limits(stop, -infinity, held);
+      }
+    }
+  }
+
+  // A stretching rope, or a spring upon a component or a sum.
+  void add_springs_upon_their_measures() {
+    Element spring;
+    spring.name = "upon";
+    if (const std::optional<Measure> rope = random_.chance(0.5) ? some_rope() : std::nullopt) {
+      spring.table = "rope";
+      spring.on = *rope;
+    } else {
+      spring.table = "spring";
+      const auto [a, b] = two_points();
+      spring.on = Measure::component_along(a, b, unit(random_.uniform(-M_PI, M_PI)));
+    }
+    LinearSpring law{.stiffness = random_.uniform(0.5, 3.0)};
+    if (spring.table == "rope") law.acts = LinearSpring::Acts::tension;
+    spring.law = law;
+    scene().elements.push_back(spring);
+    // So far from its free length that a disturbed start does not make it slack.
+    const Mechanism<double> mechanism(scene());
+    const double now = measured(scene(), spring.on, mechanism.poses(start_of(mechanism, scene()).data()));
+    law.free_length = now - random_.uniform(0.3, 0.6);
+    scene().elements.back().law = law;
   }
 
   // Sets the limits of the stops: some are active in the present pose, with a random force for each, the others are
   // wide.
-  void choose_stops_that_press() {
+  // Couplings that hold are active; false where one cannot be, as it repeats what joints and others hold.
+  bool choose_stops_that_press() {
     const Mechanism<double> mechanism(scene());
     std::vector<int> rows = closure_rows(mechanism);
     for (int s = 0; s < mechanism.stops(); ++s) {
@@ -536,19 +684,26 @@ class Planting {
       Stop& stop = scene().stops[s];
       rows.push_back(row);
       const Pose held(mechanism, scene(), rows);
-      const bool presses = random_.chance(0.5) && Motion(held.point.jacobian, draft_.redundant).is_regular();
-      const double push = presses ? random_.uniform(0.3, 1.0) * (1 - 2 * random_.index(2)) : 0.0;
+      const bool may_press = Motion(held.point.jacobian, draft_.redundant).is_regular();
+      const bool has_lower = stop.min != -infinity, has_upper = stop.max != infinity;
+      const bool holds = stop.holds();
+      if (holds && !may_press) return false;
+      const bool presses = holds || (random_.chance(0.5) && may_press);
+      const auto side = [&] { return has_lower && has_upper ? 1 - 2 * random_.index(2) : has_upper ? 1 : -1; };
+      const double push = presses ? random_.uniform(0.3, 1.0) * side() : 0.0;
       if (presses) {
-        (push > 0 ? stop.max : stop.min) = g;
+        stop.max = push > 0 || holds ? g : infinity;
+        stop.min = push < 0 || holds ? g : -infinity;
         out_.pressing.push_back(s);
         push_.push_back(push);
       } else {
         const double room = random_.uniform(0.2, 0.6);
-        stop.max = g + room;
-        stop.min = stop.on.kind == Measure::Kind::distance ? std::max(0.0, g - room) : g - room;
+        if (has_upper) stop.max = g + room;
+        if (has_lower) stop.min = stop.on.kind == Measure::Kind::distance ? std::max(0.0, g - room) : g - room;
         rows.pop_back();
       }
     }
+    return true;
   }
 
   // -Q of all loads and of the active stops.
@@ -565,6 +720,9 @@ class Planting {
     const Motion motion(Pose(mechanism, scene(), closure_rows(mechanism)).point.jacobian, draft_.redundant);
     const int freedoms = static_cast<int>(motion.basis.cols());
     if (freedoms < 1 || freedoms > 3) return false;
+    const std::vector<Stop>& stops = scene().stops;
+    const auto held = std::count_if(stops.begin(), stops.end(), [](const Stop& stop) { return stop.couples(); });
+    if (held >= freedoms) return false;
     out_.freedoms = freedoms;
 
     // Candidates, as what a unit of each adds to N^T Q.

@@ -18,6 +18,9 @@ struct Wish {
   bool followers = false;   ///< one or two forces that follow a body
   bool stops = false;       ///< up to three stops, some of them active
   bool other_laws = false;  ///< curves, gas struts, preloaded springs and bump stops take the place of linear springs
+  /// One or two of gears, belts, racks, couplings, cams and ropes, of which those that act on one side only press or
+  /// not, and springs and stretching ropes upon such measures.
+  bool couplings = false;
   /// Of the start: rad, or lengths over the length of a typical body. So little that, away from singular poses and
   /// neutral equilibria, the planted equilibrium is the nearest one.
   double disturbance = 0.02;
