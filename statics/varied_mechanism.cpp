@@ -216,9 +216,12 @@ void VariedMechanism::change(std::span<const double> x, double p, std::span<cons
   };
   for (std::size_t i = 0; i < values.size(); ++i) {
     const Dual d = by(&Duals::values, i);
-    const Dual &before = around[1].values[i], &after = around[2].values[i];
+    // f''(0) from f at -2h ... 2h:  (16 (f(-h) + f(h) - 2 f(0)) - (f(-2h) + f(2h) - 2 f(0))) / 12 h^2.
     const double middle = here.values[i].a;
-    const double bend = std::isfinite(middle) ? ((before.a - middle) + (after.a - middle)) / (h * h) : 0.0;
+    const auto both_sides = [&](int k) {
+      return (around[k].values[i].a - middle) + (around[3 - k].values[i].a - middle);
+    };
+    const double bend = std::isfinite(middle) ? (16 * both_sides(1) - both_sides(0)) / (12 * h * h) : 0.0;
     values[i] = here.values[i].v[0] + w * d.a;
     by_p[i] = d.v[0] + w * bend;
   }

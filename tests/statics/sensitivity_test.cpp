@@ -184,6 +184,17 @@ TEST(Sensitivity, AgreesWithDifferencesIn50DigitsForSpringsOfAllLaws) {
   EXPECT_GT(compared, 500);
 }
 
+TEST(Sensitivity, AgreesWithDifferencesIn50DigitsForCouplings) {
+  int compared = 0;
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    const test::Wish wish{.loops = static_cast<int>(seed % 3), .stops = seed % 2 == 0, .couplings = true};
+    const test::PlantedMechanism planted = test::plant_mechanism(seed, wish);
+    if (planted.redundant > 0 || planted.falling() > 0) continue;
+    compared += expect_differences(planted.in_equilibrium, fmt::format("seed {}", seed));
+  }
+  EXPECT_GT(compared, 1000);
+}
+
 // The coordinates alone, from the compiled mechanism in 50 digits: other equations, in other unknowns.
 TEST(Sensitivity, AnglesAgreeWithTheCompiledMechanismIn50Digits) {
   for (const char* name : {"toggle_clamp", "four_bar_gravity", "six_bar", "andrews"}) {

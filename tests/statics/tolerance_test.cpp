@@ -128,8 +128,11 @@ TEST(Tolerance, HasTheSameBitsForAnyNumberOfThreads) {
 // Newton's method finds from the nominal one.
 TEST(Tolerance, SamplesOfRandomMechanismsAreEquilibriaNearTheNominalOne) {
   int compared = 0;
-  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
-    const test::Wish wish{.loops = static_cast<int>(seed % 3), .followers = seed % 4 == 0, .stops = seed % 2 == 0};
+  for (std::uint64_t seed = 1; seed <= 32; ++seed) {
+    const test::Wish wish{.loops = static_cast<int>(seed % 3),
+                          .followers = seed % 4 == 0,
+                          .stops = seed % 2 == 0,
+                          .couplings = seed > 16};
     const test::PlantedMechanism planted = test::plant_mechanism(seed, wish);
     if (planted.redundant > 0) continue;
     const Scene& scene = planted.in_equilibrium;

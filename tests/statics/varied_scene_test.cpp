@@ -136,11 +136,12 @@ void check_derivatives(const Scene& scene, const std::string& name, comparison::
 
 // Every number of random mechanisms, by differences.
 TEST(VariedMechanism, HasTheDerivativesOfItsValues) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const Scene scene =
-        test::plant_mechanism(seed,
-                              {.loops = static_cast<int>(seed % 3), .followers = seed % 4 == 0, .stops = seed % 2 == 0})
-            .in_equilibrium;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const test::Wish wish{.loops = static_cast<int>(seed % 3),
+                          .followers = seed % 4 == 0,
+                          .stops = seed % 2 == 0,
+                          .couplings = seed > 12};
+    const Scene scene = test::plant_mechanism(seed, wish).in_equilibrium;
     comparison::Random random(seed);
     for (const ParameterRow& row : parameter_table(scene)) {
       const Owner owner = row.place.owner;
