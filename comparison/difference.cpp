@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "statics/turns.hpp"
+
 namespace poise::comparison {
 
 bool turns_count(const Scene& scene) {
   const auto counts = [](const Element& e) {
-    return e.on.is_angle() && stores_energy(e.law) && !std::holds_alternative<ConstantForce>(e.law);
+    return counts_turns(e.on) && stores_energy(e.law) && !std::holds_alternative<ConstantForce>(e.law);
   };
   return std::any_of(scene.elements.begin(), scene.elements.end(), counts) ||
-         std::any_of(scene.stops.begin(), scene.stops.end(), [](const Stop& s) { return s.on.is_angle(); });
+         std::any_of(scene.stops.begin(), scene.stops.end(), [](const Stop& s) { return counts_turns(s.on); });
 }
 
 Difference largest_difference(const StaticModel& model, const std::vector<double>& a, const std::vector<double>& b) {

@@ -236,7 +236,7 @@ struct AngleSprings {
 
 std::optional<AngleSprings> angle_springs(const StaticModel& model) {
   Scene springs = model.scaled_scene();
-  std::erase_if(springs.elements, [](const Element& e) { return !e.on.is_angle(); });
+  std::erase_if(springs.elements, [](const Element& e) { return !is_sum_of_angles(e.on); });
   for (const Element& e : springs.elements) {
     const auto* spring = std::get_if<LinearSpring>(&e.law);
     if (stores_energy(e.law) && (spring == nullptr || spring->acts != LinearSpring::Acts::both)) return std::nullopt;
@@ -361,7 +361,7 @@ class OpenAngles {
     }
     return out;
   }
-  bool is_on_angle(int stop) const { return model_.scene().stops[static_cast<std::size_t>(stop)].on.is_angle(); }
+  bool is_on_angle(int stop) const { return is_sum_of_angles(model_.scene().stops[static_cast<std::size_t>(stop)].on); }
 
   // The angles that remain without bounds.
   std::vector<int> limit_by_stops(CoordinateBox& box) const {
@@ -381,7 +381,7 @@ class OpenAngles {
   // Of everything but springs and stops on angles.
   std::vector<Interval> forces(const CoordinateBox& box) const {
     Scene others = model_.scaled_scene();
-    std::erase_if(others.elements, [](const Element& e) { return e.on.is_angle(); });
+    std::erase_if(others.elements, [](const Element& e) { return is_sum_of_angles(e.on); });
     const Mechanism<Interval> load(others, model_.layout(), Purpose::statics);
     std::vector<Planar<Interval>> pose(static_cast<std::size_t>(load.pose_size()));
     std::vector<Interval> out(box.size());

@@ -40,6 +40,9 @@ bool can_vanish_in(const StaticModel& model, const Measure& on) {
     return std::any_of(on.terms.begin(), on.terms.end(),
                        [&](const Measure::Term& term) { return can_vanish_in(model, term.measure); });
   }
+  for (std::size_t k = 1; k < on.contacts.size(); ++k) {
+    if (can_vanish(model, Measure::distance_between(on.contacts[k - 1].at, on.contacts[k].at))) return true;
+  }
   return on.kind == Measure::Kind::distance && can_vanish(model, on);
 }
 

@@ -58,7 +58,7 @@ class LoopTurns::WoundSprings {
     mechanism_.constraint(x.data(), pose_.data(), constraint_.data());
     double out = mechanism_.energy(x.data(), pose_.data());
     for (int s = 0; s < mechanism_.stops(); ++s) {
-      if (!scene_.stops[static_cast<std::size_t>(s)].on.is_angle()) continue;
+      if (!counts_turns(scene_.stops[static_cast<std::size_t>(s)].on)) continue;
       const double passed = passed_by(mechanism_, s, constraint_);
       out += stiffness_of_stops * passed * passed;
     }
@@ -72,7 +72,7 @@ class LoopTurns::WoundSprings {
   static Scene springs_of(const StaticModel& model) {
     Scene springs = model.scaled_scene();
     std::erase_if(springs.elements, [](const Element& element) {
-      return !element.on.is_angle() || std::holds_alternative<ConstantForce>(element.law);
+      return !counts_turns(element.on) || std::holds_alternative<ConstantForce>(element.law);
     });
     springs.dependents.reset();  // which refer to places in these lists
     springs.gravity = {};

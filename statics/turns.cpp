@@ -14,16 +14,16 @@ constexpr double full_turn = 2.0 * std::numbers::pi;
 
 // A constant torque is the same at every turn; dampers and friction are no part of statics.
 bool tells_turns(const Element& element) {
-  return element.on.is_angle() && stores_energy(element.law) && idle(element.law).empty() &&
+  return counts_turns(element.on) && stores_energy(element.law) && idle(element.law).empty() &&
          !std::holds_alternative<ConstantForce>(element.law);
 }
 
-// factor[coordinate] += of the angle g.
-void add_angle(const Layout& layout, const Measure& g, double by, std::vector<double>& factor) {
-  if (g.kind == Measure::Kind::sum) {
-    for (const Measure::Term& term : g.terms) add_angle(layout, term.measure, by * term.factor, factor);
-    return;
+// factor[coordinate] += of the angles in g, those in profiles left out.
+void add_angles(const Layout& layout, const Measure& g, double by, std::vector<double>& factor) {
+  for (const Measure::Term& term : g.terms) {
+    if (!term.profile) add_angles(layout, term.measure, by * term.factor, factor);
   }
+  if (g.kind != Measure::Kind::angle) return;
   const auto add = [&](int body, double sign) {
     const int frame = layout.links[static_cast<std::size_t>(body)].frame;
     if (frame >= 0 && frame < static_cast<int>(factor.size())) factor[static_cast<std::size_t>(frame)] += sign * by;
@@ -32,14 +32,37 @@ void add_angle(const Layout& layout, const Measure& g, double by, std::vector<do
   add(g.body_a, -1.0);
 }
 
+// Calls use(measure) for the measures in profiles, of which turns count by themselves.
+template <class Use>
+void in_profiles(const Measure& g, const Use& use) {
+  for (const Measure::Term& term : g.terms) {
+    if (term.profile && !term.profile->periodic()) use(term.measure);
+    in_profiles(term.measure, use);
+  }
+}
+
 }  // namespace
+
+bool counts_turns(const Measure& measure) {
+  return measure.kind == Measure::Kind::angle ||
+         std::any_of(measure.terms.begin(), measure.terms.end(), [](const Measure::Term& term) {
+           return !(term.profile && term.profile->periodic()) && counts_turns(term.measure);
+         });
+}
+
+bool is_sum_of_angles(const Measure& measure) {
+  return measure.kind == Measure::Kind::angle ||
+         (measure.kind == Measure::Kind::sum &&
+          std::all_of(measure.terms.begin(), measure.terms.end(),
+                      [](const Measure::Term& term) { return !term.profile && is_sum_of_angles(term.measure); }));
+}
 
 Turns::Turns(const StaticModel& model) {
   const Layout& layout = model.layout();
   angles_ = std::min(layout.angles, layout.kept);
   const auto tell = [&](const Measure& g) {
     std::vector<double> factor(static_cast<std::size_t>(angles_), 0.0);
-    add_angle(layout, g, 1.0, factor);
+    add_angles(layout, g, 1.0, factor);
     Angle angle;
     for (int i = 0; i < angles_; ++i) {
       if (const double c = factor[static_cast<std::size_t>(i)]; c != 0.0) angle.push_back({i, c});
@@ -50,7 +73,8 @@ Turns::Turns(const StaticModel& model) {
     if (tells_turns(element)) tell(element.on);
   }
   for (const Stop& stop : model.scene().stops) {
-    if (stop.on.is_angle()) tell(stop.on);
+    tell(stop.on);
+    in_profiles(stop.on, tell);
   }
   // Angles of one told sum turn together, and that sum stays if its factors add up to zero.
   group_.resize(static_cast<std::size_t>(angles_));

@@ -6,11 +6,19 @@
 
 namespace poise {
 
+/// Whether full turns of bodies can change the measure: it is an angle, or a sum with an angle in it, alone or in a
+/// profile that does not repeat with each turn.
+bool counts_turns(const Measure& measure);
+
+/// Whether the measure is an angle of one body from another or a sum of such angles: linear in the coordinates.
+bool is_sum_of_angles(const Measure& measure);
+
 /// Which full turns of a mechanism's angles leave it as it is. Points, and so closures, loads and springs between
-/// points, do not change when any coordinate angle makes a full turn; springs and stops on angles can: an angle is a
-/// sum
-///   g = constant + sum_i c_i x_i
-/// of coordinates, which turns by k_i change by 2 pi sum_i c_i k_i. A constant torque is the same at every turn.
+/// points, do not change when any coordinate angle makes a full turn; springs, stops and couplings on angles, or on
+/// sums with angles in them, can: the part of angles is a sum
+///   constant + sum_i c_i x_i
+/// of coordinates, which turns by k_i change by 2 pi sum_i c_i k_i. A constant torque is the same at every turn, and so
+/// is the lift of a cam.
 class Turns {
  public:
   explicit Turns(const StaticModel& model);

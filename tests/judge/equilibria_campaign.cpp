@@ -114,6 +114,8 @@ Scene planted_scene(std::uint64_t seed, SetTrial& trial) {
   wish.loops = static_cast<int>(seed % 3);
   wish.stops = seed % 2 == 1;
   wish.followers = seed % 5 == 4;
+  wish.couplings = trial.couplings;
+  wish.pulleys = false;
   const test::PlantedMechanism planted = test::plant_mechanism(seed, wish);
   trial.starts_at_equilibrium = !planted.hangs_on_bars;
   return planted.in_equilibrium;

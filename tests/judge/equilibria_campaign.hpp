@@ -14,6 +14,7 @@ struct SetTrial {
   int starts = 10'000;                 ///< random starts, against which a complete set is held
   bool phc = false;                    ///< also against PHCpack, where the scene has polynomials
   bool paths = false;                  ///< also the sets at both ends of a load path against its ends
+  bool couplings = false;              ///< a planted scene has gears, cams and other couplings
   bool starts_at_equilibrium = false;  ///< the scene's start is one: a complete set has it
 };
 

@@ -4,13 +4,13 @@
 //                    [--torsion N] [--zero] [--one-way SHARE] [--phc] [--paths]
 //   poise_equilibria FIRST COUNT --mixed [--kind chain|slider_crank|slotted_lever|linkage] [--starts N] [--seconds S]
 //   poise_equilibria FIRST COUNT --kind FAMILY [--starts N] [--seconds S]
-//   poise_equilibria FIRST COUNT --planted [--starts N] [--seconds S]
+//   poise_equilibria FIRST COUNT --planted [--couplings] [--starts N] [--seconds S]
 //
 // FIRST is the first seed. Without --kind the kinds alternate. --zero: springs have free length zero. --mixed:
 // mechanisms with slides, stops, one-way springs, forces and torques, half of them with round numbers. FAMILY: one of
 // tests/support/random_scenes.hpp. --planted: mechanisms drawn around an equilibrium (tests/support/
 // random_mechanism.hpp), with joints and springs of every kind, up to two loops, some of which repeat others, half of
-// them with stops, some with loads that follow bodies. --print: the scenes too. Prints the contradictions and what is
+// them with stops, some with loads that follow bodies, --couplings: all with gears, cams and other couplings. --print: the scenes too. Prints the contradictions and what is
 // not proved, each with its seed, and a summary. Ends with 1 where something contradicts.
 
 #include <algorithm>
@@ -49,6 +49,7 @@ int main(int count, char** words) {
     trial.seconds = std::stod(value("--seconds", "1"));
     trial.phc = has("--phc");
     trial.paths = has("--paths");
+    trial.couplings = has("--couplings");
     test::LinkageLoads loads;
     loads.springs = std::stoi(value("--springs", "1"));
     loads.torsion_springs = std::stoi(value("--torsion", "0"));

@@ -97,6 +97,22 @@ TEST(RandomSets, HoldTheEquilibriumThatAMechanismIsDrawnAround) {
   EXPECT_GT(complete, 8);
 }
 
+// Gears, racks, cams and ropes. In 72 and 166 a rack holds the travel of a slide against the angle of a body, whose full
+// turns lead to further equilibria.
+TEST(RandomSets, OfMechanismsWithCouplingsHoldAgainstStarts) {
+  int complete = 0;
+  for (const std::uint64_t seed : {3U, 6U, 8U, 12U, 15U, 18U, 27U, 54U, 58U, 68U, 72U, 166U}) {
+    judge::SetTrial trial;
+    trial.starts = 200;
+    trial.couplings = true;
+    const Scene scene = judge::planted_scene(seed, trial);
+    const judge::JudgedSet judged = judge::judge_set(scene, trial);
+    complete += judged.claim == Claim::complete ? 1 : 0;
+    for (const std::string& c : judged.contradictions) ADD_FAILURE() << seed << ": " << c;
+  }
+  EXPECT_GT(complete, 5);
+}
+
 // Pins that coincide or nearly so: in 5007 it is open to rounding whether the start can move.
 TEST(RandomSets, OfJointsThatNearlyCoincideHoldAgainstStarts) {
   judge::SetTrial trial;

@@ -574,7 +574,7 @@ class Planting {
       for (int c = 1; c + 1 < points && fits; ++c) {
         const double bend = std::atan2(cross(leg(c - 1), leg(c)), dot(leg(c - 1), leg(c)));
         fits = std::abs(bend) > 0.5 && std::abs(bend) < 2.5;
-        if (random_.chance(0.5)) continue;
+        if (!wish_.pulleys || random_.chance(0.5)) continue;
         over[c].radius = random_.uniform(0.02, 0.1);
         over[c].turn = bend > 0 ? 1 : -1;
       }

@@ -21,6 +21,7 @@ struct Wish {
   /// One or two of gears, belts, racks, couplings, cams and ropes, of which those that act on one side only press or
   /// not, and springs and stretching ropes upon such measures.
   bool couplings = false;
+  bool pulleys = true;  ///< ropes pass over them, not over points alone
   /// Of the start: rad, or lengths over the length of a typical body. So little that, away from singular poses and
   /// neutral equilibria, the planted equilibrium is the nearest one.
   double disturbance = 0.02;

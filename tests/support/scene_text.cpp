@@ -1,5 +1,6 @@
 #include <cmath>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <variant>
 
@@ -13,6 +14,18 @@ namespace {
 std::string pair(Vec2 v) { return fmt::format("[{}, {}]", v.x, v.y); }
 
 std::string quoted(const Scene& scene, PointRef p) { return "\"" + scene.name_of(p) + "\""; }
+
+std::string contacts_of(const Scene& scene, const Measure& rope) {
+  std::string out;
+  for (const RopeContact& contact : rope.contacts) {
+    out += out.empty() ? "" : ", ";
+    out += contact.radius == 0.0
+               ? quoted(scene, contact.at)
+               : fmt::format("{{ pulley = {}, radius = {}, turn = \"{}\" }}", quoted(scene, contact.at), contact.radius,
+                             contact.turn > 0 ? "counterclockwise" : "clockwise");
+  }
+  return "[" + out + "]";
+}
 
 std::string key_of(const Scene& scene, const Measure& m) {
   switch (m.kind) {
@@ -28,22 +41,14 @@ std::string key_of(const Scene& scene, const Measure& m) {
       return "y = " + quoted(scene, m.b);
     case Measure::Kind::component:
       return fmt::format("points = [{}, {}]\naxis = {}", quoted(scene, m.a), quoted(scene, m.b), pair(m.axis));
-    case Measure::Kind::rope: {
-      std::string contacts;
-      for (const RopeContact& contact : m.contacts) {
-        contacts += contacts.empty() ? "" : ", ";
-        contacts += contact.radius == 0.0
-                        ? quoted(scene, contact.at)
-                        : fmt::format("{{ pulley = {}, radius = {}, turn = \"{}\" }}", quoted(scene, contact.at),
-                                      contact.radius, contact.turn > 0 ? "counterclockwise" : "clockwise");
-      }
-      return "rope = [" + contacts + "]";
-    }
+    case Measure::Kind::rope:
+      return "rope = " + contacts_of(scene, m);
     case Measure::Kind::sum:
       break;
   }
   std::string terms;
   for (const Measure::Term& term : m.terms) {
+    if (term.profile) throw std::invalid_argument("a text has no profiles of cams");
     terms +=
         fmt::format("{}{{ factor = {}, {} }}", terms.empty() ? "" : ", ", term.factor, key_of(scene, term.measure));
   }
@@ -69,8 +74,9 @@ std::string text_of(const Scene& scene, const Joint& joint) {
 }
 
 std::string text_of(const Scene& scene, const Element& element) {
-  std::string out =
-      fmt::format("\n[[{}]]\nname = \"{}\"\n{}\n", element.table, element.name, key_of(scene, element.on));
+  const bool is_rope = element.table == "rope";
+  const std::string on = is_rope ? "over = " + contacts_of(scene, element.on) : key_of(scene, element.on);
+  std::string out = fmt::format("\n[[{}]]\nname = \"{}\"\n{}\n", element.table, element.name, on);
   const void* law = std::visit([](const auto& l) -> const void* { return &l; }, element.law);
   const auto* curve = std::get_if<CurveSpring>(&element.law);
   if (curve != nullptr) {
@@ -85,10 +91,20 @@ std::string text_of(const Scene& scene, const Element& element) {
     const std::string_view key = element.on.is_angle() && !number.angle_key.empty() ? number.angle_key : number.key;
     if (const std::optional<double> value = number.get(law)) out += fmt::format("{} = {}\n", key, *value);
   }
-  if (const auto* spring = std::get_if<LinearSpring>(&element.law)) {
+  if (const auto* spring = std::get_if<LinearSpring>(&element.law); spring != nullptr && !is_rope) {
     static constexpr const char* words[] = {"both", "tension", "compression"};
     out += fmt::format("acts = \"{}\"\n", words[static_cast<int>(spring->acts)]);
   }
+  return out;
+}
+
+// Gears, belts, racks and guided cams as the couplings that they are.
+std::string text_of(const Scene& scene, const Stop& stop) {
+  const std::string table = stop.couples() ? "coupling" : "stop";
+  std::string out = fmt::format("\n[[{}]]\nname = \"{}\"\n{}\n", table, stop.name, key_of(scene, stop.on));
+  if (stop.couples()) return out + fmt::format("value = {}\n", stop.min);
+  if (std::isfinite(stop.min)) out += fmt::format("min = {}\n", stop.min);
+  if (std::isfinite(stop.max)) out += fmt::format("max = {}\n", stop.max);
   return out;
 }
 
@@ -129,11 +145,7 @@ std::string scene_text(const Scene& scene) {
     out += fmt::format("\n[[torque]]\nname = \"{}\"\non = \"{}\"\nvalue = {}\n", torque.name,
                        scene.bodies[torque.body].name, torque.value);
   }
-  for (const Stop& stop : scene.stops) {
-    out += fmt::format("\n[[stop]]\nname = \"{}\"\n{}\n", stop.name, key_of(scene, stop.on));
-    if (std::isfinite(stop.min)) out += fmt::format("min = {}\n", stop.min);
-    if (std::isfinite(stop.max)) out += fmt::format("max = {}\n", stop.max);
-  }
+  for (const Stop& stop : scene.stops) out += text_of(scene, stop);
   return out + start_of(scene);
 }
 
