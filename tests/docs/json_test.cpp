@@ -479,6 +479,7 @@ vector = [-3, 0]
 )";
   check_section("loads", {{{"loads", scene("structures/three_hinged_portal")}, with_csv},
                           {{"loads", scene("structures/elastica")}},
+                          {{"loads", scene("structures/falling_chimney"), "--time", "0.5"}},
                           {{"loads", folder.write("clamped.toml", clamped_twice)}}});
 }
 
