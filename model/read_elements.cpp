@@ -295,7 +295,7 @@ class ElementReader {
 
   Drive read_drive(const TomlTable& table) const {
     Drive drive;
-    Keys keys{"time"};
+    Keys keys;
     for (const Number& number : Drive::numbers) {
       keys.push_back(number.key);
       if (!table.has("time") || !table.has(number.key)) continue;
@@ -303,6 +303,7 @@ class ElementReader {
           .fail("expected no " + std::string(number.key) +
                 " beside time, which gives the value at every time; leave one out");
     }
+    keys.push_back("time");
     drive.on = measures_.read(table, {"bodies", "slide"}, keys);
     read_numbers(table, Drive::numbers, &drive, &drive.on, units_);
     return drive;
