@@ -546,7 +546,7 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
   // Steps that the readings could follow; a fit may start from a stiffness that would need a billion.
   options.most_steps = 20'000 + 20 * static_cast<int>(readings_.size());
   options.inputs = inputs_;
-  for (const MotionInput& input : inputs_) options.most_steps += 20 * static_cast<int>(input.curve->breaks().size());
+  for (const MotionInput& input : inputs_) options.most_steps += 20 * static_cast<int>(input.breaks().size());
   if (sensitivities) {
     options.influences = built.influences;
     options.variations = built.variations;

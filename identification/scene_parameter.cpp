@@ -11,7 +11,8 @@ std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::stri
   const std::optional<ParameterRow> row = find_parameter(scene, path);
   if (!row) return std::nullopt;
   // Motion depends on none of these.
-  if (row->place.owner == Owner::start || row->place.owner == Owner::stop || row->place.owner == Owner::section) {
+  if (row->place.owner == Owner::start || row->place.owner == Owner::stop || row->place.owner == Owner::section ||
+      row->place.owner == Owner::time) {
     return std::nullopt;
   }
   if (!value_at(scene, row->place)) return std::nullopt;

@@ -35,8 +35,9 @@ struct ConstraintBlock {
 struct ForceNumber {
   enum class Of { element, force, torque };
   Of of = Of::element;
-  int item = 0;    ///< index into Scene::elements, forces or torques
-  int number = 0;  ///< element: index into the numbers of its law
+  int item = 0;          ///< index into Scene::elements, forces or torques
+  int number = 0;        ///< element: index into the numbers of its law
+  int time_number = -1;  ///< load: if >= 0 index into the numbers of its function of time, in place of the load's own
 };
 
 /// A scene compiled to a short sum of phasors, to be evaluated in the scalar T.

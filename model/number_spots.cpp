@@ -157,6 +157,13 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
     case Owner::stop:
     case Owner::coupling:
       return {item(row.place.owner, row.place.item), "", key};
+    case Owner::time: {
+      const TimeFunction& function = scene_.time_functions[at];
+      const Owner owner = function.of == TimeFunction::Of::force    ? Owner::force
+                          : function.of == TimeFunction::Of::torque ? Owner::torque
+                                                                    : Owner::drive;
+      return {below(below(item(owner, function.item), "time"), std::string(function.kind())), "", key};
+    }
     case Owner::start:
       break;
   }

@@ -121,6 +121,17 @@ void visit_items(AnyScene& scene, Use use) {
     use(Parts{"start", joint.name}, ParameterPlace{Owner::start, i, 1}, scene.start.travel.at(i),
         std::span<const Number>(travel_guess), none);
   }
+  for (int i = 0; i < count(scene.time_functions); ++i) {
+    auto& function = scene.time_functions[i];
+    const bool drives = function.of == TimeFunction::Of::drive;
+    const std::string_view name = name_of(scene, function);
+    std::visit(
+        [&](auto& law) {
+          use(Parts{drives ? "drive" : "load", name, "time"}, ParameterPlace{Owner::time, i}, law, function.numbers(),
+              drives ? &scene.drives[static_cast<std::size_t>(function.item)].on : none);
+        },
+        function.law);
+  }
   const bool has_struts = has_gas_struts(scene);
   for (int i = 0; i < count(scene.stops); ++i) {
     auto& stop = scene.stops[i];
@@ -428,6 +439,11 @@ void scale(Scene& scene, const Scales& scales) {
   for (Element& element : scene.elements) scale_measure(element.on, scales);
   for (Drive& drive : scene.drives) scale_measure(drive.on, scales);
   for (Stop& stop : scene.stops) scale_measure(stop.on, scales);
+  for (TimeFunction& function : scene.time_functions) {
+    if (function.of != TimeFunction::Of::drive) continue;
+    const Drive& drive = scene.drives[static_cast<std::size_t>(function.item)];
+    function.scale_table(drive.on.dimension().per_scale(scales));
+  }
   for (Element& element : scene.elements) {
     std::visit(
         [&]<class L>(L& law) {

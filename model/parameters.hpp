@@ -14,13 +14,28 @@
 namespace poise {
 
 /// The kind of item that a number of a scene belongs to.
-enum class Owner { scene, number, force, torque, body, section, point, element, drive, joint, stop, coupling, start };
+enum class Owner {
+  scene,
+  number,
+  force,
+  torque,
+  body,
+  section,
+  point,
+  element,
+  drive,
+  joint,
+  stop,
+  coupling,
+  start,
+  time  ///< a function of time
+};
 
-/// Whether the equilibrium depends on numbers of such an owner where the item acts: not on guesses, on drives, which
-/// statics leaves out, nor on sections, which matter inside of rigid bodies only; those of flexible links act through
-/// the stiffness of their springs.
+/// Whether the equilibrium depends on numbers of such an owner where the item acts: not on guesses, on drives and
+/// functions of time, which statics leaves out, nor on sections, which matter inside of rigid bodies only; those of
+/// flexible links act through the stiffness of their springs.
 constexpr bool counts_in_statics(Owner owner) {
-  return owner != Owner::start && owner != Owner::drive && owner != Owner::section;
+  return owner != Owner::start && owner != Owner::drive && owner != Owner::section && owner != Owner::time;
 }
 
 /// The place of a number in the table, which is the same for all scenes of the same structure.

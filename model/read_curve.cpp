@@ -14,23 +14,29 @@ namespace {
 /// Points of ascending x, each with its place for messages.
 class Points {
  public:
-  void add(double x, double force, const TomlPlace& place) {
-    if (!x_.empty() && !(x > x_.back())) {
-      place.fail("expected an x after that of the point before; sort the points, and give one force for each x");
+  explicit Points(const PointWords& words) : words_(words) {}
+
+  void add(double x, double y, const TomlPlace& place) {
+    if (!points_.x.empty() && !(x > points_.x.back())) {
+      place.fail("expected " + std::string(words_.an_x) +
+                 " after that of the point before; sort the points, and give one " + std::string(words_.y) +
+                 " for each " + std::string(words_.x));
     }
-    x_.push_back(x);
-    force_.push_back(force);
+    points_.x.push_back(x);
+    points_.y.push_back(y);
   }
 
-  CurveSpring spring(bool numbered, const TomlPlace& place) {
-    if (x_.size() < 2) {
-      place.fail("expected two points [x, F] or more, found " + std::to_string(x_.size()) + "; add others");
+  CurvePoints two_or_more(const TomlPlace& place) {
+    if (points_.x.size() < 2) {
+      place.fail("expected two points " + std::string(words_.point) + " or more, found " +
+                 std::to_string(points_.x.size()) + "; add others");
     }
-    return {std::move(x_), std::move(force_), numbered};
+    return std::move(points_);
   }
 
  private:
-  std::vector<double> x_, force_;
+  const PointWords& words_;
+  CurvePoints points_;
 };
 
 double checked(double written, double unit, const TomlPlace& place) {
@@ -38,38 +44,48 @@ double checked(double written, double unit, const TomlPlace& place) {
   return written * unit;
 }
 
+constexpr PointWords spring_words{"x", "force", "an x", "[x, F]"};
+
+CurveSpring spring(CurvePoints points, bool numbered) { return {std::move(points.x), std::move(points.y), numbered}; }
+
 CurveSpring read_points(const TomlTable& table, double unit_x, double unit_force) {
-  Points points;
-  const std::vector<TomlTable::Pair> pairs = table.pairs("curve", unit_x, unit_force);
-  if (pairs.size() > CurveSpring::most_points) {
+  const std::size_t count = table.pairs("curve", unit_x, unit_force).size();
+  if (count > CurveSpring::most_points) {
     table.place_of("curve").fail("expected at most " + std::to_string(CurveSpring::most_points) + " points, found " +
-                                 std::to_string(pairs.size()) + "; put them into a file, file = \"NAME.csv\"");
+                                 std::to_string(count) + "; put them into a file, file = \"NAME.csv\"");
   }
-  for (const auto& [point, place] : pairs) points.add(point.x, point.y, place);
-  return points.spring(true, table.place_of("curve"));
+  return spring(read_listed_points(table, "curve", unit_x, unit_force, spring_words), true);
 }
 
-CurveSpring read_file(const TomlText& name, double unit_x, double unit_force) {
+}  // namespace
+
+CurvePoints read_listed_points(const TomlTable& table, std::string_view key, double unit_x, double unit_y,
+                               const PointWords& words) {
+  Points points(words);
+  for (const auto& [point, place] : table.pairs(key, unit_x, unit_y)) points.add(point.x, point.y, place);
+  return points.two_or_more(table.place_of(key));
+}
+
+CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit_y, const PointWords& words) {
   // A scene that is built in code has no folder.
   const std::filesystem::path scene = name.place.line > 0 ? name.place.file : "";
   const std::filesystem::path file = scene.parent_path() / name.value;
   const std::vector<std::string> columns = located(name.place, [&] { return read_csv_header(file); });
   if (columns.size() != 2) {
-    TomlPlace{file.string(), 1, "header"}.fail("expected two columns, x and force, found " +
-                                               std::to_string(columns.size()) + "; leave the others out");
+    TomlPlace{file.string(), 1, "header"}.fail("expected two columns, " + std::string(words.x) + " and " +
+                                               std::string(words.y) + ", found " + std::to_string(columns.size()) +
+                                               "; leave the others out");
   }
   const CsvTable csv = read_csv(file, columns);
-  Points points;
+  Points points(words);
   for (std::size_t row = 0; row < csv.line.size(); ++row) {
     const auto place = [&](std::size_t column) { return TomlPlace{csv.file, csv.line[row], columns[column]}; };
     const double x = checked(csv.column(columns[0])[row], unit_x, place(0));
-    const double force = checked(csv.column(columns[1])[row], unit_force, place(1));
-    points.add(x, force, place(0));
+    const double y = checked(csv.column(columns[1])[row], unit_y, place(1));
+    points.add(x, y, place(0));
   }
-  return points.spring(false, {csv.file, 0, ""});
+  return points.two_or_more({csv.file, 0, ""});
 }
-
-}  // namespace
 
 CurveSpring read_curve(const TomlTable& table, const Measure& on, const Units& units) {
   table.allow_keys({"curve", "file", "interpolation"});
@@ -80,7 +96,7 @@ CurveSpring read_curve(const TomlTable& table, const Measure& on, const Units& u
   if (const auto interpolation = table.find_text("interpolation")) choose(*interpolation, {"monotone"});
   const double unit_x = on.dimension().unit(units), unit_force = on.effort_dimension().unit(units);
   return table.has("curve") ? read_points(table, unit_x, unit_force)
-                            : read_file(table.text("file"), unit_x, unit_force);
+                            : spring(read_points_of_file(table.text("file"), unit_x, unit_force, spring_words), false);
 }
 
 }  // namespace poise

@@ -2,12 +2,32 @@
 
 // Reads the curve of a spring. Private to the readers of model/.
 
+#include <string_view>
+#include <vector>
+
 #include "model/laws/curve_spring.hpp"
 #include "model/measure.hpp"
 #include "model/toml_reader.hpp"
 #include "model/units.hpp"
 
 namespace poise {
+
+/// Points (x, y) of ascending x, two or more.
+struct CurvePoints {
+  std::vector<double> x, y;
+};
+
+/// What a message calls the coordinates of points.
+struct PointWords {
+  std::string_view x, y;   ///< "x", "force"
+  std::string_view an_x;   ///< "an x"
+  std::string_view point;  ///< "[x, F]"
+};
+
+/// The points of the list `key`, or of the two columns of a CSV file beside the scene, x and y times their units.
+CurvePoints read_listed_points(const TomlTable& table, std::string_view key, double unit_x, double unit_y,
+                               const PointWords& words);
+CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit_y, const PointWords& words);
 
 /// The spring of a table { curve = [[x, F], ...] } or { file = "NAME.csv" }, of which x is a value of the measure `on`
 /// and F a force on it, in these units. The file has a header and two columns; its name counts from the folder of the

@@ -13,6 +13,7 @@
 #include "model/one_line.hpp"
 #include "model/read_curve.hpp"
 #include "model/read_measure.hpp"
+#include "model/read_time_function.hpp"
 
 namespace poise {
 namespace {
@@ -29,6 +30,7 @@ class ElementReader {
     }
     add_friction_of_struts();
     read_family("drive", scene_.drives, &ElementReader::read_drive);
+    read_times_of_drives();
     read_loads();
     read_family("stop", scene_.stops, &ElementReader::read_stop);
     add_stops_of_struts();
@@ -215,6 +217,10 @@ class ElementReader {
     for (std::string& name : numbered("torque", torques.size())) defaults.push_back(std::move(name));
     const std::vector<std::string> names = names_of(loads, defaults, {});
     for (std::size_t i = 0; i < loads.size(); ++i) {
+      if (i < forces.size() + distributed.size())
+        read_time(loads[i], TimeFunction::Of::force, scene_.forces.size(), nullptr);
+      else
+        read_time(loads[i], TimeFunction::Of::torque, scene_.torques.size(), nullptr);
       if (i < forces.size())
         add(loads[i], names[i], scene_.forces, &ElementReader::read_force);
       else if (i < forces.size() + distributed.size())
@@ -224,8 +230,21 @@ class ElementReader {
     }
   }
 
+  void read_time(const TomlTable& table, TimeFunction::Of of, std::size_t item, const Measure* on) {
+    if (std::optional<TimeLaw> law = read_time_law(table, on, units_)) {
+      scene_.time_functions.push_back({of, static_cast<int>(item), std::move(*law), table.place_of("time").line});
+    }
+  }
+
+  void read_times_of_drives() {
+    const std::vector<TomlTable> tables = root_.tables("drive");
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      read_time(tables[i], TimeFunction::Of::drive, i, &scene_.drives[i].on);
+    }
+  }
+
   Force read_force(const TomlTable& table) const {
-    table.allow_keys({"name", "at", "vector", "follows"});
+    table.allow_keys({"name", "at", "vector", "follows", "time"});
     Force force;
     const TomlText at = table.text("at");
     force.at = names_.point(at);
@@ -236,7 +255,7 @@ class ElementReader {
   }
 
   Force read_distributed_load(const TomlTable& table) const {
-    table.allow_keys({"name", "points", "vector", "follows"});
+    table.allow_keys({"name", "points", "vector", "follows", "time"});
     Force force;
     const std::array<TomlText, 2> points = table.two_texts("points");
     force.at = names_.point(points[0]);
@@ -259,7 +278,7 @@ class ElementReader {
   }
 
   Torque read_torque(const TomlTable& table) const {
-    table.allow_keys({"name", table.has("at") ? "at" : "on", "value"});
+    table.allow_keys({"name", table.has("at") ? "at" : "on", "value", "time"});
     Torque torque;
     if (table.has("at")) {
       const TomlText at = table.text("at");
@@ -277,7 +296,14 @@ class ElementReader {
   Drive read_drive(const TomlTable& table) const {
     Drive drive;
     Keys keys;
-    for (const Number& number : Drive::numbers) keys.push_back(number.key);
+    for (const Number& number : Drive::numbers) {
+      keys.push_back(number.key);
+      if (!table.has("time") || !table.has(number.key)) continue;
+      table.place_of(number.key)
+          .fail("expected no " + std::string(number.key) +
+                " beside time, which gives the value at every time; leave one out");
+    }
+    keys.push_back("time");
     drive.on = measures_.read(table, {"bodies", "slide"}, keys);
     read_numbers(table, Drive::numbers, &drive, &drive.on, units_);
     return drive;

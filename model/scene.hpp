@@ -20,6 +20,7 @@
 #include "model/planar.hpp"
 #include "model/point_ref.hpp"
 #include "model/scales.hpp"
+#include "model/time_function.hpp"
 #include "model/units.hpp"
 
 namespace poise {
@@ -192,6 +193,8 @@ struct Scene {
   std::vector<Drive> drives;
   std::vector<Force> forces;
   std::vector<Torque> torques;
+  std::vector<TimeFunction> time_functions;  ///< at most one of each load and drive
+  std::vector<HeldLoad> held_loads;          ///< of the scene at one time, at_time()
   std::vector<Stop> stops;
   std::vector<FlexibleLink> flexible_links;
   Start start;
@@ -250,6 +253,8 @@ Scene parse_scene(std::string_view text, const std::string& name);
 ///   TABLE.NAME.NUMBER     of a force element: spring.NAME.stiffness, friction.NAME.torque, ...; declared with
 ///                         each law in model/laws/
 ///   drive.NAME.start | rate | acceleration | amplitude | frequency | phase
+///   load.NAME.time.NUMBER | drive.NAME.time.NUMBER
+///                         of a function of time: amplitude, frequency, ...; declared in model/time_function.hpp
 ///   bar.NAME.length,  slide.NAME.angle,  weld.NAME.angle
 ///   stop.NAME.min | max
 ///   start.NAME            guess for the angle of a body or the travel of a joint

@@ -1,5 +1,6 @@
 #include "model/scene_expressions.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -95,6 +96,21 @@ const SceneExpressions::Written* SceneExpressions::find(const toml::node* node) 
   return &found->second;
 }
 
+namespace {
+
+/// Numbers of functions of time, and of the loads that they multiply, follow no expressions: the scene at one time has
+/// their products.
+bool depends_on_time(const Scene& scene, const ParameterPlace& place) {
+  if (place.owner == Owner::time) return true;
+  return std::any_of(scene.time_functions.begin(), scene.time_functions.end(), [&](const TimeFunction& one) {
+    const bool is_load = (one.of == TimeFunction::Of::force && place.owner == Owner::force) ||
+                         (one.of == TimeFunction::Of::torque && place.owner == Owner::torque);
+    return is_load && one.item == place.item;
+  });
+}
+
+}  // namespace
+
 void SceneExpressions::find_dependents(const toml::table& document, Scene& scene) {
   if (!written_.empty()) {
     const NumberSpots spots(document, scene);
@@ -109,6 +125,7 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
       }
     };
     for (const ParameterRow& row : parameter_table(scene)) {
+      if (depends_on_time(scene, row.place)) continue;
       const NumberSpot spot = spots.of(row);
       if (row.place.owner == Owner::force) {
         add_components({DependentPlace::Of::force, row.place}, spot.table->get("vector"), dimension::force);

@@ -34,6 +34,27 @@ std::vector<std::vector<double>> dead_point_at(const MotionModel& model, const s
   return {values};
 }
 
+/// Throws InputError where loads depend on a time that the poses of a range do not have.
+void expect_no_functions(const Scene& scene) {
+  for (const TimeFunction& function : scene.time_functions) {
+    if (function.of == TimeFunction::Of::drive) continue;
+    throw InputError(
+        fmt::format("{}: load \"{}\" follows a function of time, and the poses of a range have no time; expected "
+                    "--motion FILE, a record as poise motion writes it, in place of the range",
+                    scene.file, name_of(scene, function)));
+  }
+}
+
+/// The forces in the pose at the time t, with the loads of that time. The layout, and so the coordinates, are those of
+/// the model.
+Forces forces_at(const MotionModel& model, double t, const std::vector<double>& x, const std::vector<double>& v,
+                 const std::vector<double>& a) {
+  const Scene& scene = model.scene();
+  if (scene.time_functions.empty()) return forces_of(model, x, v, a, scene.drives);
+  const MotionModel then(at_time(scene, t), model.scales(), &scene);
+  return forces_of(then, x, v, a, scene.drives);
+}
+
 }  // namespace
 
 bool ForcesAlong::balanced() const {
@@ -45,7 +66,7 @@ ForcesAlong forces_in_place(const MotionModel& model) {
   ForcesAlong out;
   const std::vector<double> x = model.from_si(start_motion(model, {}).q);
   const std::vector<double> still(x.size(), 0.0);
-  out.poses.push_back(forces_of(model, x, still, still, model.scene().drives));
+  out.poses.push_back(forces_at(model, 0.0, x, still, still));
   expect_within_stops(model.scene(), out.poses.front());
   out.dead_points = dead_point_at(model, x);
   return out;
@@ -55,6 +76,7 @@ ForcesAlong forces_over(const MotionModel& model, const std::vector<DriveRange>&
                         bool moving) {
   const Scene& scene = model.scene();
   const std::size_t first = first_moving(ranges);
+  expect_no_functions(scene);
   const KinematicsResult path = sweep(scene, ranges, options);
   ForcesAlong out;
   out.complete = path.complete;
@@ -86,7 +108,7 @@ ForcesAlong forces_along(const MotionModel& model, const std::vector<double>& ti
   out.at = time;
   out.tolerance = 1e-6;
   for (std::size_t k = 0; k < time.size(); ++k) {
-    out.poses.push_back(forces_of(model, motion.x[k], motion.v[k], motion.a[k], model.scene().drives));
+    out.poses.push_back(forces_at(model, time[k], motion.x[k], motion.v[k], motion.a[k]));
   }
   return out;
 }

@@ -11,6 +11,8 @@
 
 namespace poise {
 
+/// Loads that follow functions of time are those of the pose's time, t = 0 in a single pose.
+///
 /// Forces in one pose, over a driven range, or along a motion; the drives are those of the model's scene.
 struct ForcesAlong {
   std::string along;                ///< what varies: the name of a drive, "time", or nothing

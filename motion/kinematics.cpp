@@ -27,6 +27,7 @@ std::string where(const Scene& scene) { return scene.file.empty() ? "" : scene.f
 Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
   if (ranges.empty()) throw InputError(where(scene) + "drive: expected at least one, say crank=0..360");
   scene.drives.clear();
+  forget_functions_of_drives(scene);
   for (const DriveRange& range : ranges) scene.drives.push_back(find_drive(scene, range.name));
   return scene;
 }

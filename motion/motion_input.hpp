@@ -18,7 +18,21 @@ struct MotionInput {
   std::shared_ptr<const TimeCurve> curve;
   double unit = 1.0;  ///< of the curve, in the units of the scene that the motion is computed in
   bool multiplies = false;
+  std::shared_ptr<const TimeFunction> function{};  ///< of the scene, SI, in place of a curve
+
+  /// The value or a derivative by time, times the unit; `near` as of TimeFunction.
+  double at(double t, int derivative, double near) const {
+    return unit * (function ? function->at(t, derivative, near) : curve->at(t, derivative));
+  }
+  /// Times at which a motion must not be smooth.
+  std::vector<double> breaks() const { return function ? function->breaks() : curve->breaks(); }
+  bool jumps() const { return function && function->jumps(); }
 };
+
+/// The functions of time of a scene, SI: of loads they multiply what the scene gives. A load that is zero has none.
+std::vector<MotionInput> inputs_of(const Scene& scene);
+/// These, and those of the scene for the loads and drives that they are not of.
+std::vector<MotionInput> with_inputs_of(const Scene& scene, std::vector<MotionInput> inputs);
 
 /// Inputs of a scene in SI, for the same scene scaled().
 std::vector<MotionInput> scaled(std::vector<MotionInput> inputs, const Scene& scene, const Scales& scales);
@@ -30,15 +44,20 @@ class InputLoad {
   /// `scene` is the one that `mechanism` is compiled from; a force must have a direction.
   InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const MotionInput& input);
 
-  /// Sets the load to that of the time t.
-  void set(double t) {
-    value_ = static_cast<T>(unit_ * curve_->at(t));
-    extra_ = (multiplies_ ? static_cast<T>(written_) * value_ : value_) - static_cast<T>(written_);
+  /// Sets the load to that of the time t; `near` as of TimeFunction.
+  void set(double t, double near) {
+    t_ = t;
+    near_ = near;
+    value_ = static_cast<T>(input_.at(t, 0, near));
+    extra_ = (input_.multiplies ? static_cast<T>(written_) * value_ : value_) - static_cast<T>(written_);
   }
   /// d(load)/d(number) at that time, of numbers that are other loads' or elements' as without inputs: 1.
   T by(const ForceNumber& number) const {
     if (number.of != number_.of || number.item != number_.item) return T(1);
-    return multiplies_ ? value_ : T(0);
+    if (number.time_number >= 0) {
+      return static_cast<T>(written_ * input_.function->by(number.time_number, t_, 0, near_));
+    }
+    return input_.multiplies ? value_ : T(0);
   }
   /// g -= generalized force in the pose, n values.
   void add(const Planar<T>* pose, T* g) const;
@@ -47,9 +66,9 @@ class InputLoad {
 
  private:
   const Phasors<T>& phasors_;
-  std::shared_ptr<const TimeCurve> curve_;
-  double unit_, written_ = 0.0;
-  bool multiplies_;
+  MotionInput input_;
+  double written_ = 0.0;  // the scene's
+  double t_ = 0.0, near_ = 0.0;
   ForceNumber number_;  // of the load
   T value_{}, extra_{};
   int torque_coordinate_ = -1;

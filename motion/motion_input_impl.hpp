@@ -6,7 +6,7 @@ namespace poise {
 
 template <class T>
 InputLoad<T>::InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const MotionInput& input)
-    : phasors_(mechanism.phasors()), curve_(input.curve), unit_(input.unit), multiplies_(input.multiplies) {
+    : phasors_(mechanism.phasors()), input_(input) {
   number_.of = input.of == MotionInput::Of::torque ? ForceNumber::Of::torque : ForceNumber::Of::force;
   number_.item = input.item;
   const Layout& layout = mechanism.layout();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,7 +33,7 @@ struct Influence {
   Vec2 first{};
   double moment = 0.0;
   int drive = -1;        ///< a number of this drive if >= 0
-  int drive_number = 0;  ///< index into Drive::numbers
+  int drive_number = 0;  ///< index into Drive::numbers, or the numbers of its function of time, then SI
   int variation = -1;    ///< if >= 0 an index into the variations
   ForceNumber force{};   ///< if none of these
   double by = 1.0;       ///< change of the number of the force or drive per unit
@@ -83,6 +84,10 @@ class ReducedMotion {
   /// Loads and drives that follow curves of time, in the units of `scene`, which is the one given to the constructor.
   void set_inputs(const Scene& scene, std::vector<MotionInput> inputs);
   const std::vector<MotionInput>& inputs() const { return inputs_; }
+  /// Until the next call loads follow the formulas that their functions of time have at this time (TimeFunction); NaN:
+  /// at the time of each pose, as without a call.
+  void set_near(double time) { near_ = time; }
+  double near() const { return near_; }
   /// How friction that sticks (DryFriction of width 0) moves: per element of the scene, which is the one given to the
   /// constructor, the direction 1 or -1 in which it slides, or 0 where it is held: its measure keeps the value that it
   /// has at q, by one more row after those of the drives. Without a call the signs of the rates are the directions.
@@ -170,7 +175,7 @@ class ReducedMotion {
     std::optional<MotionInput> input{};
 
     T target(const T& t, int derivative) const {
-      if (input) return static_cast<T>(input->unit * input->curve->at(static_cast<double>(t), derivative));
+      if (input) return static_cast<T>(input->at(static_cast<double>(t), derivative, static_cast<double>(t)));
       return (derivative == 0 ? start : T(0)) + drive.moved(t, derivative);
     }
   };
@@ -189,6 +194,7 @@ class ReducedMotion {
   template <class S>
   friend class ReducedMotion;
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
+  void set_load(InputLoad<T>& load) const;
   void make_rows();
   void make_room();
   void predict(const T& dt, const T* z);
@@ -220,6 +226,7 @@ class ReducedMotion {
   T singular_limit_{};
   T pivot_{1};
   T t_{};
+  double near_ = std::numeric_limits<double>::quiet_NaN();
   T reach_{};           // distance of the last predict()
   bool known_ = false;  // B and the factors belong to q
 

@@ -301,7 +301,7 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
   m.resist(pose, v_.data(), slides(), varied_resistances_.data());
   m.add_resistance(varied_resistances_.data(), g);
   for (InputLoad<T>& load : piece.input_loads) {
-    load.set(static_cast<double>(t_));
+    set_load(load);
     load.add(pose, g);
   }
   piece.inertia->weigh(second_.data(), work2_.data());
@@ -342,10 +342,14 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     std::fill(part->begin(), part->end(), T(0));
   }
   if (influence.drive >= 0) {
-    const Drive& drive = drives_[influence.drive].drive;
+    const DriveRow& driven = drives_[influence.drive];
     const int row = mechanism_.equalities() + influence.drive;
-    const auto moved = [&](int order) {
-      return -static_cast<T>(influence.by) * drive.moved_by(influence.drive_number, t_, order);
+    const auto moved = [&](int order) -> T {
+      const T by = -static_cast<T>(influence.by);
+      if (!driven.input || !driven.input->function)
+        return by * driven.drive.moved_by(influence.drive_number, t_, order);
+      const auto t = static_cast<double>(t_);
+      return by * static_cast<T>(driven.input->unit * driven.input->function->by(influence.drive_number, t, order, t));
     };
     direct_.gap[row] = moved(0);
     direct_.rate[row] = moved(1);

@@ -93,6 +93,12 @@ void ReducedMotion<T>::set_inputs(const Scene& scene, std::vector<MotionInput> i
 }
 
 template <class T>
+void ReducedMotion<T>::set_load(InputLoad<T>& load) const {
+  const auto t = static_cast<double>(t_);
+  load.set(t, std::isnan(near_) ? t : near_);
+}
+
+template <class T>
 void ReducedMotion<T>::start_drives(const T* q, const T& share) {
   known_ = false;
   mechanism_.place(q, pose_.data());
@@ -271,7 +277,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
   if (predicted) predict(t - t_, z);
   known_ = false;
   t_ = t;
-  for (InputLoad<T>& load : input_loads_) load.set(static_cast<double>(t));
+  for (InputLoad<T>& load : input_loads_) set_load(load);
   for (int k = 0; k < freedoms(); ++k) q_[independent_[k]] = z[k];
   const int r = rank();
   bool closed = r == 0;

@@ -41,6 +41,7 @@ class ReducedSystem::Fine {
     const std::vector<Long> q(reduced.q(), reduced.q() + reduced.coordinates());
     const std::vector<Long> state(y, y + 2 * reduced.freedoms());
     motion_.expect(q.data());
+    motion_.set_near(reduced.near());
     if (motion_.place(t, state.data()) != ReducedMotion<Long>::Status::ok) return false;
     motion_.move(state.data() + reduced.freedoms());
     return motion_.accelerate() == ReducedMotion<Long>::Status::ok;

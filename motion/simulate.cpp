@@ -40,11 +40,15 @@ class Simulation {
         speed_(n_, 0.0),
         overrun_(model.scene().stops.size(), 0) {
     for (std::size_t i = static_cast<std::size_t>(model.layout().angles); i < n_; ++i) unit_[i] = model.scales().length;
-    reduced_.set_inputs(model.scaled_scene(), scaled(options.inputs, model.scene(), model.scales()));
-    for (const MotionInput& input : options.inputs) {
-      breaks_.insert(breaks_.end(), input.curve->breaks().begin(), input.curve->breaks().end());
+    inputs_ = with_inputs_of(model.scene(), options.inputs);
+    reduced_.set_inputs(model.scaled_scene(), scaled(inputs_, model.scene(), model.scales()));
+    for (const MotionInput& input : inputs_) {
+      const std::vector<double> breaks = input.breaks();
+      breaks_.insert(breaks_.end(), breaks.begin(), breaks.end());
+      if (input.jumps()) jumps_.insert(jumps_.end(), breaks.begin(), breaks.end());
     }
     std::sort(breaks_.begin(), breaks_.end());
+    expect_derivatives();
     reduced_.start_drives(q_start_.data());
     reduced_.choose(0.0, q_start_.data(), false, options.independent.empty() ? nullptr : &options.independent);
     out_.freedoms = reduced_.freedoms();
@@ -83,6 +87,7 @@ class Simulation {
   void move_along() {
     reduced_.set_singular_limit(0.0);
     reduced_.expect(q_start_.data());
+    reduced_.set_near(next_break(0.0) / 2);
     remake();
     if (!system_->rates(0.0, y_.data(), dydt_.data())) return give_up(system_->status, 0.0);
     if (friction_.acts()) {
@@ -122,13 +127,76 @@ class Simulation {
       y_.swap(y_new_);
       dydt_.swap(dydt_new_);
       add_node(t);
-      if (t == end) smooth_from_ = out_.trajectory.nodes() - 1;
+      if (t == end && !cross_break(t)) return;
       if (event) friction_.meet(reduced_);
       if (event && !change_friction(t)) return;
       if (options_.progress) options_.progress(t);
       if (reduced_.pivot() < good_pivot && reduced_.rank() > 0) choose_anew(t);
     }
     out_.status = MotionStatus::completed;
+  }
+
+  /// Goes on from a break of the inputs, where the motion's formula changes and its accelerations may jump.
+  bool cross_break(double t) {
+    smooth_from_ = out_.trajectory.nodes() - 1;
+    if (t >= options_.duration) return true;
+    reduced_.set_near((t + next_break(t)) / 2);
+    const bool jumps = std::find(jumps_.begin(), jumps_.end(), t) != jumps_.end();
+    if (!system_->rates(t, y_.data(), dydt_.data())) {
+      give_up(system_->status, t);
+      return false;
+    }
+    if (!jumps) return true;
+    if (friction_.acts()) return change_friction(t, false);
+    if (columns_ > 0) {
+      follow_jumps(t);
+      system_->rates(t, y_.data(), dydt_.data());
+    }
+    add_node(t);
+    smooth_from_ = piece_from_ = out_.trajectory.nodes() - 1;
+    return true;
+  }
+
+  /// The function of time that an influence is a number of; null where it is of something else.
+  const TimeFunction* function_of(const Influence& influence) const {
+    if (influence.body >= 0 || influence.moves() || influence.force.time_number < 0) return nullptr;
+    const auto of = influence.force.of == ForceNumber::Of::force ? TimeFunction::Of::force : TimeFunction::Of::torque;
+    for (const TimeFunction& function : model_.scene().time_functions) {
+      if (function.of == of && function.item == influence.force.item) return &function;
+    }
+    return nullptr;
+  }
+
+  /// Derivatives by the time at which a load jumps, which is t: rates stay and accelerations jump, so that the
+  /// derivative of the rates jumps by  accelerations before - after  of this load alone.
+  void follow_jumps(double t) {
+    const int f = reduced_.freedoms();
+    std::vector<double> by_value(static_cast<std::size_t>(f));
+    for (std::size_t p = 0; p < options_.influences.size(); ++p) {
+      const TimeFunction* const function = function_of(options_.influences[p]);
+      const auto* const step = function != nullptr ? std::get_if<StepInTime>(&function->law) : nullptr;
+      if (step == nullptr || options_.influences[p].force.time_number != 0 || step->at != t) continue;
+      Influence by_to = options_.influences[p];
+      by_to.force.time_number = 2;
+      reduced_.influence(by_to, by_value.data());
+      const int column = 2 * out_.freedoms + static_cast<int>(p);
+      for (int k = 0; k < f; ++k) {
+        y_[sensitivity(f + k, column)] += (step->from - step->to) * by_value[static_cast<std::size_t>(k)];
+      }
+    }
+  }
+
+  /// Throws InputError for derivatives that are not known.
+  void expect_derivatives() const {
+    if (!options_.sensitivities || !friction_.acts()) return;
+    for (const Influence& influence : options_.influences) {
+      const TimeFunction* const function = function_of(influence);
+      if (function == nullptr || function->is_smooth_in(influence.force.time_number)) continue;
+      throw InputError(
+          fmt::format("{}: load \"{}\": with friction that sticks the derivative by the time of a step is "
+                      "not known; expected another number, or friction of some width",
+                      model_.scene().file, name_of(model_.scene(), *function)));
+    }
   }
 
   /// Repeats the step just made, from t, with the length h; the margin of friction there, NaN where that fails.
@@ -183,12 +251,13 @@ class Simulation {
 
   /// Goes on from the last node with other friction sliding or held. Rates stay and accelerations jump, so that with
   /// the time T(p) of the event the derivatives of the rates jump by  (accelerations before - after) dT/dp.
-  bool change_friction(double t) {
+  /// The time of an event that is not `of_friction` does not depend on numbers.
+  bool change_friction(double t, bool of_friction = true) {
     Trajectory& path = out_.trajectory;
     const std::size_t node = path.nodes() - 1;
     const auto width = static_cast<std::size_t>(columns_);
     const double work = y_[static_cast<std::size_t>(2 * reduced_.freedoms())];
-    const bool started = node > 0;
+    const bool started = node > 0 && of_friction;
     if (!friction_.choose(reduced_, t)) {
       stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s friction that sticks acts on more than {} places without "
                                             "rate, or in a singular pose; give some of it a width",
@@ -364,7 +433,7 @@ class Simulation {
   /// At the start of the step; with inputs also at its end, because they may begin to act on a mechanism at rest.
   double acceleration_of(int k) const {
     const auto i = static_cast<std::size_t>(reduced_.freedoms() + k);
-    return breaks_.empty() ? std::abs(dydt_[i]) : std::max(std::abs(dydt_[i]), std::abs(dydt_new_[i]));
+    return inputs_.empty() ? std::abs(dydt_[i]) : std::max(std::abs(dydt_[i]), std::abs(dydt_new_[i]));
   }
 
   double first_step() {
@@ -379,6 +448,10 @@ class Simulation {
     }
     for (const Drive& d : model_.scaled_scene().drives) {
       fastest = std::max({fastest, 6.3 * d.frequency, std::abs(d.rate), std::sqrt(std::abs(d.acceleration))});
+    }
+    for (const MotionInput& input : inputs_) {
+      const auto* const sine = input.function ? std::get_if<SineInTime>(&input.function->law) : nullptr;
+      if (sine != nullptr) fastest = std::max(fastest, 6.3 * sine->frequency);
     }
     fastest_ = fastest;
     const double natural = fastest > 0 ? 0.05 / fastest : 0.01 * options_.duration;
@@ -538,15 +611,17 @@ class Simulation {
   std::vector<char> overrun_;
   int columns_ = 0;
   double limit_ = 0.0, taken_ = 0.0;
-  std::vector<double> breaks_;   // of the inputs, ascending
-  std::size_t next_ = 0;         // of these
-  std::size_t smooth_from_ = 0;  // node at the last break, or the last event of friction
-  std::size_t piece_from_ = 0;   // of the latter alone
-  double margin_ = 0.0;          // of friction at the last node
-  std::vector<double> held_by_;  // sensitivities of the values at which friction is held
-  double fastest_ = 0.0;         // rate of change at the start, 1/s
-  std::vector<double> node_;     // coordinates at the last node
-  std::vector<double> pivot_;    // per node
+  std::vector<MotionInput> inputs_;  // of the options and the scene
+  std::vector<double> breaks_;       // of the inputs, ascending
+  std::vector<double> jumps_;        // those at which one jumps
+  std::size_t next_ = 0;             // of these
+  std::size_t smooth_from_ = 0;      // node at the last break, or the last event of friction
+  std::size_t piece_from_ = 0;       // of the latter alone
+  double margin_ = 0.0;              // of friction at the last node
+  std::vector<double> held_by_;      // sensitivities of the values at which friction is held
+  double fastest_ = 0.0;             // rate of change at the start, 1/s
+  std::vector<double> node_;         // coordinates at the last node
+  std::vector<double> pivot_;        // per node
   std::vector<double> y_, dydt_, y_new_, dydt_new_, error_;
   std::unique_ptr<ReducedSystem> system_;
   std::unique_ptr<solvers::RungeKutta78> stepper_;

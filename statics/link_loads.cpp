@@ -87,6 +87,17 @@ class Line {
     }
     return best;
   }
+  /// Square of the radius of gyration about the centroid.
+  double gyration() const {
+    const Vec2 middle = centroid();
+    double sum = 0.0;
+    for (std::size_t k = 0; k < stretches(); ++k) {
+      const double step = s_[k + 1] - s_[k];
+      const Vec2 from_middle = 0.5 * (corners_[k] + corners_[k + 1]) - middle;
+      sum += step / length() * (dot(from_middle, from_middle) + step * step / 12);
+    }
+    return sum;
+  }
   Vec2 centroid() const {
     Vec2 sum{};
     for (std::size_t k = 0; k < stretches(); ++k) {
@@ -106,8 +117,33 @@ class Actions {
   Actions(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Line& line, LinkLoads& out)
       : scene_(scene), poses_(poses), pose_(poses[static_cast<std::size_t>(out.frame)]), line_(line), out_(out) {}
 
+  /// The weight, and what the motion adds to it.
+  void add_mass(const BodyAcceleration* motion) {
+    if (motion == nullptr) return add_weight();
+    const Body& body = scene_.bodies[static_cast<std::size_t>(out_.frame)];
+    const Vec2 fall = turned_back(scene_.gravity - motion->of_origin);
+    // Weight less inertia force, per mass, at a place of the body's frame.
+    const auto per_mass = [&](Vec2 at) {
+      return fall - motion->turning * quarter_turn(at) + (motion->rate * motion->rate) * at;
+    };
+    const double gyration = line_.gyration();
+    if (is_near(line_.centroid(), body.center)) out_.spread = std::min(body.mass, body.inertia / gyration);
+    // What is left by rounding is none.
+    const double left = body.mass - out_.spread;
+    const double lumped = left > same_place * body.mass ? left : 0.0;
+    const double turning = body.inertia - out_.spread * gyration;
+    const double couple = turning > same_place * body.inertia ? -turning * motion->turning : 0.0;
+    const double density = out_.spread / line_.length();
+    for (std::size_t k = 0; density > 0.0 && k < line_.stretches(); ++k) {
+      const double from = line_.stations()[k], to = line_.stations()[k + 1];
+      const Vec2 first = per_mass(line_.at(from)), second = per_mass(line_.at(from) + (to - from) * line_.along(k));
+      out_.line_actions.push_back(
+          {"weight and inertia", from, to, density * first, (density / (to - from)) * (second - first)});
+    }
+    act("weight and inertia", body.center, lumped * per_mass(body.center), couple);
+  }
+
   void add_loads() {
-    add_weight();
     for (const Force& force : scene_.forces) {
       if (force.at.body == out_.frame && !(force.vector == Vec2{})) add_force(force);
     }
@@ -123,11 +159,15 @@ class Actions {
     }
   }
 
-  void add_elements(const std::vector<ElementForce>& forces) {
+  void add_elements(const std::vector<double>& forces) {
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
       const Element& element = scene_.elements[e];
-      add_efforts(element.family() + " " + element.name, element.on, -forces[e].value);
+      add_efforts(element.family() + " " + element.name, element.on, -forces[e]);
     }
+  }
+
+  void add_drives(const std::vector<MeasureEffort>& efforts) {
+    for (const MeasureEffort& effort : efforts) add_efforts("drive " + effort.name, effort.on, effort.value);
   }
 
   void add_reaction(const Reaction& reaction) {
@@ -205,7 +245,7 @@ class Actions {
   }
 
   void add_along(const std::string& name, double from, double to, Vec2 per_length) {
-    out_.line_actions.push_back({name, from, to, per_length});
+    out_.line_actions.push_back({name, from, to, per_length, {}});
   }
 
   void add_force(const Force& force) {
@@ -293,9 +333,19 @@ double largest_force(const LinkLoads& loads) {
     largest = std::max({largest, norm(action.force), std::abs(action.moment) / loads.length});
   }
   for (const LineAction& action : loads.line_actions) {
-    largest = std::max(largest, norm(action.per_length) * (action.to - action.from));
+    const Vec2 last = action.per_length + (action.to - action.from) * action.slope;
+    largest = std::max(largest, std::max(norm(action.per_length), norm(last)) * (action.to - action.from));
   }
   return largest;
+}
+
+double shear_over(const LinkPiece& piece, double x) {
+  return piece.shear + x * (piece.shear_slope + 0.5 * x * piece.shear_bend);
+}
+
+/// Integral of shear_over.
+double moment_over(const LinkPiece& piece, double x) {
+  return piece.moment + x * (piece.shear + x * (piece.shear_slope / 2 + x * piece.shear_bend / 6));
 }
 
 /// Sums what acts along the line.
@@ -313,9 +363,11 @@ void find_pieces(const Line& line, LinkLoads& loads) {
     if (k + 1 == breaks.size()) break;
     const double step = breaks[k + 1] - s;
     const Vec2 along = line.along(line.stretch_at(s)), left = quarter_turn(along);
-    Vec2 even{};
+    Vec2 even{}, slope{};
     for (const LineAction& action : loads.line_actions) {
-      if (action.from <= s && s < action.to) even += action.per_length;
+      if (!(action.from <= s && s < action.to)) continue;
+      even += action.per_length + (s - action.from) * action.slope;
+      slope += action.slope;
     }
     LinkPiece piece{.from = s, .to = breaks[k + 1], .at = line.at(s), .along = along};
     piece.normal = -dot(before, along);
@@ -323,21 +375,26 @@ void find_pieces(const Line& line, LinkLoads& loads) {
     piece.moment = -moment;
     piece.normal_slope = -dot(even, along);
     piece.shear_slope = dot(even, left);
+    piece.normal_bend = -dot(slope, along);
+    piece.shear_bend = dot(slope, left);
     loads.pieces.push_back(piece);
-    moment -= step * (piece.shear + 0.5 * step * piece.shear_slope);
-    before += step * even;
+    moment -= moment_over(piece, step) - piece.moment;
+    before += step * (even + (0.5 * step) * slope);
   }
   const double largest = largest_force(loads);
   loads.imbalance = largest > 0.0 ? std::max(norm(before), std::abs(moment) / loads.length) / largest : 0.0;
 }
 
 double turn_over(const LinkPiece& piece, double stiffness, double x) {
-  return x * (piece.moment + x * (piece.shear / 2 + x * piece.shear_slope / 6)) / stiffness;
+  return x * (piece.moment + x * (piece.shear / 2 + x * (piece.shear_slope / 6 + x * piece.shear_bend / 24))) /
+         stiffness;
 }
 
 /// Integral of turn_over.
 double rise_over(const LinkPiece& piece, double stiffness, double x) {
-  return x * x * (piece.moment / 2 + x * (piece.shear / 6 + x * piece.shear_slope / 24)) / stiffness;
+  return x * x *
+         (piece.moment / 2 + x * (piece.shear / 6 + x * (piece.shear_slope / 24 + x * piece.shear_bend / 120))) /
+         stiffness;
 }
 
 /// Integrates the curvature, first with the first end clamped, and then turns the line so that its ends stay on the
@@ -374,26 +431,37 @@ void enlarge(LargestOnLink& largest, double value, double s) {
   if (std::abs(value) > std::abs(largest.value)) largest = {value, s};
 }
 
-/// Where the line of a piece does not turn: its displacement may be largest there. Its slope, the curvature, is
-/// quadratic, so that the turn is monotonic between the roots of that.
-std::vector<double> level_places(const LinkPiece& piece, double stiffness) {
-  const double end = piece.to - piece.from;
-  std::vector<double> bounds = roots_within(piece.moment, piece.shear, piece.shear_slope / 2, end);
-  bounds.insert(bounds.begin(), 0.0);
-  bounds.push_back(end);
+/// Where f, monotonic between ascending bounds, changes its sign.
+template <class F>
+std::vector<double> crossings(const std::vector<double>& bounds, F f) {
   std::vector<double> out;
-  const auto turn = [&](double x) { return piece.turn + turn_over(piece, stiffness, x); };
   for (std::size_t k = 0; k + 1 < bounds.size(); ++k) {
     double low = bounds[k], high = bounds[k + 1];
-    if ((turn(low) > 0.0) == (turn(high) > 0.0)) continue;
-    const bool rises = turn(high) > 0.0;
+    if ((f(low) > 0.0) == (f(high) > 0.0)) continue;
+    const bool rises = f(high) > 0.0;
     while (low < 0.5 * (low + high) && 0.5 * (low + high) < high) {
       const double middle = 0.5 * (low + high);
-      ((turn(middle) > 0.0) == rises ? high : low) = middle;
+      ((f(middle) > 0.0) == rises ? high : low) = middle;
     }
     out.push_back(low);
   }
   return out;
+}
+
+/// Where the line of a piece does not turn: its displacement may be largest there. Its slope is the curvature, whose
+/// own slope is the shear force, quadratic: each is monotonic between the places where the next one vanishes.
+std::vector<double> level_places(const LinkPiece& piece, double stiffness) {
+  const double end = piece.to - piece.from;
+  const auto with_ends = [&](std::vector<double> inside) {
+    inside.insert(inside.begin(), 0.0);
+    inside.push_back(end);
+    return inside;
+  };
+  const std::vector<double> level_moment =
+      with_ends(roots_within(piece.shear, piece.shear_slope, piece.shear_bend / 2, end));
+  const std::vector<double> straight =
+      with_ends(crossings(level_moment, [&](double x) { return moment_over(piece, x); }));
+  return crossings(straight, [&](double x) { return piece.turn + turn_over(piece, stiffness, x); });
 }
 
 void take_largest(LinkLoads& loads, const LinkState& state, double s) {
@@ -416,11 +484,14 @@ void find_largest(LinkLoads& loads) {
     const double end = piece.to - piece.from;
     look_at(piece, 0.0);
     look_at(piece, end);
-    for (const double x : roots_within(piece.shear, piece.shear_slope, 0.0, end)) look_at(piece, x);
+    for (const double x : roots_within(piece.shear, piece.shear_slope, piece.shear_bend / 2, end)) look_at(piece, x);
+    for (const double x : roots_within(piece.shear_slope, piece.shear_bend, 0.0, end)) look_at(piece, x);
+    for (const double x : roots_within(piece.normal_slope, piece.normal_bend, 0.0, end)) look_at(piece, x);
     for (const double fibre : {-section.to_left(), section.to_right()}) {
       const double by_shear = fibre / section.second_moment;
       const double slope = piece.normal_slope / section.area + piece.shear * by_shear;
-      for (const double x : roots_within(slope, piece.shear_slope * by_shear, 0.0, end)) look_at(piece, x);
+      const double bend = piece.normal_bend / section.area + piece.shear_slope * by_shear;
+      for (const double x : roots_within(slope, bend, piece.shear_bend / 2 * by_shear, end)) look_at(piece, x);
     }
     for (const double x : level_places(piece, stiffness_of(section))) look_at(piece, x);
   }
@@ -448,7 +519,8 @@ std::optional<double> buckling_factor(const Scene& scene, const LinkLoads& loads
   return std::numbers::pi * std::numbers::pi * stiffness_of(loads.section) / (pressed * pressed) / -force;
 }
 
-LinkLoads rigid_link(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check, int body) {
+LinkLoads rigid_link(const Scene& scene, const std::vector<BodyPose<double>>& poses, const ForcesInMotion& forces,
+                     int body) {
   const Body& link = scene.bodies[static_cast<std::size_t>(body)];
   LinkLoads out;
   out.name = link.name;
@@ -457,9 +529,11 @@ LinkLoads rigid_link(const Scene& scene, const std::vector<BodyPose<double>>& po
   const Line line(link);
   out.length = line.length();
   Actions actions(scene, poses, line, out);
+  actions.add_mass(forces.accelerations.empty() ? nullptr : &forces.accelerations[static_cast<std::size_t>(body)]);
   actions.add_loads();
-  actions.add_elements(check.element_forces);
-  for (const Reaction& reaction : check.reactions) actions.add_reaction(reaction);
+  actions.add_elements(forces.element_forces);
+  actions.add_drives(forces.efforts);
+  for (const Reaction& reaction : forces.reactions) actions.add_reaction(reaction);
   actions.expect_joints_on_line();
   find_pieces(line, out);
   if (!(out.imbalance <= rounding)) {
@@ -577,14 +651,35 @@ LinkLoads flexible_link(const Scene& scene, const std::vector<BodyPose<double>>&
   return out;
 }
 
+template <class Find>
+void add_or_refuse(std::vector<LinkLoads>& out, const std::string& name, Find find) {
+  try {
+    out.push_back(find());
+  } catch (const Refusal& refusal) {
+    LinkLoads& refused = out.emplace_back();
+    refused.name = name;
+    refused.why = refusal.why;
+  }
+}
+
+std::vector<LinkLoads> rigid_links(const Scene& scene, const std::vector<BodyPose<double>>& poses,
+                                   const ForcesInMotion& forces) {
+  std::vector<LinkLoads> out;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    if (!scene.bodies[i].section) continue;
+    add_or_refuse(out, scene.bodies[i].name, [&] { return rigid_link(scene, poses, forces, static_cast<int>(i)); });
+  }
+  return out;
+}
+
 }  // namespace
 
 LinkState LinkLoads::at(const LinkPiece& piece, double s) const {
   const double x = s - piece.from, stiffness = stiffness_of(section);
   LinkState out;
-  out.normal = piece.normal + x * piece.normal_slope;
-  out.shear = piece.shear + x * piece.shear_slope;
-  out.moment = piece.moment + x * (piece.shear + 0.5 * x * piece.shear_slope);
+  out.normal = piece.normal + x * (piece.normal_slope + 0.5 * x * piece.normal_bend);
+  out.shear = shear_over(piece, x);
+  out.moment = moment_over(piece, x);
   set_stresses(section, out);
   out.at = piece.at + x * piece.along;
   out.turn = piece.turn + turn_over(piece, stiffness, x);
@@ -609,22 +704,22 @@ bool has_links(const Scene& scene) {
 }
 
 std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check) {
-  std::vector<LinkLoads> out;
-  const auto add = [&](const std::string& name, auto&& find) {
-    try {
-      out.push_back(find());
-    } catch (const Refusal& refusal) {
-      LinkLoads& refused = out.emplace_back();
-      refused.name = name;
-      refused.why = refusal.why;
-    }
-  };
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    if (!scene.bodies[i].section) continue;
-    add(scene.bodies[i].name, [&] { return rigid_link(scene, poses, check, static_cast<int>(i)); });
-  }
+  ForcesInMotion at_rest{.element_forces = {}, .reactions = check.reactions, .efforts = {}, .accelerations = {}};
+  for (const ElementForce& force : check.element_forces) at_rest.element_forces.push_back(force.value);
+  std::vector<LinkLoads> out = rigid_links(scene, poses, at_rest);
   for (const FlexibleLink& link : scene.flexible_links) {
-    add(link.name, [&] { return flexible_link(scene, poses, check, link); });
+    add_or_refuse(out, link.name, [&] { return flexible_link(scene, poses, check, link); });
+  }
+  return out;
+}
+
+std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses,
+                                  const ForcesInMotion& forces) {
+  std::vector<LinkLoads> out = rigid_links(scene, poses, forces);
+  for (const FlexibleLink& link : scene.flexible_links) {
+    add_or_refuse(out, link.name, [&]() -> LinkLoads {
+      throw Refusal{"it bends, and in motion only rigid links have internal loads"};
+    });
   }
   return out;
 }

@@ -32,11 +32,14 @@ struct LinkAction {
   double arm = 0.0;     ///< m: how far from the line it acts, through a rigid arm at the nearest point; 0 on the line
 };
 
-/// What acts along a straight part of the line.
+/// What acts along a straight part of the line: per_length + (s - from) slope.
 struct LineAction {
   std::string name;
   double from = 0.0, to = 0.0;  ///< s, m
   Vec2 per_length{};            ///< N/m
+  Vec2 slope{};                 ///< N/m^2; 0 of all but inertia
+
+  Vec2 whole() const { return (to - from) * (per_length + (0.5 * (to - from)) * slope); }
 };
 
 /// What is inside of a link, and what becomes of it, at one place.
@@ -47,12 +50,13 @@ struct LinkState {
   double turn = 0.0;                               ///< rad: of the line's direction
 };
 
-/// A straight part of the line on which nothing but even loads acts. x = s - from; all values at x = 0.
+/// A straight part of the line on which nothing but even loads, and inertia, acts. x = s - from; all values at x = 0.
 struct LinkPiece {
   double from = 0.0, to = 0.0;  ///< s, m
   Vec2 at{}, along{};           ///< place, m, and direction t
   double normal = 0.0, shear = 0.0, moment = 0.0;
   double normal_slope = 0.0, shear_slope = 0.0;  ///< N/m
+  double normal_bend = 0.0, shear_bend = 0.0;    ///< N/m^2: second derivatives
   double turn = 0.0;
   Vec2 deflection{};
 };
@@ -78,6 +82,7 @@ struct LinkLoads {
   /// Why nothing is said of this link: one sentence. Then all that follows is empty.
   std::string why;
   double length = 0.0;  ///< of the line, m
+  double spread = 0.0;  ///< kg: of a link in motion, the mass along its line; the rest is at the centre of mass
   std::vector<LinkAction> actions;
   std::vector<LineAction> line_actions;
   std::vector<LinkPiece> pieces;  ///< of a rigid link
@@ -104,6 +109,28 @@ struct LinkLoads {
   std::vector<LinkSample> sampled(int parts) const;
 };
 
+/// How the frame of a body is accelerated, in the world.
+struct BodyAcceleration {
+  Vec2 of_origin{};      ///< m/s^2
+  double rate = 0.0;     ///< rad/s
+  double turning = 0.0;  ///< rad/s^2
+};
+
+/// The effort of a drive, N or N m, positive where it tends to increase the measure.
+struct MeasureEffort {
+  std::string name;
+  Measure on;
+  double value = 0.0;
+};
+
+/// All forces on bodies in motion, and that motion.
+struct ForcesInMotion {
+  std::vector<double> element_forces;  ///< N or N m, per element: positive if it tends to reduce its measure
+  std::vector<Reaction> reactions;
+  std::vector<MeasureEffort> efforts;
+  std::vector<BodyAcceleration> accelerations;  ///< per body of the scene
+};
+
 /// Whether a scene has links with a section.
 bool has_links(const Scene& scene);
 
@@ -112,6 +139,20 @@ bool has_links(const Scene& scene);
 /// force, where three joints or more are not all on its line, where a distributed load leaves the line, where a moment
 /// enters it at no known place, or where the sum along the line does not vanish.
 std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check);
+
+/// The same of bodies in motion, by d'Alembert's principle: each part of a link carries its weight and the inertia
+/// force
+/// - dm a. Of a rigid link of mass m and moment of inertia I about its centre of mass, whose line of length l has the
+/// radius of gyration k about its middle, the mass is taken
+///
+///   spread evenly along the line, m_s = min(m, I / k^2), where the centre of mass is the middle of the line, and
+///   as a mass m - m_s with the moment of inertia I - m_s k^2 at the centre of mass, which is rigidly attached to the
+///   nearest place of the line; all of it where the centre of mass is not the middle
+///
+/// so that mass, centre and moment of inertia are those of the body. With a the acceleration of a place, linear along
+/// each straight part, N and V are quadratic there and M is cubic. Nothing is said of flexible links.
+std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses,
+                                  const ForcesInMotion& forces);
 
 /// Where internal loads are wanted: the equilibrium that solve() finds, or, where nothing can move (a structure), the
 /// pose in which the joints close. Throws InputError where loops cannot be closed.

@@ -53,6 +53,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
       case Owner::number:
       case Owner::drive:
       case Owner::section:
+      case Owner::time:
       case Owner::start:
         break;
     }

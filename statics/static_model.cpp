@@ -6,10 +6,11 @@
 
 namespace poise {
 
-StaticModel::StaticModel(Scene scene) : ScaledModel(std::move(scene), Purpose::statics), problem_(mechanism()) {}
+StaticModel::StaticModel(Scene scene)
+    : ScaledModel(at_time(std::move(scene), 0.0), Purpose::statics), problem_(mechanism()) {}
 
 StaticModel::StaticModel(Scene scene, const Scales& scales, const Scene* also)
-    : ScaledModel(std::move(scene), Purpose::statics, scales, also), problem_(mechanism()) {}
+    : ScaledModel(at_time(std::move(scene), 0.0), Purpose::statics, scales, also), problem_(mechanism()) {}
 
 StaticModel::~StaticModel() = default;
 

@@ -10,7 +10,7 @@ namespace poise {
 
 struct BallMechanism;
 
-/// A scene compiled for statics.
+/// A scene compiled for statics: loads that follow functions of time have their value at t = 0, at_time().
 class StaticModel : public ScaledModel {
  public:
   /// Throws InputError if the scene contradicts itself.

@@ -50,6 +50,7 @@ Scene with_drives(Scene scene, const std::vector<std::string>& drives) {
   std::vector<Drive> wanted;
   for (const std::string& text : drives) wanted.push_back(find_drive(scene, text.substr(0, text.rfind('='))));
   scene.drives = std::move(wanted);
+  forget_functions_of_drives(scene);
   return scene;
 }
 
@@ -78,6 +79,12 @@ ForcesAnswer along_motion(const MotionModel& model, const std::string& file) {
           forces_along(model, samples.time, motion)};
 }
 
+/// How the pose of the scene's start is taken.
+std::string in_place(const Scene& scene) {
+  const std::string pose = "held still as the scene's start assembles it";
+  return scene.time_functions.empty() ? pose : pose + ", at t = 0 s";
+}
+
 int run_forces(const ForcesRequest& request, const Palette& palette) {
   check(request);
   const bool has_chart =
@@ -86,15 +93,14 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   if (!request.common.svg.empty() && has_chart) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
-  const MotionModel model(with_drives(load_scene(request.common), request.drives));
+  const MotionModel model(with_drives(load_moving_scene(request.common), request.drives));
   const Scene& scene = model.scene();
   OutputFiles files(request.common);
   const bool driven = !request.drives.empty() && has_range(request.drives.front());
   progress.now("balancing the bodies");
-  const ForcesAnswer answer = driven ? over_range(model, request)
-                              : request.motion.empty()
-                                  ? ForcesAnswer{"held still as the scene's start assembles it", forces_in_place(model)}
-                                  : along_motion(model, request.motion);
+  const ForcesAnswer answer = driven                   ? over_range(model, request)
+                              : request.motion.empty() ? ForcesAnswer{in_place(scene), forces_in_place(model)}
+                                                       : along_motion(model, request.motion);
   const ForcesAlong& found = answer.found;
   const Result result = forces_result(model, answer, request.common.settings);
   const bool any = !found.poses.empty();

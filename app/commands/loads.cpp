@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
@@ -19,10 +21,53 @@ struct LoadsRequest {
   std::string seek = "settle";
   std::optional<double> proof_seconds;
   int steps = 10;
+  std::optional<double> time;
 };
+
+void expect_links(const Scene& scene) {
+  if (has_links(scene)) return;
+  throw InputError(scene.file +
+                   ": expected a body with a section; add [body.NAME.section] with profile = \"IPE 80\" and modulus");
+}
+
+/// At a time of the motion that the drives and loads make of the scene's start.
+int run_in_motion(const LoadsRequest& request, const Palette& palette) {
+  expect_number("--time", *request.time, *request.time >= 0, "a time in s, 0 or more");
+  if (request.proof_seconds || request.seek != LoadsRequest().seek) {
+    throw InputError("--time: in motion no equilibrium is sought; leave out --seek and --proof-seconds");
+  }
+  Progress progress;
+  progress.now("reading the scene");
+  const MotionModel model(load_moving_scene(request.common));
+  expect_links(model.scene());
+  if (!model.scene().flexible_links.empty()) {
+    throw InputError(
+        fmt::format("{}: \"{}\" bends, and in motion only rigid links have internal loads; expected no "
+                    "flexible = true with --time",
+                    model.scene().file, model.scene().flexible_links.front().name));
+  }
+  OutputFiles files(request.common);
+  MotionOptions options;
+  options.interrupt = &watch_for_interrupt();
+  progress.now("moving");
+  const MovingLoadsAnswer answer{*request.time,
+                                 loads_in_motion(model, start_motion(model, {}), *request.time, options)};
+  const LoadsInMotion& found = answer.found;
+  const Result result = loads_result(model, answer, request.steps, request.common.settings);
+  Pictures pictures;
+  const bool drawn = found.why.empty();
+  if (files.wants_svg() && drawn) {
+    pictures.svg = loads_picture(model.scene(), found.poses, found.links, result.verdict.text, answer.is_complete());
+  }
+  if (files.wants_html() && drawn) {
+    pictures.figures = {loads_figure(model.scene(), found.poses, found.links, answer.is_complete())};
+  }
+  return finish(request.common, result, &files, pictures, answer.is_complete(), progress, palette);
+}
 
 int run_loads(const LoadsRequest& request, const Palette& palette) {
   expect_between("--steps", request.steps, 1, 1000);
+  if (request.time) return run_in_motion(request, palette);
   SolveOptions options;
   options.seek = read_seek(request.seek);
   options.certificate = read_proof(request.proof_seconds);
@@ -30,10 +75,7 @@ int run_loads(const LoadsRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   const Scene& scene = model.scene();
-  if (!has_links(scene)) {
-    throw InputError(scene.file +
-                     ": expected a body with a section; add [body.NAME.section] with profile = \"IPE 80\" and modulus");
-  }
+  expect_links(scene);
   OutputFiles files(request.common);
   options.interrupt = &watch_for_interrupt();
   progress.now("solving");
@@ -45,9 +87,10 @@ int run_loads(const LoadsRequest& request, const Palette& palette) {
   Pictures pictures;
   const bool confirmed = answer.is_complete();
   if (files.wants_svg() && stands) {
-    pictures.svg = loads_picture(model, equilibrium.x, answer.links, result.verdict.text, confirmed);
+    pictures.svg = loads_picture(scene, model.poses(equilibrium.x), answer.links, result.verdict.text, confirmed);
   }
-  if (files.wants_html() && stands) pictures.figures = {loads_figure(model, equilibrium.x, answer.links, confirmed)};
+  if (files.wants_html() && stands)
+    pictures.figures = {loads_figure(scene, model.poses(equilibrium.x), answer.links, confirmed)};
   const bool interrupted = equilibrium.status == Status::interrupted;
   return finish(request.common, result, interrupted ? nullptr : &files, pictures, confirmed, progress, palette);
 }
@@ -60,6 +103,9 @@ Command loads_command() {
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
   command.add({"--steps", &request->steps, "N", "Equal parts of each piece of a diagram in JSON and CSV (10)"});
+  command.add({"--time", &request->time, "S",
+               "In motion, S seconds after the scene's start, with the inertia of\nthe links (without it: at rest in "
+               "the equilibrium)"});
   add_proof_option(command, request->proof_seconds);
   add_output_options(
       command, request->common,

@@ -101,7 +101,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
-  const MotionModel model(load_scene(request.common));
+  const MotionModel model(load_moving_scene(request.common));
   expect_record_of_a_size(request, model);
   OutputFiles files(request.common);
   const std::atomic<bool>& interrupt = watch_for_interrupt();
@@ -115,7 +115,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   MotionAnswer answer;
   answer.start = words_of(origin);
   const std::vector<Displacement> displaced = read_displacements(request, model, answer.start);
-  if (displaced.empty() && origin.q && model.scene().drives.empty())
+  if (displaced.empty() && origin.q && model.scene().drives.empty() && model.scene().time_functions.empty())
     answer.start += "; already at equilibrium, use --release to displace it";
   answer.duration = request.duration;
   answer.accuracy = request.accuracy;

@@ -38,7 +38,9 @@ bool same_file(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, unknown) || fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
 }
 
-Scene load_scene(const Request& request) {
+Scene load_scene(const Request& request) { return at_time(load_moving_scene(request), 0.0); }
+
+Scene load_moving_scene(const Request& request) {
   Scene scene = read_scene(request.scene);
   for (const std::string& setting : request.settings) set_parameter(scene, setting);
   return scene;

@@ -21,6 +21,8 @@
 namespace poise::app {
 
 /// Reads the scene and puts the settings into it. Throws InputError.
+Scene load_moving_scene(const Request& request);
+/// The same at the time t = 0, as at_time().
 Scene load_scene(const Request& request);
 
 /// Whether two paths name one file, of files that do not exist by their words.

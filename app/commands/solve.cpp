@@ -1,8 +1,10 @@
 #include "app/results/statics/solve.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
@@ -17,7 +19,23 @@ struct SolveRequest {
   Request common;
   std::string method = "virtual-work", seek = "settle";
   std::optional<double> proof_seconds;
+  std::optional<double> time;
 };
+
+/// The scene at the time asked for. Throws InputError where nothing of it depends on time.
+Scene scene_at_time(const SolveRequest& request) {
+  Scene scene = load_moving_scene(request.common);
+  if (!request.time) return at_time(std::move(scene), 0.0);
+  expect_number("--time", *request.time, true, "a time, s");
+  const bool has_loads = std::any_of(scene.time_functions.begin(), scene.time_functions.end(),
+                                     [](const auto& one) { return one.of != TimeFunction::Of::drive; });
+  if (!has_loads) {
+    throw InputError(
+        "--time: no load of the scene follows a function of time; expected one with the key time, or no "
+        "--time");
+  }
+  return at_time(std::move(scene), *request.time);
+}
 
 int run_solve(const SolveRequest& words, const Palette& palette) {
   const Request& request = words.common;
@@ -28,7 +46,7 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
 
   Progress progress;
   progress.now("reading the scene");
-  const StaticModel model(load_scene(request));
+  const StaticModel model(scene_at_time(words));
   OutputFiles files(request);
   options.interrupt = &watch_for_interrupt();
   const Answer answer = search(model, options, progress);
@@ -53,6 +71,7 @@ Command solve_command() {
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
   command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()});
+  command.add({"--time", &request->time, "S", "Time at which loads that follow functions of time are taken (0)"});
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism in equilibrium, with loads and joint forces, into\nFILE"});

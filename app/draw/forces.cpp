@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
@@ -163,6 +167,18 @@ void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
   draw_force(stage, at, leaving(stage, at, effort.value * unit.force), text, ink::drive, 2.0, "");
 }
 
+/// "P = 3 N"; of a load that follows a function of time "P(t) = c(t) 3 N", or at one time "P(t = 0 s) = 3 N".
+std::string load_text(const Stage& stage, TimeFunction::Of of, int item, const std::string& name,
+                      const std::string& value) {
+  const auto is_own = [&](const TimeFunction& one) { return one.of == of && one.item == item; };
+  const std::vector<TimeFunction>& functions = stage.scene.time_functions;
+  if (std::any_of(functions.begin(), functions.end(), is_own)) return name + "(t) = c(t) " + value;
+  for (const HeldLoad& held : stage.scene.held_loads) {
+    if (held.name == name) return fmt::format("{}(t = {} s) = {}", name, held.time, value);
+  }
+  return name + " = " + value;
+}
+
 /// A row of arrows that end on the line of a distributed load, with a line along their tails.
 void draw_distributed(Stage& stage, const Force& force, Vec2 now, bool named) {
   constexpr double length = 20.0, spacing = 16.0;
@@ -181,7 +197,10 @@ void draw_distributed(Stage& stage, const Force& force, Vec2 now, bool named) {
   stage.setter.avoid(a + back, b + back, 4.0);
   stage.setter.avoid(a + 0.5 * back, b + 0.5 * back, length);
   const Vec2 middle = 0.5 * (a + b) + back;
-  if (named) stage.label(force.name + " = " + text, middle, (1 / length) * back, 4, ink::load);
+  const auto item = static_cast<int>(&force - stage.scene.forces.data());
+  if (named)
+    stage.label(load_text(stage, TimeFunction::Of::force, item, force.name, text), middle, (1 / length) * back, 4,
+                ink::load);
   stage.signs.insert(Sign::load);
 }
 
@@ -202,7 +221,10 @@ void draw_loads(Stage& stage) {
     const Vec2 at = stage.page(force.at);
     stage.canvas.item("load " + force.name, stage.value(size, Quantity::force));
     std::string text;
-    if (named) text = force.name + " = " + stage.value(size, Quantity::force);
+    if (named) {
+      text = load_text(stage, TimeFunction::Of::force, static_cast<int>(&force - stage.scene.forces.data()), force.name,
+                       stage.value(size, Quantity::force));
+    }
     if (named && force.follows >= 0) text += ", follows " + stage.scene.bodies[force.follows].name;
     draw_force(stage, at, place_load(stage, at, now), text, ink::load, 2.4, "");
     stage.signs.insert(Sign::load);
@@ -211,7 +233,9 @@ void draw_loads(Stage& stage) {
     if (torque.value == 0.0 || torque.body == 0) continue;
     stage.canvas.item("torque " + torque.name, stage.value(torque.value, Quantity::moment));
     const std::string text =
-        named ? torque.name + " = " + stage.value(std::abs(torque.value), Quantity::moment) : std::string();
+        named ? load_text(stage, TimeFunction::Of::torque, static_cast<int>(&torque - stage.scene.torques.data()),
+                          torque.name, stage.value(std::abs(torque.value), Quantity::moment))
+              : std::string();
     draw_turning(stage, held_at(stage, torque.body), 24.0, torque.value, text, ink::load, 2.2);
     stage.signs.insert(Sign::load);
   }

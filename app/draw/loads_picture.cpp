@@ -82,11 +82,9 @@ struct Titled {
   MechanismPicture picture;
 };
 
-std::vector<Titled> pictures_of(const StaticModel& model, const std::vector<double>& x,
-                                const std::vector<LinkLoads>& all) {
+std::vector<Titled> pictures_of(const Poses& poses, const std::vector<LinkLoads>& all) {
   std::vector<LinkLoads> links;
   std::copy_if(all.begin(), all.end(), std::back_inserter(links), [](const LinkLoads& l) { return l.why.empty(); });
-  const Poses poses = model.poses(x);
   std::vector<Titled> out;
   for (const Drawn& drawn : drawn_quantities) {
     out.push_back({drawn.title, picture_of_quantity(poses, links, drawn)});
@@ -100,24 +98,23 @@ std::vector<Titled> pictures_of(const StaticModel& model, const std::vector<doub
 
 }  // namespace
 
-std::string loads_picture(const StaticModel& model, const std::vector<double>& x, const std::vector<LinkLoads>& links,
+std::string loads_picture(const Scene& scene, const Poses& poses, const std::vector<LinkLoads>& links,
                           const std::string& heading, bool confirmed) {
   std::string out;
-  for (Titled& one : pictures_of(model, x, links)) {
+  for (Titled& one : pictures_of(poses, links)) {
     one.picture.heading = one.title + ". " + heading;
     one.picture.confirmed = confirmed;
-    const std::string document = draw_mechanism(model.scene(), one.picture);
+    const std::string document = draw_mechanism(scene, one.picture);
     out = out.empty() ? document : stacked(out, document);
   }
   return out;
 }
 
-Figure loads_figure(const StaticModel& model, const std::vector<double>& x, const std::vector<LinkLoads>& links,
-                    bool confirmed) {
+Figure loads_figure(const Scene& scene, const Poses& poses, const std::vector<LinkLoads>& links, bool confirmed) {
   std::vector<Position> positions;
-  for (Titled& one : pictures_of(model, x, links)) {
+  for (Titled& one : pictures_of(poses, links)) {
     Position& position = positions.emplace_back();
-    position.scene = &model.scene();
+    position.scene = &scene;
     position.picture = std::move(one.picture);
     position.picture.heading = one.title;
     position.picture.confirmed = confirmed;

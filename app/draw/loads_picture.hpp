@@ -4,17 +4,17 @@
 #include <vector>
 
 #include "app/draw/figure.hpp"
+#include "app/draw/mechanism.hpp"
 #include "statics/link_loads.hpp"
 
 namespace poise::app {
 
 /// Normal force, shear force, bending moment and deflection of links, each drawn on the mechanism, one picture below
 /// the other, as an SVG document. `heading` is the verdict, a warning where it is not `confirmed`.
-std::string loads_picture(const StaticModel& model, const std::vector<double>& x, const std::vector<LinkLoads>& links,
+std::string loads_picture(const Scene& scene, const Poses& poses, const std::vector<LinkLoads>& links,
                           const std::string& heading, bool confirmed);
 
 /// The same pictures side by side.
-Figure loads_figure(const StaticModel& model, const std::vector<double>& x, const std::vector<LinkLoads>& links,
-                    bool confirmed);
+Figure loads_figure(const Scene& scene, const Poses& poses, const std::vector<LinkLoads>& links, bool confirmed);
 
 }  // namespace poise::app

@@ -56,6 +56,14 @@ void add_values(Group& group, const StaticModel& model, const std::string& title
   table.remarks(each(rows.places, remark), Tone::faint);
 }
 
+void add_held_loads(Group& content, const Scene& scene) {
+  content.list("held_loads", "Loads that follow functions of time, held at one time",
+               each(scene.held_loads, [](const HeldLoad& held) {
+                 return fmt::format("{}: a {}, at t = {} s {:.6g} times what the scene gives", held.name, held.kind,
+                                    held.time, held.factor);
+               }));
+}
+
 }  // namespace
 
 Result scene_result(const Scene& scene, const std::vector<std::string>& settings) {
@@ -68,6 +76,7 @@ Result scene_result(const Scene& scene, const std::vector<std::string>& settings
   of_scene.data("source", scene.source);
   of_scene.data("set", settings);
   add_units(out.content, scene.units);
+  add_held_loads(out.content, scene);
   return out;
 }
 

@@ -72,6 +72,15 @@ void move_expressions(Scene& scene, const AllItems& all, const std::set<std::str
   scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(left));
 }
 
+/// Functions of time of loads that are left, at their new places; no expressions follow them.
+void move_functions(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
+  for (TimeFunction& function : scene.time_functions) {
+    if (function.of == TimeFunction::Of::drive) continue;
+    function.item = place_left(function.of == TimeFunction::Of::force ? all.forces : all.torques, function.item, off);
+  }
+  std::erase_if(scene.time_functions, [](const TimeFunction& function) { return function.item < 0; });
+}
+
 /// Springs of flexible links that are left, at their new places.
 void move_springs(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
   for (FlexibleLink& link : scene.flexible_links) {
@@ -99,6 +108,7 @@ Scene without_items(Scene scene, const std::set<std::string>& off) {
   remove(scene.forces, all.forces, off);
   remove(scene.torques, all.torques, off);
   move_expressions(scene, all, off);
+  move_functions(scene, all, off);
   move_springs(scene, all, off);
   return scene;
 }

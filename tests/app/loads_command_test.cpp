@@ -72,6 +72,31 @@ vector = [5, 0]
   EXPECT_NE(found["without"][0]["why"].get<std::string>().find("weld left"), std::string::npos);
 }
 
+// A bar that falls about its foot: |M| is largest at a third of its length, m g l cos(a)/27 there.
+TEST(LoadsCommand, InMotionCarriesInertia) {
+  const json found = loads_of(dataset("structures/falling_chimney"), 0, {"--time", "0"});
+  EXPECT_EQ(found["time"].get<double>(), 0.0);
+  const json& link = found["links"][0];
+  EXPECT_NEAR(std::abs(link["moment"].get<double>()), 90000 * 9.81 * 30 * std::cos(80 * M_PI / 180) / 27, 1e-6);
+  EXPECT_NEAR(link["moment_at"].get<double>(), 10, 1e-9);
+  const json later = loads_of(dataset("structures/falling_chimney"), 0, {"--time", "2.5"});
+  EXPECT_NEAR(later["links"][0]["moment_at"].get<double>(), 10, 1e-9);
+  EXPECT_LT(later["links"][0]["imbalance"].get<double>(), 1e-10);
+}
+
+TEST(LoadsCommand, InMotionRefusesWhatBelongsToStatics) {
+  const auto complaint = [](std::vector<std::string> words) {
+    const Outcome outcome = run_poise(words);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    return outcome.err;
+  };
+  const std::string chimney = dataset("structures/falling_chimney");
+  EXPECT_NE(complaint({"loads", chimney, "--time", "-1"}).find("--time"), std::string::npos);
+  EXPECT_NE(complaint({"loads", chimney, "--time", "1", "--seek", "any"}).find("no equilibrium is sought"),
+            std::string::npos);
+  EXPECT_NE(complaint({"loads", dataset("structures/elastica"), "--time", "1"}).find("bends"), std::string::npos);
+}
+
 TEST(LoadsCommand, NeedsASection) {
   const Outcome outcome = run_poise({"loads", dataset("toggle_clamp")});
   EXPECT_EQ(outcome.exit_code, 2);

@@ -110,6 +110,34 @@ TEST(MotionCommand, ReportsThatItIsAlreadyAtEquilibrium) {
   EXPECT_NE(run.out.find("already at equilibrium, use --release to displace it"), std::string::npos) << run.out;
 }
 
+// Shaken from its equilibrium: beats, whose largest places follow the closed form of the scene.
+TEST(MotionCommand, LoadsOfTimeShakeAMachine) {
+  const TempFolder folder;
+  const std::string csv = folder.path("record.csv").string();
+  const Outcome outcome = run_poise({"motion", dataset("forced_machine"), "--duration", "4", "--csv", csv});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(outcome.out.find("already at equilibrium"), std::string::npos);
+  const CsvTable record = read_csv(csv, {"time", "guide"});
+  const double w = std::sqrt(1000.0), W = 2 * M_PI * 4.8, r = W / w;
+  ASSERT_EQ(record.line.size(), 4001U);
+  for (std::size_t i = 0; i < record.line.size(); ++i) {
+    const double t = record.column("time")[i];
+    const double exact = -0.00981 + 32.0 / 20000 / (1 - r * r) * (std::sin(W * t) - r * std::sin(w * t));
+    EXPECT_NEAR(record.column("guide")[i], exact, 1e-9) << t;
+  }
+}
+
+TEST(MotionCommand, StaticsHasTheLoadsOfOneTime) {
+  const Outcome later = run_poise({"solve", dataset("forced_machine"), "--time", "0.0520833333333333"});
+  EXPECT_EQ(later.exit_code, 0) << later.err;
+  EXPECT_NE(later.out.find("F: a sine, at t = 0.0520833333333333 s 1 times what the scene gives"), std::string::npos)
+      << later.out;
+  EXPECT_NE(later.out.find("-0.00821"), std::string::npos) << later.out;
+  const Outcome none = run_poise({"solve", dataset("zeeman"), "--time", "1"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("--time: no load of the scene follows a function of time"), std::string::npos) << none.err;
+}
+
 TEST(MotionCommand, StartsWhereAssembledOnRequest) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();

@@ -75,5 +75,36 @@ TEST(ParkedItems, SpringsOfFlexibleLinksFollowThem) {
   }
 }
 
+TEST(ParkedItems, FunctionsOfTimeFollowTheirLoads) {
+  const Scene all = parse_scene(R"(
+    [ground]
+    points = { O = [0, 0] }
+    [body.b]
+    points = { C = [0, 0] }
+    [[pin]]
+    points = ["ground.O", "b.C"]
+    [[force]]
+    name = "first"
+    at = "b.C"
+    vector = [1, 0]
+    time = { step = { to = 1 } }
+    [[force]]
+    name = "second"
+    at = "b.C"
+    vector = [0, 1]
+    time = { ramp = { to = 3, end = 1 } }
+    [[torque]]
+    name = "third"
+    on = "b"
+    value = 2
+    time = { step = { to = 5 } }
+  )",
+                                "timed.toml");
+  const Scene left = without_items(all, {"load.first"});
+  ASSERT_EQ(left.time_functions.size(), 2U);
+  EXPECT_EQ(get_value(left, "load.second.time.to"), 3);
+  EXPECT_EQ(get_value(left, "load.third.time.to"), 5);
+}
+
 }  // namespace
 }  // namespace poise::app

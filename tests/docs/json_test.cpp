@@ -299,6 +299,7 @@ TEST(JsonDocs, Solve) {
   check_section("solve",
                 {{{"solve", scene("toggle_clamp"), "--set", "load.P=30"}},
                  {{"solve", scene("thesis_four_bar_reversed")}},
+                 {{"solve", scene("forced_machine"), "--time", "0.05"}},
                  {{"solve", scene("four_bar_torsion")}},
                  {{"solve", scene("hard/follower_four_bar"), "--method", "energy"}},
                  {{"solve", scene("lift")}},
@@ -355,7 +356,8 @@ TEST(JsonDocs, Path) {
                  {{"path", scene("toggle_press"), "--vary", "angle.crank=120..160"}, with_csv},
                  {{"path", folder.write("toggle.toml", free_toggle), "--vary", "load.load=0..60", "--at", "10", "--set",
                    "spring.left.stiffness=1000"}},
-                 {{"path", scene("hard/follower_four_bar"), "--vary", "loads=0.5..1"}}},
+                 {{"path", scene("hard/follower_four_bar"), "--vary", "loads=0.5..1"}},
+                 {{"path", scene("forced_machine"), "--vary", "body.machine.mass=20..30"}}},
                 Shared::all);
 }
 
@@ -479,6 +481,7 @@ vector = [-3, 0]
 )";
   check_section("loads", {{{"loads", scene("structures/three_hinged_portal")}, with_csv},
                           {{"loads", scene("structures/elastica")}},
+                          {{"loads", scene("structures/falling_chimney"), "--time", "0.5"}},
                           {{"loads", folder.write("clamped.toml", clamped_twice)}}});
 }
 

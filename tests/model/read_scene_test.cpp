@@ -867,7 +867,7 @@ INSTANTIATE_TEST_SUITE_P(
         after("TorsionStiffnessMissing", "[[torsion_spring]]\nbodies = ['ground', 'rod']\n",
               "7: torsion_spring 1: expected the key stiffness; add stiffness = NUMBER"),
         after("ForceKey", "[[force]]\non = 'rod.B'\n",
-              "8: force 1.on: expected one of the keys name, at, vector, follows"),
+              "8: force 1.on: expected one of the keys name, at, vector, follows, time"),
         after("ForceAtMissing", "[[force]]\nvector = [0, 1]\n", "7: force 1: expected the key at; add at = \"...\""),
         after("ForceVectorMissing", "[[force]]\nat = 'rod.B'\n",
               "7: force 1: expected the key vector; add vector = [X, Y]"),
@@ -879,7 +879,7 @@ INSTANTIATE_TEST_SUITE_P(
               "10: force 1.follows: expected the name of a body other than ground, found \"rd\"; "
               "did you mean \"rod\"?"),
         after("TorqueKey", "[[torque]]\nwhere = 'rod'\n",
-              "8: torque 1.where: expected one of the keys name, on, value"),
+              "8: torque 1.where: expected one of the keys name, on, value, time"),
         after(
             "TorqueOnGround", "[[torque]]\non = 'ground'\nvalue = 1\n",
             "8: torque 1.on: expected the name of a body other than ground, found \"ground\"; known here: crank, rod"),
@@ -938,7 +938,7 @@ INSTANTIATE_TEST_SUITE_P(
               "12: friction \"dry\".name: expected a name of its own; \"dry\" is taken in line 8"),
         after("DriveKey", "[[drive]]\nspeed = 1\n",
               "8: drive 1.speed: expected one of the keys name, bodies, slide, start, rate, acceleration, amplitude, "
-              "frequency, phase"),
+              "frequency, phase, time"),
         after("DriveOfNothing", "[[drive]]\nrate = 1\n",
               "7: drive 1: expected one of the keys bodies (relative angle), slide (travel)"),
         after_slide("DriveOfTwoThings", "[[drive]]\nbodies = ['ground', 'rod']\nslide = 'ram'\n",
@@ -1001,7 +1001,7 @@ INSTANTIATE_TEST_SUITE_P(
               "x (of a point), y (of a point), rope (length over points and pulleys)"),
         after("DriveOfAPoint", "[[drive]]\nx = 'rod.B'\n",
               "8: drive 1.x: expected one of the keys name, bodies, slide, start, rate, acceleration, amplitude, "
-              "frequency, phase")),
+              "frequency, phase, time")),
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(

@@ -36,14 +36,14 @@ Line verdict(const LoadsAnswer& answer) {
 }
 
 /// What a reader must know of how a link was taken.
-void warn(Result& result, const ScaledModel& model, const LoadsAnswer& answer) {
-  for (const LinkLoads& link : answer.links) {
+void warn(Result& result, const ScaledModel& model, const std::vector<LinkLoads>& links) {
+  for (const LinkLoads& link : links) {
     const std::string& name = link.name;
     if (!link.why.empty()) {
       result.warnings.push_back(bad(fmt::format("No internal loads of \"{}\": {}.", name, link.why)));
     }
     for (const LinkAction& action : link.actions) {
-      const bool is_weight = action.name == "weight";
+      const bool is_weight = action.name == "weight" || action.name == "weight and inertia";
       if (action.arm == 0.0 && !is_weight) continue;
       const std::string place = with_unit(model, action.s, Quantity::length, 4);
       const std::string where = action.arm == 0.0
@@ -51,7 +51,11 @@ void warn(Result& result, const ScaledModel& model, const LoadsAnswer& answer) {
                                     : fmt::format("{} beside its line, through a rigid arm at {} along it",
                                                   with_unit(model, action.arm, Quantity::length, 4), place);
       const std::string why =
-          is_weight ? ": its centre of mass is not the middle of its line, along which weight is spread otherwise" : "";
+          !is_weight ? ""
+          : link.spread > 0.0
+              ? fmt::format(" for what its moment of inertia leaves: {:.6g} kg of its mass are spread along the line",
+                            link.spread)
+              : ": its centre of mass is not the middle of its line, along which weight is spread otherwise";
       result.warnings.push_back(doubtful(fmt::format("The {} of \"{}\" acts {}{}.", action.name, name, where, why)));
     }
     const double stressed = std::max(link.tension.value, -link.compression.value);
@@ -139,7 +143,7 @@ void add_actions(Group& group, const ScaledModel& model, const std::vector<LinkL
           {link.name, action.name, action.s, action.s, action.force.x, action.force.y, action.moment, action.arm});
     }
     for (const LineAction& action : link.line_actions) {
-      const Vec2 whole = (action.to - action.from) * action.per_length;
+      const Vec2 whole = action.whole();
       rows.push_back({link.name, action.name, action.from, action.to, whole.x, whole.y, 0.0, 0.0});
     }
   }
@@ -194,6 +198,19 @@ void add_diagrams(Group& group, const ScaledModel& model, const std::vector<Body
   add("turn", Quantity::angle, of(&LinkState::turn));
 }
 
+/// Tables and diagrams of all links; only data of those that have none.
+void add_all(Group& content, const ScaledModel& model, const std::vector<BodyPose<double>>& poses,
+             const std::vector<LinkLoads>& all, int steps) {
+  const auto links = chosen_of(all, [](const LinkLoads& link) { return link.why.empty(); });
+  add_links(content, model, links);
+  add_actions(content, model, links);
+  add_diagrams(content, model, poses, links, steps);
+  const auto refused = chosen_of(all, [](const LinkLoads& link) { return !link.why.empty(); });
+  Table& none = content.table("without", "", Rows::list, Verbosity::data);
+  none.words("name", "", each(refused, [&](const LinkLoads& l) { return l.name; }));
+  none.words("why", "", each(refused, &LinkLoads::why));
+}
+
 }  // namespace
 
 bool LoadsAnswer::is_complete() const {
@@ -208,21 +225,45 @@ Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int ste
   const Scene& scene = model.scene();
   Result out = scene_result(scene, settings);
   out.verdict = verdict(answer);
-  warn(out, model, answer);
+  warn(out, model, answer.links);
   const Equilibrium& equilibrium = answer.equilibrium;
   Group& content = out.content;
   content.data("stress_unit", stress_unit(scene.units));
   content.data("status", to_string(equilibrium.status));
   content.data("stability", to_string(equilibrium.certificate.stability));
   content.data("why", equilibrium.why);
-  const auto links = chosen_of(answer.links, [](const LinkLoads& link) { return link.why.empty(); });
-  add_links(content, model, links);
-  add_actions(content, model, links);
-  add_diagrams(content, model, model.poses(equilibrium.x), links, steps);
-  const auto refused = chosen_of(answer.links, [](const LinkLoads& link) { return !link.why.empty(); });
-  Table& none = content.table("without", "", Rows::list, Verbosity::data);
-  none.words("name", "", each(refused, [&](const LinkLoads& l) { return l.name; }));
-  none.words("why", "", each(refused, &LinkLoads::why));
+  add_all(content, model, model.poses(equilibrium.x), answer.links, steps);
+  return out;
+}
+
+bool MovingLoadsAnswer::is_complete() const {
+  return found.why.empty() && found.forces.balanced &&
+         std::all_of(found.links.begin(), found.links.end(), [](const LinkLoads& l) { return l.why.empty(); });
+}
+
+Result loads_result(const MotionModel& model, const MovingLoadsAnswer& answer, int steps,
+                    const std::vector<std::string>& settings) {
+  const LoadsInMotion& found = answer.found;
+  Result out = scene_result(model.scene(), settings);
+  const auto known =
+      std::count_if(found.links.begin(), found.links.end(), [](const LinkLoads& link) { return link.why.empty(); });
+  const std::string of = count(static_cast<int>(found.links.size()), "link", "links");
+  if (!found.why.empty()) {
+    out.verdict = bad(fmt::format("No internal loads at t = {} s: {}.", answer.time, found.why));
+  } else if (!found.forces.balanced) {
+    out.verdict = bad(
+        fmt::format("No internal loads at t = {} s: \"{}\" is not in balance.", answer.time, found.forces.worst_body));
+  } else if (answer.is_complete()) {
+    out.verdict = good(fmt::format("Internal loads of {}, in motion at t = {} s.", of, answer.time));
+  } else {
+    out.verdict = doubtful(fmt::format("Internal loads of {} of {}, in motion at t = {} s.", known, of, answer.time));
+  }
+  warn(out, model, found.links);
+  Group& content = out.content;
+  content.data("stress_unit", stress_unit(model.scene().units));
+  content.data("time", answer.time);
+  content.data("why", found.why);
+  add_all(content, model, found.poses, found.links, steps);
   return out;
 }
 

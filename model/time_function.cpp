@@ -1,0 +1,243 @@
+#include "model/time_function.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "model/input_error.hpp"
+#include "model/laws/force_curve.hpp"
+#include "model/profile.hpp"
+#include "model/scene.hpp"
+
+namespace poise {
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+double sine_derivative(double turn, int derivative) {
+  return derivative == 0 ? std::sin(turn) : derivative == 1 ? std::cos(turn) : -std::sin(turn);
+}
+
+double value_of(const SineInTime& sine, double t, int derivative, double) {
+  const double omega = two_pi * sine.frequency;
+  return (derivative == 0 ? sine.offset : 0.0) +
+         sine.amplitude * std::pow(omega, derivative) * sine_derivative(omega * t + sine.phase, derivative);
+}
+
+double value_by(const SineInTime& sine, int number, double t, int derivative, double) {
+  const double omega = two_pi * sine.frequency;
+  const double turn = omega * t + sine.phase;
+  const double by_turn = sine_derivative(turn + std::numbers::pi / 2, derivative);
+  const double power = std::pow(omega, derivative);
+  switch (number) {
+    case 0:
+      return power * sine_derivative(turn, derivative);
+    case 1: {
+      const double by_power =
+          derivative == 0 ? 0.0 : derivative * std::pow(omega, derivative - 1) * sine_derivative(turn, derivative);
+      return two_pi * sine.amplitude * (by_power + power * t * by_turn);
+    }
+    case 2:
+      return sine.amplitude * power * by_turn;
+    default:
+      return derivative == 0 ? 1.0 : 0.0;
+  }
+}
+
+/// The way s -> P(s) of a ramp, or one of its first three derivatives.
+double way(bool smooth, double s, int derivative) {
+  if (!smooth) return derivative == 0 ? s : derivative == 1 ? 1.0 : 0.0;
+  switch (derivative) {
+    case 0:
+      return s * s * s * (10 + s * (-15 + s * 6));
+    case 1:
+      return 30 * s * s * (1 - s) * (1 - s);
+    case 2:
+      return 60 * s * (1 + s * (-3 + 2 * s));
+    default:
+      return 60 * (1 + s * (-6 + 6 * s));
+  }
+}
+
+double value_of(const RampInTime& ramp, double t, int derivative, double near) {
+  if (near < ramp.start) return derivative == 0 ? ramp.from : 0.0;
+  if (near >= ramp.end) return derivative == 0 ? ramp.to : 0.0;
+  const double takes = ramp.end - ramp.start;
+  const double s = (t - ramp.start) / takes;
+  const double moved = (ramp.to - ramp.from) * way(ramp.smooth, s, derivative) / std::pow(takes, derivative);
+  return derivative == 0 ? ramp.from + moved : moved;
+}
+
+double value_by(const RampInTime& ramp, int number, double t, int derivative, double near) {
+  const bool before = near < ramp.start, after = near >= ramp.end;
+  const double held = derivative == 0 ? 1.0 : 0.0;
+  if (before || after) return number == (before ? 0 : 1) ? held : 0.0;
+  const double takes = ramp.end - ramp.start;
+  const double s = (t - ramp.start) / takes;
+  const double power = std::pow(takes, -derivative);
+  const double way_here = way(ramp.smooth, s, derivative) * power;
+  if (number == 0) return held - way_here;
+  if (number == 1) return way_here;
+  // s = (t - start)/(end - start) and the power of end - start change.
+  const double by_takes = number == 2 ? -1.0 : 1.0;
+  const double s_by = number == 2 ? (s - 1) / takes : -s / takes;
+  return (ramp.to - ramp.from) *
+         (way(ramp.smooth, s, derivative + 1) * s_by * power - derivative * by_takes * way_here / takes);
+}
+
+double value_of(const StepInTime& step, double, int derivative, double near) {
+  if (derivative > 0) return 0.0;
+  return near < step.at ? step.from : step.to;
+}
+
+double value_by(const StepInTime& step, int number, double, int derivative, double near) {
+  if (derivative > 0 || number == 0) return 0.0;
+  return (number == 1) == (near < step.at) ? 1.0 : 0.0;
+}
+
+double value_of(const TableInTime& of, double t, int derivative, double near) {
+  const TimeTable& table = *of.table;
+  const bool before = near < table.t.front(), after = near >= table.t.back();
+  if ((before || after) && table.between != TimeTable::Between::spline) {
+    return derivative > 0 ? 0.0 : before ? table.value.front() : table.value.back();
+  }
+  const auto next = std::upper_bound(table.t.begin() + 1, table.t.end() - 1, near);
+  const auto k = static_cast<std::size_t>(next - table.t.begin()) - 1;
+  const std::array<double, 4>& c = table.pieces[k];
+  double u = t - table.t[k];
+  // Along the tangent at an end.
+  double beyond = 0.0;
+  if (before) std::swap(u, beyond);
+  if (after) {
+    beyond = t - table.t.back();
+    u = table.t.back() - table.t[k];
+  }
+  const double slope = c[1] + u * (2 * c[2] + u * 3 * c[3]);
+  if (derivative == 0) return c[0] + u * (c[1] + u * (c[2] + u * c[3])) + slope * beyond;
+  if (derivative == 1) return slope;
+  return before || after ? 0.0 : 2 * c[2] + 6 * c[3] * u;
+}
+
+double value_by(const TableInTime&, int, double, int, double) { return 0.0; }
+
+std::vector<double> breaks_of(const SineInTime&) { return {}; }
+std::vector<double> breaks_of(const RampInTime& ramp) { return {ramp.start, ramp.end}; }
+std::vector<double> breaks_of(const StepInTime& step) { return {step.at}; }
+std::vector<double> breaks_of(const TableInTime& of) { return of.table->t; }
+
+/// The slopes at the points, of which a cubic on each piece follows.
+std::vector<double> slopes_of(const TimeTable& table) {
+  std::vector<double> slopes;
+  if (table.between == TimeTable::Between::monotone) {
+    const ForceCurve curve(table.t, table.value);
+    for (const double t : table.t) slopes.push_back(curve.force(t).second);
+  } else {
+    const Profile curve = Profile::spline(table.t, table.value, false);
+    for (const double t : table.t) slopes.push_back(curve.at(t).first);
+  }
+  return slopes;
+}
+
+void make_pieces(TimeTable& table) {
+  const bool linear = table.between == TimeTable::Between::linear || table.t.size() == 2;
+  const std::vector<double> slopes = linear ? std::vector<double>() : slopes_of(table);
+  for (std::size_t k = 0; k + 1 < table.t.size(); ++k) {
+    const double h = table.t[k + 1] - table.t[k];
+    const double secant = (table.value[k + 1] - table.value[k]) / h;
+    const double a = linear ? secant : slopes[k], b = linear ? secant : slopes[k + 1];
+    table.pieces.push_back({table.value[k], a, linear ? 0.0 : (3 * secant - 2 * a - b) / h,
+                            linear ? 0.0 : (a + b - 2 * secant) / (h * h)});
+  }
+}
+
+}  // namespace
+
+void detail::set_ramp_time(RampInTime& ramp, double RampInTime::*time, double value) {
+  RampInTime changed = ramp;
+  changed.*time = value;
+  if (!(changed.start < changed.end)) {
+    throw InputError("expected a ramp that starts before it ends; change start or end");
+  }
+  ramp = changed;
+}
+
+TableInTime TableInTime::through(std::vector<double> t, std::vector<double> value, TimeTable::Between between) {
+  TimeTable table{std::move(t), std::move(value), between, {}};
+  make_pieces(table);
+  return {std::make_shared<const TimeTable>(std::move(table)), ""};
+}
+
+std::span<const Number> TimeFunction::numbers() const {
+  return std::visit([]<class L>(const L&) { return std::span<const Number>(L::numbers); }, law);
+}
+
+std::string_view TimeFunction::kind() const {
+  return std::visit([]<class L>(const L&) { return L::key; }, law);
+}
+
+double TimeFunction::at(double t, int derivative, double near) const {
+  return std::visit([&](const auto& l) { return value_of(l, t, derivative, near); }, law);
+}
+
+double TimeFunction::by(int number, double t, int derivative, double near) const {
+  return std::visit([&](const auto& l) { return value_by(l, number, t, derivative, near); }, law);
+}
+
+bool TimeFunction::is_smooth_in(int number) const { return !jumps() || number > 0; }
+
+std::vector<double> TimeFunction::breaks() const {
+  return std::visit([](const auto& l) { return breaks_of(l); }, law);
+}
+
+void TimeFunction::scale_table(double factor) {
+  auto* const own = std::get_if<TableInTime>(&law);
+  if (own == nullptr || factor == 1.0) return;
+  TimeTable changed = *own->table;
+  for (double& value : changed.value) value *= factor;
+  for (std::array<double, 4>& piece : changed.pieces) {
+    for (double& c : piece) c *= factor;
+  }
+  own->table = std::make_shared<const TimeTable>(std::move(changed));
+}
+
+std::string_view name_of(const Scene& scene, const TimeFunction& function) {
+  const auto item = static_cast<std::size_t>(function.item);
+  if (function.of == TimeFunction::Of::force) return scene.forces[item].name;
+  if (function.of == TimeFunction::Of::torque) return scene.torques[item].name;
+  return scene.drives[item].name;
+}
+
+void start_drives_at(Scene& scene, double t) {
+  for (const TimeFunction& function : scene.time_functions) {
+    if (function.of != TimeFunction::Of::drive) continue;
+    Drive& drive = scene.drives[static_cast<std::size_t>(function.item)];
+    drive.start = function.at(t);
+    drive.rate = function.at(t, 1);
+    drive.acceleration = function.at(t, 2);
+  }
+}
+
+void forget_functions_of_drives(Scene& scene) {
+  std::erase_if(scene.time_functions, [](const TimeFunction& one) { return one.of == TimeFunction::Of::drive; });
+}
+
+Scene at_time(Scene scene, double t) {
+  start_drives_at(scene, t);
+  for (const TimeFunction& function : scene.time_functions) {
+    const auto item = static_cast<std::size_t>(function.item);
+    const double factor = function.at(t);
+    if (function.of == TimeFunction::Of::drive) continue;
+    if (function.of == TimeFunction::Of::force) {
+      scene.forces[item].vector = factor * scene.forces[item].vector;
+      scene.held_loads.push_back({scene.forces[item].name, function.kind(), t, factor});
+    } else {
+      scene.torques[item].value *= factor;
+      scene.held_loads.push_back({scene.torques[item].name, function.kind(), t, factor});
+    }
+  }
+  scene.time_functions.clear();
+  return scene;
+}
+
+}  // namespace poise

@@ -1,0 +1,173 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "model/number.hpp"
+
+namespace poise {
+
+/// c(t) = offset + amplitude sin(2 pi frequency t + phase).
+struct SineInTime {
+  double amplitude = 1.0;
+  double frequency = 0.0;  ///< Hz
+  double phase = 0.0;      ///< rad
+  double offset = 0.0;
+
+  static constexpr std::string_view key = "sine";
+  static const std::array<Number, 4> numbers;
+};
+
+/// c(t) from `from` at the time start to `to` at the time end, constant before and after. With s = (t - start) /
+/// (end - start) the way between is s, or, smooth, 10 s^3 - 15 s^4 + 6 s^5, whose rate and second derivative vanish at
+/// both ends.
+struct RampInTime {
+  double from = 0.0, to = 1.0;
+  double start = 0.0;                                    ///< s
+  double end = std::numeric_limits<double>::infinity();  ///< s, after start
+  bool smooth = false;
+
+  static constexpr std::string_view key = "ramp";
+  static const std::array<Number, 4> numbers;
+};
+
+/// c(t) = from for t < at, to from then on.
+struct StepInTime {
+  double at = 0.0;  ///< s
+  double from = 0.0, to = 1.0;
+
+  static constexpr std::string_view key = "step";
+  static const std::array<Number, 3> numbers;
+};
+
+/// Points (t, c), two or more of ascending t, and what lies between them.
+struct TimeTable {
+  enum class Between {
+    linear,
+    monotone,  ///< ForceCurve: continuous slopes, monotone wherever the points are
+    spline     ///< the natural cubic spline: continuous second derivatives
+  };
+  std::vector<double> t, value;
+  Between between = Between::linear;
+  std::vector<std::array<double, 4>> pieces;  ///< from point k to the next: sum of pieces[k][j] (t - t[k])^j
+};
+
+/// A table, constant before its first point and after its last; a spline goes on along its tangents there, so that its
+/// second derivative, zero at its ends, is continuous.
+struct TableInTime {
+  std::shared_ptr<const TimeTable> table;
+  std::string file;  ///< that it was read from, as written; empty of a list in the scene
+
+  static constexpr std::string_view key = "table";
+  static constexpr std::array<Number, 0> numbers{};
+
+  static TableInTime through(std::vector<double> t, std::vector<double> value, TimeTable::Between between);
+};
+
+using TimeLaw = std::variant<SineInTime, RampInTime, StepInTime, TableInTime>;
+
+/// A function of time c(t) of one item of a scene: the factor by which it multiplies a load, or the value of the
+/// measure of a drive, rad or m.
+///
+/// Functions may be broken: at a break a formula of one side and one of the other meet, and perhaps the value jumps.
+/// `near` is a time that says which formula to take, the one that holds there.
+struct TimeFunction {
+  enum class Of { force, torque, drive };
+  Of of = Of::force;
+  int item = 0;  ///< index into Scene::forces, torques or drives
+  TimeLaw law;
+  int line = 0;
+
+  std::span<const Number> numbers() const;
+  /// "sine", "ramp", "step", "table".
+  std::string_view kind() const;
+  /// The value (derivative = 0), or its first or second derivative by time.
+  double at(double t, int derivative, double near) const;
+  double at(double t, int derivative) const { return at(t, derivative, t); }
+  double at(double t) const { return at(t, 0, t); }
+  /// The derivative of at(t, derivative, near) by numbers()[number]; of is_smooth_in() numbers.
+  double by(int number, double t, int derivative, double near) const;
+  /// Whether the value has a derivative by the number at every time: not by the time at which a step jumps.
+  bool is_smooth_in(int number) const;
+  /// Times at which formulas meet, ascending.
+  std::vector<double> breaks() const;
+  /// Whether the value jumps at its breaks.
+  bool jumps() const { return std::holds_alternative<StepInTime>(law); }
+  /// Multiplies the values by a factor, exactly for a power of two; numbers that are values are not touched.
+  void scale_table(double factor);
+};
+
+inline constexpr std::array<Number, 4> SineInTime::numbers = [] {
+  const auto of_value = [](Number number) {
+    number.measure_power = 1;
+    return number;
+  };
+  std::array all{of_value(plain_number<&SineInTime::amplitude>("amplitude", {})),
+                 plain_number<&SineInTime::frequency>("frequency", dimension::time.power(-1), Range::not_negative),
+                 plain_number<&SineInTime::phase>("phase", dimension::angle),
+                 of_value(plain_number<&SineInTime::offset>("offset", {}))};
+  all[0].needed = all[1].needed = Number::Needed::always;
+  return all;
+}();
+
+namespace detail {
+
+/// Sets one end of the time that a ramp takes. Throws InputError unless it starts before it ends.
+void set_ramp_time(RampInTime& ramp, double RampInTime::*time, double value);
+
+}  // namespace detail
+
+inline constexpr std::array<Number, 4> RampInTime::numbers = [] {
+  std::array all{plain_number<&RampInTime::from>("from", {}), plain_number<&RampInTime::to>("to", {}),
+                 plain_number<&RampInTime::start>("start", dimension::time),
+                 plain_number<&RampInTime::end>("end", dimension::time)};
+  all[0].measure_power = all[1].measure_power = 1;
+  all[1].needed = all[3].needed = Number::Needed::always;
+  all[2].set = [](void* item, double value) {
+    detail::set_ramp_time(*static_cast<RampInTime*>(item), &RampInTime::start, value);
+  };
+  all[3].set = [](void* item, double value) {
+    detail::set_ramp_time(*static_cast<RampInTime*>(item), &RampInTime::end, value);
+  };
+  return all;
+}();
+
+inline constexpr std::array<Number, 3> StepInTime::numbers = [] {
+  std::array all{plain_number<&StepInTime::at>("at", dimension::time), plain_number<&StepInTime::from>("from", {}),
+                 plain_number<&StepInTime::to>("to", {})};
+  all[1].measure_power = all[2].measure_power = 1;
+  all[2].needed = Number::Needed::always;
+  return all;
+}();
+
+/// A load whose function of time was replaced by its value at one time.
+struct HeldLoad {
+  std::string name;
+  std::string_view kind;  ///< TimeFunction::kind()
+  double time = 0.0;      ///< s
+  double factor = 1.0;    ///< c(time), by which the load was multiplied
+};
+
+struct Scene;
+
+/// The scene at a time t, s: loads times c(t) in place of functions of time, which it lists as held; drives with the
+/// value, rate and acceleration of theirs.
+Scene at_time(Scene scene, double t);
+
+/// The same of drives alone, whose functions stay.
+void start_drives_at(Scene& scene, double t);
+
+/// Leaves functions to loads only, where others take the place of the scene's drives.
+void forget_functions_of_drives(Scene& scene);
+
+/// The name of the load or drive that a function of the scene is of.
+std::string_view name_of(const Scene& scene, const TimeFunction& function);
+
+}  // namespace poise

@@ -1,0 +1,49 @@
+#include "motion/loads_in_motion.hpp"
+
+#include <utility>
+
+namespace poise {
+namespace {
+
+/// Of a motion whose start alone is asked for.
+constexpr double any_duration = 1e-6;
+
+ForcesInMotion in_motion(const Scene& scene, const Forces& forces) {
+  ForcesInMotion out{
+      .element_forces = forces.element_force, .reactions = forces.reactions, .efforts = {}, .accelerations = {}};
+  for (std::size_t k = 0; k < forces.drives.size(); ++k) {
+    out.efforts.push_back({forces.drives[k].name, scene.drives[k].on, forces.drives[k].value});
+  }
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const BodyMotion& motion = forces.motions[i];
+    out.accelerations.push_back({motion.acceleration, motion.rate, motion.angular_acceleration});
+  }
+  return out;
+}
+
+}  // namespace
+
+LoadsInMotion loads_in_motion(const MotionModel& model, const MotionState& start, double time, MotionOptions options) {
+  LoadsInMotion out;
+  options.duration = time > 0.0 ? time : any_duration;
+  const Motion motion = simulate(model, start, options);
+  const Trajectory& path = motion.trajectory;
+  if (!motion.completed()) {
+    out.why = motion.why;
+    return out;
+  }
+  const std::size_t n = start.q.size();
+  const std::size_t node = time > 0.0 ? path.nodes() - 1 : 0;
+  const auto values = [&](const std::vector<double>& of) {
+    const auto first = of.begin() + static_cast<std::ptrdiff_t>(node * n);
+    return model.from_si({first, first + static_cast<std::ptrdiff_t>(n)});
+  };
+  const std::vector<double> x = values(path.q);
+  const MotionModel then(at_time(model.scene(), time), model.scales(), &model.scene());
+  out.forces = forces_of(then, x, values(path.v), values(path.a), then.scene().drives);
+  out.poses = model.poses(x);
+  out.links = link_loads(then.scene(), out.poses, in_motion(then.scene(), out.forces));
+  return out;
+}
+
+}  // namespace poise
