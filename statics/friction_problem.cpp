@@ -278,6 +278,7 @@ std::vector<FrictionProblem::Row> FrictionProblem::rows(const Choice& choice, do
       if (constants_count_) row.bound = k * source.constant / Ball(unit_);
       row.source = static_cast<int>(s);
       row.sign = sign;
+      row.has_slack = constants_count_ || !is_constant;
       out.push_back(std::move(row));
     }
   }
@@ -345,18 +346,7 @@ std::vector<FrictionProblem::Part> FrictionProblem::divided(std::size_t s, const
   return out;
 }
 
-// Over unit().
-std::vector<Ball> FrictionProblem::load_at(double q) const {
-  std::vector<Ball> out = load_;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (varies()) out[i] += Ball(q) * Ball(q_unit_) * slope_[i];
-    out[i] = out[i] / Ball(unit_);
-  }
-  return out;
-}
-
-bool FrictionProblem::proves_point(const Eigen::VectorXd& v, const std::vector<Row>& rows, double q) const {
-  const std::vector<Ball> load = load_at(q);
+bool FrictionProblem::proves_point(const Eigen::VectorXd& v, const std::vector<Row>& rows, bool strictly) const {
   const double largest = columns_ > 0 ? v.head(columns_).cwiseAbs().maxCoeff() : 0.0;
   Eigen::VectorXd weights(columns_);
   for (int j = 0; j < columns_; ++j) weights[j] = largest > 0 ? 1e-3 + std::abs(v[j]) / largest : 1.0;
@@ -370,7 +360,7 @@ bool FrictionProblem::proves_point(const Eigen::VectorXd& v, const std::vector<R
   std::vector<Ball> right;
   for (std::size_t i = 0; i < a_.size(); ++i) {
     for (const int j : *basis) square[i].push_back(a_[i][static_cast<std::size_t>(j)]);
-    Ball r = -load[i];
+    Ball r = -(load_[i] / Ball(unit_));
     for (int j = 0; j < columns_; ++j) {
       const auto at = static_cast<std::size_t>(j);
       if (is_basic[at] == 0) r -= a_[i][at] * u[at];
@@ -380,8 +370,10 @@ bool FrictionProblem::proves_point(const Eigen::VectorXd& v, const std::vector<R
   const auto solved = enclosed(square, right);
   if (!solved) return false;
   for (std::size_t k = 0; k < basis->size(); ++k) u[static_cast<std::size_t>((*basis)[k])] = (*solved)[k];
-  return std::all_of(rows.begin(), rows.end(),
-                     [&](const Row& row) { return row.bound - dot_of(row.entries, u) >= Ball(0); });
+  return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
+    const Ball slack = row.bound - dot_of(row.entries, u);
+    return strictly && row.has_slack ? slack > Ball(0) : slack >= Ball(0);
+  });
 }
 
 Eigen::VectorXd FrictionProblem::load_over_unit() const {

@@ -48,9 +48,10 @@ class FrictionProblem {
   struct Row {
     std::vector<std::pair<int, Ball>> entries;
     Ball bound;
-    int source = -1;       ///< of a row of friction
-    int sign = 0;          ///< of f in it
-    bool is_edge = false;  ///< of a sector
+    int source = -1;        ///< of a row of friction
+    int sign = 0;           ///< of f in it
+    bool is_edge = false;   ///< of a sector
+    bool has_slack = true;  ///< it may be satisfied by more: not f = 0
   };
 
   enum class Side { inner, outer };
@@ -90,8 +91,9 @@ class FrictionProblem {
   };
   const Solutions& solutions() const { return solutions_; }
 
-  /// Proved: some v near the given one satisfies the equations at q (0 without), and all rows.
-  bool proves_point(const Eigen::VectorXd& v, const std::vector<Row>& rows, double q) const;
+  /// Proved: some u near the given one satisfies the equations (without slope) and all rows, where `strictly` those
+  /// that have slack with some.
+  bool proves_point(const Eigen::VectorXd& u, const std::vector<Row>& rows, bool strictly) const;
   /// Proved: no u with |u_j| <= most satisfies the equations (without slope) and all rows, by multipliers z of the rows
   /// (Farkas).
   bool proves_none(const Eigen::VectorXd& z, const std::vector<Row>& rows, double most) const;
@@ -106,7 +108,6 @@ class FrictionProblem {
   void refresh();
   static Vec2 inner_direction(const Part& part);
   static Vec2 outer_direction(const Part& part);
-  std::vector<Ball> load_at(double q) const;
   struct Combined {
     std::vector<Ball> residual;
     Ball value;

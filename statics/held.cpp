@@ -48,7 +48,7 @@ ReducedRows reduced(const FrictionProblem& problem, const std::vector<Row>& rows
   return out;
 }
 
-/// A point with the most slack t <= 1 in all rows; t < 0 where there is none in the rows.
+/// A point with the most slack t <= 1 in all rows that may have some; t < 0 where there is none in the rows.
 struct Slackest {
   bool solved = false;
   double slack = 0.0;
@@ -63,12 +63,17 @@ Slackest slackest(const FrictionProblem& problem, const std::vector<Row>& rows) 
                                  Eigen::VectorXd::Unit(n + 1, n)};
   program.rows.topLeftCorner(count, n) = r.rows;
   program.bounds.head(count) = r.bounds;
-  program.rows.col(n).setOnes();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    program.rows(i, n) = rows[static_cast<std::size_t>(i)].has_slack ? 1.0 : 0.0;
+  }
+  program.rows(count, n) = 1.0;
   program.bounds[count] = 1.0;
   const solvers::LinearProgramResult result = solvers::solve(program);
   Slackest out;
+  out.solved = result.status == Status::optimal || result.status == Status::infeasible;
+  out.slack = -infinity;
+  if (result.status == Status::infeasible) out.multipliers = result.multipliers.head(count);
   if (result.status == Status::optimal) {
-    out.solved = true;
     out.slack = result.x[n];
     out.v = problem.solutions().particular + problem.solutions().basis * result.x.head(n);
     out.multipliers = result.multipliers.head(count);
@@ -225,7 +230,8 @@ Inside ascended(const FrictionProblem& problem, Eigen::VectorXd v, double factor
   return best;
 }
 
-Decision decide(const FrictionProblem& problem, double factor, bool prove) {
+/// `strictly`: held is proved with some slack.
+Decision decide(const FrictionProblem& problem, double factor, bool prove, bool strictly = false) {
   Decision out;
   if (problem.solutions().gap > unbalanced) {
     out.verdict = Holding::slips;
@@ -263,12 +269,16 @@ Decision decide(const FrictionProblem& problem, double factor, bool prove) {
       }
       continue;
     }
+    if (found.v.size() == 0) {
+      all_proved = false;
+      continue;
+    }
     const Inside inside = ascended(problem, found.v, factor);
     if (inside.point.solved && inside.point.slack >= 0.0) {
       out.verdict = Holding::held;
       out.v = inside.point.v;
       out.choice = inside.choice;
-      out.proved = prove && problem.proves_point(out.v, problem.rows(out.choice, factor, Side::inner), 0.0);
+      out.proved = prove && problem.proves_point(out.v, problem.rows(out.choice, factor, Side::inner), strictly);
       out.slips.clear();
       return out;
     }
@@ -670,6 +680,7 @@ class RangeFinder {
     problem.set_slope(slope);
     const double unit = problem.q_unit();
     const Span span{(span_.from - out_.present) / unit, (span_.to - out_.present) / unit};
+    out_.ideal = without_friction(problem);
     RangeSearch search(problem, span);
     double q = 0.0;
     if (!out_.contains_now) {
@@ -687,6 +698,24 @@ class RangeFinder {
     set_end(out_.lower, part->inner_lower, part->outer_lower, span.from, unit, part->slips_lower, span_.from);
     prove_end(problem, present, slope, out_.upper, 1.0);
     prove_end(problem, present, slope, out_.lower, -1.0);
+  }
+
+  std::optional<double> without_friction(const FrictionProblem& problem) const {
+    Eigen::MatrixXd all(problem.matrix().rows(), problem.columns() + 1);
+    all.leftCols(problem.columns()) = problem.matrix();
+    for (const FrictionProblem::Source& source : problem.sources()) all.col(source.effort).setZero();
+    for (Eigen::Index i = 0; i < all.rows(); ++i) {
+      all(i, problem.columns()) =
+          problem.slope()[static_cast<std::size_t>(i)].middle() * problem.q_unit() / problem.unit();
+    }
+    Eigen::JacobiSVD<Eigen::MatrixXd> svd(all, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    svd.setThreshold(1e-11);
+    const Eigen::VectorXd right = -problem.load_over_unit();
+    const Eigen::VectorXd found = svd.solve(right);
+    if ((all * found - right).cwiseAbs().maxCoeff() > unbalanced) return std::nullopt;
+    const Eigen::MatrixXd free = svd.matrixV().rightCols(all.cols() - svd.rank());
+    if (free.cols() > 0 && free.row(problem.columns()).cwiseAbs().maxCoeff() > unbalanced) return std::nullopt;
+    return out_.present + found[problem.columns()] * problem.q_unit();
   }
 
   std::vector<Ball> slope_over(const FrictionProblem& problem, double apart) const {
@@ -729,18 +758,22 @@ class RangeFinder {
     end.radius = std::isfinite(inner) ? std::abs(outer - inner) * unit : 0.0;
     end.slips = std::move(slips);
     end.at_limit = std::isfinite(limit) && std::abs(inner - limit) <= 1e-13 * std::max(1.0, std::abs(limit));
-    if (end.at_limit) end.value = limit_si;
+    if (end.at_limit) {
+      end.value = limit_si;
+      end.slips.clear();
+    }
     if (!std::isfinite(inner)) end.value = inner;
   }
 
-  // An end without end is proved by a direction in which joint forces grow within their bounds.
+  // An end without end is proved by a direction in which joint forces grow within their bounds, with some slack: far
+  // enough along it they satisfy all rows from whatever values that balance the load.
   void prove_end(FrictionProblem& problem, const std::vector<Ball>& present, const std::vector<Ball>& slope,
                  HeldEnd& end, double sign) const {
     if (std::isinf(end.value)) {
       std::vector<Ball> direction;
       for (const Ball& one : slope) direction.push_back(Ball(sign) * one);
       problem.set_load(direction, false);
-      const Decision along = decide(problem, 1.0, true);
+      const Decision along = decide(problem, 1.0, true, true);
       end.proved = along.verdict == Holding::held && along.proved;
       return;
     }
@@ -827,6 +860,21 @@ class RangeFinder {
 };
 
 }  // namespace
+
+std::optional<double> HeldRange::efficiency() const {
+  if (!any || !ideal || *ideal == 0.0) return std::nullopt;
+  const HeldEnd& far = *ideal > 0 ? upper : lower;
+  if (far.at_limit || !(std::abs(far.value) >= std::abs(*ideal)) || far.value * *ideal < 0) return std::nullopt;
+  return *ideal / far.value;
+}
+
+std::optional<double> HeldRange::efficiency_back() const {
+  if (!any || !ideal || *ideal == 0.0) return std::nullopt;
+  const HeldEnd& near = *ideal > 0 ? lower : upper;
+  if (near.value * *ideal <= 0) return 0.0;
+  if (near.at_limit || std::abs(near.value) > std::abs(*ideal)) return std::nullopt;
+  return near.value / *ideal;
+}
 
 std::vector<Rubbing> rubbing(const Scene& scene) {
   std::vector<Rubbing> out;

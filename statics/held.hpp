@@ -84,6 +84,15 @@ struct HeldRange {
   std::string why;            ///< where they could not be found
   double present = 0.0;       ///< SI
   HeldEnd lower, upper;
+  /// The value that balances the mechanism without friction, SI, in double precision; none where there is none or more
+  /// than one, and of a number of friction.
+  std::optional<double> ideal{};
+  /// Efficiency where the number, a load of one sign, drives the mechanism against all others at the edge of slipping:
+  /// ideal / end of the range farther from 0. Where the others drive it against the number: end nearer to 0 / ideal,
+  /// and 0 where friction locks it without a load (J. Shigley, C. Mischke, "Mechanical Engineering Design", section 8.2
+  /// has those of screws). None without an ideal value other than 0 in the range.
+  std::optional<double> efficiency() const;
+  std::optional<double> efficiency_back() const;
 };
 
 /// Varies a number of the scene (a path of set_value(), or "loads": a factor of all forces and torques) between two

@@ -341,6 +341,7 @@ position = { block = [0, 0.45] }
 TEST(JsonDocs, Hold) {
   check_section("hold", {{{"hold", scene("friction/toggle"), "--vary", "load.P"}},
                          {{"hold", scene("friction/wedge"), "--vary", "load.P"}},
+                         {{"hold", scene("friction/screw"), "--vary", "load.H"}},
                          {{"hold", scene("friction/ladder"), "--vary", "slide.floor.friction.coefficient=0..0.1"}}});
 }
 

@@ -265,6 +265,130 @@ vector = [0, -10]
   EXPECT_TRUE(found.upper.proved);
 }
 
+// A block on a block on an inclined plane: two freedoms.
+std::string stack(double phi, double below, double between) {
+  return fmt::format(R"(
+gravity = [0, -10]
+[ground]
+points = {{ O = [0, 0] }}
+[body.lower]
+points = {{ A = [0, 0] }}
+mass = 3
+[body.upper]
+points = {{ A = [0, 0] }}
+mass = 1
+[[slide]]
+name = "plane"
+points = ["ground.O", "lower.A"]
+axis = [{0:.17g}, {1:.17g}]
+friction = {{ coefficient = {2:.17g} }}
+[[slide]]
+name = "between"
+points = ["lower.A", "upper.A"]
+axis = [{0:.17g}, {1:.17g}]
+friction = {{ coefficient = {3:.17g} }}
+)",
+                     std::cos(phi), std::sin(phi), below, between);
+}
+
+// A turn of a thread unrolled: a weight on a plane of the lead angle, pushed by a horizontal force H.
+std::string screw(double lead, double mu, double push) {
+  return fmt::format(R"(
+[ground]
+points = {{ O = [0, 0] }}
+[body.nut]
+points = {{ A = [0, 0] }}
+[[slide]]
+name = "thread"
+points = ["ground.O", "nut.A"]
+axis = [{:.17g}, {:.17g}]
+friction = {{ coefficient = {:.17g} }}
+[[force]]
+name = "W"
+at = "nut.A"
+vector = [0, -100]
+[[force]]
+name = "H"
+at = "nut.A"
+vector = [{:.17g}, 0]
+)",
+                     std::cos(lead), std::sin(lead), mu, push);
+}
+
+TEST(Held, EfficiencyOfAScrew) {
+  const double lead = 0.2;
+  for (const double angle : {0.05, 0.1, 0.15, 0.19}) {
+    const HeldRange found = range(screw(lead, std::tan(angle), 100 * std::tan(lead)), "load.H");
+    EXPECT_NEAR(found.ideal.value(), 100 * std::tan(lead), 1e-10);
+    EXPECT_NEAR(found.upper.value, 100 * std::tan(lead + angle), 1e-9);
+    EXPECT_NEAR(found.lower.value, 100 * std::tan(lead - angle), 1e-9);
+    EXPECT_NEAR(found.efficiency().value(), std::tan(lead) / std::tan(lead + angle), 1e-12);
+    EXPECT_NEAR(found.efficiency_back().value(), std::tan(lead - angle) / std::tan(lead), 1e-12);
+    EXPECT_TRUE(found.upper.proved);
+    EXPECT_TRUE(found.lower.proved);
+  }
+  // Beyond the lead angle it does not run back.
+  EXPECT_EQ(range(screw(lead, std::tan(0.21), 100 * std::tan(lead)), "load.H").efficiency_back().value(), 0.0);
+}
+
+TEST(Held, TheSmoothestOfTwoContactsSlipsFirst) {
+  const double phi = 0.4, edge = std::tan(phi);
+  for (const bool lower : {true, false}) {
+    const double more = 1.3 * edge, less = 0.9 * edge;
+    const HeldPose pose = held(stack(phi, lower ? less : more, lower ? more : less));
+    expect_verdict(pose, false, "one slips");
+    EXPECT_NEAR(pose.least_factor, 1 / 0.9, 1e-12);
+    ASSERT_EQ(pose.slips.size(), 1U);
+    EXPECT_EQ(pose.slips[0].of, lower ? 0U : 1U);
+    EXPECT_FALSE(pose.slips[0].increases);
+  }
+  expect_verdict(held(stack(phi, edge * (1 + 1e-9), edge * (1 + 1e-9))), true, "both hold");
+}
+
+TEST(Held, StopsPushOnly) {
+  const auto blocked = [](double load) {
+    return fmt::format(R"(
+[ground]
+points = {{ O = [0, 0] }}
+[body.block]
+points = {{ A = [0, 0] }}
+[[slide]]
+name = "line"
+points = ["ground.O", "block.A"]
+axis = [1, 0]
+friction = {{ coefficient = 0.1, force = 1 }}
+[[stop]]
+slide = "line"
+max = 0
+[[force]]
+at = "block.A"
+vector = [{:.17g}, 0]
+)",
+                       load);
+  };
+  expect_verdict(held(blocked(100)), true, "against the stop");
+  expect_verdict(held(blocked(-1 + 1e-9)), true, "within friction");
+  expect_verdict(held(blocked(-1 - 1e-9)), false, "off the stop");
+}
+
+TEST(Held, EquilibriumWithoutFrictionNeedsNone) {
+  // A pendulum that hangs straight down.
+  const HeldPose pose = held(R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.bob]
+points = { O = [0, 0] }
+mass = 1
+center = [0, -1]
+[[pin]]
+points = ["ground.O", "bob.O"]
+friction = { coefficient = 0.1, radius = 0.01 }
+)");
+  expect_verdict(pose, true, "hangs");
+  EXPECT_EQ(pose.least_factor, 0.0);
+}
+
 TEST(Held, RefusesNumbersOfThePose) {
   EXPECT_THROW(range(ladder(1.0, 0.5, 0.2), "point.ladder.B.x"), InputError);
   EXPECT_THROW(range(ladder(1.0, 0.5, 0.2), "load.Q"), InputError);
@@ -436,6 +560,45 @@ TEST(Held, RandomSliderCranksAgreeWithSampledEfforts) {
   EXPECT_EQ(proved, cases);
   EXPECT_GT(holds, 10);
   EXPECT_LT(holds, 90);
+}
+
+// Inside the range of a load the pose is held, just beyond its ends it is not.
+TEST(Held, RandomRangesAgreeWithVerdicts) {
+  int ends = 0, endless = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    Scene scene = RandomSliderCrank(seed).scene();
+    for (Joint& joint : scene.joints) {
+      if (joint.friction && seed % 3 == 0) joint.friction->coefficient = 3.0;  // jams
+    }
+    const StaticModel model(scene);
+    const std::vector<double> x = assemble(model);
+    const HeldRange found = held_range(model, x, "load.P");
+    EXPECT_TRUE(found.why.empty()) << seed << found.why;
+    EXPECT_EQ(found.contains_now, found.now.verdict == Holding::held) << seed;
+    if (!found.any) continue;
+    const auto verdict = [&](double load) {
+      Scene changed = scene;
+      set_value(changed, "load.P", load);
+      return held_pose(StaticModel(changed, model.scales()), x).verdict;
+    };
+    const double high = std::isinf(found.upper.value) ? 1e3 : found.upper.value;
+    for (int i = 1; i < 8; ++i) {
+      const double load = found.lower.value + (high - found.lower.value) * i / 8;
+      EXPECT_EQ(verdict(load), Holding::held) << seed << " " << load;
+    }
+    for (const auto& [end, sign] : {std::pair(found.lower, -1.0), std::pair(found.upper, 1.0)}) {
+      endless += std::isinf(end.value);
+      // Where a joint is left without force there is no slack, and only that.
+      EXPECT_TRUE(end.proved || std::isinf(end.value)) << seed << " " << end.value;
+      if (end.at_limit || std::isinf(end.value)) continue;
+      ++ends;
+      const double aside = 1e-7 * (1e-2 + std::abs(end.value));
+      EXPECT_EQ(verdict(end.value - sign * aside), Holding::held) << seed;
+      EXPECT_EQ(verdict(end.value + sign * aside), Holding::slips) << seed;
+    }
+  }
+  EXPECT_GT(ends, 20);
+  EXPECT_GT(endless, 0);
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ std::string with(double value, const Unit& unit) {
 }
 
 std::string end_in_words(const HeldEnd& end, const Unit& unit, std::string_view without_end) {
-  if (std::isinf(end.value)) return std::string(without_end) + (end.proved ? " (proved)" : "");
+  if (std::isinf(end.value)) return std::string(without_end) + (end.proved ? " (proved)" : " (in double precision)");
   std::string out = with(end.value, unit);
   if (end.at_limit) return out + ", where the range ends" + (end.proved ? " (proved)" : "");
   if (end.radius > 0.0) out += " +- " + small_number(end.radius / unit.si);
@@ -104,13 +104,23 @@ void add_range(Group& content, const StaticModel& model, const HeldRange& range,
   group.data("why", range.why);
   group.fact("now", with(range.present, unit) + (range.contains_now ? ", held" : ", not held"));
   if (!range.any) {
-    group.data("lower", nullptr);
-    group.data("upper", nullptr);
     group.fact("", range.why.empty() ? "no value of it is held" : range.why);
     return;
   }
   add_end(group, "lower", "from", range.lower, unit, all);
   add_end(group, "upper", "to", range.upper, unit, all);
+  group.data("ideal", range.ideal ? std::optional(*range.ideal / unit.si) : std::nullopt);
+  group.data("efficiency", range.efficiency());
+  group.data("efficiency_back", range.efficiency_back());
+  if (!range.ideal) return;
+  group.fact("ideal", with(*range.ideal, unit) + " balances it without friction");
+  if (range.efficiency()) {
+    group.fact("efficiency", fmt::format("{} where {} drives it", significant(*range.efficiency(), 6), view.number));
+  }
+  if (range.efficiency_back()) {
+    const double back = *range.efficiency_back();
+    group.fact("driven back", back > 0 ? significant(back, 6) : "not at all: it locks by itself");
+  }
 }
 
 void add_efforts(Group& content, const StaticModel& model, const HeldPose& pose, const std::vector<Rubbing>& all) {
