@@ -205,6 +205,7 @@ struct Decision {
   Choice choice;            ///< in which inner rows it is
   std::vector<Slip> slips;  ///< where it is not: with bounds that were just great enough
   std::string why;
+  bool exhausted = false;  ///< not decided for want of cases
 };
 
 /// The slackest point of inner rows.
@@ -245,6 +246,7 @@ Decision decide(const FrictionProblem& problem, double factor, bool prove, bool 
   for (int count = 0; !cases.empty(); ++count) {
     if (count == most_cases) {
       out.why = fmt::format("{} cases of the directions of joint forces do not decide it", most_cases);
+      out.exhausted = true;
       return out;
     }
     const Choice choice = std::move(cases.back());
@@ -307,9 +309,16 @@ Decision decide(const FrictionProblem& problem, double factor, bool prove, bool 
 /// The least factor by bisection, and what is proved on both sides of it.
 void find_factor(const FrictionProblem& problem, HeldPose& out) {
   constexpr double most = 0x1p40, least = 1e-13;
-  const auto is_held = [&](double k) { return decide(problem, k, false).verdict == Holding::held; };
+  // Where one search is in vain those near it are too, and take as long.
+  bool exhausted = false;
+  const auto is_held = [&](double k) {
+    const Decision found = decide(problem, k, false);
+    exhausted = exhausted || found.exhausted;
+    return found.verdict == Holding::held;
+  };
   double lower = 0.0, upper = 1.0;
   while (!is_held(upper)) {
+    if (exhausted) return;
     lower = upper;
     upper *= 4.0;
     if (upper > most) {
@@ -322,6 +331,7 @@ void find_factor(const FrictionProblem& problem, HeldPose& out) {
     const double middle = 0.5 * (lower + upper);
     if (middle <= lower || middle >= upper) break;
     (is_held(middle) ? upper : lower) = middle;
+    if (exhausted) break;
   }
   out.least_factor = upper > least ? upper : 0.0;
   const Decision at = decide(problem, upper, false);
@@ -332,7 +342,7 @@ void find_factor(const FrictionProblem& problem, HeldPose& out) {
       out.efforts[problem.rubbing_of(s)] = {at.v[problem.sources()[s].effort] * si, problem.bound_at(s, at.v) * si};
     }
   }
-  if (out.least_factor == 0.0) return;
+  if (out.least_factor == 0.0 || exhausted) return;
   for (double aside = 1e-11; aside < 1e-5 && !(out.factor_upper < infinity); aside *= 10) {
     if (decide(problem, upper * (1 + aside), true).proved) out.factor_upper = upper * (1 + aside);
   }
@@ -344,13 +354,21 @@ void find_factor(const FrictionProblem& problem, HeldPose& out) {
   }
 }
 
+/// The matrices are dense.
+std::string why_too_large(const Scene& scene) {
+  constexpr std::size_t most_bodies = 60;
+  if (scene.bodies.size() <= most_bodies) return "";
+  return fmt::format("the scene has {} bodies, of at most {} for friction that holds", scene.bodies.size(),
+                     most_bodies);
+}
+
 HeldPose pose_of(const FrictionProblem& problem) {
   HeldPose out;
   const Decision now = decide(problem, 1.0, true);
   out.verdict = now.verdict;
   out.proved = now.proved;
   out.why = now.why;
-  find_factor(problem, out);
+  if (out.verdict != Holding::not_decided || !now.exhausted) find_factor(problem, out);
   return out;
 }
 
@@ -897,12 +915,17 @@ std::vector<Rubbing> rubbing(const Scene& scene) {
 bool has_friction(const Scene& scene) { return !rubbing(scene).empty(); }
 
 HeldPose held_pose(const StaticModel& model, const std::vector<double>& x) {
+  HeldPose none;
+  none.why = why_too_large(model.scene());
+  if (!none.why.empty()) return none;
   return pose_of(FrictionProblem(model, x));
 }
 
 HeldRange held_range(const StaticModel& model, const std::vector<double>& x, const std::string& number, double from,
                      double to) {
   const Varied varied(model.scene(), number);
+  const std::string too_large = why_too_large(model.scene());
+  if (!too_large.empty()) throw InputError(number + ": " + too_large);
   const Span span{std::max(from, varied.span().from), std::min(to, varied.span().to)};
   if (!(span.from <= span.to)) throw InputError(number + ": expected a range that it may be in, found none");
   return RangeFinder(model, x, varied, span).run();

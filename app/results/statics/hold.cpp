@@ -208,7 +208,7 @@ Result hold_result(const StaticModel& model, const std::vector<double>& x, const
   content.data("at_rest", view.at_rest);
   add_held_data(content, model, pose);
   content.fact("friction", margin_in_words(pose));
-  content.fact("margin", bracket_in_words(pose));
+  if (pose.least_factor > 0.0 && std::isfinite(pose.least_factor)) content.fact("margin", bracket_in_words(pose));
   if (!pose.slips.empty()) content.fact("slips first", slips_in_words(all, pose.slips));
   if (view.range) add_range(content, model, *view.range, view, all);
   add_efforts(content, model, pose, all);
