@@ -40,6 +40,7 @@ std::vector<Entry> all_commands() {
       {check_command(), "datasets/six_bar.toml"},
       {solve_command(), "datasets/toggle_clamp.toml --set load.P=30 --svg clamp.svg --json clamp.json"},
       {equilibria_command(), "datasets/four_bar_gravity.toml --svg equilibria.svg"},
+      {hold_command(), "datasets/friction/wedge.toml --vary load.P"},
       {view_command(), "datasets/toggle_clamp.toml"},
       {path_command(), "datasets/von_mises_toggle.toml --vary load.P=0..60 --svg toggle.svg"},
       {sensitivity_command(), "datasets/toggle_clamp.toml --of force.rubber,load_at_fold.P"},

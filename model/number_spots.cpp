@@ -152,7 +152,12 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
     }
     case Owner::element:
       return of_element(at, key, row.place.number);
-    case Owner::joint:
+    case Owner::joint: {
+      const std::size_t dot = key.find('.');
+      const toml::table* const joint = item(Owner::joint, row.place.item);
+      if (dot == std::string::npos) return {joint, "", key};
+      return {below(joint, key.substr(0, dot)), "", key.substr(dot + 1)};
+    }
     case Owner::drive:
     case Owner::stop:
     case Owner::coupling:

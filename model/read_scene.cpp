@@ -242,8 +242,10 @@ class SceneReader {
     std::vector<std::string_view> keys{"name", "points"};
     if (joint.has_travel()) keys.emplace_back("axis");
     for (const Number& number : joint.numbers()) keys.push_back(number.key);
+    if (joint.can_rub()) keys.emplace_back("friction");
     table.allow_keys(keys);
     read_numbers(table, joint.numbers(), &joint, nullptr, units());
+    if (joint.can_rub()) read_friction(table, joint);
     std::tie(joint.a, joint.b) = names_.two_points(table);
     if (joint.has_travel()) {
       joint.axis = table.vector("axis", 1.0);
@@ -251,6 +253,22 @@ class SceneReader {
         table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
     }
     return joint;
+  }
+
+  void read_friction(const TomlTable& joint_table, Joint& joint) const {
+    const std::optional<TomlTable> table = joint_table.find_table("friction");
+    if (!table) return;
+    joint.friction.emplace();
+    std::vector<Number> numbers(joint.friction_numbers().begin(), joint.friction_numbers().end());
+    std::vector<std::string_view> keys;
+    for (Number& number : numbers) {
+      number.key.remove_prefix(std::string_view("friction.").size());
+      keys.push_back(number.key);
+    }
+    table->allow_keys(keys);
+    read_numbers(*table, numbers, &joint, nullptr, units());
+    if (joint.has_travel() || joint.friction->coefficient == 0.0 || table->has("radius")) return;
+    table->place().fail("expected the key radius beside coefficient, of the surface on which the pin turns; add it");
   }
 
   void read_start() {

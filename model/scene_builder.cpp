@@ -36,6 +36,7 @@ toml::array pair_of(Vec2 v) { return toml::array{v.x, v.y}; }
 struct SceneBuilder::Document {
   std::string title;
   toml::table root;
+  std::string last_joint;  ///< list of the joint that was added last
 
   /// Keys count up: the reader takes tables in the order of their places in the text.
   toml::key key(std::string_view name) {
@@ -70,7 +71,8 @@ struct SceneBuilder::Document {
   }
 
   toml::table& next_joint(std::string_view kind, const std::string& a, const std::string& b, const std::string& name) {
-    toml::table& table = next(std::string(kind), name);
+    last_joint = kind;
+    toml::table& table = next(last_joint, name);
     set(table, "points", toml::array{a, b});
     return table;
   }
@@ -219,6 +221,21 @@ SceneBuilder& SceneBuilder::weld(const std::string& a, const std::string& b, dou
 
 SceneBuilder& SceneBuilder::bar(const std::string& a, const std::string& b, double length, const std::string& name) {
   document_->set(document_->next_joint("bar", a, b, name), "length", length);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::friction(const std::vector<Key>& keys) {
+  if (document_->last_joint.empty()) {
+    TomlPlace{document_->title, 0, "friction"}.fail("expected a joint before it; add the joint first");
+  }
+  toml::array& joints = *document_->root.get_as<toml::array>(document_->last_joint);
+  toml::table friction;
+  for (const Key& key : keys) {
+    Document::with_value(key, [&](auto value) {
+      document_->add(friction, document_->last_joint + ".friction", key.name, std::move(value));
+    });
+  }
+  document_->add(*joints.back().as_table(), document_->last_joint, "friction", std::move(friction));
   return *this;
 }
 

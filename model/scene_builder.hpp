@@ -102,6 +102,10 @@ class SceneBuilder {
   SceneBuilder& weld(const std::string& a, const std::string& b, double angle = 0.0, const std::string& name = {});
   SceneBuilder& bar(const std::string& a, const std::string& b, double length, const std::string& name = {});
 
+  /// Friction of the joint that was added last: "coefficient", "radius" and "torque" of a pin, "coefficient", "length"
+  /// and "force" of a slide, "coefficient" and "force" of a pin in a slot (JointFriction).
+  SceneBuilder& friction(const std::vector<Key>& keys);
+
   /// A force element with the numbers (and words) of its table in docs/scene-files.md#force-elements: "spring",
   /// "torsion_spring", "cubic_spring", "constant_force", "damper", "torsion_damper", "friction",
   /// "bump_stop".

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/joint_friction.hpp"
 #include "motion/motion_error.hpp"
 #include "motion/reduced_system.hpp"
 #include "motion/singular_passage.hpp"
@@ -649,6 +650,7 @@ std::string to_string(MotionStatus status) {
 }
 
 Motion simulate(const MotionModel& model, const MotionState& start, const MotionOptions& options) {
+  refuse_joint_friction(model.scene(), "motion");
   return Simulation(model, start, options).run();
 }
 

@@ -12,6 +12,7 @@
 
 #include "solvers/ball_factors.hpp"
 #include "statics/balance_system.hpp"
+#include "statics/ball_measures.hpp"
 #include "statics/free_body_equations.hpp"
 #include "statics/minimum_norm.hpp"
 

@@ -38,6 +38,10 @@ bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
       return place.number != 1;
     case Owner::element:
       return stores_energy(scene.elements[static_cast<std::size_t>(place.item)].law);
+    case Owner::joint: {
+      const Joint& joint = scene.joints[static_cast<std::size_t>(place.item)];
+      return place.number < static_cast<int>(joint.numbers().size() - joint.friction_numbers().size());
+    }
     default:
       return true;
   }

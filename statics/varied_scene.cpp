@@ -119,7 +119,8 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     if (row.place.owner == Owner::section && row.place.part == 1) {
       fail("it acts through all springs of a flexible link, which paths cannot vary together; expected another number");
     }
-    const bool is_idle = row.place.owner == Owner::number && !acts_in_statics(scene_, row.place);
+    const bool is_idle =
+        (row.place.owner == Owner::number || row.place.owner == Owner::joint) && !acts_in_statics(scene_, row.place);
     if (!counts_in_statics(row.place.owner) || is_idle) {
       fail(
           "equilibrium does not depend on it; expected a load, a stiffness, a dimension or a driven measure, say "

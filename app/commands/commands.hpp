@@ -18,6 +18,10 @@ Command solve_command();
 /// (--seconds 0). Ctrl-C keeps what was found.
 Command equilibria_command();
 
+/// `poise hold SCENE --vary load.P`: whether friction holds a pose, and for which values of a number; exit code solved
+/// where both answers to the first are proved, held or not, and the second was found.
+Command hold_command();
+
 /// `poise view SCENE`: a page in the browser in which joints, loads and numbers are changed, each answered with the
 /// equilibrium. Ctrl-C ends it, with exit code solved.
 Command view_command();

@@ -18,6 +18,7 @@
 #include "app/draw/motion_pictures.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
+#include "motion/joint_friction.hpp"
 #include "motion/release.hpp"
 
 namespace poise::app {
@@ -102,6 +103,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const MotionModel model(load_moving_scene(request.common));
+  refuse_joint_friction(model.scene(), "motion");
   expect_record_of_a_size(request, model);
   OutputFiles files(request.common);
   const std::atomic<bool>& interrupt = watch_for_interrupt();

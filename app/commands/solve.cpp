@@ -51,7 +51,9 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   options.interrupt = &watch_for_interrupt();
   const Answer answer = search(model, options, progress);
 
-  const Result result = solve_result(model, answer, request.settings);
+  std::optional<HeldPose> as_drawn;
+  if (has_friction(model.scene())) as_drawn = held_pose(model, assemble(model));
+  const Result result = solve_result(model, answer, request.settings, as_drawn ? &*as_drawn : nullptr);
   const bool interrupted = answer.equilibrium.status == Status::interrupted;
   const bool drawn = answer.readings && !interrupted;
   Pictures pictures;

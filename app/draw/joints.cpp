@@ -116,6 +116,24 @@ void draw_slide_block(Stage& stage, std::size_t j) {
   if (!sketchy) stage.setter.avoid(track.at - 16.0 * track.along, track.at + 16.0 * track.along, 18.0);
 }
 
+/// Friction of a pin: a ring round it; of what slides: short strokes on both sides of its line.
+void draw_friction(Stage& stage, std::size_t j) {
+  const Joint& joint = stage.scene.joints[j];
+  const Paint paint{.stroke = ink::dark, .width = 0.9};
+  if (!joint.has_travel()) {
+    stage.canvas.circle(stage.page(joint.b), stage.pin_radius + 2.5, paint);
+    return;
+  }
+  const Track track = track_of(stage, j);
+  const Vec2 side = quarter_turn(track.along);
+  for (const double sign : {1.0, -1.0}) {
+    for (const double at : {-9.0, -3.0, 3.0, 9.0}) {
+      const Vec2 foot = track.at + at * track.along + (sign * 9.0) * side;
+      stage.canvas.line(foot, foot + 3.0 * track.along + (sign * 3.5) * side, paint);
+    }
+  }
+}
+
 void draw_weld(Stage& stage, Vec2 at) {
   const double side = 2 * stage.pin_radius;
   draw_block(stage.canvas, at, {1, 0}, side, side, {.fill = ink::dark});
@@ -248,6 +266,11 @@ void draw_pins(Stage& stage) {
       draw_pin(stage.canvas, stage.page(joint.b), stage.pin_radius);
       stage.setter.avoid(stage.page(joint.b), stage.pin_radius);
     }
+  }
+  for (std::size_t j = 0; j < stage.scene.joints.size() && stage.detail != Detail::sketch; ++j) {
+    if (!stage.scene.joints[j].friction) continue;
+    stage.canvas.item(Stage::item_of(stage.scene.joints[j]));
+    draw_friction(stage, j);
   }
   if (stage.detail == Detail::full) name_places(stage);
   stage.canvas.close();

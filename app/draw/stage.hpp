@@ -104,7 +104,9 @@ class Stage : public Sizes {
   /// Direction on the page of a world direction.
   static Vec2 page_direction(Vec2 world) { return conj(world); }
   /// The line of travel of a joint, on the page.
-  Vec2 page_axis(const Joint& joint) const { return page_direction(joint.axis * unit(now.poses[joint.a.body].angle)); }
+  Vec2 page_axis(const Joint& joint) const {
+    return page_direction(joint.direction() * unit(now.poses[joint.a.body].angle));
+  }
 
   const std::vector<Strung>& strung() const { return strung_; }
   /// Points of a body on the page, in the position drawn.

@@ -301,6 +301,9 @@ void warn_of_friction(Result& result, const Scene& scene) {
     const auto* friction = std::get_if<DryFriction>(&element.law);
     if (friction != nullptr && friction->force != 0.0) names.push_back("\"" + element.name + "\"");
   }
+  for (const Joint& joint : scene.joints) {
+    if (joint.friction) names.push_back("\"" + joint.name + "\"");
+  }
   if (names.empty()) return;
   result.warnings.push_back(
       doubtful(fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names))));

@@ -306,6 +306,7 @@ TEST(JsonDocs, Solve) {
                  {{"solve", scene("cam_follower")}},
                  {{"solve", scene("hard/balanced_lamp")}},
                  {{"solve", scene("hard/taut")}},
+                 {{"solve", scene("friction/drawer")}},
                  {{"solve", folder.write("plate.toml", plate)}},
                  {{"solve", folder.write("rocker.toml", rocker)}}},
                 Shared::all);
@@ -337,6 +338,13 @@ torque = 1
 [start]
 position = { block = [0, 0.45] }
 )";
+
+TEST(JsonDocs, Hold) {
+  check_section("hold", {{{"hold", scene("friction/toggle"), "--vary", "load.P"}},
+                         {{"hold", scene("friction/wedge"), "--vary", "load.P"}},
+                         {{"hold", scene("friction/screw"), "--vary", "load.H"}},
+                         {{"hold", scene("friction/ladder"), "--vary", "slide.floor.friction.coefficient=0..0.1"}}});
+}
 
 TEST(JsonDocs, Equilibria) {
   check_section("equilibria",

@@ -10,6 +10,7 @@
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
 #include "motion/force_courses.hpp"
+#include "motion/joint_friction.hpp"
 #include "statics/pose_values.hpp"
 #include "statics/readings.hpp"
 
@@ -74,6 +75,8 @@ Line verdict(const ForcesAlong& found, const std::string& dead) {
 void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& found, const std::string& dead,
                   const std::vector<ForceCourse>& courses, const std::vector<LoadedParallel>& parallels) {
   const auto warn = [&](std::string text) { result.warnings.push_back(doubtful(std::move(text))); };
+  const std::vector<std::string> rubbing = joints_with_friction(model.scene());
+  if (!rubbing.empty()) warn(fmt::format("Friction in {} is left out of all forces.", listed(rubbing)));
   if (!dead.empty() && !found.complete && !found.stop) warn("Dead point: " + dead + ".");
   if (found.stop) warn("The range ends early: " + found.why + ".");
   for (const ForceCourse& course : courses) {

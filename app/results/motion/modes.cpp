@@ -8,6 +8,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "motion/joint_friction.hpp"
 
 namespace poise::app {
 namespace {
@@ -173,8 +174,10 @@ Result modes_result(const MotionModel& model, const ModesAnswer& answer, const s
   add_facts(out.content, model, answer);
   add_modes(out.content, model, answer.modes);
   const std::vector<Element>& elements = model.scene().elements;
-  if (answer.modes.known && std::any_of(elements.begin(), elements.end(),
-                                        [](const Element& e) { return std::holds_alternative<DryFriction>(e.law); })) {
+  if (answer.modes.known && (!joints_with_friction(model.scene()).empty() ||
+                             std::any_of(elements.begin(), elements.end(), [](const Element& e) {
+                               return std::holds_alternative<DryFriction>(e.law);
+                             }))) {
     out.warnings.push_back(
         doubtful("Dry friction is left out, which is not linear: it damps small oscillations more than shown here."));
   }

@@ -8,6 +8,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/hold.hpp"
 #include "app/results/statics/settling.hpp"
 #include "statics/enclosed_reactions.hpp"
 #include "statics/principal_directions.hpp"
@@ -433,7 +434,8 @@ void add_answer_data(Group& group, const StaticModel& model, const Answer& answe
   group.data("energy", energy_of(model, answer.equilibrium));
 }
 
-Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings) {
+Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings,
+                    const HeldPose* as_drawn) {
   const Equilibrium& equilibrium = answer.equilibrium;
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(equilibrium);
@@ -446,6 +448,11 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
     content.fact("why", equilibrium.why);
   }
   show_settling(out, model, equilibrium);
+  if (as_drawn != nullptr) {
+    Group& friction = content.group("as_drawn", "", Verbosity::normal);
+    add_held_data(friction, model, *as_drawn);
+    friction.fact("as drawn", held_in_words(*as_drawn));
+  }
   add_search_data(content, model, answer);
   if (answer.readings) {
     add_directions(content, model, equilibrium.certificate);

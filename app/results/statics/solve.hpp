@@ -5,11 +5,14 @@
 
 #include "app/result/result.hpp"
 #include "statics/answer.hpp"
+#include "statics/held.hpp"
 
 namespace poise::app {
 
 /// What `poise solve` shows: verdict, positions, spring forces, joint forces, stops, what was left out, numerics.
-Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings);
+/// With the verdict on the assembled pose where the scene has friction.
+Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings,
+                    const HeldPose* as_drawn = nullptr);
 
 /// The data of an answer: method, seek, status, ..., see docs/json.md; what was not reached is null.
 void add_answer_data(Group& group, const StaticModel& model, const Answer& answer);

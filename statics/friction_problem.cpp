@@ -1,0 +1,437 @@
+#include "statics/friction_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <list>
+#include <variant>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "statics/balance_system.hpp"
+#include "statics/ball_measures.hpp"
+#include "statics/check.hpp"
+#include "statics/free_body_equations.hpp"
+
+namespace poise {
+namespace {
+
+using Body = PlacedBody<Ball>;
+using Equations = FreeBodyEquations<Body>;
+
+// Rounding of the closed coordinates, of the mechanism's size and of radians: places of bodies are known to it.
+constexpr double closure_rounding = 0x1p-49;
+constexpr double rank_tolerance = 1e-11;  // of singular values of A, whose entries are of order one
+
+std::vector<Body> placed(const StaticModel& model, const std::vector<double>& x) {
+  std::vector<Ball> q;
+  for (const double value : x) q.push_back(Ball(value).widened(closure_rounding * std::max(1.0, std::abs(value))));
+  std::vector<BodyPose<Ball>> poses = model.balls().exact.poses(q.data(), model.layout().anchor);
+  const Ball unit_length(model.scales().length);
+  std::vector<Body> out;
+  for (std::size_t i = 0; i < model.scene().bodies.size(); ++i) {
+    poses[i].origin = {unit_length * poses[i].origin.x, unit_length * poses[i].origin.y};
+    out.emplace_back(poses[i]);
+  }
+  return out;
+}
+
+Ball dot_of(const std::vector<std::pair<int, Ball>>& entries, const std::vector<Ball>& v) {
+  Ball sum;
+  for (const auto& [column, factor] : entries) sum += factor * v[static_cast<std::size_t>(column)];
+  return sum;
+}
+
+// Encloses the solution x of M x = b, M square, near the given one: with Y about the inverse of M,
+// |x - x0| <= |Y (b - M x0)| / (1 - |I - Y M|) in the greatest norm (S. M. Rump, "Verification methods", Acta Numerica
+// 2010, section 10).
+std::optional<std::vector<Ball>> enclosed(const std::vector<std::vector<Ball>>& m, const std::vector<Ball>& b) {
+  const auto n = static_cast<Eigen::Index>(b.size());
+  Eigen::MatrixXd middle(n, n);
+  Eigen::VectorXd right(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    right[i] = b[static_cast<std::size_t>(i)].middle();
+    for (Eigen::Index j = 0; j < n; ++j) {
+      middle(i, j) = m[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)].middle();
+    }
+  }
+  const Eigen::FullPivLU<Eigen::MatrixXd> factors(middle);
+  if (!factors.isInvertible()) return std::nullopt;
+  const Eigen::MatrixXd y = factors.inverse();
+  Eigen::VectorXd x = y * right;
+  const auto residual = [&](Eigen::Index i) {
+    Ball r = b[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j < n; ++j) {
+      r -= m[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] * Ball(x[j]);
+    }
+    return r;
+  };
+  for (int step = 0; step < 2; ++step) {
+    Eigen::VectorXd r(n);
+    for (Eigen::Index i = 0; i < n; ++i) r[i] = residual(i).middle();
+    x += y * r;
+  }
+  std::vector<Ball> r;
+  for (Eigen::Index i = 0; i < n; ++i) r.push_back(residual(i));
+  double contraction = 0.0;
+  double step = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double row = 0.0;
+    Ball moved;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      Ball c(i == j ? -1.0 : 0.0);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        if (y(i, k) != 0.0) c += Ball(y(i, k)) * m[static_cast<std::size_t>(k)][static_cast<std::size_t>(j)];
+      }
+      row += c.greatest();
+      moved += Ball(y(i, j)) * r[static_cast<std::size_t>(j)];
+    }
+    contraction = std::max(contraction, row * (1.0 + 1e-12));
+    step = std::max(step, moved.greatest());
+  }
+  if (!(contraction < 0.5) || !std::isfinite(step)) return std::nullopt;
+  const double radius = step / (1.0 - contraction) * (1.0 + 1e-12);
+  std::vector<Ball> out;
+  for (Eigen::Index i = 0; i < n; ++i) out.push_back(Ball(x[i]).widened(radius));
+  return out;
+}
+
+// Columns of M, taken times their weights, with which pivoted QR finds it regular; none where it is not.
+std::optional<std::vector<int>> basis_of(Eigen::MatrixXd m, const Eigen::VectorXd& weights) {
+  for (Eigen::Index j = 0; j < m.cols(); ++j) m.col(j) *= weights[j];
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(m);
+  qr.setThreshold(1e-13);
+  if (qr.rank() < m.rows()) return std::nullopt;
+  std::vector<int> out;
+  for (Eigen::Index i = 0; i < m.rows(); ++i) out.push_back(static_cast<int>(qr.colsPermutation().indices()[i]));
+  return out;
+}
+
+// Its bound is 0 whatever it carries.
+bool is_idle(const Scene& scene, const Rubbing& one) {
+  if (one.joint < 0)
+    return std::get<DryFriction>(scene.elements[static_cast<std::size_t>(one.element)].law).force == 0.0;
+  const Joint& joint = scene.joints[static_cast<std::size_t>(one.joint)];
+  const JointFriction& friction = *joint.friction;
+  if (joint.has_travel()) return friction.coefficient == 0.0 && friction.force == 0.0;
+  return friction.circle() == 0.0 && friction.torque == 0.0;
+}
+
+}  // namespace
+
+FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<double>& x)
+    : model_(model), bodies_(placed(model, x)) {
+  const Scene& scene = model.scene();
+  const double size = model.scales().length;
+  Equations equations(scene, bodies_, size);
+  equations.add_joints();
+  std::vector<int> first_of_joint(scene.joints.size(), -1);
+  for (std::size_t u = 0; u < equations.unknowns().size(); ++u) {
+    int& first = first_of_joint[static_cast<std::size_t>(equations.unknowns()[u].item)];
+    if (first < 0) first = static_cast<int>(u);
+  }
+  const CheckTolerances tolerances;
+  const std::vector<BodyPose<double>> poses = model.poses_from_anchor(x);
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    const double near = tolerances.stop * (stop.on.is_angle() ? 1.0 : size);
+    const double g = value_of(scene, stop.on, poses);
+    const bool at_max = g >= stop.max - near, at_min = g <= stop.min + near;
+    if (!at_max && !at_min) continue;
+    const int before = static_cast<int>(equations.unknowns().size());
+    equations.add_stop(static_cast<int>(s), at_max && at_min ? 2 : at_max ? 1 : -1);
+    const int side = equations.items().back().side;
+    if (static_cast<int>(equations.unknowns().size()) > before && side != 2) pressures_.emplace_back(before, -side);
+  }
+  std::list<Drive> on_measures;  // the equations keep references to their names
+  const std::vector<Rubbing> all = rubbing(scene);
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    const Rubbing& one = all[r];
+    if (is_idle(scene, one)) continue;
+    Drive& drive = on_measures.emplace_back();
+    drive.name = one.name;
+    drive.on = one.on;
+    Source source;
+    source.effort = static_cast<int>(equations.unknowns().size());
+    equations.add_drive(drive);
+    if (static_cast<int>(equations.unknowns().size()) == source.effort) continue;  // it has no direction here
+    source.si = one.on.is_angle() ? size : 1.0;
+    const Ball over(source.si);
+    if (one.joint < 0) {
+      source.constant =
+          Ball(std::get<DryFriction>(scene.elements[static_cast<std::size_t>(one.element)].law).force) / over;
+    } else {
+      const Joint& joint = scene.joints[static_cast<std::size_t>(one.joint)];
+      const JointFriction& friction = *joint.friction;
+      const int first = first_of_joint[static_cast<std::size_t>(one.joint)];
+      const Ball mu(friction.coefficient);
+      if (!joint.has_travel()) {
+        source.constant = Ball(friction.torque) / over;
+        source.circle = Ball(friction.radius) * mu / sqrt(Ball(1) + mu * mu) / over;
+        if (friction.circle() > 0.0) source.pin = first;
+      } else {
+        source.constant = Ball(friction.force);
+        if (friction.coefficient > 0.0) source.pieces.emplace_back(first, mu);
+        // The moment is measured over the size.
+        if (joint.keeps_angle() && friction.coefficient > 0.0 && friction.length > 0.0) {
+          source.pieces.emplace_back(first + 1, mu * Ball(2) * Ball(size) / Ball(friction.length));
+        }
+      }
+    }
+    sources_.push_back(std::move(source));
+    of_rubbing_.push_back(r);
+  }
+  rubbings_ = all.size();
+  columns_ = static_cast<int>(equations.unknowns().size());
+  a_.assign(static_cast<std::size_t>(equations.rows()), std::vector<Ball>(static_cast<std::size_t>(columns_)));
+  for (int u = 0; u < columns_; ++u) {
+    equations.for_each_entry(equations.unknowns()[static_cast<std::size_t>(u)], [&](int row, const Ball& value) {
+      a_[static_cast<std::size_t>(row)][static_cast<std::size_t>(u)] += value;
+    });
+  }
+  set_load(load_of(scene));
+}
+
+std::vector<Ball> FrictionProblem::load_of(const Scene& scene) const {
+  const Equations equations(scene, bodies_, model_.scales().length);
+  std::vector<Ball> out(static_cast<std::size_t>(equations.rows()));
+  const auto push = [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
+    if (body == 0) return;
+    const std::size_t row = 3 * (static_cast<std::size_t>(body) - 1);
+    out[row] += force.x;
+    out[row + 1] += force.y;
+    out[row + 2] += equations.turning(body, at, force, moment);
+  };
+  equations.push_loads(push);
+  equations.push_elements(push);
+  return out;
+}
+
+void FrictionProblem::set_load(std::vector<Ball> load, bool keep_constants) {
+  load_ = std::move(load);
+  slope_.clear();
+  constants_count_ = keep_constants;
+  refresh();
+}
+
+void FrictionProblem::set_slope(std::vector<Ball> slope) {
+  slope_ = std::move(slope);
+  refresh();
+}
+
+void FrictionProblem::refresh() {
+  const auto rows = static_cast<Eigen::Index>(a_.size());
+  const Eigen::Index columns = columns_ + (varies() ? 1 : 0);
+  unit_ = 0.0;
+  for (const Ball& one : load_) unit_ = std::max(unit_, std::abs(one.middle()));
+  if (constants_count_) {
+    for (const Source& source : sources_) unit_ = std::max(unit_, source.constant.middle());
+  }
+  unit_ = unit_ > 0.0 ? std::exp2(std::ceil(std::log2(unit_))) : 1.0;
+  double steepest = 0.0;
+  for (const Ball& one : slope_) steepest = std::max(steepest, std::abs(one.middle()));
+  q_unit_ = steepest > 0.0 ? std::exp2(std::ceil(std::log2(unit_ / steepest))) : 1.0;
+  middle_.resize(rows, columns);
+  Eigen::VectorXd right(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const auto& row = a_[static_cast<std::size_t>(i)];
+    for (int j = 0; j < columns_; ++j) middle_(i, j) = row[static_cast<std::size_t>(j)].middle();
+    if (varies()) middle_(i, columns_) = slope_[static_cast<std::size_t>(i)].middle() * (q_unit_ / unit_);
+    right[i] = -load_[static_cast<std::size_t>(i)].middle() / unit_;
+  }
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(middle_, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  svd.setThreshold(rank_tolerance);
+  solutions_.particular = svd.solve(right);
+  solutions_.basis = svd.matrixV().rightCols(columns - svd.rank());
+  solutions_.residual = right - middle_ * solutions_.particular;
+  solutions_.gap = rows > 0 ? solutions_.residual.cwiseAbs().maxCoeff() : 0.0;
+}
+
+std::vector<FrictionProblem::Row> FrictionProblem::rows(const Choice& choice, double factor, Side side) const {
+  std::vector<Row> out;
+  for (const auto& [column, sign] : pressures_) out.push_back({{{column, Ball(-sign)}}, Ball(0)});
+  const Ball k(factor);
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const Source& source = sources_[s];
+    const Part& part = choice[s];
+    const bool is_constant = source.pin < 0 && source.pieces.empty();
+    if (part.kind == Part::Kind::open && !is_constant) continue;
+    std::vector<std::pair<int, Ball>> bound;
+    if (part.kind == Part::Kind::piece) {
+      const auto& [column, slope] = source.pieces[static_cast<std::size_t>(part.piece)];
+      bound.emplace_back(column, -(k * Ball(part.sign) * slope));
+    } else if (part.kind == Part::Kind::sector) {
+      const Vec2 g = side == Side::inner ? inner_direction(part) : outer_direction(part);
+      bound.emplace_back(source.pin, -(k * source.circle * Ball(g.x)));
+      bound.emplace_back(source.pin + 1, -(k * source.circle * Ball(g.y)));
+      if (side == Side::outer) {
+        out.push_back(
+            {{{source.pin, Ball(part.first.y)}, {source.pin + 1, Ball(-part.first.x)}}, Ball(0), -1, 0, true});
+        out.push_back({{{source.pin, Ball(-part.last.y)}, {source.pin + 1, Ball(part.last.x)}}, Ball(0), -1, 0, true});
+      }
+    }
+    for (const int sign : {1, -1}) {
+      Row row;
+      row.entries = bound;
+      row.entries.emplace_back(source.effort, Ball(sign));
+      if (constants_count_) row.bound = k * source.constant / Ball(unit_);
+      row.source = static_cast<int>(s);
+      row.sign = sign;
+      row.has_slack = constants_count_ || !is_constant;
+      out.push_back(std::move(row));
+    }
+  }
+  return out;
+}
+
+// At most 1 long, so that g R <= |R| whatever R is.
+Vec2 FrictionProblem::inner_direction(const Part& part) {
+  const Vec2 middle = part.first + part.last;
+  return ((1.0 - 1e-15) / norm(middle)) * middle;
+}
+
+// g R >= |R| for all R = a first + b last, a, b >= 0: it is for both ends, and |R| is convex.
+Vec2 FrictionProblem::outer_direction(const Part& part) {
+  const Vec2 middle = part.first + part.last;
+  const double least = std::min(dot(middle, part.first) / norm(part.first), dot(middle, part.last) / norm(part.last));
+  return ((1.0 + 1e-15) / least) * middle;
+}
+
+double FrictionProblem::bound_at(std::size_t s, const Eigen::VectorXd& v) const {
+  const Source& source = sources_[s];
+  double out = 0.0;
+  for (const auto& [column, slope] : source.pieces) out = std::max(out, slope.middle() * std::abs(v[column]));
+  if (source.pin >= 0) out = source.circle.middle() * std::hypot(v[source.pin], v[source.pin + 1]);
+  return constants_count_ ? out + source.constant.middle() / unit_ : out;
+}
+
+FrictionProblem::Choice FrictionProblem::choice_at(const Eigen::VectorXd& v) const {
+  Choice out(sources_.size());
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const Source& source = sources_[s];
+    if (source.pin >= 0) {
+      Vec2 r{v[source.pin], v[source.pin + 1]};
+      if (r == Vec2{}) r = {1.0, 0.0};
+      r = (1.0 / norm(r)) * r;
+      out[s] = {Part::Kind::sector, 0, 1, r, r};
+    } else if (!source.pieces.empty()) {
+      double largest = -1.0;
+      for (std::size_t p = 0; p < source.pieces.size(); ++p) {
+        const auto& [column, slope] = source.pieces[p];
+        if (slope.middle() * std::abs(v[column]) <= largest) continue;
+        largest = slope.middle() * std::abs(v[column]);
+        out[s] = {Part::Kind::piece, static_cast<int>(p), v[column] < 0 ? -1 : 1, {}, {}};
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<FrictionProblem::Part> FrictionProblem::divided(std::size_t s, const Part& part) const {
+  const Source& source = sources_[s];
+  std::vector<Part> out;
+  if (part.kind == Part::Kind::open && source.pin >= 0) {
+    const Vec2 at[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
+    for (int i = 0; i < 4; ++i) out.push_back({Part::Kind::sector, 0, 1, at[i], at[i + 1]});
+  } else if (part.kind == Part::Kind::open) {
+    for (std::size_t p = 0; p < source.pieces.size(); ++p) {
+      for (const int sign : {1, -1}) out.push_back({Part::Kind::piece, static_cast<int>(p), sign, {}, {}});
+    }
+  } else if (part.kind == Part::Kind::sector && cross(part.first, part.last) > 3e-6) {
+    const Vec2 middle = (1.0 / norm(part.first + part.last)) * (part.first + part.last);
+    out.push_back({Part::Kind::sector, 0, 1, part.first, middle});
+    out.push_back({Part::Kind::sector, 0, 1, middle, part.last});
+  }
+  return out;
+}
+
+bool FrictionProblem::proves_point(const Eigen::VectorXd& v, const std::vector<Row>& rows, bool strictly) const {
+  const double largest = columns_ > 0 ? v.head(columns_).cwiseAbs().maxCoeff() : 0.0;
+  Eigen::VectorXd weights(columns_);
+  for (int j = 0; j < columns_; ++j) weights[j] = largest > 0 ? 1e-3 + std::abs(v[j]) / largest : 1.0;
+  const auto basis = basis_of(middle_.leftCols(columns_), weights);
+  if (!basis) return false;
+  std::vector<Ball> u;
+  std::vector<char> is_basic(static_cast<std::size_t>(columns_), 0);
+  for (const int j : *basis) is_basic[static_cast<std::size_t>(j)] = 1;
+  for (int j = 0; j < columns_; ++j) u.emplace_back(v[j]);
+  std::vector<std::vector<Ball>> square(a_.size());
+  std::vector<Ball> right;
+  for (std::size_t i = 0; i < a_.size(); ++i) {
+    for (const int j : *basis) square[i].push_back(a_[i][static_cast<std::size_t>(j)]);
+    Ball r = -(load_[i] / Ball(unit_));
+    for (int j = 0; j < columns_; ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      if (is_basic[at] == 0) r -= a_[i][at] * u[at];
+    }
+    right.push_back(r);
+  }
+  const auto solved = enclosed(square, right);
+  if (!solved) return false;
+  for (std::size_t k = 0; k < basis->size(); ++k) u[static_cast<std::size_t>((*basis)[k])] = (*solved)[k];
+  return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
+    const Ball slack = row.bound - dot_of(row.entries, u);
+    return strictly && row.has_slack ? slack > Ball(0) : slack >= Ball(0);
+  });
+}
+
+Eigen::VectorXd FrictionProblem::load_over_unit() const {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(load_.size()));
+  for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = load_[static_cast<std::size_t>(i)].middle() / unit_;
+  return out;
+}
+
+// r = target - A^T y - G^T z for the y that leaves least of it, and y load - z bounds.
+FrictionProblem::Combined FrictionProblem::combined(const Eigen::VectorXd& target, const Eigen::VectorXd& z,
+                                                    const std::vector<Row>& rows) const {
+  const auto equations = static_cast<Eigen::Index>(a_.size());
+  const Eigen::MatrixXd transposed = matrix().transpose();
+  Eigen::VectorXd left = target;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (const auto& [column, value] : rows[r].entries)
+      left[column] -= value.middle() * z[static_cast<Eigen::Index>(r)];
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(transposed);
+  Eigen::VectorXd y = factors.solve(left);
+  y += factors.solve(left - transposed * y);
+  Combined out;
+  for (int j = 0; j < columns_; ++j) out.residual.emplace_back(target[j]);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Ball factor(z[static_cast<Eigen::Index>(r)]);
+    for (const auto& [column, value] : rows[r].entries)
+      out.residual[static_cast<std::size_t>(column)] -= value * factor;
+    out.value -= factor * rows[r].bound;
+  }
+  for (Eigen::Index i = 0; i < equations; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    const Ball factor(y[i]);
+    for (int j = 0; j < columns_; ++j)
+      out.residual[static_cast<std::size_t>(j)] -= a_[row][static_cast<std::size_t>(j)] * factor;
+    out.value += factor * load_[row] / Ball(unit_);
+  }
+  return out;
+}
+
+// With r = -(A^T y + G^T z), A u = -load and G u <= bounds:  y load - z bounds <= r u <= most sum |r|.
+bool FrictionProblem::proves_none(const Eigen::VectorXd& z, const std::vector<Row>& rows, double most) const {
+  if (z.size() != static_cast<Eigen::Index>(rows.size()) || z.size() == 0) return false;
+  const double largest = z.maxCoeff();
+  if (!(largest > 0.0) || z.minCoeff() < 0.0) return false;
+  const Combined sum = combined(Eigen::VectorXd::Zero(columns_), z / largest, rows);
+  Ball left;
+  for (const Ball& r : sum.residual) left += abs(r);
+  return sum.value > Ball(most) * left;
+}
+
+// u_j = (e_j - A^T y - G^T z) u + y A u + z G u <= sum |r| + s (z bounds - y load) for s of 0 to 1 / most.
+bool FrictionProblem::proves_below_one(int column, double sign, const Eigen::VectorXd& z, const std::vector<Row>& rows,
+                                       double most) const {
+  if (z.size() > 0 && z.minCoeff() < 0.0) return false;
+  const Combined sum = combined(sign * Eigen::VectorXd::Unit(columns_, column), z, rows);
+  Ball bound;
+  for (const Ball& r : sum.residual) bound += abs(r);
+  return bound < Ball(1) && bound - sum.value / Ball(most) < Ball(1);
+}
+
+}  // namespace poise

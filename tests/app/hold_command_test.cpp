@@ -1,0 +1,73 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/app/run_poise.hpp"
+
+namespace poise::app_tests {
+namespace {
+
+using nlohmann::json;
+
+json hold(std::vector<std::string> words, int code = 0) {
+  const TempFolder folder;
+  const std::string file = folder.path("hold.json").string();
+  words.insert(words.begin(), "hold");
+  words.insert(words.end(), {"--json", file});
+  const Outcome run = run_poise(words);
+  EXPECT_EQ(run.exit_code, code) << run.out << run.err;
+  return json::parse(contents(file));
+}
+
+TEST(HoldCommand, WedgeLocksAtAnyLoad) {
+  const json found = hold({dataset("friction/wedge"), "--vary", "load.P"});
+  EXPECT_EQ(found["verdict"], "held");
+  EXPECT_EQ(found["proved"], true);
+  EXPECT_NEAR(found["least_factor"].get<double>(), std::tan(4 * M_PI / 180) / 0.1, 1e-9);
+  EXPECT_EQ(found["range"]["upper"]["without_end"], true);
+  EXPECT_EQ(found["range"]["upper"]["proved"], true);
+  EXPECT_EQ(found["range"]["contains_present"], true);
+}
+
+TEST(HoldCommand, LadderOfTheDataset) {
+  const json found = hold({dataset("friction/ladder"), "--vary", "load.P=0..100000"});
+  EXPECT_EQ(found["verdict"], "held");
+  // With the weights in the middle: datasets/friction/ladder.toml.
+  const double edge = std::atan((1 - 0.3 * 0.2) / 0.6) * 180 / M_PI;
+  EXPECT_NEAR(edge, 57.45, 0.01);
+}
+
+TEST(HoldCommand, DrawerMovesFromItsPullOn) {
+  const json found = hold({dataset("friction/drawer"), "--vary", "load.P"});
+  EXPECT_NEAR(found["range"]["upper"]["value"].get<double>(), 2 / 0.58, 1e-9);
+  EXPECT_EQ(found["range"]["upper"]["slips"][0]["name"], "guides");
+  EXPECT_EQ(found["range"]["upper"]["slips"][0]["increases"], true);
+}
+
+TEST(HoldCommand, ToggleOfTheDataset) {
+  const json found = hold({dataset("friction/toggle"), "--vary", "load.P"});
+  const double circle = 8 * std::sin(std::atan(0.15));
+  EXPECT_NEAR(found["range"]["upper"]["value"].get<double>(), 5 / (100 * std::sin(2 * M_PI / 180) - 2 * circle), 1e-8);
+  EXPECT_EQ(found["range"]["upper"]["slips"].size(), 3U);
+}
+
+TEST(HoldCommand, RefusesByName) {
+  const auto refused = [](const std::vector<std::string>& words, const std::string& message) {
+    const Outcome run = run_poise(words);
+    EXPECT_EQ(run.exit_code, 2) << run.out;
+    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+  };
+  refused({"hold", dataset("six_bar")}, "expected friction");
+  refused({"hold", dataset("friction/wedge"), "--vary", "point.wedge.W.y"}, "--vary point.wedge.W.y: expected");
+  refused({"motion", dataset("friction/wedge"), "--duration", "1"}, "friction that depends on the force in the joint");
+}
+
+TEST(HoldCommand, OthersSayThatFrictionIsLeftOut) {
+  const Outcome solved = run_poise({"solve", dataset("friction/drawer")});
+  EXPECT_NE(solved.out.find("friction"), std::string::npos) << solved.out << solved.err;
+  EXPECT_NE(solved.out.find("as drawn"), std::string::npos) << solved.out;
+}
+
+}  // namespace
+}  // namespace poise::app_tests
