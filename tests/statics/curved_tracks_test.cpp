@@ -257,6 +257,18 @@ TEST(CurvedSlots, ABeadOnACycloidSwingsAsHuygensSays) {
   EXPECT_LT(off[2], 1e-3);
 }
 
+// The spiral raises its pin evenly with the angle, through all pieces of the spline.
+TEST(CurvedSlots, ASpiralLiftsEvenly) {
+  const Scene scene = read_scene(test::dataset("curved_slot.toml"));
+  const KinematicsResult swept = sweep(scene, {{.name = "lever", .from = -0.5, .to = 1.4}}, {.steps = 19});
+  EXPECT_TRUE(swept.complete) << swept.why;
+  ASSERT_EQ(swept.samples.size(), 20U);
+  for (const KinematicSample& sample : swept.samples) {
+    const double lift = 0.1 + 0.08 * (1.0 - sample.drive[0] / (pi / 2));
+    EXPECT_NEAR(sample.bodies[2].pose.origin.y, lift, 1e-4) << sample.drive[0];
+  }
+}
+
 // The end of an open track holds the pin.
 TEST(CurvedSlots, ABeadIsHeldByTheEndOfItsTrack) {
   const StaticModel model(parse_scene(bead_on(parabola, 21, 30.0, 0.8), "end.toml"));

@@ -425,12 +425,12 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
 void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_springs(group, model, *answer.readings);
   add_torsion_springs(group, model, *answer.readings);
-  // The rider along a curved slot carries nothing.
+  // The rider along a curved slot carries nothing, a line of centres what the contact does.
   std::vector<Reaction> reactions;
   for (const Reaction& reaction : answer.equilibrium.check.reactions) {
     const auto& joints = model.scene().joints;
     const bool is_hidden = !reaction.of_stop && std::any_of(joints.begin(), joints.end(), [&](const Joint& joint) {
-      return joint.name == reaction.name && is_rider(model.scene(), joint.b.body);
+      return joint.name == reaction.name && is_of_track(model.scene(), joint);
     });
     if (!is_hidden) reactions.push_back(reaction);
   }
