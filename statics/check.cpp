@@ -205,9 +205,12 @@ class EquilibriumCheck {
       if (reaction.kind != "rolling" && reaction.kind != "rolling_on_circle") continue;
       const auto row = std::find_if(scene_.stops.begin(), scene_.stops.end(),
                                     [&](const Stop& stop) { return stop.name == reaction.name; });
-      if (-row->sense * reaction.axial >= least) continue;
+      const bool is_too_large = row->max <= 0.0;
+      if (!is_too_large && -row->sense * reaction.axial >= least) continue;
       out_.touches_pulleys = false;
-      object(fmt::format("{} \"{}\" lifts off, its wheel would have to be pulled", row->family(), row->name));
+      object(fmt::format("{} \"{}\" {}", row->family(), row->name,
+                         is_too_large ? "has a wheel as large as the circle in which it rolls"
+                                      : "lifts off, its wheel would have to be pulled"));
     }
   }
 

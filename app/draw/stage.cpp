@@ -234,6 +234,7 @@ const Cylinder* Stage::cylinder_of_joint(std::size_t joint) const {
 }
 
 std::vector<Vec2> Stage::outline(int body, const Readings& readings) const {
+  if (is_rider(scene, body) || is_line_of_centres(scene, body)) return {};
   if (&readings == &now) return convex_hull(points_of(body));
   std::vector<Vec2> points;
   for (const NamedPoint& p : scene.bodies[body].points) points.push_back(page(readings.poses[body].world(p.at)));
