@@ -73,7 +73,8 @@ constexpr std::array<Number, 2> wheel_numbers{needed(factor_number<1>("ratio", d
                                               value_number("phase")};
 constexpr std::array<Number, 2> rack_numbers{needed(factor_number<1>("radius", dimension::length, Range::finite)),
                                              value_number("offset")};
-constexpr std::array<CouplingPart, 2> factor_and_value{CouplingPart{Of::factor, 1}, CouplingPart{Of::value}};
+constexpr std::array<CouplingPart, 2> factor_and_value{CouplingPart{Of::factor, 1, 0, 1.0, true},
+                                                       CouplingPart{Of::value, 0, 1}};
 
 constexpr std::array<Number, 3> cam_numbers{[] {
                                               Number lift = needed(factor_number<1>("lift", {}, Range::finite));
@@ -81,24 +82,111 @@ constexpr std::array<Number, 3> cam_numbers{[] {
                                               return lift;
                                             }(),
                                             shift_number<1>("phase", dimension::angle), value_number("base")};
-constexpr std::array<CouplingPart, 3> cam_parts{CouplingPart{Of::factor, 1}, CouplingPart{Of::shift, 1},
-                                                CouplingPart{Of::value}};
+constexpr std::array<CouplingPart, 3> cam_parts{CouplingPart{Of::factor, 1, 0, 1.0, true},
+                                                CouplingPart{Of::shift, 1, 1}, CouplingPart{Of::value, 0, 2}};
 
 constexpr std::array<Number, 1> coupling_numbers{value_number("value")};
-constexpr std::array<Number, 1> rope_numbers{[] {
-  Number length = needed(value_number("length"));
+constexpr Number positive_value(std::string_view key) {
+  Number length = needed(value_number(key));
   length.range = Range::positive;
   length.range_of_measure = false;
   return length;
-}()};
+}
+constexpr std::array<Number, 1> rope_numbers{positive_value("length")};
+constexpr std::array<Number, 1> circle_numbers{positive_value("radius")};
 constexpr std::array<CouplingPart, 1> value_only{CouplingPart{Of::value}};
 
-constexpr std::array<CouplingKind, 6> kinds{{{"gear", wheel_numbers, factor_and_value},
-                                             {"belt", wheel_numbers, factor_and_value},
-                                             {"rack", rack_numbers, factor_and_value},
-                                             {"cam", cam_numbers, cam_parts},
-                                             {"coupling", coupling_numbers, value_only},
-                                             {"rope", rope_numbers, value_only}}};
+template <bool is_end>
+constexpr Number end_number(std::string_view key) {
+  Number number = Stop::limits[is_end ? 1 : 0];
+  number.key = key;
+  number.get = [](const void* item) {
+    const Stop& stop = *static_cast<const Stop*>(item);
+    const double at = is_end ? stop.max : stop.min;
+    return std::isfinite(at) ? std::optional<double>(at) : std::nullopt;
+  };
+  return number;
+}
+constexpr std::array<Number, 2> track_numbers{end_number<false>("from"), end_number<true>("to")};
+constexpr std::array<CouplingPart, 2> track_parts{CouplingPart{Of::lower, 0, 0}, CouplingPart{Of::upper, 0, 1}};
+
+// Of the two stops of a rolling wheel, of which the second stands behind the first.
+constexpr std::array<Number, 2> rolling_numbers{[] {
+                                                  Number radius = positive_value("radius");
+                                                  radius.set = [](void* item, double value) {
+                                                    Stop* const rows = static_cast<Stop*>(item);
+                                                    rows[0].min = rows[0].max = value;
+                                                    rows[1].on.terms[1].factor = value;
+                                                  };
+                                                  return radius;
+                                                }(),
+                                                [] {
+                                                  Number offset = value_number("offset");
+                                                  offset.get = [](const void* item) {
+                                                    return std::optional<double>(static_cast<const Stop*>(item)[1].min);
+                                                  };
+                                                  offset.set = [](void* item, double value) {
+                                                    Stop& friction = static_cast<Stop*>(item)[1];
+                                                    friction.min = friction.max = value;
+                                                  };
+                                                  offset.scale = [](void* item, double factor) {
+                                                    Stop& friction = static_cast<Stop*>(item)[1];
+                                                    friction.min *= factor;
+                                                    friction.max *= factor;
+                                                  };
+                                                  return offset;
+                                                }()};
+constexpr std::array<CouplingPart, 2> friction_parts{CouplingPart{Of::factor, 1, 0}, CouplingPart{Of::value, 0, 1}};
+
+// Of the three stops of a wheel on a circle. The radius of the wheel is the factor of its angle, what the first row's
+// value is more or less than it is that of the circle.
+constexpr std::array<Number, 3> circle_rolling_numbers{
+    [] {
+      Number radius = positive_value("radius");
+      radius.get = [](const void* item) {
+        return std::optional<double>(static_cast<const Stop*>(item)[1].on.terms[1].factor);
+      };
+      radius.set = [](void* item, double value) {
+        Stop* const rows = static_cast<Stop*>(item);
+        rows[1].on.terms[1].factor = value;
+        rows[0].min = rows[0].max = rows[0].sense * (value - rows[1].on.terms[2].factor);
+      };
+      return radius;
+    }(),
+    [] {
+      Number circle = positive_value("circle_radius");
+      circle.get = [](const void* item) {
+        const Stop* const rows = static_cast<const Stop*>(item);
+        return std::optional<double>(-rows[0].sense * rows[1].on.terms[2].factor);
+      };
+      circle.set = [](void* item, double value) {
+        Stop* const rows = static_cast<Stop*>(item);
+        rows[1].on.terms[2].factor = -rows[0].sense * value;
+        rows[0].min = rows[0].max = rows[0].sense * rows[1].on.terms[1].factor + value;
+      };
+      return with_measure(circle);
+    }(),
+    rolling_numbers[1]};
+constexpr std::array<CouplingPart, 2> distance_parts{CouplingPart{Of::value, 0, 0, 1.0, true},
+                                                     CouplingPart{Of::value, 0, 1}};
+constexpr std::array<CouplingPart, 3> arc_parts{
+    CouplingPart{Of::factor, 1, 0}, CouplingPart{Of::factor, 2, 1, -1.0, true}, CouplingPart{Of::value, 0, 2}};
+
+constexpr std::array<CouplingKind, 15> kinds{{{"gear", wheel_numbers, factor_and_value},
+                                              {"belt", wheel_numbers, factor_and_value},
+                                              {"rack", rack_numbers, factor_and_value},
+                                              {"cam", cam_numbers, cam_parts},
+                                              {"coupling", coupling_numbers, value_only},
+                                              {"rope", rope_numbers, value_only},
+                                              {"circular_slot", circle_numbers, value_only},
+                                              {"curved_slot", track_numbers, track_parts},
+                                              {"curved_slot_x", {}, {}, 1},
+                                              {"curved_slot_y", {}, {}, 2},
+                                              {"rolling", rolling_numbers, value_only},
+                                              {"rolling_friction", {}, friction_parts, 1},
+                                              {"rolling_on_circle", circle_rolling_numbers, distance_parts},
+                                              {"rolling_on_circle_friction", {}, arc_parts, 1},
+                                              {"rolling_on_circle_line", {}, {}, 2}}};
 
 }  // namespace
 

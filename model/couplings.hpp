@@ -11,19 +11,28 @@
 
 namespace poise {
 
-/// What a number of a coupling is in its stop: the value that the measure is held at (or the limit that it has), the
-/// factor of a term of the sum, or the shift of a term's profile. Of a factor the number is `Stop::sense` times it.
+/// What a number of a coupling is in its stop: the value that the measure is held at (or the limit that it has), its
+/// lower or upper limit, the factor of a term of the sum, or the shift of a term's profile: the number times `times`,
+/// and `Stop::sense` with `by_sense`. Several parts of `value` add up.
 struct CouplingPart {
-  enum class Of { value, factor, shift };
+  enum class Of { value, lower, upper, factor, shift };
   Of of = Of::value;
   int term = 0;
+  int number = 0;  ///< index into CouplingKind::numbers
+  double times = 1.0;
+  bool by_sense = false;
+
+  double multiplier(const Stop& stop) const { return by_sense ? times * stop.sense : times; }
 };
 
-/// A kind of coupling: its table, its numbers, and what each of these is.
+/// A kind of coupling: its table, its numbers, and what each of these is in its stop. A coupling of several rows is as
+/// many stops, one behind the other: those behind the first are kinds of their own, which no table of a file has; their
+/// numbers are those of the first.
 struct CouplingKind {
   std::string_view table;
   std::span<const Number> numbers;
   std::span<const CouplingPart> parts;
+  int row = 0;  ///< stops before it that belong to its coupling
 };
 
 /// All kinds:
@@ -35,6 +44,16 @@ struct CouplingKind {
 ///   cam       follower >= base + lift P((angle - phase) / turn); = where it is guided on both sides
 ///   coupling  sum of factor times measure = value
 ///   rope      length of a rope over points and pulleys <= length
+///   circular_slot  distance of the pin from the centre = radius
+///   curved_slot    from <= travel s <= to along a spline (X(s), Y(s)); behind it, in the frame of the slot's body,
+///     _x, _y       component of the pin along x (y) = X(s) (Y(s))
+///   rolling        component across a line of a wheel's centre = radius; behind it
+///     _friction    component along it + radius times the angle of the wheel from the line's body = offset
+///   rolling_on_circle  component along the line of centres of a wheel's centre = circle_radius + sense radius, sense 1
+///                outside of the circle, -1 inside; behind it, with the angle a of the line of centres,
+///     _friction    radius (angle of the wheel - a) - sense circle_radius (a - angle of the circle) - sense times the
+///                  row behind it = offset
+///     _line        component across the line of centres of the wheel's centre = 0
 std::span<const CouplingKind> coupling_kinds();
 
 /// The kind of a stop; null of a plain one.

@@ -4,6 +4,8 @@
 #include <map>
 #include <variant>
 
+#include "model/couplings.hpp"
+#include "model/curved_slots.hpp"
 #include "model/gas_struts.hpp"
 #include "model/input_error.hpp"
 #include "model/toml_text.hpp"
@@ -47,7 +49,7 @@ NumberSpots::NumberSpots(const toml::table& document, const Scene& scene) : docu
   for (const Joint& joint : scene.joints) joints_.push_back(count[joint.traits().key]++);
 }
 
-// Parts of flexible links and stops of gas struts come with other items.
+// Parts of flexible links, stops of gas struts, and what comes with curved slots and rolling wheels.
 bool NumberSpots::is_written(Owner owner, std::size_t at) const {
   const auto is_in = [](const std::vector<int>& list, int one) {
     return std::find(list.begin(), list.end(), one) != list.end();
@@ -58,7 +60,12 @@ bool NumberSpots::is_written(Owner owner, std::size_t at) const {
     return owner == Owner::joint && is_in(link.bodies, scene_.joints[at].a.body) &&
            is_in(link.bodies, scene_.joints[at].b.body);
   };
-  return (owner != Owner::stop || strut_of(scene_, scene_.stops[at]) < 0) &&
+  if (owner == Owner::joint && is_of_track(scene_, scene_.joints[at])) return false;
+  const auto is_row = [&] {
+    const CouplingKind* const kind = coupling_kind(scene_.stops[at]);
+    return strut_of(scene_, scene_.stops[at]) >= 0 || (kind != nullptr && kind->row > 0);
+  };
+  return ((owner != Owner::stop && owner != Owner::coupling) || !is_row()) &&
          std::none_of(scene_.flexible_links.begin(), scene_.flexible_links.end(), is_part);
 }
 

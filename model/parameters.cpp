@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "model/couplings.hpp"
+#include "model/curved_slots.hpp"
 #include "model/dependent_number.hpp"
 #include "model/gas_struts.hpp"
 #include "model/nearest_name.hpp"
@@ -78,8 +79,20 @@ void visit_items(AnyScene& scene, Use use) {
     use(Parts{"load", torque.name}, ParameterPlace{Owner::torque, i}, torque, std::span<const Number>(Torque::numbers),
         none);
   }
+  const std::vector<int> of_tracks = bodies_of_tracks(scene);
+  const auto is_of_track = [&](int body) {
+    return std::find(of_tracks.begin(), of_tracks.end(), body) != of_tracks.end();
+  };
   for (int i = 0; i < count(scene.bodies); ++i) {
     auto& body = scene.bodies[i];
+    if (is_of_track(i)) {
+      // The guess for the angle of a line of centres has the name of its wheel's contact.
+      if (!is_rider(scene, i)) {
+        use(Parts{"start", body.name}, ParameterPlace{Owner::start, i, 0}, scene.start.angle.at(i),
+            std::span<const Number>(angle_guess), none);
+      }
+      continue;
+    }
     for (int p = 0; p < count(body.points); ++p) {
       use(Parts{"point", body.name, body.points[p].name}, ParameterPlace{Owner::point, i, p}, body.points[p],
           std::span<const Number>(NamedPoint::numbers), none);
@@ -116,7 +129,9 @@ void visit_items(AnyScene& scene, Use use) {
   }
   for (int i = 0; i < count(scene.joints); ++i) {
     auto& joint = scene.joints[i];
-    use(Parts{joint.traits().key, joint.name}, ParameterPlace{Owner::joint, i}, joint, joint.numbers(), none);
+    if (!is_of_track(joint.b.body)) {
+      use(Parts{joint.traits().key, joint.name}, ParameterPlace{Owner::joint, i}, joint, joint.numbers(), none);
+    }
     if (!joint.has_travel()) continue;
     use(Parts{"start", joint.name}, ParameterPlace{Owner::start, i, 1}, scene.start.travel.at(i),
         std::span<const Number>(travel_guess), none);
@@ -136,7 +151,9 @@ void visit_items(AnyScene& scene, Use use) {
   for (int i = 0; i < count(scene.stops); ++i) {
     auto& stop = scene.stops[i];
     if (has_struts && strut_of(scene, stop) >= 0) continue;
-    const Owner owner = coupling_kind(stop) != nullptr ? Owner::coupling : Owner::stop;
+    const CouplingKind* const kind = coupling_kind(stop);
+    if (kind != nullptr && kind->row > 0) continue;
+    const Owner owner = kind != nullptr ? Owner::coupling : Owner::stop;
     use(Parts{stop.table, stop.name}, ParameterPlace{owner, i}, stop, stop.numbers(), &stop.on);
   }
 }

@@ -25,7 +25,17 @@ class CouplingReader {
  public:
   CouplingReader(const SceneNames& names, Scene& scene) : names_(names), measures_(names, scene.units), scene_(scene) {}
 
-  Stop read(const CouplingKind& kind, const TomlTable& table) const {
+  /// The stops of a coupling, one per row. `own`: the rider of a curved slot, the line of centres of a wheel on a
+  /// circle.
+  std::vector<Stop> read(const CouplingKind& kind, const TomlTable& table, int own) const {
+    if (kind.table == "curved_slot") return read_track(table, own);
+    if (kind.table == "rolling_on_circle") return read_rolling_on_circle(kind, table, own);
+    if (kind.table == "rolling") return read_rolling(kind, table);
+    return {read_row(kind, table)};
+  }
+
+ private:
+  Stop read_row(const CouplingKind& kind, const TomlTable& table) const {
     Stop stop;
     stop.table = kind.table;
     stop.min = stop.max = not_given;
@@ -37,6 +47,8 @@ class CouplingReader {
       read_cam(table, stop);
     else if (kind.table == "rope")
       read_rope(table, stop);
+    else if (kind.table == "circular_slot")
+      read_circle(table, stop);
     else
       read_sum(table, stop);
     read_numbers(table, kind.numbers, &stop, &stop.on, scene_.units);
@@ -45,6 +57,7 @@ class CouplingReader {
     return stop;
   }
 
+ public:
   Element read_stretching_rope(const TomlTable& table) const {
     table.allow_keys({"name", "over", "stiffness", "free_length"});
     Element rope;
@@ -105,6 +118,124 @@ class CouplingReader {
   void read_rope(const TomlTable& table, Stop& stop) const {
     table.allow_keys({"name", "over", "length"});
     stop.on = Measure::rope_over(measures_.contacts(table, "over"));
+  }
+
+  // A point of the pin's body and one of another, under these keys.
+  std::pair<PointRef, PointRef> points_of(const TomlTable& table, std::string_view key, std::string_view other) const {
+    const TomlText name = table.text(key);
+    const std::pair<PointRef, PointRef> points{names_.point(name), names_.point(table.text(other))};
+    if (points.first.body == points.second.body) {
+      name.place.fail("expected a point of another body than that of the key " + std::string(other));
+    }
+    return points;
+  }
+
+  void read_circle(const TomlTable& table, Stop& stop) const {
+    table.allow_keys({"name", "pin", "center", "radius"});
+    const auto [pin, center] = points_of(table, "pin", "center");
+    stop.on = Measure::distance_between(center, pin);
+  }
+
+  // from <= s <= to;  pin - at - (X(s), Y(s)) = 0 in the frame of the slot's body.
+  std::vector<Stop> read_track(const TomlTable& table, int rider) const {
+    table.allow_keys({"name", "pin", "at", "curve", "closed", "from", "to"});
+    const auto [pin, at] = points_of(table, "pin", "at");
+    const bool is_closed = table.flag("closed", false);
+    const std::vector<Vec2> points = track_points(table, is_closed);
+    std::vector<double> along{0.0};
+    for (std::size_t k = 1; k < points.size(); ++k) along.push_back(along.back() + norm(points[k] - points[k - 1]));
+    const double length = along.back();
+    for (double& u : along) u /= length;
+    along.back() = 1.0;
+
+    Stop ends;
+    ends.table = "curved_slot";
+    ends.on = Measure::travel_of(rider);
+    read_ends(table, is_closed, length, ends);
+    const auto row = [&](std::string_view axis, Vec2 direction) {
+      std::vector<double> component;
+      for (const Vec2& point : points) component.push_back(dot(point, direction));
+      const auto profile = std::make_shared<const Profile>(Profile::spline(along, component, is_closed));
+      Stop stop;
+      stop.table = "curved_slot_" + std::string(axis);
+      stop.on = Measure::sum_of({{1.0, Measure::component_along(at, pin, direction)},
+                                 {-1.0, Measure::travel_of(rider), profile, 0.0, length}});
+      stop.min = stop.max = 0.0;
+      return stop;
+    };
+    return {std::move(ends), row("x", {1, 0}), row("y", {0, 1})};
+  }
+
+  // The points of the curve, m; of a closed one the first once more.
+  std::vector<Vec2> track_points(const TomlTable& table, bool is_closed) const {
+    std::vector<Vec2> points;
+    for (const TomlTable::Pair& pair : table.pairs("curve", scene_.units.length, scene_.units.length)) {
+      if (!points.empty() && points.back() == pair.value) {
+        pair.place.fail("expected another point than the one before");
+      }
+      points.push_back(pair.value);
+    }
+    if (points.size() < 3) table.place_of("curve").fail("expected three points [X, Y] or more");
+    if (is_closed && points.front() == points.back()) {
+      table.place_of("curve").fail(
+          "expected another last point than the first, to which a closed curve returns anyway");
+    }
+    if (is_closed) points.push_back(points.front());
+    return points;
+  }
+
+  void read_ends(const TomlTable& table, bool is_closed, double length, Stop& ends) const {
+    const auto find = [&](std::string_view key, double otherwise) {
+      return table.find_number(key, scene_.units.length, Range::finite).value_or(otherwise);
+    };
+    constexpr double unlimited = std::numeric_limits<double>::infinity();
+    ends.min = find("from", is_closed ? -unlimited : 0.0);
+    ends.max = find("to", is_closed ? unlimited : length);
+    if (!(ends.min < ends.max)) table.place_of("to").fail("expected an end behind the key from");
+  }
+
+  // Across the line, and along it: component + radius (angle of the wheel from the line's body).
+  std::vector<Stop> read_rolling(const CouplingKind& kind, const TomlTable& table) const {
+    table.allow_keys({"name", "wheel", "line", "axis", "radius", "offset"});
+    const auto [wheel, line] = points_of(table, "wheel", "line");
+    const Vec2 axis = table.vector("axis", 1.0);
+    if (axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
+    std::vector<Stop> rows(2);
+    rows[0].table = kind.table;
+    rows[0].on = Measure::component_along(line, wheel, quarter_turn(axis));
+    rows[1].table = "rolling_friction";
+    rows[1].on = Measure::sum_of(
+        {{1.0, Measure::component_along(line, wheel, axis)}, {1.0, Measure::angle_between(line.body, wheel.body)}});
+    rows[1].min = rows[1].max = 0.0;
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on, scene_.units);
+    return rows;
+  }
+
+  // In the frame of the line of centres, at an angle a: along it, its arcs, and across it.
+  std::vector<Stop> read_rolling_on_circle(const CouplingKind& kind, const TomlTable& table, int line) const {
+    table.allow_keys({"name", "wheel", "center", "radius", "circle_radius", "inside", "offset"});
+    const auto [wheel, center] = points_of(table, "wheel", "center");
+    const bool is_inside = table.flag("inside", false);
+    const PointRef origin{line, 0};
+    std::vector<Stop> rows(3);
+    for (Stop& row : rows) row.sense = is_inside ? -1.0 : 1.0;
+    rows[0].table = kind.table;
+    rows[0].on = Measure::component_along(origin, wheel, {1, 0});
+    const Measure across = Measure::component_along(origin, wheel, {0, 1});
+    rows[1].table = "rolling_on_circle_friction";
+    // The component across makes the force of this row the friction at the contact; it is zero.
+    rows[1].on = Measure::sum_of({{-rows[1].sense, across},
+                                  {1.0, Measure::angle_between(line, wheel.body)},
+                                  {-rows[1].sense, Measure::angle_between(center.body, line)}});
+    rows[1].min = rows[1].max = 0.0;
+    rows[2].table = "rolling_on_circle_line";
+    rows[2].on = across;
+    rows[2].min = rows[2].max = 0.0;
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on, scene_.units);
+    if (!(rows[0].max > 0.0)) {
+      table.place_of("radius").fail("expected a smaller wheel than the circle that it rolls in");
+    }
+    return rows;
   }
 
   // follower - lift P((angle - phase) / turn).
@@ -205,6 +336,14 @@ bool stretches(const CouplingKind& kind, const TomlTable& table) {
   return kind.table == "rope" && (table.has("stiffness") || table.has("free_length"));
 }
 
+/// What is behind the name of a coupling in those of its rows.
+std::string name_of_row(const std::string& name, const Stop& row) {
+  if (row.table == "curved_slot_x") return name + " x";
+  if (row.table == "curved_slot_y") return name + " y";
+  if (row.table == "rolling_on_circle_line") return name + " line";
+  return row.table.ends_with("_friction") ? name + " friction" : name;
+}
+
 /// The value of a measure of angles and travels at the guesses of the scene; nothing of others.
 std::optional<double> guessed(const Scene& scene, const Measure& measure) {
   const auto angle = [&](int body) { return scene.start.angle[static_cast<std::size_t>(body)].value_or(0.0); };
@@ -229,13 +368,66 @@ std::optional<double> guessed(const Scene& scene, const Measure& measure) {
 
 }  // namespace
 
-void read_couplings(const TomlTable& root, const SceneNames& names, Scene& scene) {
+std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scene& scene) {
+  const std::vector<TomlTable> tables = root.tables("curved_slot");
+  // The travel has the name of the slot, by which [start] gives its guess.
+  NameLines taken;
+  for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
+  for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
+  const std::vector<std::string> slots = names_of(tables, numbered("curved_slot", tables.size()), std::move(taken));
+  std::vector<int> riders;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const int line = tables[i].place().line;
+    const std::string name = slots[i] + " rider";
+    if (const int body = names.index_of_body(name); body >= 0) {
+      fail_taken(tables[i].place(), name, scene.bodies[static_cast<std::size_t>(body)].line);
+    }
+    const PointRef at = names.point(tables[i].text("at"));
+    const int rider = scene.add_body(name);
+    scene.bodies.back().line = line;
+    const PointRef origin = scene.add_point(rider, "O", {});
+    riders.push_back(
+        scene.add_joint({.kind = Joint::Kind::slide, .name = slots[i], .a = at, .b = origin, .line = line}));
+  }
+  return riders;
+}
+
+std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& names, Scene& scene) {
+  const std::vector<TomlTable> tables = root.tables("rolling_on_circle");
+  NameLines taken;
+  for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
+  for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
+  const std::vector<std::string> own = names_of(tables, numbered("rolling_on_circle", tables.size()), std::move(taken));
+  std::vector<int> lines;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const PointRef center = names.point(tables[i].text("center"));
+    const int body = scene.add_body(own[i]);
+    scene.bodies.back().line = tables[i].place().line;
+    const PointRef origin = scene.add_point(body, "O", {});
+    scene.add_joint({.kind = Joint::Kind::pin,
+                     .name = own[i] + " center",
+                     .a = center,
+                     .b = origin,
+                     .line = tables[i].place().line});
+    lines.push_back(body);
+  }
+  return lines;
+}
+
+void read_couplings(const TomlTable& root, const SceneNames& names, const std::vector<int>& riders,
+                    const std::vector<int>& lines, Scene& scene) {
   const CouplingReader reader(names, scene);
   for (const CouplingKind& kind : coupling_kinds()) {
+    if (kind.row > 0) continue;
     const std::vector<TomlTable> tables = root.tables(kind.table);
     // Forces of stops, couplings and joints are told by their names.
     NameLines taken;
-    for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
+    const bool is_track = kind.table == "curved_slot", is_circle = kind.table == "rolling_on_circle";
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      // A track has the name of its own travel.
+      const bool is_own = is_track && std::count(riders.begin(), riders.end(), static_cast<int>(j)) > 0;
+      if (!is_own) taken.emplace(scene.joints[j].name, scene.joints[j].line);
+    }
     for (const Stop& stop : scene.stops) taken.emplace(stop.name, stop.line);
     const std::vector<std::string> item_names = names_of(tables, numbered(kind.table, tables.size()), std::move(taken));
     for (std::size_t i = 0; i < tables.size(); ++i) {
@@ -246,16 +438,24 @@ void read_couplings(const TomlTable& root, const SceneNames& names, Scene& scene
         scene.elements.push_back(std::move(rope));
         continue;
       }
-      Stop stop = reader.read(kind, tables[i]);
-      stop.name = item_names[i];
-      stop.line = tables[i].place().line;
-      scene.stops.push_back(std::move(stop));
+      for (Stop& row : reader.read(kind, tables[i], is_track ? riders[i] : is_circle ? lines[i] : -1)) {
+        row.name = name_of_row(is_track    ? scene.joints[static_cast<std::size_t>(riders[i])].name
+                               : is_circle ? scene.bodies[static_cast<std::size_t>(lines[i])].name
+                                           : item_names[i],
+                               row);
+        row.line = tables[i].place().line;
+        for (const Stop& other : scene.stops) {
+          if (other.name == row.name) fail_taken(tables[i].place(), row.name, other.line);
+        }
+        scene.stops.push_back(std::move(row));
+      }
     }
   }
 }
 
 void set_values_from_start(const TomlTable& root, Scene& scene) {
   for (const CouplingKind& kind : coupling_kinds()) {
+    if (kind.row > 0) continue;
     const std::vector<TomlTable> tables = root.tables(kind.table);
     std::vector<const TomlTable*> given;
     for (const TomlTable& table : tables) {

@@ -68,7 +68,9 @@ class SceneReader {
     std::vector<std::string_view> keys{"title", "source", "gravity", "units", "numbers", "ground", "body"};
     for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
     for (const std::string_view key : element_tables()) keys.push_back(key);
-    for (const CouplingKind& kind : coupling_kinds()) keys.push_back(kind.table);
+    for (const CouplingKind& kind : coupling_kinds()) {
+      if (kind.row == 0) keys.push_back(kind.table);
+    }
     keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
@@ -76,8 +78,12 @@ class SceneReader {
     read_header();
     read_bodies();
     read_joints();
+    const std::vector<int> riders = add_riders(root_, names_, scene_);
+    for (const int rider : riders) names_.learn_joint(rider);
+    const std::vector<int> lines = add_lines_of_centres(root_, names_, scene_);
+    for (const int line : lines) names_.learn_body(line);
     read_elements(root_, names_, scene_);
-    read_couplings(root_, names_, scene_);
+    read_couplings(root_, names_, riders, lines, scene_);
     add_chains();
     read_start();
     set_values_from_start(root_, scene_);

@@ -261,7 +261,8 @@ std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
   return pose;
 }
 
-// The first stop that is passed between two neighbouring poses.
+// The first stop that is passed between two neighbouring poses. Those that hold their measure are closed in every pose,
+// not in those that interpolate between poses.
 std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const PathPose& to) const {
   const auto rooms = [&](const VectorXd& x) {
     return stop_rooms(closure_.model(), {x.data(), static_cast<std::size_t>(x.size())});
@@ -269,7 +270,7 @@ std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const Path
   const std::vector<StopRoom> begin = rooms(from.x), finish = rooms(to.x);
   std::optional<PathEnd> first;
   for (std::size_t s = 0; s < begin.size(); ++s) {
-    if (begin[s].overrun() > StopRoom::rounding) continue;
+    if (closure_.model().scene().stops[s].holds() || begin[s].overrun() > StopRoom::rounding) continue;
     const auto overrun = [&](double at) { return rooms(interpolated(from, to, at).x)[s].overrun(); };
     double beyond = to.at;
     if (finish[s].overrun() <= StopRoom::rounding) {

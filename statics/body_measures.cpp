@@ -32,6 +32,12 @@ void refuse_pulleys(const Scene& scene, std::string_view what) {
   };
   std::for_each(scene.elements.begin(), scene.elements.end(), refuse);
   std::for_each(scene.stops.begin(), scene.stops.end(), refuse);
+  for (const Stop& stop : scene.stops) {
+    if (stop.table != "rolling" && stop.table != "rolling_on_circle") continue;
+    throw InputError(fmt::format(
+        "{}:{}: {} \"{}\": may lift off: {} do not treat that; expected a rack or a gear, which is held on both sides",
+        scene.file, stop.line, stop.family(), stop.name, what));
+  }
 }
 
 const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,

@@ -15,6 +15,8 @@ namespace {
 constexpr double no_length = 1e-12;  // of the mechanism's size
 // Share of the largest force that rounding of stiff springs may leave unbalanced.
 constexpr double rounding_forgiven = 1e-6;
+// Of the largest force: a wheel that is pulled less than that touches its line to rounding.
+constexpr double no_pull = 1e-10;
 
 // Gap of a joint between the poses of its two bodies, m.
 double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses, double size) {
@@ -139,6 +141,7 @@ class EquilibriumCheck {
       out_.element_forces.push_back({.value = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value});
     }
     look_at_pulleys();
+    look_at_wheels();
     if (const Element* cone = pushing_at_zero_length()) {
       object(fmt::format(
           "{} \"{}\" is compressed to length zero, where its force has no direction: no equilibrium is possible there",
@@ -192,6 +195,22 @@ class EquilibriumCheck {
     }
     for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
       if (touching_[s] != 0) look_at(scene_.stops[s]);
+    }
+  }
+
+  // A wheel that would have to be pulled to its line or circle lifts off.
+  void look_at_wheels() {
+    const double least = -no_pull * out_.largest_force;
+    for (const Reaction& reaction : out_.reactions) {
+      if (reaction.kind != "rolling" && reaction.kind != "rolling_on_circle") continue;
+      const auto row = std::find_if(scene_.stops.begin(), scene_.stops.end(),
+                                    [&](const Stop& stop) { return stop.name == reaction.name; });
+      const bool is_too_large = row->max <= 0.0;
+      if (!is_too_large && -row->sense * reaction.axial >= least) continue;
+      out_.touches_pulleys = false;
+      object(fmt::format("{} \"{}\" {}", row->family(), row->name,
+                         is_too_large ? "has a wheel as large as the circle in which it rolls"
+                                      : "lifts off, its wheel would have to be pulled"));
     }
   }
 

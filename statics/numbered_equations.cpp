@@ -1,11 +1,13 @@
 #include "statics/numbered_equations.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
 #include <utility>
 
+#include "model/curved_slots.hpp"
 #include "statics/static_numbers.hpp"
 
 namespace poise {
@@ -59,6 +61,23 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
     }
   }
   const auto put = [&](int at, double value) { numbers_[at] = value; };
+  // Numbers of bodies that come with curved slots and rolling wheels stand behind those of the table.
+  const std::vector<int> of_tracks = bodies_of_tracks(scene_);
+  const auto is_of_track = [&](int body) {
+    return std::find(of_tracks.begin(), of_tracks.end(), body) != of_tracks.end();
+  };
+  const auto add = [&](std::span<const Number> numbers) {
+    const int first = static_cast<int>(numbers_.size());
+    numbers_.resize(numbers_.size() + numbers.size());
+    return first;
+  };
+  for (const int body : of_tracks) {
+    for (int& point : point_[body]) point = add(NamedPoint::numbers);
+    body_[body] = add(Body::numbers);
+  }
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    if (is_of_track(scene_.joints[j].b.body)) joint_number_[j] = add(scene_.joints[j].numbers());
+  }
   const auto put_all = [&](int at, const auto& item, std::span<const Number> numbers) {
     for (const Number& number : numbers) put(at++, number.get(&item).value_or(0.0));
   };
@@ -88,6 +107,10 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
     strut_.push_back(strut_of(scene_, scene_.stops[s]));
     coupling_.push_back(coupling_kind(scene_.stops[s]));
+    if (coupling_.back() != nullptr && coupling_.back()->row > 0) {
+      stop_number_[s] = stop_number_[s - static_cast<std::size_t>(coupling_.back()->row)];
+      continue;
+    }
     if (strut_.back() < 0) put_all(stop_number_[s], scene_.stops[s], scene_.stops[s].numbers());
   }
   for (std::size_t h = 0; h < held_.size(); ++h) stop_.push_back(unknowns_++);

@@ -190,10 +190,16 @@ class NumberedEquations {
     const CouplingKind* const kind = coupling_[stop];
     if (kind == nullptr) return numbers[stop_number_[stop] + (upper ? 1 : 0)];
     const double as_given = upper ? scene_.stops[stop].max : scene_.stops[stop].min;
-    for (std::size_t k = 0; std::isfinite(as_given) && k < kind->parts.size(); ++k) {
-      if (kind->parts[k].of == CouplingPart::Of::value) return numbers[stop_number_[stop] + static_cast<int>(k)];
+    const auto one_side = upper ? CouplingPart::Of::upper : CouplingPart::Of::lower;
+    if (!std::isfinite(as_given)) return T(as_given);
+    T sum(0);
+    bool is_number = false;
+    for (const CouplingPart& part : kind->parts) {
+      if (part.of != CouplingPart::Of::value && part.of != one_side) continue;
+      sum += T(part.multiplier(scene_.stops[stop])) * numbers[stop_number_[stop] + part.number];
+      is_number = true;
     }
-    return T(as_given);
+    return is_number ? sum : T(as_given);
   }
   /// A term of the measure of a stop (index -1: of another) with the coupling's numbers in it.
   template <class T>
@@ -206,13 +212,13 @@ class NumberedEquations {
     const Measure::Term& as_given = measure.terms[term];
     NumberedTerm<T> out{T(as_given.factor), as_given.profile ? profile_of<T>(as_given) : ProfileOf<T>{}};
     const CouplingKind* const kind = stop < 0 ? nullptr : coupling_[stop];
-    for (std::size_t k = 0; kind != nullptr && k < kind->parts.size(); ++k) {
-      const CouplingPart& part = kind->parts[k];
-      const T& number = numbers[stop_number_[stop] + static_cast<int>(k)];
-      if (part.of == CouplingPart::Of::value || part.term != static_cast<int>(term)) continue;
+    if (kind == nullptr) return out;
+    for (const CouplingPart& part : kind->parts) {
+      if (part.term != static_cast<int>(term)) continue;
+      const T& number = numbers[stop_number_[stop] + part.number];
       if (part.of == CouplingPart::Of::factor)
-        out.factor = T(scene_.stops[stop].sense) * number;
-      else
+        out.factor = T(part.multiplier(scene_.stops[stop])) * number;
+      else if (part.of == CouplingPart::Of::shift)
         out.of.shift = number;
     }
     return out;

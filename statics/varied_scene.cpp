@@ -28,11 +28,13 @@ bool enters_affinely(const Scene& scene, const ParameterPlace& place) {
     case Owner::body:
     case Owner::stop:
       return true;
-    case Owner::coupling:
-      // The value that its measure is held at, or the factor of a measure in the sum; not the place of a profile.
-      return coupling_kind(scene.stops[static_cast<std::size_t>(place.item)])
-                 ->parts[static_cast<std::size_t>(place.number)]
-                 .of != CouplingPart::Of::shift;
+    case Owner::coupling: {
+      // Limits and values that its measures are held at, factors of measures in the sum; not the place of a profile.
+      const CouplingKind& kind = *coupling_kind(scene.stops[static_cast<std::size_t>(place.item)]);
+      return std::none_of(kind.parts.begin(), kind.parts.end(), [&](const CouplingPart& part) {
+        return part.number == place.number && part.of == CouplingPart::Of::shift;
+      });
+    }
     case Owner::element:
       return is_affine_in(scene.elements[place.item].law, place.number);
     default:

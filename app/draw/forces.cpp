@@ -9,6 +9,7 @@
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
+#include "model/curved_slots.hpp"
 #include "statics/body_measures.hpp"
 
 namespace poise::app {
@@ -249,7 +250,8 @@ void draw_reactions(Stage& stage) {
   stage.canvas.open("reactions");
   for (const Reaction& reaction : *stage.picture.reactions) {
     const auto joint = joints.find(reaction.name);
-    if (!reaction.of_stop && joint != joints.end()) draw_reaction(stage, reaction, *joint->second);
+    if (!reaction.of_stop && joint != joints.end() && !is_of_track(stage.scene, *joint->second))
+      draw_reaction(stage, reaction, *joint->second);
   }
   stage.canvas.close();
 }

@@ -8,6 +8,7 @@
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
+#include "model/curved_slots.hpp"
 
 namespace poise::app {
 namespace {
@@ -172,7 +173,8 @@ Vec2 outward(const std::vector<Vec2>& members) {
 void name_places(Stage& stage) {
   PlaceNames names;
   for (const Joint& joint : stage.scene.joints) {
-    if (!joint.keeps_length()) names.add(stage.page(joint.b), stage.short_name(joint));
+    if (joint.keeps_length() || is_of_track(stage.scene, joint)) continue;
+    names.add(stage.page(joint.b), stage.short_name(joint));
   }
   for (std::size_t i = 1; i < stage.scene.bodies.size(); ++i) {
     const std::vector<Vec2>& points = stage.points_of(static_cast<int>(i));
@@ -194,7 +196,8 @@ void name_places(Stage& stage) {
 void draw_guides(Stage& stage) {
   stage.canvas.open("guides");
   for (std::size_t j = 0; j < stage.scene.joints.size(); ++j) {
-    if (stage.scene.joints[j].has_travel() && stage.cylinder_of_joint(j) == nullptr) draw_guide(stage, j);
+    if (!stage.scene.joints[j].has_travel() || is_of_track(stage.scene, stage.scene.joints[j])) continue;
+    if (stage.cylinder_of_joint(j) == nullptr) draw_guide(stage, j);
   }
   stage.canvas.close();
 }
@@ -203,7 +206,7 @@ void draw_supports(Stage& stage) {
   stage.canvas.open("ground");
   std::set<int> supported;
   for (const Joint& joint : stage.scene.joints) {
-    if (joint.has_travel()) continue;
+    if (joint.has_travel() || is_of_track(stage.scene, joint)) continue;
     for (const PointRef& end : {joint.a, joint.b}) {
       if (end.body != 0 || !supported.insert(end.point).second) continue;
       const Vec2 at = stage.page(end);
@@ -242,7 +245,7 @@ void draw_pins(Stage& stage) {
   stage.canvas.open("joints");
   for (std::size_t j = 0; j < stage.scene.joints.size(); ++j) {
     const bool block = stage.scene.joints[j].kind == Joint::Kind::slide && stage.cylinder_of_joint(j) == nullptr;
-    if (block) draw_slide_block(stage, j);
+    if (block && !is_of_track(stage.scene, stage.scene.joints[j])) draw_slide_block(stage, j);
   }
   if (stage.detail != Detail::sketch) {
     // Points that are no joint are dots; joints come on top.
@@ -260,7 +263,8 @@ void draw_pins(Stage& stage) {
       draw_weld(stage, stage.page(joint.b));
     }
     for (const Joint& joint : stage.scene.joints) {
-      if (joint.kind == Joint::Kind::weld || joint.kind == Joint::Kind::slide) continue;
+      if (joint.kind == Joint::Kind::weld || joint.kind == Joint::Kind::slide || is_of_track(stage.scene, joint))
+        continue;
       stage.canvas.item(Stage::item_of(joint));
       if (joint.keeps_length()) draw_pin(stage.canvas, stage.page(joint.a), stage.pin_radius);
       draw_pin(stage.canvas, stage.page(joint.b), stage.pin_radius);

@@ -47,6 +47,15 @@ const std::vector<LegendItem>& legend_items() {
   static const Draw cam = [](Canvas& c) {
     c.polygon({{10, -6}, {17, -8}, {30, 0}, {17, 8}, {10, 6}, {8, 0}}, {.stroke = ink::stop, .width = 1.6});
   };
+  static const Draw track = [](Canvas& c) {
+    const std::vector<Vec2> line{{4, 4}, {9, -3}, {16, -5}, {24, 1}, {30, 4}};
+    c.polyline(line, {.stroke = ink::dark, .width = 8.0});
+    c.polyline(line, {.stroke = ink::support, .width = 6.0});
+  };
+  static const Draw rolling = [](Canvas& c) {
+    c.circle({17, 0}, 7, {.stroke = ink::dark, .width = 1.3});
+    c.line({4, 7}, {30, 7}, {.stroke = ink::ground, .width = 1.3});
+  };
   static const Draw area = [](Canvas& c) {
     c.polygon({{2, 7}, {2, -1}, {32, -8}, {32, 7}}, {.fill = curve_colour(0), .opacity = 0.25});
     c.line({2, -1}, {32, -8}, {.stroke = curve_colour(0), .width = 1.6});
@@ -68,6 +77,8 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::rope, "rope, dotted where it is slack", a_line({4, 0}, {30, 0}, ink::stop, 2.0)},
       {Sign::wheels, "gears, rack or belt, at their pitch circles", pitch_circle},
       {Sign::cam, "cam, larger where it lifts", cam},
+      {Sign::track, "slot along a curve", track},
+      {Sign::rolling, "wheel that rolls without slipping", rolling},
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
       {Sign::other_pose, "", a_line({4, 0}, {30, 0}, ink::ghost, 6.0)},

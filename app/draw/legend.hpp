@@ -27,6 +27,8 @@ enum class Sign {
   rope,
   wheels,
   cam,
+  track,
+  rolling,
   active_stop,
   inactive_stop,
   other_pose,

@@ -57,6 +57,7 @@ void draw_all(Stage& stage) {
   draw_other_poses(stage);
   draw_supports(stage);
   draw_guides(stage);
+  draw_tracks(stage);
   draw_bodies(stage);
   draw_centres_of_mass(stage);
   draw_springs_and_dampers(stage);

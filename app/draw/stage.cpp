@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/draw/symbols.hpp"
+#include "model/curved_slots.hpp"
 #include "model/one_line.hpp"
 
 namespace poise::app {
@@ -34,10 +35,12 @@ Box extent_of(const Scene& scene, const Readings& readings) {
   const auto include = [&](PointRef p) { box.include(world(scene, readings, p)); };
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
+    if (is_rider(scene, static_cast<int>(i)) || is_line_of_centres(scene, static_cast<int>(i))) continue;
     for (const NamedPoint& p : body.points) box.include(readings.poses[i].world(p.at));
     if (body.mass > 0 && !(scene.gravity == Vec2{})) box.include(readings.poses[i].world(body.center));
   }
   for (const Joint& joint : scene.joints) {
+    if (is_of_track(scene, joint)) continue;
     if (!joint.has_travel() || joint.a.body != 0) include(joint.a);
     include(joint.b);
   }
@@ -49,7 +52,20 @@ Box extent_of(const Scene& scene, const Readings& readings) {
     for (const RopeContact& contact : on.contacts) box.include(world(scene, readings, contact.at), contact.radius);
   };
   for (const Element& element : scene.elements) include_rope(element.on);
-  for (const Stop& stop : scene.stops) include_rope(stop.on);
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    include_rope(stop.on);
+    if (stop.table == "curved_slot") {
+      for (const Vec2& point : points_of_track(scene, readings, s)) box.include(point);
+    } else if (stop.table == "circular_slot") {
+      box.include(world(scene, readings, stop.on.a), stop.max);
+    } else if (stop.table == "rolling") {
+      box.include(world(scene, readings, stop.on.b), stop.max);
+    } else if (stop.table == "rolling_on_circle") {
+      box.include(world(scene, readings, stop.on.a), circle_of(scene.stops, s));
+      box.include(world(scene, readings, stop.on.b), wheel_of(scene.stops, s));
+    }
+  }
   return box;
 }
 
@@ -149,6 +165,7 @@ Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, const 
       points_(scene.bodies.size()),
       before_(before) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (is_rider(scene, static_cast<int>(i)) || is_line_of_centres(scene, static_cast<int>(i))) continue;
     for (const NamedPoint& p : scene.bodies[i].points) points_[i].push_back(page(now.poses[i].world(p.at)));
   }
   if (detail != Detail::sketch) find_cylinders();
@@ -217,6 +234,7 @@ const Cylinder* Stage::cylinder_of_joint(std::size_t joint) const {
 }
 
 std::vector<Vec2> Stage::outline(int body, const Readings& readings) const {
+  if (is_rider(scene, body) || is_line_of_centres(scene, body)) return {};
   if (&readings == &now) return convex_hull(points_of(body));
   std::vector<Vec2> points;
   for (const NamedPoint& p : scene.bodies[body].points) points.push_back(page(readings.poses[body].world(p.at)));

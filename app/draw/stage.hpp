@@ -181,6 +181,15 @@ void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint);
 void draw_rope(Stage& stage, const Stop& stop, bool taut);
 /// Pitch circles of gears, racks and belts; a cam as a shape that stands out where it lifts.
 void draw_coupling(Stage& stage, const Stop& stop, bool in_contact);
+/// Points along the track of a curved slot, m: `first` of its rows in the scene's stops. Open tracks between their
+/// ends.
+std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, std::size_t first);
+/// Radii of the circle and of the wheel of rolling on a circle, m: `first` of its rows in the scene's stops.
+double circle_of(const std::vector<Stop>& stops, std::size_t first);
+double wheel_of(const std::vector<Stop>& stops, std::size_t first);
+/// Curved slots as bands, wheels that roll with their line or circle. Whether a stop is a row of one of these.
+void draw_tracks(Stage& stage);
+bool has_track(const Stop& stop);
 void draw_loads(Stage& stage);
 
 }  // namespace poise::app

@@ -134,6 +134,7 @@ void draw_stops(Stage& stage) {
   stage.canvas.open("stops");
   for (std::size_t i = 0; i < stage.scene.stops.size(); ++i) {
     const Stop& stop = stage.scene.stops[i];
+    if (has_track(stop)) continue;  // it is drawn behind the bodies
     const double now = stage.now.stops[i];
     const Reaction* active = reaction_of(stage, stop);
     stage.canvas.item(stop.family() + " " + stop.name, state_of(stage, stop, now, active));

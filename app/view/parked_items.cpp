@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
 
 namespace poise::app {
@@ -31,8 +32,14 @@ AllItems all_items(const Scene& scene) {
     out.elements.push_back({unlike(element.table + "." + element.name),
                             stores_energy(element.law) ? "springs" : "dampers", element.name, element.line});
   }
-  for (const Stop& stop : scene.stops)
-    out.stops.push_back({unlike("stop." + stop.name), "stops", stop.name, stop.line});
+  for (const Stop& stop : scene.stops) {
+    const CouplingKind* const kind = coupling_kind(stop);
+    // Rows of one coupling are on or off together.
+    if (kind != nullptr && kind->row > 0)
+      out.stops.push_back(out.stops.back());
+    else
+      out.stops.push_back({unlike("stop." + stop.name), "stops", stop.name, stop.line});
+  }
   for (const Force& force : scene.forces)
     out.forces.push_back({unlike("load." + force.name), "loads", force.name, force.line});
   for (const Torque& torque : scene.torques)
@@ -95,7 +102,8 @@ std::vector<SwitchedItem> items_of(const Scene& scene) {
   AllItems all = all_items(scene);
   std::vector<SwitchedItem> out;
   for (auto* list : {&all.elements, &all.stops, &all.forces, &all.torques}) {
-    std::move(list->begin(), list->end(), std::back_inserter(out));
+    std::unique_copy(list->begin(), list->end(), std::back_inserter(out),
+                     [](const SwitchedItem& a, const SwitchedItem& b) { return a.item == b.item; });
   }
   return out;
 }

@@ -10,6 +10,7 @@
 #include "app/results/parts.hpp"
 #include "app/results/statics/hold.hpp"
 #include "app/results/statics/settling.hpp"
+#include "model/curved_slots.hpp"
 #include "statics/enclosed_reactions.hpp"
 #include "statics/principal_directions.hpp"
 
@@ -246,6 +247,25 @@ void add_torsion_springs(Group& group, const StaticModel& model, const Readings&
   table.data("radius", radii_in_unit(radii, moments, Quantity::moment, scene.units));
 }
 
+/// Resultant of stops, N.
+double force_of(const Check& check, const std::vector<std::string>& stops) {
+  Vec2 sum{};
+  for (const Reaction& reaction : check.reactions) {
+    if (reaction.of_stop && std::find(stops.begin(), stops.end(), reaction.name) != stops.end()) sum += reaction.force;
+  }
+  return norm(sum);
+}
+
+/// "holds with a coefficient of friction from 0.12 on": |T| / N of a wheel on its line.
+std::string friction_needed(const Stop& contact, const Stop& friction, const Check& check) {
+  const double along = force_of(check, {friction.name}), across = force_of(check, {contact.name});
+  constexpr double rounding = 1e-9;
+  if (along <= rounding * check.largest_force) return "holds without friction";
+  return across > rounding * check.largest_force
+             ? fmt::format("holds with a coefficient of friction from {:.4g} on", along / across)
+             : "holds with no coefficient of friction";
+}
+
 /// Stops in angles and in lengths: their values have different units, written behind each.
 void add_stops(Group& group, const StaticModel& model, const Readings& readings, const Check& check) {
   const std::vector<Stop>& stops = model.scene().stops;
@@ -275,6 +295,12 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
   Column& contact = table.words("active", "", each(rows, limit));
   contact.kind = Column::Kind::word_or_null;
   contact.texts = each(rows, [&](std::size_t i) -> std::string {
+    if (stops[i].table == "curved_slot" && contact.words[i].empty()) {
+      const double force = force_of(check, {stops[i + 1].name, stops[i + 2].name});
+      return "free, the track presses with " + with_unit(model, force, Quantity::force);
+    }
+    if (stops[i].table.starts_with("rolling") && stops[i].table.ends_with("_friction"))
+      return friction_needed(stops[i - 1], stops[i], check);
     if (stops[i].couples()) return "holds";
     if (stops[i].table == "rope") return contact.words[i].empty() ? "slack" : "taut";
     if (stops[i].table == "cam") return contact.words[i].empty() ? "lifted off" : "in contact";
@@ -400,7 +426,15 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
 void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_springs(group, model, *answer.readings);
   add_torsion_springs(group, model, *answer.readings);
-  const std::vector<Reaction>& reactions = answer.equilibrium.check.reactions;
+  // The rider along a curved slot carries nothing, a line of centres what the contact does.
+  std::vector<Reaction> reactions;
+  for (const Reaction& reaction : answer.equilibrium.check.reactions) {
+    const auto& joints = model.scene().joints;
+    const bool is_hidden = !reaction.of_stop && std::any_of(joints.begin(), joints.end(), [&](const Joint& joint) {
+      return joint.name == reaction.name && is_of_track(model.scene(), joint);
+    });
+    if (!is_hidden) reactions.push_back(reaction);
+  }
   Table& table = add_reactions(group, model, reactions, answer.equilibrium.check.redundancy);
   const Units& units = model.scene().units;
   table.data("radius", force_radii_in_unit(reactions, units));

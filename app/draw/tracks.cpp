@@ -1,0 +1,157 @@
+// Slots that are curved, and wheels that roll on a line.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "app/draw/stage.hpp"
+#include "app/draw/symbols.hpp"
+
+namespace poise::app {
+namespace {
+
+/// A band of the width of a pin between two edges.
+void draw_band(Stage& stage, const std::vector<Vec2>& line, bool is_closed) {
+  const double width = stage.detail == Detail::sketch ? 3.0 : 1.5 * stage.bar_width + 3.0;
+  std::vector<Vec2> shown = line;
+  if (is_closed) shown.push_back(line.front());
+  stage.canvas.polyline(shown, {.stroke = ink::dark, .width = width + 2.2});
+  stage.canvas.polyline(shown, {.stroke = ink::support, .width = width});
+  for (std::size_t k = 1; k < shown.size(); ++k) stage.setter.avoid(shown[k - 1], shown[k], width);
+}
+
+/// What a contact carries, beside it.
+void label_force(Stage& stage, const Stop& stop, double force, Vec2 at) {
+  if (stage.detail != Detail::full || force == 0.0) return;
+  stage.label(stop.name + ": " + stage.value(force, Quantity::force), at, {0.6, 0.8}, stage.pin_radius + 8, ink::stop);
+}
+
+/// Resultant of the rows of a contact, N; 0 where it carries none or the picture shows no forces.
+double force_of(const Stage& stage, std::size_t first, std::size_t rows) {
+  Vec2 sum{};
+  if (!stage.picture.reactions) return 0.0;
+  for (const Reaction& reaction : *stage.picture.reactions) {
+    for (std::size_t s = first; s < first + rows; ++s) {
+      if (reaction.of_stop && reaction.name == stage.scene.stops[s].name) sum += reaction.force;
+    }
+  }
+  return norm(sum);
+}
+
+void draw_curved_slot(Stage& stage, std::size_t first) {
+  std::vector<Vec2> line;
+  for (const Vec2& point : points_of_track(stage.scene, stage.now, first)) line.push_back(stage.page(point));
+  draw_band(stage, line, false);
+  const Measure& pin = stage.scene.stops[first + 1].on.terms[0].measure;
+  label_force(stage, stage.scene.stops[first], force_of(stage, first + 1, 2), stage.page(pin.b));
+}
+
+void draw_circular_slot(Stage& stage, std::size_t place) {
+  const Stop& stop = stage.scene.stops[place];
+  const Vec2 centre = stage.page(stop.on.a);
+  constexpr int steps = 120;
+  std::vector<Vec2> line;
+  for (int k = 0; k < steps; ++k) line.push_back(centre + (stage.scale * stop.max) * unit(2 * M_PI * k / steps));
+  draw_band(stage, line, true);
+  stage.canvas.circle(centre, 1.5, {.fill = ink::dark});
+  label_force(stage, stop, force_of(stage, place, 1), stage.page(stop.on.b));
+}
+
+void draw_wheel(Stage& stage, PointRef centre, double radius) {
+  const Vec2 at = stage.page(centre);
+  stage.canvas.circle(at, radius, {.stroke = ink::dark, .width = 1.3});
+  // A spoke shows how far the wheel has turned.
+  const Vec2 spoke = Stage::page_direction(unit(stage.now.poses[static_cast<std::size_t>(centre.body)].angle));
+  stage.canvas.line(at, at + radius * spoke, {.stroke = ink::free_stop, .width = 1.0});
+}
+
+void draw_rolling_on_circle(Stage& stage, std::size_t first) {
+  const Stop& stop = stage.scene.stops[first];
+  const double radius = stage.scale * circle_of(stage.scene.stops, first);
+  const Vec2 centre = stage.page(stop.on.a);
+  stage.canvas.circle(centre, radius, {.stroke = ink::ground, .width = 1.8});
+  draw_wheel(stage, stop.on.b, stage.scale * wheel_of(stage.scene.stops, first));
+  const Vec2 out = stage.page(stop.on.b) - centre;
+  if (norm(out) > 0.0) label_force(stage, stop, force_of(stage, first, 2), centre + (radius / norm(out)) * out);
+}
+
+/// The line, hatched below, as long as the other positions of the wheel and its rim need it.
+void draw_rolling(Stage& stage, std::size_t first) {
+  const Stop& stop = stage.scene.stops[first];
+  const Vec2 across = Stage::page_direction(direction<double>(stop.on.axis) *
+                                            unit(stage.now.poses[static_cast<std::size_t>(stop.on.a.body)].angle));
+  const Vec2 along = quarter_turn(across);
+  const Vec2 centre = stage.page(stop.on.b);
+  const double radius = stage.scale * stop.max;
+  const Vec2 contact = centre - radius * across;
+  double low = 0.0, high = 0.0;
+  const auto include = [&](double at) {
+    low = std::min(low, at);
+    high = std::max(high, at);
+  };
+  include(dot(stage.page(stop.on.a) - contact, along));
+  for (const Readings& other : stage.others) {
+    include(dot(stage.page(world(stage.scene, other, stop.on.b)) - contact, along));
+  }
+  const double margin = 1.2 * radius + 8.0;
+  const Vec2 begin = contact + (low - margin) * along, end = contact + (high + margin) * along;
+  if (stage.detail == Detail::sketch)
+    stage.canvas.line(begin, end, {.stroke = ink::ground, .width = 0.8});
+  else
+    draw_ground(stage.canvas, begin, end, -across);
+  draw_wheel(stage, stop.on.b, radius);
+  stage.setter.avoid(begin, end, 8.0);
+  label_force(stage, stop, force_of(stage, first, 2), contact);
+}
+
+}  // namespace
+
+// Behind the row of its ends are those of the coordinates of its track.
+std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, std::size_t first) {
+  const Stop& ends = scene.stops[first];
+  const Measure::Term& x = scene.stops[first + 1].on.terms[1];
+  const Measure::Term& y = scene.stops[first + 2].on.terms[1];
+  const double from = x.profile->periodic() ? 0.0 : ends.min;
+  const double to = x.profile->periodic() ? x.span : ends.max;
+  const Measure& component = scene.stops[first + 1].on.terms[0].measure;
+  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(component.a.body)];
+  constexpr int steps = 160;
+  std::vector<Vec2> out;
+  for (int k = 0; k <= steps; ++k) {
+    const double u = (from + (to - from) * k / steps) / x.span;
+    const Vec2 on_track{-x.factor * x.profile->at(u).value, -y.factor * y.profile->at(u).value};
+    out.push_back(pose.world(scene.local(component.a) + on_track));
+  }
+  return out;
+}
+
+double circle_of(const std::vector<Stop>& stops, std::size_t first) {
+  return stops[first].max - stops[first].sense * wheel_of(stops, first);
+}
+
+double wheel_of(const std::vector<Stop>& stops, std::size_t first) { return stops[first + 1].on.terms[1].factor; }
+
+void draw_tracks(Stage& stage) {
+  stage.canvas.open("tracks");
+  for (std::size_t s = 0; s < stage.scene.stops.size(); ++s) {
+    const Stop& stop = stage.scene.stops[s];
+    if (!has_track(stop)) continue;
+    stage.canvas.item(stop.family() + " " + stop.name);
+    if (stop.table == "curved_slot")
+      draw_curved_slot(stage, s);
+    else if (stop.table == "circular_slot")
+      draw_circular_slot(stage, s);
+    else if (stop.table == "rolling")
+      draw_rolling(stage, s);
+    else if (stop.table == "rolling_on_circle")
+      draw_rolling_on_circle(stage, s);
+    stage.signs.insert(stop.table.starts_with("rolling") ? Sign::rolling : Sign::track);
+  }
+  stage.canvas.close();
+}
+
+bool has_track(const Stop& stop) {
+  return stop.table == "circular_slot" || stop.table.starts_with("curved_slot") || stop.table.starts_with("rolling");
+}
+
+}  // namespace poise::app
