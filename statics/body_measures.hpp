@@ -52,8 +52,8 @@ template <class Pose>
 std::vector<UnitEffortOf<ScalarOf<Pose>>> unit_efforts(const Scene& scene, const Measure& measure,
                                                        const std::vector<Pose>& poses);
 
-/// Throws InputError where a rope of the scene passes over a pulley, off which it may come, which `what` does not
-/// treat.
+/// Throws InputError where a rope of the scene passes over a pulley, off which it may come, or where a wheel rolls on a
+/// line or a circle, off which it may lift, which `what` does not treat.
 void refuse_pulleys(const Scene& scene, std::string_view what);
 
 /// Where a rope would have to lie on the wrong side of a pulley, so that it does not touch it: that pulley's point;
