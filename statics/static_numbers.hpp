@@ -7,8 +7,8 @@
 
 namespace poise {
 
-/// Whether equilibria may depend on a number: not on those of drives, guesses and friction in joints, moments of inertia,
-/// and elements that store no energy; on a named one where they do on something that follows from it.
+/// Whether equilibria may depend on a number: not on those of drives, guesses and friction in joints, moments of
+/// inertia, and elements that store no energy; on a named one where they do on something that follows from it.
 bool acts_in_statics(const Scene& scene, const ParameterPlace& place);
 
 /// Whether the springs of a flexible link follow from a number of its section: from its second moment and modulus.
