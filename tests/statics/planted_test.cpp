@@ -112,6 +112,23 @@ void expect_judged(const Sample& sample, const std::vector<double>& x) {
   expect_judged(sample, certify(sample.model, x), check(sample.model, x));
 }
 
+// Of stable equilibria, from the disturbed start.
+void expect_descent_by_both_methods(int seeds, const Wish& wish) {
+  Tally work{"virtual_work"};
+  Tally energy{"energy"};
+  for_samples(seeds, wish, [&](const Sample& sample) {
+    if (sample.stability() != Stability::stable) return;
+    const Equilibrium descended = sample.solved(Method::virtual_work, Seek::stable);
+    work.add(sample.error(descended.x));
+    EXPECT_LE(sample.error(descended.x), virtual_work_accuracy) << descended.why;
+    expect_judged(sample, descended);
+    const Equilibrium minimised = sample.solved(Method::energy, Seek::stable);
+    energy.add(sample.error(minimised.x));
+    EXPECT_LE(sample.error(minimised.x), energy_accuracy) << minimised.why;
+    expect_judged(sample, minimised);
+  });
+}
+
 TEST(Planted, SampleIsMixed) {
   int kinds[5] = {}, acts[3] = {}, freedoms[4] = {};
   int unstable = 0, redundant = 0, torsion = 0;
@@ -255,21 +272,7 @@ TEST(PlantedCouplings, TheEquilibriumAndItsStabilityAreProved) {
   for_samples(90, everything, [](const Sample& sample) { expect_judged(sample, sample.equilibrium); });
 }
 
-TEST(PlantedCouplings, BothMethodsDescendOntoThem) {
-  Tally work{"virtual_work"};
-  Tally energy{"energy"};
-  for_samples(90, everything, [&](const Sample& sample) {
-    if (sample.stability() != Stability::stable) return;
-    const Equilibrium descended = sample.solved(Method::virtual_work, Seek::stable);
-    work.add(sample.error(descended.x));
-    EXPECT_LE(sample.error(descended.x), virtual_work_accuracy) << descended.why;
-    expect_judged(sample, descended);
-    const Equilibrium minimised = sample.solved(Method::energy, Seek::stable);
-    energy.add(sample.error(minimised.x));
-    EXPECT_LE(sample.error(minimised.x), energy_accuracy) << minimised.why;
-    expect_judged(sample, minimised);
-  });
-}
+TEST(PlantedCouplings, BothMethodsDescendOntoThem) { expect_descent_by_both_methods(90, everything); }
 
 TEST(PlantedCouplings, FiftyDigitsSettleOnTheEquilibrium) {
   Tally tally{"fifty_digits"};
@@ -315,21 +318,7 @@ TEST(PlantedStops, TheEquilibriumAndItsStabilityAreProved) {
   EXPECT_GT(no_freedom_left, 20);
 }
 
-TEST(PlantedStops, BothMethodsDescendOntoThem) {
-  Tally work{"virtual_work"};
-  Tally energy{"energy"};
-  for_samples(60, {.stops = true}, [&](const Sample& sample) {
-    if (sample.stability() != Stability::stable) return;
-    const Equilibrium descended = sample.solved(Method::virtual_work, Seek::stable);
-    work.add(sample.error(descended.x));
-    EXPECT_LE(sample.error(descended.x), virtual_work_accuracy) << descended.why;
-    expect_judged(sample, descended);
-    const Equilibrium minimised = sample.solved(Method::energy, Seek::stable);
-    energy.add(sample.error(minimised.x));
-    EXPECT_LE(sample.error(minimised.x), energy_accuracy) << minimised.why;
-    expect_judged(sample, minimised);
-  });
-}
+TEST(PlantedStops, BothMethodsDescendOntoThem) { expect_descent_by_both_methods(60, {.stops = true}); }
 
 TEST(PlantedStops, NearestStaysWhereItIsAtRest) {
   Tally tally{"virtual_work"};
