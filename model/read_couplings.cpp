@@ -152,7 +152,7 @@ class CouplingReader {
     ends.table = "curved_slot";
     ends.on = Measure::travel_of(rider);
     read_ends(table, is_closed, length, ends);
-    const auto row = [&](std::string_view axis, Vec2 direction) {
+    const auto row = [&, pin = pin, at = at](std::string_view axis, Vec2 direction) {
       std::vector<double> component;
       for (const Vec2& point : points) component.push_back(dot(point, direction));
       const auto profile = std::make_shared<const Profile>(Profile::spline(along, component, is_closed));

@@ -264,7 +264,7 @@ std::string rewritten_scene(std::string_view text, const std::string& file, cons
   // Constants of couplings that the text leaves out follow from the guesses. Where these have changed, reading the text
   // gives other constants, which are then written too.
   const std::string once = Rewriter(text, file, wanted).run();
-  const std::string twice = Rewriter(once, file, wanted).run();
+  std::string twice = Rewriter(once, file, wanted).run();
   Rewriter(twice, file, wanted).check();
   return twice;
 }

@@ -688,14 +688,15 @@ INSTANTIATE_TEST_SUITE_P(
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
             "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, "
-            "friction, bump_stop, gear, belt, rack, cam, coupling, rope, drive, force, distributed_load, torque, "
-            "stop, start; "
+            "friction, bump_stop, gear, belt, rack, cam, coupling, rope, circular_slot, curved_slot, rolling, "
+            "rolling_on_circle, drive, force, distributed_load, torque, stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
-                 "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, "
-                 "drive, force, distributed_load, torque, stop, start; did you mean \"body\"?"},
+                 "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, circular_slot, "
+                 "curved_slot, rolling, rolling_on_circle, drive, force, distributed_load, torque, stop, start; did "
+                 "you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
         BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",
@@ -795,13 +796,13 @@ INSTANTIATE_TEST_SUITE_P(
         after("SameBody", "[[pin]]\npoints = ['crank.O', 'crank.B']\n",
               "8: pin 1.points: expected points of two different bodies, found two of \"crank\""),
         after("PinKey", "[[pin]]\npoints = ['ground.O', 'crank.O']\naxis = [1, 0]\n",
-              "9: pin 1.axis: expected one of the keys name, points"),
+              "9: pin 1.axis: expected one of the keys name, points, friction"),
         after("SlotKey", "[[pin_in_slot]]\npoints = ['ground.O', 'crank.O']\naxis = [1, 0]\nangle = 3\n",
-              "10: pin_in_slot 1.angle: expected one of the keys name, points, axis"),
+              "10: pin_in_slot 1.angle: expected one of the keys name, points, axis, friction"),
         after("WeldKey", "[[weld]]\npoints = ['ground.O', 'crank.O']\nangel = 3\n",
               "9: weld 1.angel: expected one of the keys name, points, angle; did you mean \"angle\"?"),
         after("SlideKey", "[[slide]]\npoints = ['ground.O', 'crank.O']\naxes = [1, 0]\n",
-              "9: slide 1.axes: expected one of the keys name, points, axis, angle; did you mean \"axis\"?"),
+              "9: slide 1.axes: expected one of the keys name, points, axis, angle, friction; did you mean \"axis\"?"),
         after("AxisMissing", "[[slide]]\npoints = ['ground.O', 'crank.O']\n",
               "7: slide 1: expected the key axis; add axis = [X, Y]"),
         after("SlotAxisMissing", "[[pin_in_slot]]\npoints = ['ground.O', 'crank.O']\n",

@@ -135,13 +135,15 @@ class ViewPage : public testing::Test {
   int exit_code_ = -1;
 };
 
-/// The start that a text gives to each body.
+/// The angles that a text gives to bodies to start from, or travels; places of bodies are no numbers.
 std::map<std::string, double> start_of(const std::string& text) {
   std::map<std::string, double> out;
   std::istringstream lines(text.substr(text.find("[start]")));
   for (std::string line; std::getline(lines, line);) {
     const std::size_t equals = line.find(" = ");
-    if (equals != std::string::npos) out[line.substr(0, equals)] = std::stod(line.substr(equals + 3));
+    if (equals == std::string::npos) continue;
+    const std::string value = line.substr(equals + 3);
+    if (value.find_first_of("[{") == std::string::npos) out[line.substr(0, equals)] = std::stod(value);
   }
   return out;
 }
