@@ -10,8 +10,9 @@
 // mechanisms with slides, stops, one-way springs, forces and torques, half of them with round numbers. FAMILY: one of
 // tests/support/random_scenes.hpp. --planted: mechanisms drawn around an equilibrium (tests/support/
 // random_mechanism.hpp), with joints and springs of every kind, up to two loops, some of which repeat others, half of
-// them with stops, some with loads that follow bodies, --couplings: all with gears, cams and other couplings. --print: the scenes too. Prints the contradictions and what is
-// not proved, each with its seed, and a summary. Ends with 1 where something contradicts.
+// them with stops, some with loads that follow bodies, --couplings: all with gears, cams and other couplings. --print:
+// the scenes too. Prints the contradictions and what is not proved, each with its seed, and a summary. Ends with 1
+// where something contradicts.
 
 #include <algorithm>
 #include <cstdint>

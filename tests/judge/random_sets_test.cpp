@@ -97,8 +97,8 @@ TEST(RandomSets, HoldTheEquilibriumThatAMechanismIsDrawnAround) {
   EXPECT_GT(complete, 8);
 }
 
-// Gears, racks, cams and ropes. In 72 and 166 a rack holds the travel of a slide against the angle of a body, whose full
-// turns lead to further equilibria.
+// Gears, racks, cams and ropes. In 72 and 166 a rack holds the travel of a slide against the angle of a body, whose
+// full turns lead to further equilibria.
 TEST(RandomSets, OfMechanismsWithCouplingsHoldAgainstStarts) {
   int complete = 0;
   for (const std::uint64_t seed : {3U, 6U, 8U, 12U, 15U, 18U, 27U, 54U, 58U, 68U, 72U, 166U}) {
