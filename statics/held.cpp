@@ -612,8 +612,6 @@ class Varied {
         [[fallthrough]];
       case Owner::torque:
       case Owner::scene:
-        is_load_ = true;
-        return;
       case Owner::body:
         is_load_ = true;
         return;
