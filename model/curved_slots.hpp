@@ -31,9 +31,12 @@ inline std::vector<int> bodies_of_tracks(const Scene& scene) {
   return out;
 }
 
-/// Whether a joint comes with such a body, whose joint it is.
-inline bool is_of_track(const Scene& scene, const Joint& joint) {
-  return is_rider(scene, joint.b.body) || is_line_of_centres(scene, joint.b.body);
+/// Whether a body is one of these.
+inline bool is_of_track(const Scene& scene, int body) {
+  return is_rider(scene, body) || is_line_of_centres(scene, body);
 }
+
+/// Whether a joint comes with such a body, whose joint it is.
+inline bool is_of_track(const Scene& scene, const Joint& joint) { return is_of_track(scene, joint.b.body); }
 
 }  // namespace poise

@@ -27,9 +27,9 @@ struct JointTraits {
 
 /// Coulomb friction of a joint. With mu the coefficient it resists its motion with at most
 ///
-///   pin          moment  r mu / sqrt(1 + mu^2) |R| + torque,  R the force in the pin: the friction circle (R. L.
-///   Norton,
-///                "Design of Machinery", 5th ed., section 11.14; F. Beer, E. Johnston, "Statics", section 8.3)
+///   pin          moment  r mu / sqrt(1 + mu^2) |R| + torque,  R the force in the pin: the friction circle
+///                (R. L. Norton, "Design of Machinery", 5th ed., section 11.14; F. Beer, E. Johnston, "Statics",
+///                section 8.3)
 ///   slide        force   mu (|N1| + |N2|) + force = mu max(|N|, 2 |C| / length) + force,  N the normal force and C the
 ///                couple about b: contact at both ends of a carriage of that length about b, N1 + N2 = N,
 ///                (N2 - N1) length / 2 = C; of length 0 mu |N| + force, the couple is carried without friction

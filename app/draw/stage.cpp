@@ -35,7 +35,7 @@ Box extent_of(const Scene& scene, const Readings& readings) {
   const auto include = [&](PointRef p) { box.include(world(scene, readings, p)); };
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
-    if (is_rider(scene, static_cast<int>(i)) || is_line_of_centres(scene, static_cast<int>(i))) continue;
+    if (is_of_track(scene, static_cast<int>(i))) continue;
     for (const NamedPoint& p : body.points) box.include(readings.poses[i].world(p.at));
     if (body.mass > 0 && !(scene.gravity == Vec2{})) box.include(readings.poses[i].world(body.center));
   }
@@ -165,7 +165,7 @@ Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, const 
       points_(scene.bodies.size()),
       before_(before) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    if (is_rider(scene, static_cast<int>(i)) || is_line_of_centres(scene, static_cast<int>(i))) continue;
+    if (is_of_track(scene, static_cast<int>(i))) continue;
     for (const NamedPoint& p : scene.bodies[i].points) points_[i].push_back(page(now.poses[i].world(p.at)));
   }
   if (detail != Detail::sketch) find_cylinders();
@@ -234,7 +234,7 @@ const Cylinder* Stage::cylinder_of_joint(std::size_t joint) const {
 }
 
 std::vector<Vec2> Stage::outline(int body, const Readings& readings) const {
-  if (is_rider(scene, body) || is_line_of_centres(scene, body)) return {};
+  if (is_of_track(scene, body)) return {};
   if (&readings == &now) return convex_hull(points_of(body));
   std::vector<Vec2> points;
   for (const NamedPoint& p : scene.bodies[body].points) points.push_back(page(readings.poses[body].world(p.at)));
