@@ -61,7 +61,7 @@ double growth_of_errors(const RunModel& model, const Prediction& prediction, dou
 
 /// One degree of freedom that nothing drives is not chaotic.
 bool may_be_chaotic(const RunModel& model) {
-  const bool is_driven = !model.run().inputs.empty() || !model.scene().drives.empty();
+  const bool is_driven = model.has_inputs() || !model.scene().drives.empty();
   return model.start_is_unknown() && (model.freedoms() > 1 || is_driven);
 }
 

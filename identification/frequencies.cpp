@@ -83,7 +83,7 @@ std::vector<double> aliases(const std::vector<double>& times, double frequency, 
 Frequencies::Frequencies(const FitProblem& problem, FitPoint point) : problem_(problem), point_(std::move(point)) {
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     // A driven run moves at the frequencies of its inputs too.
-    if (!problem.run(r).run().inputs.empty()) {
+    if (problem.run(r).has_inputs()) {
       swings_.emplace_back();
       continue;
     }

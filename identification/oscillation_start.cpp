@@ -145,7 +145,7 @@ std::optional<OscillationStart> start_from_oscillations(const FitProblem& proble
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);
     if (run.freedoms() != 1 || !run.has_equilibrium() || !run.start_is_unknown()) return std::nullopt;
-    if (!run.run().inputs.empty()) return std::nullopt;
+    if (run.has_inputs()) return std::nullopt;
     std::vector<double> times = records[r].sensors[0].time;
     for (double& time : times) time -= sensor.delay;
     const std::optional<DampedSine> sine = fit_damped_sine(times, records[r].sensors[0].value);

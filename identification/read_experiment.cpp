@@ -80,13 +80,6 @@ class ExperimentReader {
     refuse_joint_friction(experiment_.scene, "identification");
     experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
-    if (experiment_.scene.time_functions.empty()) return;
-    const TimeFunction& first = experiment_.scene.time_functions.front();
-    name.place.fail(
-        fmt::format("expected a scene without functions of time, found one of \"{}\" at {}:{}; give its course in "
-                    "[run.inputs], which "
-                    "runs may have each their own",
-                    name_of(experiment_.scene, first), scene.string(), first.line));
   }
 
   /// A first guess where the noise is not stated: third differences of readings contain little but noise, whose

@@ -71,7 +71,7 @@ std::size_t file_of(const TomlTable& input, const TomlText& file, const fs::path
 
 /// Reads { column = "COLUMN", ... }.
 void read_table(const TomlTable& table, const fs::path& folder, InputTable& input, DataColumn& column,
-                RunSource& source) {
+                const Scene& scene, RunSource& source) {
   table.allow_keys({"column", "file", "time", "time_factor", "zero", "factor", "multiplies", "gaps", "wraps", "noise"});
   column.name = table.text("column").value;
   column.gaps = table.flag("gaps", false);
@@ -79,7 +79,18 @@ void read_table(const TomlTable& table, const fs::path& folder, InputTable& inpu
   if (input.input.motion.multiplies && input.input.motion.of == MotionInput::Of::drive) {
     table.place_of("multiplies").fail("expected multiplies of a load only; leave it out");
   }
-  if (input.input.motion.multiplies) input.unit = 1.0;
+  if (input.input.motion.multiplies) {
+    const std::vector<MotionInput> functions = inputs_of(scene);
+    if (std::any_of(functions.begin(), functions.end(), [&](const MotionInput& one) {
+          return one.of == input.input.motion.of && one.item == input.input.motion.item;
+        })) {
+      table.place_of("multiplies")
+          .fail(
+              "expected multiplies of a load without a function of time, found one in the scene; leave multiplies "
+              "out, the input then takes the place of load and function");
+    }
+    input.unit = 1.0;
+  }
   const double unit = input.unit;
   input.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
   input.unit = table.find_number("factor", unit, Range::finite).value_or(unit);
@@ -123,7 +134,7 @@ std::vector<InputTable> read_inputs(const TomlTable& run, const fs::path& folder
     column.wanted_by = {input.place.file, input.place.line, "input \"" + path + "\""};
     column.begins = !measured;
     if (table->holds_table(path)) {
-      read_table(*table->find_table(path), folder, input, column, source);
+      read_table(*table->find_table(path), folder, input, column, scene, source);
     } else {
       column.name = table->text(path).value;
     }

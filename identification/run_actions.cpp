@@ -171,7 +171,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     }
     sensors.push_back(experiment_.sensors[k]);
   }
-  Acting own(model, built.influences, built.variations, sensors, inputs_);
+  Acting own(model, built.influences, built.variations, sensors, inputs_in(model.scene()));
   own.reduced.start_drives(x.data());
   own.reduced.choose(0.0, x.data(), false, &independent_);
   own.reduced.expect(x.data());
@@ -184,7 +184,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   Built changes;
   vary(near, changes);
   if (set_by_equilibrium_) changes.influences.push_back(set_by_equilibrium_->influence(near, scales_));
-  Acting changed(near_model, changes.influences, changes.variations, sensors, inputs_);
+  Acting changed(near_model, changes.influences, changes.variations, sensors, inputs_in(near));
   changed.reduced.start_drives(x.data());
   changed.reduced.choose(0.0, x.data(), false, &independent_);
 
@@ -205,7 +205,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     if (!follow(own, &z, own_follows) || !follow(changed, &z, changed_follows)) return out;
   }
 
-  const bool timed = own.reduced.drives() > 0 || !inputs_.empty();
+  const bool timed = own.reduced.drives() > 0 || has_inputs();
   const bool any_delay = std::any_of(of_sensors.begin(), of_sensors.end(),
                                      [](const ReadNumber& number) { return number.of == SensorNumber::Of::delay; });
   const bool shifts = start_unknown_ && any_delay && !timed;
@@ -283,6 +283,49 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
     own.reduced.expect(q.data());
     if (own.reduced.place(path.t[node], z.data()) != Reduced::Status::ok || own.reduced.pivot() < least_pivot) continue;
     add(path.t[node], z.data(), w.data());
+  }
+  // The time at which a load jumps changes accelerations at that time alone, and rates from then on.
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    if (numbers_[i].place().owner != Owner::time) continue;
+    double when = 0.0;
+    const auto jump_in = [&](Acting& acting) -> Eigen::MatrixXd {
+      const TimeFunction& function =
+          acting.model.scene().time_functions[static_cast<std::size_t>(numbers_[i].place().item)];
+      if (function.is_smooth_in(numbers_[i].place().number)) return {};
+      const auto& step = std::get<StepInTime>(function.law);
+      when = step.at;
+      std::size_t node = 0;
+      while (node + 1 < path.nodes() && path.t[node] < step.at) ++node;
+      if (step.at <= 0 || path.nodes() == 0 || path.t[node] < step.at) return {};
+      const auto values = [&](const std::vector<double>& of) {
+        const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * n);
+        return model.from_si({begin, begin + static_cast<std::ptrdiff_t>(n)});
+      };
+      const std::vector<double> q = values(path.q);
+      for (std::size_t k = 0; k < z.size(); ++k) z[k] = q[static_cast<std::size_t>(independent_[k])];
+      std::fill(w.begin(), w.end(), 0.0);
+      acting.reduced.expect(q.data());
+      if (acting.reduced.place(step.at, z.data()) != Reduced::Status::ok) return {};
+      acting.reduced.move(w.data());
+      if (acting.reduced.accelerate() != Reduced::Status::ok) return {};
+      Influence by_to = acting.influences[i];
+      by_to.force.time_number = 2;
+      std::vector<double> alpha(z.size());
+      acting.reduced.influence(by_to, alpha.data());
+      Eigen::MatrixXd jump = Eigen::MatrixXd::Zero(acting.rows(), this->unknowns());
+      for (int k = 0; k < freedoms_; ++k) {
+        jump(k, static_cast<Eigen::Index>(i)) = (step.from - step.to) * alpha[static_cast<std::size_t>(k)];
+      }
+      return jump;
+    };
+    Eigen::MatrixXd here = jump_in(own);
+    Eigen::MatrixXd there = jump_in(changed);
+    if (here.rows() == 0 || there.rows() == 0) continue;
+    errors.emplace_back(Eigen::MatrixXd::Zero(own.rows(), this->unknowns()));
+    rows.push_back(std::move(here));
+    rows_again.push_back(std::move(there));
+    out.states.push_back({when, model.to_si({own.reduced.q(), own.reduced.q() + x.size()}),
+                          model.to_si({own.reduced.v(), own.reduced.v() + x.size()})});
   }
   out.rows_per_state = static_cast<int>(own.rows());
   out.rows.resize(static_cast<Eigen::Index>(rows.size()) * own.rows(), this->unknowns());

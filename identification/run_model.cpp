@@ -97,6 +97,10 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     drive.start = input.motion.curve->at(0);
     drive.rate = input.motion.curve->at(0, 1);
     drive.acceleration = drive.amplitude = 0.0;
+    for (TimeFunction& function : scene_.time_functions) {
+      if (function.of != TimeFunction::Of::drive || function.item != input.motion.item) continue;
+      function.law = SineInTime{drive.rate, 0.5 * std::numbers::inv_pi, 0.0, *drive.start};
+    }
   }
   start_unknown_ = run_.unknown_start;
   equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
@@ -390,18 +394,32 @@ std::vector<double> RunModel::start_of_run(const std::vector<double>& nuisances)
   return {first, first + freedoms_};
 }
 
+/// Whether the scene can have these numbers; it has them then.
+bool RunModel::sets_numbers(const double* unknowns, Scene& scene, std::string& why) const {
+  // The start and the end of a ramp may only be possible together: the one that is not yet is set after the other.
+  std::vector<std::size_t> later;
+  const auto set = [&](std::size_t i) {
+    const bool allowed = numbers_[i].allows(scene, unknowns[i]);
+    if (allowed) numbers_[i].set(scene, unknowns[i]);
+    return allowed;
+  };
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    if (!set(i)) later.push_back(i);
+  }
+  for (const std::size_t i : later) {
+    if (set(i)) continue;
+    why = numbers_[i].path() + (numbers_[i].is_named() ? " gives some number a value that it cannot have"
+                                : numbers_[i].place().owner == Owner::time ? " is out of its range"
+                                                                           : " is not positive");
+    return false;
+  }
+  return true;
+}
+
 RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool derivatives) const {
   Built out;
   Scene scene = scene_;
-  for (std::size_t i = 0; i < numbers_.size(); ++i) {
-    if (!numbers_[i].allows(scene, unknowns[i])) {
-      out.why =
-          fmt::format("{} {}", numbers_[i].path(),
-                      numbers_[i].is_named() ? "gives some number a value that it cannot have" : "is not positive");
-      return out;
-    }
-    numbers_[i].set(scene, unknowns[i]);
-  }
+  if (!sets_numbers(unknowns, scene, out.why)) return out;
   try {
     Assembled assembled = assemble(scene, true);
     out.q = std::move(assembled.q);
@@ -437,7 +455,7 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
     return motion.accelerate() == Reduced::Status::ok;
   };
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  reduced.set_inputs(model.scaled_scene(), scaled(inputs_, scene, scales_));
+  reduced.set_inputs(model.scaled_scene(), scaled(inputs_in(scene), scene, scales_));
   const Influence set = set_by_equilibrium_->influence(scene, scales_);
   double by_set = 0.0;
   if (stand(reduced)) reduced.influence(set, &by_set);
@@ -450,7 +468,7 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
   vary(scene, out);
   const MotionModel balanced(scene, scales_, also());
   Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
-  again.set_inputs(balanced.scaled_scene(), scaled(inputs_, scene, scales_));
+  again.set_inputs(balanced.scaled_scene(), scaled(inputs_in(scene), scene, scales_));
   again.set_variations(out.variations);
   if (!stand(again)) {
     out.why = "its motion cannot be computed in its equilibrium pose";
@@ -493,7 +511,8 @@ void RunModel::vary(const Scene& scene, Built& out) const {
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const SceneParameter& number = numbers_[i];
     const Owner owner = number.place().owner;
-    const bool moves_start = number.is_dimension() || owner == Owner::drive || number.is_named();
+    const bool moves_start =
+        number.is_dimension() || owner == Owner::drive || owner == Owner::time || number.is_named();
     if (number.is_geometric()) {
       out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
       out.variations.push_back({.pieces = {}, .changes_drives = number.is_named()});
@@ -546,7 +565,8 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
   // Steps that the readings could follow; a fit may start from a stiffness that would need a billion.
   options.most_steps = 20'000 + 20 * static_cast<int>(readings_.size());
   options.inputs = inputs_;
-  for (const MotionInput& input : inputs_) options.most_steps += 20 * static_cast<int>(input.breaks().size());
+  for (const MotionInput& input : inputs_in(built.model->scene()))
+    options.most_steps += 20 * static_cast<int>(input.breaks().size());
   if (sensitivities) {
     options.influences = built.influences;
     options.variations = built.variations;

@@ -98,6 +98,7 @@ class RunModel {
   ///   d(quantity - what the sensor's numbers add)/d(unknown)  at fixed z, w, of each sensor that is read,
   /// exact to rounding. Where a direction of the unknowns is in the null space of the rows of all states, it changes no
   /// motion and no reading of this run. (A number that an equilibrium sets follows the unknowns.)
+  /// A time at which a load jumps has further rows: by how much d w/d(time) jumps there.
   struct Actions {
     int rows_per_state = 0;  ///< degrees of freedom, then the sensors that are read
     Eigen::MatrixXd rows;    ///< per unknown, SI, alpha in the units of the scaled scene; none where there is no motion
@@ -137,6 +138,8 @@ class RunModel {
   /// Equilibrium of the run as it is written: value of the coordinate of its EquilibriumPose, SI.
   double equilibrium_at() const { return run_.equilibrium ? run_.equilibrium->at : 0.0; }
   bool has_equilibrium() const { return run_.equilibrium.has_value(); }
+  /// Loads or drives follow time: inputs of the run, functions of the scene.
+  bool has_inputs() const { return !run_.inputs.empty() || !scene_.time_functions.empty(); }
   bool equilibrium_is_unknown() const { return equilibrium_unknown_; }
   bool start_is_unknown() const { return start_unknown_; }
   /// The f initial independent coordinates with these nuisances.
@@ -163,6 +166,9 @@ class RunModel {
     double set_by_at = 0.0;             // of the one that the equilibrium sets, by the equilibrium's coordinate
     std::vector<double> set_by;         // and by the numbers
   };
+  /// Those of the run, and the functions of time of the scene in SI for the others.
+  std::vector<MotionInput> inputs_in(const Scene& scene) const { return with_inputs_of(scene, inputs_); }
+  bool sets_numbers(const double* unknowns, Scene& scene, std::string& why) const;
   Built build(const double* unknowns, double equilibrium, bool derivatives) const;
   bool balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const;
   void vary(const Scene& scene, Built& out) const;
@@ -197,7 +203,7 @@ class RunModel {
   Scene scene_;
   std::vector<SceneParameter> numbers_;
   std::vector<SensorNumber> sensor_numbers_;
-  std::vector<MotionInput> inputs_;
+  std::vector<MotionInput> inputs_;  // of the run
   std::optional<SceneParameter> set_by_equilibrium_;
   Scales scales_;
   double size_ = 1.0;                 // of the mechanism, m

@@ -29,7 +29,7 @@ Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
   if (!built.model) return {};
   const MotionModel& model = *built.model;
   ReducedMotion<double> reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  reduced.set_inputs(model.scaled_scene(), scaled(inputs_, model.scene(), model.scales()));
+  reduced.set_inputs(model.scaled_scene(), scaled(inputs_in(model.scene()), model.scene(), model.scales()));
   const std::vector<double> x = model.from_si(built.q);
   reduced.start_drives(x.data());
   reduced.choose(0.0, x.data(), false, &independent_);

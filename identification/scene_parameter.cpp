@@ -11,8 +11,7 @@ std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::stri
   const std::optional<ParameterRow> row = find_parameter(scene, path);
   if (!row) return std::nullopt;
   // Motion depends on none of these.
-  if (row->place.owner == Owner::start || row->place.owner == Owner::stop || row->place.owner == Owner::section ||
-      row->place.owner == Owner::time) {
+  if (row->place.owner == Owner::start || row->place.owner == Owner::stop || row->place.owner == Owner::section) {
     return std::nullopt;
   }
   if (!value_at(scene, row->place)) return std::nullopt;
@@ -25,7 +24,7 @@ void SceneParameter::set(Scene& scene, double si) const {
 }
 
 bool SceneParameter::allows(const Scene& scene, double si) const {
-  if (!is_named()) return range_ != Range::positive || si > 0;
+  if (!is_named() && place_.owner != Owner::time) return range_ != Range::positive || si > 0;
   try {
     Scene changed = scene;
     set_value_at(changed, place_, si);
@@ -61,6 +60,18 @@ Influence SceneParameter::influence(const Scene& scene, const Scales& scales) co
     out.mass = dimension::mass.per_scale(scales) * by.mass;
     out.first = (dimension::mass * dimension::length).per_scale(scales) * by.first;
     out.moment = dimension::inertia.per_scale(scales) * by.moment;
+    return out;
+  }
+  if (place_.owner == Owner::time) {  // in SI, whatever the scene's units
+    const TimeFunction& function = scene.time_functions[static_cast<std::size_t>(place_.item)];
+    if (function.of == TimeFunction::Of::drive) {
+      out.drive = function.item;
+      out.drive_number = place_.number;
+      return out;
+    }
+    out.force.of = function.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
+    out.force.item = function.item;
+    out.force.time_number = place_.number;
     return out;
   }
   out.by = dimension_.per_scale(scales);

@@ -132,7 +132,7 @@ class Acting {
 };
 
 bool has_50_digits(const RunModel& run, const Scene& scene) {
-  if (run.has_equilibrium() || !run.run().inputs.empty() || !scene.drives.empty()) return false;
+  if (run.has_equilibrium() || run.has_inputs() || !scene.drives.empty()) return false;
   return run.sensor_numbers().empty() &&
          std::none_of(run.numbers().begin(), run.numbers().end(),
                       [](const SceneParameter& number) { return number.is_geometric(); });

@@ -278,20 +278,6 @@ TEST(ReadExperiment, RejectsUnknownsThatARunContradicts) {
             "pose sets, rest of run \"run 1\" sets it in line 11; take one of the two out");
 }
 
-TEST(ReadExperiment, RefusesFunctionsOfTimeByName) {
-  const TempFolder folder;
-  folder.write("machine.toml", app_tests::contents(test::dataset("forced_machine.toml")));
-  const std::string file = folder.write("e.toml", "scene = \"machine.toml\"\n");
-  std::string message;
-  try {
-    read_experiment(file);
-  } catch (const InputError& error) {
-    message = error.what();
-  }
-  EXPECT_NE(message.find("scene without functions of time, found one of \"F\""), std::string::npos) << message;
-  EXPECT_NE(message.find("[run.inputs]"), std::string::npos) << message;
-}
-
 TEST(ReadExperiment, ReadsTheExampleOfItsPage) {
   const std::string page =
       app_tests::contents(std::filesystem::path(POISE_SOURCE_DIR) / "docs" / "experiment-files.md");

@@ -1,0 +1,272 @@
+// Experiments on scenes whose loads and drives are functions of time: their numbers as unknowns.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "identification/fit.hpp"
+#include "identification/identifiability.hpp"
+#include "model/parameters.hpp"
+#include "tests/identification/experiments.hpp"
+#include "tests/identification/written_experiment.hpp"
+
+namespace poise {
+namespace {
+
+/// A pendulum on a carriage that a drive moves, turned by a motor, in a wind; %s the functions of time.
+std::string crane(const std::string& motor, const std::string& wind, const std::string& belt) {
+  return R"(
+title = "crane"
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.cart]
+points = { O = [0, 0] }
+mass = 3
+[body.arm]
+points = { A = [0, 0], T = [0.4, 0] }
+mass = 1.3
+center = [0.3, 0]
+inertia = 0.05
+[[slide]]
+name = "rail"
+points = ["ground.O", "cart.O"]
+axis = [1, 0]
+[[pin]]
+points = ["cart.O", "arm.A"]
+[[torsion_damper]]
+name = "grease"
+bodies = ["cart", "arm"]
+coefficient = 0.08
+[[torque]]
+name = "motor"
+on = "arm"
+value = 0.8
+)" + motor +
+         R"(
+[[force]]
+name = "wind"
+at = "arm.T"
+vector = [0.5, 0]
+)" + wind +
+         R"(
+[[drive]]
+name = "belt"
+slide = "rail"
+)" + belt +
+         R"(
+[start]
+arm = -1.3
+)";
+}
+
+const std::string sines = crane("time = { sine = { amplitude = 0.7, frequency = 0.9, phase = 0.3, offset = 0.2 } }",
+                                "time = { ramp = { from = 0.2, to = 2, start = 0.3, end = 0.9 } }",
+                                "time = { ramp = { from = 0.1, to = 0.4, start = 0.2, end = 1.1 } }");
+const std::string steps = crane("time = { step = { at = 0.4, from = 0.5, to = -1 } }",
+                                "time = { ramp = { from = 1, to = 0, start = 0.25, end = 0.75, law = "
+                                "\"polynomial_345\" } }",
+                                "time = { sine = { amplitude = 0.1, frequency = 0.8 } }");
+
+const std::string sensor = R"(
+scene = "scene.toml"
+[[sensor]]
+name = "angle"
+angle = ["cart", "arm"]
+noise = 1e-4
+)";
+
+std::string unknowns(const std::vector<std::string>& paths) {
+  std::string out;
+  for (const std::string& path : paths) out += "[[unknown]]\npath = \"" + path + "\"\n";
+  return out;
+}
+
+const std::vector<std::string> numbers_of_sines{
+    "load.motor",           "load.motor.time.amplitude", "load.motor.time.frequency", "load.motor.time.phase",
+    "load.wind.time.from",  "load.wind.time.to",         "load.wind.time.start",      "load.wind.time.end",
+    "drive.belt.time.from", "drive.belt.time.to",        "drive.belt.time.start",     "drive.belt.time.end",
+    "body.arm.mass"};
+const std::vector<std::string> numbers_of_steps{
+    "load.motor.time.at",     "load.motor.time.from",      "load.motor.time.to",        "load.wind.time.start",
+    "load.wind.time.end",     "drive.belt.time.amplitude", "drive.belt.time.frequency", "drive.belt.time.phase",
+    "drive.belt.time.offset", "body.arm.inertia"};
+
+class FunctionsOfTime : public test::WrittenExperiment {
+ protected:
+  FunctionsOfTime() : WrittenExperiment(sines) {}
+};
+
+TEST_F(FunctionsOfTime, HaveExactJacobians) {
+  for (const bool stepped : {false, true}) {
+    for (const bool known : {false, true}) {
+      folder_.write("scene.toml", stepped ? steps : sines);
+      const Experiment e =
+          read(sensor + unknowns(stepped ? numbers_of_steps : numbers_of_sines) +
+               (known ? "[[run]]\nduration = 1.2\nrate = 41\nstart_known = true\nrelease_rate = { arm = 0 }\n"
+                      : "[[run]]\nduration = 1.2\nrate = 41\n"));
+      const FitProblem problem(e);
+      const RunModel& run = problem.run(0);
+      const auto columns = static_cast<std::size_t>(run.columns());
+      ASSERT_EQ(columns, (stepped ? numbers_of_steps : numbers_of_sines).size() + (known ? 0u : 2u));
+      const auto predict = [&](std::vector<double> at, bool jacobian) {
+        Prediction out;
+        run.predict(at.data(), at.data() + run.unknowns(), INFINITY, jacobian ? 1e-11 : 1e-13, jacobian, out);
+        EXPECT_TRUE(out.ok) << out.why;
+        return out;
+      };
+      std::vector<double> at = run.scene_values();
+      const std::vector<double> start = run.released();
+      at.insert(at.end(), start.begin(), start.end());
+      const Prediction exact = predict(at, true);
+      for (std::size_t c = 0; c < columns; ++c) {
+        const std::vector<double> expected = test::derivative(
+            [&](double by) {
+              std::vector<double> moved = at;
+              moved[c] += by;
+              return predict(moved, false).reading;
+            },
+            5e-4);
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+          EXPECT_NEAR(exact.jacobian[columns * i + c], expected[i], 2e-6 * (1 + std::abs(expected[i])))
+              << stepped << known << " column " << c << " reading " << i;
+        }
+      }
+    }
+  }
+}
+
+// The motor, written out: J a = motor - weight - grease, on a carriage that stands still.
+TEST_F(FunctionsOfTime, ActAsWritten) {
+  folder_.write("scene.toml",
+                crane("time = { sine = { amplitude = 0.7, frequency = 0.9, phase = 0.3 } }", "", "start = 0"));
+  const Experiment e = read(sensor + "[[run]]\nduration = 2\nrate = 50\nrelease_rate = { arm = 0.5 }\n");
+  const FitProblem problem(e);
+  const Record record = problem.ideal_record(0);
+  const auto acceleration = [](double t, double angle, double rate) {
+    const double motor = 0.8 * 0.7 * std::sin(2 * M_PI * 0.9 * t + 0.3);
+    return (motor - 1.3 * 0.3 * 9.81 * std::cos(angle) - 0.4 * std::sin(angle) * 0.5 - 0.08 * rate) /
+           (0.05 + 1.3 * 0.09);
+  };
+  double angle = -1.3, rate = 0.5;
+  constexpr int steps_per_reading = 200;
+  constexpr double h = 1.0 / 50 / steps_per_reading;
+  for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
+    EXPECT_NEAR(record.sensors[0].value[i], angle, 1e-8) << i;
+    for (int step = 0; step < steps_per_reading; ++step) {
+      const double t = (static_cast<double>(i) * steps_per_reading + step) * h;
+      const double k1 = rate, l1 = acceleration(t, angle, rate);
+      const double k2 = rate + h / 2 * l1, l2 = acceleration(t + h / 2, angle + h / 2 * k1, k2);
+      const double k3 = rate + h / 2 * l2, l3 = acceleration(t + h / 2, angle + h / 2 * k2, k3);
+      const double k4 = rate + h * l3, l4 = acceleration(t + h, angle + h * k3, k4);
+      angle += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+      rate += h / 6 * (l1 + 2 * l2 + 2 * l3 + l4);
+    }
+  }
+}
+
+TEST_F(FunctionsOfTime, AreFoundFromOneSensor) {
+  folder_.write("scene.toml", steps);
+  const Experiment e = read(sensor + R"(
+[[unknown]]
+path = "load.motor.time.at"
+start = 0.5
+[[unknown]]
+path = "load.motor.time.to"
+start = -0.6
+[[unknown]]
+path = "drive.belt.time.frequency"
+start = 0.82
+[[unknown]]
+path = "load.wind.time.end"
+start = 0.6
+[[run]]
+duration = 2
+rate = 100
+seed = 4
+)");
+  const FitProblem problem(e);
+  const Fit fitted = fit(problem, problem.records());
+  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  for (const Estimate& estimate : fitted.estimates) {
+    EXPECT_FALSE(estimate.withheld) << estimate.name;
+    EXPECT_GT(estimate.standard_error, 0.0) << estimate.name;
+    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
+    EXPECT_LT(estimate.standard_error, 0.02) << estimate.name;
+  }
+}
+
+// Both ends of a ramp lie behind the end that is written: they can only be set together.
+TEST_F(FunctionsOfTime, MoveBothEndsOfARamp) {
+  const Experiment e =
+      read(sensor + unknowns({"load.wind.time.start", "load.wind.time.end"}) + "[[run]]\nduration = 2\nrate = 50\n");
+  const FitProblem problem(e);
+  Prediction out;
+  for (const auto& ends : {std::vector{1.2, 1.7}, std::vector{0.05, 0.25}}) {
+    problem.run(0).predict(ends.data(), problem.run(0).released().data(), INFINITY, 1e-10, false, out);
+    EXPECT_TRUE(out.ok) << out.why;
+  }
+  const std::vector<double> reversed{0.8, 0.5};
+  problem.run(0).predict(reversed.data(), problem.run(0).released().data(), INFINITY, 1e-10, false, out);
+  EXPECT_FALSE(out.ok);
+  EXPECT_NE(out.why.find("load.wind.time.end is out of its range"), std::string::npos) << out.why;
+}
+
+// Only the product of a load and the values of its function acts. A step beyond the last reading acts on none.
+TEST_F(FunctionsOfTime, AreFreeWhereTheDataLeaveThemSo) {
+  folder_.write("scene.toml", steps);
+  const auto free_in = [&](const std::vector<std::string>& paths, const std::string& changes) {
+    const Experiment e = read(sensor + unknowns(paths) + "[[run]]\nduration = 2\nrate = 50\nset = {" + changes + "}\n");
+    const FitProblem problem(e);
+    return fit(problem, problem.records());
+  };
+  const Fit product = free_in({"load.motor", "load.motor.time.from", "load.motor.time.to"}, "");
+  for (const Estimate& estimate : product.estimates) EXPECT_TRUE(estimate.withheld) << estimate.name;
+  const Fit beyond =
+      free_in({"load.motor.time.from", "load.motor.time.at", "load.motor.time.to"}, "\"load.wind.time.end\" = 0.8");
+  for (const Estimate& estimate : beyond.estimates) EXPECT_FALSE(estimate.withheld) << estimate.name;
+  folder_.write("scene.toml", crane("time = { step = { at = 2.5, from = 0.5, to = -1 } }", "", "start = 0"));
+  const Fit late = free_in({"load.motor.time.from", "load.motor.time.at"}, "");
+  EXPECT_FALSE(late.estimates[0].withheld);
+  EXPECT_TRUE(late.estimates[1].withheld);
+}
+
+// An input of a run takes the place of a function, of which neither the number nor the start of a drive counts then.
+TEST_F(FunctionsOfTime, GiveWayToInputs) {
+  std::string csv = "time,tau,belt\n";
+  for (int i = 0; i <= 120; ++i) {
+    csv += fmt::format("{:.6g},{:.12g},{:.12g}\n", i / 50.0, 0.3 * std::sin(0.1 * i), 0.2 + 0.05 * std::cos(0.04 * i));
+  }
+  folder_.write("inputs.csv", csv);
+  const std::string run = R"([[run]]
+duration = 2
+rate = 50
+inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "drive.belt" = "belt" }
+)";
+  const Record with_functions = FitProblem(read(sensor + run)).ideal_record(0);
+  folder_.write("scene.toml",
+                crane("", "time = { ramp = { from = 0.2, to = 2, start = 0.3, end = 0.9 } }", "start = 0"));
+  const Record without = FitProblem(read(sensor + run)).ideal_record(0);
+  for (std::size_t i = 0; i < without.sensors[0].value.size(); ++i) {
+    EXPECT_NEAR(with_functions.sensors[0].value[i], without.sensors[0].value[i], 1e-11) << i;
+  }
+  folder_.write("scene.toml", sines);
+  EXPECT_EQ(
+      error(sensor + unknowns({"load.motor.time.phase"}) + run),
+      "experiment.toml:8: unknown \"load.motor.time.phase\".path: expected a number that no input takes the place "
+      "of, run \"run 1\" has \"load.motor\" as an input in line 13; take one of the two out, or let the input "
+      "multiply it with multiplies = true");
+  const std::string multiplied = R"([[run]]
+duration = 2
+rate = 50
+inputs = { "load.motor" = { column = "tau", file = "inputs.csv", multiplies = true } }
+)";
+  EXPECT_NE(error(sensor + multiplied).find("expected multiplies of a load without a function of time"),
+            std::string::npos)
+      << error(sensor + multiplied);
+}
+
+}  // namespace
+}  // namespace poise
