@@ -50,12 +50,12 @@ std::vector<HeldStop> held_at(const Scene& scene, const std::vector<double>& pos
 
 namespace {
 
-/// The chain rule: what follows from a named number changes with it. One row per derivative.
+/// The chain rule: what follows from a number changes with it. One row per derivative.
 template <class Derivatives>
 void add_followers(const NumberedEquations& equations, const std::vector<double>& numbers, Derivatives& by_numbers) {
-  for (std::size_t row = 0; row < equations.scene().named_values.size(); ++row) {
-    for (const auto& [at, slope] : equations.followers(static_cast<int>(row), numbers)) {
-      by_numbers.col(static_cast<Eigen::Index>(row)) += slope * by_numbers.col(at);
+  for (const int row : equations.leaders()) {
+    for (const auto& [at, slope] : equations.followers(row, numbers)) {
+      by_numbers.col(row) += slope * by_numbers.col(at);
     }
   }
 }

@@ -11,6 +11,12 @@
 #include "statics/static_numbers.hpp"
 
 namespace poise {
+namespace {
+
+// Of CrossSection::numbers.
+constexpr int second_moment = 1, modulus = 2;
+
+}  // namespace
 
 NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> held)
     : scene_(scene), held_(std::move(held)), rows_(parameter_table(scene_)) {
@@ -52,9 +58,11 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
       case Owner::coupling:
         stop_number_[place.item] = at;
         break;
+      case Owner::section:
+        if (place.part == 1) section_.push_back(at);
+        break;
       case Owner::number:
       case Owner::drive:
-      case Owner::section:
       case Owner::time:
       case Owner::start:
         break;
@@ -96,6 +104,12 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   for (std::size_t t = 0; t < scene_.torques.size(); ++t) put_all(torque_[t], scene_.torques[t], Torque::numbers);
   for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
     std::visit([&](const auto& law) { put_all(element_[e], law, numbers_of_law(law)); }, scene_.elements[e].law);
+  }
+  for (std::size_t l = 0; l < section_.size(); ++l) {
+    put_all(section_[l], scene_.flexible_links[l].section, CrossSection::numbers);
+  }
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    if (rows_[k].place.owner == Owner::number || moves_springs(rows_[k].place)) leaders_.push_back(static_cast<int>(k));
   }
   unknowns_ = poses();
   for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
@@ -152,6 +166,16 @@ std::vector<double> named_in(const Scene& scene, const std::vector<double>& numb
 }  // namespace
 
 void NumberedEquations::follow(std::vector<double>& numbers) const {
+  follow_names(numbers);
+  for (std::size_t l = 0; l < section_.size(); ++l) {
+    const double* const now = &numbers[section_[l]];
+    const double* const before = &numbers_[section_[l]];
+    const double ratio = now[second_moment] * now[modulus] / (before[second_moment] * before[modulus]);
+    for (const int spring : scene_.flexible_links[l].springs) numbers[element_[spring]] *= ratio;
+  }
+}
+
+void NumberedEquations::follow_names(std::vector<double>& numbers) const {
   if (dependent_.empty()) return;
   const std::vector<double> values = dependent_values(scene_, named_in(scene_, numbers), false);
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -166,13 +190,28 @@ void NumberedEquations::follow(std::vector<double>& numbers) const {
   }
 }
 
+void NumberedEquations::add_springs_of(int row, double slope, const std::vector<double>& numbers,
+                                       std::vector<std::pair<int, double>>& out) const {
+  const ParameterPlace& place = rows_[row].place;
+  const int section = section_[place.item];
+  const int other = section + (place.number == modulus ? second_moment : modulus);
+  const double by = slope * numbers[other] / (numbers_[section + second_moment] * numbers_[section + modulus]);
+  for (const int spring : scene_.flexible_links[place.item].springs) {
+    out.emplace_back(element_[spring], by * numbers_[element_[spring]]);
+  }
+}
+
 std::vector<std::pair<int, double>> NumberedEquations::followers(int row, const std::vector<double>& numbers) const {
   std::vector<std::pair<int, double>> out;
+  if (moves_springs(rows_[row].place)) add_springs_of(row, 1.0, numbers, out);
   if (dependent_.empty() || rows_[row].place.owner != Owner::number) return out;
   const std::vector<double> slopes = dependents_by(scene_, rows_[row].place.item, named_in(scene_, numbers));
   for (std::size_t k = 0; k < slopes.size(); ++k) {
     if (dependent_[k] < 0 || slopes[k] == 0.0 || !std::isfinite(slopes[k])) continue;
     out.emplace_back(dependent_[k], slopes[k]);
+    if (dependent_[k] < static_cast<int>(rows_.size()) && moves_springs(rows_[dependent_[k]].place)) {
+      add_springs_of(dependent_[k], slopes[k], numbers, out);
+    }
     const DependentPlace& at = (*scene_.dependents)[k].at;
     if (at.of != DependentPlace::Of::force) continue;
     // The magnitude follows from the components.
@@ -191,9 +230,6 @@ std::string NumberedEquations::why_not_followed(int row) const {
     if (!std::isfinite(slopes[k])) return written + " has no derivative by it";
     if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::factor) {
       return written + " is a factor of a sum, by which there are no derivatives";
-    }
-    if (slopes[k] != 0.0 && moves_springs(one.at.place)) {
-      return written + " acts through all springs of a flexible link, by which there are no derivatives";
     }
     if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::force &&
         scene_.forces[one.at.place.item].vector == Vec2{}) {

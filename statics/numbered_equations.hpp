@@ -49,8 +49,8 @@ double plain_value(const ceres::Jet<T, N>& a) {
 /// Multipliers are efforts on body b, their opposites on a: force x, y of a pin, force normal to the axis of a slide,
 /// moment, pressure of a bar, and of a stop what tends to increase its measure. Numbers p are the rows of
 /// parameter_table(), in the units of the scene, which is measured in scales of its own (scaled()); behind them
-/// components of forces and axes that are dependent numbers. Dependent numbers are variables like others: residual()
-/// does not let them follow, follow() does.
+/// components of forces and axes that are dependent numbers. Dependent numbers, and the springs of flexible links,
+/// which follow from the section, are variables like others: residual() does not let them follow, follow() does.
 class NumberedEquations {
  public:
   NumberedEquations(const Scene& scene, std::vector<HeldStop> held);
@@ -59,11 +59,14 @@ class NumberedEquations {
   const std::vector<ParameterRow>& rows() const { return rows_; }
   /// p of the scene; of an absent limit infinite, of an absent guess 0.
   const std::vector<double>& numbers() const { return numbers_; }
-  /// Adds to dependent numbers by how much they follow the named ones from the scene's values to those of p. Throws
-  /// InputError where an expression has no value.
+  /// Adds to dependent numbers by how much they follow the named ones from the scene's values to those of p, and
+  /// multiplies the stiffnesses of the springs of flexible links by  E I  over that of the scene. Throws InputError
+  /// where an expression has no value.
   void follow(std::vector<double>& numbers) const;
-  /// The derivatives of p by the named number of a row, along the expressions that follow from it: for each dependent
-  /// number its place in p and the derivative, 0 where it has none or there is no such place (why_not_followed()).
+  /// Rows from which others follow: those of named numbers, and of the sections of flexible links.
+  const std::vector<int>& leaders() const { return leaders_; }
+  /// The derivatives of p by the number of such a row, along the expressions that follow from it: for each number that
+  /// follows its place in p and the derivative, 0 where it has none or there is no such place (why_not_followed()).
   std::vector<std::pair<int, double>> followers(int row, const std::vector<double>& numbers) const;
   /// Why some number that follows from that of a row has no derivative by it; empty where all have.
   std::string why_not_followed(int row) const;
@@ -229,6 +232,9 @@ class NumberedEquations {
   T energy_of_law(int element, const T* numbers, const T& g) const;
 
   void place_dependents();
+  void follow_names(std::vector<double>& numbers) const;
+  void add_springs_of(int row, double slope, const std::vector<double>& numbers,
+                      std::vector<std::pair<int, double>>& out) const;
 
   Scene scene_;
   std::vector<HeldStop> held_;
@@ -248,6 +254,8 @@ class NumberedEquations {
   std::vector<double> followed_;  // values that follow from the scene's named numbers
   std::vector<double> turns_;     // of each joint, rad
   std::vector<int> joint_, stop_;
+  std::vector<int> section_;  // of each flexible link
+  std::vector<int> leaders_;
 };
 
 /// d energy / d number of a law, at the measure g.

@@ -16,7 +16,7 @@ bool acts_by_followers(const Scene& scene, int named) {
     if (!uses) continue;
     if (one.at.place.owner == Owner::number) {
       follows[static_cast<std::size_t>(one.at.place.item)] = 1;
-    } else if (moves_springs(one.at.place) || acts_in_statics(scene, one.at.place)) {
+    } else if (acts_in_statics(scene, one.at.place)) {
       return true;
     }
   }
@@ -30,6 +30,7 @@ bool moves_springs(const ParameterPlace& place) {
 }
 
 bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
+  if (moves_springs(place)) return true;
   if (!counts_in_statics(place.owner)) return false;
   switch (place.owner) {
     case Owner::number:

@@ -241,7 +241,8 @@ class Sampler {
         if (equations().rows()[k].path.is(tolerance.number)) rows_.push_back(static_cast<int>(k));
       }
       per_.push_back(tolerance.dimension.per_scale(model.scales()));
-      names_vary_ = names_vary_ || equations().rows()[rows_.back()].place.owner == Owner::number;
+      const std::vector<int>& leaders = equations().leaders();
+      leaders_vary_ = leaders_vary_ || std::find(leaders.begin(), leaders.end(), rows_.back()) != leaders.end();
     }
     if (!regular_) return;
     moves_.resize(n, static_cast<Eigen::Index>(rows_.size()));
@@ -389,11 +390,11 @@ class Sampler {
 
   /// Those that differ by work.by, with what follows from them; false where an expression has no value.
   bool set_numbers(Work& work) const {
-    if (names_vary_) work.numbers = equations().numbers();
+    if (leaders_vary_) work.numbers = equations().numbers();
     for (std::size_t t = 0; t < rows_.size(); ++t) {
       work.numbers[rows_[t]] = equations().numbers()[rows_[t]] + work.by[static_cast<Eigen::Index>(t)];
     }
-    if (!names_vary_) return true;
+    if (!leaders_vary_) return true;
     try {
       equations().follow(work.numbers);
     } catch (const InputError&) {
@@ -478,7 +479,7 @@ class Sampler {
   Eigen::MatrixXd inverse_, moves_;  // A^-1, dz/dp
   std::vector<int> rows_;
   std::vector<double> per_;
-  bool names_vary_ = false;
+  bool leaders_vary_ = false;
   std::vector<char> one_way_;
 };
 

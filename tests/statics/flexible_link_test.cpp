@@ -8,8 +8,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "model/parameters.hpp"
 #include "model/scene.hpp"
 #include "statics/link_loads.hpp"
+#include "statics/sensitivity.hpp"
+#include "statics/tolerance.hpp"
 
 namespace poise {
 namespace {
@@ -200,6 +203,63 @@ TEST(FlexibleLink, SectionActsOnAllSprings) {
     EXPECT_EQ(std::get<LinearSpring>(scene.elements[at].law).stiffness,
               2.0 * std::get<LinearSpring>(stiff.elements[at].law).stiffness);
   }
+}
+
+// Without weight the shape depends on P / (E I) alone, forces in the link on P at a given shape.
+TEST(FlexibleLink, DerivativesBySectionAreThoseOfAllSprings) {
+  const Scene scene = parse_scene(cantilever(6, {0, -3}), "beam.toml");
+  const StaticModel model(scene);
+  const std::string tip = scene.bodies[static_cast<std::size_t>(scene.flexible_links[0].bodies.back())].name;
+  const Sensitivities found =
+      sensitivities(model, {find_quantity(scene, tip + ".B.y"), find_quantity(scene, "energy")});
+  ASSERT_EQ(found.why, "");
+  const auto by = [&](std::size_t of, const std::string& number) {
+    for (const Sensitivity& one : found.of[of].by) {
+      if (one.number == number) return one.derivative;
+    }
+    ADD_FAILURE() << number;
+    return 0.0;
+  };
+  const double by_load = by(0, "load.P");
+  EXPECT_LT(by_load, -0.05);
+  EXPECT_NEAR(by(0, "body.beam.section.modulus"), -3 * by_load, 1e-10);
+  EXPECT_NEAR(by(0, "body.beam.section.second_moment"), -3 * by_load, 1e-10);
+  double of_springs = 0.0;
+  for (const int spring : scene.flexible_links[0].springs) {
+    const Element& element = scene.elements[static_cast<std::size_t>(spring)];
+    of_springs += std::get<LinearSpring>(element.law).stiffness * by(0, "spring." + element.name + ".stiffness");
+  }
+  EXPECT_NEAR(of_springs, -3 * by_load, 1e-10);
+  // V is homogeneous of degree 1 in P and E I together.
+  EXPECT_NEAR(by(1, "body.beam.section.modulus") + 3 * by(1, "load.P"), found.of[1].value, 1e-10);
+}
+
+TEST(FlexibleLink, TolerancesOfTheModulusReachAllSprings) {
+  const Scene scene = parse_scene(cantilever(4, {0, -2}), "beam.toml");
+  const StaticModel model(scene);
+  const std::string tip = scene.bodies[static_cast<std::size_t>(scene.flexible_links[0].bodies.back())].name;
+  const std::vector<SoughtQuantity> of{find_quantity(scene, tip + ".B.y")};
+  const auto tolerances = [&](const std::string& text) { return parse_tolerances(text, "tolerances", scene); };
+  const ToleranceOptions options{.samples = 2000};
+  const ToleranceStudy study =
+      tolerance_study(model, tolerances("[tolerances]\n\"body.beam.section.modulus\" = 0.2\n"), of, options);
+  ASSERT_EQ(study.why, "");
+  const ToleranceBand& band = study.of.at(0);
+  const auto tip_at = [&](double modulus) {
+    Scene other = scene;
+    set_value(other, "body.beam.section.modulus", modulus);
+    const StaticModel changed(other);
+    const Equilibrium rest = solve(changed);
+    EXPECT_TRUE(rest.found()) << rest.why;
+    const auto last = static_cast<std::size_t>(scene.flexible_links[0].bodies.back());
+    return changed.poses(rest.x)[last].world(other.bodies[last].points.back().at).y;
+  };
+  ASSERT_TRUE(band.at_least && band.at_most && band.has_second);
+  EXPECT_NEAR(*band.at_least, tip_at(0.8), 1e-9);
+  EXPECT_NEAR(*band.at_most, tip_at(1.2), 1e-9);
+  EXPECT_NEAR(band.sigma, 0.2 / std::sqrt(3.0) * (tip_at(1.001) - tip_at(0.999)) / 0.002, 1e-6);
+  EXPECT_NEAR(band.all.mean, band.nominal + band.shift, 5 * band.sigma / std::sqrt(2000.0));
+  EXPECT_EQ(study.continued, 2000U);
 }
 
 TEST(FlexibleLink, BentLineKeepsItsCorner) {
