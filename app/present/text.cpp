@@ -29,7 +29,7 @@ class Writer {
 
  private:
   void fact(const std::string& label, const std::string& words) {
-    text += "  " + palette_.paint(Tone::faint, fmt::format("{:<13}", label)) + words + "\n";
+    text += "  " + palette_.paint(Tone::faint, fmt::format("{:<12} ", label)) + words + "\n";
   }
 
   void write(const Line& content) {
