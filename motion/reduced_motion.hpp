@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -84,8 +85,8 @@ class ReducedMotion {
   /// Loads and drives that follow curves of time, in the units of `scene`, which is the one given to the constructor.
   void set_inputs(const Scene& scene, std::vector<MotionInput> inputs);
   const std::vector<MotionInput>& inputs() const { return inputs_; }
-  /// Until the next call loads follow the formulas that their functions of time have at this time (TimeFunction); NaN:
-  /// at the time of each pose, as without a call.
+  /// Until the next call loads and drives follow the formulas that their functions of time have at this time
+  /// (TimeFunction); NaN: at the time of each pose, as without a call.
   void set_near(double time) { near_ = time; }
   double near() const { return near_; }
   /// How friction that sticks (DryFriction of width 0) moves: per element of the scene, which is the one given to the
@@ -174,8 +175,8 @@ class ReducedMotion {
     T start{};
     std::optional<MotionInput> input{};
 
-    T target(const T& t, int derivative) const {
-      if (input) return static_cast<T>(input->at(static_cast<double>(t), derivative, static_cast<double>(t)));
+    T target(const T& t, int derivative, double near) const {
+      if (input) return static_cast<T>(input->at(static_cast<double>(t), derivative, near));
       return (derivative == 0 ? start : T(0)) + drive.moved(t, derivative);
     }
   };
@@ -194,6 +195,7 @@ class ReducedMotion {
   template <class S>
   friend class ReducedMotion;
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
+  double near_at(const T& t) const { return std::isnan(near_) ? static_cast<double>(t) : near_; }
   void set_load(InputLoad<T>& load) const;
   void make_rows();
   void make_room();

@@ -51,7 +51,7 @@ void ReducedMotion<T>::place_accelerations() {
   mechanism_.closures_of(second_.data(), rows_work_.data());
   for (int k = 0; k < drives(); ++k) {
     rows_work_[mechanism_.equalities() + k] =
-        drives_[k].on.second(here(), v_.data(), v_.data()) - drives_[k].target(t_, 2);
+        drives_[k].on.second(here(), v_.data(), v_.data()) - drives_[k].target(t_, 2, near_at(t_));
   }
   solve_rows(rows_work_.data(), a_.data());
   mechanism_.phasors().first(pose_.data(), a_.data(), work_.data());
@@ -349,7 +349,8 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
       if (!driven.input || !driven.input->function)
         return by * driven.drive.moved_by(influence.drive_number, t_, order);
       const auto t = static_cast<double>(t_);
-      return by * static_cast<T>(driven.input->unit * driven.input->function->by(influence.drive_number, t, order, t));
+      return by * static_cast<T>(driven.input->unit *
+                                 driven.input->function->by(influence.drive_number, t, order, near_at(t_)));
     };
     direct_.gap[row] = moved(0);
     direct_.rate[row] = moved(1);
@@ -413,7 +414,7 @@ T ReducedMotion<T>::power() const {
   for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_.data());
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];
-  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1);
+  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1, near_at(t_));
   return power;
 }
 

@@ -95,7 +95,7 @@ void ReducedMotion<T>::set_inputs(const Scene& scene, std::vector<MotionInput> i
 template <class T>
 void ReducedMotion<T>::set_load(InputLoad<T>& load) const {
   const auto t = static_cast<double>(t_);
-  load.set(t, std::isnan(near_) ? t : near_);
+  load.set(t, near_at(t_));
 }
 
 template <class T>
@@ -113,7 +113,8 @@ template <class T>
 T ReducedMotion<T>::farthest_drive(const T& t) const {
   using std::abs;
   T farthest(0);
-  for (const DriveRow& d : drives_) farthest = std::max<T>(farthest, abs(d.on.value(here()) - d.target(t, 0)));
+  for (const DriveRow& d : drives_)
+    farthest = std::max<T>(farthest, abs(d.on.value(here()) - d.target(t, 0, near_at(t))));
   return farthest;
 }
 
@@ -138,7 +139,7 @@ void ReducedMotion<T>::residual(const T& t) {
   mechanism_.constraint(q_.data(), pose_.data(), c_.data());
   for (int k = 0; k < drives(); ++k) {
     const DriveRow& d = drives_[k];
-    c_[mechanism_.equalities() + k] = d.on.value(here()) - d.target(t, 0);
+    c_[mechanism_.equalities() + k] = d.on.value(here()) - d.target(t, 0, near_at(t));
   }
 }
 
@@ -329,7 +330,7 @@ template <class T>
 void ReducedMotion<T>::move(const T* w) {
   if (drives() > 0) {
     std::fill(rows_work_.begin(), rows_work_.end(), T(0));
-    for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = -drives_[k].target(t_, 1);
+    for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = -drives_[k].target(t_, 1, near_at(t_));
     solve_rows(rows_work_.data(), drift_.data());
   }
   std::copy(drift_.begin(), drift_.end(), v_.begin());

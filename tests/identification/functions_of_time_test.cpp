@@ -255,8 +255,8 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv" }, "drive.belt" 
   folder_.write("scene.toml", sines);
   EXPECT_EQ(
       error(sensor + unknowns({"load.motor.time.phase"}) + run),
-      "experiment.toml:8: unknown \"load.motor.time.phase\".path: expected a number that no input takes the place "
-      "of, run \"run 1\" has \"load.motor\" as an input in line 13; take one of the two out, or let the input "
+      "experiment.toml:7: unknown \"load.motor.time.phase\".path: expected a number that no input takes the place "
+      "of, run \"run 1\" has \"load.motor\" as an input in line 12; take one of the two out, or let the input "
       "multiply it with multiplies = true");
   const std::string multiplied = R"([[run]]
 duration = 2
