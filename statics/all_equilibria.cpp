@@ -613,7 +613,7 @@ EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptio
 }
 
 EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptions& options, const Enclosing& enclose) {
-  refuse_pulleys(model.scene(), "sets of equilibria");
+  refuse_contacts(model.scene(), "sets of equilibria");
   return Finder(model, options, enclose).run();
 }
 

@@ -22,7 +22,7 @@ bool has_pulley(const Measure& on) {
 
 }  // namespace
 
-void refuse_pulleys(const Scene& scene, std::string_view what) {
+void refuse_contacts(const Scene& scene, std::string_view what) {
   const auto refuse = [&](const auto& item) {
     if (!has_pulley(item.on)) return;
     throw InputError(

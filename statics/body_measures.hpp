@@ -54,7 +54,7 @@ std::vector<UnitEffortOf<ScalarOf<Pose>>> unit_efforts(const Scene& scene, const
 
 /// Throws InputError where a rope of the scene passes over a pulley, off which it may come, or where a wheel rolls on a
 /// line or a circle, off which it may lift, which `what` does not treat.
-void refuse_pulleys(const Scene& scene, std::string_view what);
+void refuse_contacts(const Scene& scene, std::string_view what);
 
 /// Where a rope would have to lie on the wrong side of a pulley, so that it does not touch it: that pulley's point;
 /// null where it touches all, and of other measures.

@@ -181,11 +181,11 @@ class EquilibriumCheck {
 
   // Of ropes that carry a force: off a pulley its length is not the one of the equations.
   void look_at_pulleys() {
-    out_.touches_pulleys = true;
+    out_.keeps_contacts = true;
     const auto look_at = [&](const auto& item) {
       const RopeContact* const pulley = untouched_pulley(scene_, item.on, poses_);
       if (pulley == nullptr) return;
-      out_.touches_pulleys = false;
+      out_.keeps_contacts = false;
       object(
           fmt::format("{} \"{}\" does not touch its pulley \"{}\", round which it would have to pass on the other side",
                       item.family(), item.name, scene_.name_of(pulley->at)));
@@ -207,7 +207,7 @@ class EquilibriumCheck {
                                     [&](const Stop& stop) { return stop.name == reaction.name; });
       const bool is_too_large = row->max <= 0.0;
       if (!is_too_large && -row->sense * reaction.axial >= least) continue;
-      out_.touches_pulleys = false;
+      out_.keeps_contacts = false;
       object(fmt::format("{} \"{}\" {}", row->family(), row->name,
                          is_too_large ? "has a wheel as large as the circle in which it rolls"
                                       : "lifts off, its wheel would have to be pulled"));

@@ -55,13 +55,13 @@ struct Check {
   bool stops_kept = false;
   /// Every rope that carries a force lies on all of its pulleys, and every rolling wheel is pressed to its line or
   /// circle.
-  bool touches_pulleys = false;
+  bool keeps_contacts = false;
   std::vector<Reaction> reactions;
   std::vector<ElementForce> element_forces;  ///< per element of the scene
   int redundancy = 0;  ///< number of independent states of self-stress (degree of static indeterminacy)
 
   /// Closed, balanced, within its stops, on its pulleys and with its wheels on what they roll on.
-  bool is_equilibrium() const { return closed && balanced && stops_kept && touches_pulleys; }
+  bool is_equilibrium() const { return closed && balanced && stops_kept && keeps_contacts; }
   /// Why it is not an equilibrium, one sentence; empty if it is.
   std::string objection;
 };

@@ -608,7 +608,7 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
   if (turns.count() && !is_open && !out.reach && loops.winds()) {
     limit(fmt::format("with up to {} rounds of its loops each way", LoopTurns::most_rounds));
   }
-  if (out.reach) limit("with angles of bodies on springs or stops within a full turn of the start");
+  if (out.reach) limit("with angles of bodies on springs, stops or couplings within a full turn of the start");
   if (is_checked) {
     limit(fmt::format("if the joints that repeat others ({}), checked every {:g} rad, do so between", repeating,
                       RigidPoses::apart));

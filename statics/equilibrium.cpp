@@ -172,7 +172,7 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
   out.check = check(model, out.x, options.check, confirmed ? &out.certificate.active_stops : nullptr,
                     confirmed ? out.certificate.sharing_stops : std::vector<int>{});
   confirmed = confirmed && std::isfinite(out.check.largest_force);  // nothing could be said of its forces
-  confirmed = confirmed && out.check.touches_pulleys;
+  confirmed = confirmed && out.check.keeps_contacts;
   if (confirmed) enclose_reactions(model, out.certificate, out.check);
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;

@@ -100,7 +100,7 @@ void blend(Scene& scene, const Scene& other, const ParameterPlace& place, double
 VariedScene::VariedScene(Scene scene, const std::string& name, double from, double to)
     : scene_(std::move(scene)), name_(name) {
   const auto fail = [&](const std::string& what) { throw InputError(fmt::format("{}: {}", name_, what)); };
-  refuse_pulleys(scene_, "load paths");
+  refuse_contacts(scene_, "load paths");
   Range range = Range::finite;
   if (const auto measure = driven_measure(scene_, name_)) {
     driven_ = affine_ = true;
