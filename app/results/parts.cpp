@@ -149,12 +149,16 @@ std::string stability_and_energy(const ScaledModel& model, const Equilibrium& eq
 }
 
 std::vector<double>::const_iterator largest_by_size(const std::vector<double>& values) {
-  return std::max_element(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  // Not a number is the least of all.
+  const auto size = [](double v) { return std::isnan(v) ? -1.0 : std::abs(v); };
+  return std::max_element(values.begin(), values.end(), [&](double a, double b) { return size(a) < size(b); });
 }
 
 double largest_size(const std::vector<double>& values) {
   double largest = 0.0;
-  for (const double v : values) largest = std::max(largest, std::abs(v));
+  for (const double v : values) {
+    if (!std::isnan(v)) largest = std::max(largest, std::abs(v));
+  }
   return largest;
 }
 
