@@ -24,6 +24,7 @@ constexpr double contracts_below = 0.999999;
 constexpr double agrees_within = 1e-12;    // of the largest force, of the equations g = B(g)
 constexpr double confirmed_within = 1e-9;  // the same of the bodies cut free with these efforts
 constexpr int other_starts = 60;
+constexpr double no_power = 1e-9;  // of what is lost: as in a dead centre, where nothing but friction takes power
 
 /// What a bound depends on: the force in a joint, and the couple about its point.
 struct Carried {
@@ -312,12 +313,12 @@ class SlidingSolver {
 }  // namespace
 
 std::optional<double> SlidingFriction::efficiency() const {
-  if (state != State::solved || !(driven_without > 0.0)) return std::nullopt;
+  if (state != State::solved || !(driven_without > no_power * lost())) return std::nullopt;
   return driven_without / (driven_without + lost());
 }
 
 std::optional<double> SlidingFriction::efficiency_back() const {
-  if (state != State::solved || !(driven_without < 0.0)) return std::nullopt;
+  if (state != State::solved || !(driven_without < -no_power * lost())) return std::nullopt;
   return std::max(0.0, 1.0 + lost() / driven_without);
 }
 
