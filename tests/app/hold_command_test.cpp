@@ -94,7 +94,7 @@ TEST(HoldCommand, AtRestIsTheEquilibriumWithoutFriction) {
   EXPECT_EQ(rest["verdict"], "held");
   EXPECT_EQ(rest["at_rest"], true);
   EXPECT_EQ(rest["least_factor"], 0.0);
-  EXPECT_NEAR(std::remainder(rest["pose"]["rod"].get<double>() + 90, 360), 0.0, 1e-7);
+  EXPECT_NEAR(std::remainder(rest["pose"]["rod"].get<double>() + M_PI / 2, 2 * M_PI), 0.0, 1e-9);
 }
 
 TEST(HoldCommand, WithoutALoadItIsHeld) {

@@ -192,6 +192,8 @@ std::string slider_crank(std::mt19937_64& random) {
   const double crank = 0.1, rod = 0.2 + 0.3 * u(random), theta = 0.4 + 1.6 * u(random);
   const double x = crank * std::cos(theta) + std::sqrt(rod * rod - std::pow(crank * std::sin(theta), 2));
   return fmt::format(R"(
+[units]
+angle = "deg"
 [ground]
 points = {{ O = [0, 0] }}
 [body.crank]

@@ -54,10 +54,12 @@ void add_verdict(Result& out, const StressOutcome& outcome, const std::vector<Fr
   const auto wrong = std::count_if(friction.begin(), friction.end(), [](const FrictionResult& r) {
     return !r.agrees && r.pose.verdict != Holding::not_decided;
   });
-  if (failures.false_claims + wrong > 0) {
+  if (failures.false_claims > 0) {
+    out.verdict = bad(fmt::format("{}: confirmed answers that are no equilibrium, or of another stability.",
+                                  count(failures.false_claims, "false claim", "false claims")));
+  } else if (wrong > 0) {
     out.verdict =
-        bad(fmt::format("{}: confirmed answers that are no equilibrium, of another stability, or not held as known.",
-                        count(failures.false_claims + static_cast<int>(wrong), "false claim", "false claims")));
+        bad(fmt::format("{}: of what friction holds.", count(static_cast<int>(wrong), "false claim", "false claims")));
   } else if (!outcome.results.empty() || !friction.empty()) {
     out.verdict = good("No false claims.");
   }
