@@ -39,7 +39,7 @@ void expect_friction(const Scene& scene) {
   if (has_friction(scene)) return;
   throw InputError(scene.file +
                    ": expected friction, found none: give a pin friction = { coefficient = 0.1, radius = 5 }, a slide "
-                   "friction = { coefficient = 0.1 }, or add a table [[friction]]");
+                   "friction = { coefficient = 0.1 }, a pulley of a rope friction = 0.1, or add a table [[friction]]");
 }
 
 /// Nothing where no equilibrium is found.

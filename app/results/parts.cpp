@@ -10,6 +10,7 @@
 
 #include "app/present/cells.hpp"
 #include "app/present/numbers.hpp"
+#include "model/couplings.hpp"
 #include "statics/pose_values.hpp"
 #include "statics/readings.hpp"
 
@@ -307,6 +308,9 @@ void warn_of_friction(Result& result, const Scene& scene) {
   }
   for (const Joint& joint : scene.joints) {
     if (joint.friction) names.push_back("\"" + joint.name + "\"");
+  }
+  for (const Stop& rope : scene.stops) {
+    if (!rubbing_rims(rope.on).empty()) names.push_back("\"" + rope.name + "\"");
   }
   if (names.empty()) return;
   result.warnings.push_back(
