@@ -55,7 +55,7 @@ std::optional<std::vector<double>> pose_of(const StaticModel& model, bool at_res
 }
 
 /// The mechanism in that pose, with a mark where something slips first: in the middle of the two bodies' points of a
-/// [[friction]] on a distance, at the joint's second point otherwise.
+/// [[friction]] on a distance, at the centre of a pulley, at a joint's second point.
 std::string picture(const StaticModel& model, const std::vector<double>& x, const HeldPose& pose,
                     const std::string& heading, bool decided) {
   const Scene& scene = model.scene();
@@ -65,6 +65,11 @@ std::string picture(const StaticModel& model, const std::vector<double>& x, cons
     const Rubbing& one = all[slip.of];
     if (one.joint >= 0) {
       const PointRef at = scene.joints[static_cast<std::size_t>(one.joint)].b;
+      out.slipping.push_back(out.poses[static_cast<std::size_t>(at.body)].world(scene.local(at)));
+      continue;
+    }
+    if (one.rope >= 0) {
+      const PointRef at = one.on.contacts[static_cast<std::size_t>(one.contact)].at;
       out.slipping.push_back(out.poses[static_cast<std::size_t>(at.body)].world(scene.local(at)));
       continue;
     }

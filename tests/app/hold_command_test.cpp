@@ -45,6 +45,17 @@ TEST(HoldCommand, DrawerMovesFromItsPullOn) {
   EXPECT_EQ(found["range"]["upper"]["slips"][0]["increases"], true);
 }
 
+TEST(HoldCommand, CapstanOfTheDataset) {
+  const json found = hold({dataset("friction/capstan"), "--vary", "load.P"});
+  EXPECT_EQ(found["verdict"], "held");
+  EXPECT_NEAR(found["range"]["lower"]["value"].get<double>(), 400 * std::exp(-0.3 * M_PI), 1e-7);
+  EXPECT_NEAR(found["range"]["upper"]["value"].get<double>(), 400 * std::exp(0.3 * M_PI), 1e-7);
+  EXPECT_EQ(found["range"]["upper"]["slips"][0]["name"], "rope on ground.O");
+  EXPECT_EQ(found["friction"][0]["kind"], "rope");
+  const Outcome solved = run_poise({"forces", dataset("friction/capstan")});
+  EXPECT_NE(solved.out.find("Friction of the rope \"rope\""), std::string::npos) << solved.out << solved.err;
+}
+
 TEST(HoldCommand, ToggleOfTheDataset) {
   const json found = hold({dataset("friction/toggle"), "--vary", "load.P"});
   const double circle = 8 * std::sin(std::atan(0.15));

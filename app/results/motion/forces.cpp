@@ -10,6 +10,7 @@
 #include "app/present/numbers.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
+#include "model/couplings.hpp"
 #include "motion/force_courses.hpp"
 #include "motion/joint_friction.hpp"
 #include "statics/pose_values.hpp"
@@ -126,6 +127,10 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
   const std::vector<std::string> rubbing = joints_with_friction(model.scene());
   if (!rubbing.empty() && !rubs(found)) warn(fmt::format("Friction in {} is left out of all forces.", listed(rubbing)));
   warn_of_rest(result, model.scene(), found);
+  for (const Stop& rope : model.scene().stops) {
+    if (rubbing_rims(rope.on).empty()) continue;
+    warn(fmt::format("Friction of the rope \"{}\" on its pulleys is left out of all forces.", rope.name));
+  }
   if (!dead.empty() && !found.complete && !found.stop) warn("Dead point: " + dead + ".");
   if (found.stop) warn("The range ends early: " + found.why + ".");
   for (const ForceCourse& course : courses) {
