@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "model/one_line.hpp"
 
@@ -93,6 +94,34 @@ constexpr Number positive_value(std::string_view key) {
   return length;
 }
 constexpr std::array<Number, 1> rope_numbers{positive_value("length")};
+
+// "friction.1" ...
+constexpr std::array<std::string_view, most_rubbing_rims> rim_keys{
+    "friction.1",  "friction.2",  "friction.3",  "friction.4",  "friction.5",  "friction.6",
+    "friction.7",  "friction.8",  "friction.9",  "friction.10", "friction.11", "friction.12",
+    "friction.13", "friction.14", "friction.15", "friction.16"};
+
+template <std::size_t Rim>
+constexpr Number rim_number() {
+  Number number{rim_keys[Rim], dimension::none, Range::not_negative};
+  number.get = [](const void* item) -> std::optional<double> {
+    const Stop& stop = *static_cast<const Stop*>(item);
+    return stop.on.contacts[static_cast<std::size_t>(rubbing_rims(stop.on)[Rim])].friction;
+  };
+  number.set = [](void* item, double value) {
+    Stop& stop = *static_cast<Stop*>(item);
+    stop.on.contacts[static_cast<std::size_t>(rubbing_rims(stop.on)[Rim])].friction = value;
+  };
+  number.scale = [](void*, double) {};  // it has no dimension
+  return number;
+}
+
+// Of a rope with friction on its pulleys.
+constexpr auto rubbing_rope_numbers = []<std::size_t... Rim>(std::index_sequence<Rim...>) {
+  return std::array<Number, 1 + most_rubbing_rims>{positive_value("length"), rim_number<Rim>()...};
+}
+(std::make_index_sequence<most_rubbing_rims>());
+
 constexpr std::array<Number, 1> circle_numbers{positive_value("radius")};
 constexpr std::array<CouplingPart, 1> value_only{CouplingPart{Of::value}};
 
@@ -198,7 +227,16 @@ const CouplingKind* coupling_kind(const Stop& stop) {
   return found == kinds.end() ? nullptr : &*found;
 }
 
+std::vector<int> rubbing_rims(const Measure& rope) {
+  std::vector<int> out;
+  for (std::size_t k = 0; k < rope.contacts.size(); ++k) {
+    if (rope.contacts[k].friction) out.push_back(static_cast<int>(k));
+  }
+  return out;
+}
+
 std::span<const Number> Stop::numbers() const {
+  if (table == "rope") return std::span(rubbing_rope_numbers).first(1 + rubbing_rims(on).size());
   const CouplingKind* const kind = coupling_kind(*this);
   return kind != nullptr ? kind->numbers : std::span<const Number>(limits);
 }

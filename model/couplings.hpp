@@ -6,6 +6,7 @@
 #include <array>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "model/laws/stop.hpp"
 
@@ -55,6 +56,12 @@ struct CouplingKind {
 ///                  row behind it = offset
 ///     _line        component across the line of centres of the wheel's centre = 0
 std::span<const CouplingKind> coupling_kinds();
+
+/// As many pulleys of a rope have friction.
+inline constexpr std::size_t most_rubbing_rims = 16;
+/// Indices of the contacts of a rope that have friction, also one of 0. Their coefficients are the rope's numbers
+/// friction.1, friction.2, ... in that order.
+std::vector<int> rubbing_rims(const Measure& rope);
 
 /// The kind of a stop; null of a plain one.
 const CouplingKind* coupling_kind(const Stop& stop);

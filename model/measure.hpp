@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,10 @@ struct RopeContact {
   PointRef at;
   double radius = 0.0;  ///< of the pulley, m; 0 of a point
   int turn = 1;         ///< the rope passes round the pulley counter-clockwise (1) or clockwise (-1)
+  /// Coefficient mu with which a rope that does not stretch rubs on the rim: over a wrap by the angle w its tensions on
+  /// both sides differ by at most the factor exp(mu w) (L. Euler, 1769; J. Eytelwein, 1808). Statics only: poses that
+  /// it holds (statics/held.hpp).
+  std::optional<double> friction{};
 };
 
 /// A scalar function g of the pose, as a scene declares it. Force elements, stops, drives and sensors act on measures.

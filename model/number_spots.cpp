@@ -127,6 +127,16 @@ NumberSpot NumberSpots::of_element(std::size_t element, const std::string& key, 
   return {part, "", "curve", -1, std::stoi(last) - 1};
 }
 
+// "friction.K" is the key friction of the K-th pulley that has one.
+NumberSpot NumberSpots::of_rim(const Stop& rope, const toml::table* written, const std::string& key) {
+  const auto rim = static_cast<std::size_t>(std::stoi(key.substr(key.find('.') + 1)) - 1);
+  const toml::array* const over =
+      written != nullptr && written->contains("over") ? written->get("over")->as_array() : nullptr;
+  const std::vector<int> rims = rubbing_rims(rope.on);
+  const toml::node* const pulley = over != nullptr ? over->get(static_cast<std::size_t>(rims[rim])) : nullptr;
+  return {pulley != nullptr ? pulley->as_table() : nullptr, "", "friction"};
+}
+
 NumberSpot NumberSpots::of(const ParameterRow& row) const {
   const auto at = static_cast<std::size_t>(row.place.item);
   std::string key(row.path.parts[3]);
@@ -165,9 +175,11 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
       if (dot == std::string::npos) return {joint, "", key};
       return {below(joint, key.substr(0, dot)), "", key.substr(dot + 1)};
     }
+    case Owner::coupling:
+      if (key.starts_with("friction.")) return of_rim(scene_.stops[at], item(Owner::coupling, row.place.item), key);
+      [[fallthrough]];
     case Owner::drive:
     case Owner::stop:
-    case Owner::coupling:
       return {item(row.place.owner, row.place.item), "", key};
     case Owner::time: {
       const TimeFunction& function = scene_.time_functions[at];

@@ -41,6 +41,7 @@ class NumberSpots {
   bool is_written(Owner owner, std::size_t at) const;
   const toml::table* in_list(std::string_view key, std::size_t index) const;
   const toml::table* table_of(std::size_t element) const;
+  static NumberSpot of_rim(const Stop& rope, const toml::table* written, const std::string& key);
   NumberSpot of_element(std::size_t element, const std::string& key, int number) const;
 
   const toml::table& document_;

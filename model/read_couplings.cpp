@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "model/couplings.hpp"
 #include "model/profile.hpp"
 #include "model/read_elements.hpp"
@@ -117,7 +119,10 @@ class CouplingReader {
 
   void read_rope(const TomlTable& table, Stop& stop) const {
     table.allow_keys({"name", "over", "length"});
-    stop.on = Measure::rope_over(measures_.contacts(table, "over"));
+    stop.on = Measure::rope_over(measures_.contacts(table, "over", true));
+    if (rubbing_rims(stop.on).size() > most_rubbing_rims) {
+      table.place_of("over").fail(fmt::format("expected at most {} pulleys with friction", most_rubbing_rims));
+    }
   }
 
   // A point of the pin's body and one of another, under these keys.

@@ -102,7 +102,7 @@ std::vector<Measure::Term> MeasureReader::terms(const TomlTable& table) const {
   return out;
 }
 
-std::vector<RopeContact> MeasureReader::contacts(const TomlTable& table, std::string_view key) const {
+std::vector<RopeContact> MeasureReader::contacts(const TomlTable& table, std::string_view key, bool may_rub) const {
   std::vector<RopeContact> out;
   const std::vector<TomlItem> items = table.items(key);
   for (const TomlItem& item : items) {
@@ -113,10 +113,17 @@ std::vector<RopeContact> MeasureReader::contacts(const TomlTable& table, std::st
       item.place().fail(
           "expected a point \"BODY.POINT\", or a pulley { pulley = \"BODY.POINT\", radius = NUMBER, turn = ... }");
     } else {
-      item.table->allow_keys({"pulley", "radius", "turn"});
+      if (!may_rub && item.table->has("friction")) {
+        item.table->place_of("friction")
+            .fail(
+                "expected no friction: a rope rubs on its pulleys in a [[rope]] without stiffness alone; remove the "
+                "key");
+      }
+      item.table->allow_keys({"pulley", "radius", "turn", "friction"});
       contact.at = names_.point(item.table->text("pulley"));
       contact.radius = item.table->number("radius", units_.length, Range::positive);
       contact.turn = choose(item.table->text("turn"), {"counterclockwise", "clockwise"}) == 0 ? 1 : -1;
+      contact.friction = item.table->find_number("friction", 1.0, Range::not_negative);
     }
     const bool is_end = out.empty() || out.size() + 1 == items.size();
     if (is_end && item.table) {

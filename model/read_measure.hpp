@@ -29,7 +29,7 @@ class MeasureReader {
   /// Terms of the key "sum", which may mix angles and lengths.
   std::vector<Measure::Term> terms(const TomlTable& table) const;
   /// The points and pulleys of a rope under `key`.
-  std::vector<RopeContact> contacts(const TomlTable& table, std::string_view key) const;
+  std::vector<RopeContact> contacts(const TomlTable& table, std::string_view key, bool may_rub = false) const;
 
   /// Whether the measure of a table will be an angle, before it is read: that determines the other keys of the table.
   static bool reads_angle(const TomlTable& table, const MeasureKeys& measures);

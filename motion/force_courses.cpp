@@ -1,6 +1,7 @@
 #include "motion/force_courses.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace poise {
 namespace {
@@ -13,7 +14,23 @@ double stop_force(const Stop& stop, const Forces& forces) {
   return 0.0;
 }
 
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+/// The friction of a joint; null where it stands still or has none.
+const SlidingJoint* sliding(const Forces& forces, int joint) {
+  for (const SlidingJoint& one : forces.friction.joints) {
+    if (one.joint == joint) return &one;
+  }
+  return nullptr;
+}
+
 }  // namespace
+
+bool rubs(const ForcesAlong& forces) {
+  return std::any_of(forces.poses.begin(), forces.poses.end(), [](const Forces& f) {
+    return f.friction.state != SlidingFriction::State::none && f.friction.state != SlidingFriction::State::still;
+  });
+}
 
 std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& forces) {
   std::vector<ForceCourse> out;
@@ -22,28 +39,52 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
     for (const Forces& pose : forces.poses) course.value.push_back(value(pose));
     out.push_back(std::move(course));
   };
+  // Of what depends on friction.
+  const auto add_force = [&](const std::string& name, Quantity quantity, auto value) {
+    add(name, quantity, [&](const Forces& f) { return f.friction.has_no_forces() ? no_number : value(f); });
+  };
   if (forces.poses.empty()) return out;
   const std::vector<DriveEffort>& drives = forces.poses.front().drives;
   for (std::size_t k = 0; k < drives.size(); ++k) {
-    add("effort." + drives[k].name, drives[k].is_angle ? Quantity::moment : Quantity::force,
-        [k](const Forces& f) { return f.drives[k].value; });
-    add("power." + drives[k].name, Quantity::energy, [k](const Forces& f) { return f.drives[k].power; });
+    add_force("effort." + drives[k].name, drives[k].is_angle ? Quantity::moment : Quantity::force,
+              [k](const Forces& f) { return f.drives[k].value; });
+    add_force("power." + drives[k].name, Quantity::energy, [k](const Forces& f) { return f.drives[k].power; });
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const std::string name = "reaction." + scene.joints[j].name;
-    add(name + ".x", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.x; });
-    add(name + ".y", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.y; });
+    add_force(name + ".x", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.x; });
+    add_force(name + ".y", Quantity::force, [j](const Forces& f) { return f.reactions[j].force.y; });
     if (!scene.joints[j].keeps_angle()) continue;
-    add(name + ".moment", Quantity::moment, [j](const Forces& f) { return f.reactions[j].moment; });
+    add_force(name + ".moment", Quantity::moment, [j](const Forces& f) { return f.reactions[j].moment; });
   }
   for (const Stop& stop : scene.stops) {
-    add("stop." + stop.name, effort_of(stop.on), [&stop](const Forces& f) { return stop_force(stop, f); });
+    add_force("stop." + stop.name, effort_of(stop.on), [&stop](const Forces& f) { return stop_force(stop, f); });
   }
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const Element& element = scene.elements[i];
     const double sign = element.on.is_angle() ? -1.0 : 1.0;
     add(element.table + "." + element.name, effort_of(element.on),
         [i, sign](const Forces& f) { return sign * f.element_force[i]; });
+  }
+  if (rubs(forces)) {
+    for (std::size_t k = 0; k < drives.size(); ++k) {
+      add("effort_without_friction." + drives[k].name, drives[k].is_angle ? Quantity::moment : Quantity::force,
+          [k](const Forces& f) { return f.friction.efforts_without[k]; });
+    }
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      const Joint& joint = scene.joints[j];
+      if (!joint.friction) continue;
+      const int index = static_cast<int>(j);
+      add_force("joint_friction." + joint.name, joint.has_travel() ? Quantity::force : Quantity::moment,
+                [index](const Forces& f) {
+                  const SlidingJoint* const one = sliding(f, index);
+                  return one != nullptr ? one->effort : 0.0;
+                });
+      add_force("lost." + joint.name, Quantity::energy, [index](const Forces& f) {
+        const SlidingJoint* const one = sliding(f, index);
+        return one != nullptr ? one->lost() : 0.0;
+      });
+    }
   }
   add("imbalance", Quantity::force, [](const Forces& f) { return f.imbalance; });
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numeric>
 #include <utility>
+#include <variant>
 
+#include "motion/joint_friction.hpp"
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/body_measures.hpp"
@@ -101,9 +103,11 @@ class InverseDynamics {
       double& force = out_.element_force.emplace_back(0.0);
       if (!resists_motion(e.law)) continue;
       force = force_of_motion(e.law, value_of(scene_, e.on, poses), rate_of(scene_, motions_, e.on)).value;
+      std::vector<BodyLoad>& loads = std::holds_alternative<DryFriction>(e.law) ? dry_friction_ : additions_.loads;
+      if (std::holds_alternative<DryFriction>(e.law)) lost_in_elements_ += force * rate_of(scene_, motions_, e.on);
       for (const UnitEffort& effort : unit_efforts(scene_, e.on, poses)) {
-        additions_.loads.push_back({effort.body_a, effort.a, force * effort.force, force * effort.moment});
-        additions_.loads.push_back({effort.body_b, effort.b, -force * effort.force, -force * effort.moment});
+        loads.push_back({effort.body_a, effort.a, force * effort.force, force * effort.moment});
+        loads.push_back({effort.body_b, effort.b, -force * effort.force, -force * effort.moment});
       }
     }
   }
@@ -157,8 +161,17 @@ class InverseDynamics {
     return decided;
   }
 
-  void balance_bodies() {
-    FreeBodies bodies = balance(scene_, poses_of(motions_), pressable_stops(), model_.scales().length, additions_);
+  // Efforts of the drives and their power without any friction.
+  void look_at_efforts_without(const std::vector<int>& sides, SlidingFriction& friction) const {
+    const FreeBodies bodies = balance(scene_, poses_of(motions_), sides, model_.scales().length, additions_);
+    for (const DriveEffort& effort : efforts_of(bodies)) {
+      friction.efforts_without.push_back(effort.value);
+      friction.driven_without += effort.power;
+    }
+  }
+
+  std::vector<DriveEffort> efforts_of(const FreeBodies& bodies) const {
+    std::vector<DriveEffort> out;
     const auto first_drive = bodies.reactions.end() - static_cast<std::ptrdiff_t>(additions_.drives.size());
     for (std::size_t k = 0; k < additions_.drives.size(); ++k) {
       const Drive& drive = additions_.drives[k];
@@ -167,9 +180,26 @@ class InverseDynamics {
                          0.0,        found.determined};
       effort.value = effort.is_angle ? found.moment : -found.axial;
       effort.power = effort.value * effort.rate;
-      out_.drives.push_back(std::move(effort));
+      out.push_back(std::move(effort));
     }
-    out_.reactions.assign(bodies.reactions.begin(), first_drive);
+    return out;
+  }
+
+  void balance_bodies() {
+    const std::vector<int> sides = pressable_stops();
+    SlidingFriction without;
+    if (!joints_with_friction(scene_).empty()) look_at_efforts_without(sides, without);
+    additions_.loads.insert(additions_.loads.end(), dry_friction_.begin(), dry_friction_.end());
+    double fastest = 0.0;
+    for (const double rate : v_) fastest = std::max(fastest, std::abs(rate));
+    auto [friction, bodies] = sliding_friction({scene_, motions_, sides, model_.scales().length, additions_, fastest});
+    friction.efforts_without = std::move(without.efforts_without);
+    friction.driven_without = without.driven_without;
+    friction.lost_in_elements = lost_in_elements_;
+    out_.friction = std::move(friction);
+    out_.drives = efforts_of(bodies);
+    out_.reactions.assign(bodies.reactions.begin(),
+                          bodies.reactions.end() - static_cast<std::ptrdiff_t>(additions_.drives.size()));
     for (std::size_t i = 0; i < scene_.elements.size(); ++i) out_.element_force[i] += bodies.element_force[i];
     out_.redundancy = bodies.redundancy;
     out_.imbalance = bodies.imbalance;
@@ -213,10 +243,12 @@ class InverseDynamics {
     power.kinetic = energy * inertia.dot(rates);
     power.potential = energy * loads.dot(rates);
     power.resisted = energy * resistance.dot(rates);
+    power.rubbed = out_.friction.lost_in_joints;
     for (const DriveEffort& drive : out_.drives) power.driven += drive.power;
     const double fastest = rates.size() > 0 ? rates.cwiseAbs().maxCoeff() : 0.0;
     const double size = out_.largest_force * model_.scales().length * fastest + std::abs(power.driven);
-    if (size > 0) power.error = std::abs(power.kinetic + power.potential + power.resisted - power.driven) / size;
+    const double left_over = power.kinetic + power.potential + power.resisted + power.rubbed - power.driven;
+    if (size > 0) power.error = std::abs(left_over) / size;
 
     const VectorXd left = energy * free.basis.transpose() * (inertia + loads + resistance);
     const std::vector<double> none(n, 0.0);
@@ -226,6 +258,9 @@ class InverseDynamics {
       double work = left[k];
       for (std::size_t d = 0; d < out_.drives.size(); ++d) {
         work -= out_.drives[d].value * rate_of(scene_, motions, additions_.drives[d].on);
+      }
+      for (const SlidingJoint& one : out_.friction.joints) {
+        work -= one.effort * rate_of(scene_, motions, one.on);
       }
       if (out_.largest_force == 0.0) continue;
       out_.work_error = std::max(out_.work_error, std::abs(work) / (out_.largest_force * model_.scales().length));
@@ -249,7 +284,9 @@ class InverseDynamics {
   const Mechanism<double>& m_;
   const std::vector<double>&x_, &v_, &a_;
   Additions additions_;
-  std::vector<BodyMotion> motions_;  // measured from the anchor
+  std::vector<BodyLoad> dry_friction_;  // of [[friction]]
+  double lost_in_elements_ = 0.0;       // by it
+  std::vector<BodyMotion> motions_;     // measured from the anchor
   std::vector<int> pressing_;
   Forces out_;
 };

@@ -5,6 +5,7 @@
 
 #include "motion/body_motion.hpp"
 #include "motion/motion_model.hpp"
+#include "motion/sliding_friction.hpp"
 #include "statics/check.hpp"
 
 namespace poise {
@@ -26,9 +27,10 @@ struct PowerBalance {
   double potential =
       0.0;  ///< d/dt of the potential of weights, dead loads and springs, minus the power of follower loads
   double resisted = 0.0;  ///< dissipated by dampers and dry friction
+  double rubbed = 0.0;    ///< dissipated by friction of joints
   double driven = 0.0;    ///< supplied by the drives
-  /// |kinetic + potential + resisted - driven| over driven power plus largest force times the fastest rate; 0 if
-  /// nothing moves.
+  /// |kinetic + potential + resisted + rubbed - driven| over driven power plus largest force times the fastest rate; 0
+  /// if nothing moves.
   double error = 0.0;
 };
 
@@ -37,6 +39,9 @@ struct Forces {
   std::vector<BodyMotion> motions;  ///< of all bodies, then of all bars
   std::vector<DriveEffort> drives;
   std::vector<Reaction> reactions;  ///< of joints, bars and active stops
+  /// Friction of joints. Where it is solved all forces here are those with it; otherwise they are without, and
+  /// friction.has_no_forces() says that they are none of the mechanism's.
+  SlidingFriction friction;
   /// T of every element of the scene, N or N m: positive if it tends to reduce its measure.
   std::vector<double> element_force;
   std::vector<std::string>
@@ -72,8 +77,9 @@ std::vector<ParallelElement> parallel_elements(const MotionModel& model, const s
 ///   -m p''  at its centre of mass,  -I theta''  about it,
 /// for scaled coordinates x of the model, their rates v (per s) and accelerations a (per s^2), which must keep the
 /// loops closed. Reactions and the efforts of `drives` are the least-squares solution of all bodies' 3 equations, of
-/// minimum norm if it is not unique. With v = a = 0 this is static force analysis at a given pose. Only the measures
-/// that the drives act on count, not their time laws.
+/// minimum norm if it is not unique. Joints with friction resist in the direction of their rates
+/// (sliding_friction.hpp). With v = a = 0 this is static force analysis at a given pose. Only the measures that the
+/// drives act on count, not their time laws.
 ///
 /// A touched stop may carry a reaction, unless its measure is determined by the drives: grad g . v is a linear
 /// combination of the drives' rates for every v with J v = 0. The shares of drive and stop would be indeterminate; the

@@ -1,5 +1,6 @@
 #include "motion/joint_friction.hpp"
 
+#include "model/couplings.hpp"
 #include "model/input_error.hpp"
 
 namespace poise {
@@ -11,6 +12,12 @@ void refuse_joint_friction(const Scene& scene, std::string_view what) {
                      std::string(joint.traits().key) + " \"" + joint.name + "\".friction: " + std::string(what) +
                      " does not treat friction that depends on the force in the joint; expected friction of a constant "
                      "force or torque, give it in a table [[friction]] instead");
+  }
+  for (const Stop& rope : scene.stops) {
+    if (rubbing_rims(rope.on).empty()) continue;
+    throw InputError(scene.file + (rope.line > 0 ? ":" + std::to_string(rope.line) : "") + ": rope \"" + rope.name +
+                     "\".friction: " + std::string(what) +
+                     " does not treat a rope that rubs on its pulleys; remove the key friction there");
   }
 }
 

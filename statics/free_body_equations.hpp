@@ -139,6 +139,22 @@ class FreeBodyEquations {
     unknowns_.back().item = -1;
   }
 
+  /// The part of a rope behind one of its contacts, that point included: what pulls more, or less, by friction on it. A
+  /// reaction of its own.
+  void add_rope_behind(const Stop& rope, int contact) {
+    Item& item = add_item(rope.name, rope.table);
+    item.axial = true;
+    bool is_first = true;
+    const std::vector<UnitEffortOf<T>> spans = unit_efforts(scene_, rope.on, poses_);
+    for (std::size_t k = static_cast<std::size_t>(contact); k < spans.size(); ++k) {
+      if (is_first)
+        unknowns_.push_back(unknown_of(spans[k], false));
+      else
+        unknowns_.back().with.push_back(unknown_of(spans[k], false));
+      is_first = false;
+    }
+  }
+
   /// Calls visit(row, value) for the entries of A in the column of an unknown, several for a row in case.
   template <class Visit>
   void for_each_entry(const Unknown& unknown, Visit visit) const {

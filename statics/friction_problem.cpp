@@ -108,8 +108,19 @@ std::optional<std::vector<int>> basis_of(Eigen::MatrixXd m, const Eigen::VectorX
   return out;
 }
 
+// The angle of a rope's wrap on a pulley that it lies on.
+Ball wrap_of(const Scene& scene, const Measure& rope, int contact, const std::vector<Body>& bodies) {
+  const auto k = static_cast<std::size_t>(contact);
+  return rope_wrap(body_measures::rope_part(scene, rope, k - 1, bodies).along,
+                   body_measures::rope_part(scene, rope, k, bodies).along, rope.contacts[k].turn);
+}
+
 // Its bound is 0 whatever it carries.
 bool is_idle(const Scene& scene, const Rubbing& one) {
+  if (one.rope >= 0) {
+    const Measure& rope = scene.stops[static_cast<std::size_t>(one.rope)].on;
+    return rope.contacts[static_cast<std::size_t>(one.contact)].friction == 0.0;
+  }
   if (one.joint < 0)
     return std::get<DryFriction>(scene.elements[static_cast<std::size_t>(one.element)].law).force == 0.0;
   const Joint& joint = scene.joints[static_cast<std::size_t>(one.joint)];
@@ -133,6 +144,7 @@ FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<dou
   }
   const CheckTolerances tolerances;
   const std::vector<BodyPose<double>> poses = model.poses_from_anchor(x);
+  std::vector<std::vector<int>> tension(scene.stops.size());  // columns of ropes that are taut
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const Stop& stop = scene.stops[s];
     const double near = tolerances.stop * (stop.on.is_angle() ? 1.0 : size);
@@ -142,13 +154,30 @@ FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<dou
     const int before = static_cast<int>(equations.unknowns().size());
     equations.add_stop(static_cast<int>(s), at_max && at_min ? 2 : at_max ? 1 : -1);
     const int side = equations.items().back().side;
-    if (static_cast<int>(equations.unknowns().size()) > before && side != 2) pressures_.emplace_back(before, -side);
+    if (static_cast<int>(equations.unknowns().size()) == before) continue;
+    if (side != 2) pressures_.emplace_back(before, -side);
+    tension[s].push_back(before);
   }
   std::list<Drive> on_measures;  // the equations keep references to their names
   const std::vector<Rubbing> all = rubbing(scene);
   for (std::size_t r = 0; r < all.size(); ++r) {
     const Rubbing& one = all[r];
     if (is_idle(scene, one)) continue;
+    if (one.rope >= 0) {
+      std::vector<int>& before = tension[static_cast<std::size_t>(one.rope)];
+      if (before.empty()) continue;  // it is slack
+      const Stop& rope = scene.stops[static_cast<std::size_t>(one.rope)];
+      Source source;
+      source.tension = before;
+      source.effort = static_cast<int>(equations.unknowns().size());
+      source.wrap = Ball(*rope.on.contacts[static_cast<std::size_t>(one.contact)].friction) *
+                    wrap_of(scene, rope.on, one.contact, bodies_);
+      equations.add_rope_behind(rope, one.contact);
+      before.push_back(source.effort);
+      sources_.push_back(std::move(source));
+      of_rubbing_.push_back(r);
+      continue;
+    }
     Drive& drive = on_measures.emplace_back();
     drive.name = one.name;
     drive.on = one.on;
@@ -255,6 +284,10 @@ std::vector<FrictionProblem::Row> FrictionProblem::rows(const Choice& choice, do
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     const Source& source = sources_[s];
     const Part& part = choice[s];
+    if (!source.tension.empty()) {
+      add_rope_rows(s, k, out);
+      continue;
+    }
     const bool is_constant = source.pin < 0 && source.pieces.empty();
     if (part.kind == Part::Kind::open && !is_constant) continue;
     std::vector<std::pair<int, Ball>> bound;
@@ -285,6 +318,19 @@ std::vector<FrictionProblem::Row> FrictionProblem::rows(const Choice& choice, do
   return out;
 }
 
+void FrictionProblem::add_rope_rows(std::size_t s, const Ball& factor, std::vector<Row>& out) const {
+  const Source& source = sources_[s];
+  const Ball e = exp(factor * source.wrap);
+  for (const int sign : {-1, 1}) {
+    Row row;
+    for (const int column : source.tension) row.entries.emplace_back(column, e - Ball(1));
+    row.entries.emplace_back(source.effort, sign < 0 ? Ball(-1) : e);
+    row.source = static_cast<int>(s);
+    row.sign = sign;
+    out.push_back(std::move(row));
+  }
+}
+
 // At most 1 long, so that g R <= |R| whatever R is.
 Vec2 FrictionProblem::inner_direction(const Part& part) {
   const Vec2 middle = part.first + part.last;
@@ -300,6 +346,11 @@ Vec2 FrictionProblem::outer_direction(const Part& part) {
 
 double FrictionProblem::bound_at(std::size_t s, const Eigen::VectorXd& v) const {
   const Source& source = sources_[s];
+  if (!source.tension.empty()) {
+    double before = 0.0;
+    for (const int column : source.tension) before -= v[column];
+    return std::expm1(source.wrap.middle()) * std::min(before, before - v[source.effort]);
+  }
   double out = 0.0;
   for (const auto& [column, slope] : source.pieces) out = std::max(out, slope.middle() * std::abs(v[column]));
   if (source.pin >= 0) out = source.circle.middle() * std::hypot(v[source.pin], v[source.pin + 1]);

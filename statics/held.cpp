@@ -8,6 +8,7 @@
 #include <Eigen/SVD>
 #include <fmt/format.h>
 
+#include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 #include "solvers/linear_program.hpp"
@@ -362,6 +363,19 @@ std::string why_too_large(const Scene& scene) {
                      most_bodies);
 }
 
+/// Why friction that holds the pose cannot be asked for.
+std::string why_not_asked(const StaticModel& model, const std::vector<double>& x) {
+  const Scene& scene = model.scene();
+  const std::vector<BodyPose<double>> poses = model.poses_from_anchor(x);
+  for (const Rubbing& one : rubbing(scene)) {
+    const RopeContact* const pulley = one.rope >= 0 ? untouched_pulley(scene, one.on, poses) : nullptr;
+    if (pulley == nullptr) continue;
+    return fmt::format("rope \"{}\" does not lie on its pulley {}, on which it is to rub",
+                       scene.stops[static_cast<std::size_t>(one.rope)].name, scene.name_of(pulley->at));
+  }
+  return why_too_large(scene);
+}
+
 HeldPose pose_of(const FrictionProblem& problem) {
   HeldPose out;
   const Decision now = decide(problem, 1.0, true);
@@ -627,6 +641,12 @@ class Varied {
       case Owner::joint:
         if (key.starts_with("friction.")) {
           grows_ = key == "friction.length" ? -1 : 1;
+          return;
+        }
+        [[fallthrough]];
+      case Owner::coupling:
+        if (key.starts_with("friction.")) {
+          grows_ = 1;
           return;
         }
         [[fallthrough]];
@@ -907,6 +927,14 @@ std::vector<Rubbing> rubbing(const Scene& scene) {
     if (!std::holds_alternative<DryFriction>(element.law)) continue;
     out.push_back({element.name, "friction", element.on, -1, static_cast<int>(e)});
   }
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& rope = scene.stops[s];
+    for (const int contact : rubbing_rims(rope.on)) {
+      const PointRef pulley = rope.on.contacts[static_cast<std::size_t>(contact)].at;
+      out.push_back(
+          {rope.name + " on " + scene.name_of(pulley), "rope", rope.on, -1, -1, static_cast<int>(s), contact});
+    }
+  }
   return out;
 }
 
@@ -914,7 +942,7 @@ bool has_friction(const Scene& scene) { return !rubbing(scene).empty(); }
 
 HeldPose held_pose(const StaticModel& model, const std::vector<double>& x) {
   HeldPose none;
-  none.why = why_too_large(model.scene());
+  none.why = why_not_asked(model, x);
   if (!none.why.empty()) return none;
   return pose_of(FrictionProblem(model, x));
 }
@@ -922,8 +950,8 @@ HeldPose held_pose(const StaticModel& model, const std::vector<double>& x) {
 HeldRange held_range(const StaticModel& model, const std::vector<double>& x, const std::string& number, double from,
                      double to) {
   const Varied varied(model.scene(), number);
-  const std::string too_large = why_too_large(model.scene());
-  if (!too_large.empty()) throw InputError(number + ": " + too_large);
+  const std::string why_not = why_not_asked(model, x);
+  if (!why_not.empty()) throw InputError(number + ": " + why_not);
   const Span span{std::max(from, varied.span().from), std::min(to, varied.span().to)};
   if (!(span.from <= span.to)) throw InputError(number + ": expected a range that it may be in, found none");
   return RangeFinder(model, x, varied, span).run();

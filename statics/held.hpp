@@ -21,25 +21,35 @@ namespace poise {
 // each choice of the sign of a normal force (or of the couple) and of the direction of the force in a pin. Cases of
 // these are searched, sectors of directions halved where needed; each is a linear program. docs/friction.md.
 
-/// Whether anything in a scene rubs: joints with friction, [[friction]] elements.
+// A rope on the rims of its pulleys has the tensions of its parts, and between those before and behind a pulley
+//
+//   T_behind <= exp(k mu w) T_before,   T_before <= exp(k mu w) T_behind,
+//
+// w the angle of its wrap: k multiplies the coefficient.
+
+/// Whether anything in a scene rubs: joints with friction, [[friction]] elements, ropes on pulleys with friction.
 bool has_friction(const Scene& scene);
 
-/// A joint or [[friction]] that rubs.
+/// A joint or [[friction]] that rubs, or a rope on a pulley.
 struct Rubbing {
-  std::string name;
-  std::string_view kind;         ///< "pin", "slide", "pin_in_slot", "friction"
-  Measure on;                    ///< what changes where it slips
+  std::string name;       ///< of a rope with that of the pulley: "r on drum.O"
+  std::string_view kind;  ///< "pin", "slide", "pin_in_slot", "friction", "rope"
+  Measure on;             ///< what changes where it slips; of a rope its length, which does not: it runs over the rim
   int joint = -1, element = -1;  ///< index of Scene::joints or Scene::elements
+  int rope = -1, contact = -1;   ///< index of Scene::stops, and of Measure::contacts
 };
 std::vector<Rubbing> rubbing(const Scene& scene);
 
-/// One that slips: index of rubbing(), and whether its measure increases.
+/// One that slips: index of rubbing(), and whether its measure increases; of a rope whether it runs towards its last
+/// point.
 struct Slip {
   std::size_t of = 0;
   bool increases = false;
 };
 
-/// Friction effort f, N or N m, positive where it tends to increase the measure, and its bound.
+/// Friction effort f, N or N m, positive where it tends to increase the measure, and its bound. Of a rope the force of
+/// the rim, positive towards its last point: the tension before the pulley less that behind it; the bound is the less
+/// of the two times exp(mu w) - 1.
 struct FrictionEffort {
   double effort = 0.0;
   double bound = 0.0;

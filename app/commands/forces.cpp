@@ -79,6 +79,14 @@ ForcesAnswer along_motion(const MotionModel& model, const std::string& file) {
           forces_along(model, samples.time, motion)};
 }
 
+/// No pose has friction of which it is not known what it does.
+bool is_decided(const ForcesAlong& found) {
+  using State = SlidingFriction::State;
+  return std::none_of(found.poses.begin(), found.poses.end(), [](const Forces& forces) {
+    return forces.friction.state == State::several || forces.friction.state == State::undetermined;
+  });
+}
+
 /// How the pose of the scene's start is taken.
 std::string in_place(const Scene& scene) {
   const std::string pose = "held still as the scene's start assembles it";
@@ -110,8 +118,8 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
                                     : draw_plot(forces_panels(scene, found));
   }
   if (files.wants_html() && any) pictures.figures = {forces_figure(scene, found, found.balanced())};
-  return finish(request.common, result, &files, pictures, (found.complete || found.stop) && any && found.balanced(),
-                progress, palette);
+  return finish(request.common, result, &files, pictures,
+                (found.complete || found.stop) && any && found.balanced() && is_decided(found), progress, palette);
 }
 
 }  // namespace

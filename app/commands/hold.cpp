@@ -8,8 +8,10 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/draw/mechanism.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/parameters.hpp"
+#include "statics/body_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -37,16 +39,44 @@ void expect_friction(const Scene& scene) {
   if (has_friction(scene)) return;
   throw InputError(scene.file +
                    ": expected friction, found none: give a pin friction = { coefficient = 0.1, radius = 5 }, a slide "
-                   "friction = { coefficient = 0.1 }, or add a table [[friction]]");
+                   "friction = { coefficient = 0.1 }, a pulley of a rope friction = 0.1, or add a table [[friction]]");
 }
 
-std::vector<double> pose_of(const StaticModel& model, bool at_rest, Progress& progress) {
+/// Nothing where no equilibrium is found.
+std::optional<std::vector<double>> pose_of(const StaticModel& model, bool at_rest, Progress& progress) {
+  // Nothing that loads it can move it: as drawn it is held without friction.
+  if (model.mechanism().coordinates() == 0) return std::vector<double>();
   if (!at_rest) return assemble(model);
   SolveOptions options;
   options.interrupt = &watch_for_interrupt();
   const Answer answer = search(model, options, progress);
-  if (!answer.equilibrium.found()) return {};
+  if (!answer.equilibrium.found()) return std::nullopt;
   return answer.equilibrium.x;
+}
+
+/// The mechanism in that pose, with a mark where something slips first: in the middle of the two bodies' points of a
+/// [[friction]] on a distance, at the centre of a pulley, at a joint's second point.
+std::string picture(const StaticModel& model, const std::vector<double>& x, const HeldPose& pose,
+                    const std::string& heading, bool decided) {
+  const Scene& scene = model.scene();
+  MechanismPicture out{.poses = model.poses(x), .heading = heading, .confirmed = decided};
+  const std::vector<Rubbing> all = rubbing(scene);
+  for (const Slip& slip : pose.slips) {
+    const Rubbing& one = all[slip.of];
+    if (one.joint >= 0) {
+      const PointRef at = scene.joints[static_cast<std::size_t>(one.joint)].b;
+      out.slipping.push_back(out.poses[static_cast<std::size_t>(at.body)].world(scene.local(at)));
+      continue;
+    }
+    if (one.rope >= 0) {
+      const PointRef at = one.on.contacts[static_cast<std::size_t>(one.contact)].at;
+      out.slipping.push_back(out.poses[static_cast<std::size_t>(at.body)].world(scene.local(at)));
+      continue;
+    }
+    const std::vector<UnitEffort> efforts = unit_efforts(scene, one.on, out.poses);
+    if (!efforts.empty()) out.slipping.push_back(0.5 * (efforts.front().a + efforts.front().b));
+  }
+  return draw_mechanism(scene, out);
 }
 
 int run_hold(const HoldRequest& request, const Palette& palette) {
@@ -57,13 +87,14 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   HoldView view;
   view.at_rest = request.at_rest;
-  const std::vector<double> x = pose_of(model, request.at_rest, progress);
-  if (x.empty()) {
+  const std::optional<std::vector<double>> found = pose_of(model, request.at_rest, progress);
+  if (!found) {
     Result none;
     none.title = model.scene().title;
     none.verdict = bad("No equilibrium without friction found, at which friction was to hold.");
     return finish(request.common, none, &files, {}, false, progress, palette);
   }
+  const std::vector<double>& x = *found;
   progress.now("looking for friction that holds");
   HeldPose pose;
   if (!request.vary.empty()) {
@@ -80,7 +111,9 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   }
   const Result result = hold_result(model, x, pose, view, request.common.settings);
   const bool decided = pose.verdict != Holding::not_decided && pose.proved && (!view.range || view.range->why.empty());
-  return finish(request.common, result, &files, {}, decided, progress, palette);
+  Pictures pictures;
+  if (files.wants_svg()) pictures.svg = picture(model, x, pose, result.verdict.text, decided);
+  return finish(request.common, result, &files, pictures, decided, progress, palette);
 }
 
 }  // namespace
@@ -93,7 +126,8 @@ Command hold_command() {
                "The values of a number for which friction holds the pose: load.P,\nbody.B.mass, "
                "slide.S.friction.coefficient; loads: a factor of all loads"});
   command.add({"--at-rest", &request->at_rest, "", "In the equilibrium without friction, not in the pose as drawn"});
-  add_output_options(command, request->common, {});
+  add_output_options(command, request->common,
+                     {.svg = "Draw the mechanism in that pose, with a mark where it slips\nfirst, into FILE"});
   command.run = [request](const Palette& palette) { return run_hold(*request, palette); };
   return command;
 }

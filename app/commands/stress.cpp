@@ -53,21 +53,44 @@ fs::path find_catalogue(const std::string& named) {
                                fmt::join(places, " or ")));
 }
 
-std::vector<comparison::HardCase> chosen_cases(std::vector<comparison::HardCase> all,
-                                               const std::vector<std::string>& names) {
+/// The catalogue, or the cases of it that are named.
+struct Cases {
+  std::vector<comparison::HardCase> hard;
+  std::vector<comparison::FrictionCase> friction;
+};
+
+template <class Case>
+bool choose(const std::vector<Case>& all, const std::string& name, std::vector<Case>& chosen) {
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Case& one) { return one.name == name; });
+  if (found != all.end()) chosen.push_back(*found);
+  return found != all.end();
+}
+
+Cases chosen_cases(Cases all, const std::vector<std::string>& names) {
   if (names.empty()) return all;
-  const std::vector<std::string> valid = each(all, &comparison::HardCase::name);
-  std::vector<comparison::HardCase> chosen;
+  Cases chosen;
   for (const std::string& name : names) {
-    const auto found = std::find(valid.begin(), valid.end(), name);
-    if (found == valid.end()) {
-      throw InputError(
-          fmt::format("CASE: the catalogue has none that is called \"{}\"{}; poise stress --list shows all", name,
-                      did_you_mean(name, valid)));
-    }
-    chosen.push_back(all[static_cast<std::size_t>(found - valid.begin())]);
+    if (choose(all.hard, name, chosen.hard) || choose(all.friction, name, chosen.friction)) continue;
+    std::vector<std::string> valid = each(all.hard, &comparison::HardCase::name);
+    for (const comparison::FrictionCase& one : all.friction) valid.push_back(one.name);
+    throw InputError(fmt::format("CASE: the catalogue has none that is called \"{}\"{}; poise stress --list shows all",
+                                 name, did_you_mean(name, valid)));
   }
   return chosen;
+}
+
+/// Those of friction; none where methods, or safeguards, are compared that have nothing to do with it.
+std::vector<comparison::FrictionResult> run_friction(const StressRequest& request,
+                                                     const std::vector<comparison::FrictionCase>& cases,
+                                                     Progress& progress) {
+  std::vector<comparison::FrictionResult> out;
+  if (request.safeguards || request.methods) return out;
+  for (const comparison::FrictionCase& known : cases) {
+    if (watch_for_interrupt()) break;
+    progress.now(known.name);
+    out.push_back(comparison::run_friction_case(known));
+  }
+  return out;
 }
 
 std::string command_of(const StressRequest& request) {
@@ -114,16 +137,21 @@ int run_stress(const StressRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the catalogue");
   const fs::path catalogue = find_catalogue(request.catalogue);
-  const std::vector<comparison::HardCase> cases = chosen_cases(comparison::read_catalogue(catalogue), request.cases);
+  const Cases cases =
+      chosen_cases({comparison::read_catalogue(catalogue), comparison::read_friction_cases(catalogue)}, request.cases);
   if (request.list) {
-    return finish(request.common, stress_list_result(cases), nullptr, {}, true, progress, palette);
+    return finish(request.common, stress_list_result(cases.hard, cases.friction), nullptr, {}, true, progress, palette);
   }
   OutputFiles files(request.common);
-  const comparison::StressOutcome outcome = run_cases(request, cases, progress);
-  const Result result = stress_result(outcome, command_of(request), !request.cases.empty());
+  const comparison::StressOutcome outcome = run_cases(request, cases.hard, progress);
+  const std::vector<comparison::FrictionResult> friction = run_friction(request, cases.friction, progress);
+  const Result result = stress_result(outcome, friction, command_of(request), !request.cases.empty());
   const comparison::StressFailures failures = comparison::failures_of(outcome);
-  return finish(request.common, result, &files, {},
-                failures.false_claims == 0 && failures.unsolved.empty() && !outcome.interrupted, progress, palette);
+  return finish(
+      request.common, result, &files, {},
+      failures.false_claims == 0 && failures.unsolved.empty() && !outcome.interrupted &&
+          std::all_of(friction.begin(), friction.end(), [](const comparison::FrictionResult& r) { return r.agrees; }),
+      progress, palette);
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ enum class Sign {
   inactive_stop,
   other_pose,
   path,
-  diagram
+  diagram,
+  slip
 };
 
 /// What a legend has to explain.

@@ -51,6 +51,13 @@ std::string verdict(const Equilibrium& equilibrium) {
 
 const std::string& title_of(const Scene& scene) { return scene.title.empty() ? scene.file : scene.title; }
 
+void draw_slips(Stage& stage) {
+  for (const Vec2& at : stage.picture.slipping) {
+    stage.canvas.circle(stage.page(at), stage.pin_radius + 8.0, {.stroke = ink::load, .width = 2.2});
+    stage.signs.insert(Sign::slip);
+  }
+}
+
 }  // namespace
 
 void draw_all(Stage& stage) {
@@ -62,6 +69,7 @@ void draw_all(Stage& stage) {
   draw_centres_of_mass(stage);
   draw_springs_and_dampers(stage);
   draw_pins(stage);
+  draw_slips(stage);
   draw_stops(stage);
   draw_paths(stage);
   draw_diagrams(stage);

@@ -49,6 +49,7 @@ struct MechanismPicture {
   std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
   std::vector<PointPath> paths{};
   std::vector<Diagram> diagrams{};
+  std::vector<Vec2> slipping{};  ///< m in the world: where what slips first is marked
   /// The part of the world, m, to which the scale fits; where absent, that which the positions and paths take up.
   std::optional<Box> frame{};
   /// The force, N, whose arrow is the longest; where absent, the largest of those drawn.

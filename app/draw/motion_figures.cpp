@@ -133,9 +133,11 @@ Figure forces_figure(const Scene& scene, const ForcesAlong& found, bool confirme
     position.scene = &scene;
     position.picture = {.poses = poses_of(forces.motions),
                         .heading = single ? "" : caption_of(found.along, values[k], unit),
-                        .confirmed = confirmed,
-                        .reactions = forces.reactions,
-                        .drives = forces.drives};
+                        .confirmed = confirmed};
+    if (!forces.friction.has_no_forces()) {
+      position.picture.reactions = forces.reactions;
+      position.picture.drives = forces.drives;
+    }
     if (!single) play.values.push_back(values[k]);
   }
   Figure figure{.title = "Forces"};

@@ -46,11 +46,12 @@ std::string motion_picture(const MotionModel& model, const Motion& motion, const
 }
 
 std::string forces_picture(const Scene& scene, const Forces& forces, const std::string& heading, bool confirmed) {
-  return draw_mechanism(scene, {.poses = poses_of(forces.motions),
-                                .heading = heading,
-                                .confirmed = confirmed,
-                                .reactions = forces.reactions,
-                                .drives = forces.drives});
+  MechanismPicture picture{.poses = poses_of(forces.motions), .heading = heading, .confirmed = confirmed};
+  if (!forces.friction.has_no_forces()) {
+    picture.reactions = forces.reactions;
+    picture.drives = forces.drives;
+  }
+  return draw_mechanism(scene, picture);
 }
 
 }  // namespace poise::app

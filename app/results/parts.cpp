@@ -10,6 +10,7 @@
 
 #include "app/present/cells.hpp"
 #include "app/present/numbers.hpp"
+#include "model/couplings.hpp"
 #include "statics/pose_values.hpp"
 #include "statics/readings.hpp"
 
@@ -149,12 +150,16 @@ std::string stability_and_energy(const ScaledModel& model, const Equilibrium& eq
 }
 
 std::vector<double>::const_iterator largest_by_size(const std::vector<double>& values) {
-  return std::max_element(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  // Not a number is the least of all.
+  const auto size = [](double v) { return std::isnan(v) ? -1.0 : std::abs(v); };
+  return std::max_element(values.begin(), values.end(), [&](double a, double b) { return size(a) < size(b); });
 }
 
 double largest_size(const std::vector<double>& values) {
   double largest = 0.0;
-  for (const double v : values) largest = std::max(largest, std::abs(v));
+  for (const double v : values) {
+    if (!std::isnan(v)) largest = std::max(largest, std::abs(v));
+  }
   return largest;
 }
 
@@ -303,6 +308,9 @@ void warn_of_friction(Result& result, const Scene& scene) {
   }
   for (const Joint& joint : scene.joints) {
     if (joint.friction) names.push_back("\"" + joint.name + "\"");
+  }
+  for (const Stop& rope : scene.stops) {
+    if (!rubbing_rims(rope.on).empty()) names.push_back("\"" + rope.name + "\"");
   }
   if (names.empty()) return;
   result.warnings.push_back(

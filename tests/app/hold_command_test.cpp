@@ -45,6 +45,17 @@ TEST(HoldCommand, DrawerMovesFromItsPullOn) {
   EXPECT_EQ(found["range"]["upper"]["slips"][0]["increases"], true);
 }
 
+TEST(HoldCommand, CapstanOfTheDataset) {
+  const json found = hold({dataset("friction/capstan"), "--vary", "load.P"});
+  EXPECT_EQ(found["verdict"], "held");
+  EXPECT_NEAR(found["range"]["lower"]["value"].get<double>(), 400 * std::exp(-0.3 * M_PI), 1e-7);
+  EXPECT_NEAR(found["range"]["upper"]["value"].get<double>(), 400 * std::exp(0.3 * M_PI), 1e-7);
+  EXPECT_EQ(found["range"]["upper"]["slips"][0]["name"], "rope on ground.O");
+  EXPECT_EQ(found["friction"][0]["kind"], "rope");
+  const Outcome solved = run_poise({"forces", dataset("friction/capstan")});
+  EXPECT_NE(solved.out.find("Friction of the rope \"rope\""), std::string::npos) << solved.out << solved.err;
+}
+
 TEST(HoldCommand, ToggleOfTheDataset) {
   const json found = hold({dataset("friction/toggle"), "--vary", "load.P"});
   const double circle = 8 * std::sin(std::atan(0.15));
@@ -61,6 +72,63 @@ TEST(HoldCommand, RefusesByName) {
   refused({"hold", dataset("six_bar")}, "expected friction");
   refused({"hold", dataset("friction/wedge"), "--vary", "point.wedge.W.y"}, "--vary point.wedge.W.y: expected");
   refused({"motion", dataset("friction/wedge"), "--duration", "1"}, "friction that depends on the force in the joint");
+}
+
+constexpr const char* pendulum = R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.rod]
+points = { O = [0, 0] }
+mass = MASS
+center = [0.5, 0]
+[[pin]]
+name = "O"
+points = ["ground.O", "rod.O"]
+friction = { radius = 0.01, coefficient = 0.2 }
+[start]
+rod = 0.1
+)";
+
+std::string pendulum_of(const std::string& mass) {
+  std::string text = pendulum;
+  return text.replace(text.find("MASS"), 4, mass);
+}
+
+TEST(HoldCommand, AtRestIsTheEquilibriumWithoutFriction) {
+  const TempFolder folder;
+  const std::string scene = folder.write("pendulum.toml", pendulum_of("2"));
+  const json drawn = hold({scene});
+  EXPECT_EQ(drawn["verdict"], "slips");
+  EXPECT_EQ(drawn["at_rest"], false);
+  const json rest = hold({scene, "--at-rest"});
+  EXPECT_EQ(rest["verdict"], "held");
+  EXPECT_EQ(rest["at_rest"], true);
+  EXPECT_EQ(rest["least_factor"], 0.0);
+  EXPECT_NEAR(std::remainder(rest["pose"]["rod"].get<double>() + M_PI / 2, 2 * M_PI), 0.0, 1e-9);
+}
+
+TEST(HoldCommand, WithoutALoadItIsHeld) {
+  const TempFolder folder;
+  const std::string scene = folder.write("pendulum.toml", pendulum_of("0"));
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--at-rest"}}) {
+    std::vector<std::string> words = {scene};
+    words.insert(words.end(), more.begin(), more.end());
+    const json found = hold(words);
+    EXPECT_EQ(found["verdict"], "held");
+    EXPECT_EQ(found["proved"], true);
+    EXPECT_EQ(found["least_factor"], 0.0);
+  }
+}
+
+TEST(HoldCommand, DrawsWhatSlipsFirst) {
+  const TempFolder folder;
+  const std::string file = folder.path("held.svg").string();
+  EXPECT_EQ(run_poise({"hold", dataset("friction/wedge"), "--svg", file}).exit_code, 0);
+  EXPECT_NE(contents(file).find("slips first"), std::string::npos);
+  const std::string scene = folder.write("pendulum.toml", pendulum_of("0"));
+  EXPECT_EQ(run_poise({"hold", scene, "--svg", file}).exit_code, 0);
+  EXPECT_EQ(contents(file).find("slips first"), std::string::npos) << "nothing slips without a load";
 }
 
 TEST(HoldCommand, OthersSayThatFrictionIsLeftOut) {

@@ -96,6 +96,28 @@ TEST(ForcesCommand, ReportsWhatHoldsAPose) {
   EXPECT_NEAR(elsewhere["forces"]["effort.bar"][0], 2 * 9.81 * 600 * 0.5, 1e-9);
 }
 
+// In its dead centre the press takes the torque of its pins alone, datasets/friction/crank_press.toml.
+TEST(ForcesCommand, FrictionOfAPressAndItsEfficiency) {
+  const TempFolder folder;
+  const json r = json_of(
+      folder, {"forces", dataset("friction/crank_press"), "--drive", "crank=0..90", "--rate", "60", "--steps", "3"}, 0);
+  const json& forces = r["forces"];
+  EXPECT_NEAR(forces["effort.crank"][0], 5274.027561, 1e-5);
+  EXPECT_NEAR(forces["effort_without_friction.crank"][0], 0.0, 1e-9);
+  EXPECT_EQ(r["friction"][0]["at_rest"][0], "guide");
+  EXPECT_EQ(r["friction"][1]["at_rest"].size(), 0U);
+  EXPECT_TRUE(forces["efficiency"][0].is_null());
+  EXPECT_LT(r["power_error"].get<double>(), 1e-9);
+  for (std::size_t k = 1; k < 4; ++k) {
+    const double rate = M_PI / 3, power = forces["power.crank"][k];
+    double lost = 0.0;
+    for (const char* const joint : {"O", "B", "C", "guide"})
+      lost += forces["lost." + std::string(joint)][k].get<double>();
+    EXPECT_NEAR(power, forces["effort_without_friction.crank"][k].get<double>() * rate + lost, 1e-9 * power);
+    EXPECT_NEAR(forces["efficiency"][k], (power - lost) / power, 1e-12);
+  }
+}
+
 TEST(ForcesCommand, ShowsPowerOnlyWhereSomethingMoves) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor);

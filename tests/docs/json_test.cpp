@@ -451,12 +451,15 @@ rail = 3.4
 
 TEST(JsonDocs, Forces) {
   const TempFolder folder;
-  check_section("forces", {{{"forces", scene("toggle_clamp"), "--drive", "handle=30..60", "--steps", "2"}, with_csv},
-                           {{"forces", scene("toggle_clamp"), "--drive", "handle=60"}},
-                           {{"forces", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
-                           {{"forces", scene("lift"), "--drive", "stroke=0.6", "--rate", "0.1"}, with_csv},
-                           {{"forces", scene("redundant_parallelogram"), "--drive", "crank1=1"}},
-                           {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}}});
+  check_section(
+      "forces",
+      {{{"forces", scene("toggle_clamp"), "--drive", "handle=30..60", "--steps", "2"}, with_csv},
+       {{"forces", scene("toggle_clamp"), "--drive", "handle=60"}},
+       {{"forces", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
+       {{"forces", scene("lift"), "--drive", "stroke=0.6", "--rate", "0.1"}, with_csv},
+       {{"forces", scene("redundant_parallelogram"), "--drive", "crank1=1"}},
+       {{"forces", scene("friction/crank_press"), "--drive", "crank=0..90", "--rate", "1", "--steps", "2"}, with_csv},
+       {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}}});
 }
 
 TEST(JsonDocs, Loads) {
@@ -641,7 +644,8 @@ TEST(JsonDocs, MonteCarlo) {
 
 TEST(JsonDocs, Stress) {
   check_section("stress", {{{"stress", "toggle-1e-6", "dead-centre-crank-0", "--starts", "2"}, with_csv},
-                           {{"stress", "toggle-1e-6", "--safeguards", "--starts", "2"}}});
+                           {{"stress", "toggle-1e-6", "--safeguards", "--starts", "2"}},
+                           {{"stress", "drawer-below-1e-9", "--starts", "2"}}});
 }
 
 // Between them these have everything that a page can have.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -186,11 +187,16 @@ std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     Curve curve{.name = scene.joints[j].name, .x = x};
     for (const Forces& f : found.poses) {
-      curve.y.push_back(in_unit(norm(f.reactions[j].force), Quantity::force, scene.units));
+      curve.y.push_back(f.friction.has_no_forces() ? std::numeric_limits<double>::quiet_NaN()
+                                                   : in_unit(norm(f.reactions[j].force), Quantity::force, scene.units));
     }
     sizes.push_back(std::move(curve));
   }
-  const auto largest = [](const Curve& c) { return *std::max_element(c.y.begin(), c.y.end()); };
+  const auto largest = [](const Curve& c) {
+    double out = 0.0;
+    for (const double y : c.y) out = std::isnan(y) ? out : std::max(out, y);
+    return out;
+  };
   if (sizes.size() > most_curves) {
     std::stable_sort(sizes.begin(), sizes.end(),
                      [&](const Curve& a, const Curve& b) { return largest(a) > largest(b); });

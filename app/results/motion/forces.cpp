@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "app/present/numbers.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
+#include "model/couplings.hpp"
 #include "motion/force_courses.hpp"
 #include "motion/joint_friction.hpp"
 #include "statics/pose_values.hpp"
@@ -57,7 +59,36 @@ std::string dead_points(const MotionModel& model, const ForcesAlong& found) {
   return fmt::format("{} no {} the load", listed(places), effort);
 }
 
-Line verdict(const ForcesAlong& found, const std::string& dead) {
+std::size_t count_of(const ForcesAlong& found, SlidingFriction::State state) {
+  return static_cast<std::size_t>(std::count_if(found.poses.begin(), found.poses.end(),
+                                                [&](const Forces& f) { return f.friction.state == state; }));
+}
+
+/// "in this pose", "in 3 of 73 poses".
+std::string in_poses(std::size_t number, const ForcesAlong& found) {
+  return found.at.empty() ? "in this pose" : fmt::format("in {} of {} poses", number, found.poses.size());
+}
+
+/// What friction leaves without forces; nothing where there is none.
+std::string without_forces(const Scene& scene, const ForcesAlong& found) {
+  using State = SlidingFriction::State;
+  std::vector<std::string> out;
+  const auto say = [&](State state, const std::string& why) {
+    const std::size_t number = count_of(found, state);
+    if (number > 0) out.push_back(in_poses(number, found) + " " + why);
+  };
+  say(State::locked, "friction locks it, so that no finite effort of the drives moves it on");
+  say(State::several, "the forces with friction are not unique, or none were found");
+  const auto first = std::find_if(found.poses.begin(), found.poses.end(),
+                                  [](const Forces& f) { return f.friction.state == State::undetermined; });
+  if (first != found.poses.end()) {
+    say(State::undetermined, fmt::format("friction depends on the force in \"{}\", which statics does not determine",
+                                         scene.joints[static_cast<std::size_t>(first->friction.because_of)].name));
+  }
+  return listed(out);
+}
+
+Line verdict(const Scene& scene, const ForcesAlong& found, const std::string& dead) {
   const bool ended = !found.complete && !found.stop;
   if (ended) return bad("Driven in part only: " + found.why + ".");
   if (!dead.empty() && !found.balanced()) return bad("Dead point: " + dead + ".");
@@ -68,7 +99,25 @@ Line verdict(const ForcesAlong& found, const std::string& dead) {
                    : "Out of balance: the drives cannot hold the load, nor do the forces below.");
   }
   if (!dead.empty()) return doubtful("Every body is in balance. Dead point: " + dead + ".");
+  const std::string locked = without_forces(scene, found);
+  if (!locked.empty()) return doubtful(fmt::format("No forces everywhere: {}.", locked));
   return good("Every body is in balance.");
+}
+
+/// Joints whose friction is left out where they stand still, though others move.
+void warn_of_rest(Result& result, const Scene& scene, const ForcesAlong& found) {
+  if (!rubs(found)) return;
+  std::vector<std::size_t> poses(scene.joints.size(), 0);
+  for (const Forces& forces : found.poses) {
+    for (const int joint : forces.friction.at_rest) ++poses[static_cast<std::size_t>(joint)];
+  }
+  for (std::size_t j = 0; j < poses.size(); ++j) {
+    if (poses[j] == 0) continue;
+    result.warnings.push_back(
+        doubtful(fmt::format("Friction in \"{}\" is left out {}, where the joint stands still: which way it resists is "
+                             "not known.",
+                             scene.joints[j].name, in_poses(poses[j], found))));
+  }
 }
 
 /// Stops that are passed, and elements parallel to a drive, whose forces are part of its effort.
@@ -76,7 +125,12 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
                   const std::vector<ForceCourse>& courses, const std::vector<LoadedParallel>& parallels) {
   const auto warn = [&](std::string text) { result.warnings.push_back(doubtful(std::move(text))); };
   const std::vector<std::string> rubbing = joints_with_friction(model.scene());
-  if (!rubbing.empty()) warn(fmt::format("Friction in {} is left out of all forces.", listed(rubbing)));
+  if (!rubbing.empty() && !rubs(found)) warn(fmt::format("Friction in {} is left out of all forces.", listed(rubbing)));
+  warn_of_rest(result, model.scene(), found);
+  for (const Stop& rope : model.scene().stops) {
+    if (rubbing_rims(rope.on).empty()) continue;
+    warn(fmt::format("Friction of the rope \"{}\" on its pulleys is left out of all forces.", rope.name));
+  }
   if (!dead.empty() && !found.complete && !found.stop) warn("Dead point: " + dead + ".");
   if (found.stop) warn("The range ends early: " + found.why + ".");
   for (const ForceCourse& course : courses) {
@@ -94,6 +148,12 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
   }
 }
 
+/// Friction of joints that slide or turn, or would.
+bool has_efforts_without(const Forces& forces) {
+  using State = SlidingFriction::State;
+  return forces.friction.state != State::none && forces.friction.state != State::still && !forces.drives.empty();
+}
+
 /// Drives of a single pose.
 void add_drives(Group& group, const MotionModel& model, const Forces& forces, bool moving) {
   const Units& units = model.scene().units;
@@ -102,8 +162,18 @@ void add_drives(Group& group, const MotionModel& model, const Forces& forces, bo
   };
   Table& table = group.table("", "Drives, positive where they drive forwards", Rows::list);
   table.words("", "drive", each(forces.drives, &DriveEffort::name));
-  table.words("", "effort", each(forces.drives, effort));
-  if (moving) {
+  const bool has_none = forces.friction.has_no_forces();
+  table.words("", "effort",
+              has_none ? std::vector<std::string>(forces.drives.size(), "-") : each(forces.drives, effort));
+  if (has_efforts_without(forces)) {
+    std::vector<std::string> without;
+    for (std::size_t k = 0; k < forces.drives.size(); ++k) {
+      without.push_back(with_unit(model, forces.friction.efforts_without[k],
+                                  forces.drives[k].is_angle ? Quantity::moment : Quantity::force));
+    }
+    table.words("", "without friction", std::move(without));
+  }
+  if (moving && !has_none) {
     table.numbers("", "power", power_unit(units),
                   in_unit(each(forces.drives, &DriveEffort::power), Quantity::energy, units),
                   format_of(model, Quantity::energy, force_digits));
@@ -135,9 +205,81 @@ void add_position(Group& group, const MotionModel& model, const Forces& forces) 
 }
 
 bool is_element(const ForceCourse& course) {
-  const std::string kind = course.name.substr(0, course.name.find('.'));
-  return kind != "effort" && kind != "power" && kind != "reaction" && kind != "stop" && kind != "imbalance" &&
-         kind != "overrun";
+  static const std::set<std::string> others = {"effort",    "effort_without_friction", "power", "reaction", "stop",
+                                               "imbalance", "joint_friction",          "lost",  "overrun"};
+  return !others.contains(course.name.substr(0, course.name.find('.')));
+}
+
+std::vector<double> efficiencies(const ForcesAlong& found, bool back) {
+  return each(found.poses,
+              [&](const Forces& f) { return back ? f.friction.efficiency_back() : f.friction.efficiency(); });
+}
+
+/// "0.3677", "0.31 to 0.45"; nothing where there is none.
+std::string span_of(const std::vector<double>& values) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const double value : values) {
+    if (std::isnan(value)) continue;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  if (least > most) return "";
+  const std::string from = significant(least, force_digits), to = significant(most, force_digits);
+  return from == to ? from : from + " to " + to;
+}
+
+/// What every joint loses in friction: of one pose at that moment, of several on average over the poses.
+void add_friction(Group& group, const MotionModel& model, const ForcesAlong& found) {
+  if (!rubs(found)) return;
+  const Scene& scene = model.scene();
+  struct Row {
+    std::string joint, kind, effort;
+    double lost = 0.0;
+  };
+  std::vector<Row> rows;
+  double all = 0.0, elements = 0.0;
+  std::size_t solved = 0;
+  for (const Forces& forces : found.poses) {
+    if (forces.friction.has_no_forces()) continue;
+    ++solved;
+    all += forces.friction.lost();
+    elements += forces.friction.lost_in_elements;
+  }
+  if (solved == 0) return;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    if (!joint.friction) continue;
+    Row row{joint.name, std::string(joint.traits().key), {}, 0.0};
+    double largest = 0.0;
+    for (const Forces& forces : found.poses) {
+      if (forces.friction.has_no_forces()) continue;
+      for (const SlidingJoint& one : forces.friction.joints) {
+        if (one.joint != static_cast<int>(j)) continue;
+        row.lost += one.lost();
+        if (std::abs(one.effort) >= std::abs(largest)) largest = one.effort;
+      }
+    }
+    row.effort = with_unit(model, largest, joint.has_travel() ? Quantity::force : Quantity::moment);
+    rows.push_back(std::move(row));
+  }
+  if (elements > 0.0) rows.push_back({"others", "friction", "", elements});
+  const bool single = found.at.empty();
+  const auto mean = [&](const Row& row) {
+    return in_unit(row.lost / static_cast<double>(solved), Quantity::energy, scene.units);
+  };
+  Table& table = group.table("", single ? "Friction" : "Friction: largest efforts, and mean power lost", Rows::list);
+  table.words("", "joint", each(rows, &Row::joint));
+  table.words("", "kind", each(rows, &Row::kind));
+  table.words("", "effort", each(rows, &Row::effort));
+  table.numbers("", "lost", power_unit(scene.units), each(rows, mean), {.style = Format::Style::significant});
+  table.numbers("", "share", "%", each(rows, [&](const Row& row) { return all > 0.0 ? 100 * row.lost / all : 0.0; }),
+                {.style = Format::Style::significant, .digits = 4});
+  const std::string forwards = span_of(efficiencies(found, false)), back = span_of(efficiencies(found, true));
+  if (!forwards.empty()) group.fact("efficiency", forwards + " where the drives do work");
+  if (!back.empty()) {
+    group.fact("driven back", back == "0" ? "not at all: without the drives it would stop by itself"
+                                          : back + " of the power arrives at the drives");
+  }
 }
 
 /// Springs, dampers and friction of one pose.
@@ -176,7 +318,12 @@ void add_efforts(Group& group, const MotionModel& model, const ForcesAlong& foun
     } else if (moving && course.name.starts_with("power.")) {
       table.numbers("", "power", power_unit(units), in_unit(course.value, course.quantity, units),
                     format_of(model, course.quantity, force_digits));
+    } else if (course.name.starts_with("effort_without_friction.")) {
+      add_column(table, model, "", "without friction", course.quantity, course.value, force_digits);
     }
+  }
+  if (rubs(found)) {
+    table.numbers("", "efficiency", "", efficiencies(found, false), {.style = Format::Style::significant, .digits = 5});
   }
 }
 
@@ -187,7 +334,10 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   std::vector<ForceCourse> shown;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     ForceCourse size{"reaction." + scene.joints[j].name, Quantity::force, {}};
-    for (const Forces& f : found.poses) size.value.push_back(norm(f.reactions[j].force));
+    for (const Forces& f : found.poses) {
+      size.value.push_back(f.friction.has_no_forces() ? std::numeric_limits<double>::quiet_NaN()
+                                                      : norm(f.reactions[j].force));
+    }
     shown.push_back(std::move(size));
   }
   for (const ForceCourse& course : courses) {
@@ -230,6 +380,39 @@ void add_numerics(Group& group, const MotionModel& model, const ForcesAlong& fou
                                            small_number(work), moves(found) ? "; power: " + small_number(power) : ""));
 }
 
+std::string_view word_of(SlidingFriction::State state) {
+  using State = SlidingFriction::State;
+  switch (state) {
+    case State::none:
+      return "none";
+    case State::still:
+      return "still";
+    case State::solved:
+      return "solved";
+    case State::locked:
+      return "locked";
+    case State::several:
+      return "not unique";
+    case State::undetermined:
+      return "undetermined";
+    case State::unbalanced:
+      return "out of balance";
+  }
+  return "";
+}
+
+/// Per pose what became of friction, and which joints it was left out of.
+void add_friction_data(Group& group, const Scene& scene, const ForcesAlong& found) {
+  Branch& friction = group.array("friction");
+  for (const Forces& forces : found.poses) {
+    Group& pose = friction.parts.emplace_back();
+    pose.data("state", std::string(word_of(forces.friction.state)));
+    std::vector<std::string> still;
+    for (const int joint : forces.friction.at_rest) still.push_back(scene.joints[static_cast<std::size_t>(joint)].name);
+    pose.data("at_rest", std::move(still));
+  }
+}
+
 void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer,
               const std::vector<ForceCourse>& courses, const std::vector<LoadedParallel>& parallels) {
   const Scene& scene = model.scene();
@@ -259,6 +442,11 @@ void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer
   for (const ForceCourse& course : courses) {
     forces.data(course.name, in_unit(course.value, course.quantity, scene.units));
   }
+  if (rubs(found)) {
+    forces.data("efficiency", efficiencies(found, false));
+    forces.data("efficiency_back", efficiencies(found, true));
+    add_friction_data(group, scene, found);
+  }
   std::set<std::string> undetermined, idle;
   for (const Forces& pose : found.poses) {
     for (const Reaction& r : pose.reactions) {
@@ -285,7 +473,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   const std::string dead = dead_points(model, found);
   const std::vector<ForceCourse> courses = force_courses(model.scene(), found);
   const std::vector<LoadedParallel> parallels = loaded_parallels(model, courses);
-  out.verdict = verdict(found, dead);
+  out.verdict = verdict(model.scene(), found, dead);
   add_warnings(out, model, found, dead, courses, parallels);
   content.fact("pose", answer.how);
   if (!found.complete && !found.stop) content.fact("range", found.why);
@@ -297,9 +485,11 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
     add_drives(content, model, forces, moving);
     add_position(content, model, forces);
     add_elements(content, model, courses);
-    add_reactions(content, model, forces.reactions, forces.redundancy);
+    add_friction(content, model, found);
+    if (!forces.friction.has_no_forces()) add_reactions(content, model, forces.reactions, forces.redundancy);
   } else {
     add_efforts(content, model, found, courses, moving);
+    add_friction(content, model, found);
     add_largest(content, model, found, courses);
   }
   add_numerics(content, model, found);

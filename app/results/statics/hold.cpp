@@ -18,6 +18,11 @@ std::string_view word_of(Holding verdict) {
   return verdict == Holding::held ? "held" : verdict == Holding::slips ? "slips" : "not decided";
 }
 
+/// "forwards" along the order of its points.
+std::string_view way_of(bool forwards) {
+  return forwards ? "running towards its last point" : "running towards its first point";
+}
+
 std::string quoted(const Rubbing& one) { return fmt::format("{} \"{}\"", one.kind, one.name); }
 
 /// "travel" or "angle" of what slips.
@@ -26,6 +31,7 @@ std::string_view measure_of(const Rubbing& one) {
 }
 
 std::string slip_in_words(const Rubbing& one, bool increases) {
+  if (one.rope >= 0) return fmt::format("{}, {}", quoted(one), way_of(increases));
   return fmt::format("{}, its {} {}", quoted(one), measure_of(one), increases ? "growing" : "falling");
 }
 

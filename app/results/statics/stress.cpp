@@ -16,6 +16,8 @@ namespace {
 using comparison::CaseResult;
 using comparison::Cell;
 using comparison::Expect;
+using comparison::FrictionCase;
+using comparison::FrictionResult;
 using comparison::HardCase;
 using comparison::StressOutcome;
 
@@ -47,12 +49,18 @@ Tone tone_of(const HardCase& hard, const Cell& cell) {
   return must && !comparison::solved(cell) ? Tone::doubtful : Tone::plain;
 }
 
-void add_verdict(Result& out, const StressOutcome& outcome) {
+void add_verdict(Result& out, const StressOutcome& outcome, const std::vector<FrictionResult>& friction) {
   const comparison::StressFailures failures = comparison::failures_of(outcome);
+  const auto wrong = std::count_if(friction.begin(), friction.end(), [](const FrictionResult& r) {
+    return !r.agrees && r.pose.verdict != Holding::not_decided;
+  });
   if (failures.false_claims > 0) {
     out.verdict = bad(fmt::format("{}: confirmed answers that are no equilibrium, or of another stability.",
                                   count(failures.false_claims, "false claim", "false claims")));
-  } else if (!outcome.results.empty()) {
+  } else if (wrong > 0) {
+    out.verdict =
+        bad(fmt::format("{}: of what friction holds.", count(static_cast<int>(wrong), "false claim", "false claims")));
+  } else if (!outcome.results.empty() || !friction.empty()) {
     out.verdict = good("No false claims.");
   }
   if (outcome.interrupted) {
@@ -161,6 +169,38 @@ void add_summaries(Group& group, const StressOutcome& outcome) {
                   significant(outcome.seconds, 3))};
 }
 
+std::string word_of(Holding verdict) {
+  return verdict == Holding::held ? "held" : verdict == Holding::slips ? "slips" : "not decided";
+}
+
+std::string expected(const FrictionCase& known) {
+  return known.without_end.empty() ? word_of(known.expect) : "held without end";
+}
+
+std::string found_in_words(const FrictionResult& result) {
+  if (!result.agrees) return word_of(result.pose.verdict) + ": " + result.why;
+  return expected(result.known) + (result.proved ? ", proved" : ", in double precision");
+}
+
+Tone tone_of(const FrictionResult& result) {
+  return result.agrees ? (result.proved ? Tone::plain : Tone::doubtful) : Tone::bad;
+}
+
+void add_friction(Group& content, const std::vector<FrictionResult>& friction) {
+  Table& table = content.table("friction", "Friction that holds", Rows::list);
+  table.shown = Table::Shown::all;
+  table.words("name", "case", each(friction, [](const FrictionResult& r) { return r.known.name; }));
+  table.words("expect", "known", each(friction, [](const FrictionResult& r) { return expected(r.known); }));
+  table.words("found", "found", each(friction, found_in_words)).tones =
+      each(friction, [](const FrictionResult& r) { return tone_of(r); });
+  table.numbers("least_factor", "least factor", "",
+                each(friction, [](const FrictionResult& r) { return r.pose.least_factor; }),
+                {Format::Style::significant, 10});
+  table.flags("agrees", each(friction, [](const FrictionResult& r) { return r.agrees ? 1.0 : 0.0; }));
+  table.flags("proved", each(friction, [](const FrictionResult& r) { return r.proved ? 1.0 : 0.0; }));
+  table.words("", "what is hard", each(friction, [](const FrictionResult& r) { return one_line(r.known.title); }));
+}
+
 std::string known_in_words(const HardCase& hard) {
   if (hard.expect == Expect::locked) return "its joints lock: " + hard.why;
   if (hard.expect == Expect::none) return "no equilibrium: " + hard.why;
@@ -263,7 +303,7 @@ void add_data(Group& content, const StressOutcome& outcome) {
 
 }  // namespace
 
-Result stress_list_result(const std::vector<HardCase>& cases) {
+Result stress_list_result(const std::vector<HardCase>& cases, const std::vector<FrictionCase>& friction) {
   Result out{.title = "Hard cases"};
   CaseRows rows(3);
   for (const HardCase& hard : cases) {
@@ -272,19 +312,27 @@ Result stress_list_result(const std::vector<HardCase>& cases) {
                     {one_line(hard.title), Tone::plain}});
   }
   rows.put_into(out.content.table("", "", Rows::list), {"asked for", "starts", "what is hard"}, 1, 2);
+  Table& held = out.content.table("", "Friction that holds", Rows::list);
+  held.shown = Table::Shown::all;
+  held.words("", "case", each(friction, &FrictionCase::name));
+  held.words("", "known", each(friction, [](const FrictionCase& known) { return expected(known); }));
+  held.words("", "what is hard", each(friction, [](const FrictionCase& known) { return one_line(known.title); }));
   return out;
 }
 
-Result stress_result(const StressOutcome& outcome, const std::string& command, bool details) {
+Result stress_result(const StressOutcome& outcome, const std::vector<FrictionResult>& friction,
+                     const std::string& command, bool details) {
   Result out{.title = outcome.safeguards ? "Virtual work with each safeguard switched off" : "Methods on hard cases",
              .source = fmt::format("{}; cases: docs/hard-cases.md", command)};
-  add_verdict(out, outcome);
+  add_verdict(out, outcome, friction);
   Group& content = out.content;
   content.data("command", command);
   content.data("interrupted", outcome.interrupted);
   add_data(content, outcome);
   if (details) {
     for (const CaseResult& result : outcome.results) add_details(content, outcome, result);
+    add_friction(content, friction);
+    if (outcome.results.empty()) return out;
     content.note("error: largest of the converged starts, from the known equilibrium (rad, or length over size)",
                  Tone::faint);
     content.note("digits: those that its condition allows; iterations, time: medians over converged starts",
@@ -292,6 +340,7 @@ Result stress_result(const StressOutcome& outcome, const std::string& command, b
     return out;
   }
   add_sheet(content, outcome);
+  add_friction(content, friction);
   add_summaries(content, outcome);
   std::vector<std::string> reasons;
   for (const CaseResult& result : outcome.results) {

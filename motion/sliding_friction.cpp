@@ -1,0 +1,329 @@
+#include "motion/sliding_friction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "statics/body_measures.hpp"
+#include "statics/held.hpp"
+
+namespace poise {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double no_rate = 1e-9;         // of the fastest
+constexpr double out_of_balance = 1e-6;  // of the largest force
+constexpr double contracts_below = 0.999999;
+constexpr double agrees_within = 1e-12;    // of the largest force, of the equations g = B(g)
+constexpr double confirmed_within = 1e-9;  // the same of the bodies cut free with these efforts
+constexpr int other_starts = 60;
+constexpr double no_power = 1e-9;  // of what is lost: as in a dead centre, where nothing but friction takes power
+
+/// What a bound depends on: the force in a joint, and the couple about its point.
+struct Carried {
+  Vec2 force{};
+  double moment = 0.0;
+};
+
+Carried operator+(const Carried& a, const Carried& b) { return {a.force + b.force, a.moment + b.moment}; }
+Carried operator-(const Carried& a, const Carried& b) { return {a.force - b.force, a.moment - b.moment}; }
+Carried operator*(double k, const Carried& a) { return {k * a.force, k * a.moment}; }
+
+Carried carried(const Reaction& reaction) { return {reaction.force, reaction.moment}; }
+
+/// The couple matters, and its factor.
+double couple_factor(const Joint& joint) {
+  const JointFriction& friction = *joint.friction;
+  return joint.has_travel() && joint.keeps_angle() && friction.length > 0.0 ? 2.0 / friction.length : 0.0;
+}
+
+double force_factor(const Joint& joint) {
+  return joint.has_travel() ? joint.friction->coefficient : joint.friction->circle();
+}
+
+double bound_of(const Joint& joint, const Carried& at) {
+  const JointFriction& friction = *joint.friction;
+  const double constant = joint.has_travel() ? friction.force : friction.torque;
+  return force_factor(joint) * std::max(norm(at.force), couple_factor(joint) * std::abs(at.moment)) + constant;
+}
+
+/// Derivative of the bound where the joint carries `at` and what it carries changes by `by`.
+double bound_by(const Joint& joint, const Carried& at, const Carried& by) {
+  const double couple = couple_factor(joint);
+  const double size = norm(at.force);
+  if (couple * std::abs(at.moment) > size) {
+    return force_factor(joint) * couple * (at.moment < 0 ? -by.moment : by.moment);
+  }
+  return size > 0.0 ? force_factor(joint) * dot(at.force, by.force) / size : force_factor(joint) * norm(by.force);
+}
+
+/// The largest that the derivative can be.
+double steepest_bound(const Joint& joint, const Carried& by) {
+  return force_factor(joint) * std::max(norm(by.force), couple_factor(joint) * std::abs(by.moment));
+}
+
+/// Solves g = k B(g), with g over the unit of its joint: 1 N, or 1 N times the size of a torque.
+class SlidingSolver {
+ public:
+  explicit SlidingSolver(const SlidingProblem& problem) : p_(problem), sides_(problem.sides) {}
+
+  Slid run() {
+    out_.bodies = balance(p_.scene, poses_of(p_.motions), p_.sides, p_.size, p_.additions);
+    find_joints();
+    if (out_.friction.state == SlidingFriction::State::none) return std::move(out_);
+    if (joints().empty()) {
+      out_.friction.state = SlidingFriction::State::still;
+      return std::move(out_);
+    }
+    if (out_.bodies.imbalance > out_of_balance * out_.bodies.largest_force) {
+      out_.friction.state = SlidingFriction::State::unbalanced;
+      return std::move(out_);
+    }
+    for (const SlidingJoint& one : joints()) {
+      if (force_factor(joint_of(one)) == 0.0 || reaction_of(out_.bodies, one).determined) continue;
+      out_.friction.state = SlidingFriction::State::undetermined;
+      out_.friction.because_of = one.joint;
+      return std::move(out_);
+    }
+    // Stops may begin or cease to press with friction: once more with those that do then.
+    FreeBodies reference = out_.bodies;
+    for (int round = 0; round < 4; ++round) {
+      press(reference);
+      respond();
+      const std::optional<VectorXd> g = solved();
+      if (!g) return std::move(out_);
+      FreeBodies found = with(*g, p_.sides);
+      if (confirmed(*g, found)) {
+        accept(*g, std::move(found));
+        return std::move(out_);
+      }
+      reference = std::move(found);
+    }
+    out_.friction.state = SlidingFriction::State::several;
+    return std::move(out_);
+  }
+
+ private:
+  std::vector<SlidingJoint>& joints() { return out_.friction.joints; }
+  const Joint& joint_of(const SlidingJoint& one) const { return p_.scene.joints[static_cast<std::size_t>(one.joint)]; }
+  // Reactions come in the order of the joints.
+  static const Reaction& reaction_of(const FreeBodies& bodies, const SlidingJoint& one) {
+    return bodies.reactions[static_cast<std::size_t>(one.joint)];
+  }
+  double unit(std::size_t i) const { return out_.friction.joints[i].on.is_angle() ? p_.size : 1.0; }
+  static double sign_of(const SlidingJoint& one) { return one.rate < 0 ? -1.0 : 1.0; }
+
+  void find_joints() {
+    for (const Rubbing& one : rubbing(p_.scene)) {
+      if (one.joint < 0) continue;
+      out_.friction.state = SlidingFriction::State::solved;
+      const double rate = rate_of(p_.scene, p_.motions, one.on);
+      const bool is_angle = one.on.is_angle();
+      if (std::abs(rate) <= no_rate * p_.fastest * (is_angle ? 1.0 : p_.size)) {
+        out_.friction.at_rest.push_back(one.joint);
+        continue;
+      }
+      SlidingJoint& joint = out_.friction.joints.emplace_back();
+      joint.joint = one.joint;
+      joint.on = one.on;
+      joint.rate = rate;
+    }
+  }
+
+  // The stops that press act both ways while responses are found: these are linear.
+  void press(const FreeBodies& bodies) {
+    sides_.assign(p_.sides.size(), 0);
+    for (const int stop : bodies.pressing) sides_[static_cast<std::size_t>(stop)] = 2;
+  }
+
+  FreeBodies with(const VectorXd& g, const std::vector<int>& sides) {
+    Additions additions = p_.additions;
+    const std::vector<BodyPose<double>> poses = poses_of(p_.motions);
+    for (std::size_t i = 0; i < joints().size(); ++i) {
+      const double effort = -sign_of(joints()[i]) * g[static_cast<Index>(i)] * unit(i);
+      for (const UnitEffort& by : unit_efforts(p_.scene, joints()[i].on, poses)) {
+        additions.loads.push_back({by.body_b, by.b, effort * by.force, effort * by.moment});
+        additions.loads.push_back({by.body_a, by.a, -effort * by.force, -effort * by.moment});
+      }
+    }
+    return balance(p_.scene, poses, sides, p_.size, additions);
+  }
+
+  // What all joints carry without friction, and more of it for each effort.
+  void respond() {
+    const std::size_t n = joints().size();
+    const FreeBodies none = with(VectorXd::Zero(static_cast<Index>(n)), sides_);
+    scale_ = none.largest_force > 0.0 ? none.largest_force : 1.0;
+    without_.clear();
+    by_.assign(n, {});
+    for (const SlidingJoint& one : joints()) without_.push_back(carried(reaction_of(none, one)));
+    lipschitz_ = MatrixXd::Zero(static_cast<Index>(n), static_cast<Index>(n));
+    for (std::size_t j = 0; j < n; ++j) {
+      const FreeBodies one = with(scale_ * VectorXd::Unit(static_cast<Index>(n), static_cast<Index>(j)), sides_);
+      for (std::size_t i = 0; i < n; ++i) {
+        by_[j].push_back(1.0 / scale_ * (carried(reaction_of(one, joints()[i])) - without_[i]));
+        lipschitz_(static_cast<Index>(i), static_cast<Index>(j)) =
+            steepest_bound(joint_of(joints()[i]), by_[j][i]) / unit(i);
+      }
+    }
+  }
+
+  Carried carries(std::size_t i, const VectorXd& g) const {
+    Carried out = without_[i];
+    for (std::size_t j = 0; j < by_.size(); ++j) out = out + g[static_cast<Index>(j)] * by_[j][i];
+    return out;
+  }
+
+  // g - k B(g).
+  VectorXd residual(const VectorXd& g, double k) const {
+    VectorXd out = g;
+    for (std::size_t i = 0; i < by_.size(); ++i) {
+      out[static_cast<Index>(i)] -= k * bound_of(joint_of(out_.friction.joints[i]), carries(i, g)) / unit(i);
+    }
+    return out;
+  }
+
+  MatrixXd jacobian(const VectorXd& g, double k) const {
+    MatrixXd out = MatrixXd::Identity(g.size(), g.size());
+    for (std::size_t i = 0; i < by_.size(); ++i) {
+      const Carried at = carries(i, g);
+      for (std::size_t j = 0; j < by_.size(); ++j) {
+        out(static_cast<Index>(i), static_cast<Index>(j)) -=
+            k * bound_by(joint_of(out_.friction.joints[i]), at, by_[j][i]) / unit(i);
+      }
+    }
+    return out;
+  }
+
+  static double size_of(const VectorXd& v) { return v.cwiseAbs().maxCoeff(); }
+
+  // Newton's method from g; where a step does not come nearer, the step of the fixed point B.
+  std::optional<VectorXd> newton(VectorXd g, double k, int most_steps) const {
+    for (int step = 0; step < most_steps; ++step) {
+      const VectorXd r = residual(g, k);
+      const double left = size_of(r);
+      if (!std::isfinite(left)) return std::nullopt;
+      if (left <= agrees_within * std::max(scale_, size_of(g))) {
+        if (g.minCoeff() < -agrees_within * scale_) return std::nullopt;
+        return g;
+      }
+      const Eigen::FullPivLU<MatrixXd> factors(jacobian(g, k));
+      const VectorXd next = factors.isInvertible() ? VectorXd(g - factors.solve(r)) : VectorXd(g - r);
+      g = size_of(residual(next, k)) < left ? next : VectorXd(g - r);
+    }
+    return std::nullopt;
+  }
+
+  bool contracts() const { return lipschitz_.eigenvalues().cwiseAbs().maxCoeff() < contracts_below; }
+
+  // From k = 0 to 1; where it cannot be followed any further, that k, and nothing.
+  std::optional<VectorXd> followed(double& k) const {
+    VectorXd g = VectorXd::Zero(static_cast<Index>(by_.size()));
+    double step = 1.0 / 32;
+    for (k = 0.0; k < 1.0;) {
+      const double next_k = std::min(1.0, k + step);
+      const std::optional<VectorXd> next = newton(g, next_k, 30);
+      // The branch that begins without friction has a positive determinant; that of the other side of a pole or a fold
+      // has not.
+      if (next && jacobian(*next, next_k).determinant() > 0.0) {
+        g = *next;
+        k = next_k;
+        step = std::min(1.0 / 32, 2 * step);
+      } else if (step > 1e-9) {
+        step *= 0.5;
+      } else {
+        return std::nullopt;
+      }
+    }
+    return g;
+  }
+
+  // A solution other than this one, or any.
+  bool has_another(const std::optional<VectorXd>& known) const {
+    std::mt19937_64 random(1);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same starts in every run
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    for (int start = 0; start < other_starts; ++start) {
+      VectorXd g(static_cast<Index>(by_.size()));
+      const double size = scale_ * std::pow(10.0, 6.0 * start / other_starts - 2.0);
+      for (double& one : g) one = size * share(random);
+      const std::optional<VectorXd> found = newton(g, 1.0, 60);
+      if (!found) continue;
+      if (!known || size_of(*found - *known) > 1e-6 * std::max(scale_, size_of(*known))) return true;
+    }
+    return false;
+  }
+
+  // The solution, or nothing and why.
+  std::optional<VectorXd> solved() {
+    if (contracts()) {
+      const std::optional<VectorXd> g = newton(VectorXd::Zero(static_cast<Index>(by_.size())), 1.0, 5000);
+      if (!g) out_.friction.state = SlidingFriction::State::several;
+      return g;
+    }
+    double k = 0.0;
+    const std::optional<VectorXd> g = followed(k);
+    if (has_another(g)) {
+      out_.friction.state = SlidingFriction::State::several;
+      return std::nullopt;
+    }
+    if (!g) {
+      out_.friction.state = SlidingFriction::State::locked;
+      out_.friction.lock_at = k;
+    }
+    return g;
+  }
+
+  // The bodies cut free with these efforts agree with the responses.
+  bool confirmed(const VectorXd& g, const FreeBodies& found) const {
+    const double most = confirmed_within * std::max(scale_, size_of(g));
+    for (std::size_t i = 0; i < by_.size(); ++i) {
+      const SlidingJoint& one = out_.friction.joints[i];
+      const double bound = friction_bound(joint_of(one), reaction_of(found, one)) / unit(i);
+      if (!(std::abs(bound - g[static_cast<Index>(i)]) <= most)) return false;
+    }
+    return found.imbalance <= most;
+  }
+
+  void accept(const VectorXd& g, FreeBodies found) {
+    for (std::size_t i = 0; i < by_.size(); ++i) {
+      SlidingJoint& one = joints()[i];
+      one.effort = -sign_of(one) * g[static_cast<Index>(i)] * unit(i);
+      one.bound = friction_bound(joint_of(one), reaction_of(found, one));
+      out_.friction.lost_in_joints += one.lost();
+    }
+    out_.bodies = std::move(found);
+  }
+
+  const SlidingProblem& p_;
+  std::vector<int> sides_;
+  std::vector<Carried> without_;
+  std::vector<std::vector<Carried>> by_;  // [j][i]: of an effort j at the joint i
+  MatrixXd lipschitz_;
+  double scale_ = 1.0;
+  Slid out_;
+};
+
+}  // namespace
+
+std::optional<double> SlidingFriction::efficiency() const {
+  if (state != State::solved || !(driven_without > no_power * lost())) return std::nullopt;
+  return driven_without / (driven_without + lost());
+}
+
+std::optional<double> SlidingFriction::efficiency_back() const {
+  if (state != State::solved || !(driven_without < -no_power * lost())) return std::nullopt;
+  return std::max(0.0, 1.0 + lost() / driven_without);
+}
+
+double friction_bound(const Joint& joint, const Reaction& reaction) { return bound_of(joint, carried(reaction)); }
+
+Slid sliding_friction(const SlidingProblem& problem) { return SlidingSolver(problem).run(); }
+
+}  // namespace poise
