@@ -19,7 +19,6 @@
 #include "model/read_parameter_changes.hpp"
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
-#include "motion/joint_friction.hpp"
 
 namespace poise {
 namespace {
@@ -77,7 +76,6 @@ class ExperimentReader {
       name.place.fail(fmt::format("expected a scene file, relative to this file; there is no \"{}\"", scene.string()));
     }
     experiment_.scene = read_scene(scene);
-    refuse_joint_friction(experiment_.scene, "identification");
     experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }

@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "model/joint_friction.hpp"
+
 namespace poise {
 namespace {
 
@@ -44,6 +46,7 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
     }
     contacts_.push_back(std::move(contact));
   }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) grips_ = grips_ || grips(scene, static_cast<int>(j));
   pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));
   met_ = none();
 }
@@ -105,7 +108,8 @@ double StickSlip::margin_of(const Contact& contact, const Reduced& motion) {
   }
   const auto h = std::find(motion.held().begin(), motion.held().end(), contact.element) - motion.held().begin();
   const double force = std::abs(motion.holding_force(static_cast<int>(h)));
-  return (contact.force - force) / (std::max(contact.force, force) + tiny);
+  const double bound = contact.force + motion.load_bound(contact.element);
+  return (bound - force) / (std::max(bound, force) + tiny);
 }
 
 double StickSlip::margin(const Reduced& motion) {
@@ -149,8 +153,8 @@ double StickSlip::event_time_by(const double* dq, const double* dv, int variatio
   return -change / met_acceleration_;
 }
 
-bool StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
-                    const std::vector<int>& slides) const {
+Reduced::Status StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
+                               const std::vector<int>& slides) const {
   motion.set_slides(model_.scaled_scene(), slides, q.data());
   motion.choose(t, q.data(), false);
   motion.expect(q.data());
@@ -159,13 +163,13 @@ bool StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, con
     z.push_back(q[static_cast<std::size_t>(i)]);
     w.push_back(v[static_cast<std::size_t>(i)]);
   }
-  if (motion.place(t, z.data()) != Reduced::Status::ok) return false;
+  const Reduced::Status placed = motion.place(t, z.data());
+  if (placed != Reduced::Status::ok) return placed;
   motion.move(w.data());
-  if (motion.accelerate() != Reduced::Status::ok) return false;
-  return true;
+  return motion.accelerate();
 }
 
-bool StickSlip::choose(Reduced& motion, double t) {
+StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
   const auto n = static_cast<std::size_t>(motion.coordinates());
   const std::vector<double> q(motion.q(), motion.q() + n);
   const std::vector<double> v(motion.v(), motion.v() + n);
@@ -177,9 +181,9 @@ bool StickSlip::choose(Reduced& motion, double t) {
     const bool moves = c != met_ && std::abs(rate(contacts_[c], motion)) > no_rate * contacts_[c].speed;
     if (moves) continue;
     still.push_back(c);
+    if (still.size() > most_at_once) return Choice::failed;
     choices *= 3;
   }
-  if (still.size() > most_at_once) return false;
   std::vector<Trial> trials;
   std::vector<double> largest(still.size(), tiny);
   for (std::size_t choice = 0; choice < choices; ++choice) {
@@ -192,29 +196,41 @@ bool StickSlip::choose(Reduced& motion, double t) {
       held_again = held_again || (option == 0 && c == met_ && by_force_);
       rest /= 3;
     }
-    if (held_again || !set(motion, t, q, v, slides)) continue;
+    if (held_again) continue;
+    const Reduced::Status status = set(motion, t, q, v, slides);
+    if (status == Reduced::Status::locked && motion.held().empty()) return Choice::locked;
+    if (status != Reduced::Status::ok) continue;
     Trial trial{slides, {}, {}};
     for (std::size_t k = 0; k < still.size(); ++k) {
       const Contact& contact = contacts_[still[k]];
       trial.acceleration.push_back(acceleration(contact, motion));
       largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
-      trial.force.push_back(slides[static_cast<std::size_t>(contact.element)] == 0 ? margin_of(contact, motion) : 0.0);
+      const bool is_held = slides[static_cast<std::size_t>(contact.element)] == 0;
+      trial.force.push_back(is_held ? margin_of(contact, motion) : 0.0);
     }
     trials.push_back(std::move(trial));
   }
+  if (trials.empty()) return Choice::failed;
   double least = consistent;
   const Trial* best = nullptr;
-  for (const Trial& trial : trials) {
-    double violation = 0.0;
+  for (Trial& trial : trials) {
     for (std::size_t k = 0; k < still.size(); ++k) {
       const int s = trial.slides[static_cast<std::size_t>(contacts_[still[k]].element)];
-      violation = std::max(violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / largest[k]);
+      trial.violation = std::max(trial.violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / largest[k]);
     }
-    if (!(violation < least)) continue;
-    least = std::max(violation, no_acceleration);  // choices as consistent as this are the same motion
+    if (!(trial.violation < least)) continue;
+    least = std::max(trial.violation, no_acceleration);  // choices as consistent as this are the same motion
     best = &trial;
   }
-  if (best == nullptr || !set(motion, t, q, v, best->slides)) return false;
+  if (best == nullptr) return Choice::none;
+  for (const Trial& trial : trials) {
+    if (!grips_ || trial.violation > no_acceleration) continue;
+    for (std::size_t k = 0; k < still.size(); ++k) {
+      const double apart = std::abs(trial.acceleration[k] - best->acceleration[k]);
+      if (apart > consistent * largest[k]) return Choice::several;
+    }
+  }
+  if (set(motion, t, q, v, best->slides) != Reduced::Status::ok) return Choice::failed;
   for (std::size_t k = 0; k < still.size(); ++k) {
     const bool slides_on = best->slides[static_cast<std::size_t>(contacts_[still[k]].element)] != 0;
     contacts_[still[k]].idle = slides_on && !(still[k] == met_ && by_force_) &&
@@ -222,7 +238,7 @@ bool StickSlip::choose(Reduced& motion, double t) {
   }
   met_ = none();
   by_force_ = false;
-  return true;
+  return Choice::made;
 }
 
 double StickSlip::held_value_by(const Reduced& motion, std::size_t h, const double* dq, int variation) {

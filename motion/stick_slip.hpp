@@ -13,8 +13,9 @@ namespace poise {
 ///   or is held:                           g = const,  |T| <= F,  T as balance requires,
 /// so that the motion is smooth. An event is where s dg/dt of an element that slides, or F - |T| of one that is held,
 /// falls to zero. There every element without rate may slide in either direction or be held: the one choice is taken
-/// whose accelerations and forces satisfy  s d2g/dt2 >= 0  and  |T| <= F.  (T does not depend on reactions, so
-/// that the accelerations are those of a convex minimum, and unique.)
+/// whose accelerations and forces satisfy  s d2g/dt2 >= 0  and  |T| <= F.  Where F is constant the accelerations are
+/// those of a convex minimum, and unique. Of joints F grows with the force in them (ReducedMotion): all choices must
+/// then have forces that are unique, and those that are consistent the same accelerations.
 class StickSlip {
  public:
   /// Both must outlive this.
@@ -38,9 +39,15 @@ class StickSlip {
   /// not negative: -(d rate/dp) / (d2g/dt2); zero where the force of an element that is held passes F, as accelerations
   /// do not jump there.
   double event_time_by(const double* dq, const double* dv, int variation) const;
-  /// Chooses who slides and who is held from now on, and sets and accelerates `motion` so. False if there are more than
-  /// most_at_once elements without rate, or the equations fail.
-  bool choose(ReducedMotion<double>& motion, double t);
+  enum class Choice {
+    made,
+    failed,   ///< there are more than most_at_once elements without rate, or the equations fail
+    locked,   ///< forces of a choice may be several, or none
+    several,  ///< choices with different accelerations are consistent
+    none      ///< none is
+  };
+  /// Chooses who slides and who is held from now on, and sets and accelerates `motion` so.
+  Choice choose(ReducedMotion<double>& motion, double t);
   /// The derivative of the value at which held element h, in the order of ReducedMotion::held(), stays.
   double held_value_by(const ReducedMotion<double>& motion, std::size_t h, const double* dq, int variation);
 
@@ -49,7 +56,7 @@ class StickSlip {
  private:
   struct Contact {
     int element;
-    double force;  // F
+    double force;  // F, or its constant part
     CompiledMeasure<double> on;
     std::vector<std::vector<CompiledMeasure<double>>> varied;  // by variation and piece
     double speed = 0.0;                                        // largest rate yet
@@ -59,18 +66,20 @@ class StickSlip {
   struct Trial {
     std::vector<int> slides;
     std::vector<double> acceleration, force;  // of those without rate
+    double violation = 0.0;
   };
   std::size_t none() const { return contacts_.size(); }
   Configuration<double> place(const CompiledMeasure<double>& on, const double* q);
   double rate(const Contact& contact, const ReducedMotion<double>& motion);
   double acceleration(const Contact& contact, const ReducedMotion<double>& motion);
   double margin_of(const Contact& contact, const ReducedMotion<double>& motion);
-  bool set(ReducedMotion<double>& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
-           const std::vector<int>& slides) const;
+  ReducedMotion<double>::Status set(ReducedMotion<double>& motion, double t, const std::vector<double>& q,
+                                    const std::vector<double>& v, const std::vector<int>& slides) const;
 
   const MotionModel& model_;
   const std::vector<Variation>& variations_;
   std::vector<Contact> contacts_;
+  bool grips_ = false;  // some F grows with a force
   std::vector<Planar<double>> pose_;
   std::size_t least_ = 0;             // contact of the last margin()
   std::size_t met_ = 0;               // of the event, none() without
