@@ -166,6 +166,18 @@ class ReducedMotion {
   /// By how much the bound of friction that sticks exceeds that of its law: of an element of the scene, c |R|. After
   /// accelerate().
   T load_bound(int element) const;
+  /// |R| of a slide or slot is the size of a normal force, of a carriage the greater of two: piecewise linear in R, by
+  /// branches. From now on, whatever the forces become, that of each joint follows the branch that accelerate() found
+  /// last; free again after free_branches().
+  void follow_branches();
+  void free_branches();
+  /// Lets that of an element follow the branch next to the one in `from`.
+  void turn_branch(int element, const std::vector<int>& from);
+  /// c times the force by which the branch that an element follows is the right one; 0 where that is rounding, infinite
+  /// where it follows none.
+  T branch_margin(int element) const;
+  const std::vector<int>& branches() const { return followed_; }
+  void set_branches(const std::vector<int>& followed) { followed_ = followed; }
   /// Where accelerate() found a joint's force undetermined: the joint, or -1 of what friction holds.
   int undetermined() const { return undetermined_; }
 
@@ -245,6 +257,8 @@ class ReducedMotion {
   Hold hold_of(const Grip& grip) const;
   Planar<T> normal_of(const Grip& grip) const;
   void take_size(std::size_t i, const Hold& hold);
+  std::size_t grip_of(int element) const;
+  int branch_at(std::size_t i) const;
   T size_along(std::size_t i, const Hold& change, const Planar<T>& normal_change) const;
   static T size_of(const Grip& grip, const Branch& branch, const Hold& hold, const Planar<T>& normal);
   void let_friction_follow(const T* dq, const Direct* direct, const T* force, T* dalpha);
@@ -292,6 +306,7 @@ class ReducedMotion {
   std::vector<T> directions_, efforts_, sizes_;  // of each: s, T, |R|
   std::vector<Hold> holds_, responses_;          // R, and dR_i/dT_j
   std::vector<Branch> branches_;
+  std::vector<int> followed_;  // branch of each: +-1 by N + end, +-2 by end alone, with their signs; 0: free
   std::vector<Planar<T>> normals_;
   std::vector<T> grip_slopes_, grip_alpha_;  // Dg and d alpha/dT of each
   std::vector<T> grip_work_, grip_step_, grip_fixed_;

@@ -31,24 +31,72 @@ T ReducedMotion<T>::size_of(const Grip& grip, const Branch& branch, const Hold& 
   return branch.by_at * dot(normal, hold.at) + branch.by_end * dot(normal, hold.end);
 }
 
-// The size of the force in a joint, and how it depends on it. Of a carriage the contact forces at its ends are
+// The branch of |R| that the force in a joint belongs to. Of a carriage the contact forces at its ends are
 // N / 2 -+ C / length with the couple C = end length / 2, so that the sum of their sizes is the greater of |N| and
 // |end|.
 template <class T>
-void ReducedMotion<T>::take_size(std::size_t i, const Hold& hold) {
+int ReducedMotion<T>::branch_at(std::size_t i) const {
   using std::abs;
+  if (grips_[i].travel < 0) return 0;
+  const T end = dot(normals_[i], holds_[i].end);
+  const T whole = dot(normals_[i], holds_[i].at) + end;
+  if (abs(whole) >= abs(end)) return whole < 0 ? -1 : 1;
+  return end < 0 ? -2 : 2;
+}
+
+// The size of the force in a joint, and how it depends on it.
+template <class T>
+void ReducedMotion<T>::take_size(std::size_t i, const Hold& hold) {
   const Grip& grip = grips_[i];
   holds_[i] = hold;
-  if (grip.travel >= 0) {
-    const T end = dot(normals_[i], hold.end);
-    const T whole = dot(normals_[i], hold.at) + end;
-    const auto sign = [](const T& x) { return x < 0 ? T(-1) : T(1); };
-    if (abs(whole) >= abs(end))
-      branches_[i] = {sign(whole), grip.end < 0 ? T(0) : sign(whole)};
-    else
-      branches_[i] = {T(0), sign(end)};
-  }
+  const int branch = followed_[i] != 0 ? followed_[i] : branch_at(i);
+  const T sign(branch < 0 ? -1 : 1);
+  branches_[i] = {branch == 1 || branch == -1 ? sign : T(0), grip.end < 0 ? T(0) : sign};
   sizes_[i] = size_of(grip, branches_[i], hold, normals_[i]);
+}
+
+template <class T>
+std::size_t ReducedMotion<T>::grip_of(int element) const {
+  std::size_t i = 0;
+  while (i < grips_.size() && grips_[i].element != element) ++i;
+  return i;
+}
+
+template <class T>
+void ReducedMotion<T>::follow_branches() {
+  for (std::size_t i = 0; i < grips_.size(); ++i) followed_[i] = branch_at(i);
+}
+
+template <class T>
+void ReducedMotion<T>::free_branches() {
+  std::fill(followed_.begin(), followed_.end(), 0);
+}
+
+template <class T>
+void ReducedMotion<T>::turn_branch(int element, const std::vector<int>& from) {
+  const std::size_t i = grip_of(element);
+  const T end = dot(normals_[i], holds_[i].end);
+  const T whole = dot(normals_[i], holds_[i].at) + end;
+  const bool by_whole = from[i] == 1 || from[i] == -1;
+  if (grips_[i].end < 0)
+    followed_[i] = -from[i];
+  else
+    followed_[i] = by_whole ? (end < 0 ? -2 : 2) : (whole < 0 ? -1 : 1);
+}
+
+template <class T>
+T ReducedMotion<T>::branch_margin(int element) const {
+  using std::abs;
+  const std::size_t i = grip_of(element);
+  const int branch = i < grips_.size() ? followed_[i] : 0;
+  if (branch == 0) return std::numeric_limits<T>::infinity();
+  const T end = dot(normals_[i], holds_[i].end);
+  const T whole = dot(normals_[i], holds_[i].at) + end;
+  const T sign(branch < 0 ? -1 : 1);
+  const T margin = branch == 1 || branch == -1 ? T(sign * whole - abs(end)) : T(sign * end - abs(whole));
+  // Where there is no normal force, rounding must not seem to turn it.
+  const T rounding = static_cast<T>(1e-13) * (norm(holds_[i].at) + norm(holds_[i].end) + 1);
+  return abs(margin) <= rounding ? T(0) : T(abs(grips_[i].factor) * margin);
 }
 
 // The change of the size where the force and the normal change.
@@ -188,7 +236,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
   T last = miss();
   for (int iteration = 0; iteration < 2000; ++iteration) {
     T largest(0);
-    for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i)) * sizes_[i]);
+    for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
     if (last <= 4 * std::numeric_limits<T>::epsilon() * largest) break;
     grip_work_ = efforts_;
     for (std::size_t i = 0; i < k; ++i) grip_step_[i] = acting(i) * sizes_[i] - efforts_[i];
@@ -213,7 +261,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
     last = miss();
   }
   T largest(0);
-  for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i)) * sizes_[i]);
+  for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
   if (!(last <= 1e5 * std::numeric_limits<T>::epsilon() * largest) && largest > 0) return Status::locked;
   if (!factor()) return Status::locked;
 
@@ -229,10 +277,8 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
 
 template <class T>
 T ReducedMotion<T>::load_bound(int element) const {
-  for (std::size_t i = 0; i < grips_.size(); ++i) {
-    if (grips_[i].element == element) return grips_[i].factor * sizes_[i];
-  }
-  return T(0);
+  const std::size_t i = grip_of(element);
+  return i < grips_.size() ? T(grips_[i].factor * sizes_[i]) : T(0);
 }
 
 // Along a direction in which G + J^T multipliers changes by `force`, and alpha by `dalpha`, where the efforts of joints

@@ -29,6 +29,7 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   holds_without_.resize(k);
   responses_.resize(k * k);
   branches_.resize(k);
+  followed_.assign(k, 0);
   normals_.resize(k);
   grip_slopes_.assign(k * n, T(0));
   grip_lu_.resize(static_cast<int>(k));

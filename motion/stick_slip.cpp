@@ -48,7 +48,7 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) grips_ = grips_ || grips(scene, static_cast<int>(j));
   pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));
-  met_ = none();
+  met_ = turning_ = turned_ = none();
 }
 
 Configuration<double> StickSlip::place(const CompiledMeasure<double>& on, const double* q) {
@@ -79,6 +79,7 @@ double StickSlip::watch(const Reduced& motion) {
     contact.rate = rate(contact, motion);
     contact.acceleration = acceleration(contact, motion);
     contact.speed = std::max(contact.speed, std::abs(contact.rate));
+    contact.load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
   }
   return margin(motion);
 }
@@ -114,19 +115,36 @@ double StickSlip::margin_of(const Contact& contact, const Reduced& motion) {
 
 double StickSlip::margin(const Reduced& motion) {
   double least = std::numeric_limits<double>::infinity();
-  least_ = none();
+  least_ = turning_ = none();
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const double turn = turn_margin_of(contacts_[c], motion);
+    if (turn < least) {
+      least = turn;
+      turning_ = c;
+    }
     if (contacts_[c].idle) continue;
     const double own = margin_of(contacts_[c], motion);
     if (!(own < least)) continue;
     least = own;
     least_ = c;
+    turning_ = none();
   }
   return least;
 }
 
+double StickSlip::turn_margin_of(const Contact& contact, const Reduced& motion) {
+  if (!grips_ || motion.slides()[contact.element] == 0) return std::numeric_limits<double>::infinity();
+  const double load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
+  return motion.branch_margin(contact.element) / (load + tiny);
+}
+
 void StickSlip::meet(const Reduced& motion) {
-  met_ = least_;
+  turned_ = turning_;
+  met_ = turned_ == none() ? least_ : none();
+  if (met_ == none()) {
+    by_force_ = true;
+    return;
+  }
   const Contact& contact = contacts_[met_];
   by_force_ = motion.slides()[contact.element] == 0;
   if (by_force_) return;
@@ -156,6 +174,7 @@ double StickSlip::event_time_by(const double* dq, const double* dv, int variatio
 Reduced::Status StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
                                const std::vector<int>& slides) const {
   motion.set_slides(model_.scaled_scene(), slides, q.data());
+  motion.free_branches();
   motion.choose(t, q.data(), false);
   motion.expect(q.data());
   std::vector<double> z, w;
@@ -173,6 +192,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
   const auto n = static_cast<std::size_t>(motion.coordinates());
   const std::vector<double> q(motion.q(), motion.q() + n);
   const std::vector<double> v(motion.v(), motion.v() + n);
+  const std::vector<int> before = motion.branches();
   std::vector<int> slides = directions(motion);
   std::vector<std::size_t> still;
   std::size_t choices = 1;
@@ -236,8 +256,10 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
     contacts_[still[k]].idle = slides_on && !(still[k] == met_ && by_force_) &&
                                std::abs(best->acceleration[k]) <= no_acceleration * largest[k];
   }
-  met_ = none();
-  by_force_ = false;
+  motion.follow_branches();
+  // At the turn itself both branches agree but for rounding.
+  if (turned_ != none()) motion.turn_branch(contacts_[turned_].element, before);
+  met_ = turned_ = none();
   return Choice::made;
 }
 

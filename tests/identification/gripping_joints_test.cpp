@@ -30,7 +30,7 @@ mass = 0.4
 center = [0.5, 0]
 inertia = 0.03
 [body.ram]
-points = { C = [0, 0.05], A = [0, 0] }
+points = { C = [0.6, 0.05], A = [0, 0] }
 mass = 0.3
 inertia = 0.01
 [[pin]]
@@ -57,10 +57,10 @@ rod = 0.3
 guide = 1.1
 )";
 
-Experiment experiment(const std::string& text, const std::vector<std::string>& unknowns) {
+Experiment experiment(const std::string& text, const std::string& body, const std::vector<std::string>& unknowns) {
   Experiment e;
   e.scene = parse_scene(text, "test");
-  e.sensors = {test::angle_of(e.scene, "crank", 1e-4)};
+  e.sensors = {test::angle_of(e.scene, body, 1e-4)};
   for (const std::string& path : unknowns) e.unknowns.push_back(test::unknown(path));
   e.runs = {test::simulated(200, 500)};
   return e;
@@ -99,12 +99,73 @@ void expect_derivatives(const Experiment& e, const std::vector<double>& nuisance
 }
 
 TEST(GrippingJoints, DerivativesFollowForcesAndCrossEvents) {
-  const Experiment e = experiment(
-      swing, {"pin.main.friction.coefficient", "pin.main.friction.radius", "pin.main.friction.torque",
-              "pin.big.friction.coefficient", "pin.small.friction.torque", "slide.guide.friction.coefficient",
-              "slide.guide.friction.length", "slide.guide.friction.force", "body.crank.mass", "body.rod.center.x",
-              "body.ram.inertia", "point.crank.B.x", "point.ram.C.y", "slide.guide.angle", "gravity.y"});
+  const Experiment e =
+      experiment(swing, "crank",
+                 {"pin.main.friction.coefficient", "pin.main.friction.radius", "pin.main.friction.torque",
+                  "pin.big.friction.coefficient", "pin.small.friction.torque", "slide.guide.friction.coefficient",
+                  "slide.guide.friction.length", "slide.guide.friction.force", "body.crank.mass", "body.rod.center.x",
+                  "point.crank.B.x", "point.ram.C.y", "slide.guide.angle", "gravity.y"});
   expect_derivatives(e, {-0.9, 0.5}, 1e-6);
+}
+
+// A crank whose pin slides in the slot of a rocker, and a block that slides on the rocker: lines that turn.
+constexpr const char* rocker = R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0], R = [0, -0.5] }
+[body.crank]
+points = { O = [0, 0], B = [0.2, 0] }
+mass = 1
+center = [0.1, 0]
+inertia = 0.02
+[body.rocker]
+points = { R = [0, 0], S = [0.1, 0.02], T = [0, 0.05] }
+mass = 0.8
+center = [0.4, 0]
+inertia = 0.05
+[body.block]
+points = { A = [0.02, 0.01] }
+mass = 0.3
+center = [0.05, 0.04]
+inertia = 0.003
+[[pin]]
+name = "main"
+points = ["ground.O", "crank.O"]
+friction = { coefficient = 0.2, radius = 0.02 }
+[[pin]]
+name = "base"
+points = ["ground.R", "rocker.R"]
+friction = { coefficient = 0.2, radius = 0.02 }
+[[pin_in_slot]]
+name = "slot"
+points = ["rocker.S", "crank.B"]
+axis = [1, 0.1]
+friction = { coefficient = 0.15, force = 0.05 }
+[[slide]]
+name = "guide"
+points = ["rocker.T", "block.A"]
+axis = [1, 0]
+angle = 0.1
+friction = { coefficient = 0.1, length = 0.1 }
+[[spring]]
+name = "pull"
+points = ["rocker.R", "block.A"]
+stiffness = 60
+free_length = 0.35
+[start]
+crank = 0.2
+rocker = 1.2
+slot = 0.45
+guide = 0.3
+)";
+
+TEST(GrippingJoints, DerivativesFollowLinesThatTurn) {
+  const Experiment e =
+      experiment(rocker, "crank",
+                 {"pin_in_slot.slot.friction.coefficient", "pin_in_slot.slot.friction.force",
+                  "slide.guide.friction.coefficient", "slide.guide.friction.length", "slide.guide.angle",
+                  "pin.base.friction.radius", "spring.pull.stiffness", "point.rocker.S.y", "body.block.center.x"});
+  expect_derivatives(e, {0.3, 0.25, -2.0, 0.1}, 3e-6);
 }
 
 TEST(GrippingJoints, SwingsDetermineTheCoefficientOfABearing) {
@@ -124,7 +185,7 @@ friction = { coefficient = 0.25, radius = 0.03, torque = 0.01 }
 [start]
 arm = -1.5707963267948966
 )",
-                            {});
+                            "arm", {});
   for (const auto& [path, start] : {std::pair{"pin.bearing.friction.coefficient", 0.1},
                                     {"pin.bearing.friction.torque", 0.02},
                                     {"body.arm.inertia", 0.05}}) {
@@ -141,7 +202,7 @@ arm = -1.5707963267948966
   const Fit found = fit(problem, records, options);
   ASSERT_EQ(found.parameters.size(), 3U) << found.why;
   const std::vector<double> truth = problem.truths();
-  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_NEAR(found.parameters[i], truth[i], 1e-6 * truth[i]) << i;
+  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_NEAR(found.parameters[i], truth[i], 1e-4 * truth[i]) << i;
 }
 
 }  // namespace
