@@ -118,6 +118,13 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
   quadratic_ = quadratic_ && start_unknown_ && scene_.drives.empty();
   for (const SceneParameter& number : numbers_) {
+    if (number.is_friction() && !number.allows(scene_, number.get(scene_))) {
+      throw InputError(
+          at(experiment.file_of(run_.part), run_.line) +
+          fmt::format("run \"{}\": expected {} > 0 where it is an unknown, found 0: a slide without length "
+                      "carries couples without friction; give it a length",
+                      run_.name, number.path()));
+    }
     if (!number.is_geometric()) continue;
     if (!also_) also_ = scene_;
     // No other number that the scene has is likely to cancel these.

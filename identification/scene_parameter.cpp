@@ -26,6 +26,8 @@ void SceneParameter::set(Scene& scene, double si) const {
 }
 
 bool SceneParameter::allows(const Scene& scene, double si) const {
+  // Without a length a slide has no carriage: another mechanism.
+  if (is_friction_ && path_.ends_with(".friction.length")) return si > 0;
   if (!is_named() && place_.owner != Owner::time) return range_ != Range::positive || si > 0;
   try {
     Scene changed = scene;

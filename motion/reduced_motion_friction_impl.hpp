@@ -62,9 +62,10 @@ std::size_t ReducedMotion<T>::grip_of(int element) const {
   return i;
 }
 
+// The bound of what is held acts on no motion, so that its kinks do not matter.
 template <class T>
 void ReducedMotion<T>::follow_branches() {
-  for (std::size_t i = 0; i < grips_.size(); ++i) followed_[i] = branch_at(i);
+  for (std::size_t i = 0; i < grips_.size(); ++i) followed_[i] = directions_[i] == 0 ? 0 : branch_at(i);
 }
 
 template <class T>

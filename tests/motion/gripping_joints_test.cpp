@@ -302,7 +302,7 @@ guide = {8}
 TEST(GrippingJoints, AMechanismAtRestStaysWhereStaticsFindsItHeld) {
   std::mt19937 random(7);
   int held = 0, moves = 0, stops = 0;
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 200; ++k) {
     const Scene scene = scene_of(slider_crank(random, 0.4));
     const StaticModel still(scene);
     const HeldPose pose = held_pose(still, close_loops(still));
@@ -322,10 +322,9 @@ TEST(GrippingJoints, AMechanismAtRestStaysWhereStaticsFindsItHeld) {
     EXPECT_EQ(rests, pose.verdict == Holding::held) << k << ", least factor " << pose.least_factor;
     ++(rests ? held : moves);
   }
-  EXPECT_GT(held, 60);
+  EXPECT_GT(held, 40);
   EXPECT_GT(moves, 60);
-  EXPECT_LT(stops, 15);
-  RecordProperty("stops", stops);
+  EXPECT_LT(stops, 5);
 }
 
 // Energy lost is what friction takes: sum of bound times rate, which the motion integrates with the rest.
@@ -346,6 +345,53 @@ TEST(GrippingJoints, AMovingMechanismBalancesItsEnergy) {
     EXPECT_LT(motion.energy_error, 1e-9) << k;
   }
   EXPECT_GT(completed, 12);
+}
+
+// Painleve's rod, whose end slides on a rough line: a force across the line is (1 + 3 cos^2) N, one along it moves the
+// end across by -+3 mu sin cos N, all over its mass; it locks where that is more. (F. Genot, B. Brogliato, "New results
+// on Painleve paradoxes", European Journal of Mechanics A 18 (1999), 653-677.)
+TEST(GrippingJoints, PainlevesRodLocksWhereItsForcesAreNotUnique) {
+  constexpr double angle = 1.0, half = 0.5, mass = 1.0;
+  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const double limit = (1 + 3 * cosine * cosine) / (3 * sine * cosine);
+  for (const double share : {0.98, 1.02}) {
+    const MotionModel model = model_of(fmt::format(R"(
+gravity = [0, -9.81]
+[ground]
+points = {{ O = [0, 0] }}
+[body.rod]
+points = {{ A = [0, 0] }}
+mass = {}
+center = [{}, 0]
+inertia = {}
+[[pin_in_slot]]
+name = "line"
+points = ["ground.O", "rod.A"]
+axis = [1, 0]
+friction = {{ coefficient = {} }}
+[start]
+rod = {}
+)",
+                                                   mass, half, mass * half * half / 3, share * limit, angle));
+    MotionOptions options;
+    options.duration = 1e-3;
+    const Motion motion = simulate(model, test::released(model, {{}, {{"line", 1.0}}}), options);
+    EXPECT_EQ(motion.completed(), share < 1) << motion.why;
+    EXPECT_EQ(motion.why.find("friction locks") != std::string::npos, share > 1) << motion.why;
+  }
+}
+
+// Without friction of its own a joint may also have the constant part alone, which is a [[friction]] of width 0.
+TEST(GrippingJoints, AConstantPartIsAFrictionThatSticks) {
+  const MotionModel own = model_of(pendulum("torque = 0.3"));
+  EXPECT_EQ(own.mechanism().closures(), 0);
+  std::string text = pendulum("torque = 0");
+  text += "\n[[friction]]\nname = \"seal\"\nbodies = [\"ground\", \"arm\"]\ntorque = 0.3\nwidth = 0\n";
+  const MotionModel given = model_of(text);
+  const Motion a = test::moved(own, test::released(own, {{{"arm", -1.3}}, {}}), 4.0);
+  const Motion b = test::moved(given, test::released(given, {{{"arm", -1.3}}, {}}), 4.0);
+  EXPECT_LT(difference(a, b), 1e-12);
+  EXPECT_EQ(test::v_at(a, a.trajectory.nodes() - 1)[0], 0.0);
 }
 
 // Two pins carry a beam: their forces along it are not known.
