@@ -4,6 +4,7 @@
 // the headers named here have the details.
 
 // Scenes, from files and in code
+#include "model/joint_friction.hpp"
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
 

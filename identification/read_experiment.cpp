@@ -14,12 +14,12 @@
 #include "identification/scene_parameter.hpp"
 #include "identification/set_parameter.hpp"
 #include "model/dependent_number.hpp"
+#include "model/joint_friction.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/read_parameter_changes.hpp"
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
-#include "motion/joint_friction.hpp"
 
 namespace poise {
 namespace {
@@ -77,7 +77,7 @@ class ExperimentReader {
       name.place.fail(fmt::format("expected a scene file, relative to this file; there is no \"{}\"", scene.string()));
     }
     experiment_.scene = read_scene(scene);
-    refuse_joint_friction(experiment_.scene, "identification");
+    refuse_rubbing_ropes(experiment_.scene, "identification");
     experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }

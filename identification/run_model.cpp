@@ -12,6 +12,7 @@
 
 #include "identification/sensor_reader.hpp"
 #include "model/dependent_number.hpp"
+#include "model/joint_friction.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "solvers/linear_algebra.hpp"
 
@@ -82,6 +83,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
       sensor_numbers_(std::move(sensor_numbers)),
       held_(is_held(experiment, run_)) {
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
+  scene_ = resisted_by_joints(std::move(scene_));
   for (const RunInput& input : run_.inputs) {
     inputs_.push_back(input.motion);
     if (input.motion.of != MotionInput::Of::drive) continue;
@@ -116,6 +118,13 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
   quadratic_ = quadratic_ && start_unknown_ && scene_.drives.empty();
   for (const SceneParameter& number : numbers_) {
+    if (number.is_friction() && !number.allows(scene_, number.get(scene_))) {
+      throw InputError(
+          at(experiment.file_of(run_.part), run_.line) +
+          fmt::format("run \"{}\": expected {} > 0 where it is an unknown, found 0: a slide without length "
+                      "carries couples without friction; give it a length",
+                      run_.name, number.path()));
+    }
     if (!number.is_geometric()) continue;
     if (!also_) also_ = scene_;
     // No other number that the scene has is likely to cancel these.
@@ -289,6 +298,7 @@ std::vector<RunModel::Reading> RunModel::due(const std::vector<Scaling>& scaling
 double RunModel::reach(const SceneParameter& number) const {
   if (number.is_named()) return number.reach(scene_, size_);
   if (number.place().owner == Owner::scene) return std::max(1.0, norm(scene_.gravity));
+  if (number.is_friction() && number.get(scene_) != 0) return std::abs(number.get(scene_));
   return number.is_length() ? size_ : std::max(1.0, std::abs(number.get(scene_)));
 }
 
@@ -521,7 +531,7 @@ void RunModel::vary(const Scene& scene, Built& out) const {
       if (start_unknown_ || !moves_start) continue;
     }
     // The force of gravity is linear in it.
-    const bool quadratic = owner == Owner::scene || (quadratic_ && number.is_length());
+    const bool quadratic = owner == Owner::scene || (quadratic_ && number.is_length() && !number.is_friction());
     const double value = number.get(scene);
     double step = std::exp2(std::round(std::log2(reach(number)))) * (quadratic ? 0x1p-3 : 0x1p-13);
     while (!number.allows(scene, value - 4 * step) || (number.is_named() && !number.allows(scene, value + 4 * step))) {

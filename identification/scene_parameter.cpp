@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/dependent_number.hpp"
+#include "model/joint_friction.hpp"
 
 namespace poise {
 
@@ -21,9 +22,12 @@ std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::stri
 void SceneParameter::set(Scene& scene, double si) const {
   if (place_.owner == Owner::force && get(scene) == 0.0) return;
   set_value_at(scene, place_, si);
+  let_friction_follow(scene);
 }
 
 bool SceneParameter::allows(const Scene& scene, double si) const {
+  // Without a length a slide has no carriage: another mechanism.
+  if (is_friction_ && path_.ends_with(".friction.length")) return si > 0;
   if (!is_named() && place_.owner != Owner::time) return range_ != Range::positive || si > 0;
   try {
     Scene changed = scene;

@@ -44,18 +44,26 @@ class SceneParameter {
   static bool is_dimension(Owner owner) {
     return owner == Owner::point || owner == Owner::joint || owner == Owner::coupling;
   }
-  bool is_dimension() const { return is_dimension(place_.owner); }
-  /// One of these, gravity, or a named number, which may move all of them.
-  bool is_geometric() const { return is_dimension() || place_.owner == Owner::scene || is_named(); }
+  bool is_dimension() const { return is_dimension(place_.owner) && !is_friction_; }
+  /// Of the friction of a joint.
+  bool is_friction() const { return is_friction_; }
+  /// One whose derivatives follow from a Variation: one of these, gravity, a number of a joint's friction, or a named
+  /// number, which may move all of them.
+  bool is_geometric() const { return is_dimension() || is_friction_ || place_.owner == Owner::scene || is_named(); }
 
  private:
   SceneParameter(const ParameterRow& row)
-      : place_(row.place), dimension_(row.dimension), range_(row.range), path_(row.path.text()) {}
+      : place_(row.place),
+        dimension_(row.dimension),
+        range_(row.range),
+        path_(row.path.text()),
+        is_friction_(row.place.owner == Owner::joint && row.path.parts[3].starts_with("friction.")) {}
 
   ParameterPlace place_;
   Dimension dimension_;
   Range range_;
   std::string path_;
+  bool is_friction_ = false;
 };
 
 }  // namespace poise

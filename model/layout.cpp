@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "model/joint_friction.hpp"
+
 namespace poise {
 namespace {
 
@@ -90,24 +92,45 @@ enum Reason : unsigned {
 // Builds a Layout in named steps; coordinates keep their provisional numbers until number_coordinates().
 class Builder {
  public:
-  Builder(const Scene& scene, Purpose purpose) : scene_(scene), purpose_(purpose) {}
+  Builder(const Scene& scene, Purpose purpose, const Scene* also) : scene_(scene), purpose_(purpose), also_(also) {}
 
-  Layout build(const Scene* also) {
+  Layout build() {
+    find_cuts();
     connect_links();
     find_what_matters();
-    if (also != nullptr) {
-      Builder other(*also, purpose_);
+    if (also_ != nullptr) {
+      Builder other(*also_, purpose_, &scene_);
+      other.find_cuts();
       other.connect_links();
       other.find_what_matters();
       for (std::size_t i = 0; i < reasons_.size(); ++i) reasons_[i] |= other.reasons_[i];
     }
     guess_bars();
+    if (any_cut_) guess_what_is_cut();
     number_coordinates();
-    measure_size();
+    if (!any_cut_) measure_size();
     return std::move(out_);
   }
 
  private:
+  // In motion the force in a joint has to be known where its friction depends on it: such joints close loops, so that
+  // their forces are multipliers of closures. The couple in a slide is that of a second closure, at an end of its
+  // carriage.
+  void find_cuts() {
+    cut_.assign(scene_.joints.size(), false);
+    carriage_.assign(scene_.joints.size(), -1);
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const int index = static_cast<int>(j);
+      cut_[j] = purpose_ == Purpose::dynamics && (grips(scene_, index) || (also_ != nullptr && grips(*also_, index)));
+      any_cut_ = any_cut_ || cut_[j];
+    }
+  }
+
+  bool has_carriage(std::size_t joint) const {
+    const Joint& of = scene_.joints[joint];
+    return cut_[joint] && of.keeps_angle() && of.friction->length > 0;
+  }
+
   void connect_links() {
     make_links();
     find_points();
@@ -177,7 +200,7 @@ class Builder {
     std::vector<double> open(scene_.joints.size(), 0.0);
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const Joint& joint = scene_.joints[j];
-      if (!joint.keeps_angle() || frames_->merge(joint.a.body, joint.b.body, joint.angle)) continue;
+      if (!joint.keeps_angle() || has_carriage(j) || frames_->merge(joint.a.body, joint.b.body, joint.angle)) continue;
       ExactSum difference = frames_->turn(joint.b.body);
       difference.add(frames_->turn(joint.a.body), -1.0);
       const double kept = difference.to<double>();
@@ -255,6 +278,11 @@ class Builder {
         c.frame = out_.links[joint.a.body].frame;
         c.start = scene_.start.travel[j].value_or(0.0);
         out_.coordinates.push_back(c);
+        if (has_carriage(j)) {
+          carriage_[j] = static_cast<int>(out_.coordinates.size());
+          c.name.clear();
+          out_.coordinates.push_back(c);
+        }
       }
       add({index, joint.a.body, joint.b.body, a, b});
     }
@@ -285,7 +313,7 @@ class Builder {
     };
     const auto cross = [&](int index) {
       const Connection& c = connections_[index];
-      if (reached[c.link_a] == reached[c.link_b]) return;
+      if (reached[c.link_a] == reached[c.link_b] || cut_[c.joint]) return;
       in_tree_[index] = true;
       const bool forward = reached[c.link_a];
       const int child = forward ? c.link_b : c.link_a;
@@ -311,6 +339,7 @@ class Builder {
     };
     reach(0);
     spread();
+    std::vector<bool> tied = tied_to(0, std::vector<bool>(out_.links.size(), false));
     for (std::size_t i = 1; i < out_.links.size(); ++i) {
       if (reached[i]) continue;
       Link& link = out_.links[i];
@@ -322,15 +351,35 @@ class Builder {
       for (const bool is_x : {true, false}) {
         Coordinate c;
         c.kind = Coordinate::Kind::length;
-        c.name = name(static_cast<int>(i)) + (is_x ? ".x" : ".y");
+        // Of a body that joints tie, some of which are cut, this is not a coordinate that anyone would ask for.
+        if (!tied[i]) c.name = name(static_cast<int>(i)) + (is_x ? ".x" : ".y");
         c.origin = is_x ? out_.anchor.x : out_.anchor.y;
         c.start = (is_x ? guess.x : guess.y) - c.origin;
         link.arms.push_back({static_cast<int>(out_.coordinates.size()), is_x ? Vec2{1, 0} : Vec2{0, 1}, 0});
         out_.coordinates.push_back(c);
       }
+      if (!tied[i]) tied = tied_to(static_cast<int>(i), std::move(tied));
       reach(static_cast<int>(i));
       spread();
     }
+  }
+
+  // Adds the links that joints, cut or not, tie to one.
+  std::vector<bool> tied_to(int link, std::vector<bool> tied) const {
+    std::vector<int> front{link};
+    tied[static_cast<std::size_t>(link)] = true;
+    while (!front.empty()) {
+      const int from = front.back();
+      front.pop_back();
+      for (const int index : around_[from]) {
+        for (const int to : {connections_[index].link_a, connections_[index].link_b}) {
+          if (tied[static_cast<std::size_t>(to)]) continue;
+          tied[static_cast<std::size_t>(to)] = true;
+          front.push_back(to);
+        }
+      }
+    }
+    return tied;
   }
 
   void close_loops() {
@@ -347,8 +396,19 @@ class Builder {
       if (out_.travel[c.joint] >= 0) {
         closure.arms.push_back({out_.travel[c.joint], -scene_.joints[c.joint].axis, out_.links[c.link_a].turn});
       }
+      out_.closures.push_back(closure);
+      const int carriage = carriage_[static_cast<std::size_t>(c.joint)];
+      if (carriage < 0) continue;
+      closure.arms = out_.path(c.link_a, c.a, c.link_b, c.b + end_of_carriage(c.joint));
+      closure.arms.push_back({carriage, -scene_.joints[c.joint].axis, out_.links[c.link_a].turn});
       out_.closures.push_back(std::move(closure));
     }
+  }
+
+  // From the second point of a slide, in that point's body.
+  Vec2 end_of_carriage(int joint) const {
+    const Joint& of = scene_.joints[static_cast<std::size_t>(joint)];
+    return (of.friction->length / 2) * (of.direction() * unit(-of.angle));
   }
 
   void mark(int coordinate, unsigned reason) {
@@ -519,31 +579,39 @@ class Builder {
     }
   }
 
+  // Of a link at the start of the coordinates, in the world, from that of its parent.
+  static Vec2 origin_at_start(const Layout& layout, const std::vector<Vec2>& origin, int i) {
+    const Link& link = layout.links[i];
+    Vec2 p = link.parent < 0 ? Vec2{} : origin[link.parent];
+    for (const Arm& arm : link.arms) {
+      Vec2 term = layout.is_length(arm.coordinate) ? direction<double>(arm.arm) : arm.arm;
+      if (arm.turn != 0) term = term * unit(layout.turns[arm.turn].to<double>());
+      if (arm.coordinate >= 0) {
+        const Coordinate& c = layout.coordinates[arm.coordinate];
+        if (c.kind == Coordinate::Kind::angle)
+          term = term * unit(c.start);
+        else
+          term = c.start * (c.frame < 0 ? term : term * unit(layout.coordinates[c.frame].start));
+      }
+      p += term;
+    }
+    return p;
+  }
+
+  static std::vector<Vec2> origins_at_start(const Layout& layout) {
+    std::vector<Vec2> origin(layout.links.size());
+    for (const int i : layout.tree_order) origin[i] = origin_at_start(layout, origin, i);
+    return origin;
+  }
+
   // A bar points from one of its end points to the other. A body connected by bars alone has the position of the
   // scene's start.
   void guess_bars() {
-    std::vector<Vec2> origin(out_.links.size());
+    std::vector<Vec2> origin = origins_at_start(out_);
     const auto angle = [&](const Link& link) {
       return (link.frame < 0 ? 0.0 : out_.coordinates[link.frame].start) + turn_of(link);
     };
-    const auto place = [&](int i) {
-      const Link& link = out_.links[i];
-      Vec2 p = link.parent < 0 ? Vec2{} : origin[link.parent];
-      for (const Arm& arm : link.arms) {
-        Vec2 term = out_.is_length(arm.coordinate) ? direction<double>(arm.arm) : arm.arm;
-        if (arm.turn != 0) term = term * unit(out_.turns[arm.turn].to<double>());
-        if (arm.coordinate >= 0) {
-          const Coordinate& c = out_.coordinates[arm.coordinate];
-          if (c.kind == Coordinate::Kind::angle)
-            term = term * unit(c.start);
-          else
-            term = c.start * (c.frame < 0 ? term : term * unit(out_.coordinates[c.frame].start));
-        }
-        p += term;
-      }
-      origin[i] = p;
-    };
-    for (int i : out_.tree_order) place(i);
+    const auto place = [&](int i) { origin[i] = origin_at_start(out_, origin, i); };
     for (int i : out_.tree_order) {
       Link& link = out_.links[i];
       place(i);
@@ -556,6 +624,38 @@ class Builder {
       const Vec2 along = world(joint.b) - world(joint.a);
       if (!is_zero(along)) out_.coordinates[link.frame].start = std::atan2(along.y, along.x);
       place(i);
+    }
+  }
+
+  // Coordinates of which the scene says nothing, because joints are cut, as the scene starts without their friction.
+  void guess_what_is_cut() {
+    Scene whole = scene_;
+    for (Joint& joint : whole.joints) joint.friction.reset();
+    const Layout of_whole = Builder(whole, purpose_, nullptr).build();
+    const auto start_of = [](const Layout& layout, int coordinate) {
+      return coordinate < 0 ? 0.0 : layout.coordinates[static_cast<std::size_t>(coordinate)].start;
+    };
+    const std::vector<Vec2> origin = origins_at_start(of_whole);
+    out_.anchor = of_whole.anchor;
+    out_.size = of_whole.size;
+    for (std::size_t i = 0; i < out_.links.size(); ++i) {
+      const Link& link = out_.links[i];
+      const Link& same = of_whole.links[i];
+      if (link.frame >= 0) {
+        out_.coordinates[link.frame].start =
+            start_of(of_whole, same.frame) + of_whole.turns[same.turn].to<double>() - turn_of(link);
+      }
+      if (link.parent != 0) continue;
+      for (const Arm& arm : link.arms) {
+        if (!out_.is_length(arm.coordinate)) continue;
+        Coordinate& c = out_.coordinates[arm.coordinate];
+        if (std::find(out_.travel.begin(), out_.travel.end(), arm.coordinate) != out_.travel.end()) continue;
+        c.start = (arm.arm.x != 0 ? origin[i].x : origin[i].y) - c.origin;
+      }
+    }
+    for (std::size_t j = 0; j < carriage_.size(); ++j) {
+      if (carriage_[j] < 0) continue;
+      out_.coordinates[carriage_[j]].start = start_of(out_, out_.travel[j]) + scene_.joints[j].friction->length / 2;
     }
   }
 
@@ -616,7 +716,11 @@ class Builder {
 
   const Scene& scene_;
   Purpose purpose_;
+  const Scene* also_;
   Layout out_;
+  std::vector<bool> cut_;  // per joint: closes a loop
+  bool any_cut_ = false;
+  std::vector<int> carriage_;  // per joint: coordinate of the travel of its carriage's end, or -1
   std::optional<Frames> frames_;
   std::vector<double> frame_open_;  // per representative: by how much the angles of its frame may be others, rad
   std::vector<int> bar_link_;
@@ -786,6 +890,6 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
   return merged;
 }
 
-Layout lay_out(const Scene& scene, Purpose purpose, const Scene* also) { return Builder(scene, purpose).build(also); }
+Layout lay_out(const Scene& scene, Purpose purpose, const Scene* also) { return Builder(scene, purpose, also).build(); }
 
 }  // namespace poise

@@ -16,6 +16,13 @@ namespace poise {
 std::vector<double> motion_coordinates(const MotionModel& motion, const StaticModel& statics,
                                        const std::vector<double>& static_x);
 
+/// The same from any other model of the scene, of which coordinates that cut joints make (model/joint_friction.hpp)
+/// follow from the poses of the bodies.
+std::vector<double> coordinates_in(const MotionModel& motion, const ScaledModel& other, const std::vector<double>& x);
+
+/// Whether joints are cut in a layout.
+bool has_cuts(const Layout& layout);
+
 /// Closes the loops of the scaled coordinates x by minimum-norm steps. Throws InputError if that fails.
 std::vector<double> closed_from(const MotionModel& motion, std::vector<double> x);
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "motion/joint_friction.hpp"
+#include "model/joint_friction.hpp"
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/body_measures.hpp"

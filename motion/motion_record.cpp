@@ -61,7 +61,7 @@ std::vector<Channel> channels_of(const MotionModel& model) {
   }
   for (int t = layout.angles; t < layout.kept; ++t) {
     const auto i = static_cast<std::size_t>(t);
-    if (!named[i])
+    if (!named[i] && !layout.coordinates[i].name.empty())
       channels.push_back(
           {layout.coordinates[i].name, Quantity::length, t, model.scales().length * layout.coordinates[i].origin});
   }

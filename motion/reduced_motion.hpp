@@ -58,6 +58,14 @@ struct Influence {
 ///   J a_p + D3c[v, v, q_p] + 2 D2c[v, v_p] + D2c[a, q_p] + (J a + D2c[v, v] - accelerations of the drives)|p = 0,
 /// and alpha_p follows from  B^T (change of G + J^T multipliers along q_p, v_p, a_p, and its |p) = 0.
 ///
+/// Friction of joints in a scene that is resisted_by_joints(): an element that sticks resists with its constant force
+/// F_i, and where its bound grows with the force R in the joint, with T_i = s_i c_i |R|_i more, s_i the direction in
+/// which it slides. R are multipliers of closures, affine in all T. With W_ij = c_i |dR/dT_j|_i the equations
+/// T = S c |R(T)| contract, so that there is one solution, where I - W has positive pivots; elsewhere friction is
+/// locked: there may be two solutions, or none (P. Painleve, "Sur les lois du frottement de glissement", 1895). By any
+/// z, w or p,
+///   T' = S (c |R|' + c' |R|),  |R|' = |R|'(R' at constant T + dR/dT T').
+///
 /// One object per thread: it holds the last state evaluated. Call choose() once (again to change to better
 /// coordinates), then place(), move(), accelerate() and, for derivatives, linearize() in this order.
 template <class T>
@@ -68,9 +76,11 @@ class ReducedMotion {
 
   enum class Status {
     ok,
-    open,       ///< the loops cannot be closed for these z
-    singular,   ///< so near a singular pose that the dependent coordinates are ill-conditioned
-    no_inertia  ///< B^T M B is not positive definite: some degree of freedom has no inertia
+    open,         ///< the loops cannot be closed for these z
+    singular,     ///< so near a singular pose that the dependent coordinates are ill-conditioned
+    no_inertia,   ///< B^T M B is not positive definite: some degree of freedom has no inertia
+    locked,       ///< friction of joints grows with the forces that it makes: they may be several, or none
+    undetermined  ///< closures that repeat each other leave the force in a joint with friction open
   };
 
   const Layout& layout() const { return mechanism_.layout(); }
@@ -154,6 +164,24 @@ class ReducedMotion {
   const T* alpha_z(int k) const { return &alpha_z_[static_cast<std::size_t>(k) * freedoms()]; }
   const T* alpha_w(int k) const { return &alpha_w_[static_cast<std::size_t>(k) * freedoms()]; }
 
+  /// By how much the bound of friction that sticks exceeds that of its law: of an element of the scene, c |R|. After
+  /// accelerate().
+  T load_bound(int element) const;
+  /// |R| of a slide or slot is the size of a normal force, of a carriage the greater of two: piecewise linear in R, by
+  /// branches. From now on, whatever the forces become, that of each joint follows the branch that accelerate() found
+  /// last; free again after free_branches().
+  void follow_branches();
+  void free_branches();
+  /// Lets that of an element follow the branch next to the one in `from`.
+  void turn_branch(int element, const std::vector<int>& from);
+  /// c times the force by which the branch that an element follows is the right one; 0 where that is rounding, infinite
+  /// where it follows none.
+  T branch_margin(int element) const;
+  const std::vector<int>& branches() const { return followed_; }
+  void set_branches(const std::vector<int>& followed) { followed_ = followed; }
+  /// Where accelerate() found a joint's force undetermined: the joint, or -1 of what friction holds.
+  int undetermined() const { return undetermined_; }
+
   T kinetic_energy() const;
   T potential_energy() const { return mechanism_.energy(q_.data(), pose_.data()); }
   /// Power of everything without a potential: resistances (negative), follower loads, inputs less the constant loads in
@@ -180,21 +208,41 @@ class ReducedMotion {
       return (derivative == 0 ? start : T(0)) + drive.moved(t, derivative);
     }
   };
-  // c, J v, the second derivatives of c, and G + J^T multipliers: their direct derivatives by a number.
+  // Multipliers of the closures of a joint, by components in the world: of the joint, and of the end of a carriage.
+  struct Hold {
+    Planar<T> at{}, end{};
+  };
+  // Friction of a joint that grows with its force.
+  struct Grip {
+    int element, joint;
+    CompiledMeasure<T> on;   // the joint's angle or travel
+    T factor;                // c
+    int row = -1, end = -1;  // first rows of the closures
+    int travel = -1;         // its coordinate, whose line has the direction `axis` at zero angle
+    Planar<T> axis{};
+  };
+  // What its size depends on: |at| of a pin; else of the normal components N = n . at and n . end, of the carriage's
+  // end, by N + end or by end alone, with the sign of that.
+  struct Branch {
+    T by_at{}, by_end{};
+  };
+  // c, J v, the second derivatives of c, G + J^T multipliers, and c_i |R|_i: their direct derivatives by a number.
   struct Direct {
-    std::vector<T> gap, rate, acceleration, force;
+    std::vector<T> gap, rate, acceleration, force, bound;
   };
   struct Piece {
     std::shared_ptr<const Mechanism<T>> mechanism;
     std::shared_ptr<const Inertia<T>> inertia;
     std::vector<DriveRow> drives;
     std::vector<InputLoad<T>> input_loads;
+    std::vector<Grip> grips;
     T weight{};
     bool changes_drives = false;
   };
   template <class S>
   friend class ReducedMotion;
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
+  static std::vector<Grip> grips_of(const Scene& scene, const Mechanism<T>& mechanism);
   double near_at(const T& t) const { return std::isnan(near_) ? static_cast<double>(t) : near_; }
   void set_load(InputLoad<T>& load) const;
   void make_rows();
@@ -205,6 +253,17 @@ class ReducedMotion {
   void solve_rows(const T* rows, T* full) const;  // full[dependent] = -Jd^-1 rows, full[independent] = 0
   void place_accelerations();
   void find_multipliers();
+  void add_accelerations(const T* alpha);
+  bool leaves_open();
+  Status add_gripping_friction();
+  Hold hold_of(const Grip& grip) const;
+  Planar<T> normal_of(const Grip& grip) const;
+  void take_size(std::size_t i, const Hold& hold);
+  std::size_t grip_of(int element) const;
+  int branch_at(std::size_t i) const;
+  T size_along(std::size_t i, const Hold& change, const Planar<T>& normal_change) const;
+  static T size_of(const Grip& grip, const Branch& branch, const Hold& hold, const Planar<T>& normal);
+  void let_friction_follow(const T* dq, const Direct* direct, const T* force, T* dalpha);
   void linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha);
   void linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
   void add_direct(Piece& piece);
@@ -244,6 +303,21 @@ class ReducedMotion {
   mutable std::vector<Planar<T>> pose_, work_, work2_, drive_scratch_;
   mutable std::vector<T> full_, rows_work_, small_, small_rows_;
   SmallLu<T> lu_;
+
+  std::vector<Grip> grips_;
+  std::vector<T> directions_, efforts_, sizes_;  // of each: s, T, |R|
+  std::vector<Hold> holds_, responses_;          // R, and dR_i/dT_j
+  std::vector<Branch> branches_;
+  std::vector<int> followed_;  // branch of each: +-1 by N + end, +-2 by end alone, with their signs; 0: free
+  std::vector<Planar<T>> normals_;
+  std::vector<T> grip_slopes_, grip_alpha_;  // Dg and d alpha/dT of each
+  std::vector<T> grip_work_, grip_step_, grip_fixed_;
+  std::vector<Hold> holds_without_;  // R where all T are zero
+  SmallLu<T> grip_lu_;               // of I - S c |R|' dR/dT
+  std::vector<int> place_of_row_;    // in used_rows_, or -1
+  int undetermined_ = -1;
+  bool gripping_ = false;  // some bound grows with a force
+  bool open_ = false, open_known_ = false;
 
   std::vector<std::vector<Piece>> variations_;
   Direct direct_;

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "motion/reduced_motion.hpp"
+#include "motion/reduced_motion_friction_impl.hpp"
 
 namespace poise {
 
@@ -100,20 +101,30 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   project(full_force_.data(), alpha_.data());
   for (T& x : alpha_) x = -x;
   divide_by_mass(alpha_.data());
-  for (int k = 0; k < f; ++k) {
+  add_accelerations(alpha_.data());
+  if (gripping_) {
+    const Status added = add_gripping_friction();
+    if (added != Status::ok) return added;
+  }
+  if (drives() > 0) find_multipliers();
+  return Status::ok;
+}
+
+// B alpha to the accelerations, and what belongs to it to forces.
+template <class T>
+void ReducedMotion<T>::add_accelerations(const T* alpha) {
+  for (int k = 0; k < freedoms(); ++k) {
     const T* column = B(k);
     const T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
     const Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
     mechanism_.phasors().first(pose_.data(), column, work_.data());
     for (int i = 0; i < n_; ++i) {
-      a_[i] += alpha_[k] * column[i];
-      full_force_[i] += alpha_[k] * moved[i];
-      second_[i] += alpha_[k] * work_[i];
-      weight_[i] += alpha_[k] * weighed[i];
+      a_[i] += alpha[k] * column[i];
+      full_force_[i] += alpha[k] * moved[i];
+      second_[i] += alpha[k] * work_[i];
+      weight_[i] += alpha[k] * weighed[i];
     }
   }
-  if (drives() > 0) find_multipliers();
-  return Status::ok;
 }
 
 // Jd^T multipliers = -G over the dependent coordinates; rows that are not used have none.
@@ -171,6 +182,7 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
   project(force_.data(), dalpha);
   for (int j = 0; j < freedoms(); ++j) dalpha[j] = -dalpha[j];
   divide_change_by_mass(dalpha);
+  if (gripping_) let_friction_follow(dq, direct, force_.data(), dalpha);
   for (int k = 0; k < freedoms(); ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
@@ -257,6 +269,7 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
       piece.changes_drives = variation.changes_drives;
       int drive_scratch = 0;
       piece.drives = rows_of(scene, *piece.mechanism);
+      piece.grips = grips_of(scene, *piece.mechanism);
       for (DriveRow& row : piece.drives) {
         row.start = static_cast<T>(row.drive.start.value_or(0.0));
         drive_scratch = std::max(drive_scratch, row.on.scratch_size());
@@ -326,6 +339,11 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
     for (int k = 0; k < drives(); ++k) piece.drives[k].on.add_gradient(there, drive_multipliers_[k], g);
   }
   for (int i = 0; i < n_; ++i) direct_.force[i] += piece.weight * g[i];
+  for (std::size_t i = 0; gripping_ && i < grips_.size(); ++i) {
+    const Grip& grip = piece.grips[i];
+    const T size = size_of(grip, branches_[i], holds_[i], grip.travel < 0 ? Planar<T>{} : normal_of(grip));
+    direct_.bound[i] += piece.weight * grip.factor * size;
+  }
 }
 
 template <class T>
@@ -336,9 +354,10 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     project(full_.data(), alpha);
     for (int j = 0; j < freedoms(); ++j) alpha[j] = -alpha[j];
     divide_change_by_mass(alpha);
+    if (gripping_) let_friction_follow(nullptr, nullptr, full_.data(), alpha);
     return;
   }
-  for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force}) {
+  for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound}) {
     std::fill(part->begin(), part->end(), T(0));
   }
   if (influence.drive >= 0) {
@@ -415,6 +434,7 @@ T ReducedMotion<T>::power() const {
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];
   for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1, near_at(t_));
+  for (std::size_t i = 0; i < grips_.size(); ++i) power -= efforts_[i] * grips_[i].on.along(here(), v_.data());
   return power;
 }
 

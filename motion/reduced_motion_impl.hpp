@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/joint_friction.hpp"
 #include "motion/motion_input_impl.hpp"
 #include "motion/reduced_motion.hpp"
 
@@ -14,11 +15,24 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
     : mechanism_(mechanism), inertia_(inertia), n_(mechanism.coordinates()), singular_limit_(1e-9) {
   drives_ = rows_of(scene, mechanism);
   prescribed_ = drives_.size();
+  grips_ = grips_of(scene, mechanism);
   const std::size_t n = static_cast<std::size_t>(n_);
   for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_,
                      &varied_force_}) {
     full->assign(n, T(0));
   }
+  const std::size_t k = grips_.size();
+  for (auto* each : {&directions_, &efforts_, &sizes_, &grip_work_, &grip_step_, &grip_fixed_, &direct_.bound})
+    each->assign(k, T(0));
+  for (const Grip& grip : grips_) gripping_ = gripping_ || grip.factor != 0;
+  holds_.resize(k);
+  holds_without_.resize(k);
+  responses_.resize(k * k);
+  branches_.resize(k);
+  followed_.assign(k, 0);
+  normals_.resize(k);
+  grip_slopes_.assign(k * n, T(0));
+  grip_lu_.resize(static_cast<int>(k));
   make_rows();
   values_.resize(mechanism.jacobian_row().size());
   tangent_.resize(mechanism.tangent_row().size());
@@ -42,6 +56,33 @@ std::vector<typename ReducedMotion<T>::DriveRow> ReducedMotion<T>::rows_of(const
     rows.push_back({held, {scene, mechanism.layout(), mechanism.phasors(), stop.on}, static_cast<T>(stop.max)});
   }
   return rows;
+}
+
+template <class T>
+std::vector<typename ReducedMotion<T>::Grip> ReducedMotion<T>::grips_of(const Scene& scene,
+                                                                        const Mechanism<T>& mechanism) {
+  std::vector<Grip> out;
+  const Layout& layout = mechanism.layout();
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const int joint = static_cast<int>(j);
+    const int element = friction_element(scene, joint);
+    if (element < 0) continue;
+    Grip one{element,
+             joint,
+             {scene, layout, mechanism.phasors(), scene.elements[element].on},
+             T(grip_factor(scene.joints[j]))};
+    for (const ConstraintBlock& block : mechanism.blocks()) {
+      if (layout.closures[block.closure].joint == joint) (one.row < 0 ? one.row : one.end) = block.first_row;
+    }
+    if (one.row < 0) continue;  // of a joint in the tree, whose friction is constant
+    if (scene.joints[j].has_travel()) {
+      one.travel = layout.travel[j];
+      one.axis =
+          direction<T>(scene.joints[j].axis) * mechanism.phasors().turned(layout.links[scene.joints[j].a.body].turn);
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
 }
 
 // Sizes the buffers that depend on the number of rows.
@@ -161,6 +202,14 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
                           [&](int j) { return std::find(fixed->begin(), fixed->end(), j) == fixed->end(); });
   }
   const int searched = fixed != nullptr ? n_ - static_cast<int>(fixed->size()) : n_;
+  // Coordinates without names, which only cut joints make, depend on the others where that is well-conditioned.
+  int unnamed = 0;
+  if (gripping_) {
+    const auto first_named = std::stable_partition(columns.begin(), columns.begin() + searched, [&](int j) {
+      return mechanism_.layout().coordinates[j].name.empty();
+    });
+    unnamed = static_cast<int>(first_named - columns.begin());
+  }
   T first(0);
   int rank = 0;
   const int most = keep_rank && first_rank_ >= 0 ? first_rank_ : std::min(rows_, searched);
@@ -169,14 +218,18 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   bool grown = false;
   for (; rank < std::min(rows_, searched); ++rank) {
     int p = rank, c = rank;
-    for (int i = rank; i < rows_; ++i) {
-      for (int j = rank; j < searched; ++j) {
-        if (abs(jacobian(rows[i], columns[j])) > abs(jacobian(rows[p], columns[c]))) {
-          p = i;
-          c = j;
+    const auto find_pivot = [&](int end) {
+      for (int i = rank; i < rows_; ++i) {
+        for (int j = rank; j < end; ++j) {
+          if (abs(jacobian(rows[i], columns[j])) > abs(jacobian(rows[p], columns[c]))) {
+            p = i;
+            c = j;
+          }
         }
       }
-    }
+    };
+    find_pivot(rank < unnamed ? unnamed : searched);
+    if (rank < unnamed && !(abs(jacobian(rows[p], columns[c])) > static_cast<T>(0.1))) find_pivot(searched);
     const T size = abs(jacobian(rows[p], columns[c]));
     if (rank == 0) first = size;
     if (rank >= most) {
@@ -220,6 +273,10 @@ void ReducedMotion<T>::take_over(const ReducedMotion<S>& other) {
 template <class T>
 void ReducedMotion<T>::make_room() {
   lu_.resize(rank());
+  open_known_ = false;
+  place_of_row_.assign(static_cast<std::size_t>(rows_), -1);
+  for (std::size_t i = 0; i < used_rows_.size(); ++i) place_of_row_[used_rows_[i]] = static_cast<int>(i);
+  grip_alpha_.assign(grips_.size() * independent_.size(), T(0));
   small_rows_.assign(dependent_.size(), T(0));
   const std::size_t f = independent_.size();
   const std::size_t n = static_cast<std::size_t>(n_);

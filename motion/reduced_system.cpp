@@ -30,6 +30,7 @@ class ReducedSystem::Fine {
     if (reduced.slides() != nullptr) {
       const std::vector<Long> q(reduced.q(), reduced.q() + reduced.coordinates());
       motion_.set_slides(scene, {reduced.slides(), reduced.slides() + scene.elements.size()}, q.data());
+      motion_.set_branches(reduced.branches());
     }
     motion_.set_variations(variations);
     motion_.take_over(reduced);

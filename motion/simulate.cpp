@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "motion/joint_friction.hpp"
+#include "model/joint_friction.hpp"
 #include "motion/motion_error.hpp"
 #include "motion/reduced_system.hpp"
 #include "motion/singular_passage.hpp"
@@ -259,10 +259,9 @@ class Simulation {
     const auto width = static_cast<std::size_t>(columns_);
     const double work = y_[static_cast<std::size_t>(2 * reduced_.freedoms())];
     const bool started = node > 0 && of_friction;
-    if (!friction_.choose(reduced_, t)) {
-      stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s friction that sticks acts on more than {} places without "
-                                            "rate, or in a singular pose; give some of it a width",
-                                            t, StickSlip::most_at_once));
+    const StickSlip::Choice choice = friction_.choose(reduced_, t);
+    if (choice != StickSlip::Choice::made) {
+      stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, words_of(choice)));
       return false;
     }
     const int f = reduced_.freedoms();
@@ -586,7 +585,28 @@ class Simulation {
     out_.why = std::move(why);
   }
 
+  static std::string words_of(StickSlip::Choice choice) {
+    switch (choice) {
+      case StickSlip::Choice::locked:
+        return locked_words;
+      case StickSlip::Choice::several:
+        return "friction of joints may hold or let go, or let go in several ways: more than one motion agrees with its "
+               "laws; give less friction";
+      case StickSlip::Choice::none:
+        return "friction leaves no motion that agrees with its laws (P. Painleve); give less of it";
+      default:
+        return fmt::format(
+            "friction that sticks acts on more than {} places without rate, or in a singular pose; give some of it a "
+            "width",
+            StickSlip::most_at_once);
+    }
+  }
+
   void give_up(Reduced::Status status, double t) {
+    if (status == Reduced::Status::locked) {
+      return stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, locked_words));
+    }
+    if (status == Reduced::Status::undetermined) return refuse_undetermined(t);
     if (status == Reduced::Status::no_inertia) {
       return stop(
           MotionStatus::no_inertia,
@@ -599,6 +619,24 @@ class Simulation {
     stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s it reached {}", t, what));
   }
 
+  /// Of a force that its joints leave open from the start the scene is to blame.
+  void refuse_undetermined(double t) {
+    if (t > 0 || reduced_.undetermined() < 0) {
+      return stop(MotionStatus::stuck,
+                  fmt::format("at t = {:.9g} s it reached a pose that leaves forces in its joints open", t));
+    }
+    const Joint& joint = model_.scene().joints[static_cast<std::size_t>(reduced_.undetermined())];
+    throw InputError(fmt::format(
+        "{}:{}: {} \"{}\".friction: the mechanism is statically indeterminate, so that the force in this joint, on "
+        "which "
+        "its friction depends, cannot be known; expected joints of which none repeats others, or friction of a "
+        "constant torque or force",
+        model_.scene().file, joint.line, joint.traits().key, joint.name));
+  }
+
+  static constexpr const char* locked_words =
+      "friction locks: the friction of joints grows with the forces that it makes, so that these may be several, or "
+      "none (P. Painleve); give less friction";
   static constexpr double eps = std::numeric_limits<double>::epsilon();
   static constexpr double tiny = std::numeric_limits<double>::min();
 
@@ -649,8 +687,25 @@ std::string to_string(MotionStatus status) {
   return "";
 }
 
+namespace {
+
+/// Throws InputError where the model was made without the friction of its joints.
+void expect_joint_friction(const Scene& scene) {
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const Joint& joint = scene.joints[j];
+    if (!joint.friction || friction_element(scene, static_cast<int>(j)) >= 0) continue;
+    throw InputError(fmt::format(
+        "{}:{}: {} \"{}\".friction: friction of joints is not treated here; expected friction of a constant "
+        "torque or force, give it in a table [[friction]] instead",
+        scene.file, joint.line, joint.traits().key, joint.name));
+  }
+}
+
+}  // namespace
+
 Motion simulate(const MotionModel& model, const MotionState& start, const MotionOptions& options) {
-  refuse_joint_friction(model.scene(), "motion");
+  expect_joint_friction(model.scene());
+  refuse_rubbing_ropes(model.scene(), "motion");
   return Simulation(model, start, options).run();
 }
 

@@ -81,6 +81,8 @@ struct Motion {
 
 /// Integrates the motion from `start` under all forces and drives: the reduced equations of ReducedMotion by
 /// RungeKutta78, loops closed at every stage, independent coordinates chosen anew where they are ill-conditioned.
+/// The friction of joints acts in a scene that is resisted_by_joints(); throws InputError for other scenes that have
+/// some, and where the forces that it depends on are not determined.
 Motion simulate(const MotionModel& model, const MotionState& start, const MotionOptions& options);
 
 /// The largest difference of two motions of one start, relative to the travel of each coordinate: with one of them at a

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/equilibrium_pose.hpp"
 #include "motion/simulate.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/mobility.hpp"
@@ -47,6 +48,15 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
                   where(model)));
 }
 
+/// The pose in which the scene is assembled, whichever joints the friction in them cuts.
+std::vector<double> assembled(const MotionModel& model) {
+  if (!has_cuts(model.layout())) return close_loops(model);
+  Scene whole = model.scene();
+  for (Joint& joint : whole.joints) joint.friction.reset();
+  const ScaledModel uncut(std::move(whole), Purpose::dynamics);
+  return coordinates_in(model, uncut, close_loops(uncut));
+}
+
 /// Moves a closed pose, by its drives alone, to the values that they start with: in steps, so that the mechanism stays
 /// in the branch of assembly of the pose given.
 void reach_starts_of_drives(const MotionModel& model, Reduced& reduced, std::vector<double>& x) {
@@ -71,7 +81,7 @@ void reach_starts_of_drives(const MotionModel& model, Reduced& reduced, std::vec
 
 MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted, const std::vector<double>* q,
                          const std::vector<int>* chosen) {
-  std::vector<double> x = q != nullptr ? model.from_si(*q) : close_loops(model);
+  std::vector<double> x = q != nullptr ? model.from_si(*q) : assembled(model);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   reach_starts_of_drives(model, reduced, x);
   reduced.choose(0.0, x.data(), false, chosen);

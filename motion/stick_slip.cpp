@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "model/joint_friction.hpp"
+
 namespace poise {
 namespace {
 
@@ -44,8 +46,9 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
     }
     contacts_.push_back(std::move(contact));
   }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) grips_ = grips_ || grips(scene, static_cast<int>(j));
   pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));
-  met_ = none();
+  met_ = turning_ = turned_ = none();
 }
 
 Configuration<double> StickSlip::place(const CompiledMeasure<double>& on, const double* q) {
@@ -76,6 +79,7 @@ double StickSlip::watch(const Reduced& motion) {
     contact.rate = rate(contact, motion);
     contact.acceleration = acceleration(contact, motion);
     contact.speed = std::max(contact.speed, std::abs(contact.rate));
+    contact.load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
   }
   return margin(motion);
 }
@@ -105,24 +109,42 @@ double StickSlip::margin_of(const Contact& contact, const Reduced& motion) {
   }
   const auto h = std::find(motion.held().begin(), motion.held().end(), contact.element) - motion.held().begin();
   const double force = std::abs(motion.holding_force(static_cast<int>(h)));
-  return (contact.force - force) / (std::max(contact.force, force) + tiny);
+  const double bound = contact.force + motion.load_bound(contact.element);
+  return (bound - force) / (std::max(bound, force) + tiny);
 }
 
 double StickSlip::margin(const Reduced& motion) {
   double least = std::numeric_limits<double>::infinity();
-  least_ = none();
+  least_ = turning_ = none();
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const double turn = turn_margin_of(contacts_[c], motion);
+    if (turn < least) {
+      least = turn;
+      turning_ = c;
+    }
     if (contacts_[c].idle) continue;
     const double own = margin_of(contacts_[c], motion);
     if (!(own < least)) continue;
     least = own;
     least_ = c;
+    turning_ = none();
   }
   return least;
 }
 
+double StickSlip::turn_margin_of(const Contact& contact, const Reduced& motion) {
+  if (!grips_ || motion.slides()[contact.element] == 0) return std::numeric_limits<double>::infinity();
+  const double load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
+  return motion.branch_margin(contact.element) / (load + tiny);
+}
+
 void StickSlip::meet(const Reduced& motion) {
-  met_ = least_;
+  turned_ = turning_;
+  met_ = turned_ == none() ? least_ : none();
+  if (met_ == none()) {
+    by_force_ = true;
+    return;
+  }
   const Contact& contact = contacts_[met_];
   by_force_ = motion.slides()[contact.element] == 0;
   if (by_force_) return;
@@ -149,9 +171,10 @@ double StickSlip::event_time_by(const double* dq, const double* dv, int variatio
   return -change / met_acceleration_;
 }
 
-bool StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
-                    const std::vector<int>& slides) const {
+Reduced::Status StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
+                               const std::vector<int>& slides) const {
   motion.set_slides(model_.scaled_scene(), slides, q.data());
+  motion.free_branches();
   motion.choose(t, q.data(), false);
   motion.expect(q.data());
   std::vector<double> z, w;
@@ -159,16 +182,17 @@ bool StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, con
     z.push_back(q[static_cast<std::size_t>(i)]);
     w.push_back(v[static_cast<std::size_t>(i)]);
   }
-  if (motion.place(t, z.data()) != Reduced::Status::ok) return false;
+  const Reduced::Status placed = motion.place(t, z.data());
+  if (placed != Reduced::Status::ok) return placed;
   motion.move(w.data());
-  if (motion.accelerate() != Reduced::Status::ok) return false;
-  return true;
+  return motion.accelerate();
 }
 
-bool StickSlip::choose(Reduced& motion, double t) {
+StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
   const auto n = static_cast<std::size_t>(motion.coordinates());
   const std::vector<double> q(motion.q(), motion.q() + n);
   const std::vector<double> v(motion.v(), motion.v() + n);
+  const std::vector<int> before = motion.branches();
   std::vector<int> slides = directions(motion);
   std::vector<std::size_t> still;
   std::size_t choices = 1;
@@ -177,9 +201,9 @@ bool StickSlip::choose(Reduced& motion, double t) {
     const bool moves = c != met_ && std::abs(rate(contacts_[c], motion)) > no_rate * contacts_[c].speed;
     if (moves) continue;
     still.push_back(c);
+    if (still.size() > most_at_once) return Choice::failed;
     choices *= 3;
   }
-  if (still.size() > most_at_once) return false;
   std::vector<Trial> trials;
   std::vector<double> largest(still.size(), tiny);
   for (std::size_t choice = 0; choice < choices; ++choice) {
@@ -192,37 +216,51 @@ bool StickSlip::choose(Reduced& motion, double t) {
       held_again = held_again || (option == 0 && c == met_ && by_force_);
       rest /= 3;
     }
-    if (held_again || !set(motion, t, q, v, slides)) continue;
+    if (held_again) continue;
+    const Reduced::Status status = set(motion, t, q, v, slides);
+    if (status == Reduced::Status::locked && motion.held().empty()) return Choice::locked;
+    if (status != Reduced::Status::ok) continue;
     Trial trial{slides, {}, {}};
     for (std::size_t k = 0; k < still.size(); ++k) {
       const Contact& contact = contacts_[still[k]];
       trial.acceleration.push_back(acceleration(contact, motion));
       largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
-      trial.force.push_back(slides[static_cast<std::size_t>(contact.element)] == 0 ? margin_of(contact, motion) : 0.0);
+      const bool is_held = slides[static_cast<std::size_t>(contact.element)] == 0;
+      trial.force.push_back(is_held ? margin_of(contact, motion) : 0.0);
     }
     trials.push_back(std::move(trial));
   }
+  if (trials.empty()) return Choice::failed;
   double least = consistent;
   const Trial* best = nullptr;
-  for (const Trial& trial : trials) {
-    double violation = 0.0;
+  for (Trial& trial : trials) {
     for (std::size_t k = 0; k < still.size(); ++k) {
       const int s = trial.slides[static_cast<std::size_t>(contacts_[still[k]].element)];
-      violation = std::max(violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / largest[k]);
+      trial.violation = std::max(trial.violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / largest[k]);
     }
-    if (!(violation < least)) continue;
-    least = std::max(violation, no_acceleration);  // choices as consistent as this are the same motion
+    if (!(trial.violation < least)) continue;
+    least = std::max(trial.violation, no_acceleration);  // choices as consistent as this are the same motion
     best = &trial;
   }
-  if (best == nullptr || !set(motion, t, q, v, best->slides)) return false;
+  if (best == nullptr) return Choice::none;
+  for (const Trial& trial : trials) {
+    if (!grips_ || trial.violation > no_acceleration) continue;
+    for (std::size_t k = 0; k < still.size(); ++k) {
+      const double apart = std::abs(trial.acceleration[k] - best->acceleration[k]);
+      if (apart > consistent * largest[k]) return Choice::several;
+    }
+  }
+  if (set(motion, t, q, v, best->slides) != Reduced::Status::ok) return Choice::failed;
   for (std::size_t k = 0; k < still.size(); ++k) {
     const bool slides_on = best->slides[static_cast<std::size_t>(contacts_[still[k]].element)] != 0;
     contacts_[still[k]].idle = slides_on && !(still[k] == met_ && by_force_) &&
                                std::abs(best->acceleration[k]) <= no_acceleration * largest[k];
   }
-  met_ = none();
-  by_force_ = false;
-  return true;
+  motion.follow_branches();
+  // At the turn itself both branches agree but for rounding.
+  if (turned_ != none()) motion.turn_branch(contacts_[turned_].element, before);
+  met_ = turned_ = none();
+  return Choice::made;
 }
 
 double StickSlip::held_value_by(const Reduced& motion, std::size_t h, const double* dq, int variation) {

@@ -12,9 +12,11 @@ namespace poise {
 ///   slides in one direction s = 1 or -1:  T = s F,  s dg/dt >= 0,
 ///   or is held:                           g = const,  |T| <= F,  T as balance requires,
 /// so that the motion is smooth. An event is where s dg/dt of an element that slides, or F - |T| of one that is held,
-/// falls to zero. There every element without rate may slide in either direction or be held: the one choice is taken
-/// whose accelerations and forces satisfy  s d2g/dt2 >= 0  and  |T| <= F.  (T does not depend on reactions, so
-/// that the accelerations are those of a convex minimum, and unique.)
+/// falls to zero, and where the F of one that slides turns into another branch of its formula. There every element
+/// without rate may slide in either direction or be held: the one choice is taken whose accelerations and forces
+/// satisfy  s d2g/dt2 >= 0  and  |T| <= F.  Where F is constant the accelerations are those of a convex minimum, and
+/// unique. Of joints F grows with the force in them (ReducedMotion): all choices must then have forces that are unique,
+/// and those that are consistent the same accelerations.
 class StickSlip {
  public:
   /// Both must outlive this.
@@ -26,7 +28,8 @@ class StickSlip {
   std::vector<int> directions(const ReducedMotion<double>& motion);
   /// Notes rates and accelerations at a node of the motion; the margin there.
   double watch(const ReducedMotion<double>& motion);
-  /// Least of  s dg/dt / (largest rate yet)  and  1 - |T| / F: negative where an event has passed. After accelerate().
+  /// Least of  s dg/dt / (largest rate yet),  1 - |T| / F  and of the margin of branches over the largest force yet:
+  /// negative where an event has passed. After accelerate().
   double margin(const ReducedMotion<double>& motion);
   /// Where the rate of an element that slides in the same direction at the last node and at h after it, where
   /// `motion` is, passes zero twice between them by the cubic through both: the time after the node at which it is
@@ -35,12 +38,18 @@ class StickSlip {
   /// At the event found by the last margin(): keeps what event_time_by() needs.
   void meet(const ReducedMotion<double>& motion);
   /// The derivative of the time of the event that was met along changes of q and v, and by a number if `variation` is
-  /// not negative: -(d rate/dp) / (d2g/dt2); zero where the force of an element that is held passes F, as accelerations
-  /// do not jump there.
+  /// not negative: -(d rate/dp) / (d2g/dt2); zero where the force of an element that is held passes F, and where F
+  /// turns, as accelerations do not jump there.
   double event_time_by(const double* dq, const double* dv, int variation) const;
-  /// Chooses who slides and who is held from now on, and sets and accelerates `motion` so. False if there are more than
-  /// most_at_once elements without rate, or the equations fail.
-  bool choose(ReducedMotion<double>& motion, double t);
+  enum class Choice {
+    made,
+    failed,   ///< there are more than most_at_once elements without rate, or the equations fail
+    locked,   ///< forces of a choice may be several, or none
+    several,  ///< choices with different accelerations are consistent
+    none      ///< none is
+  };
+  /// Chooses who slides and who is held from now on, and sets and accelerates `motion` so.
+  Choice choose(ReducedMotion<double>& motion, double t);
   /// The derivative of the value at which held element h, in the order of ReducedMotion::held(), stays.
   double held_value_by(const ReducedMotion<double>& motion, std::size_t h, const double* dq, int variation);
 
@@ -49,32 +58,38 @@ class StickSlip {
  private:
   struct Contact {
     int element;
-    double force;  // F
+    double force;  // F, or its constant part
     CompiledMeasure<double> on;
     std::vector<std::vector<CompiledMeasure<double>>> varied;  // by variation and piece
     double speed = 0.0;                                        // largest rate yet
+    double load = 0.0;                                         // largest part of F yet that grows with a force
     double rate = 0.0, acceleration = 0.0;                     // at the last node
     bool idle = false;  // slides without rate or acceleration: what is held holds it, too
   };
   struct Trial {
     std::vector<int> slides;
     std::vector<double> acceleration, force;  // of those without rate
+    double violation = 0.0;
   };
   std::size_t none() const { return contacts_.size(); }
   Configuration<double> place(const CompiledMeasure<double>& on, const double* q);
   double rate(const Contact& contact, const ReducedMotion<double>& motion);
   double acceleration(const Contact& contact, const ReducedMotion<double>& motion);
   double margin_of(const Contact& contact, const ReducedMotion<double>& motion);
-  bool set(ReducedMotion<double>& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
-           const std::vector<int>& slides) const;
+  double turn_margin_of(const Contact& contact, const ReducedMotion<double>& motion);
+  ReducedMotion<double>::Status set(ReducedMotion<double>& motion, double t, const std::vector<double>& q,
+                                    const std::vector<double>& v, const std::vector<int>& slides) const;
 
   const MotionModel& model_;
   const std::vector<Variation>& variations_;
   std::vector<Contact> contacts_;
+  bool grips_ = false;  // some F grows with a force
   std::vector<Planar<double>> pose_;
   std::size_t least_ = 0;             // contact of the last margin()
   std::size_t met_ = 0;               // of the event, none() without
-  bool by_force_ = false;             // its force passes F
+  bool by_force_ = false;             // its force passes F, or F turns
+  std::size_t turning_ = 0;           // contact of the last margin() whose F turns, none() without
+  std::size_t turned_ = 0;            // the same of the event
   std::vector<double> slope_, bend_;  // of its rate, by v and by q
   std::vector<double> direct_;        // and by the number of each variation
   double met_acceleration_ = 0.0;

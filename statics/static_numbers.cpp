@@ -43,6 +43,8 @@ bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
       const Joint& joint = scene.joints[static_cast<std::size_t>(place.item)];
       return place.number < static_cast<int>(joint.numbers().size() - joint.friction_numbers().size());
     }
+    case Owner::coupling:  // of ropes behind their length friction on pulleys
+      return place.number == 0 || scene.stops[static_cast<std::size_t>(place.item)].table != "rope";
     default:
       return true;
   }

@@ -17,8 +17,8 @@
 #include "app/draw/mechanism.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/terminal/interrupt.hpp"
+#include "model/joint_friction.hpp"
 #include "model/named_number.hpp"
-#include "motion/joint_friction.hpp"
 #include "motion/release.hpp"
 
 namespace poise::app {
@@ -102,8 +102,8 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
-  const MotionModel model(load_moving_scene(request.common));
-  refuse_joint_friction(model.scene(), "motion");
+  const MotionModel model(resisted_by_joints(load_moving_scene(request.common)));
+  refuse_rubbing_ropes(model.scene(), "motion");
   expect_record_of_a_size(request, model);
   OutputFiles files(request.common);
   const std::atomic<bool>& interrupt = watch_for_interrupt();

@@ -71,7 +71,14 @@ TEST(HoldCommand, RefusesByName) {
   };
   refused({"hold", dataset("six_bar")}, "expected friction");
   refused({"hold", dataset("friction/wedge"), "--vary", "point.wedge.W.y"}, "--vary point.wedge.W.y: expected");
-  refused({"motion", dataset("friction/wedge"), "--duration", "1"}, "friction that depends on the force in the joint");
+}
+
+TEST(HoldCommand, MotionTreatsFrictionOfJoints) {
+  const Outcome swings = run_poise({"motion", dataset("friction/bearing"), "--release", "arm=60", "--duration", "1"});
+  EXPECT_EQ(swings.exit_code, 0) << swings.err;
+  const Outcome locks = run_poise({"motion", dataset("friction/wedge"), "--from", "start", "--duration", "1"});
+  EXPECT_EQ(locks.exit_code, 1);
+  EXPECT_NE(locks.out.find("friction locks"), std::string::npos) << locks.out << locks.err;
 }
 
 constexpr const char* pendulum = R"(

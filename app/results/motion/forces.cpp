@@ -11,8 +11,8 @@
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
 #include "model/couplings.hpp"
+#include "model/joint_friction.hpp"
 #include "motion/force_courses.hpp"
-#include "motion/joint_friction.hpp"
 #include "statics/pose_values.hpp"
 #include "statics/readings.hpp"
 

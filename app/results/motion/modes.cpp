@@ -8,7 +8,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
-#include "motion/joint_friction.hpp"
+#include "model/joint_friction.hpp"
 
 namespace poise::app {
 namespace {

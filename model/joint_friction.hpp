@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/scene.hpp"
+
+namespace poise {
+
+/// For motion: the scene with a force element for every joint with friction, on its angle or travel, that has the
+/// constant part of its bound: friction that sticks (DryFriction of width 0), with the table and the name of the joint.
+/// Elements that the scene has keep their places. The rest of the bound, which grows with the force in the joint, is
+/// added by ReducedMotion; for it lay_out() leaves such joints out of its tree, so that their forces are multipliers of
+/// closures. A scene that has been resisted already is returned as it is.
+Scene resisted_by_joints(Scene scene);
+
+/// Lets these elements of a scene follow the numbers of its joints, which may have changed. Without effect on other
+/// scenes.
+void let_friction_follow(Scene& scene);
+
+/// Index of the element of a joint with friction in a scene that is resisted_by_joints(), else -1.
+int friction_element(const Scene& scene, int joint);
+
+/// What the size of the force in a joint with friction is multiplied by in its bound: r mu / sqrt(1 + mu^2) of a pin,
+/// m, mu of others.
+double grip_factor(const Joint& joint);
+
+/// Whether a joint has an element, and a bound that grows with its force.
+bool grips(const Scene& scene, int joint);
+
+/// Throws InputError naming the first rope with friction on its pulleys, which `what` does not treat.
+void refuse_rubbing_ropes(const Scene& scene, std::string_view what);
+
+/// The names of joints with friction, each in quotes.
+std::vector<std::string> joints_with_friction(const Scene& scene);
+
+}  // namespace poise

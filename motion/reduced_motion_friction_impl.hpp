@@ -1,0 +1,312 @@
+#pragma once
+
+// Friction of joints that grows with the forces in them.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "motion/reduced_motion.hpp"
+
+namespace poise {
+
+// Across the line of a slide or slot, in the world.
+template <class T>
+Planar<T> ReducedMotion<T>::normal_of(const Grip& grip) const {
+  return quarter_turn(grip.axis * mechanism_.phasors().line_direction(pose_.data(), grip.travel));
+}
+
+// From the multipliers of the used rows in small_rows_.
+template <class T>
+typename ReducedMotion<T>::Hold ReducedMotion<T>::hold_of(const Grip& grip) const {
+  const auto multiplier = [&](int row) { return place_of_row_[row] < 0 ? T(0) : small_rows_[place_of_row_[row]]; };
+  Hold out{{multiplier(grip.row), multiplier(grip.row + 1)}, {}};
+  if (grip.end >= 0) out.end = {multiplier(grip.end), multiplier(grip.end + 1)};
+  return out;
+}
+
+template <class T>
+T ReducedMotion<T>::size_of(const Grip& grip, const Branch& branch, const Hold& hold, const Planar<T>& normal) {
+  if (grip.travel < 0) return norm(hold.at);
+  return branch.by_at * dot(normal, hold.at) + branch.by_end * dot(normal, hold.end);
+}
+
+// The branch of |R| that the force in a joint belongs to. Of a carriage the contact forces at its ends are
+// N / 2 -+ C / length with the couple C = end length / 2, so that the sum of their sizes is the greater of |N| and
+// |end|.
+template <class T>
+int ReducedMotion<T>::branch_at(std::size_t i) const {
+  using std::abs;
+  if (grips_[i].travel < 0) return 0;
+  const T end = dot(normals_[i], holds_[i].end);
+  const T whole = dot(normals_[i], holds_[i].at) + end;
+  if (abs(whole) >= abs(end)) return whole < 0 ? -1 : 1;
+  return end < 0 ? -2 : 2;
+}
+
+// The size of the force in a joint, and how it depends on it.
+template <class T>
+void ReducedMotion<T>::take_size(std::size_t i, const Hold& hold) {
+  const Grip& grip = grips_[i];
+  holds_[i] = hold;
+  const int branch = followed_[i] != 0 ? followed_[i] : branch_at(i);
+  const T sign(branch < 0 ? -1 : 1);
+  branches_[i] = {branch == 1 || branch == -1 ? sign : T(0), grip.end < 0 ? T(0) : sign};
+  sizes_[i] = size_of(grip, branches_[i], hold, normals_[i]);
+}
+
+template <class T>
+std::size_t ReducedMotion<T>::grip_of(int element) const {
+  std::size_t i = 0;
+  while (i < grips_.size() && grips_[i].element != element) ++i;
+  return i;
+}
+
+// The bound of what is held acts on no motion, so that its kinks do not matter.
+template <class T>
+void ReducedMotion<T>::follow_branches() {
+  for (std::size_t i = 0; i < grips_.size(); ++i) followed_[i] = directions_[i] == 0 ? 0 : branch_at(i);
+}
+
+template <class T>
+void ReducedMotion<T>::free_branches() {
+  std::fill(followed_.begin(), followed_.end(), 0);
+}
+
+template <class T>
+void ReducedMotion<T>::turn_branch(int element, const std::vector<int>& from) {
+  const std::size_t i = grip_of(element);
+  const T end = dot(normals_[i], holds_[i].end);
+  const T whole = dot(normals_[i], holds_[i].at) + end;
+  const bool by_whole = from[i] == 1 || from[i] == -1;
+  if (grips_[i].end < 0)
+    followed_[i] = -from[i];
+  else
+    followed_[i] = by_whole ? (end < 0 ? -2 : 2) : (whole < 0 ? -1 : 1);
+}
+
+template <class T>
+T ReducedMotion<T>::branch_margin(int element) const {
+  using std::abs;
+  const std::size_t i = grip_of(element);
+  const int branch = i < grips_.size() ? followed_[i] : 0;
+  if (branch == 0) return std::numeric_limits<T>::infinity();
+  const T end = dot(normals_[i], holds_[i].end);
+  const T whole = dot(normals_[i], holds_[i].at) + end;
+  const T sign(branch < 0 ? -1 : 1);
+  const T margin = branch == 1 || branch == -1 ? T(sign * whole - abs(end)) : T(sign * end - abs(whole));
+  // Where there is no normal force, rounding must not seem to turn it.
+  const T rounding = static_cast<T>(1e-13) * (norm(holds_[i].at) + norm(holds_[i].end) + 1);
+  return abs(margin) <= rounding ? T(0) : T(abs(grips_[i].factor) * margin);
+}
+
+// The change of the size where the force and the normal change.
+template <class T>
+T ReducedMotion<T>::size_along(std::size_t i, const Hold& change, const Planar<T>& normal_change) const {
+  const Grip& grip = grips_[i];
+  if (grip.travel < 0) return sizes_[i] > 0 ? T(dot(holds_[i].at, change.at) / sizes_[i]) : T(0);
+  return size_of(grip, branches_[i], change, normals_[i]) + size_of(grip, branches_[i], holds_[i], normal_change);
+}
+
+// Whether rows of J that repeat others leave the force in a joint with friction open. A row that is not used is
+// sum_i k_i (used row i): multiples of these k may be added to the multipliers.
+template <class T>
+bool ReducedMotion<T>::leaves_open() {
+  using std::abs;
+  undetermined_ = -1;
+  if (rank() == rows_) return false;
+  const auto joint_of = [&](int row) {
+    for (const Grip& grip : grips_) {
+      if (grip.factor == 0) continue;
+      for (const int first : {grip.row, grip.end}) {
+        if (first >= 0 && (row == first || row == first + 1)) return grip.joint;
+      }
+    }
+    return -2;
+  };
+  const int first_held = rows_ - static_cast<int>(held_.size());
+  const auto needs = [&](int row) {
+    undetermined_ = std::max(joint_of(row), -1);
+    return undetermined_ >= 0 || row >= first_held;
+  };
+  for (int row = 0; row < rows_; ++row) {
+    if (place_of_row_[row] >= 0) continue;
+    if (needs(row)) return true;
+    for (std::size_t j = 0; j < dependent_.size(); ++j) small_rows_[j] = jacobian(row, dependent_[j]);
+    lu_.solve_transposed(small_rows_.data());
+    for (std::size_t i = 0; i < used_rows_.size(); ++i) {
+      if (abs(small_rows_[i]) > static_cast<T>(1e-7) && needs(used_rows_[i])) return true;
+    }
+  }
+  return false;
+}
+
+// Adds the friction that grows with forces to the motion without it.
+template <class T>
+typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
+  using std::abs;
+  const std::size_t k = grips_.size();
+  const std::size_t f = independent_.size();
+  const std::size_t n = static_cast<std::size_t>(n_);
+  for (std::size_t i = 0; i < k; ++i) {
+    const Grip& one = grips_[i];
+    efforts_[i] = T(0);
+    T* slopes = &grip_slopes_[i * n];
+    std::fill(slopes, slopes + n, T(0));
+    one.on.add_gradient(here(), T(1), slopes);
+    if (slides() != nullptr) {
+      directions_[i] = T(slides()[one.element]);
+    } else {
+      const T rate = one.on.along(here(), v_.data());
+      directions_[i] = rate > 0 ? T(1) : rate < 0 ? T(-1) : T(0);
+    }
+    normals_[i] = one.travel >= 0 ? normal_of(one) : Planar<T>{};
+  }
+  if (!open_known_) open_ = leaves_open();
+  open_known_ = true;
+  if (open_) return Status::undetermined;
+
+  for (std::size_t i = 0; i < dependent_.size(); ++i) small_rows_[i] = -full_force_[dependent_[i]];
+  lu_.solve_transposed(small_rows_.data());
+  for (std::size_t i = 0; i < k; ++i) holds_without_[i] = hold_of(grips_[i]);
+  for (std::size_t j = 0; j < k; ++j) {
+    T* alpha = &grip_alpha_[j * f];
+    const T* slopes = &grip_slopes_[j * n];
+    project(slopes, alpha);
+    for (std::size_t l = 0; l < f; ++l) alpha[l] = -alpha[l];
+    divide_by_mass(alpha);
+    for (std::size_t i = 0; i < dependent_.size(); ++i) {
+      T force = slopes[dependent_[i]];
+      for (std::size_t l = 0; l < f; ++l) force += alpha[l] * mass_columns_[l * n + dependent_[i]];
+      small_rows_[i] = -force;
+    }
+    lu_.solve_transposed(small_rows_.data());
+    for (std::size_t i = 0; i < k; ++i) responses_[i * k + j] = hold_of(grips_[i]);
+  }
+  const auto acting = [&](std::size_t i) { return directions_[i] * grips_[i].factor; };
+  // Whether the equations contract. |R| as a norm: of a carriage that of the branches, whichever leads.
+  const auto reach = [&](std::size_t i, std::size_t j) {
+    const Hold& by = responses_[i * k + j];
+    if (grips_[i].travel < 0) return norm(by.at);
+    const T end = abs(dot(normals_[i], by.end));
+    const T whole = abs(dot(normals_[i], by.at) + dot(normals_[i], by.end));
+    return std::max<T>(whole, end);
+  };
+  T* matrix = grip_lu_.matrix();
+  for (std::size_t i = 0; i < k; ++i) {
+    for (std::size_t j = 0; j < k; ++j) {
+      const bool both = acting(i) != 0 && acting(j) != 0;
+      matrix[i * k + j] = T(i == j ? 1 : 0) - (both ? T(abs(acting(i)) * reach(i, j)) : T(0));
+    }
+  }
+  for (std::size_t p = 0; p < k; ++p) {
+    if (!(matrix[p * k + p] > static_cast<T>(1e-3))) return Status::locked;
+    for (std::size_t i = p + 1; i < k; ++i) {
+      const T l = matrix[i * k + p] / matrix[p * k + p];
+      for (std::size_t j = p; j < k; ++j) matrix[i * k + j] -= l * matrix[p * k + j];
+    }
+  }
+  // T = S c |R(T)| by Newton's method, from the efforts under the forces without them; by T <- S c |R(T)|, which
+  // contracts, where that does not come nearer.
+  const auto take = [&] {
+    for (std::size_t i = 0; i < k; ++i) {
+      Hold hold = holds_without_[i];
+      for (std::size_t j = 0; j < k; ++j) {
+        hold.at += efforts_[j] * responses_[i * k + j].at;
+        hold.end += efforts_[j] * responses_[i * k + j].end;
+      }
+      take_size(i, hold);
+    }
+  };
+  const auto miss = [&] {
+    T sum(0);
+    for (std::size_t i = 0; i < k; ++i) sum += abs(acting(i) * sizes_[i] - efforts_[i]);
+    return sum;
+  };
+  const auto factor = [&] {
+    T* entries = grip_lu_.matrix();
+    for (std::size_t i = 0; i < k; ++i) {
+      for (std::size_t j = 0; j < k; ++j) {
+        entries[i * k + j] =
+            T(i == j ? 1 : 0) - (acting(j) != 0 ? T(acting(i) * size_along(i, responses_[i * k + j], {})) : T(0));
+      }
+    }
+    return grip_lu_.factor() > 0;
+  };
+  take();
+  T last = miss();
+  for (int iteration = 0; iteration < 2000; ++iteration) {
+    T largest(0);
+    for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
+    if (last <= 4 * std::numeric_limits<T>::epsilon() * largest) break;
+    grip_work_ = efforts_;
+    for (std::size_t i = 0; i < k; ++i) grip_step_[i] = acting(i) * sizes_[i] - efforts_[i];
+    grip_fixed_ = grip_step_;
+    if (factor()) {
+      grip_lu_.solve(grip_step_.data());
+      for (std::size_t i = 0; i < k; ++i) efforts_[i] = grip_work_[i] + grip_step_[i];
+      take();
+      const T now = miss();
+      if (now < last) {
+        last = now;
+        continue;
+      }
+      if (last <= 1000 * std::numeric_limits<T>::epsilon() * largest) {  // as near as rounding lets it come
+        efforts_ = grip_work_;
+        take();
+        break;
+      }
+    }
+    for (std::size_t i = 0; i < k; ++i) efforts_[i] = grip_work_[i] + grip_fixed_[i];
+    take();
+    last = miss();
+  }
+  T largest(0);
+  for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
+  if (!(last <= 1e5 * std::numeric_limits<T>::epsilon() * largest) && largest > 0) return Status::locked;
+  if (!factor()) return Status::locked;
+
+  std::fill(small_.begin(), small_.end(), T(0));
+  for (std::size_t j = 0; j < k; ++j) {
+    for (std::size_t l = 0; l < f; ++l) small_[l] += efforts_[j] * grip_alpha_[j * f + l];
+    for (std::size_t i = 0; i < n; ++i) full_force_[i] += efforts_[j] * grip_slopes_[j * n + i];
+  }
+  for (std::size_t l = 0; l < f; ++l) alpha_[l] += small_[l];
+  add_accelerations(small_.data());
+  return Status::ok;
+}
+
+template <class T>
+T ReducedMotion<T>::load_bound(int element) const {
+  const std::size_t i = grip_of(element);
+  return i < grips_.size() ? T(grips_[i].factor * sizes_[i]) : T(0);
+}
+
+// Along a direction in which G + J^T multipliers changes by `force`, and alpha by `dalpha`, where the efforts of joints
+// do not change: adds what these make of alpha.
+template <class T>
+void ReducedMotion<T>::let_friction_follow(const T* dq, const Direct* direct, const T* force, T* dalpha) {
+  const std::size_t k = grips_.size();
+  const std::size_t f = independent_.size();
+  const std::size_t n = static_cast<std::size_t>(n_);
+  for (std::size_t i = 0; i < dependent_.size(); ++i) {
+    T sum = force[dependent_[i]];
+    for (std::size_t l = 0; l < f; ++l) sum += dalpha[l] * mass_columns_[l * n + dependent_[i]];
+    small_rows_[i] = -sum;
+  }
+  lu_.solve_transposed(small_rows_.data());
+  for (std::size_t i = 0; i < k; ++i) {
+    const Grip& grip = grips_[i];
+    Planar<T> turned{};
+    const int frame = grip.travel < 0 ? -1 : mechanism_.phasors().frame(grip.travel);
+    if (dq != nullptr && frame >= 0) turned = dq[frame] * quarter_turn(normals_[i]);
+    grip_work_[i] = directions_[i] * grip.factor * size_along(i, hold_of(grip), turned);
+    if (direct != nullptr) grip_work_[i] += directions_[i] * direct->bound[i];
+  }
+  grip_lu_.solve(grip_work_.data());
+  for (std::size_t j = 0; j < k; ++j) {
+    for (std::size_t l = 0; l < f; ++l) dalpha[l] += grip_work_[j] * grip_alpha_[j * f + l];
+  }
+}
+
+}  // namespace poise
