@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/cam_geometry.hpp"
 #include "model/couplings.hpp"
 #include "model/profile.hpp"
 #include "model/read_elements.hpp"
@@ -240,7 +241,7 @@ class CouplingReader {
 
   // follower - lift P((angle - phase) / turn).
   void read_cam(const TomlTable& table, Stop& stop) const {
-    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided"});
+    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller"});
     const auto [a, b] = names_.two_bodies(table);
     const std::optional<TomlTable> follower = table.find_table("follower");
     if (!follower)
@@ -252,6 +253,15 @@ class CouplingReader {
     if (stop.on.terms[0].measure.kind == Measure::Kind::sum) {
       follower->place_of("sum").fail("expected a single measure");
     }
+    if (const std::optional<TomlText> roller = table.find_text("roller")) read_roller(*roller, stop);
+  }
+
+  void read_roller(const TomlText& roller, Stop& stop) const {
+    named_roller(stop) = names_.point(roller);
+    if (named_roller(stop).body > 0 && cam_geometry(scene_, stop)) return;
+    roller.place.fail(
+        "expected the centre of the roller on a follower that slides on, or turns about a pin of, the body in which "
+        "the cam is pinned; give such a point, or leave the key out");
   }
 
   /// P of a cam.

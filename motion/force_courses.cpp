@@ -1,6 +1,9 @@
 #include "motion/force_courses.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "statics/cam_contact.hpp"
 
 namespace poise {
 namespace {
@@ -11,6 +14,24 @@ double stop_force(const Stop& stop, const Forces& forces) {
     if (r.of_stop && r.name == stop.name) return stop.on.is_angle() ? r.moment : r.axial;
   }
   return 0.0;
+}
+
+/// Contacts of cams in all poses.
+void add_cams(std::vector<ForceCourse>& out, const Scene& scene, const ForcesAlong& forces) {
+  std::vector<std::vector<CamReading>> cams;
+  for (const Forces& pose : forces.poses) cams.push_back(cam_readings(scene, poses_of(pose.motions), pose.reactions));
+  const auto add = [&](std::size_t k, const std::string& what, Quantity quantity, double CamContact::*number) {
+    ForceCourse course{"cam." + cams.front()[k].name + what, quantity, {}};
+    for (const std::vector<CamReading>& pose : cams) {
+      course.value.push_back(pose[k].contact ? (*pose[k].contact).*number : std::numeric_limits<double>::quiet_NaN());
+    }
+    out.push_back(std::move(course));
+  };
+  for (std::size_t k = 0; k < cams.front().size(); ++k) {
+    add(k, ".pressure_angle", Quantity::angle, &CamContact::pressure_angle);
+    add(k, ".normal_force", Quantity::force, &CamContact::normal);
+    add(k, ".side_thrust", Quantity::force, &CamContact::side);
+  }
 }
 
 }  // namespace
@@ -45,6 +66,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
     add(element.table + "." + element.name, effort_of(element.on),
         [i, sign](const Forces& f) { return sign * f.element_force[i]; });
   }
+  add_cams(out, scene, forces);
   add("imbalance", Quantity::force, [](const Forces& f) { return f.imbalance; });
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     if (std::none_of(forces.poses.begin(), forces.poses.end(), [s](const Forces& f) { return f.overrun[s] > 0.0; })) {

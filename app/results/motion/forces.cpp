@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/present/numbers.hpp"
+#include "app/results/cams.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
 #include "motion/force_courses.hpp"
@@ -137,7 +138,7 @@ void add_position(Group& group, const MotionModel& model, const Forces& forces) 
 bool is_element(const ForceCourse& course) {
   const std::string kind = course.name.substr(0, course.name.find('.'));
   return kind != "effort" && kind != "power" && kind != "reaction" && kind != "stop" && kind != "imbalance" &&
-         kind != "overrun";
+         kind != "overrun" && kind != "cam";
 }
 
 /// Springs, dampers and friction of one pose.
@@ -180,7 +181,7 @@ void add_efforts(Group& group, const MotionModel& model, const ForcesAlong& foun
   }
 }
 
-/// The largest of everything that is no drive, by size, and where.
+/// The largest of everything that is no drive, pressure angles of cams included, by size, and where.
 void add_largest(Group& group, const MotionModel& model, const ForcesAlong& found,
                  const std::vector<ForceCourse>& courses) {
   const Scene& scene = model.scene();
@@ -192,7 +193,11 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   }
   for (const ForceCourse& course : courses) {
     const bool moment = course.name.starts_with("reaction.") && course.name.ends_with(".moment");
-    if (moment || course.name.starts_with("stop.") || is_element(course)) shown.push_back(course);
+    const bool is_of_stop = course.name.starts_with("stop.") || course.name.starts_with("cam.");
+    if (!moment && !is_of_stop && !is_element(course)) continue;
+    shown.push_back(course);
+    // A cam that has lifted off carries nothing.
+    for (double& value : shown.back().value) value = std::isnan(value) ? 0.0 : value;
   }
   double rounding = 0.0;
   for (const Forces& f : found.poses) rounding = std::max(rounding, found.tolerance * f.largest_force);
@@ -201,7 +206,9 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   std::vector<double> where;
   for (const ForceCourse& course : shown) {
     const auto largest = largest_by_size(course.value);
-    const double unit = course.quantity == Quantity::moment ? model.scales().length : 1.0;
+    const double unit = course.quantity == Quantity::moment  ? model.scales().length
+                        : course.quantity == Quantity::angle ? 0.0
+                                                             : 1.0;
     names.push_back(course.name);
     values.push_back(with_unit(model, std::abs(*largest) <= rounding * unit ? 0.0 : *largest, course.quantity));
     where.push_back(places.values[static_cast<std::size_t>(largest - course.value.begin())]);
@@ -298,6 +305,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
     add_position(content, model, forces);
     add_elements(content, model, courses);
     add_reactions(content, model, forces.reactions, forces.redundancy);
+    add_cams(content, model, cam_readings(model.scene(), poses_of(forces.motions), forces.reactions));
   } else {
     add_efforts(content, model, found, courses, moving);
     add_largest(content, model, found, courses);
