@@ -153,9 +153,9 @@ void add_pressure_angles(Group& group, const Scene& scene, const std::vector<Cou
       return significant(in_unit(si, quantity, scene.units), 6) + " " + unit_name(quantity, scene.units);
     };
     const Course& drive = drives[pace];
-    group.fact("pressure angle", fmt::format("of \"{}\" at most {}, at {} = {}", cam.name,
-                                             shown(std::abs(cam.value[most]), Quantity::angle), drive.name,
-                                             shown(drive.value[most], drive.quantity)));
+    group.fact("cam", fmt::format("\"{}\" has a pressure angle up to {} among the samples, at {} = {}", cam.name,
+                                  shown(std::abs(cam.value[most]), Quantity::angle), drive.name,
+                                  shown(drive.value[most], drive.quantity)));
   }
 }
 
