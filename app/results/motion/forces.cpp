@@ -195,9 +195,11 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
     const bool moment = course.name.starts_with("reaction.") && course.name.ends_with(".moment");
     const bool is_of_stop = course.name.starts_with("stop.") || course.name.starts_with("cam.");
     if (!moment && !is_of_stop && !is_element(course)) continue;
+    const auto is_none = [](double value) { return std::isnan(value); };
+    if (std::all_of(course.value.begin(), course.value.end(), is_none)) continue;
     shown.push_back(course);
-    // A cam that has lifted off carries nothing.
-    for (double& value : shown.back().value) value = std::isnan(value) ? 0.0 : value;
+    // In poses in which a cam has lifted off.
+    std::replace_if(shown.back().value.begin(), shown.back().value.end(), is_none, 0.0);
   }
   double rounding = 0.0;
   for (const Forces& f : found.poses) rounding = std::max(rounding, found.tolerance * f.largest_force);
