@@ -1,7 +1,5 @@
 #include "model/cam_geometry.hpp"
 
-#include <algorithm>
-
 namespace poise {
 namespace {
 
