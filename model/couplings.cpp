@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "model/curved_slots.hpp"
 #include "model/one_line.hpp"
 
 namespace poise {
@@ -122,7 +123,6 @@ constexpr auto rubbing_rope_numbers = []<std::size_t... Rim>(std::index_sequence
 }
 (std::make_index_sequence<most_rubbing_rims>());
 
-constexpr std::array<Number, 1> circle_numbers{positive_value("radius")};
 constexpr std::array<CouplingPart, 1> value_only{CouplingPart{Of::value}};
 
 template <bool is_end>
@@ -138,6 +138,34 @@ constexpr Number end_number(std::string_view key) {
 }
 constexpr std::array<Number, 2> track_numbers{end_number<false>("from"), end_number<true>("to")};
 constexpr std::array<CouplingPart, 2> track_parts{CouplingPart{Of::lower, 0, 0}, CouplingPart{Of::upper, 0, 1}};
+
+// Of a circular slot with ends: the limits of its third stop.
+template <bool is_end>
+constexpr Number end_of_arc(std::string_view key) {
+  Number number = Stop::limits[is_end ? 1 : 0];
+  number.key = key;
+  number.dimension = dimension::angle;
+  number.measure_power = 0;
+  number.range_of_measure = false;
+  number.get = [](const void* item) {
+    const Stop& ends = static_cast<const Stop*>(item)[2];
+    return std::optional<double>(is_end ? ends.max : ends.min);
+  };
+  number.set = [](void* item, double value) {
+    Stop& ends = static_cast<Stop*>(item)[2];
+    const double from = is_end ? ends.min : value, to = is_end ? value : ends.max;
+    if (!(from < to && to - from < 2 * M_PI)) {
+      throw InputError("expected an arc from a smaller angle to a larger one, of less than a full turn");
+    }
+    ends.min = from;
+    ends.max = to;
+  };
+  number.scale = [](void*, double) {};
+  return number;
+}
+constexpr std::array<Number, 3> circle_numbers{positive_value("radius"), end_of_arc<false>("from"),
+                                               end_of_arc<true>("to")};
+constexpr std::array<CouplingPart, 2> arc_ends{CouplingPart{Of::lower, 0, 1}, CouplingPart{Of::upper, 0, 2}};
 
 // Of the two stops of a rolling wheel, of which the second stands behind the first.
 constexpr std::array<Number, 2> rolling_numbers{[] {
@@ -201,13 +229,15 @@ constexpr std::array<CouplingPart, 2> distance_parts{CouplingPart{Of::value, 0, 
 constexpr std::array<CouplingPart, 3> arc_parts{
     CouplingPart{Of::factor, 1, 0}, CouplingPart{Of::factor, 2, 1, -1.0, true}, CouplingPart{Of::value, 0, 2}};
 
-constexpr std::array<CouplingKind, 15> kinds{{{"gear", wheel_numbers, factor_and_value},
+constexpr std::array<CouplingKind, 17> kinds{{{"gear", wheel_numbers, factor_and_value},
                                               {"belt", wheel_numbers, factor_and_value},
                                               {"rack", rack_numbers, factor_and_value},
                                               {"cam", cam_numbers, cam_parts},
                                               {"coupling", coupling_numbers, value_only},
                                               {"rope", rope_numbers, value_only},
                                               {"circular_slot", circle_numbers, value_only},
+                                              {"circular_slot_line", {}, {}, 1},
+                                              {"circular_slot_ends", {}, arc_ends, 2},
                                               {"curved_slot", track_numbers, track_parts},
                                               {"curved_slot_x", {}, {}, 1},
                                               {"curved_slot_y", {}, {}, 2},
@@ -238,7 +268,9 @@ std::vector<int> rubbing_rims(const Measure& rope) {
 std::span<const Number> Stop::numbers() const {
   if (table == "rope") return std::span(rubbing_rope_numbers).first(1 + rubbing_rims(on).size());
   const CouplingKind* const kind = coupling_kind(*this);
-  return kind != nullptr ? kind->numbers : std::span<const Number>(limits);
+  if (kind == nullptr) return limits;
+  const bool is_full_circle = kind->table == "circular_slot" && line_of_centres(*this) < 0;
+  return is_full_circle ? kind->numbers.first(1) : kind->numbers;
 }
 
 std::string Stop::family() const { return words_of_key(table); }

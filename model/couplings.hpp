@@ -45,7 +45,10 @@ struct CouplingKind {
 ///   cam       follower >= base + lift P((angle - phase) / turn); = where it is guided on both sides
 ///   coupling  sum of factor times measure = value
 ///   rope      length of a rope over points and pulleys <= length
-///   circular_slot  distance of the pin from the centre = radius
+///   circular_slot  distance of the pin from the centre = radius; of one with ends the component of the pin along the
+///                line of centres, which turns with it, and behind it
+///     _line        component across that line = 0
+///     _ends        from <= angle of that line from the slot's body <= to
 ///   curved_slot    from <= travel s <= to along a spline (X(s), Y(s)); behind it, in the frame of the slot's body,
 ///     _x, _y       component of the pin along x (y) = X(s) (Y(s))
 ///   rolling        component across a line of a wheel's centre = radius; behind it

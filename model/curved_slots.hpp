@@ -15,18 +15,25 @@ inline bool is_rider(const Scene& scene, int body) {
   });
 }
 
-/// Whether a body is the massless arm along the line of centres of a circle and the wheel that rolls on it.
-inline bool is_line_of_centres(const Scene& scene, int body) {
-  return std::any_of(scene.stops.begin(), scene.stops.end(),
-                     [&](const Stop& stop) { return stop.table == "rolling_on_circle" && stop.on.a.body == body; });
+/// The massless body that turns with the line of centres of a stop's circle: of a wheel that rolls on a circle, and of
+/// a circular slot with ends, whose pin it guides (add_lines_of_centres()). -1 of other stops.
+inline int line_of_centres(const Stop& stop) {
+  const bool is_slot = stop.table == "circular_slot" && stop.on.kind == Measure::Kind::component;
+  return is_slot || stop.table == "rolling_on_circle" ? stop.on.a.body : -1;
 }
 
-/// These bodies, whose numbers are no numbers of the scene file.
+/// Whether a body is such a line.
+inline bool is_line_of_centres(const Scene& scene, int body) {
+  return std::any_of(scene.stops.begin(), scene.stops.end(),
+                     [&](const Stop& stop) { return line_of_centres(stop) == body; });
+}
+
+/// Riders and lines, whose numbers are no numbers of the scene file.
 inline std::vector<int> bodies_of_tracks(const Scene& scene) {
   std::vector<int> out;
   for (const Stop& stop : scene.stops) {
     if (stop.table == "curved_slot") out.push_back(scene.joints[static_cast<std::size_t>(stop.on.joint)].b.body);
-    if (stop.table == "rolling_on_circle") out.push_back(stop.on.a.body);
+    if (const int line = line_of_centres(stop); line >= 0) out.push_back(line);
   }
   return out;
 }

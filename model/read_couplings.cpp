@@ -1,6 +1,7 @@
 #include "model/read_couplings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "model/cam_geometry.hpp"
 #include "model/couplings.hpp"
 #include "model/profile.hpp"
 #include "model/read_elements.hpp"
@@ -27,12 +29,12 @@ class CouplingReader {
  public:
   CouplingReader(const SceneNames& names, Scene& scene) : names_(names), measures_(names, scene.units), scene_(scene) {}
 
-  /// The stops of a coupling, one per row. `own`: the rider of a curved slot, the line of centres of a wheel on a
-  /// circle.
+  /// The stops of a coupling, one per row. `own`: the rider of a curved slot, the line of centres of a circle.
   std::vector<Stop> read(const CouplingKind& kind, const TomlTable& table, int own) const {
     if (kind.table == "curved_slot") return read_track(table, own);
     if (kind.table == "rolling_on_circle") return read_rolling_on_circle(kind, table, own);
     if (kind.table == "rolling") return read_rolling(kind, table);
+    if (kind.table == "circular_slot" && own >= 0) return read_arc(kind, table, own);
     return {read_row(kind, table)};
   }
 
@@ -53,7 +55,7 @@ class CouplingReader {
       read_circle(table, stop);
     else
       read_sum(table, stop);
-    read_numbers(table, kind.numbers, &stop, &stop.on, scene_.units);
+    read_numbers(table, stop.numbers(), &stop, &stop.on, scene_.units);
     if (stop.table == "rope") stop.min = -std::numeric_limits<double>::infinity();
     if (stop.table == "cam" && !table.flag("guided", false)) stop.max = std::numeric_limits<double>::infinity();
     return stop;
@@ -139,6 +141,29 @@ class CouplingReader {
     table.allow_keys({"name", "pin", "center", "radius"});
     const auto [pin, center] = points_of(table, "pin", "center");
     stop.on = Measure::distance_between(center, pin);
+  }
+
+  // In the frame of the line of centres, which turns with the pin: along it, across it, and its angle.
+  std::vector<Stop> read_arc(const CouplingKind& kind, const TomlTable& table, int line) const {
+    table.allow_keys({"name", "pin", "center", "radius", "from", "to"});
+    const auto [pin, center] = points_of(table, "pin", "center");
+    const PointRef origin{line, 0};
+    std::vector<Stop> rows(3);
+    rows[0].table = kind.table;
+    rows[0].on = Measure::component_along(origin, pin, {1, 0});
+    rows[0].min = rows[0].max = not_given;
+    rows[1].table = "circular_slot_line";
+    rows[1].on = Measure::component_along(origin, pin, {0, 1});
+    rows[1].min = rows[1].max = 0.0;
+    rows[2].table = "circular_slot_ends";
+    rows[2].on = Measure::angle_between(center.body, line);
+    rows[2].min = table.number("from", scene_.units.angle, Range::finite);
+    rows[2].max = table.number("to", scene_.units.angle, Range::finite);
+    if (!(rows[2].min < rows[2].max && rows[2].max - rows[2].min < full_turn)) {
+      table.place_of("to").fail("expected an arc from a smaller angle to a larger one, of less than a full turn");
+    }
+    read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on, scene_.units);
+    return rows;
   }
 
   // from <= s <= to;  pin - at - (X(s), Y(s)) = 0 in the frame of the slot's body.
@@ -245,7 +270,7 @@ class CouplingReader {
 
   // follower - lift P((angle - phase) / turn).
   void read_cam(const TomlTable& table, Stop& stop) const {
-    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided"});
+    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller"});
     const auto [a, b] = names_.two_bodies(table);
     const std::optional<TomlTable> follower = table.find_table("follower");
     if (!follower)
@@ -257,6 +282,15 @@ class CouplingReader {
     if (stop.on.terms[0].measure.kind == Measure::Kind::sum) {
       follower->place_of("sum").fail("expected a single measure");
     }
+    if (const std::optional<TomlText> roller = table.find_text("roller")) read_roller(*roller, stop);
+  }
+
+  void read_roller(const TomlText& roller, Stop& stop) const {
+    named_roller(stop) = names_.point(roller);
+    if (named_roller(stop).body > 0 && cam_geometry(scene_, stop)) return;
+    roller.place.fail(
+        "expected the centre of the roller on a follower that slides on, or turns about a pin of, the body in which "
+        "the cam is pinned; give such a point, or leave the key out");
   }
 
   /// P of a cam.
@@ -341,11 +375,18 @@ bool stretches(const CouplingKind& kind, const TomlTable& table) {
   return kind.table == "rope" && (table.has("stiffness") || table.has("free_length"));
 }
 
+/// A circular slot that has ends.
+bool has_ends(const TomlTable& table) { return table.has("from") || table.has("to"); }
+
+/// Couplings that may have a line of centres, in the order in which they are read.
+constexpr std::array<std::string_view, 2> circles{"circular_slot", "rolling_on_circle"};
+
 /// What is behind the name of a coupling in those of its rows.
 std::string name_of_row(const std::string& name, const Stop& row) {
   if (row.table == "curved_slot_x") return name + " x";
   if (row.table == "curved_slot_y") return name + " y";
-  if (row.table == "rolling_on_circle_line") return name + " line";
+  if (row.table.ends_with("_line")) return name + " line";
+  if (row.table.ends_with("_ends")) return name + " ends";
   return row.table.ends_with("_friction") ? name + " friction" : name;
 }
 
@@ -398,23 +439,26 @@ std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scen
 }
 
 std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& names, Scene& scene) {
-  const std::vector<TomlTable> tables = root.tables("rolling_on_circle");
-  NameLines taken;
-  for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
-  for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
-  const std::vector<std::string> own = names_of(tables, numbered("rolling_on_circle", tables.size()), std::move(taken));
   std::vector<int> lines;
-  for (std::size_t i = 0; i < tables.size(); ++i) {
-    const PointRef center = names.point(tables[i].text("center"));
-    const int body = scene.add_body(own[i]);
-    scene.bodies.back().line = tables[i].place().line;
-    const PointRef origin = scene.add_point(body, "O", {});
-    scene.add_joint({.kind = Joint::Kind::pin,
-                     .name = own[i] + " center",
-                     .a = center,
-                     .b = origin,
-                     .line = tables[i].place().line});
-    lines.push_back(body);
+  for (const std::string_view kind : circles) {
+    const std::vector<TomlTable> tables = root.tables(kind);
+    NameLines taken;
+    for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
+    for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
+    const std::vector<std::string> own = names_of(tables, numbered(kind, tables.size()), std::move(taken));
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      lines.push_back(-1);
+      if (kind == "circular_slot" && !has_ends(tables[i])) continue;
+      const PointRef center = names.point(tables[i].text("center"));
+      lines.back() = scene.add_body(own[i]);
+      scene.bodies.back().line = tables[i].place().line;
+      const PointRef origin = scene.add_point(lines.back(), "O", {});
+      scene.add_joint({.kind = Joint::Kind::pin,
+                       .name = own[i] + " center",
+                       .a = center,
+                       .b = origin,
+                       .line = tables[i].place().line});
+    }
   }
   return lines;
 }
@@ -422,12 +466,14 @@ std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& n
 void read_couplings(const TomlTable& root, const SceneNames& names, const std::vector<int>& riders,
                     const std::vector<int>& lines, Scene& scene) {
   const CouplingReader reader(names, scene);
+  std::size_t next_line = 0;
   for (const CouplingKind& kind : coupling_kinds()) {
     if (kind.row > 0) continue;
     const std::vector<TomlTable> tables = root.tables(kind.table);
     // Forces of stops, couplings and joints are told by their names.
     NameLines taken;
-    const bool is_track = kind.table == "curved_slot", is_circle = kind.table == "rolling_on_circle";
+    const bool is_track = kind.table == "curved_slot",
+               is_circle = std::count(circles.begin(), circles.end(), kind.table) > 0;
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
       // A track has the name of its own travel.
       const bool is_own = is_track && std::count(riders.begin(), riders.end(), static_cast<int>(j)) > 0;
@@ -443,9 +489,10 @@ void read_couplings(const TomlTable& root, const SceneNames& names, const std::v
         scene.elements.push_back(std::move(rope));
         continue;
       }
-      for (Stop& row : reader.read(kind, tables[i], is_track ? riders[i] : is_circle ? lines[i] : -1)) {
+      const int line = is_circle ? lines[next_line++] : -1;
+      for (Stop& row : reader.read(kind, tables[i], is_track ? riders[i] : line)) {
         row.name = name_of_row(is_track    ? scene.joints[static_cast<std::size_t>(riders[i])].name
-                               : is_circle ? scene.bodies[static_cast<std::size_t>(lines[i])].name
+                               : line >= 0 ? scene.bodies[static_cast<std::size_t>(line)].name
                                            : item_names[i],
                                row);
         row.line = tables[i].place().line;
@@ -481,6 +528,13 @@ void set_values_from_start(const TomlTable& root, Scene& scene) {
       }
       stop.min = stop.max = *value;
     }
+  }
+  // The line of a slot with ends begins in the middle of its arc.
+  for (const Stop& stop : scene.stops) {
+    if (stop.table != "circular_slot_ends") continue;
+    std::optional<double>& guess = scene.start.angle[static_cast<std::size_t>(stop.on.body_b)];
+    const double body = scene.start.angle[static_cast<std::size_t>(stop.on.body_a)].value_or(0.0);
+    if (!guess) guess = body + 0.5 * (stop.min + stop.max);
   }
 }
 

@@ -15,8 +15,9 @@ namespace poise {
 /// with file, line and item.
 std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scene& scene);
 
-/// Adds for each table [[rolling_on_circle]] the body whose angle is that of the line of centres: massless, pinned to
-/// the circle's centre, with the name of the table. Returns these bodies in the same way.
+/// Adds for each table [[circular_slot]] with ends and each [[rolling_on_circle]] the body whose angle is that of the
+/// line of centres: massless, pinned to the circle's centre, with the name of the table. Returns these bodies in the
+/// order of the tables [[circular_slot]], -1 of those without ends, and then of the others.
 std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& names, Scene& scene);
 
 /// Reads the tables of coupling_kinds() and adds each as a stop to the scene, one of several rows as several, whose
@@ -25,7 +26,8 @@ std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& n
 void read_couplings(const TomlTable& root, const SceneNames& names, const std::vector<int>& riders,
                     const std::vector<int>& lines, Scene& scene);
 
-/// Gives couplings without a value the one that their measure has at the guesses of [start], which has been read.
+/// Gives couplings without a value the one that their measure has at the guesses of [start], which has been read, and
+/// lines of circular slots with ends a guess where there is none: the middle of the arc.
 /// Throws InputError where that is not known.
 void set_values_from_start(const TomlTable& root, Scene& scene);
 

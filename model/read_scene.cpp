@@ -81,7 +81,9 @@ class SceneReader {
     const std::vector<int> riders = add_riders(root_, names_, scene_);
     for (const int rider : riders) names_.learn_joint(rider);
     const std::vector<int> lines = add_lines_of_centres(root_, names_, scene_);
-    for (const int line : lines) names_.learn_body(line);
+    for (const int line : lines) {
+      if (line >= 0) names_.learn_body(line);
+    }
     read_elements(root_, names_, scene_);
     read_couplings(root_, names_, riders, lines, scene_);
     add_chains();

@@ -30,6 +30,12 @@ namespace {
 
 toml::array pair_of(Vec2 v) { return toml::array{v.x, v.y}; }
 
+toml::array pairs_of(const std::vector<Vec2>& pairs) {
+  toml::array rows;
+  for (const Vec2& pair : pairs) rows.push_back(pair_of(pair));
+  return rows;
+}
+
 }  // namespace
 
 /// The document that a scene file with these items would be parsed to, but without lines.
@@ -95,6 +101,10 @@ struct SceneBuilder::Document {
               const std::vector<Key>& entries) {
     toml::table& table = next(list, name);
     set_measure(table, on);
+    add_keys(table, list, name, entries);
+  }
+
+  void add_keys(toml::table& table, const std::string& list, const std::string& name, const std::vector<Key>& entries) {
     for (const Key& entry : entries) {
       const std::size_t dot = entry.name.find('.');
       const std::string first = entry.name.substr(0, dot);
@@ -114,9 +124,9 @@ struct SceneBuilder::Document {
   template <class Use>
   static void with_value(const Key& entry, Use use) {
     if (const auto* pairs = std::get_if<std::vector<Vec2>>(&entry.value)) {
-      toml::array rows;
-      for (const Vec2& pair : *pairs) rows.push_back(pair_of(pair));
-      use(std::move(rows));
+      use(pairs_of(*pairs));
+    } else if (const auto* flag = std::get_if<bool>(&entry.value)) {
+      use(*flag);
     } else if (const auto* number = std::get_if<double>(&entry.value)) {
       use(*number);
     } else {
@@ -255,6 +265,109 @@ SceneBuilder& SceneBuilder::drive(const std::string& name, const MeasureByName& 
 
 SceneBuilder& SceneBuilder::stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys) {
   document_->add_on("stop", name, on, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                                 const std::string& name) {
+  document_->add_on("gear", name, measures::angle(a, b), keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::belt(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                                 const std::string& name) {
+  document_->add_on("belt", name, measures::angle(a, b), keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::rack(const std::string& slide, const std::string& pinion, const std::vector<Key>& keys,
+                                 const std::string& name) {
+  toml::table& table = document_->next("rack", name);
+  document_->set(table, "slide", slide);
+  document_->set(table, "pinion", pinion);
+  document_->add_keys(table, "rack", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::coupling(const MeasureByName& sum, const std::vector<Key>& keys, const std::string& name) {
+  document_->add_on("coupling", name, sum, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::cam(const std::string& a, const std::string& b, const MeasureByName& follower,
+                                const std::vector<CamPart>& law, const std::vector<Key>& keys,
+                                const std::string& name) {
+  toml::table& table = document_->next("cam", name);
+  document_->set_measure(table, measures::angle(a, b));
+  toml::table followed;
+  document_->set_measure(followed, follower);
+  document_->set(table, "follower", std::move(followed));
+  toml::array parts;
+  for (const CamPart& part : law) {
+    toml::table& written = parts.emplace_back<toml::table>();
+    document_->set(written, "to", part.to);
+    document_->set(written, "law", part.law);
+    if (part.lift) document_->set(written, "lift", *part.lift);
+  }
+  if (!law.empty()) document_->set(table, "law", std::move(parts));
+  document_->add_keys(table, "cam", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::rope(const std::vector<RopePoint>& over, const std::vector<Key>& keys,
+                                 const std::string& name) {
+  toml::table& table = document_->next("rope", name);
+  toml::array list;
+  for (const RopePoint& point : over) {
+    if (point.turn.empty()) {
+      list.push_back(point.at);
+      continue;
+    }
+    toml::table& pulley = list.emplace_back<toml::table>();
+    document_->set(pulley, "pulley", point.at);
+    document_->set(pulley, "radius", point.radius);
+    document_->set(pulley, "turn", point.turn);
+  }
+  document_->set(table, "over", std::move(list));
+  document_->add_keys(table, "rope", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::circular_slot(const std::string& pin, const std::string& center,
+                                          const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("circular_slot", name);
+  document_->set(table, "pin", pin);
+  document_->set(table, "center", center);
+  document_->add_keys(table, "circular_slot", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::curved_slot(const std::string& pin, const std::string& at, const std::vector<Vec2>& curve,
+                                        const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("curved_slot", name);
+  document_->set(table, "pin", pin);
+  document_->set(table, "at", at);
+  document_->set(table, "curve", pairs_of(curve));
+  document_->add_keys(table, "curved_slot", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::rolling(const std::string& wheel, const std::string& line, Vec2 axis,
+                                    const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("rolling", name);
+  document_->set(table, "wheel", wheel);
+  document_->set(table, "line", line);
+  document_->set(table, "axis", pair_of(axis));
+  document_->add_keys(table, "rolling", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::rolling_on_circle(const std::string& wheel, const std::string& center,
+                                              const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("rolling_on_circle", name);
+  document_->set(table, "wheel", wheel);
+  document_->set(table, "center", center);
+  document_->add_keys(table, "rolling_on_circle", name, keys);
   return *this;
 }
 

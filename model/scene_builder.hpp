@@ -1,6 +1,8 @@
 #pragma once
 
+#include <concepts>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -70,15 +72,38 @@ class SceneBuilder {
     double inertia = 0.0;  ///< about the centre of mass
   };
 
-  /// A key of a table of a scene file with its number, its word, which for a number is an expression, or its pairs of
-  /// numbers. A key of a table in that table has both names: {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}}.
+  /// A key of a table of a scene file with its number, its word, which for a number is an expression, its flag, or its
+  /// pairs of numbers. A key of a table in that table has both names: {"gas.preload", 300}, {"force.curve", {{0, 0},
+  /// {10, 40}}}.
   struct Key {
     Key(std::string key, double number) : name(std::move(key)), value(number) {}
     Key(std::string key, std::string word) : name(std::move(key)), value(std::move(word)) {}
+    Key(std::string key, const char* word) : Key(std::move(key), std::string(word)) {}
+    Key(std::string key, std::same_as<bool> auto flag) : name(std::move(key)), value(flag) {}
     Key(std::string key, std::vector<Vec2> pairs) : name(std::move(key)), value(std::move(pairs)) {}
 
     std::string name;
-    std::variant<double, std::string, std::vector<Vec2>> value;
+    std::variant<double, std::string, bool, std::vector<Vec2>> value;
+  };
+
+  /// A part of the law of a cam: up to the angle `to`, at which the lift is this share, or that of the part before.
+  struct CamPart {
+    double to = 0.0;
+    std::string law;  ///< "dwell", "harmonic", "cycloidal", "polynomial_345"
+    std::optional<double> lift = {};
+  };
+
+  /// What a rope touches: a point, or a pulley of a radius around it, round which the rope turns "clockwise" or
+  /// "counterclockwise".
+  struct RopePoint {
+    RopePoint(std::string point) : at(std::move(point)) {}
+    RopePoint(const char* point) : at(point) {}
+    RopePoint(std::string pulley, double around, std::string way)
+        : at(std::move(pulley)), radius(around), turn(std::move(way)) {}
+
+    std::string at;
+    double radius = 0.0;
+    std::string turn{};  ///< empty of a point
   };
 
   SceneBuilder& source(std::string text);  ///< where the data come from
@@ -115,6 +140,31 @@ class SceneBuilder {
   SceneBuilder& drive(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys = {});
   /// A stop with its "min", "max" or both.
   SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
+
+  /// Gears, cams, ropes, slots and rolling wheels, as docs/scene-files.md#gears-cams-and-ropes and
+  /// #curved-slots-and-rolling-wheels describe their tables; `keys` are the keys of these that are not named here:
+  /// {{"ratio", 2}, {"carrier", "arm"}, {"internal", true}}.
+  SceneBuilder& gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                     const std::string& name = {});
+  SceneBuilder& belt(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                     const std::string& name = {});
+  SceneBuilder& rack(const std::string& slide, const std::string& pinion, const std::vector<Key>& keys,
+                     const std::string& name = {});
+  /// measures::sum(...) held at its "value".
+  SceneBuilder& coupling(const MeasureByName& sum, const std::vector<Key>& keys = {}, const std::string& name = {});
+  /// The angle of the cam is that of body b from body a; the profile is this law, or a key "curve" where it has no
+  /// parts.
+  SceneBuilder& cam(const std::string& a, const std::string& b, const MeasureByName& follower,
+                    const std::vector<CamPart>& law, const std::vector<Key>& keys, const std::string& name = {});
+  SceneBuilder& rope(const std::vector<RopePoint>& over, const std::vector<Key>& keys, const std::string& name = {});
+  SceneBuilder& circular_slot(const std::string& pin, const std::string& center, const std::vector<Key>& keys,
+                              const std::string& name = {});
+  SceneBuilder& curved_slot(const std::string& pin, const std::string& at, const std::vector<Vec2>& curve,
+                            const std::vector<Key>& keys = {}, const std::string& name = {});
+  SceneBuilder& rolling(const std::string& wheel, const std::string& line, Vec2 axis, const std::vector<Key>& keys,
+                        const std::string& name = {});
+  SceneBuilder& rolling_on_circle(const std::string& wheel, const std::string& center, const std::vector<Key>& keys,
+                                  const std::string& name = {});
 
   /// A force at a point, which keeps its direction in the world, or in the body that it `follows`.
   SceneBuilder& force(const std::string& name, const std::string& at, Vec2 vector, const std::string& follows = {});

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "statics/cam_contact.hpp"
+
 namespace poise {
 namespace {
 
@@ -22,6 +24,28 @@ const SlidingJoint* sliding(const Forces& forces, int joint) {
     if (one.joint == joint) return &one;
   }
   return nullptr;
+}
+
+/// Contacts of cams in all poses.
+void add_cams(std::vector<ForceCourse>& out, const Scene& scene, const ForcesAlong& forces) {
+  std::vector<std::vector<CamReading>> cams;
+  for (const Forces& pose : forces.poses) {
+    cams.push_back(cam_readings(scene, poses_of(pose.motions), pose.reactions));
+    if (!pose.friction.has_no_forces()) continue;
+    for (CamReading& cam : cams.back()) cam.contact.reset();
+  }
+  const auto add = [&](std::size_t k, const std::string& what, Quantity quantity, double CamContact::*number) {
+    ForceCourse course{"cam." + cams.front()[k].name + what, quantity, {}};
+    for (const std::vector<CamReading>& pose : cams) {
+      course.value.push_back(pose[k].contact ? (*pose[k].contact).*number : std::numeric_limits<double>::quiet_NaN());
+    }
+    out.push_back(std::move(course));
+  };
+  for (std::size_t k = 0; k < cams.front().size(); ++k) {
+    add(k, ".pressure_angle", Quantity::angle, &CamContact::pressure_angle);
+    add(k, ".normal_force", Quantity::force, &CamContact::normal);
+    add(k, ".side_thrust", Quantity::force, &CamContact::side);
+  }
 }
 
 }  // namespace
@@ -66,6 +90,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
     add(element.table + "." + element.name, effort_of(element.on),
         [i, sign](const Forces& f) { return sign * f.element_force[i]; });
   }
+  add_cams(out, scene, forces);
   if (rubs(forces)) {
     for (std::size_t k = 0; k < drives.size(); ++k) {
       add("effort_without_friction." + drives[k].name, drives[k].is_angle ? Quantity::moment : Quantity::force,

@@ -6,6 +6,7 @@
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
+#include "model/curved_slots.hpp"
 
 namespace poise::app {
 namespace {
@@ -46,15 +47,26 @@ void draw_curved_slot(Stage& stage, std::size_t first) {
   label_force(stage, stage.scene.stops[first], force_of(stage, first + 1, 2), stage.page(pin.b));
 }
 
+/// All of the circle, or between its ends.
 void draw_circular_slot(Stage& stage, std::size_t place) {
   const Stop& stop = stage.scene.stops[place];
   const Vec2 centre = stage.page(stop.on.a);
+  const bool has_ends = line_of_centres(stop) >= 0;
+  double from = 0.0, to = 2 * M_PI;
+  if (has_ends) {
+    const Stop& ends = stage.scene.stops[place + 2];
+    const double turned = stage.now.poses[static_cast<std::size_t>(ends.on.body_a)].angle;
+    from = turned + ends.min;
+    to = turned + ends.max;
+  }
   constexpr int steps = 120;
   std::vector<Vec2> line;
-  for (int k = 0; k < steps; ++k) line.push_back(centre + (stage.scale * stop.max) * unit(2 * M_PI * k / steps));
-  draw_band(stage, line, true);
+  for (int k = 0; k < (has_ends ? steps + 1 : steps); ++k) {
+    line.push_back(centre + (stage.scale * stop.max) * Stage::page_direction(unit(from + (to - from) * k / steps)));
+  }
+  draw_band(stage, line, !has_ends);
   stage.canvas.circle(centre, 1.5, {.fill = ink::dark});
-  label_force(stage, stop, force_of(stage, place, 1), stage.page(stop.on.b));
+  label_force(stage, stop, force_of(stage, place, has_ends ? 2 : 1), stage.page(stop.on.b));
 }
 
 void draw_wheel(Stage& stage, PointRef centre, double radius) {
@@ -151,7 +163,8 @@ void draw_tracks(Stage& stage) {
 }
 
 bool has_track(const Stop& stop) {
-  return stop.table == "circular_slot" || stop.table.starts_with("curved_slot") || stop.table.starts_with("rolling");
+  return stop.table.starts_with("circular_slot") || stop.table.starts_with("curved_slot") ||
+         stop.table.starts_with("rolling");
 }
 
 }  // namespace poise::app

@@ -410,7 +410,8 @@ TEST(JsonDocs, Kinematics) {
   check_section("kinematics",
                 {{{"kinematics", scene("lift"), "--drive", "stroke=0.5..0.79", "--steps", "3"}, with_csv},
                  {{"kinematics", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
-                 {{"kinematics", scene("redundant_parallelogram"), "--drive", "crank1=1..4", "--steps", "3"}}});
+                 {{"kinematics", scene("redundant_parallelogram"), "--drive", "crank1=1..4", "--steps", "3"}},
+                 {{"kinematics", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv}});
 }
 
 TEST(JsonDocs, Motion) {

@@ -132,6 +132,17 @@ SceneBuilder press_builder() {
   return builder;
 }
 
+/// Names, kinds and numbers of all items, in their order.
+void expect_same_numbers(const Scene& built, const Scene& read) {
+  const std::vector<ParameterRow> rows = parameter_table(read);
+  const std::vector<ParameterRow> same = parameter_table(built);
+  ASSERT_EQ(same.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(same[i].path.text(), rows[i].path.text());
+    EXPECT_EQ(value_at(built, same[i].place), value_at(read, rows[i].place)) << rows[i].path.text();
+  }
+}
+
 TEST(SceneBuilder, BuildsWhatTheFileReaderReads) {
   const Scene built = press_builder().build();
   const Scene read = parse_scene(press_file, "press.toml");
@@ -157,15 +168,211 @@ TEST(SceneBuilder, BuildsWhatTheFileReaderReads) {
   }
   EXPECT_EQ(std::get<LinearSpring>(built.elements[0].law).acts, LinearSpring::Acts::compression);
   EXPECT_EQ(built.forces.at(1).follows, 2);
+  expect_same_numbers(built, read);
+}
 
-  // Names, kinds and numbers of all items, in their order.
-  const std::vector<ParameterRow> rows = parameter_table(read);
-  const std::vector<ParameterRow> same = parameter_table(built);
-  ASSERT_EQ(same.size(), rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    EXPECT_EQ(same[i].path.text(), rows[i].path.text());
-    EXPECT_EQ(value_at(built, same[i].place), value_at(read, rows[i].place)) << rows[i].path.text();
+// Every kind of coupling, in a file and in code; ground and a few bodies that are free where they need not be held.
+constexpr const char* couplings_file = R"(
+title = "couplings"
+[units]
+length = "mm"
+angle = "deg"
+[ground]
+points = { O = [0, 0], A = [100, 0], R = [0, -30], S = [0, 200], T = [0, 40] }
+[body.a]
+points = { O = [0, 0] }
+[body.b]
+points = { A = [0, 0] }
+[body.arm]
+points = { O = [0, 0], P = [20, 0], L = [30, 5] }
+[body.rack]
+points = { R = [0, 0], Q = [10, 10] }
+[body.bead]
+points = { P = [0, 0] }
+[body.wheel]
+points = { C = [0, 0] }
+[[pin]]
+points = ["ground.O", "a.O"]
+[[pin]]
+points = ["ground.A", "b.A"]
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[slide]]
+name = "guide"
+points = ["ground.R", "rack.R"]
+axis = [1, 0]
+angle = 0
+[[gear]]
+name = "mesh"
+bodies = ["a", "b"]
+ratio = 0.5
+internal = true
+[[gear]]
+bodies = ["a", "b"]
+carrier = "arm"
+ratio = 2
+phase = 5
+[[belt]]
+bodies = ["a", "b"]
+ratio = 3
+crossed = true
+phase = 1
+[[rack]]
+name = "teeth"
+slide = "guide"
+pinion = "a"
+radius = 30
+[[coupling]]
+name = "sum"
+sum = [{ factor = 2, slide = "guide" }, { factor = -1, bodies = ["ground", "a"] }]
+value = 3
+[[cam]]
+name = "lobe"
+bodies = ["ground", "a"]
+follower = { slide = "guide" }
+law = [{ to = 120, law = "harmonic", lift = 1 }, { to = 180, law = "dwell" }, { to = 360, law = "cycloidal", lift = 0 }]
+lift = 10
+base = 40
+guided = true
+roller = "rack.Q"
+[[cam]]
+bodies = ["ground", "b"]
+follower = { slide = "guide" }
+curve = [[0, 0], [90, 1], [180, 0.5], [360, 0]]
+lift = 4
+base = 20
+[[rope]]
+name = "hoist"
+over = ["ground.S", { pulley = "arm.L", radius = 5, turn = "clockwise" }, "bead.P"]
+length = 400
+[[rope]]
+over = ["ground.T", "bead.P"]
+stiffness = 2
+free_length = 90
+[[circular_slot]]
+pin = "bead.P"
+center = "ground.O"
+radius = 20
+[[circular_slot]]
+name = "arc"
+pin = "bead.P"
+center = "arm.O"
+radius = 20
+from = -30
+to = 60
+[[curved_slot]]
+name = "groove"
+pin = "bead.P"
+at = "arm.P"
+curve = [[0, 0], [10, 4], [20, 0]]
+closed = true
+[[rolling]]
+name = "floor"
+wheel = "wheel.C"
+line = "ground.T"
+axis = [1, 2]
+radius = 15
+[[rolling_on_circle]]
+name = "drum"
+wheel = "wheel.C"
+center = "a.O"
+radius = 6
+circle_radius = 30
+inside = true
+offset = 2
+[start]
+arc = 20
+a = 7
+)";
+
+SceneBuilder couplings_builder() {
+  SceneBuilder builder("couplings", {.length = "mm", .angle = "deg"});
+  builder.ground_point("O", {0, 0})
+      .ground_point("A", {100, 0})
+      .ground_point("R", {0, -30})
+      .ground_point("S", {0, 200})
+      .ground_point("T", {0, 40})
+      .body("a", {.points = {{"O", {0, 0}}}})
+      .body("b", {.points = {{"A", {0, 0}}}})
+      .body("arm", {.points = {{"O", {0, 0}}, {"P", {20, 0}}, {"L", {30, 5}}}})
+      .body("rack", {.points = {{"R", {0, 0}}, {"Q", {10, 10}}}})
+      .body("bead", {.points = {{"P", {0, 0}}}})
+      .body("wheel", {.points = {{"C", {0, 0}}}})
+      .pin("ground.O", "a.O")
+      .pin("ground.A", "b.A")
+      .pin("ground.O", "arm.O")
+      .slide("ground.R", "rack.R", {1, 0}, "guide")
+      .gear("a", "b", {{"ratio", 0.5}, {"internal", true}}, "mesh")
+      .gear("a", "b", {{"carrier", "arm"}, {"ratio", 2}, {"phase", 5}})
+      .belt("a", "b", {{"ratio", 3}, {"crossed", true}, {"phase", 1}})
+      .rack("guide", "a", {{"radius", 30}}, "teeth")
+      .coupling(measures::sum({{2, measures::travel("guide")}, {-1, measures::angle("ground", "a")}}), {{"value", 3}},
+                "sum")
+      .cam("ground", "a", measures::travel("guide"),
+           {{.to = 120, .law = "harmonic", .lift = 1}, {.to = 180, .law = "dwell"}, {360, "cycloidal", 0}},
+           {{"lift", 10}, {"base", 40}, {"guided", true}, {"roller", "rack.Q"}}, "lobe")
+      .cam("ground", "b", measures::travel("guide"), {},
+           {{"curve", {{0, 0}, {90, 1}, {180, 0.5}, {360, 0}}}, {"lift", 4}, {"base", 20}})
+      .rope({"ground.S", {"arm.L", 5, "clockwise"}, "bead.P"}, {{"length", 400}}, "hoist")
+      .rope({"ground.T", "bead.P"}, {{"stiffness", 2}, {"free_length", 90}})
+      .circular_slot("bead.P", "ground.O", {{"radius", 20}})
+      .circular_slot("bead.P", "arm.O", {{"radius", 20}, {"from", -30}, {"to", 60}}, "arc")
+      .curved_slot("bead.P", "arm.P", {{0, 0}, {10, 4}, {20, 0}}, {{"closed", true}}, "groove")
+      .rolling("wheel.C", "ground.T", {1, 2}, {{"radius", 15}}, "floor")
+      .rolling_on_circle("wheel.C", "a.O", {{"radius", 6}, {"circle_radius", 30}, {"inside", true}, {"offset", 2}},
+                         "drum")
+      .start("arc", 20)
+      .start("a", 7);
+  return builder;
+}
+
+void expect_same_measure(const Measure& built, const Measure& read) {
+  EXPECT_EQ(built.kind, read.kind);
+  EXPECT_EQ(built.body_a, read.body_a);
+  EXPECT_EQ(built.body_b, read.body_b);
+  EXPECT_EQ(built.a, read.a);
+  EXPECT_EQ(built.b, read.b);
+  EXPECT_EQ(built.joint, read.joint);
+  EXPECT_EQ(built.axis, read.axis);
+  ASSERT_EQ(built.contacts.size(), read.contacts.size());
+  for (std::size_t k = 0; k < read.contacts.size(); ++k) {
+    EXPECT_EQ(built.contacts[k].at, read.contacts[k].at);
+    EXPECT_EQ(built.contacts[k].radius, read.contacts[k].radius);
+    EXPECT_EQ(built.contacts[k].turn, read.contacts[k].turn);
   }
+  ASSERT_EQ(built.terms.size(), read.terms.size());
+  for (std::size_t k = 0; k < read.terms.size(); ++k) {
+    expect_same_measure(built.terms[k].measure, read.terms[k].measure);
+    EXPECT_EQ(built.terms[k].factor, read.terms[k].factor);
+    EXPECT_EQ(built.terms[k].shift, read.terms[k].shift);
+    EXPECT_EQ(built.terms[k].span, read.terms[k].span);
+    ASSERT_EQ(built.terms[k].profile != nullptr, read.terms[k].profile != nullptr);
+    if (!read.terms[k].profile) continue;
+    for (const double u : {0.1, 0.4, 0.7, 0.95}) {
+      EXPECT_EQ(built.terms[k].profile->at(u).value, read.terms[k].profile->at(u).value);
+    }
+  }
+}
+
+TEST(SceneBuilder, BuildsTheCouplingsThatTheFileReaderReads) {
+  const Scene built = couplings_builder().build();
+  const Scene read = parse_scene(couplings_file, "couplings.toml");
+  ASSERT_EQ(built.stops.size(), read.stops.size());
+  for (std::size_t s = 0; s < read.stops.size(); ++s) {
+    EXPECT_EQ(built.stops[s].table, read.stops[s].table);
+    EXPECT_EQ(built.stops[s].name, read.stops[s].name);
+    EXPECT_EQ(built.stops[s].min, read.stops[s].min) << read.stops[s].name;
+    EXPECT_EQ(built.stops[s].max, read.stops[s].max) << read.stops[s].name;
+    EXPECT_EQ(built.stops[s].sense, read.stops[s].sense);
+    expect_same_measure(built.stops[s].on, read.stops[s].on);
+  }
+  ASSERT_EQ(built.elements.size(), read.elements.size());
+  for (std::size_t e = 0; e < read.elements.size(); ++e) {
+    EXPECT_EQ(built.elements[e].table, read.elements[e].table);
+    expect_same_measure(built.elements[e].on, read.elements[e].on);
+  }
+  expect_same_numbers(built, read);
+  EXPECT_THROW(SceneBuilder("twice").gear("a", "b", {{"ratio", 1}, {"ratio", 2}}), InputError);
 }
 
 TEST(SceneBuilder, IsInSiWithoutUnits) {

@@ -1,6 +1,7 @@
 // Pins in curved slots and wheels that roll on a line, against closed forms.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -97,6 +98,104 @@ TEST(CurvedSlots, ABeadOnARingHangsOnItsSpring) {
     const double spring = k * (2 * R * std::cos(half) - L);
     EXPECT_NEAR(size_of(found.check, "ring"), std::abs(W * std::cos(2 * half) - spring * std::cos(half)), 1e-5);
   }
+}
+
+// A bead of 20 N in an arc of radius R of a plate that is turned by `tilt`; its ends are at angles in the plate.
+std::string arc(double from, double to, double tilt, const std::string& more = "") {
+  return fmt::format(R"(
+    gravity = [0, -10]
+    [units]
+    angle = "deg"
+    [ground]
+    points = {{ C = [0.1, 0.2] }}
+    [body.plate]
+    points = {{ C = [0.05, 0] }}
+    [body.bead]
+    points = {{ P = [0, 0] }}
+    mass = 2
+    [[weld]]
+    points = ["ground.C", "plate.C"]
+    angle = {2}
+    [[circular_slot]]
+    name = "arc"
+    pin = "bead.P"
+    center = "plate.C"
+    radius = 0.3
+    from = {0}
+    to = {1}
+    {3}
+  )",
+                     from, to, tilt, more);
+}
+
+// At the end at a the arc carries the weight along its radius, its end along its tangent.
+TEST(CurvedSlots, ABeadRestsAtTheEndOfItsArc) {
+  for (const auto& [from, to, tilt, rest] : std::vector<std::array<double, 4>>{
+           {-60, 30, 0, -60}, {200, 260, 0, 260}, {-90, 0, 40, -50}, {80, 150, 110, 260}}) {
+    const Scene scene = parse_scene(arc(from, to, tilt), "arc.toml");
+    const StaticModel model(scene);
+    EXPECT_EQ(analyse_mobility(model).freedoms, 1);
+    const double a = rest * pi / 180;
+    const Vec2 radial = unit(a), tangent = quarter_turn(radial), weight{0, -20};
+    for (const Equilibrium& found : found_both_ways(model)) {
+      const Vec2 at = test::place_of(model, found.x, "bead.P");
+      EXPECT_NEAR(at.x, 0.1 + 0.3 * radial.x, tolerance(found.method));
+      EXPECT_NEAR(at.y, 0.2 + 0.3 * radial.y, tolerance(found.method));
+      const Vec2 slot = test::reaction_of(found.check, "arc").force;
+      const Vec2 end = test::reaction_of(found.check, "arc line").force;
+      EXPECT_NEAR(norm(slot + dot(weight, radial) * radial), 0.0, 1e-5);
+      EXPECT_NEAR(norm(end + dot(weight, tangent) * tangent), 0.0, 1e-5);
+      EXPECT_NEAR(std::abs(test::reaction_of(found.check, "arc ends").moment), 0.3 * norm(end), 1e-5);
+      EXPECT_EQ(test::reaction_of(found.check, "arc ends").kind, "circular_slot_ends");
+    }
+  }
+}
+
+TEST(CurvedSlots, ABeadSwingsInItsArc) {
+  const Scene scene = parse_scene(arc(-150, -30, 0), "arc.toml");
+  EXPECT_NEAR(frequency_of(scene), std::sqrt(10 / 0.3), 1e-9);
+  const StaticModel model(scene);
+  for (const Equilibrium& found : found_both_ways(model)) {
+    EXPECT_NEAR(test::angle_of(model, found.x, "arc"), -pi / 2, tolerance(found.method));
+    EXPECT_NEAR(size_of(found.check, "arc"), 20.0, 1e-6);
+  }
+  // Driven by its angle it comes to the end.
+  const KinematicsResult swept = sweep(scene, {{.name = "arc", .from = -2.0, .to = 0.0}}, {.steps = 4});
+  ASSERT_TRUE(swept.stop) << swept.why;
+  EXPECT_EQ(scene.stops[swept.stop->stop].name, "arc ends");
+  EXPECT_NEAR(swept.samples.back().drive[0], -pi / 6, 1e-9);
+}
+
+TEST(CurvedSlots, AnArcHasNumbersOfItsEnds) {
+  Scene scene = parse_scene(arc(-60, 30, 0), "arc.toml");
+  EXPECT_NEAR(get_value(scene, "circular_slot.arc.from"), -60, 1e-12);
+  set_value(scene, "circular_slot.arc.from", -45);
+  set_value(scene, "circular_slot.arc.radius", 0.4);
+  EXPECT_NEAR(get_value(scene, "circular_slot.arc.from"), -45, 1e-12);
+  EXPECT_THROW(set_value(scene, "circular_slot.arc.to", -50), InputError);
+  EXPECT_THROW(set_value(scene, "circular_slot.arc.to", 320), InputError);
+  const StaticModel model(scene);
+  const Sensitivities found =
+      sensitivities(model, {find_quantity(scene, "angle.arc"), find_quantity(scene, "bead.P.x")});
+  ASSERT_EQ(found.of.size(), 2U) << found.why;
+  const auto by = [&](std::size_t k, const std::string& number) {
+    for (const Sensitivity& one : found.of[k].by) {
+      if (one.number == number) return one.derivative;
+    }
+    return std::nan("");
+  };
+  EXPECT_NEAR(by(0, "circular_slot.arc.from"), 1.0, 1e-10);
+  EXPECT_NEAR(by(0, "circular_slot.arc.to"), 0.0, 1e-10);
+  EXPECT_NEAR(by(1, "circular_slot.arc.from"), 0.4 * std::sin(pi / 4), 1e-10);
+  EXPECT_NEAR(by(1, "circular_slot.arc.radius"), std::cos(pi / 4), 1e-10);
+  // A full circle has no ends.
+  std::string ring = arc(-60, 30, 0);
+  ring.replace(ring.find("from = -60"), 10, "");
+  EXPECT_NE(message_of(ring).find("from"), std::string::npos);
+  ring.replace(ring.find("to = 30"), 7, "");
+  EXPECT_THROW(get_value(parse_scene(ring, "ring.toml"), "circular_slot.arc.from"), InputError);
+  EXPECT_NE(message_of(arc(30, -60, 0)).find("smaller angle to a larger one"), std::string::npos);
+  EXPECT_NE(message_of(arc(0, 360, 0)).find("less than a full turn"), std::string::npos);
 }
 
 // A full cylinder in a cylindrical trough: omega^2 = 2 g / (3 (R - r)); once rolling on its own, once as a wheel on an

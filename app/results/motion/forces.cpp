@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/present/numbers.hpp"
+#include "app/results/cams.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
 #include "model/couplings.hpp"
@@ -206,7 +207,7 @@ void add_position(Group& group, const MotionModel& model, const Forces& forces) 
 
 bool is_element(const ForceCourse& course) {
   static const std::set<std::string> others = {"effort",    "effort_without_friction", "power", "reaction", "stop",
-                                               "imbalance", "joint_friction",          "lost",  "overrun"};
+                                               "imbalance", "joint_friction",          "lost",  "overrun",  "cam"};
   return !others.contains(course.name.substr(0, course.name.find('.')));
 }
 
@@ -327,7 +328,7 @@ void add_efforts(Group& group, const MotionModel& model, const ForcesAlong& foun
   }
 }
 
-/// The largest of everything that is no drive, by size, and where.
+/// The largest of everything that is no drive, pressure angles of cams included, by size, and where.
 void add_largest(Group& group, const MotionModel& model, const ForcesAlong& found,
                  const std::vector<ForceCourse>& courses) {
   const Scene& scene = model.scene();
@@ -342,7 +343,13 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   }
   for (const ForceCourse& course : courses) {
     const bool moment = course.name.starts_with("reaction.") && course.name.ends_with(".moment");
-    if (moment || course.name.starts_with("stop.") || is_element(course)) shown.push_back(course);
+    const bool is_of_stop = course.name.starts_with("stop.") || course.name.starts_with("cam.");
+    if (!moment && !is_of_stop && !is_element(course)) continue;
+    const auto is_none = [](double value) { return std::isnan(value); };
+    if (std::all_of(course.value.begin(), course.value.end(), is_none)) continue;
+    shown.push_back(course);
+    // In poses in which a cam has lifted off.
+    std::replace_if(shown.back().value.begin(), shown.back().value.end(), is_none, 0.0);
   }
   double rounding = 0.0;
   for (const Forces& f : found.poses) rounding = std::max(rounding, found.tolerance * f.largest_force);
@@ -351,7 +358,9 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   std::vector<double> where;
   for (const ForceCourse& course : shown) {
     const auto largest = largest_by_size(course.value);
-    const double unit = course.quantity == Quantity::moment ? model.scales().length : 1.0;
+    const double unit = course.quantity == Quantity::moment  ? model.scales().length
+                        : course.quantity == Quantity::angle ? 0.0
+                                                             : 1.0;
     names.push_back(course.name);
     values.push_back(with_unit(model, std::abs(*largest) <= rounding * unit ? 0.0 : *largest, course.quantity));
     where.push_back(places.values[static_cast<std::size_t>(largest - course.value.begin())]);
@@ -486,7 +495,10 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
     add_position(content, model, forces);
     add_elements(content, model, courses);
     add_friction(content, model, found);
-    if (!forces.friction.has_no_forces()) add_reactions(content, model, forces.reactions, forces.redundancy);
+    if (!forces.friction.has_no_forces()) {
+      add_reactions(content, model, forces.reactions, forces.redundancy);
+      add_cams(content, model, cam_readings(model.scene(), poses_of(forces.motions), forces.reactions));
+    }
   } else {
     add_efforts(content, model, found, courses, moving);
     add_friction(content, model, found);

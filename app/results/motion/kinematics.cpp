@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "model/nearest_name.hpp"
+#include "statics/cam_contact.hpp"
 
 namespace poise::app {
 namespace {
@@ -118,9 +120,49 @@ void add_drives(Group& group, const Scene& scene, const std::vector<Course>& dri
   }
 }
 
+/// Pressure angles of cams that are guided, rad: only these hold here. Not a number where there is none.
+std::vector<Course> pressure_angles(const Scene& scene, const KinematicsResult& found) {
+  std::vector<Course> out;
+  for (std::size_t i = 0; i < found.samples.size(); ++i) {
+    const std::vector<BodyPose<double>> poses = poses_of(found.samples[i].bodies);
+    const std::vector<CamReading> cams = cam_readings(scene, poses, {});
+    if (i == 0) {
+      for (const CamReading& cam : cams) out.push_back({cam.name, Quantity::angle, {}, {}, {}});
+    }
+    for (std::size_t k = 0; k < cams.size(); ++k) {
+      out[k].value.push_back(cams[k].contact ? cams[k].contact->pressure_angle
+                                             : std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  std::erase_if(out, [](const Course& cam) {
+    return std::all_of(cam.value.begin(), cam.value.end(), [](double angle) { return std::isnan(angle); });
+  });
+  return out;
+}
+
+/// The largest of each, and where.
+void add_pressure_angles(Group& group, const Scene& scene, const std::vector<Course>& cams,
+                         const std::vector<Course>& drives, std::size_t pace) {
+  for (const Course& cam : cams) {
+    std::size_t most = 0;
+    for (std::size_t i = 1; i < cam.value.size(); ++i) {
+      // Any is more than what is not a number.
+      if (!(std::abs(cam.value[i]) <= std::abs(cam.value[most])) && !std::isnan(cam.value[i])) most = i;
+    }
+    const auto shown = [&](double si, Quantity quantity) {
+      return significant(in_unit(si, quantity, scene.units), 6) + " " + unit_name(quantity, scene.units);
+    };
+    const Course& drive = drives[pace];
+    group.fact("cam", fmt::format("\"{}\" has a pressure angle up to {} among the samples, at {} = {}", cam.name,
+                                  shown(std::abs(cam.value[most]), Quantity::angle), drive.name,
+                                  shown(drive.value[most], drive.quantity)));
+  }
+}
+
 /// Every number, for JSON and CSV.
 void add_samples(Group& group, const Scene& scene, const KinematicsResult& found, const std::vector<Course>& drives,
-                 const std::vector<Course>& courses, const std::vector<Course>& points) {
+                 const std::vector<Course>& courses, const std::vector<Course>& points,
+                 const std::vector<Course>& cams) {
   Table& table = group.table("samples", "", Rows::columns, Verbosity::data);
   table.csv = true;
   for (const Course& drive : drives) {
@@ -132,6 +174,9 @@ void add_samples(Group& group, const Scene& scene, const KinematicsResult& found
       table.data(course.name + ".rate", in_unit(course.rate, course.quantity, scene.units));
       table.data(course.name + ".acceleration", in_unit(course.acceleration, course.quantity, scene.units));
     }
+  }
+  for (const Course& cam : cams) {
+    table.data("cam." + cam.name + ".pressure_angle", in_unit(cam.value, cam.quantity, scene.units));
   }
   table.data("closeness_to_singular", each(found.samples, &KinematicSample::closeness_to_singular));
 }
@@ -223,11 +268,13 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
                fmt::format("{} at {} {}/s, {}", ranges[pace].name, significant(in_unit(rate, quantity, scene.units), 6),
                            unit_name(quantity, scene.units),
                            count(static_cast<int>(found.samples.size()), "sample", "samples")));
+  const std::vector<Course> cams = pressure_angles(scene, found);
+  add_pressure_angles(content, scene, cams, drives, pace);
   add_singular(content, scene, found, ranges);
   if (view.points.empty()) add_drives(content, scene, drives);
   add_points(content, scene, view.points, points, drives.front());
   add_courses(content, scene, courses, drives.front(), view.all ? Verbosity::normal : Verbosity::verbose);
-  add_samples(content, scene, found, drives, courses, points);
+  add_samples(content, scene, found, drives, courses, points, cams);
   if (!found.samples.empty()) {
     double closest = 1.0;
     for (const KinematicSample& sample : found.samples) closest = std::min(closest, sample.closeness_to_singular);

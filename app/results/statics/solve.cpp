@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/present/numbers.hpp"
+#include "app/results/cams.hpp"
 #include "app/results/parts.hpp"
 #include "app/results/statics/hold.hpp"
 #include "app/results/statics/settling.hpp"
@@ -440,6 +441,7 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   table.data("radius", force_radii_in_unit(reactions, units));
   table.data("moment_radius", moment_radii_in_unit(reactions, units));
   add_stops(group, model, *answer.readings, answer.equilibrium.check);
+  add_cams(group, model, cam_readings(model.scene(), answer.readings->poses, answer.equilibrium.check.reactions));
   add_pose_data(group, model, *answer.readings);
   add_check_data(group, model, answer.equilibrium);
   group.data("energy_note", energy_note);
