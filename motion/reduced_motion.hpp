@@ -135,7 +135,7 @@ class ReducedMotion {
   Status place(const T& t, const T* z);
   /// Rates v for the independent ones w.
   void move(const T* w);
-  /// Accelerations a and alpha.
+  /// Accelerations a and alpha. Where friction is locked those of one solution, which need not be the only one, or NaN.
   Status accelerate();
   /// Computes the multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
   void linearize();

@@ -102,12 +102,9 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   for (T& x : alpha_) x = -x;
   divide_by_mass(alpha_.data());
   add_accelerations(alpha_.data());
-  if (gripping_) {
-    const Status added = add_gripping_friction();
-    if (added != Status::ok) return added;
-  }
+  const Status added = gripping_ ? add_gripping_friction() : Status::ok;
   if (drives() > 0) find_multipliers();
-  return Status::ok;
+  return added;
 }
 
 // B alpha to the accelerations, and what belongs to it to forces.

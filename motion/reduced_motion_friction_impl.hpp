@@ -199,9 +199,10 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
       matrix[i * k + j] = T(i == j ? 1 : 0) - (both ? T(abs(acting(i)) * reach(i, j)) : T(0));
     }
   }
-  for (std::size_t p = 0; p < k; ++p) {
-    if (!(matrix[p * k + p] > static_cast<T>(1e-3))) return Status::locked;
-    for (std::size_t i = p + 1; i < k; ++i) {
+  bool contracts = true;
+  for (std::size_t p = 0; p < k && contracts; ++p) {
+    contracts = matrix[p * k + p] > static_cast<T>(1e-3);
+    for (std::size_t i = p + 1; i < k && contracts; ++i) {
       const T l = matrix[i * k + p] / matrix[p * k + p];
       for (std::size_t j = p; j < k; ++j) matrix[i * k + j] -= l * matrix[p * k + j];
     }
@@ -235,7 +236,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
   };
   take();
   T last = miss();
-  for (int iteration = 0; iteration < 2000; ++iteration) {
+  for (int iteration = 0; iteration < (contracts ? 2000 : 100); ++iteration) {
     T largest(0);
     for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
     if (last <= 4 * std::numeric_limits<T>::epsilon() * largest) break;
@@ -263,8 +264,10 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
   }
   T largest(0);
   for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
-  if (!(last <= 1e5 * std::numeric_limits<T>::epsilon() * largest) && largest > 0) return Status::locked;
-  if (!factor()) return Status::locked;
+  if (!(last <= 1e5 * std::numeric_limits<T>::epsilon() * largest || largest == 0) || !factor()) {
+    std::fill(a_.begin(), a_.end(), std::numeric_limits<T>::quiet_NaN());
+    return Status::locked;
+  }
 
   std::fill(small_.begin(), small_.end(), T(0));
   for (std::size_t j = 0; j < k; ++j) {
@@ -273,7 +276,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
   }
   for (std::size_t l = 0; l < f; ++l) alpha_[l] += small_[l];
   add_accelerations(small_.data());
-  return Status::ok;
+  return contracts ? Status::ok : Status::locked;
 }
 
 template <class T>

@@ -218,13 +218,14 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
     }
     if (held_again) continue;
     const Reduced::Status status = set(motion, t, q, v, slides);
-    if (status == Reduced::Status::locked && motion.held().empty()) return Choice::locked;
-    if (status != Reduced::Status::ok) continue;
-    Trial trial{slides, {}, {}};
+    const bool is_locked = status == Reduced::Status::locked;
+    if (is_locked && motion.held().empty()) return Choice::locked;
+    if (status != Reduced::Status::ok && !(is_locked && std::isfinite(motion.a()[0]))) continue;
+    Trial trial{slides, {}, {}, is_locked};
     for (std::size_t k = 0; k < still.size(); ++k) {
       const Contact& contact = contacts_[still[k]];
       trial.acceleration.push_back(acceleration(contact, motion));
-      largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
+      if (!is_locked) largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
       const bool is_held = slides[static_cast<std::size_t>(contact.element)] == 0;
       trial.force.push_back(is_held ? margin_of(contact, motion) : 0.0);
     }
@@ -238,11 +239,15 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
       const int s = trial.slides[static_cast<std::size_t>(contacts_[still[k]].element)];
       trial.violation = std::max(trial.violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / largest[k]);
     }
-    if (!(trial.violation < least)) continue;
+    if (trial.is_locked || !(trial.violation < least)) continue;
     least = std::max(trial.violation, no_acceleration);  // choices as consistent as this are the same motion
     best = &trial;
   }
-  if (best == nullptr) return Choice::none;
+  if (best == nullptr) {
+    const bool locks = std::any_of(trials.begin(), trials.end(),
+                                   [](const Trial& trial) { return trial.is_locked && trial.violation < consistent; });
+    return locks ? Choice::locked : Choice::none;
+  }
   for (const Trial& trial : trials) {
     if (!grips_ || trial.violation > no_acceleration) continue;
     for (std::size_t k = 0; k < still.size(); ++k) {

@@ -44,7 +44,7 @@ class StickSlip {
   enum class Choice {
     made,
     failed,   ///< there are more than most_at_once elements without rate, or the equations fail
-    locked,   ///< forces of a choice may be several, or none
+    locked,   ///< forces may be several, or none: with nothing held, or of all choices that are consistent
     several,  ///< choices with different accelerations are consistent
     none      ///< none is
   };
@@ -69,6 +69,7 @@ class StickSlip {
   struct Trial {
     std::vector<int> slides;
     std::vector<double> acceleration, force;  // of those without rate
+    bool is_locked = false;                   // forces may be others than these
     double violation = 0.0;
   };
   std::size_t none() const { return contacts_.size(); }
