@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
+#include "model/cam_geometry.hpp"
 #include "statics/body_measures_impl.hpp"
 
 namespace poise::app {
@@ -73,28 +75,62 @@ void draw_rack(Stage& stage, const Stop& stop) {
                     {.stroke = ink::free_stop, .width = line_width, .dash = pitch_line});
 }
 
-// A scene gives lifts, not the shape of a cam: what is drawn turns with it and stands out where the lift is large.
-void draw_cam(Stage& stage, const Stop& stop, bool in_contact) {
+constexpr int sides_of_cam = 120;
+
+/// The curve on which the centre of the roller runs, seen from the cam: where it is with the follower at the lift of
+/// every angle, turned back by as much as the cam has to turn to that angle.
+std::vector<Vec2> pitch_curve(const Stage& stage, const Stop& stop, const CamGeometry& cam) {
+  const auto at = [&](PointRef point) { return world(stage.scene, stage.now, point); };
+  const Measure::Term& follower = stop.on.terms[0];
+  const Measure::Term& turn = stop.on.terms[1];
+  const double now = value_of(stage.scene, turn.measure, stage.now.poses);
+  const double lifted = value_of(stage.scene, follower.measure, stage.now.poses);
+  const double base = std::isfinite(stop.min) ? stop.min : stop.max;
+  const Vec2 axis = at(cam.axis), roller = at(cam.roller);
+  std::vector<Vec2> out;
+  for (int k = 0; k < sides_of_cam; ++k) {
+    const double u = static_cast<double>(k) / sides_of_cam;
+    const double by = (base - turn.factor * turn.profile->at(u).value) / follower.factor - lifted;
+    Vec2 there;
+    if (cam.slide >= 0) {
+      const Joint& slide = stage.scene.joints[static_cast<std::size_t>(cam.slide)];
+      there = roller + by * (slide.direction() * unit(stage.now.poses[static_cast<std::size_t>(slide.a.body)].angle));
+    } else {
+      const Vec2 pivot = at(cam.pivot);
+      there = pivot + (roller - pivot) * unit(cam.turn_sense * by);
+    }
+    out.push_back(stage.page(axis + (there - axis) * unit(cam.sense * (now - turn.shift - 2 * M_PI * u))));
+  }
+  return out;
+}
+
+/// Of a cam whose shape the scene does not say: what is drawn turns with it and stands out where the lift is large.
+std::vector<Vec2> lifts_of_cam(const Stage& stage, const Stop& stop) {
   const Measure::Term& term = stop.on.terms[1];
   const Vec2 pivot = stage.pivot(term.measure.body_a, term.measure.body_b);
   double least = INFINITY, most = -INFINITY;
-  constexpr int sides = 120;
   std::vector<double> lift;
-  for (int k = 0; k < sides; ++k) {
-    lift.push_back(term.profile->at(static_cast<double>(k) / sides).value);
+  for (int k = 0; k < sides_of_cam; ++k) {
+    lift.push_back(term.profile->at(static_cast<double>(k) / sides_of_cam).value);
     least = std::min(least, lift.back());
     most = std::max(most, lift.back());
   }
   constexpr double base = 12.0, height = 14.0;
   std::vector<Vec2> outline;
   const double turned = stage.now.poses[static_cast<std::size_t>(term.measure.body_b)].angle;
-  for (int k = 0; k < sides; ++k) {
+  for (int k = 0; k < sides_of_cam; ++k) {
     // The lift at the angle of the cam is that of the point that has turned back by it.
-    const double angle = turned - (term.shift + 2 * M_PI * k / sides);
+    const double angle = turned - (term.shift + 2 * M_PI * k / sides_of_cam);
     const double share = most > least ? (lift[static_cast<std::size_t>(k)] - least) / (most - least) : 0.0;
     outline.push_back(pivot + (base + height * share) * Stage::page_direction(unit(angle)));
   }
-  stage.canvas.polygon(std::move(outline), {.stroke = in_contact ? ink::stop : ink::free_stop, .width = 1.6});
+  return outline;
+}
+
+void draw_cam(Stage& stage, const Stop& stop, bool in_contact) {
+  const std::optional<CamGeometry> cam = cam_geometry(stage.scene, stop);
+  stage.canvas.polygon(cam ? pitch_curve(stage, stop, *cam) : lifts_of_cam(stage, stop),
+                       {.stroke = in_contact ? ink::stop : ink::free_stop, .width = 1.6});
 }
 
 }  // namespace

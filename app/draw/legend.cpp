@@ -76,7 +76,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::centre_of_mass, "centre of mass", centre},
       {Sign::rope, "rope, dotted where it is slack", a_line({4, 0}, {30, 0}, ink::stop, 2.0)},
       {Sign::wheels, "gears, rack or belt, at their pitch circles", pitch_circle},
-      {Sign::cam, "cam, larger where it lifts", cam},
+      {Sign::cam, "cam: path of the roller's centre, or larger where it lifts", cam},
       {Sign::track, "slot along a curve", track},
       {Sign::rolling, "wheel that rolls without slipping", rolling},
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},

@@ -459,6 +459,8 @@ TEST(JsonDocs, Forces) {
        {{"forces", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
        {{"forces", scene("lift"), "--drive", "stroke=0.6", "--rate", "0.1"}, with_csv},
        {{"forces", scene("redundant_parallelogram"), "--drive", "crank1=1"}},
+       {{"forces", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv},
+       {{"forces", scene("offset_cam"), "--drive", "cam=30"}},
        {{"forces", scene("friction/crank_press"), "--drive", "crank=0..90", "--rate", "1", "--steps", "2"}, with_csv},
        {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}}});
 }
