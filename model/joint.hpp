@@ -35,8 +35,8 @@ struct JointTraits {
 ///                (N2 - N1) length / 2 = C; of length 0 mu |N| + force, the couple is carried without friction
 ///   pin_in_slot  force   mu |N| + force
 ///
-/// In motion it resists (model/joint_friction.hpp; where the motion is given motion/sliding_friction.hpp); in statics it
-/// holds poses (statics/held.hpp), and equilibria are those without it.
+/// In motion it resists (model/joint_friction.hpp; where the motion is given motion/sliding_friction.hpp); in statics
+/// it holds poses (statics/held.hpp), and equilibria are those without it.
 struct JointFriction {
   double coefficient = 0.0;  ///< mu
   double radius = 0.0;       ///< r of a pin, m
