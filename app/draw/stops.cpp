@@ -23,6 +23,12 @@ const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
   return found == reactions.end() ? nullptr : &*found;
 }
 
+/// A rope of its full length where forces are not shown.
+bool may_be_taut(const Stage& stage, const Stop& rope, double length) {
+  constexpr double rounding = 1e-9;
+  return !stage.picture.reactions && length >= (1.0 - rounding) * rope.max;
+}
+
 std::string carried_by(const Stage& stage, const Stop& stop, const Reaction& reaction) {
   return stop.on.is_angle() ? stage.value(std::abs(reaction.moment), Quantity::moment)
                             : stage.value(norm(reaction.force), Quantity::force);
@@ -158,7 +164,7 @@ void draw_stops(Stage& stage) {
         draw_line_stop(stage, stop, component_line(stage, stop.on), now, active);
         break;
       case Measure::Kind::rope:
-        draw_rope(stage, stop, active != nullptr);
+        draw_rope(stage, stop, active != nullptr || may_be_taut(stage, stop, now));
         continue;
       case Measure::Kind::sum:
         if (stop.table == "stop") continue;  // it has no place of its own
