@@ -263,12 +263,12 @@ class SlidingSolver {
   // The solution, or nothing and why.
   std::optional<VectorXd> solved() {
     if (contracts()) {
-      const std::optional<VectorXd> g = newton(VectorXd::Zero(static_cast<Index>(by_.size())), 1.0, 5000);
+      std::optional<VectorXd> g = newton(VectorXd::Zero(static_cast<Index>(by_.size())), 1.0, 5000);
       if (!g) out_.friction.state = SlidingFriction::State::several;
       return g;
     }
     double k = 0.0;
-    const std::optional<VectorXd> g = followed(k);
+    std::optional<VectorXd> g = followed(k);
     if (has_another(g)) {
       out_.friction.state = SlidingFriction::State::several;
       return std::nullopt;
