@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "app/draw/stage.hpp"
@@ -77,33 +78,6 @@ void draw_rack(Stage& stage, const Stop& stop) {
 
 constexpr int sides_of_cam = 120;
 
-/// The curve on which the centre of the roller runs, seen from the cam: where it is with the follower at the lift of
-/// every angle, turned back by as much as the cam has to turn to that angle.
-std::vector<Vec2> pitch_curve(const Stage& stage, const Stop& stop, const CamGeometry& cam) {
-  const auto at = [&](PointRef point) { return world(stage.scene, stage.now, point); };
-  const Measure::Term& follower = stop.on.terms[0];
-  const Measure::Term& turn = stop.on.terms[1];
-  const double now = value_of(stage.scene, turn.measure, stage.now.poses);
-  const double lifted = value_of(stage.scene, follower.measure, stage.now.poses);
-  const double base = std::isfinite(stop.min) ? stop.min : stop.max;
-  const Vec2 axis = at(cam.axis), roller = at(cam.roller);
-  std::vector<Vec2> out;
-  for (int k = 0; k < sides_of_cam; ++k) {
-    const double u = static_cast<double>(k) / sides_of_cam;
-    const double by = (base - turn.factor * turn.profile->at(u).value) / follower.factor - lifted;
-    Vec2 there;
-    if (cam.slide >= 0) {
-      const Joint& slide = stage.scene.joints[static_cast<std::size_t>(cam.slide)];
-      there = roller + by * (slide.direction() * unit(stage.now.poses[static_cast<std::size_t>(slide.a.body)].angle));
-    } else {
-      const Vec2 pivot = at(cam.pivot);
-      there = pivot + (roller - pivot) * unit(cam.turn_sense * by);
-    }
-    out.push_back(stage.page(axis + (there - axis) * unit(cam.sense * (now - turn.shift - 2 * M_PI * u))));
-  }
-  return out;
-}
-
 /// Of a cam whose shape the scene does not say: what is drawn turns with it and stands out where the lift is large.
 std::vector<Vec2> lifts_of_cam(const Stage& stage, const Stop& stop) {
   const Measure::Term& term = stop.on.terms[1];
@@ -128,12 +102,41 @@ std::vector<Vec2> lifts_of_cam(const Stage& stage, const Stop& stop) {
 }
 
 void draw_cam(Stage& stage, const Stop& stop, bool in_contact) {
-  const std::optional<CamGeometry> cam = cam_geometry(stage.scene, stop);
-  stage.canvas.polygon(cam ? pitch_curve(stage, stop, *cam) : lifts_of_cam(stage, stop),
+  std::vector<Vec2> outline = pitch_curve(stage.scene, stage.now, stop);
+  for (Vec2& point : outline) point = stage.page(point);
+  stage.canvas.polygon(outline.empty() ? lifts_of_cam(stage, stop) : std::move(outline),
                        {.stroke = in_contact ? ink::stop : ink::free_stop, .width = 1.6});
 }
 
 }  // namespace
+
+std::vector<Vec2> pitch_curve(const Scene& scene, const Readings& readings, const Stop& stop) {
+  const std::optional<CamGeometry> known = cam_geometry(scene, stop);
+  if (!known) return {};
+  const CamGeometry& cam = *known;
+  const auto at = [&](PointRef point) { return world(scene, readings, point); };
+  const Measure::Term& follower = stop.on.terms[0];
+  const Measure::Term& turn = stop.on.terms[1];
+  const double now = value_of(scene, turn.measure, readings.poses);
+  const double lifted = value_of(scene, follower.measure, readings.poses);
+  const double base = std::isfinite(stop.min) ? stop.min : stop.max;
+  const Vec2 axis = at(cam.axis), roller = at(cam.roller);
+  std::vector<Vec2> out;
+  for (int k = 0; k < sides_of_cam; ++k) {
+    const double u = static_cast<double>(k) / sides_of_cam;
+    const double by = (base - turn.factor * turn.profile->at(u).value) / follower.factor - lifted;
+    Vec2 there;
+    if (cam.slide >= 0) {
+      const Joint& slide = scene.joints[static_cast<std::size_t>(cam.slide)];
+      there = roller + by * (slide.direction() * unit(readings.poses[static_cast<std::size_t>(slide.a.body)].angle));
+    } else {
+      const Vec2 pivot = at(cam.pivot);
+      there = pivot + (roller - pivot) * unit(cam.turn_sense * by);
+    }
+    out.push_back(axis + (there - axis) * unit(cam.sense * (now - turn.shift - 2 * M_PI * u)));
+  }
+  return out;
+}
 
 void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint) {
   const std::vector<BodyPose<double>>& poses = stage.now.poses;

@@ -59,6 +59,8 @@ Box extent_of(const Scene& scene, const Readings& readings) {
       for (const Vec2& point : points_of_track(scene, readings, s)) box.include(point);
     } else if (stop.table == "circular_slot") {
       box.include(world(scene, readings, stop.on.a), stop.max);
+    } else if (stop.table == "cam") {
+      for (const Vec2& point : pitch_curve(scene, readings, stop)) box.include(point);
     } else if (stop.table == "rolling") {
       box.include(world(scene, readings, stop.on.b), stop.max);
     } else if (stop.table == "rolling_on_circle") {

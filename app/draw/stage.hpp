@@ -179,8 +179,12 @@ void draw_drives(Stage& stage);
 /// A rope over its points and pulleys.
 void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint);
 void draw_rope(Stage& stage, const Stop& stop, bool taut);
-/// Pitch circles of gears, racks and belts; a cam as a shape that stands out where it lifts.
+/// Pitch circles of gears, racks and belts; a cam by its pitch curve, or as a shape that stands out where it lifts.
 void draw_coupling(Stage& stage, const Stop& stop, bool in_contact);
+/// The curve on which the centre of a cam's roller runs, seen from the cam, m: where it is with the follower at the
+/// lift of every angle, turned back by as much as the cam has to turn to that angle. Empty where the scene does not say
+/// where they are (model/cam_geometry.hpp).
+std::vector<Vec2> pitch_curve(const Scene& scene, const Readings& readings, const Stop& stop);
 /// Points along the track of a curved slot, m: `first` of its rows in the scene's stops. Open tracks between their
 /// ends.
 std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, std::size_t first);

@@ -178,6 +178,29 @@ TEST(SlidingFriction, DrawerPulledBesideItsAxis) {
   EXPECT_EQ(driven(drawer(0.1, 2.0 * (1 - 1e-6), 0.4), "pull", 0.0, 1e-3).friction.state, State::solved);
 }
 
+// Beyond that edge a nut that is pulled up may bear on either flank of the thread: no effort is claimed.
+TEST(SlidingFriction, SeveralSolutionsAreNone) {
+  const double lead = 1.2, edge = std::tan(std::numbers::pi / 2 - lead);
+  const Forces found = driven(screw(lead, 1.5 * edge, -100.0), "push", 0.0, 0.01);
+  EXPECT_EQ(found.friction.state, State::several);
+  EXPECT_FALSE(found.friction.efficiency());
+  EXPECT_EQ(driven(screw(lead, 0.9 * edge, -100.0), "push", 0.0, 0.01).friction.state, State::solved);
+}
+
+// Two guides side by side share a load that statics does not divide.
+TEST(SlidingFriction, BoundsOfIndeterminateForcesAreNotKnown) {
+  std::string text = drawer(0.1, 0.3, 0.4);
+  text.replace(text.find("[[force]]"), 0, R"([[slide]]
+name = "second"
+points = ["ground.Q", "drawer.H"]
+axis = [1, 0]
+)");
+  text.replace(text.find("O = [0, 0]"), 10, "O = [0, 0], Q = [0, 0.1]");
+  const Forces found = driven(text, "pull", 0.0, 1e-3);
+  EXPECT_EQ(found.friction.state, State::undetermined);
+  EXPECT_EQ(found.friction.because_of, 0);
+}
+
 TEST(SlidingFriction, StandingStillIsLeftOut) {
   Scene scene = parse_scene(drawer(0.1, 0.3, 0.4), "test");
   scene.drives = {find_drive(scene, "pull")};
