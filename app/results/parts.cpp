@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
+#include <string_view>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -315,6 +317,22 @@ void warn_of_friction(Result& result, const Scene& scene) {
   if (names.empty()) return;
   result.warnings.push_back(
       doubtful(fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names))));
+}
+
+void warn_of_unloaded_bearings(Result& result, const Scene& scene) {
+  const bool rubs = std::any_of(scene.joints.begin(), scene.joints.end(),
+                                [](const Joint& joint) { return joint.friction && joint.friction->coefficient > 0.0; });
+  if (!rubs) return;
+  static const std::set<std::string_view> tables{"gear", "belt", "rack", "coupling", "cam"};
+  std::vector<std::string> names;
+  for (const Stop& stop : scene.stops) {
+    if (tables.contains(stop.table)) names.push_back("\"" + stop.name + "\"");
+  }
+  if (names.empty()) return;
+  result.warnings.push_back(doubtful(
+      fmt::format("Friction leaves out how teeth and contacts of {} press on bearings and guides: these act on their "
+                  "measures alone.",
+                  listed(names))));
 }
 
 }  // namespace poise::app

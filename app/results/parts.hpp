@@ -106,4 +106,8 @@ double widest(const std::vector<double>& radii);
 /// A warning that dry friction, which statics leaves out, may hold the mechanism elsewhere, where there is any.
 void warn_of_friction(Result& result, const Scene& scene);
 
+/// Says where friction of joints does not know of forces: those of gears, belts, racks, cams and other couplings act on
+/// their measures alone, so that the sideward part of a contact force loads no joint.
+void warn_of_unloaded_bearings(Result& result, const Scene& scene);
+
 }  // namespace poise::app

@@ -138,6 +138,26 @@ TEST(HoldCommand, DrawsWhatSlipsFirst) {
   EXPECT_EQ(contents(file).find("slips first"), std::string::npos) << "nothing slips without a load";
 }
 
+// The force across a guide that a cam makes is not one of the guide's.
+TEST(HoldCommand, SaysWhereContactsPressOnGuides) {
+  std::string text = contents(dataset("offset_cam"));
+  const std::string guide = "name = \"guide\"\n";
+  ASSERT_NE(text.find(guide), std::string::npos);
+  text.insert(text.find(guide) + guide.size(), "friction = { coefficient = 0.2 }\n");
+  const TempFolder folder;
+  const std::string file = folder.write("cam.toml", text);
+  const std::string expected =
+      "Friction leaves out how teeth and contacts of \"eccentric\" press on bearings and guides";
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"hold", file},
+                                                {"solve", file},
+                                                {"forces", file, "--drive", "cam=30", "--rate", "1"}}) {
+    const Outcome run = run_poise(words);
+    EXPECT_NE((run.out + run.err).find(expected), std::string::npos) << words[0] << "\n" << run.out << run.err;
+  }
+  const Outcome plain = run_poise({"solve", dataset("offset_cam")});
+  EXPECT_EQ((plain.out + plain.err).find("Friction leaves out"), std::string::npos) << plain.out;
+}
+
 TEST(HoldCommand, OthersSayThatFrictionIsLeftOut) {
   const Outcome solved = run_poise({"solve", dataset("friction/drawer")});
   EXPECT_NE(solved.out.find("friction"), std::string::npos) << solved.out << solved.err;

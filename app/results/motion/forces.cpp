@@ -128,6 +128,7 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
   const std::vector<std::string> rubbing = joints_with_friction(model.scene());
   if (!rubbing.empty() && !rubs(found)) warn(fmt::format("Friction in {} is left out of all forces.", listed(rubbing)));
   warn_of_rest(result, model.scene(), found);
+  if (rubs(found)) warn_of_unloaded_bearings(result, model.scene());
   for (const Stop& rope : model.scene().stops) {
     if (rubbing_rims(rope.on).empty()) continue;
     warn(fmt::format("Friction of the rope \"{}\" on its pulleys is left out of all forces.", rope.name));

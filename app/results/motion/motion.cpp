@@ -236,6 +236,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   for (const std::string& stop : motion.overrun) {
     out.warnings.push_back(doubtful(fmt::format("It ran through {}: stops do not act in motion.", stop)));
   }
+  warn_of_unloaded_bearings(out, model.scene());
   Group& content = out.content;
   add_data(content, answer);
   content.fact("start", answer.start);

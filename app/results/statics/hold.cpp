@@ -206,6 +206,7 @@ Result hold_result(const StaticModel& model, const std::vector<double>& x, const
   Result out = scene_result(model.scene(), settings);
   const std::vector<Rubbing> all = rubbing(model.scene());
   out.verdict = verdict_of(pose, view);
+  warn_of_unloaded_bearings(out, model.scene());
   if (view.range && view.range->any) {
     out.verdict.text +=
         fmt::format(" It holds {}.", range_in_words(*view.range, view, unit_of(model.scene(), view.number)));
