@@ -269,13 +269,13 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   const std::size_t n = x.size();
   const std::size_t every = std::max<std::size_t>(1, path.nodes() / states_of_motion);
   std::vector<double> z(w.size());
+  const auto at_node = [&](const std::vector<double>& of, std::size_t node) {
+    const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * n);
+    return model.from_si({begin, begin + static_cast<std::ptrdiff_t>(n)});
+  };
   for (std::size_t node = 0; node < path.nodes(); node += every) {
-    const auto values = [&](const std::vector<double>& of) {
-      const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * n);
-      return model.from_si({begin, begin + static_cast<std::ptrdiff_t>(n)});
-    };
-    const std::vector<double> q = values(path.q);
-    const std::vector<double> v = values(path.v);
+    const std::vector<double> q = at_node(path.q, node);
+    const std::vector<double> v = at_node(path.v, node);
     for (std::size_t k = 0; k < z.size(); ++k) {
       z[k] = q[static_cast<std::size_t>(independent_[k])];
       w[k] = v[static_cast<std::size_t>(independent_[k])];
@@ -297,11 +297,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
       std::size_t node = 0;
       while (node + 1 < path.nodes() && path.t[node] < step.at) ++node;
       if (step.at <= 0 || path.nodes() == 0 || path.t[node] < step.at) return {};
-      const auto values = [&](const std::vector<double>& of) {
-        const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * n);
-        return model.from_si({begin, begin + static_cast<std::ptrdiff_t>(n)});
-      };
-      const std::vector<double> q = values(path.q);
+      const std::vector<double> q = at_node(path.q, node);
       for (std::size_t k = 0; k < z.size(); ++k) z[k] = q[static_cast<std::size_t>(independent_[k])];
       std::fill(w.begin(), w.end(), 0.0);
       acting.reduced.expect(q.data());

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "model/joint_friction.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/held.hpp"
 
@@ -44,14 +45,10 @@ double couple_factor(const Joint& joint) {
   return joint.has_travel() && joint.keeps_angle() && friction.length > 0.0 ? 2.0 / friction.length : 0.0;
 }
 
-double force_factor(const Joint& joint) {
-  return joint.has_travel() ? joint.friction->coefficient : joint.friction->circle();
-}
-
 double bound_of(const Joint& joint, const Carried& at) {
   const JointFriction& friction = *joint.friction;
   const double constant = joint.has_travel() ? friction.force : friction.torque;
-  return force_factor(joint) * std::max(norm(at.force), couple_factor(joint) * std::abs(at.moment)) + constant;
+  return grip_factor(joint) * std::max(norm(at.force), couple_factor(joint) * std::abs(at.moment)) + constant;
 }
 
 /// Derivative of the bound where the joint carries `at` and what it carries changes by `by`.
@@ -59,14 +56,14 @@ double bound_by(const Joint& joint, const Carried& at, const Carried& by) {
   const double couple = couple_factor(joint);
   const double size = norm(at.force);
   if (couple * std::abs(at.moment) > size) {
-    return force_factor(joint) * couple * (at.moment < 0 ? -by.moment : by.moment);
+    return grip_factor(joint) * couple * (at.moment < 0 ? -by.moment : by.moment);
   }
-  return size > 0.0 ? force_factor(joint) * dot(at.force, by.force) / size : force_factor(joint) * norm(by.force);
+  return size > 0.0 ? grip_factor(joint) * dot(at.force, by.force) / size : grip_factor(joint) * norm(by.force);
 }
 
 /// The largest that the derivative can be.
 double steepest_bound(const Joint& joint, const Carried& by) {
-  return force_factor(joint) * std::max(norm(by.force), couple_factor(joint) * std::abs(by.moment));
+  return grip_factor(joint) * std::max(norm(by.force), couple_factor(joint) * std::abs(by.moment));
 }
 
 /// Solves g = k B(g), with g over the unit of its joint: 1 N, or 1 N times the size of a torque.
@@ -87,7 +84,7 @@ class SlidingSolver {
       return std::move(out_);
     }
     for (const SlidingJoint& one : joints()) {
-      if (force_factor(joint_of(one)) == 0.0 || reaction_of(out_.bodies, one).determined) continue;
+      if (grip_factor(joint_of(one)) == 0.0 || reaction_of(out_.bodies, one).determined) continue;
       out_.friction.state = SlidingFriction::State::undetermined;
       out_.friction.because_of = one.joint;
       return std::move(out_);

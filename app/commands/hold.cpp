@@ -63,13 +63,9 @@ std::string picture(const StaticModel& model, const std::vector<double>& x, cons
   const std::vector<Rubbing> all = rubbing(scene);
   for (const Slip& slip : pose.slips) {
     const Rubbing& one = all[slip.of];
-    if (one.joint >= 0) {
-      const PointRef at = scene.joints[static_cast<std::size_t>(one.joint)].b;
-      out.slipping.push_back(out.poses[static_cast<std::size_t>(at.body)].world(scene.local(at)));
-      continue;
-    }
-    if (one.rope >= 0) {
-      const PointRef at = one.on.contacts[static_cast<std::size_t>(one.contact)].at;
+    if (one.joint >= 0 || one.rope >= 0) {
+      const PointRef at = one.joint >= 0 ? scene.joints[static_cast<std::size_t>(one.joint)].b
+                                         : one.on.contacts[static_cast<std::size_t>(one.contact)].at;
       out.slipping.push_back(out.poses[static_cast<std::size_t>(at.body)].world(scene.local(at)));
       continue;
     }

@@ -7,12 +7,14 @@
 #include <set>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "app/present/cells.hpp"
 #include "app/present/numbers.hpp"
 #include "model/couplings.hpp"
+#include "model/joint_friction.hpp"
 #include "statics/pose_values.hpp"
 #include "statics/readings.hpp"
 
@@ -308,9 +310,7 @@ void warn_of_friction(Result& result, const Scene& scene) {
     const auto* friction = std::get_if<DryFriction>(&element.law);
     if (friction != nullptr && friction->force != 0.0) names.push_back("\"" + element.name + "\"");
   }
-  for (const Joint& joint : scene.joints) {
-    if (joint.friction) names.push_back("\"" + joint.name + "\"");
-  }
+  for (std::string& joint : joints_with_friction(scene)) names.push_back(std::move(joint));
   for (const Stop& rope : scene.stops) {
     if (!rubbing_rims(rope.on).empty()) names.push_back("\"" + rope.name + "\"");
   }
