@@ -13,51 +13,14 @@
 #include "identification/identifiability.hpp"
 #include "identification/input_readings.hpp"
 #include "identification/known_numbers.hpp"
+#include "tests/identification/crane.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 
 namespace poise {
 namespace {
 
-/// A pendulum on a carriage that is driven along a rail; a motor turns the pendulum against the carriage's frame.
-const char* const scene = R"(
-title = "crane"
-gravity = [0, -9.81]
-[ground]
-points = { O = [0, 0] }
-[body.cart]
-points = { O = [0, 0] }
-mass = 3
-[body.arm]
-points = { A = [0, 0], T = [0.4, 0] }
-mass = 1.3
-center = [0.3, 0]
-inertia = 0.05
-[[slide]]
-name = "rail"
-points = ["ground.O", "cart.O"]
-axis = [1, 0]
-[[pin]]
-points = ["cart.O", "arm.A"]
-[[torsion_damper]]
-name = "grease"
-bodies = ["cart", "arm"]
-coefficient = 0.08
-[[torque]]
-name = "motor"
-on = "arm"
-value = 0
-[[force]]
-name = "wind"
-at = "arm.T"
-vector = [0.5, 0]
-[[drive]]
-name = "belt"
-slide = "rail"
-start = 0
-[start]
-arm = -1.5707963267948966
-)";
+const std::string scene = test::crane("value = 0", "", "start = 0", "-1.5707963267948966");
 
 double motor(double t) { return 0.9 * std::sin(5.1 * t) + 0.6 * std::sin(2.3 * t + 1); }
 double wind(double t) { return 0.7 * std::cos(3.7 * t); }

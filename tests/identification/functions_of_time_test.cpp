@@ -9,57 +9,16 @@
 #include "identification/fit.hpp"
 #include "identification/identifiability.hpp"
 #include "model/parameters.hpp"
+#include "tests/identification/crane.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 
 namespace poise {
 namespace {
 
-/// A pendulum on a carriage that a drive moves, turned by a motor, in a wind; %s the functions of time.
+/// With these functions of time.
 std::string crane(const std::string& motor, const std::string& wind, const std::string& belt) {
-  return R"(
-title = "crane"
-gravity = [0, -9.81]
-[ground]
-points = { O = [0, 0] }
-[body.cart]
-points = { O = [0, 0] }
-mass = 3
-[body.arm]
-points = { A = [0, 0], T = [0.4, 0] }
-mass = 1.3
-center = [0.3, 0]
-inertia = 0.05
-[[slide]]
-name = "rail"
-points = ["ground.O", "cart.O"]
-axis = [1, 0]
-[[pin]]
-points = ["cart.O", "arm.A"]
-[[torsion_damper]]
-name = "grease"
-bodies = ["cart", "arm"]
-coefficient = 0.08
-[[torque]]
-name = "motor"
-on = "arm"
-value = 0.8
-)" + motor +
-         R"(
-[[force]]
-name = "wind"
-at = "arm.T"
-vector = [0.5, 0]
-)" + wind +
-         R"(
-[[drive]]
-name = "belt"
-slide = "rail"
-)" + belt +
-         R"(
-[start]
-arm = -1.3
-)";
+  return test::crane("value = 0.8\n" + motor, wind, belt, "-1.3");
 }
 
 const std::string sines = crane("time = { sine = { amplitude = 0.7, frequency = 0.9, phase = 0.3, offset = 0.2 } }",
