@@ -8,6 +8,7 @@
 
 #include "model/inertia.hpp"
 #include "model/mechanism.hpp"
+#include "motion/friction_forces.hpp"
 #include "motion/motion_input.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/small_lu.hpp"
@@ -60,10 +61,8 @@ struct Influence {
 ///
 /// Friction of joints in a scene that is resisted_by_joints(): an element that sticks resists with its constant force
 /// F_i, and where its bound grows with the force R in the joint, with T_i = s_i c_i |R|_i more, s_i the direction in
-/// which it slides. R are multipliers of closures, affine in all T. With W_ij = c_i |dR/dT_j|_i the equations
-/// T = S c |R(T)| contract, so that there is one solution, where I - W has positive pivots; elsewhere friction is
-/// locked: there may be two solutions, or none (P. Painleve, "Sur les lois du frottement de glissement", 1895). By any
-/// z, w or p,
+/// which it slides. R are multipliers of closures, affine in all T. Where T = S c |R(T)| need not have one solution
+/// (FrictionForces) friction is locked. By any z, w or p,
 ///   T' = S (c |R|' + c' |R|),  |R|' = |R|'(R' at constant T + dR/dT T').
 ///
 /// One object per thread: it holds the last state evaluated. Call choose() once (again to change to better
@@ -135,8 +134,11 @@ class ReducedMotion {
   Status place(const T& t, const T* z);
   /// Rates v for the independent ones w.
   void move(const T* w);
-  /// Accelerations a and alpha. Where friction is locked those of one solution, which need not be the only one, or NaN.
-  Status accelerate();
+  /// Accelerations a and alpha; NaN where friction is locked. With `sizes`, one of friction_forces().all(), those of
+  /// this solution.
+  Status accelerate(const std::vector<double>* sizes = nullptr);
+  /// After accelerate() that found friction locked: its equations, in the sizes of the forces in joints with friction.
+  FrictionForces& friction_forces() { return grip_forces_; }
   /// Computes the multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
   void linearize();
   /// Those that influences refer to; must outlive this. After set_inputs().
@@ -255,7 +257,7 @@ class ReducedMotion {
   void find_multipliers();
   void add_accelerations(const T* alpha);
   bool leaves_open();
-  Status add_gripping_friction();
+  Status add_gripping_friction(const std::vector<double>* sizes);
   Hold hold_of(const Grip& grip) const;
   Planar<T> normal_of(const Grip& grip) const;
   void take_size(std::size_t i, const Hold& hold);
@@ -313,8 +315,9 @@ class ReducedMotion {
   std::vector<T> grip_slopes_, grip_alpha_;  // Dg and d alpha/dT of each
   std::vector<T> grip_work_, grip_step_, grip_fixed_;
   std::vector<Hold> holds_without_;  // R where all T are zero
-  SmallLu<T> grip_lu_;               // of I - S c |R|' dR/dT
-  std::vector<int> place_of_row_;    // in used_rows_, or -1
+  FrictionForces grip_forces_{{}};
+  SmallLu<T> grip_lu_;             // of I - S c |R|' dR/dT
+  std::vector<int> place_of_row_;  // in used_rows_, or -1
   int undetermined_ = -1;
   bool gripping_ = false;  // some bound grows with a force
   bool open_ = false, open_known_ = false;

@@ -60,7 +60,7 @@ void ReducedMotion<T>::place_accelerations() {
 }
 
 template <class T>
-typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
+typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate(const std::vector<double>* sizes) {
   using std::sqrt;
   const int f = freedoms();
   place_accelerations();
@@ -102,7 +102,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate() {
   for (T& x : alpha_) x = -x;
   divide_by_mass(alpha_.data());
   add_accelerations(alpha_.data());
-  const Status added = gripping_ ? add_gripping_friction() : Status::ok;
+  const Status added = gripping_ ? add_gripping_friction(sizes) : Status::ok;
   if (drives() > 0) find_multipliers();
   return added;
 }

@@ -143,7 +143,7 @@ bool ReducedMotion<T>::leaves_open() {
 
 // Adds the friction that grows with forces to the motion without it.
 template <class T>
-typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
+typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const std::vector<double>* sizes) {
   using std::abs;
   const std::size_t k = grips_.size();
   const std::size_t f = independent_.size();
@@ -184,31 +184,25 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
     for (std::size_t i = 0; i < k; ++i) responses_[i * k + j] = hold_of(grips_[i]);
   }
   const auto acting = [&](std::size_t i) { return directions_[i] * grips_[i].factor; };
-  // Whether the equations contract. |R| as a norm: of a carriage that of the branches, whichever leads.
-  const auto reach = [&](std::size_t i, std::size_t j) {
-    const Hold& by = responses_[i * k + j];
-    if (grips_[i].travel < 0) return norm(by.at);
-    const T end = abs(dot(normals_[i], by.end));
-    const T whole = abs(dot(normals_[i], by.at) + dot(normals_[i], by.end));
-    return std::max<T>(whole, end);
+  // Of a carriage |R| is the greater of the whole normal force and that of its end.
+  const auto components = [&](std::size_t i, const Hold& hold) {
+    if (grips_[i].travel < 0) return planar_cast<double>(hold.at);
+    const T end = dot(normals_[i], hold.end);
+    return planar_cast<double>(Planar<T>{dot(normals_[i], hold.at) + end, end});
   };
-  T* matrix = grip_lu_.matrix();
   for (std::size_t i = 0; i < k; ++i) {
+    grip_forces_.force(i) = components(i, holds_without_[i]);
     for (std::size_t j = 0; j < k; ++j) {
-      const bool both = acting(i) != 0 && acting(j) != 0;
-      matrix[i * k + j] = T(i == j ? 1 : 0) - (both ? T(abs(acting(i)) * reach(i, j)) : T(0));
+      grip_forces_.response(i, j) = static_cast<double>(acting(j)) * components(i, responses_[i * k + j]);
     }
   }
-  bool contracts = true;
-  for (std::size_t p = 0; p < k && contracts; ++p) {
-    contracts = matrix[p * k + p] > static_cast<T>(1e-3);
-    for (std::size_t i = p + 1; i < k && contracts; ++i) {
-      const T l = matrix[i * k + p] / matrix[p * k + p];
-      for (std::size_t j = p; j < k; ++j) matrix[i * k + j] -= l * matrix[p * k + j];
-    }
-  }
-  // T = S c |R(T)| by Newton's method, from the efforts under the forces without them; by T <- S c |R(T)|, which
-  // contracts, where that does not come nearer.
+  const auto give_up = [&] {
+    std::fill(a_.begin(), a_.end(), std::numeric_limits<T>::quiet_NaN());
+    return Status::locked;
+  };
+  if (sizes == nullptr && !grip_forces_.is_unique()) return give_up();
+  // T = S c |R(T)| by Newton's method, from the efforts under the forces without them or those given; steps that do not
+  // come nearer are halved, and where that does not help T <- S c |R(T)|, which may contract.
   const auto take = [&] {
     for (std::size_t i = 0; i < k; ++i) {
       Hold hold = holds_without_[i];
@@ -234,25 +228,32 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
     }
     return grip_lu_.factor() > 0;
   };
+  if (sizes != nullptr) {
+    for (std::size_t i = 0; i < k; ++i) efforts_[i] = acting(i) * static_cast<T>((*sizes)[i]);
+  }
   take();
   T last = miss();
-  for (int iteration = 0; iteration < (contracts ? 2000 : 100); ++iteration) {
-    T largest(0);
+  T largest(0);
+  const auto is_within = [&](double roundings) {
+    largest = T(0);
     for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
-    if (last <= 4 * std::numeric_limits<T>::epsilon() * largest) break;
+    return last <= roundings * std::numeric_limits<T>::epsilon() * largest;
+  };
+  for (int iteration = 0; iteration < 2000 && !is_within(4); ++iteration) {
     grip_work_ = efforts_;
     for (std::size_t i = 0; i < k; ++i) grip_step_[i] = acting(i) * sizes_[i] - efforts_[i];
     grip_fixed_ = grip_step_;
+    const T before = last;
     if (factor()) {
       grip_lu_.solve(grip_step_.data());
-      for (std::size_t i = 0; i < k; ++i) efforts_[i] = grip_work_[i] + grip_step_[i];
-      take();
-      const T now = miss();
-      if (now < last) {
-        last = now;
-        continue;
+      for (T share(1); share > static_cast<T>(0.01) && !(last < before); share /= 2) {
+        for (std::size_t i = 0; i < k; ++i) efforts_[i] = grip_work_[i] + share * grip_step_[i];
+        take();
+        last = miss();
       }
-      if (last <= 1000 * std::numeric_limits<T>::epsilon() * largest) {  // as near as rounding lets it come
+      if (last < before) continue;
+      last = before;
+      if (is_within(1000)) {  // as near as rounding lets it come
         efforts_ = grip_work_;
         take();
         break;
@@ -262,12 +263,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
     take();
     last = miss();
   }
-  T largest(0);
-  for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
-  if (!(last <= 1e5 * std::numeric_limits<T>::epsilon() * largest || largest == 0) || !factor()) {
-    std::fill(a_.begin(), a_.end(), std::numeric_limits<T>::quiet_NaN());
-    return Status::locked;
-  }
+  if (!(is_within(1e5) || largest == 0) || !factor()) return give_up();
 
   std::fill(small_.begin(), small_.end(), T(0));
   for (std::size_t j = 0; j < k; ++j) {
@@ -276,7 +272,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction() {
   }
   for (std::size_t l = 0; l < f; ++l) alpha_[l] += small_[l];
   add_accelerations(small_.data());
-  return contracts ? Status::ok : Status::locked;
+  return Status::ok;
 }
 
 template <class T>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "model/joint_friction.hpp"
 #include "motion/motion_input_impl.hpp"
@@ -25,6 +27,13 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   for (auto* each : {&directions_, &efforts_, &sizes_, &grip_work_, &grip_step_, &grip_fixed_, &direct_.bound})
     each->assign(k, T(0));
   for (const Grip& grip : grips_) gripping_ = gripping_ || grip.factor != 0;
+  std::vector<FrictionForces::Size> kinds;
+  for (const Grip& grip : grips_) {
+    kinds.push_back(grip.travel < 0 ? FrictionForces::Size::pin
+                    : grip.end < 0  ? FrictionForces::Size::normal
+                                    : FrictionForces::Size::carriage);
+  }
+  grip_forces_ = FrictionForces(std::move(kinds));
   holds_.resize(k);
   holds_without_.resize(k);
   responses_.resize(k * k);

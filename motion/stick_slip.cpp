@@ -218,18 +218,25 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
     }
     if (held_again) continue;
     const Reduced::Status status = set(motion, t, q, v, slides);
-    const bool is_locked = status == Reduced::Status::locked;
-    if (is_locked && motion.held().empty()) return Choice::locked;
-    if (status != Reduced::Status::ok && !(is_locked && std::isfinite(motion.a()[0]))) continue;
-    Trial trial{slides, {}, {}, is_locked};
-    for (std::size_t k = 0; k < still.size(); ++k) {
-      const Contact& contact = contacts_[still[k]];
-      trial.acceleration.push_back(acceleration(contact, motion));
-      if (!is_locked) largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
-      const bool is_held = slides[static_cast<std::size_t>(contact.element)] == 0;
-      trial.force.push_back(is_held ? margin_of(contact, motion) : 0.0);
+    const auto add_trial = [&](bool is_locked) {
+      Trial trial{slides, {}, {}, is_locked};
+      for (std::size_t k = 0; k < still.size(); ++k) {
+        const Contact& contact = contacts_[still[k]];
+        trial.acceleration.push_back(acceleration(contact, motion));
+        if (!is_locked) largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
+        const bool is_held = slides[static_cast<std::size_t>(contact.element)] == 0;
+        trial.force.push_back(is_held ? margin_of(contact, motion) : 0.0);
+      }
+      trials.push_back(std::move(trial));
+    };
+    if (status == Reduced::Status::ok) add_trial(false);
+    if (status != Reduced::Status::locked) continue;
+    const FrictionForces::All all = motion.friction_forces().all();
+    if (!all.complete) return Choice::locked;
+    for (const std::vector<double>& sizes : all.sizes) {
+      if (motion.accelerate(&sizes) != Reduced::Status::ok) return Choice::locked;
+      add_trial(true);
     }
-    trials.push_back(std::move(trial));
   }
   if (trials.empty()) return Choice::failed;
   double least = consistent;
@@ -237,7 +244,8 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
   for (Trial& trial : trials) {
     for (std::size_t k = 0; k < still.size(); ++k) {
       const int s = trial.slides[static_cast<std::size_t>(contacts_[still[k]].element)];
-      trial.violation = std::max(trial.violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / largest[k]);
+      const double scale = trial.is_locked ? std::max(largest[k], std::abs(trial.acceleration[k])) : largest[k];
+      trial.violation = std::max(trial.violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / scale);
     }
     if (trial.is_locked || !(trial.violation < least)) continue;
     least = std::max(trial.violation, no_acceleration);  // choices as consistent as this are the same motion

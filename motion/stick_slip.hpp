@@ -15,8 +15,9 @@ namespace poise {
 /// falls to zero, and where the F of one that slides turns into another branch of its formula. There every element
 /// without rate may slide in either direction or be held: the one choice is taken whose accelerations and forces
 /// satisfy  s d2g/dt2 >= 0  and  |T| <= F.  Where F is constant the accelerations are those of a convex minimum, and
-/// unique. Of joints F grows with the force in them (ReducedMotion): all choices must then have forces that are unique,
-/// and those that are consistent the same accelerations.
+/// unique. Of joints F grows with the force in them (ReducedMotion): a choice has as many accelerations as its
+/// forces have solutions, all of which are looked at (FrictionForces); those that are consistent must have the same,
+/// and the one taken must have unique forces.
 class StickSlip {
  public:
   /// Both must outlive this.
@@ -44,7 +45,8 @@ class StickSlip {
   enum class Choice {
     made,
     failed,   ///< there are more than most_at_once elements without rate, or the equations fail
-    locked,   ///< forces may be several, or none: with nothing held, or of all choices that are consistent
+    locked,   ///< of all choices that are consistent the forces would be others soon: they are not unique; or not all
+              ///< forces of some choice could be found
     several,  ///< choices with different accelerations are consistent
     none      ///< none is
   };
