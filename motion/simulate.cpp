@@ -91,12 +91,6 @@ class Simulation {
     reduced_.set_near(next_break(0.0) / 2);
     remake();
     if (!system_->rates(0.0, y_.data(), dydt_.data())) return give_up(system_->status, 0.0);
-    if (friction_.acts()) {
-      reduced_.set_slides(model_.scaled_scene(), friction_.directions(reduced_), q_start_.data());
-      reduced_.choose(0.0, q_start_.data(), false, &out_.independent);
-      reduced_.expect(q_start_.data());
-      if (!system_->rates(0.0, y_.data(), dydt_.data())) return give_up(system_->status, 0.0);
-    }
     limit_ = std::min(comfortable_pivot, 0.1 * reduced_.pivot());
     const double accuracy = options_.accuracy / 1000;
     double t = 0.0;
@@ -526,7 +520,9 @@ class Simulation {
     }
     if (columns_ > 0) add_sensitivities();
     watch_stops(t);
-    if (friction_.acts()) margin_ = friction_.watch(reduced_);
+    // At the start nothing is known of what is at rest, which has no friction there; change_friction() adds the same
+    // node with it.
+    if (reduced_.slides() != nullptr) margin_ = friction_.watch(reduced_);
   }
 
   void add_sensitivities() {
