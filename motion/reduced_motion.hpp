@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -127,6 +128,13 @@ class ReducedMotion {
   void set_singular_limit(const T& limit) { singular_limit_ = limit; }
   /// Pivot of the last pose.
   const T& pivot() const { return pivot_; }
+  /// Largest entry of B there: how far a coordinate moves, at most, for each independent one.
+  T steepness() const {
+    using std::abs;
+    T out(0);
+    for (const T& slope : B_) out = std::max<T>(out, abs(slope));
+    return out;
+  }
 
   /// The next place() starts from the dependent coordinates of q.
   void expect(const T* q);

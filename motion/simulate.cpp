@@ -10,10 +10,12 @@
 
 #include "model/joint_friction.hpp"
 #include "motion/motion_error.hpp"
+#include "motion/profile_borders.hpp"
 #include "motion/reduced_system.hpp"
 #include "motion/singular_passage.hpp"
 #include "motion/stick_slip.hpp"
 #include "solvers/runge_kutta.hpp"
+#include "statics/body_measures.hpp"
 
 namespace poise {
 namespace {
@@ -26,6 +28,8 @@ constexpr double comfortable_pivot = 1e-3;
 constexpr double good_pivot = 0.05;
 /// Margin of friction beyond which an event has passed: rounding at its start leaves less.
 constexpr double past = 1e-12;
+/// A border of a profile is reached at this distance of the argument.
+constexpr double just_before = 1e-13;
 
 class Simulation {
  public:
@@ -34,6 +38,7 @@ class Simulation {
         options_(options),
         reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
         friction_(model, options.variations),
+        borders_(model, options.variations),
         n_(static_cast<std::size_t>(model.mechanism().coordinates())),
         unit_(n_, 1.0),
         q_start_(model.from_si(start.q)),
@@ -116,6 +121,8 @@ class Simulation {
         if (h > 1e-13 * options_.duration && h > 1e-15 * (1 + t)) continue;
         return give_up(system_->status, t);
       }
+      const bool border = borders_.act() && meets_border(t);
+      const double to_border = taken_;
       const bool event = friction_.acts() && meets_event(t);
       t = last && taken_ == left ? end : t + taken_;
       ++out_.steps;
@@ -125,8 +132,9 @@ class Simulation {
       if (t == end && !cross_break(t)) return;
       if (event) friction_.meet(reduced_);
       if (event && !change_friction(t)) return;
+      if (border && !event && taken_ == to_border && !cross_border(t)) return;
       if (options_.progress) options_.progress(t);
-      if (reduced_.pivot() < good_pivot && reduced_.rank() > 0) choose_anew(t);
+      if (has_poor_coordinates()) choose_anew(t);
     }
     out_.status = MotionStatus::completed;
   }
@@ -194,38 +202,63 @@ class Simulation {
     }
   }
 
-  /// Repeats the step just made, from t, with the length h; the margin of friction there, NaN where that fails.
-  double shortened_step(double t, double h) {
+  /// Repeats the step just made, from t, with the length h; the margin there, NaN where that fails.
+  template <class Margin>
+  double shortened_step(double t, double h, const Margin& margin) {
+    // From the pose of the node, not from the one that the step ended in.
+    reduced_.expect(node_.data());
+    if (!system_->rates(t, y_.data(), dydt_new_.data())) return std::numeric_limits<double>::quiet_NaN();
     if (!stepper_->step(t, y_, dydt_, h, y_new_, error_) || !system_->rates(t + h, y_new_.data(), dydt_new_.data())) {
       return std::numeric_limits<double>::quiet_NaN();
     }
     taken_ = h;
-    return friction_.margin(reduced_);
+    return margin();
   }
 
-  /// Shortens the step just made from t to the first event of friction in it, to rounding, by regula falsi. False if
-  /// there is none.
+  /// Shortens the step just made from t to the first event of friction in it. False if there is none.
   bool meets_event(double t) {
+    const auto margin = [this] { return friction_.margin(reduced_); };
     double after = taken_;
-    double margin_after = friction_.margin(reduced_);
+    double margin_after = margin();
     if (!(margin_after < -past)) {
       const double dip = friction_.dip(reduced_, taken_);
       if (dip == 0.0) return false;
       const double whole = taken_;
       after = dip;
-      margin_after = shortened_step(t, dip);
-      if (std::isnan(margin_after)) shortened_step(t, whole);
+      margin_after = shortened_step(t, dip, margin);
+      if (std::isnan(margin_after)) shortened_step(t, whole, margin);
       if (!(margin_after < -past)) return false;
     }
+    shorten_to_zero(t, margin_, after, margin_after, margin);
+    return true;
+  }
+
+  /// Shortens the step just made from t to where it passes a border of a profile. False if it does not.
+  bool meets_border(double t) {
+    // To just before it, where the formulas of this piece hold.
+    const auto margin = [this] { return borders_.margin(reduced_) - just_before; };
+    const double margin_after = margin();
+    if (!(margin_after < -past)) return false;
+    shorten_to_zero(t, border_margin_, taken_, margin_after, margin);
+    if (!has_poor_coordinates()) return true;
+    // A profile may begin to dwell there, where its own measure is no coordinate any more: others are chosen on the
+    // way.
+    shortened_step(t, taken_ / 2, margin);
+    return false;
+  }
+
+  /// Shortens the step just made from t, over which a margin falls from `margin_before` to the negative `margin_after`
+  /// at the length `after`, to its zero, to rounding, by regula falsi.
+  template <class Margin>
+  void shorten_to_zero(double t, double margin_before, double after, double margin_after, const Margin& margin_of) {
     double before = 0.0;
-    double margin_before = margin_;
     double margin = margin_after;
     bool was_before = false;
     for (int k = 0; k < 100; ++k) {
       const double crossing = before + (after - before) * margin_before / (margin_before - margin_after);
       const double h = margin_before > past && crossing > before && crossing < after ? crossing : (before + after) / 2;
       if (!(h > before && h < after)) break;
-      margin = shortened_step(t, h);
+      margin = shortened_step(t, h, margin_of);
       if (std::abs(margin) <= eps) break;
       // An end that stays is given half its weight the next time.
       if (!(margin >= 0)) {
@@ -240,7 +273,44 @@ class Simulation {
         was_before = true;
       }
     }
-    if (std::isnan(margin)) shortened_step(t, before);
+    if (std::isnan(margin)) shortened_step(t, before, margin_of);
+  }
+
+  /// Goes on from the last node, at a border of a profile, in the next piece. Rates stay; where accelerations jump, the
+  /// derivatives of rates jump by  (accelerations before - after) dT/dp  with the time T(p) at which it is passed.
+  bool cross_border(double t) {
+    const Trajectory& path = out_.trajectory;
+    const std::size_t node = path.nodes() - 1;
+    const auto width = static_cast<std::size_t>(columns_);
+    std::vector<double> later(width), dq(n_);
+    for (std::size_t c = 0; c < width; ++c) {
+      const int influence = static_cast<int>(c) - 2 * out_.freedoms;
+      const int variation = influence >= 0 ? options_.influences[static_cast<std::size_t>(influence)].variation : -1;
+      for (std::size_t i = 0; i < n_; ++i) {
+        dq[i] = path.q_p[(node * n_ + i) * width + c] * unit_of_column(static_cast<int>(c)) / unit_[i];
+      }
+      later[c] = borders_.passing_time_by(reduced_, dq.data(), variation);
+    }
+    // Beyond the border by less than rounding: there the formulas of the next piece hold.
+    const double nudge = std::min(borders_.nudge(reduced_), 1e-10 * options_.duration);
+    std::vector<double> beyond = y_;
+    for (std::size_t i = 0; i < y_.size(); ++i) beyond[i] += nudge * dydt_[i];
+    if (!system_->rates(t + nudge, beyond.data(), dydt_.data())) {
+      give_up(system_->status, t);
+      return false;
+    }
+    const int f = reduced_.freedoms();
+    for (int k = 0; k < f; ++k) {
+      const auto i = static_cast<std::size_t>(reduced_.independent()[k]);
+      const double jump = path.a[node * n_ + i] / unit_[i] - reduced_.a()[i];
+      for (std::size_t c = 0; c < width; ++c) y_[sensitivity(f + k, static_cast<int>(c))] += jump * later[c];
+    }
+    if (columns_ > 0 && f > 0) {
+      beyond = y_;
+      system_->rates(t + nudge, beyond.data(), dydt_.data());
+    }
+    add_node(t);
+    smooth_from_ = piece_from_ = path.nodes() - 1;
     return true;
   }
 
@@ -369,6 +439,15 @@ class Simulation {
     }
     const double singular = uncertain_acceleration();
     double worst = 0.0;
+    if (f == 0) {
+      // All is driven. Work alone is integrated, of whose error the method's estimate knows nothing where it depends on
+      // time only; the energies at both ends do.
+      const double energy = reduced_.kinetic_energy() + reduced_.potential_energy();
+      const double unbalanced = std::abs(energy - energy_ - (y_new_[0] - y_[0]));
+      const double rounding = 100 * eps * (std::abs(energy) + std::abs(energy_));
+      worst =
+          std::max(0.0, unbalanced - rounding) / (1000 * accuracy * std::max(exchanged_, std::abs(y_new_[0])) + tiny);
+    }
     for (int k = 0; k < f; ++k) {
       // With balanced forces, accelerations are about the rounding of a coordinate times stiffness over inertia.
       const double balanced = eps * fastest_ * fastest_ * (1 + std::abs(y_[static_cast<std::size_t>(k)]));
@@ -463,6 +542,12 @@ class Simulation {
     error_.resize(y_.size());
   }
 
+  /// Others are to be chosen: the loops are ill-conditioned, or coordinates that are far more sensitive follow from
+  /// those chosen, as the angle of a cam from its follower near a dwell.
+  bool has_poor_coordinates() const {
+    return reduced_.rank() > 0 && (reduced_.pivot() < good_pivot || reduced_.steepness() > 1 / good_pivot);
+  }
+
   void choose_anew(double t) {
     const std::vector<int> old = reduced_.independent();
     const std::vector<double> q(reduced_.q(), reduced_.q() + n_);
@@ -513,6 +598,10 @@ class Simulation {
     out_.kinetic.push_back(energy * reduced_.kinetic_energy());
     out_.potential.push_back(energy * reduced_.potential_energy());
     out_.work.push_back(energy * y_[static_cast<std::size_t>(2 * f)]);
+    energy_ = reduced_.kinetic_energy() + reduced_.potential_energy();
+    for (const double one : {out_.kinetic.back(), out_.potential.back() - out_.potential.front(), out_.work.back()}) {
+      exchanged_ = std::max(exchanged_, std::abs(one) / energy);
+    }
     for (int d = 0; d < static_cast<int>(out_.drive_force.size()); ++d) {
       const bool turns = model_.scene().drives[static_cast<std::size_t>(d)].on.is_angle();
       out_.drive_force[static_cast<std::size_t>(d)].push_back(reduced_.drive_force(d) *
@@ -523,6 +612,9 @@ class Simulation {
     // At the start nothing is known of what is at rest, which has no friction there; change_friction() adds the same
     // node with it.
     if (reduced_.slides() != nullptr) margin_ = friction_.watch(reduced_);
+    if (!borders_.act()) return;
+    borders_.watch(reduced_);
+    border_margin_ = borders_.margin(reduced_);
   }
 
   void add_sensitivities() {
@@ -604,6 +696,11 @@ class Simulation {
     }
     if (status == Reduced::Status::undetermined) return refuse_undetermined(t);
     if (status == Reduced::Status::no_inertia) {
+      // Without a length of a rope nothing that it moves is a number.
+      const std::vector<double> q(reduced_.q(), reduced_.q() + n_);
+      if (const std::string rope = rope_without_length(model_.scene(), model_.poses(q), 1e-3); !rope.empty()) {
+        return stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, rope));
+      }
       return stop(
           MotionStatus::no_inertia,
           "a degree of freedom has no inertia, so its motion is not determined; give the bodies that it moves mass or "
@@ -640,6 +737,7 @@ class Simulation {
   const MotionOptions& options_;
   Reduced reduced_;
   StickSlip friction_;
+  ProfileBorders borders_;
   std::size_t n_;
   std::vector<double> unit_;  // SI value of each coordinate's unit
   std::vector<double> q_start_, reach_, speed_;
@@ -653,6 +751,9 @@ class Simulation {
   std::size_t smooth_from_ = 0;      // node at the last break, or the last event of friction
   std::size_t piece_from_ = 0;       // of the latter alone
   double margin_ = 0.0;              // of friction at the last node
+  double energy_ = 0.0;              // kinetic and potential, at the last node
+  double exchanged_ = 0.0;           // largest energy yet
+  double border_margin_ = 0.0;       // of the borders of profiles, there
   std::vector<double> held_by_;      // sensitivities of the values at which friction is held
   double fastest_ = 0.0;             // rate of change at the start, 1/s
   std::vector<double> node_;         // coordinates at the last node

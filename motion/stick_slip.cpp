@@ -80,6 +80,7 @@ double StickSlip::watch(const Reduced& motion) {
     contact.acceleration = acceleration(contact, motion);
     contact.speed = std::max(contact.speed, std::abs(contact.rate));
     contact.load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
+    contact.turn = motion.branch_margin(contact.element);
   }
   return margin(motion);
 }
@@ -135,7 +136,9 @@ double StickSlip::margin(const Reduced& motion) {
 double StickSlip::turn_margin_of(const Contact& contact, const Reduced& motion) {
   if (!grips_ || motion.slides()[contact.element] == 0) return std::numeric_limits<double>::infinity();
   const double load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
-  return motion.branch_margin(contact.element) / (load + tiny);
+  const double turn = motion.branch_margin(contact.element) / (load + tiny);
+  // Without a force at the last node and here nothing turns.
+  return turn == 0.0 && contact.turn == 0.0 ? std::numeric_limits<double>::infinity() : turn;
 }
 
 void StickSlip::meet(const Reduced& motion) {

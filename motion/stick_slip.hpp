@@ -66,6 +66,7 @@ class StickSlip {
     double speed = 0.0;                                        // largest rate yet
     double load = 0.0;                                         // largest part of F yet that grows with a force
     double rate = 0.0, acceleration = 0.0;                     // at the last node
+    double turn = 0.0;                                         // ReducedMotion::branch_margin() there
     bool idle = false;  // slides without rate or acceleration: what is held holds it, too
   };
   struct Trial {

@@ -1,6 +1,7 @@
 #include "statics/body_measures.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -55,6 +56,27 @@ const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,
     before = along;
   }
   return nullptr;
+}
+
+std::string rope_without_length(const Scene& scene, const std::vector<BodyPose<double>>& poses, double slack) {
+  using body_measures::world;
+  std::string out;
+  const auto look_at = [&](const auto& item) {
+    for (std::size_t k = 0; out.empty() && k + 1 < item.on.contacts.size(); ++k) {
+      const RopeContact& a = item.on.contacts[k];
+      const RopeContact& b = item.on.contacts[k + 1];
+      const double rims = std::abs(b.turn * b.radius - a.turn * a.radius);
+      const double apart = norm(world(scene, poses, b.at) - world(scene, poses, a.at));
+      if (rims == 0.0 || apart > rims * (1 + slack)) continue;
+      const bool first_inside = a.radius < b.radius;
+      out = fmt::format("{} \"{}\" has no straight part: its {} \"{}\" reaches the rim of its pulley \"{}\"",
+                        item.family(), item.name, std::min(a.radius, b.radius) > 0 ? "pulley" : "point",
+                        scene.name_of(first_inside ? a.at : b.at), scene.name_of(first_inside ? b.at : a.at));
+    }
+  };
+  std::for_each(scene.elements.begin(), scene.elements.end(), look_at);
+  std::for_each(scene.stops.begin(), scene.stops.end(), look_at);
+  return out;
 }
 
 }  // namespace poise

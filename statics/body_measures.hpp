@@ -4,6 +4,7 @@
 // sums that the mechanism is compiled to. Templates on the type of the poses, BodyPose or PlacedBody of any scalar;
 // their definitions are in statics/body_measures_impl.hpp, and BodyPose<double> is compiled in body_measures.cpp.
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -60,5 +61,10 @@ void refuse_contacts(const Scene& scene, std::string_view what);
 /// null where it touches all, and of other measures.
 const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,
                                     const std::vector<BodyPose<double>>& poses);
+
+/// In words, the first rope whose rims leave no straight part between two neighbours, so that it has no length: their
+/// centres are nearer to each other than the difference of their radii (the sum, where they turn it in opposite ways)
+/// times 1 + `slack`. Empty if there is none.
+std::string rope_without_length(const Scene& scene, const std::vector<BodyPose<double>>& poses, double slack = 0.0);
 
 }  // namespace poise

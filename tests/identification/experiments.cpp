@@ -1,6 +1,10 @@
 #include "tests/identification/experiments.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/known_answers.hpp"
 
@@ -127,6 +131,43 @@ std::vector<double> derivative(const std::function<std::vector<double>(double)>&
     out[i] = (8 * (up[i] - down[i]) - (far_up[i] - far_down[i])) / (12 * h);
   }
   return out;
+}
+
+void expect_derivatives(const Experiment& e, const std::vector<double>& nuisances) {
+  const FitProblem problem(e);
+  const RunModel& run = problem.run(0);
+  const std::vector<double> numbers = run.scene_values();
+  ASSERT_EQ(run.columns(), static_cast<int>(numbers.size() + nuisances.size()));
+  Prediction whole;
+  run.predict(numbers.data(), nuisances.data(), INFINITY, 1e-11, true, whole);
+  ASSERT_TRUE(whole.ok) << whole.why;
+  const auto columns = static_cast<std::size_t>(run.columns());
+  for (std::size_t c = 0; c < columns; ++c) {
+    std::vector<double> p = numbers, n = nuisances;
+    double& moved = c < numbers.size() ? p[c] : n[c - numbers.size()];
+    const double at = moved;
+    const auto difference = [&](double step) {
+      return derivative(
+          [&](double h) {
+            moved = at + h;
+            Prediction there;
+            run.predict(p.data(), n.data(), INFINITY, 1e-11, false, there);
+            return there.reading;
+          },
+          step * std::max(std::abs(at), 1e-2));
+    };
+    const std::vector<double> fine = difference(1e-5), coarse = difference(1e-4);
+    double largest = 0.0;
+    for (const double x : fine) largest = std::max(largest, std::abs(x));
+    EXPECT_GT(largest, 0) << c;
+    ASSERT_EQ(fine.size(), whole.reading.size());
+    for (std::size_t i = 0; i < fine.size(); ++i) {
+      const double exact = whole.jacobian[i * columns + c];
+      ASSERT_LT(std::min(std::abs(exact - fine[i]), std::abs(exact - coarse[i])), 2e-6 * largest)
+          << exact << " where differences are " << fine[i] << " and " << coarse[i] << ", column " << c << " "
+          << (c < numbers.size() ? e.unknowns[c].path : "start") << ", reading " << i;
+    }
+  }
 }
 
 }  // namespace poise::test

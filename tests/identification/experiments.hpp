@@ -41,4 +41,9 @@ Eigen::MatrixXd whole_jacobian(const FitProblem& problem);
 /// Derivative by a central difference of fourth order:  (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12 h.
 std::vector<double> derivative(const std::function<std::vector<double>(double)>& f, double h);
 
+/// Expects the Jacobian of the first run's predictions, by all numbers and the run's own `nuisances`, to be what
+/// differences of predictions say. These have the error of readings over the step where it is short, and where it is
+/// long that of events which pass the time of a reading within it: one of two steps has to agree.
+void expect_derivatives(const Experiment& e, const std::vector<double>& nuisances);
+
 }  // namespace poise::test

@@ -66,45 +66,6 @@ Experiment experiment(const std::string& text, const std::string& body, const st
   return e;
 }
 
-// Differences have the error of readings over the step where it is short, and where it is long that of events which
-// pass the time of a reading within it: one of two steps has to agree.
-void expect_derivatives(const Experiment& e, const std::vector<double>& nuisances) {
-  const FitProblem problem(e);
-  const RunModel& run = problem.run(0);
-  const std::vector<double> numbers = run.scene_values();
-  ASSERT_EQ(run.columns(), static_cast<int>(numbers.size() + nuisances.size()));
-  Prediction whole;
-  run.predict(numbers.data(), nuisances.data(), INFINITY, 1e-11, true, whole);
-  ASSERT_TRUE(whole.ok) << whole.why;
-  const auto columns = static_cast<std::size_t>(run.columns());
-  for (std::size_t c = 0; c < columns; ++c) {
-    std::vector<double> p = numbers, n = nuisances;
-    double& moved = c < numbers.size() ? p[c] : n[c - numbers.size()];
-    const double at = moved;
-    const auto difference = [&](double step) {
-      return test::derivative(
-          [&](double h) {
-            moved = at + h;
-            Prediction there;
-            run.predict(p.data(), n.data(), INFINITY, 1e-11, false, there);
-            return there.reading;
-          },
-          step * std::max(std::abs(at), 1e-2));
-    };
-    const std::vector<double> fine = difference(1e-5), coarse = difference(1e-4);
-    double largest = 0.0;
-    for (const double x : fine) largest = std::max(largest, std::abs(x));
-    EXPECT_GT(largest, 0) << c;
-    ASSERT_EQ(fine.size(), whole.reading.size());
-    for (std::size_t i = 0; i < fine.size(); ++i) {
-      const double exact = whole.jacobian[i * columns + c];
-      ASSERT_LT(std::min(std::abs(exact - fine[i]), std::abs(exact - coarse[i])), 2e-6 * largest)
-          << exact << " where differences are " << fine[i] << " and " << coarse[i] << ", column " << c << " "
-          << (c < numbers.size() ? e.unknowns[c].path : "start") << ", reading " << i;
-    }
-  }
-}
-
 TEST(GrippingJoints, DerivativesFollowForcesAndCrossEvents) {
   const Experiment e =
       experiment(swing, "crank",
@@ -112,7 +73,7 @@ TEST(GrippingJoints, DerivativesFollowForcesAndCrossEvents) {
                   "pin.big.friction.coefficient", "pin.small.friction.torque", "slide.guide.friction.coefficient",
                   "slide.guide.friction.length", "slide.guide.friction.force", "body.crank.mass", "body.rod.center.x",
                   "point.crank.B.x", "point.ram.C.y", "slide.guide.angle", "gravity.y"});
-  expect_derivatives(e, {-0.9, 0.5});
+  test::expect_derivatives(e, {-0.9, 0.5});
 }
 
 // A crank whose pin slides in the slot of a rocker, and a block that slides on the rocker: lines that turn.
@@ -172,7 +133,7 @@ TEST(GrippingJoints, DerivativesFollowLinesThatTurn) {
                  {"pin_in_slot.slot.friction.coefficient", "pin_in_slot.slot.friction.force",
                   "slide.guide.friction.coefficient", "slide.guide.friction.length", "slide.guide.angle",
                   "pin.base.friction.radius", "spring.pull.stiffness", "point.rocker.S.y", "body.block.center.x"});
-  expect_derivatives(e, {0.3, 0.25, -2.0, 0.1});
+  test::expect_derivatives(e, {0.3, 0.25, -2.0, 0.1});
 }
 
 TEST(GrippingJoints, SwingsDetermineTheCoefficientOfABearing) {

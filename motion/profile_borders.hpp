@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "model/profile.hpp"
+#include "motion/motion_model.hpp"
+#include "motion/reduced_motion.hpp"
+
+namespace poise {
+
+/// Where a motion passes from one piece of a profile (Profile) to the next: there derivatives of accelerations jump, or
+/// accelerations themselves, so that no step of an integrator may reach beyond. For terms  P((g - shift) / span)  of
+/// stops that hold, drives and force elements: between borders the argument u of each is within its piece.
+class ProfileBorders {
+ public:
+  /// Both must outlive this.
+  ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations);
+
+  /// Whether the scene has profiles of more than one piece.
+  bool act() const { return !arguments_.empty(); }
+  /// Notes the piece that each argument is in, at a border that into which it moves.
+  void watch(const ReducedMotion<double>& motion);
+  /// Least distance of an argument from the ends of the piece noted: negative where it has left it.
+  double margin(const ReducedMotion<double>& motion);
+  /// Of the argument of the last margin(): the time in which it moves by 3e-13.
+  double nudge(const ReducedMotion<double>& motion);
+  /// Of the same: the derivative of the time at which it passes the border along a change of q, and by a number if
+  /// `variation` is not negative:  -(du/dp) / (du/dt).
+  double passing_time_by(const ReducedMotion<double>& motion, const double* dq, int variation);
+
+ private:
+  /// u of one term, in one scene.
+  struct Place {
+    CompiledMeasure<double> on;
+    double shift = 0.0, span = 1.0;
+  };
+  struct Argument {
+    Place at;
+    const Profile* profile = nullptr;
+    std::vector<std::vector<Place>> varied;  // by variation and piece
+    double lower = -std::numeric_limits<double>::infinity();
+    double upper = std::numeric_limits<double>::infinity();
+  };
+  Configuration<double> here(const ReducedMotion<double>& motion);
+  static double value(const Place& place, const Configuration<double>& at) {
+    return (place.on.value(at) - place.shift) / place.span;
+  }
+  static void note(Argument& argument, double u, double rate);
+
+  const MotionModel& model_;
+  const std::vector<Variation>& variations_;
+  std::vector<Argument> arguments_;
+  std::vector<Planar<double>> pose_;
+  std::size_t least_ = 0;  // argument of the last margin()
+};
+
+}  // namespace poise
