@@ -17,12 +17,14 @@
 #include "motion/kinematics.hpp"
 #include "motion/modes.hpp"
 #include "motion/motion_model.hpp"
+#include "motion/simulate.hpp"
 #include "statics/all_equilibria.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/mobility.hpp"
 #include "statics/sensitivity.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/motions.hpp"
 
 namespace poise {
 namespace {
@@ -284,6 +286,55 @@ TEST(Ropes, ARopeThatIsLongEnoughIsSlack) {
     EXPECT_NEAR(test::travel_of(model, found.x, "guide"), 1.2, tolerance(found.method));
     for (const Reaction& reaction : found.check.reactions) EXPECT_NE(reaction.name, "rope");
   }
+}
+
+// Of two weights on a rope over a pulley the lighter is drawn up to its rim, where no straight part is left.
+TEST(Ropes, ARopeWithoutStraightPartIsNamed) {
+  const auto scene = [](double light) {
+    return parse_scene(fmt::format(R"(
+      gravity = [0, -10]
+      [ground]
+      points = {{ O = [0, 0], L = [0.1, 0], R = [-0.1, 0] }}
+      [body.light]
+      points = {{ A = [0, 0] }}
+      mass = 1
+      [body.heavy]
+      points = {{ A = [0, 0] }}
+      mass = 3
+      [[slide]]
+      name = "up"
+      points = ["ground.O", "light.A"]
+      axis = [0, -1]
+      [[slide]]
+      name = "down"
+      points = ["ground.R", "heavy.A"]
+      axis = [0, -1]
+      [[rope]]
+      name = "cable"
+      over = ["light.A", {{ pulley = "ground.O", radius = 0.1, turn = "counterclockwise" }}, "heavy.A"]
+      stiffness = 1e4
+      free_length = 2
+      [start]
+      up = {}
+      down = 1
+    )",
+                                   light),
+                       "weights.toml");
+  };
+  const StaticModel inside(scene(0.05));
+  EXPECT_NE(solve(inside, inside.start())
+                .why.find("rope \"cable\" has no straight part: its point \"light.A\" reaches the "
+                          "rim of its pulley \"ground.O\""),
+            std::string::npos)
+      << solve(inside, inside.start()).why;
+  const MotionModel model(scene(1.0));
+  MotionOptions options;
+  options.duration = 5;
+  const Motion motion = simulate(model, start_motion(model, {}), options);
+  EXPECT_EQ(motion.status, MotionStatus::stuck);
+  EXPECT_NE(motion.why.find("rope \"cable\" has no straight part"), std::string::npos) << motion.why;
+  const std::vector<double> q = test::q_at(motion, motion.trajectory.nodes() - 1);
+  EXPECT_NEAR(q[static_cast<std::size_t>(test::coordinate_of(model, "up"))], 0.1, 1e-4);
 }
 
 // A rope that would have to pass on the other side of its pulley does not touch it.
