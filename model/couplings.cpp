@@ -229,7 +229,57 @@ constexpr std::array<CouplingPart, 2> distance_parts{CouplingPart{Of::value, 0, 
 constexpr std::array<CouplingPart, 3> arc_parts{
     CouplingPart{Of::factor, 1, 0}, CouplingPart{Of::factor, 2, 1, -1.0, true}, CouplingPart{Of::value, 0, 2}};
 
-constexpr std::array<CouplingKind, 17> kinds{{{"gear", wheel_numbers, factor_and_value},
+// Of a profile that rolls: the limits of the stop at this place behind its first, on the travel along its curve.
+template <int Row, bool is_end>
+constexpr Number end_of_profile(std::string_view key) {
+  Number number = Stop::limits[is_end ? 1 : 0];
+  number.key = key;
+  number.dimension = dimension::length;
+  number.measure_power = 0;
+  number.range_of_measure = false;
+  number.get = [](const void* item) {
+    const Stop& ends = static_cast<const Stop*>(item)[Row];
+    return std::optional<double>(is_end ? ends.max : ends.min);
+  };
+  number.set = [](void* item, double value) {
+    Stop* const rows = static_cast<Stop*>(item);
+    Stop& ends = rows[Row];
+    const double from = is_end ? ends.min : value, to = is_end ? value : ends.max;
+    constexpr double rounding = 1e-12;
+    const double chords = rows->on.terms[1].span * (1 + rounding);
+    if (!(from < to)) throw InputError("expected an end behind the key from; set the other one first");
+    if (!(from >= 0.0 && to <= chords)) throw InputError("expected a place on the curve");
+    ends.min = from;
+    ends.max = to;
+  };
+  number.scale = [](void* item, double factor) {
+    Stop& ends = static_cast<Stop*>(item)[Row];
+    (is_end ? ends.max : ends.min) *= factor;
+  };
+  return number;
+}
+constexpr std::array<Number, 3> profile_numbers{rolling_numbers[1], end_of_profile<3, false>("from"),
+                                                end_of_profile<3, true>("to")};
+constexpr std::array<CouplingPart, 1> profile_friction{CouplingPart{Of::value, 0, 0}};
+constexpr std::array<CouplingPart, 2> profile_ends{CouplingPart{Of::lower, 0, 1}, CouplingPart{Of::upper, 0, 2}};
+
+// On a circle, whose radius is also the factor of the angle of its contact.
+constexpr std::array<Number, 4> circle_profile_numbers{[] {
+                                                         Number circle = positive_value("circle_radius");
+                                                         circle.set = [](void* item, double value) {
+                                                           Stop* const rows = static_cast<Stop*>(item);
+                                                           rows[0].min = rows[0].max = value;
+                                                           rows[1].on.terms[3].factor = -rows[1].sense * value;
+                                                         };
+                                                         return circle;
+                                                       }(),
+                                                       rolling_numbers[1], end_of_profile<4, false>("from"),
+                                                       end_of_profile<4, true>("to")};
+constexpr std::array<CouplingPart, 2> circle_profile_friction{CouplingPart{Of::factor, 3, 0, -1.0, true},
+                                                              CouplingPart{Of::value, 0, 1}};
+constexpr std::array<CouplingPart, 2> circle_profile_ends{CouplingPart{Of::lower, 0, 2}, CouplingPart{Of::upper, 0, 3}};
+
+constexpr std::array<CouplingKind, 26> kinds{{{"gear", wheel_numbers, factor_and_value},
                                               {"belt", wheel_numbers, factor_and_value},
                                               {"rack", rack_numbers, factor_and_value},
                                               {"cam", cam_numbers, cam_parts},
@@ -245,7 +295,16 @@ constexpr std::array<CouplingKind, 17> kinds{{{"gear", wheel_numbers, factor_and
                                               {"rolling_friction", {}, friction_parts, 1},
                                               {"rolling_on_circle", circle_rolling_numbers, distance_parts},
                                               {"rolling_on_circle_friction", {}, arc_parts, 1},
-                                              {"rolling_on_circle_line", {}, {}, 2}}};
+                                              {"rolling_on_circle_line", {}, {}, 2},
+                                              {"rolling_profile", profile_numbers, {}},
+                                              {"rolling_profile_friction", {}, profile_friction, 1},
+                                              {"rolling_profile_tangent", {}, {}, 2},
+                                              {"rolling_profile_ends", {}, profile_ends, 3},
+                                              {"rolling_profile_on_circle", circle_profile_numbers, value_only},
+                                              {"rolling_profile_on_circle_friction", {}, circle_profile_friction, 1},
+                                              {"rolling_profile_on_circle_tangent", {}, {}, 2},
+                                              {"rolling_profile_on_circle_line", {}, {}, 3},
+                                              {"rolling_profile_on_circle_ends", {}, circle_profile_ends, 4}}};
 
 }  // namespace
 
@@ -270,7 +329,11 @@ std::span<const Number> Stop::numbers() const {
   const CouplingKind* const kind = coupling_kind(*this);
   if (kind == nullptr) return limits;
   const bool is_full_circle = kind->table == "circular_slot" && line_of_centres(*this) < 0;
-  return is_full_circle ? kind->numbers.first(1) : kind->numbers;
+  if (is_full_circle) return kind->numbers.first(1);
+  // A closed curve has no ends.
+  const bool is_closed_profile = kind->row == 0 && kind->table.starts_with("rolling_profile") && !on.terms.empty() &&
+                                 on.terms[1].profile->periodic();
+  return is_closed_profile ? kind->numbers.first(kind->numbers.size() - 2) : kind->numbers;
 }
 
 std::string Stop::family() const { return words_of_key(table); }

@@ -58,6 +58,18 @@ struct CouplingKind {
 ///     _friction    radius (angle of the wheel - a) - sense circle_radius (a - angle of the circle) - sense times the
 ///                  row behind it = offset
 ///     _line        component across the line of centres of the wheel's centre = 0
+///   rolling_profile  component across a line of the origin of a body's curve + its `across` = 0; behind it, with the
+///                functions of model/rolling_profile.hpp at the travel s along that curve,
+///     _friction    component along it + `along` - `length` = offset
+///     _tangent     angle of the body from the line's body + `angle` = angle of the line in its body
+///     _ends        of an open curve, from <= s <= to
+///   rolling_profile_on_circle  component along the radius to the contact of the curve's origin + sense `across` =
+///                circle_radius, sense 1 outside of the circle, -1 inside; behind it, with the angle a of that radius,
+///     _friction    - sense times the component across + `along` - `length` - sense circle_radius (a - angle of the
+///                  circle) = offset
+///     _tangent     angle of the body from the radius + `angle` = - sense pi / 2
+///     _line        - sense times the component across + `along` = 0
+///     _ends        of an open curve, from <= s <= to
 std::span<const CouplingKind> coupling_kinds();
 
 /// As many pulleys of a rope have friction.

@@ -7,17 +7,26 @@
 
 namespace poise {
 
-/// Whether a body is the massless rider whose travel is the coordinate along the track of a curved slot (add_riders()):
-/// it has no place of its own that a picture could show.
+/// The joint whose travel is the coordinate along the curve of a curved slot or of a profile that rolls, whose row of
+/// its tangent tells it (add_riders()); -1 of other stops.
+inline int travel_along_curve(const Stop& stop) {
+  if (stop.table == "curved_slot") return stop.on.joint;
+  return stop.table.ends_with("_tangent") ? stop.on.terms[1].measure.joint : -1;
+}
+
+/// Whether a body is the massless rider of such a joint: it has no place of its own that a picture could show.
 inline bool is_rider(const Scene& scene, int body) {
   return std::any_of(scene.stops.begin(), scene.stops.end(), [&](const Stop& stop) {
-    return stop.table == "curved_slot" && scene.joints[static_cast<std::size_t>(stop.on.joint)].b.body == body;
+    const int joint = travel_along_curve(stop);
+    return joint >= 0 && scene.joints[static_cast<std::size_t>(joint)].b.body == body;
   });
 }
 
 /// The massless body that turns with the line of centres of a stop's circle: of a wheel that rolls on a circle, and of
-/// a circular slot with ends, whose pin it guides (add_lines_of_centres()). -1 of other stops.
+/// a circular slot with ends, whose pin it guides; with the contact, of a profile that rolls on a circle
+/// (add_lines_of_centres()). -1 of other stops.
 inline int line_of_centres(const Stop& stop) {
+  if (stop.table == "rolling_profile_on_circle") return stop.on.terms[0].measure.a.body;
   const bool is_slot = stop.table == "circular_slot" && stop.on.kind == Measure::Kind::component;
   return is_slot || stop.table == "rolling_on_circle" ? stop.on.a.body : -1;
 }
@@ -32,7 +41,8 @@ inline bool is_line_of_centres(const Scene& scene, int body) {
 inline std::vector<int> bodies_of_tracks(const Scene& scene) {
   std::vector<int> out;
   for (const Stop& stop : scene.stops) {
-    if (stop.table == "curved_slot") out.push_back(scene.joints[static_cast<std::size_t>(stop.on.joint)].b.body);
+    if (const int joint = travel_along_curve(stop); joint >= 0)
+      out.push_back(scene.joints[static_cast<std::size_t>(joint)].b.body);
     if (const int line = line_of_centres(stop); line >= 0) out.push_back(line);
   }
   return out;

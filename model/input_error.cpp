@@ -7,7 +7,8 @@
 namespace poise {
 namespace {
 
-constexpr std::size_t longest = 1000, kept_in_front = 600, kept_behind = 390;
+// The end has room for the longest list of keys.
+constexpr std::size_t longest = 1000, kept_in_front = 490, kept_behind = 500;
 
 std::string shortened(const std::string& line) {
   if (line.size() <= longest) return line;

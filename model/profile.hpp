@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -32,20 +33,29 @@ ProfileValue<S> hull(const ProfileValue<S>& a, const ProfileValue<S>& b) {
 ///   cycloidal    P = c_0 + c_1 (s - sin(2 pi s) / (2 pi))
 ///
 /// (R. L. Norton, "Cam Design and Manufacturing Handbook", 2009, chapter 2: simple harmonic, cycloidal displacement and
-/// the polynomial 3-4-5, P = c_0 + c_1 (10 s^3 - 15 s^4 + 6 s^5).) A periodic one repeats: P(u + 1) = P(u), its pieces
-/// reach from 0 to 1. Another goes on beyond its ends along its tangents there.
+/// the polynomial 3-4-5, P = c_0 + c_1 (10 s^3 - 15 s^4 + 6 s^5).) Of a curve r = (X, Y) of a body that rolls on
+/// another (model/rolling_profile.hpp), with t = s - 1/2 and r = sum_k (c_1+k, c_5+k) t^k for k from 0 to 3,
+///
+///   tangent_angle   P = c_0 + the angle from r'(0) to r'(t), rad
+///   arc_length      P = c_0 + int_0^t |r'|
+///   along_tangent   P = r.r' / |r'|
+///   across_tangent  P = r'xr / |r'|
+///
+/// where is_short() of their pieces. A periodic one repeats: P(u + 1) = P(u) + rise, its pieces reach from 0 to 1.
+/// Another goes on beyond its ends along its tangents there.
 class Profile {
  public:
-  enum class Law { polynomial, harmonic, cycloidal };
+  enum class Law { polynomial, harmonic, cycloidal, tangent_angle, arc_length, along_tangent, across_tangent };
   static constexpr int degree = 5;
   struct Piece {
     double from = 0.0, to = 1.0;
     Law law = Law::polynomial;
-    std::array<double, degree + 1> c{};
+    std::array<double, 9> c{};
   };
 
   /// Pieces in order, each from where the last ends; continuous up to rounding of their coefficients.
-  Profile(std::vector<Piece> pieces, bool periodic) : pieces_(std::move(pieces)), periodic_(periodic) {
+  Profile(std::vector<Piece> pieces, bool periodic, double rise = 0.0)
+      : pieces_(std::move(pieces)), rise_(rise), periodic_(periodic) {
     borders_.push_back(pieces_.front().from);
     for (const Piece& piece : pieces_) borders_.push_back(piece.to);
   }
@@ -55,9 +65,16 @@ class Profile {
   /// The names of these laws.
   static constexpr std::array<std::string_view, 4> laws{"dwell", "harmonic", "cycloidal", "polynomial_345"};
   /// The cubic spline with continuous second derivatives through the points (u_k, P_k), u ascending: periodic, with the
-  /// last point one period after the first and P equal there, or natural, without curvature at its ends (C. de Boor, "A
-  /// Practical Guide to Splines", 2001, chapter IV).
-  static Profile spline(const std::vector<double>& u, const std::vector<double>& p, bool periodic);
+  /// last point one period after the first and P equal there, or natural, without curvature at its ends, or with ends
+  /// as curved as what is behind them: the first two pieces are one cubic, and the last two ("not-a-knot"; C. de Boor,
+  /// "A Practical Guide to Splines", 2001, chapter IV).
+  static Profile spline(const std::vector<double>& u, const std::vector<double>& p, bool periodic,
+                        bool has_curved_ends = false);
+
+  /// Whether a piece of a curve turns by less than a right angle from its middle to |t| = most_t, and has, with
+  /// |r'|^2 = sum_j q_j t^j,  sum_j>0 |q_j| (4 most_t)^j < q_0,  so that the series of its arc length converges.
+  static bool is_short(const Piece& piece);
+  static constexpr double most_t = 0.5625;
 
   const std::vector<Piece>& pieces() const { return pieces_; }
   bool periodic() const { return periodic_; }
@@ -73,11 +90,117 @@ class Profile {
   ProfileValue<S> along_end(bool last, const S& u) const;
   template <class S>
   ProfileValue<S> in_turns(const S& u) const;
+  template <class S>
+  static std::array<Planar<S>, 4> curve(const Piece& piece, const S& t);
+  template <class S>
+  static ProfileValue<S> on_curve(const Piece& piece, const S& t);
+  template <class S>
+  static S value_on_curve(const Piece& piece, const S& t);
+  template <class S>
+  static S length_from_middle(const Piece& piece, const S& t);
 
   std::vector<Piece> pieces_;
   std::vector<double> borders_;  // of the pieces, both ends included
+  double rise_;                  // of a period
   bool periodic_;
 };
+
+// r and its three derivatives.
+template <class S>
+std::array<Planar<S>, 4> Profile::curve(const Piece& piece, const S& t) {
+  const auto c = [&](std::size_t k) { return Planar<S>{S(piece.c[1 + k]), S(piece.c[5 + k])}; };
+  const Planar<S> third = S(6) * c(3), twice = S(2) * c(2);
+  return {c(0) + t * (c(1) + t * (c(2) + t * c(3))), c(1) + t * (twice + S(t / S(2)) * third), twice + t * third,
+          third};
+}
+
+// |r'| = sum_k y_k t^k is the square root of q = sum_j q_j t^j, so that 2 q y' = q' y gives
+//   y_k = sum_j q_j (3 j - 2 k) y_(k - j) / (2 k q_0),  j = 1, ..., 4.
+// With |3 j - 2 k| <= 2 k for j <= k, and sum_j |q_j| |4 t|^j <= q_0 of short pieces, |y_k t^k| <= 4^-k y_0: what the
+// first n terms of the integral leave out is less than 4^-n |y_0 t|.
+template <class S>
+S Profile::length_from_middle(const Piece& piece, const S& t) {
+  constexpr int terms = may_enclose_set<S> ? 72 : std::numeric_limits<S>::digits / 2 + 2;
+  const auto c = [&](std::size_t k) { return Planar<S>{S(piece.c[1 + k]), S(piece.c[5 + k])}; };
+  const Planar<S> a = c(1), b = S(2) * c(2), d = S(3) * c(3);
+  const S half = S(1) / (S(2) * dot(a, a)), square = t * t;
+  const std::array<S, 4> q{S(S(2) * dot(a, b) * half * t), S((dot(b, b) + S(2) * dot(a, d)) * half * square),
+                           S(S(2) * dot(b, d) * half * square * t), S(dot(d, d) * half * square * square)};
+  const S first = norm(a) * t;
+  std::array<S, 4> last{first, S(0), S(0), S(0)};  // y_k t^(k + 1) at k modulo 4
+  S sum = first;
+  for (int k = 1; k < terms; ++k) {
+    S next(0);
+    for (int j = 1; j <= 4; ++j) {
+      next += S(3 * j - 2 * k) * q[static_cast<std::size_t>(j - 1)] * last[static_cast<std::size_t>((k - j) & 3)];
+    }
+    next = next / S(k);
+    sum += next / S(k + 1);
+    last[static_cast<std::size_t>(k & 3)] = next;
+  }
+  if constexpr (may_enclose_set<S>) {
+    const S rest = first * S(0x1p-144);
+    sum += hull(S(-rest), rest);
+  }
+  return sum;
+}
+
+template <class S>
+S Profile::value_on_curve(const Piece& piece, const S& t) {
+  const auto r = curve(piece, t);
+  switch (piece.law) {
+    case Law::tangent_angle: {
+      const Planar<S> middle{S(piece.c[2]), S(piece.c[6])};
+      const Planar<S> turned{dot(middle, r[1]), cross(middle, r[1])};  // to the right of zero
+      return S(piece.c[0]) + full_angle_of(quarter_turn(turned)) - pi_of<S>() / S(2);
+    }
+    case Law::arc_length:
+      return S(piece.c[0]) + length_from_middle(piece, t);
+    case Law::along_tangent:
+      return dot(r[0], r[1]) / norm(r[1]);
+    default:
+      return cross(r[1], r[0]) / norm(r[1]);
+  }
+}
+
+// With the angle a, the speed l = |r'|, and p along and h across the tangent:  a' = r'xr'' / l^2,  p' = a' h + l,
+// h' = -a' p. Of sets the value is that of a number in the middle and the slope over the set (mean value theorem).
+template <class S>
+ProfileValue<S> Profile::on_curve(const Piece& piece, const S& t) {
+  const auto [r, r1, r2, r3] = curve(piece, t);
+  const S square = dot(r1, r1), inward = dot(r1, r2);
+  const S by_square = S(2) * inward, by_2_square = S(2) * (dot(r2, r2) + dot(r1, r3));
+  const S a1 = cross(r1, r2) / square;
+  const S a2 = (cross(r1, r3) - a1 * by_square) / square;
+  const S a3 = (cross(r2, r3) - S(2) * a2 * by_square - a1 * by_2_square) / square;
+  const S l = norm(r1);
+  const S l1 = inward / l;
+  const S l2 = (by_2_square / S(2) - l1 * l1) / l;
+  ProfileValue<S> out;
+  if (piece.law == Law::tangent_angle) {
+    out = {S(0), a1, a2, a3};
+  } else if (piece.law == Law::arc_length) {
+    out = {S(0), l, l1, l2};
+  } else {
+    const S p = dot(r, r1) / l, h = cross(r1, r) / l;
+    const S p1 = a1 * h + l, h1 = -(a1 * p);
+    const S p2 = a2 * h + a1 * h1 + l1, h2 = -(a2 * p + a1 * p1);
+    if (piece.law == Law::along_tangent)
+      out = {S(0), p1, p2, S(a3 * h + S(2) * a2 * h1 + a1 * h2 + l2)};
+    else
+      out = {S(0), h1, h2, S(-(a3 * p + S(2) * a2 * p1 + a1 * p2))};
+  }
+  if constexpr (may_enclose_set<S>) {
+    const S middle = middle_of(t);
+    if (abs(middle) <= S(most_t))
+      out.value = value_on_curve(piece, middle) + out.first * (t - middle);
+    else
+      out.value = S(1) / hull(S(-1), S(1));  // nothing is known so far beyond the piece
+  } else {
+    out.value = value_on_curve(piece, t);
+  }
+  return out;
+}
 
 template <class S>
 ProfileValue<S> Profile::on(const Piece& piece, const S& u) {
@@ -109,6 +232,8 @@ ProfileValue<S> Profile::on(const Piece& piece, const S& u) {
               rise * full * full * turn.x};
       break;
     }
+    default:
+      by_s = on_curve(piece, S(s - S(0.5)));
   }
   return {by_s.value, by_s.first / length, by_s.second / (length * length), by_s.third / (length * length * length)};
 }
@@ -142,16 +267,25 @@ ProfileValue<S> Profile::in_turns(const S& u) const {
     return by_pieces(v, inside, [&](std::size_t k, const S& part) { return on(pieces_[k], part); });
   };
   if constexpr (!may_enclose_set<S>) {
-    return in_one_turn(in_turn);
+    ProfileValue<S> out = in_one_turn(in_turn);
+    if (rise_ != 0.0) out.value += S(rise_) * S(turns);
+    return out;
   } else {
-    // A set around a multiple of the period reaches into the turn before or after; a wider one may be anywhere.
-    if (!(in_turn >= S(-1) && in_turn <= S(2))) return in_one_turn(hull(S(0), S(1)));
+    // A set around a multiple of the period reaches into the turn before or after; a wider one may be anywhere, by as
+    // many periods from its place in one as they differ.
+    const S period = hull(S(0), S(1));
+    if (!(in_turn >= S(-1) && in_turn <= S(2))) {
+      ProfileValue<S> anywhere = in_one_turn(period);
+      if (rise_ != 0.0) anywhere.value += S(rise_) * (u - period);
+      return anywhere;
+    }
     ProfileValue<S> out;
     bool is_first = true;
     for (const int shift : {-1, 0, 1}) {
       const S shifted = in_turn - S(shift);
       if (shifted < S(0) || shifted > S(1)) continue;
-      const ProfileValue<S> part = in_one_turn(within(shifted, 0.0, 1.0));
+      ProfileValue<S> part = in_one_turn(within(shifted, 0.0, 1.0));
+      if (rise_ != 0.0) part.value += S(rise_) * S(turns + shift);
       out = is_first ? part : hull(out, part);
       is_first = false;
     }

@@ -16,6 +16,7 @@
 #include "model/profile.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_measure.hpp"
+#include "model/rolling_profile.hpp"
 
 namespace poise {
 namespace {
@@ -29,12 +30,14 @@ class CouplingReader {
  public:
   CouplingReader(const SceneNames& names, Scene& scene) : names_(names), measures_(names, scene.units), scene_(scene) {}
 
-  /// The stops of a coupling, one per row. `own`: the rider of a curved slot, the line of centres of a circle.
-  std::vector<Stop> read(const CouplingKind& kind, const TomlTable& table, int own) const {
-    if (kind.table == "curved_slot") return read_track(table, own);
-    if (kind.table == "rolling_on_circle") return read_rolling_on_circle(kind, table, own);
+  /// The stops of a coupling, one per row. `rider`: of a curve; `line`: of centres of a circle.
+  std::vector<Stop> read(const CouplingKind& kind, const TomlTable& table, int rider, int line) const {
+    if (kind.table == "curved_slot") return read_track(table, rider);
+    if (kind.table == "rolling_on_circle") return read_rolling_on_circle(kind, table, line);
     if (kind.table == "rolling") return read_rolling(kind, table);
-    if (kind.table == "circular_slot" && own >= 0) return read_arc(kind, table, own);
+    if (kind.table == "rolling_profile") return read_rolling_profile(kind, table, rider);
+    if (kind.table == "rolling_profile_on_circle") return read_profile_on_circle(kind, table, rider, line);
+    if (kind.table == "circular_slot" && line >= 0) return read_arc(kind, table, line);
     return {read_row(kind, table)};
   }
 
@@ -268,6 +271,124 @@ class CouplingReader {
     return rows;
   }
 
+  // The functions of the curve that rolls, as terms of its travel. Somewhere its curvature, 1/m, to the left positive,
+  // is more than `least`, that of what it rolls on.
+  struct Curve {
+    Measure::Term angle, length, along, across;
+    bool is_closed;
+  };
+  Curve read_curve(const TomlTable& table, int rider, double least) const {
+    const bool is_closed = table.flag("closed", false);
+    const std::optional<RollingProfile> found = rolling_profile(track_points(table, is_closed), is_closed);
+    const TomlPlace place = table.place_of("curve");
+    if (!found) place.fail("expected a smooth curve, found one with a cusp; give it more points, or other ones");
+    const double turn = is_closed ? found->angle->at(1.0).value - found->angle->at(0.0).value : full_turn;
+    if (turn < 0.0) place.fail("expected points counter-clockwise, the body on the left; reverse their order");
+    if (std::abs(turn - full_turn) > 1.0)
+      place.fail("expected a curve that goes round once, found one that crosses itself");
+    double most_curved = -std::numeric_limits<double>::infinity();
+    constexpr int samples = 1000;
+    for (int k = 0; k <= samples; ++k) {
+      const double u = static_cast<double>(k) / samples;
+      most_curved = std::max(most_curved, found->angle->at(u).first / found->length->at(u).first);
+    }
+    if (!(most_curved > least)) {
+      place.fail(
+          "expected a curve with its body on the left that bends away from what it rolls on, found none such place; "
+          "reverse the order of its points, or give others");
+    }
+    const auto term = [&](double factor, const std::shared_ptr<const Profile>& profile) {
+      return Measure::Term{factor, Measure::travel_of(rider), profile, 0.0, found->chords};
+    };
+    return {term(1.0, found->angle), term(-1.0, found->length), term(1.0, found->along), term(1.0, found->across),
+            is_closed};
+  }
+
+  // Angle of the body from the other one + angle of the tangent = `axis`, with the body's angle where the first point
+  // touches in (-pi, pi].
+  static Stop tangent_row(const CouplingKind& kind, int other, int body, const Measure::Term& angle, double axis) {
+    Stop row;
+    row.table = std::string(kind.table) + "_tangent";
+    row.on = Measure::sum_of({{1.0, Measure::angle_between(other, body)}, angle});
+    const double first = angle.profile->at(0.0).value;
+    double turned = std::remainder(axis - first, full_turn);
+    constexpr double rounding = 1e-9;
+    if (turned < rounding - M_PI) turned += full_turn;
+    row.min = row.max = first + turned;
+    return row;
+  }
+
+  // Where an open curve ends.
+  void add_ends(const CouplingKind& kind, const TomlTable& table, const Curve& curve, std::vector<Stop>& rows) const {
+    if (curve.is_closed) return;
+    Stop& ends = rows.emplace_back();
+    ends.table = std::string(kind.table) + "_ends";
+    ends.on = curve.angle.measure;
+    read_ends(table, false, curve.angle.span, ends);
+    for (const auto& [key, at] : {std::pair("from", ends.min), std::pair("to", ends.max)}) {
+      if (!(at >= 0.0 && at <= curve.angle.span)) {
+        table.place_of(key).fail(
+            fmt::format("expected a place on the curve, from 0 to {:.6g}", curve.angle.span / scene_.units.length));
+      }
+    }
+  }
+
+  // Across the line, and along it; the arc of the curve is as long as the contact's way on the line.
+  std::vector<Stop> read_rolling_profile(const CouplingKind& kind, const TomlTable& table, int rider) const {
+    allow_profile(table, {"line", "axis"});
+    const auto [at, line] = points_of(table, "at", "line");
+    const Vec2 axis = table.vector("axis", 1.0);
+    if (axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
+    const Curve curve = read_curve(table, rider, 0.0);
+    std::vector<Stop> rows(2);
+    rows[0].table = kind.table;
+    rows[0].on = Measure::sum_of({{1.0, Measure::component_along(line, at, quarter_turn(axis))}, curve.across});
+    rows[1].table = "rolling_profile_friction";
+    rows[1].on = Measure::sum_of({{1.0, Measure::component_along(line, at, axis)}, curve.along, curve.length});
+    for (Stop& row : rows) row.min = row.max = 0.0;
+    rows.push_back(tangent_row(kind, line.body, at.body, curve.angle, std::atan2(axis.y, axis.x)));
+    add_ends(kind, table, curve, rows);
+    read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on, scene_.units);
+    return rows;
+  }
+
+  // In the frame of the radius to the contact, at an angle a: along it, across it with the arcs, and across it.
+  std::vector<Stop> read_profile_on_circle(const CouplingKind& kind, const TomlTable& table, int rider,
+                                           int line) const {
+    allow_profile(table, {"center", "circle_radius", "inside"});
+    const auto [at, center] = points_of(table, "at", "center");
+    const double sense = table.flag("inside", false) ? -1.0 : 1.0;
+    const double radius = table.number("circle_radius", scene_.units.length, Range::positive);
+    Curve curve = read_curve(table, rider, -sense / radius);
+    curve.across.factor = sense;
+    const PointRef origin{line, 0};
+    const Measure::Term across{-sense, Measure::component_along(origin, at, {0, 1})};
+    std::vector<Stop> rows(2);
+    rows[0].table = kind.table;
+    rows[0].on = Measure::sum_of({{1.0, Measure::component_along(origin, at, {1, 0})}, curve.across});
+    rows[0].min = rows[0].max = not_given;
+    rows[1].table = "rolling_profile_on_circle_friction";
+    // The component across makes the force of this row the friction at the contact, as that of a wheel.
+    rows[1].on = Measure::sum_of(
+        {across, curve.along, curve.length, {-sense * radius, Measure::angle_between(center.body, line)}});
+    rows[1].min = rows[1].max = 0.0;
+    rows.push_back(tangent_row(kind, line, at.body, curve.angle, -sense * M_PI / 2));
+    Stop& aside = rows.emplace_back();
+    aside.table = "rolling_profile_on_circle_line";
+    aside.on = Measure::sum_of({across, curve.along});
+    aside.min = aside.max = 0.0;
+    add_ends(kind, table, curve, rows);
+    for (Stop& row : rows) row.sense = sense;
+    read_numbers(table, kind.numbers.first(2), rows.data(), &rows[0].on, scene_.units);
+    return rows;
+  }
+
+  static void allow_profile(const TomlTable& table, Keys keys) {
+    keys.insert(keys.end(), {"name", "at", "curve", "closed", "offset"});
+    if (!table.flag("closed", false)) keys.insert(keys.end(), {"from", "to"});
+    table.allow_keys(keys);
+  }
+
   // follower - lift P((angle - phase) / turn).
   void read_cam(const TomlTable& table, Stop& stop) const {
     table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller"});
@@ -378,8 +499,9 @@ bool stretches(const CouplingKind& kind, const TomlTable& table) {
 /// A circular slot that has ends.
 bool has_ends(const TomlTable& table) { return table.has("from") || table.has("to"); }
 
-/// Couplings that may have a line of centres, in the order in which they are read.
-constexpr std::array<std::string_view, 2> circles{"circular_slot", "rolling_on_circle"};
+/// Couplings with a rider, and those that may have a line of centres, in the order in which they are read.
+constexpr std::array<std::string_view, 3> curves{"curved_slot", "rolling_profile", "rolling_profile_on_circle"};
+constexpr std::array<std::string_view, 3> circles{"circular_slot", "rolling_on_circle", "rolling_profile_on_circle"};
 
 /// What is behind the name of a coupling in those of its rows.
 std::string name_of_row(const std::string& name, const Stop& row) {
@@ -387,7 +509,36 @@ std::string name_of_row(const std::string& name, const Stop& row) {
   if (row.table == "curved_slot_y") return name + " y";
   if (row.table.ends_with("_line")) return name + " line";
   if (row.table.ends_with("_ends")) return name + " ends";
+  if (row.table.ends_with("_tangent")) return name + " tangent";
   return row.table.ends_with("_friction") ? name + " friction" : name;
+}
+
+/// Of a profile that rolls, without a guess of its place: where the tangent has the angle that the contact has at the
+/// guesses of the bodies' angles. Before, that of an open one begins with the whole turns that bring its middle there.
+void guess_place(Stop& tangent, Scene& scene) {
+  const Measure::Term& turned = tangent.on.terms[0];
+  const Measure::Term& curve = tangent.on.terms[1];
+  const auto angle = [&](int body) { return scene.start.angle[static_cast<std::size_t>(body)].value_or(0.0); };
+  const double body = angle(turned.measure.body_b) - angle(turned.measure.body_a);
+  const auto tangent_at = [&](double u) { return curve.profile->at(u).value; };
+  double turns = 0.0;
+  if (curve.profile->periodic()) {
+    turns = std::floor((tangent.min - body - tangent_at(0.0)) / full_turn);
+  } else {
+    tangent.min += full_turn * std::round((tangent_at(0.5) + body - tangent.min) / full_turn);
+    tangent.max = tangent.min;
+  }
+  std::optional<double>& guess = scene.start.travel[static_cast<std::size_t>(curve.measure.joint)];
+  if (guess) return;
+  constexpr int samples = 1000;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= samples; ++k) {
+    const double u = static_cast<double>(k) / samples;
+    const double off = std::abs(body + full_turn * turns + tangent_at(u) - tangent.min);
+    if (off >= nearest) continue;
+    nearest = off;
+    guess = (turns + u) * curve.span;
+  }
 }
 
 /// The value of a measure of angles and travels at the guesses of the scene; nothing of others.
@@ -415,37 +566,51 @@ std::optional<double> guessed(const Scene& scene, const Measure& measure) {
 }  // namespace
 
 std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scene& scene) {
-  const std::vector<TomlTable> tables = root.tables("curved_slot");
-  // The travel has the name of the slot, by which [start] gives its guess.
-  NameLines taken;
-  for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
-  for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
-  const std::vector<std::string> slots = names_of(tables, numbered("curved_slot", tables.size()), std::move(taken));
   std::vector<int> riders;
-  for (std::size_t i = 0; i < tables.size(); ++i) {
-    const int line = tables[i].place().line;
-    const std::string name = slots[i] + " rider";
-    if (const int body = names.index_of_body(name); body >= 0) {
-      fail_taken(tables[i].place(), name, scene.bodies[static_cast<std::size_t>(body)].line);
+  for (const std::string_view kind : curves) {
+    const std::vector<TomlTable> tables = root.tables(kind);
+    // The travel has the name of the table, by which [start] gives its guess.
+    NameLines taken;
+    for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
+    for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
+    const std::vector<std::string> own = names_of(tables, numbered(kind, tables.size()), std::move(taken));
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      const int line = tables[i].place().line;
+      const std::string name = own[i] + " rider";
+      if (const int body = names.index_of_body(name); body >= 0) {
+        fail_taken(tables[i].place(), name, scene.bodies[static_cast<std::size_t>(body)].line);
+      }
+      const PointRef at = names.point(tables[i].text("at"));
+      const int rider = scene.add_body(name);
+      scene.bodies.back().line = line;
+      const PointRef origin = scene.add_point(rider, "O", {});
+      riders.push_back(
+          scene.add_joint({.kind = Joint::Kind::slide, .name = own[i], .a = at, .b = origin, .line = line}));
     }
-    const PointRef at = names.point(tables[i].text("at"));
-    const int rider = scene.add_body(name);
-    scene.bodies.back().line = line;
-    const PointRef origin = scene.add_point(rider, "O", {});
-    riders.push_back(
-        scene.add_joint({.kind = Joint::Kind::slide, .name = slots[i], .a = at, .b = origin, .line = line}));
   }
   return riders;
 }
 
-std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& names, Scene& scene) {
+std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& names, const std::vector<int>& riders,
+                                      Scene& scene) {
   std::vector<int> lines;
   for (const std::string_view kind : circles) {
     const std::vector<TomlTable> tables = root.tables(kind);
     NameLines taken;
     for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
     for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
-    const std::vector<std::string> own = names_of(tables, numbered(kind, tables.size()), std::move(taken));
+    std::vector<std::string> own;
+    if (kind == curves.back()) {
+      // Their riders are the last ones.
+      for (std::size_t i = riders.size() - tables.size(); i < riders.size(); ++i) {
+        own.push_back(scene.joints[static_cast<std::size_t>(riders[i])].name + " radius");
+        const TomlPlace place = tables[own.size() - 1].place();
+        if (const auto other = taken.find(own.back()); other != taken.end())
+          fail_taken(place, own.back(), other->second);
+      }
+    } else {
+      own = names_of(tables, numbered(kind, tables.size()), std::move(taken));
+    }
     for (std::size_t i = 0; i < tables.size(); ++i) {
       lines.push_back(-1);
       if (kind == "circular_slot" && !has_ends(tables[i])) continue;
@@ -466,13 +631,13 @@ std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& n
 void read_couplings(const TomlTable& root, const SceneNames& names, const std::vector<int>& riders,
                     const std::vector<int>& lines, Scene& scene) {
   const CouplingReader reader(names, scene);
-  std::size_t next_line = 0;
+  std::size_t next_line = 0, next_rider = 0;
   for (const CouplingKind& kind : coupling_kinds()) {
     if (kind.row > 0) continue;
     const std::vector<TomlTable> tables = root.tables(kind.table);
     // Forces of stops, couplings and joints are told by their names.
     NameLines taken;
-    const bool is_track = kind.table == "curved_slot",
+    const bool is_track = std::count(curves.begin(), curves.end(), kind.table) > 0,
                is_circle = std::count(circles.begin(), circles.end(), kind.table) > 0;
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
       // A track has the name of its own travel.
@@ -490,8 +655,9 @@ void read_couplings(const TomlTable& root, const SceneNames& names, const std::v
         continue;
       }
       const int line = is_circle ? lines[next_line++] : -1;
-      for (Stop& row : reader.read(kind, tables[i], is_track ? riders[i] : line)) {
-        row.name = name_of_row(is_track    ? scene.joints[static_cast<std::size_t>(riders[i])].name
+      const int rider = is_track ? riders[next_rider++] : -1;
+      for (Stop& row : reader.read(kind, tables[i], rider, line)) {
+        row.name = name_of_row(is_track    ? scene.joints[static_cast<std::size_t>(rider)].name
                                : line >= 0 ? scene.bodies[static_cast<std::size_t>(line)].name
                                            : item_names[i],
                                row);
@@ -530,7 +696,8 @@ void set_values_from_start(const TomlTable& root, Scene& scene) {
     }
   }
   // The line of a slot with ends begins in the middle of its arc.
-  for (const Stop& stop : scene.stops) {
+  for (Stop& stop : scene.stops) {
+    if (stop.table.ends_with("_tangent")) guess_place(stop, scene);
     if (stop.table != "circular_slot_ends") continue;
     std::optional<double>& guess = scene.start.angle[static_cast<std::size_t>(stop.on.body_b)];
     const double body = scene.start.angle[static_cast<std::size_t>(stop.on.body_a)].value_or(0.0);

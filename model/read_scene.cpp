@@ -80,7 +80,7 @@ class SceneReader {
     read_joints();
     const std::vector<int> riders = add_riders(root_, names_, scene_);
     for (const int rider : riders) names_.learn_joint(rider);
-    const std::vector<int> lines = add_lines_of_centres(root_, names_, scene_);
+    const std::vector<int> lines = add_lines_of_centres(root_, names_, riders, scene_);
     for (const int line : lines) {
       if (line >= 0) names_.learn_body(line);
     }

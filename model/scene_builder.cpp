@@ -371,6 +371,29 @@ SceneBuilder& SceneBuilder::rolling_on_circle(const std::string& wheel, const st
   return *this;
 }
 
+SceneBuilder& SceneBuilder::rolling_profile(const std::string& at, const std::vector<Vec2>& curve,
+                                            const std::string& line, Vec2 axis, const std::vector<Key>& keys,
+                                            const std::string& name) {
+  toml::table& table = document_->next("rolling_profile", name);
+  document_->set(table, "at", at);
+  document_->set(table, "curve", pairs_of(curve));
+  document_->set(table, "line", line);
+  document_->set(table, "axis", pair_of(axis));
+  document_->add_keys(table, "rolling_profile", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::rolling_profile_on_circle(const std::string& at, const std::vector<Vec2>& curve,
+                                                      const std::string& center, const std::vector<Key>& keys,
+                                                      const std::string& name) {
+  toml::table& table = document_->next("rolling_profile_on_circle", name);
+  document_->set(table, "at", at);
+  document_->set(table, "curve", pairs_of(curve));
+  document_->set(table, "center", center);
+  document_->add_keys(table, "rolling_profile_on_circle", name, keys);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::force(const std::string& name, const std::string& at, Vec2 vector,
                                   const std::string& follows) {
   toml::table& load = document_->next("force", name);

@@ -141,8 +141,8 @@ class SceneBuilder {
   /// A stop with its "min", "max" or both.
   SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
 
-  /// Gears, cams, ropes, slots and rolling wheels, as docs/scene-files.md#gears-cams-and-ropes and
-  /// #curved-slots-and-rolling-wheels describe their tables; `keys` are the keys of these that are not named here:
+  /// Gears, cams, ropes, slots, rolling wheels and profiles, as docs/scene-files.md#gears-cams-and-ropes and the two
+  /// sections behind it describe their tables; `keys` are the keys of these that are not named here:
   /// {{"ratio", 2}, {"carrier", "arm"}, {"internal", true}}.
   SceneBuilder& gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                      const std::string& name = {});
@@ -165,6 +165,11 @@ class SceneBuilder {
                         const std::string& name = {});
   SceneBuilder& rolling_on_circle(const std::string& wheel, const std::string& center, const std::vector<Key>& keys,
                                   const std::string& name = {});
+  SceneBuilder& rolling_profile(const std::string& at, const std::vector<Vec2>& curve, const std::string& line,
+                                Vec2 axis, const std::vector<Key>& keys = {}, const std::string& name = {});
+  SceneBuilder& rolling_profile_on_circle(const std::string& at, const std::vector<Vec2>& curve,
+                                          const std::string& center, const std::vector<Key>& keys,
+                                          const std::string& name = {});
 
   /// A force at a point, which keeps its direction in the world, or in the body that it `follows`.
   SceneBuilder& force(const std::string& name, const std::string& at, Vec2 vector, const std::string& follows = {});

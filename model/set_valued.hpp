@@ -26,6 +26,12 @@ S within(const S& a, double, double) {
   return a;
 }
 
+/// A number of a set near its middle.
+template <class S>
+S middle_of(const S& a) {
+  return a;
+}
+
 /// Whether a scalar may enclose a set of numbers: it is none that the standard library knows the digits of.
 template <class S>
 inline constexpr bool may_enclose_set = !std::numeric_limits<S>::is_specialized;

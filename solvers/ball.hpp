@@ -148,6 +148,7 @@ class Ball {
     return out;
   }
   friend Ball hull(const Ball& a, const Ball& b) { return of_both(a, b); }
+  friend Ball middle_of(const Ball& a) { return a.midpoint(); }
 
   bool is_finite() const { return arb_is_finite(v_) != 0; }
   bool contains_zero() const { return arb_contains_zero(v_) != 0; }

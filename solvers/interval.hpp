@@ -138,6 +138,7 @@ class Interval {
     return from(a.minus_lower_ > 0 ? -0.0 : a.minus_lower_, a.upper_ < 0 ? 0.0 : a.upper_);
   }
   friend Interval with_zero(const Interval& a) { return hull(a, Interval(0.0)); }
+  friend Interval middle_of(const Interval& a) { return a.middle(); }
   /// Its numbers from `lower` to `upper`, of which there are some.
   friend Interval within(const Interval& a, double lower, double upper) {
     Interval out = a;

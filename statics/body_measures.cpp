@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "model/couplings.hpp"
 #include "statics/body_measures_impl.hpp"
 
 namespace poise {
@@ -34,7 +35,7 @@ void refuse_contacts(const Scene& scene, std::string_view what) {
   std::for_each(scene.elements.begin(), scene.elements.end(), refuse);
   std::for_each(scene.stops.begin(), scene.stops.end(), refuse);
   for (const Stop& stop : scene.stops) {
-    if (stop.table != "rolling" && stop.table != "rolling_on_circle") continue;
+    if (!stop.table.starts_with("rolling") || coupling_kind(stop)->row > 0) continue;
     throw InputError(fmt::format(
         "{}:{}: {} \"{}\": may lift off: {} do not treat that; expected a rack or a gear, which is held on both sides",
         scene.file, stop.line, stop.family(), stop.name, what));

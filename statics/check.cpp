@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "model/couplings.hpp"
+#include "model/rolling_profile.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/free_bodies.hpp"
 
@@ -15,6 +17,8 @@ namespace {
 constexpr double no_length = 1e-12;  // of the mechanism's size
 // Share of the largest force that rounding of stiff springs may leave unbalanced.
 constexpr double rounding_forgiven = 1e-6;
+// Of the mechanism's size: how deep a profile may cut into its line, to rounding.
+constexpr double cut = 1e-8;
 // Of the largest force: a wheel that is pulled less than that touches its line to rounding.
 constexpr double no_pull = 1e-10;
 
@@ -204,20 +208,53 @@ class EquilibriumCheck {
     }
   }
 
-  // A wheel that would have to be pulled to its line or circle lifts off.
+  // A wheel or a profile that would have to be pulled to its line or circle lifts off.
   void look_at_wheels() {
     const double least = -no_pull * out_.largest_force;
     for (const Reaction& reaction : out_.reactions) {
-      if (reaction.kind != "rolling" && reaction.kind != "rolling_on_circle") continue;
+      if (!reaction.of_stop || !reaction.kind.starts_with("rolling")) continue;
       const auto row = std::find_if(scene_.stops.begin(), scene_.stops.end(),
                                     [&](const Stop& stop) { return stop.name == reaction.name; });
-      const bool is_too_large = row->max <= 0.0;
+      if (coupling_kind(*row)->row > 0) continue;
+      if (row->table.starts_with("rolling_profile")) look_at_profile(&*row);
+      const bool is_too_large = row->table == "rolling_on_circle" && row->max <= 0.0;
       if (!is_too_large && -row->sense * reaction.axial >= least) continue;
       out_.keeps_contacts = false;
       object(fmt::format("{} \"{}\" {}", row->family(), row->name,
                          is_too_large ? "has a wheel as large as the circle in which it rolls"
-                                      : "lifts off, its wheel would have to be pulled"));
+                         : row->table.starts_with("rolling_profile") ? "lifts off, its profile would have to be pulled"
+                                                                     : "lifts off, its wheel would have to be pulled"));
     }
+  }
+
+  // A profile touches between its ends, and nowhere else: it cuts into nothing.
+  void look_at_profile(const Stop* rows) {
+    // From the line, or along the radius of a circle, to the curve's origin.
+    const Measure& across = rows->on.terms[0].measure;
+    const auto first = static_cast<std::size_t>(rows - scene_.stops.data());
+    const auto [from, to] = range_of_profile(scene_, first);
+    const double u = value_of(scene_, rows->on.terms[1].measure, poses_) / rows->on.terms[1].span;
+    const auto refuse = [&](std::string_view why) {
+      out_.keeps_contacts = false;
+      object(fmt::format("{} \"{}\" {}", rows->family(), rows->name, why));
+    };
+    const double near = tolerances_.stop * size_ / rows->on.terms[1].span;
+    const bool is_closed = rows->on.terms[1].profile->periodic();
+    if (!is_closed && (u <= from + near || u >= to - near)) {
+      refuse("touches at an end of its curve, where it ceases to roll");
+    }
+    const auto pose = [&](PointRef point) { return poses_[static_cast<std::size_t>(point.body)]; };
+    const Vec2 origin = pose(across.a).world(scene_.local(across.a));
+    const Vec2 outward = direction<double>(across.axis) * unit(pose(across.a).angle);
+    constexpr int samples = 2000;
+    double deepest = 0.0;
+    for (int k = 0; k <= samples; ++k) {
+      const Vec2 of_curve = point_of_profile(rows, from + (to - from) * k / samples);
+      const Vec2 at = pose(across.b).world(scene_.local(across.b) + of_curve) - origin;
+      const bool is_on_circle = rows->table == "rolling_profile_on_circle";
+      deepest = std::max(deepest, is_on_circle ? rows->sense * (rows->max - norm(at)) : -dot(at, outward));
+    }
+    if (deepest > cut * size_) refuse("cuts with its profile into what it rolls on");
   }
 
   // Its energy has the tip of a cone there, where no derivative exists.

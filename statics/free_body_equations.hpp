@@ -168,10 +168,11 @@ class FreeBodyEquations {
   Planar<T> world(PointRef p) const { return body_measures::world(scene_, poses_, p); }
   Planar<T> from_world(const Planar<T>& at) const { return at - poses_[0].origin; }
 
-  // In N: of an effort on an angle its moment over the size. In a sum of angles and lengths moments belong to a force.
+  // In N: of an effort on an angle its moment over the size, and what forces belong to it in a sum. In a sum of angles
+  // and lengths moments belong to a force.
   Unknown unknown_of(const UnitEffortOf<T>& effort, bool is_torque) const {
-    const T moment = is_torque ? T(size_) * effort.moment : effort.moment;
-    return {last_item(), effort.body_a, effort.body_b, effort.b, effort.force, moment};
+    const T scale = is_torque ? T(size_) : T(1);
+    return {last_item(), effort.body_a, effort.body_b, effort.b, scale * effort.force, scale * effort.moment};
   }
 
   void add_pin(PointRef a, PointRef b) {

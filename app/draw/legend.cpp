@@ -78,7 +78,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::wheels, "gears, rack or belt, at their pitch circles", pitch_circle},
       {Sign::cam, "cam: path of the roller's centre, or larger where it lifts", cam},
       {Sign::track, "slot along a curve", track},
-      {Sign::rolling, "wheel that rolls without slipping", rolling},
+      {Sign::rolling, "wheel or curve that rolls without slipping", rolling},
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
       {Sign::other_pose, "", a_line({4, 0}, {30, 0}, ink::ghost, 6.0)},

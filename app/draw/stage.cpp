@@ -59,6 +59,10 @@ Box extent_of(const Scene& scene, const Readings& readings) {
       for (const Vec2& point : points_of_track(scene, readings, s)) box.include(point);
     } else if (stop.table == "circular_slot") {
       box.include(world(scene, readings, stop.on.a), stop.max);
+    } else if (stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle") {
+      for (const Vec2& point : points_of_profile(scene, readings, s)) box.include(point);
+      if (stop.table == "rolling_profile_on_circle")
+        box.include(world(scene, readings, stop.on.terms[0].measure.a), stop.max);
     } else if (stop.table == "cam") {
       for (const Vec2& point : pitch_curve(scene, readings, stop)) box.include(point);
     } else if (stop.table == "rolling") {

@@ -1,4 +1,4 @@
-// Slots that are curved, and wheels that roll on a line.
+// Slots that are curved, and wheels and profiles that roll on a line or a circle.
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,8 @@
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
 #include "model/curved_slots.hpp"
+#include "model/rolling_profile.hpp"
+#include "statics/body_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -87,33 +89,63 @@ void draw_rolling_on_circle(Stage& stage, std::size_t first) {
   if (norm(out) > 0.0) label_force(stage, stop, force_of(stage, first, 2), centre + (radius / norm(out)) * out);
 }
 
-/// The line, hatched below, as long as the other positions of the wheel and its rim need it.
-void draw_rolling(Stage& stage, std::size_t first) {
-  const Stop& stop = stage.scene.stops[first];
-  const Vec2 across = Stage::page_direction(direction<double>(stop.on.axis) *
-                                            unit(stage.now.poses[static_cast<std::size_t>(stop.on.a.body)].angle));
+/// The line through a contact, hatched on the other side than `across`, as long as all of `reaches` need it.
+void draw_line_under(Stage& stage, Vec2 contact, Vec2 across, const std::vector<Vec2>& reaches, double margin) {
   const Vec2 along = quarter_turn(across);
-  const Vec2 centre = stage.page(stop.on.b);
-  const double radius = stage.scale * stop.max;
-  const Vec2 contact = centre - radius * across;
   double low = 0.0, high = 0.0;
-  const auto include = [&](double at) {
-    low = std::min(low, at);
-    high = std::max(high, at);
-  };
-  include(dot(stage.page(stop.on.a) - contact, along));
-  for (const Readings& other : stage.others) {
-    include(dot(stage.page(world(stage.scene, other, stop.on.b)) - contact, along));
+  for (const Vec2& point : reaches) {
+    low = std::min(low, dot(point - contact, along));
+    high = std::max(high, dot(point - contact, along));
   }
-  const double margin = 1.2 * radius + 8.0;
   const Vec2 begin = contact + (low - margin) * along, end = contact + (high + margin) * along;
   if (stage.detail == Detail::sketch)
     stage.canvas.line(begin, end, {.stroke = ink::ground, .width = 0.8});
   else
     draw_ground(stage.canvas, begin, end, -across);
-  draw_wheel(stage, stop.on.b, radius);
   stage.setter.avoid(begin, end, 8.0);
+}
+
+/// On the page, the direction in which a component counts.
+Vec2 direction_of(const Stage& stage, const Measure& component) {
+  return Stage::page_direction(direction<double>(component.axis) *
+                               unit(stage.now.poses[static_cast<std::size_t>(component.a.body)].angle));
+}
+
+/// The line reaches as far as the other positions of the wheel and its rim.
+void draw_rolling(Stage& stage, std::size_t first) {
+  const Stop& stop = stage.scene.stops[first];
+  const Vec2 across = direction_of(stage, stop.on);
+  const double radius = stage.scale * stop.max;
+  const Vec2 contact = stage.page(stop.on.b) - radius * across;
+  std::vector<Vec2> reaches{stage.page(stop.on.a)};
+  for (const Readings& other : stage.others) reaches.push_back(stage.page(world(stage.scene, other, stop.on.b)));
+  draw_line_under(stage, contact, across, reaches, 1.2 * radius + 8.0);
+  draw_wheel(stage, stop.on.b, radius);
   label_force(stage, stop, force_of(stage, first, 2), contact);
+}
+
+/// The curve, and the line below it and its other positions, or the circle.
+void draw_profile(Stage& stage, std::size_t first) {
+  const Stop* const rows = &stage.scene.stops[first];
+  const Measure& across = rows->on.terms[0].measure;
+  std::vector<Vec2> line, reaches;
+  for (const Vec2& point : points_of_profile(stage.scene, stage.now, first)) line.push_back(stage.page(point));
+  const Measure::Term& curve = rows->on.terms[1];
+  const double u = value_of(stage.scene, curve.measure, stage.now.poses) / curve.span;
+  const Vec2 contact = stage.page(stage.now.poses[static_cast<std::size_t>(across.b.body)].world(
+      stage.scene.local(across.b) + point_of_profile(rows, u)));
+  if (rows->table == "rolling_profile_on_circle") {
+    stage.canvas.circle(stage.page(across.a), stage.scale * rows->max, {.stroke = ink::ground, .width = 1.8});
+  } else {
+    reaches = line;
+    for (const Readings& other : stage.others) {
+      for (const Vec2& point : points_of_profile(stage.scene, other, first)) reaches.push_back(stage.page(point));
+    }
+    draw_line_under(stage, contact, direction_of(stage, across), reaches, 8.0);
+  }
+  stage.canvas.polyline(line, {.stroke = ink::dark, .width = 1.3});
+  for (std::size_t k = 1; k < line.size(); ++k) stage.setter.avoid(line[k - 1], line[k], 2.0);
+  label_force(stage, *rows, force_of(stage, first, 2), contact);
 }
 
 }  // namespace
@@ -133,6 +165,19 @@ std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, 
     const double u = (from + (to - from) * k / steps) / x.span;
     const Vec2 on_track{-x.factor * x.profile->at(u).value, -y.factor * y.profile->at(u).value};
     out.push_back(pose.world(scene.local(component.a) + on_track));
+  }
+  return out;
+}
+
+std::vector<Vec2> points_of_profile(const Scene& scene, const Readings& readings, std::size_t first) {
+  const PointRef origin = scene.stops[first].on.terms[0].measure.b;
+  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(origin.body)];
+  const auto [from, to] = range_of_profile(scene, first);
+  constexpr int steps = 160;
+  std::vector<Vec2> out;
+  for (int k = 0; k <= steps; ++k) {
+    out.push_back(
+        pose.world(scene.local(origin) + point_of_profile(&scene.stops[first], from + (to - from) * k / steps)));
   }
   return out;
 }
@@ -157,6 +202,8 @@ void draw_tracks(Stage& stage) {
       draw_rolling(stage, s);
     else if (stop.table == "rolling_on_circle")
       draw_rolling_on_circle(stage, s);
+    else if (stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle")
+      draw_profile(stage, s);
     stage.signs.insert(stop.table.starts_with("rolling") ? Sign::rolling : Sign::track);
   }
   stage.canvas.close();

@@ -689,14 +689,15 @@ INSTANTIATE_TEST_SUITE_P(
             "2: bdoy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
             "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, "
             "friction, bump_stop, gear, belt, rack, cam, coupling, rope, circular_slot, curved_slot, rolling, "
-            "rolling_on_circle, drive, force, distributed_load, torque, stop, start; "
+            "rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, distributed_load, torque, "
+            "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, circular_slot, "
-                 "curved_slot, rolling, rolling_on_circle, drive, force, distributed_load, torque, stop, start; did "
-                 "you mean \"body\"?"},
+                 "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, "
+                 "distributed_load, torque, stop, start; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
         BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",
@@ -761,7 +762,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"TooLarge", "[body.a]\npoints.P = [0, -1.01e50]\n",
                  "2: body.a.points.P: expected a finite number of at most 1e50 in SI units, found -1.01e+50"},
         BadScene{"LongName", "[body.a]\npoints." + std::string(1001, 'P') + " = [0, 0]\n",
-                 "2: body.a.points." + std::string(576, 'P') + " ... " + std::string(339, 'P') +
+                 "2: body.a.points." + std::string(466, 'P') + " ... " + std::string(449, 'P') +
                      ": expected a name of at most 1000 bytes, found 1001"},
         BadScene{"TooSmall", "[body.a]\npoints.P = [0, -1e-320]\n",
                  "2: body.a.points.P: expected a finite number of at least 1e-50 in SI units, or 0, found -1e-320"},

@@ -280,6 +280,19 @@ radius = 6
 circle_radius = 30
 inside = true
 offset = 2
+[[rolling_profile]]
+name = "runner"
+at = "wheel.C"
+curve = [[-10, 4], [0, 0], [10, 4]]
+line = "ground.T"
+axis = [1, 2]
+from = 2
+[[rolling_profile_on_circle]]
+at = "wheel.C"
+curve = [[10, 0], [0, 8], [-10, 0], [0, -8]]
+center = "a.O"
+circle_radius = 30
+closed = true
 [start]
 arc = 20
 a = 7
@@ -321,6 +334,9 @@ SceneBuilder couplings_builder() {
       .rolling("wheel.C", "ground.T", {1, 2}, {{"radius", 15}}, "floor")
       .rolling_on_circle("wheel.C", "a.O", {{"radius", 6}, {"circle_radius", 30}, {"inside", true}, {"offset", 2}},
                          "drum")
+      .rolling_profile("wheel.C", {{-10, 4}, {0, 0}, {10, 4}}, "ground.T", {1, 2}, {{"from", 2}}, "runner")
+      .rolling_profile_on_circle("wheel.C", {{10, 0}, {0, 8}, {-10, 0}, {0, -8}}, "a.O",
+                                 {{"circle_radius", 30}, {"closed", true}})
       .start("arc", 20)
       .start("a", 7);
   return builder;

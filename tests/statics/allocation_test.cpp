@@ -48,8 +48,9 @@ TEST(Allocation, TheCounterCounts) {
 }
 
 TEST(Allocation, SolvingAllocatesNothing) {
-  for (const char* file : {"thesis_four_bar.toml", "thesis_four_bar_reversed.toml", "thesis_chain.toml", "lift.toml",
-                           "redundant_parallelogram.toml", "toggle_clamp.toml", "heaton_timme.toml"}) {
+  for (const char* file :
+       {"thesis_four_bar.toml", "thesis_four_bar_reversed.toml", "thesis_chain.toml", "lift.toml",
+        "redundant_parallelogram.toml", "toggle_clamp.toml", "heaton_timme.toml", "rocking_chair.toml"}) {
     const StaticModel model(read_scene(std::string(POISE_SOURCE_DIR "/datasets/") + file));
     for (const solvers::Goal goal : {solvers::Goal::stationary, solvers::Goal::minimum}) {
       for (const int dense_limit : {48, 0}) {

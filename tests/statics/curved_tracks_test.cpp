@@ -23,6 +23,7 @@
 #include "statics/equilibrium.hpp"
 #include "statics/mobility.hpp"
 #include "statics/sensitivity.hpp"
+#include "tests/support/contacts.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
@@ -31,34 +32,15 @@ namespace poise {
 namespace {
 
 using std::numbers::pi;
-
-double tolerance(Method method) { return method == Method::virtual_work ? 1e-11 : 1e-7; }
-
-/// Found by both methods and proved.
-std::vector<Equilibrium> found_both_ways(const StaticModel& model) {
-  std::vector<Equilibrium> out;
-  for (const Method method : {Method::virtual_work, Method::energy}) {
-    out.push_back(solve(model, test::by(method, Seek::stable)));
-    EXPECT_EQ(out.back().status, Status::confirmed) << out.back().why;
-  }
-  return out;
-}
+using test::expect_sensitivities;
+using test::found_both_ways;
+using test::frequency_of;
+using test::tolerance;
 
 double size_of(const Check& check, const std::string& name) { return norm(test::reaction_of(check, name).force); }
 
 std::string message_of(const std::string& text) {
   return test::message_of([&] { parse_scene(text, "scene.toml"); });
-}
-
-double frequency_of(const Scene& scene) {
-  const MotionModel model(scene);
-  const StaticModel rest(scene);
-  const Equilibrium found = solve(rest, test::by(Method::virtual_work, Seek::stable));
-  EXPECT_TRUE(found.found()) << found.why;
-  const Modes modes = modes_of(model, motion_coordinates(model, rest, found.x));
-  EXPECT_TRUE(modes.known) << modes.why;
-  EXPECT_EQ(modes.freedoms, 1);
-  return 2 * pi * modes.vibrations.at(0).frequency;
 }
 
 // --- circles --------------------------------------------------------------------------------------------------------
@@ -449,32 +431,6 @@ TEST(Rolling, ARadiusActsInBothRows) {
   EXPECT_EQ(other.stops[0].min, 0.6);
   EXPECT_EQ(other.stops[1].min, 0.4);
   EXPECT_EQ(other.stops[1].on.terms[1].factor, 0.6);
-}
-
-/// Derivatives of the places of a point by all numbers of the scene against central differences.
-void expect_sensitivities(const std::string& text, const std::string& quantity, const std::vector<std::string>& among) {
-  const Scene scene = parse_scene(text, "scene.toml");
-  const StaticModel model(scene);
-  const Sensitivities found = sensitivities(model, {find_quantity(scene, quantity)});
-  ASSERT_EQ(found.of.size(), 1U) << found.why;
-  std::vector<std::string> seen;
-  for (const Sensitivity& by : found.of[0].by) {
-    if (!by.why.empty() || std::find(among.begin(), among.end(), by.number) == among.end()) continue;
-    seen.push_back(by.number);
-    const auto value = [&](double change) {
-      Scene changed = scene;
-      set_value(changed, by.number, get_value(scene, by.number) + change);
-      const StaticModel there(changed);
-      const Equilibrium equilibrium = solve(there, test::by(Method::virtual_work, Seek::any));
-      EXPECT_TRUE(equilibrium.found()) << equilibrium.why;
-      const std::string body = quantity.substr(quantity.find('.') + 1);
-      return test::angle_of(there, equilibrium.x, body);
-    };
-    constexpr double h = 1e-4;
-    const double slope = (8 * (value(h) - value(-h)) - (value(2 * h) - value(-2 * h))) / (12 * h);
-    EXPECT_NEAR(by.derivative, slope, 1e-7 * (1.0 + std::abs(slope))) << by.number;
-  }
-  EXPECT_EQ(seen.size(), among.size());
 }
 
 TEST(Rolling, NumbersHaveTheirExactSensitivities) {
