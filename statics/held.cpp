@@ -46,6 +46,8 @@ ReducedRows reduced(const FrictionProblem& problem, const std::vector<Row>& rows
       out.rows.row(r) += factor.middle() * basis.row(column);
       out.bounds[r] -= factor.middle() * particular[column];
     }
+    // Of an effort that the load determines the basis has rounding, which is no direction. Rows with slack have that.
+    if (!row.has_slack) out.rows.row(r) = (out.rows.row(r).array().abs() < 1e-14).select(0.0, out.rows.row(r));
   }
   return out;
 }
