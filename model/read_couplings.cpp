@@ -13,6 +13,7 @@
 
 #include "model/cam_geometry.hpp"
 #include "model/couplings.hpp"
+#include "model/meshing.hpp"
 #include "model/profile.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_measure.hpp"
@@ -59,6 +60,7 @@ class CouplingReader {
     else
       read_sum(table, stop);
     read_numbers(table, stop.numbers(), &stop, &stop.on, scene_.units);
+    if (stop.table == "gear" || stop.table == "rack") read_pressure_angle(table, stop);
     if (stop.table == "rope") stop.min = -std::numeric_limits<double>::infinity();
     if (stop.table == "cam" && !table.flag("guided", false)) stop.max = std::numeric_limits<double>::infinity();
     return stop;
@@ -82,7 +84,9 @@ class CouplingReader {
   void read_wheels(const TomlTable& table, Stop& stop) const {
     const bool is_gear = stop.table == "gear";
     const std::string_view other_way = is_gear ? "internal" : "crossed";
-    table.allow_keys({"name", "bodies", "carrier", "ratio", other_way, "phase"});
+    std::vector<std::string_view> keys{"name", "bodies", "carrier", "ratio", other_way, "phase"};
+    if (is_gear) keys.emplace_back("pressure_angle");
+    table.allow_keys(keys);
     const auto [a, b] = names_.two_bodies(table);
     const int carrier = carrier_of(table);
     for (const int wheel : {a, b}) {
@@ -99,7 +103,7 @@ class CouplingReader {
 
   // travel - radius angle(carrier -> pinion).
   void read_rack(const TomlTable& table, Stop& stop) const {
-    table.allow_keys({"name", "slide", "pinion", "carrier", "radius", "offset"});
+    table.allow_keys({"name", "slide", "pinion", "carrier", "radius", "offset", "pressure_angle"});
     const int rack = names_.travelling_joint(table.text("slide"));
     const TomlText pinion = table.text("pinion");
     const int body = names_.movable_body(pinion);
@@ -107,6 +111,24 @@ class CouplingReader {
     if (body == carrier) pinion.place.fail("expected a pinion that turns on its carrier, found the carrier itself");
     stop.sense = -1.0;
     stop.on = Measure::sum_of({{1.0, Measure::travel_of(rack)}, {stop.sense, Measure::angle_between(carrier, body)}});
+  }
+
+  // Where the teeth mesh, and so where their force acts on bearings.
+  void read_pressure_angle(const TomlTable& table, Stop& stop) const {
+    const std::optional<double> angle = table.find_number("pressure_angle", scene_.units.angle, Range::not_negative);
+    if (!angle) return;
+    if (!(*angle < full_turn / 8)) {
+      table.place_of("pressure_angle").fail("expected a pressure angle of less than 45 degrees, of most gears 20");
+    }
+    if (!meshing(scene_, stop)) {
+      table.place_of("pressure_angle")
+          .fail(stop.table == "gear"
+                    ? "expected wheels that turn about pins on their carrier, with axes apart and, where one is inside "
+                      "the other, of other sizes: there their teeth mesh; pin them to it, or leave the key out"
+                    : "expected a pinion that turns about a pin on its carrier, and a [[slide]] that joins the carrier "
+                      "with the rack: there its teeth mesh; give these, or leave the key out");
+    }
+    set_pressure_tangent(stop, std::tan(*angle));
   }
 
   void read_sum(const TomlTable& table, Stop& stop) const {

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "model/joint_friction.hpp"
+#include "model/meshing.hpp"
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/body_measures.hpp"
@@ -29,22 +30,9 @@ constexpr double balanced_within = 1e-9;
 
 // Whether pins and welds keep two points together.
 bool coincide(const Scene& scene, const PointRef& p, const PointRef& q) {
-  const auto same = [&](const PointRef& a, const PointRef& b) {
-    return a.body == b.body && scene.local(a) == scene.local(b);
-  };
-  std::vector<PointRef> reached = {p};
-  for (std::size_t k = 0; k < reached.size(); ++k) {
-    if (same(reached[k], q)) return true;
-    for (const Joint& joint : scene.joints) {
-      if (joint.kind != Joint::Kind::pin && joint.kind != Joint::Kind::weld) continue;
-      for (const auto& [from, to] : {std::pair(joint.a, joint.b), std::pair(joint.b, joint.a)}) {
-        const bool known =
-            std::any_of(reached.begin(), reached.end(), [&, to = to](const PointRef& r) { return same(r, to); });
-        if (!known && same(from, reached[k])) reached.push_back(to);
-      }
-    }
-  }
-  return false;
+  const std::vector<PointRef> reached = coincident_points(scene, p);
+  return std::any_of(reached.begin(), reached.end(),
+                     [&](const PointRef& r) { return r.body == q.body && scene.local(r) == scene.local(q); });
 }
 
 // Whether a measure depends on a driven one only.

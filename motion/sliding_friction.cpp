@@ -10,6 +10,7 @@
 
 #include "model/joint_friction.hpp"
 #include "statics/body_measures.hpp"
+#include "statics/contact_loads.hpp"
 #include "statics/held.hpp"
 
 namespace poise {
@@ -141,6 +142,10 @@ class SlidingSolver {
   }
 
   FreeBodies with(const VectorXd& g, const std::vector<int>& sides) {
+    return balance(p_.scene, poses_of(p_.motions), sides, p_.size, additions_with(g));
+  }
+
+  Additions additions_with(const VectorXd& g) {
     Additions additions = p_.additions;
     const std::vector<BodyPose<double>> poses = poses_of(p_.motions);
     for (std::size_t i = 0; i < joints().size(); ++i) {
@@ -150,24 +155,86 @@ class SlidingSolver {
         additions.loads.push_back({by.body_a, by.a, -effort * by.force, -effort * by.moment});
       }
     }
-    return balance(p_.scene, poses, sides, p_.size, additions);
+    return additions;
+  }
+
+  // Teeth that push their wheels apart by the size of their effort.
+  struct Teeth {
+    int stop = 0;
+    std::size_t reaction = 0;           // index of FreeBodies::reactions
+    double without = 0.0;               // effort without friction
+    std::vector<double> by{};           // and more of it for each effort of friction
+    std::vector<Carried> separating{};  // what joints carry more where they push by 1
+    double at(const VectorXd& g) const {
+      double out = without;
+      for (std::size_t j = 0; j < by.size(); ++j) out += g[static_cast<Index>(j)] * by[j];
+      return out;
+    }
+  };
+
+  // Reactions of stops come behind those of joints, of those that act.
+  void find_teeth() {
+    teeth_.clear();
+    std::size_t reaction = p_.scene.joints.size();
+    for (std::size_t s = 0; s < sides_.size(); ++s) {
+      if (sides_[s] == 0) continue;
+      if (separates(p_.scene.stops[s])) teeth_.push_back({static_cast<int>(s), reaction});
+      ++reaction;
+    }
+  }
+
+  double effort_of_teeth(const Teeth& teeth, const FreeBodies& bodies) const {
+    return effort_of(p_.scene.stops[static_cast<std::size_t>(teeth.stop)], bodies.reactions[teeth.reaction]);
+  }
+
+  void respond_to_teeth(const FreeBodies& none) {
+    const std::vector<BodyPose<double>> poses = poses_of(p_.motions);
+    for (Teeth& teeth : teeth_) {
+      const Stop& stop = p_.scene.stops[static_cast<std::size_t>(teeth.stop)];
+      const ContactLoad<double> contact = contact_load(p_.scene, stop, poses).value();
+      const double size = norm(contact.separating);
+      const Vec2 push = (scale_ / size) * contact.separating;
+      Additions additions = p_.additions;
+      additions.teeth_separate = false;
+      additions.loads.push_back({contact.body_b, contact.at, push, 0.0});
+      additions.loads.push_back({contact.body_a, contact.at, -push, 0.0});
+      const FreeBodies pushed = balance(p_.scene, poses, sides_, p_.size, additions);
+      teeth.without = effort_of_teeth(teeth, none);
+      for (const SlidingJoint& one : joints()) {
+        teeth.separating.push_back(size / scale_ *
+                                   (carried(reaction_of(pushed, one)) - carried(reaction_of(none, one))));
+      }
+    }
+  }
+
+  // The same without what is not linear in the efforts.
+  FreeBodies linearly_with(const VectorXd& g) {
+    Additions additions = additions_with(g);
+    additions.teeth_separate = false;
+    return balance(p_.scene, poses_of(p_.motions), sides_, p_.size, additions);
   }
 
   // What all joints carry without friction, and more of it for each effort.
   void respond() {
     const std::size_t n = joints().size();
-    const FreeBodies none = with(VectorXd::Zero(static_cast<Index>(n)), sides_);
+    const FreeBodies none = linearly_with(VectorXd::Zero(static_cast<Index>(n)));
+    find_teeth();
     scale_ = none.largest_force > 0.0 ? none.largest_force : 1.0;
     without_.clear();
     by_.assign(n, {});
     for (const SlidingJoint& one : joints()) without_.push_back(carried(reaction_of(none, one)));
+    respond_to_teeth(none);
     lipschitz_ = MatrixXd::Zero(static_cast<Index>(n), static_cast<Index>(n));
     for (std::size_t j = 0; j < n; ++j) {
-      const FreeBodies one = with(scale_ * VectorXd::Unit(static_cast<Index>(n), static_cast<Index>(j)), sides_);
+      const FreeBodies one = linearly_with(scale_ * VectorXd::Unit(static_cast<Index>(n), static_cast<Index>(j)));
+      for (Teeth& teeth : teeth_) teeth.by.push_back((effort_of_teeth(teeth, one) - teeth.without) / scale_);
       for (std::size_t i = 0; i < n; ++i) {
         by_[j].push_back(1.0 / scale_ * (carried(reaction_of(one, joints()[i])) - without_[i]));
-        lipschitz_(static_cast<Index>(i), static_cast<Index>(j)) =
-            steepest_bound(joint_of(joints()[i]), by_[j][i]) / unit(i);
+        double& steepest = lipschitz_(static_cast<Index>(i), static_cast<Index>(j));
+        steepest = steepest_bound(joint_of(joints()[i]), by_[j][i]) / unit(i);
+        for (const Teeth& teeth : teeth_) {
+          steepest += std::abs(teeth.by[j]) * steepest_bound(joint_of(joints()[i]), teeth.separating[i]) / unit(i);
+        }
       }
     }
   }
@@ -175,6 +242,14 @@ class SlidingSolver {
   Carried carries(std::size_t i, const VectorXd& g) const {
     Carried out = without_[i];
     for (std::size_t j = 0; j < by_.size(); ++j) out = out + g[static_cast<Index>(j)] * by_[j][i];
+    for (const Teeth& teeth : teeth_) out = out + std::abs(teeth.at(g)) * teeth.separating[i];
+    return out;
+  }
+
+  // Derivative of carries() by an effort.
+  Carried carries_by(std::size_t i, std::size_t j, const VectorXd& g) const {
+    Carried out = by_[j][i];
+    for (const Teeth& teeth : teeth_) out = out + (teeth.at(g) < 0 ? -teeth.by[j] : teeth.by[j]) * teeth.separating[i];
     return out;
   }
 
@@ -193,7 +268,7 @@ class SlidingSolver {
       const Carried at = carries(i, g);
       for (std::size_t j = 0; j < by_.size(); ++j) {
         out(static_cast<Index>(i), static_cast<Index>(j)) -=
-            k * bound_by(joint_of(out_.friction.joints[i]), at, by_[j][i]) / unit(i);
+            k * bound_by(joint_of(out_.friction.joints[i]), at, carries_by(i, j, g)) / unit(i);
       }
     }
     return out;
@@ -302,6 +377,7 @@ class SlidingSolver {
   std::vector<int> sides_;
   std::vector<Carried> without_;
   std::vector<std::vector<Carried>> by_;  // [j][i]: of an effort j at the joint i
+  std::vector<Teeth> teeth_;
   MatrixXd lipschitz_;
   double scale_ = 1.0;
   Slid out_;

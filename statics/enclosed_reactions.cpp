@@ -83,22 +83,42 @@ class Enclosure {
     }
   }
 
-  void report_reactions(Check& check) {
+  // False where the way in which teeth act, which `check` has, is not proved: then they may act either way,
+  // `either_way`.
+  bool report_reactions(Check& check, bool either_way) {
     equations_.add_joints();
     std::vector<int> active = certificate_.active_stops;
     std::sort(active.begin(), active.end());
-    for (const int stop : active) equations_.add_stop(stop, 2);
+    for (const int stop : active) equations_.add_stop(stop, 2, sign_of(stop, check, either_way));
     // Where stops share a load the reactions of other stops are among those of `check`: those of joints are compared.
     reported_ = certificate_.sharing_stops.empty() ? equations_.items().size() : scene_.joints.size();
     const bool same_stops = equations_.items().size() == check.reactions.size();
-    if ((certificate_.sharing_stops.empty() && !same_stops) || !hold_neutral_coordinates()) return;
+    if ((certificate_.sharing_stops.empty() && !same_stops) || !hold_neutral_coordinates()) return true;
     leave_out_repeated_moments(check);
     make_matrix();
     const std::optional<std::vector<Ball>> f = solve();
-    if (f) report(*f, check);
+    if (!f) return true;
+    for (const auto& [unknown, sign] : signs_) {
+      const int column = column_[unknown];
+      if (!either_way && !(Ball(sign) * (*f)[static_cast<std::size_t>(column)] >= Ball(0))) return false;
+    }
+    report(*f, check);
+    return true;
   }
 
  private:
+  // The sign of the effort of teeth that push their wheels apart; notes that it is to be proved.
+  Ball sign_of(int index, const Check& check, bool either_way) {
+    const Stop& stop = scene_.stops[static_cast<std::size_t>(index)];
+    if (!separates(stop)) return Ball(0);
+    if (either_way) return Ball(0).widened(1.0);
+    const auto found = std::find_if(check.reactions.begin(), check.reactions.end(),
+                                    [&](const Reaction& one) { return one.of_stop && one.name == stop.name; });
+    const double sign = found != check.reactions.end() && effort_of(stop, *found) < 0 ? -1.0 : 1.0;
+    signs_.emplace_back(equations_.unknowns().size(), sign);
+    return Ball(sign);
+  }
+
   std::vector<Body> placed() const {
     std::vector<Ball> q;
     for (std::size_t i = 0; i < certificate_.x.size(); ++i) {
@@ -332,7 +352,8 @@ class Enclosure {
   Equations equations_;
   std::vector<Ball> load_;
   std::vector<Ball> elements_;
-  std::vector<int> column_;  // per unknown, or -1
+  std::vector<std::pair<std::size_t, double>> signs_;  // unknowns of teeth, and the signs that they are taken to have
+  std::vector<int> column_;                            // per unknown, or -1
   int columns_ = 0;
   std::size_t reported_ = 0;  // items
   std::set<int> frames_of_repeated_;
@@ -355,7 +376,7 @@ void enclose_reactions(const StaticModel& model, const Certificate& certificate,
   Enclosure enclosure(model, certificate);
   enclosure.report_elements(check);
   if (!reactions) return;
-  enclosure.report_reactions(check);
+  if (!enclosure.report_reactions(check, false)) Enclosure(model, certificate).report_reactions(check, true);
 }
 
 }  // namespace poise

@@ -35,17 +35,28 @@ class Statics {
   }
 
   // With the reactions of stops that act on these sides. What other sides leave undetermined remains so.
+  // Teeth push their wheels apart by the sizes of their efforts, which do not depend on that.
   FreeBodies solve(const std::vector<int>& sides) {
-    Equations equations = with_stops(sides);
-    const Eigen::SparseMatrix<double> a = matrix(equations, [](const Equations::Unknown&) { return true; });
-    MinimumNorm reactions(a);
-    const Eigen::VectorXd f = reactions.solve(-load_);
-    report(equations, a, f, reactions.null_space());
+    signs_.assign(scene_.stops.size(), 0.0);
+    find(sides);
+    if (additions_.teeth_separate &&
+        std::any_of(found_signs_.begin(), found_signs_.end(), [](double s) { return s != 0; })) {
+      signs_ = found_signs_;
+      find(sides);
+    }
     for (Reaction& reaction : out_.reactions) {
       if (!reaction.determined) undetermined_.insert({reaction.kind, reaction.name});
       reaction.determined = !undetermined_.contains({reaction.kind, reaction.name});
     }
     return out_;
+  }
+
+  void find(const std::vector<int>& sides) {
+    const Equations equations = with_stops(sides);
+    const Eigen::SparseMatrix<double> a = matrix(equations, [](const Equations::Unknown&) { return true; });
+    MinimumNorm reactions(a);
+    const Eigen::VectorXd f = reactions.solve(-load_);
+    report(equations, a, f, reactions.null_space());
   }
 
   // Some stop of the solution pulls where it can only push.
@@ -92,7 +103,7 @@ class Statics {
     Equations out(scene_, poses_, size_);
     out.add_joints();
     for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (sides[i] != 0) out.add_stop(static_cast<int>(i), sides[i]);
+      if (sides[i] != 0) out.add_stop(static_cast<int>(i), sides[i], signs_[i]);
     }
     for (const Drive& drive : additions_.drives) out.add_drive(drive);
     return out;
@@ -143,6 +154,7 @@ class Statics {
       reaction.at = item.at;
     }
     pulls_ = false;
+    found_signs_.assign(scene_.stops.size(), 0.0);
     for (Eigen::Index u = 0; u < f.size(); ++u) {
       const Equations::Unknown& unknown = equations.unknowns()[static_cast<std::size_t>(u)];
       const Equations::Item& item = equations.items()[static_cast<std::size_t>(unknown.item)];
@@ -151,6 +163,9 @@ class Statics {
       reaction.moment += f[u] * unknown.moment;
       if (self_stress.touches[static_cast<std::size_t>(u)]) reaction.determined = false;
       if (item.axial) reaction.axial = -f[u];
+      if (item.stop >= 0 && separates(scene_.stops[static_cast<std::size_t>(item.stop)])) {
+        found_signs_[static_cast<std::size_t>(item.stop)] = f[u] < 0 ? -1.0 : f[u] > 0 ? 1.0 : 0.0;
+      }
       if (std::abs(item.side) == 1 && item.side * f[u] > no_pull * out_.largest_force) pulls_ = true;
     }
     out_.pressing.clear();
@@ -169,6 +184,7 @@ class Statics {
   Eigen::VectorXd load_;
   FreeBodies out_;
   std::set<std::pair<std::string, std::string>> undetermined_;  // kinds and names
+  std::vector<double> signs_, found_signs_;  // per stop: of the efforts of teeth that push their wheels apart
   bool pulls_ = false;
 };
 

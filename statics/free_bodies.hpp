@@ -23,6 +23,8 @@ struct Additions {
   /// Drives whose force along a travel, or torque between two bodies, is to be found with the reactions. They come as
   /// reactions of the kind "drive", after joints and stops.
   std::vector<Drive> drives;
+  /// Teeth that carry a force push their wheels apart; false leaves that out, for what is linear in the loads.
+  bool teeth_separate = true;
 };
 
 /// Vector statics of a scene with its bodies at given poses: every body cut free. Shares nothing with the phasor model

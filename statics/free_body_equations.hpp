@@ -1,10 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "statics/body_measures_impl.hpp"
+#include "statics/contact_loads.hpp"
 
 namespace poise {
 
@@ -27,6 +28,7 @@ class FreeBodyEquations {
     Planar<T> force;
     T moment;
     std::vector<Unknown> with{};  ///< further terms of the same unknown, of a sum
+    bool is_replaced = false;     ///< only the further terms act: the force of a coupling where its parts touch
   };
 
   /// The joint, stop or drive that a set of unknowns belongs to.
@@ -115,8 +117,9 @@ class FreeBodyEquations {
   }
 
   /// A stop that acts on the side of an Item. A distance that is at most zero is a pin: it holds its points together by
-  /// a force in any direction.
-  void add_stop(int index, int side) {
+  /// a force in any direction. Of a coupling that loads bearings its contact force acts where it touches, of teeth that
+  /// push their wheels apart by `sign` times that: the sign of the effort on its measure.
+  void add_stop(int index, int side, const T& sign = T(0)) {
     const Stop& stop = scene_.stops[index];
     const bool is_pin = stop.on.kind == Measure::Kind::distance && stop.max <= 0.0;
     Item& item = add_item(stop.name, stop.table);
@@ -126,6 +129,19 @@ class FreeBodyEquations {
       add_pin(stop.on.a, stop.on.b);
     else
       add_measure(stop.on);
+    const std::optional<ContactLoad<T>> contact = contact_load(scene_, stop, poses_);
+    if (!contact) return;
+    unknowns_.back().is_replaced = true;
+    unknowns_.back().with = {unknown_of(*contact, contact->force + sign * contact->separating, stop)};
+  }
+
+  /// What a unit of |effort| of a coupling's teeth pushes its wheels apart by.
+  void add_separation(int index) {
+    const Stop& stop = scene_.stops[index];
+    if (const std::optional<ContactLoad<T>> contact = contact_load(scene_, stop, poses_)) {
+      unknowns_.push_back(unknown_of(*contact, contact->separating, stop));
+      unknowns_.back().item = -1;
+    }
   }
 
   void add_drive(const Drive& drive) {
@@ -158,7 +174,7 @@ class FreeBodyEquations {
   /// Calls visit(row, value) for the entries of A in the column of an unknown, several for a row in case.
   template <class Visit>
   void for_each_entry(const Unknown& unknown, Visit visit) const {
-    add_entries(unknown, visit);
+    if (!unknown.is_replaced) add_entries(unknown, visit);
     for (const Unknown& term : unknown.with) add_entries(term, visit);
   }
 
@@ -173,6 +189,12 @@ class FreeBodyEquations {
   Unknown unknown_of(const UnitEffortOf<T>& effort, bool is_torque) const {
     const T scale = is_torque ? T(size_) : T(1);
     return {last_item(), effort.body_a, effort.body_b, effort.b, scale * effort.force, scale * effort.moment};
+  }
+
+  // In N, as that of the effort on the stop's measure.
+  Unknown unknown_of(const ContactLoad<T>& contact, const Planar<T>& force, const Stop& stop) const {
+    const T unit(stop.on.is_angle() ? size_ : 1.0);
+    return {last_item(), contact.body_a, contact.body_b, contact.at, unit * force, T(0)};
   }
 
   void add_pin(PointRef a, PointRef b) {

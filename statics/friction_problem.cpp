@@ -157,6 +157,9 @@ FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<dou
     if (static_cast<int>(equations.unknowns().size()) == before) continue;
     if (side != 2) pressures_.emplace_back(before, -side);
     tension[s].push_back(before);
+    if (!separates(stop)) continue;
+    teeth_.push_back({before, static_cast<int>(equations.unknowns().size())});
+    equations.add_separation(static_cast<int>(s));
   }
   std::list<Drive> on_measures;  // the equations keep references to their names
   const std::vector<Rubbing> all = rubbing(scene);
@@ -281,6 +284,7 @@ std::vector<FrictionProblem::Row> FrictionProblem::rows(const Choice& choice, do
   std::vector<Row> out;
   for (const auto& [column, sign] : pressures_) out.push_back({{{column, Ball(-sign)}}, Ball(0)});
   const Ball k(factor);
+  for (std::size_t t = 0; t < teeth_.size(); ++t) add_teeth_rows(teeth_[t], choice[sources_.size() + t].sign, out);
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     const Source& source = sources_[s];
     const Part& part = choice[s];
@@ -316,6 +320,35 @@ std::vector<FrictionProblem::Row> FrictionProblem::rows(const Choice& choice, do
     }
   }
   return out;
+}
+
+std::vector<FrictionProblem::Choice> FrictionProblem::whole() const {
+  std::vector<Choice> out{Choice(sources_.size())};
+  for (std::size_t t = 0; t < teeth_.size(); ++t) {
+    const std::size_t before = out.size();
+    for (std::size_t i = 0; i < before; ++i) {
+      Choice other = out[i];
+      out[i].push_back({Part::Kind::piece, 0, 1, {}, {}});
+      other.push_back({Part::Kind::piece, 0, -1, {}, {}});
+      out.push_back(std::move(other));
+    }
+  }
+  return out;
+}
+
+// size = sign effort >= 0.
+void FrictionProblem::add_teeth_rows(const Teeth& teeth, int sign, std::vector<Row>& out) {
+  for (const int side : {1, -1}) {
+    Row row;
+    row.entries = {{teeth.size, Ball(side)}, {teeth.effort, Ball(-side * sign)}};
+    row.has_slack = false;
+    row.equation = side;
+    out.push_back(std::move(row));
+  }
+  Row row;
+  row.entries = {{teeth.effort, Ball(-sign)}};
+  row.has_slack = false;
+  out.push_back(std::move(row));
 }
 
 void FrictionProblem::add_rope_rows(std::size_t s, const Ball& factor, std::vector<Row>& out) const {
@@ -376,6 +409,7 @@ FrictionProblem::Choice FrictionProblem::choice_at(const Eigen::VectorXd& v) con
       }
     }
   }
+  for (const Teeth& teeth : teeth_) out.push_back({Part::Kind::piece, 0, v[teeth.effort] < 0 ? -1 : 1, {}, {}});
   return out;
 }
 
@@ -401,7 +435,19 @@ bool FrictionProblem::proves_point(const Eigen::VectorXd& v, const std::vector<R
   const double largest = columns_ > 0 ? v.head(columns_).cwiseAbs().maxCoeff() : 0.0;
   Eigen::VectorXd weights(columns_);
   for (int j = 0; j < columns_; ++j) weights[j] = largest > 0 ? 1e-3 + std::abs(v[j]) / largest : 1.0;
-  const auto basis = basis_of(middle_.leftCols(columns_), weights);
+  std::vector<const Row*> of_teeth;
+  for (const Row& row : rows) {
+    if (row.equation == 1) of_teeth.push_back(&row);
+  }
+  const auto balances = static_cast<Eigen::Index>(a_.size());
+  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(balances + static_cast<Eigen::Index>(of_teeth.size()), columns_);
+  equations.topRows(balances) = middle_.leftCols(columns_);
+  for (std::size_t t = 0; t < of_teeth.size(); ++t) {
+    for (const auto& [column, value] : of_teeth[t]->entries) {
+      equations(balances + static_cast<Eigen::Index>(t), column) = value.middle();
+    }
+  }
+  const auto basis = basis_of(equations, weights);
   if (!basis) return false;
   std::vector<Ball> u;
   std::vector<char> is_basic(static_cast<std::size_t>(columns_), 0);
@@ -418,10 +464,22 @@ bool FrictionProblem::proves_point(const Eigen::VectorXd& v, const std::vector<R
     }
     right.push_back(r);
   }
+  for (const Row* const row : of_teeth) {
+    std::vector<Ball> all(static_cast<std::size_t>(columns_));
+    for (const auto& [column, value] : row->entries) all[static_cast<std::size_t>(column)] = value;
+    std::vector<Ball>& of_basis = square.emplace_back();
+    for (const int j : *basis) of_basis.push_back(all[static_cast<std::size_t>(j)]);
+    Ball r = row->bound;
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (is_basic[j] == 0) r -= all[j] * u[j];
+    }
+    right.push_back(r);
+  }
   const auto solved = enclosed(square, right);
   if (!solved) return false;
   for (std::size_t k = 0; k < basis->size(); ++k) u[static_cast<std::size_t>((*basis)[k])] = (*solved)[k];
   return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
+    if (row.equation != 0) return true;
     const Ball slack = row.bound - dot_of(row.entries, u);
     return strictly && row.has_slack ? slack > Ball(0) : slack >= Ball(0);
   });

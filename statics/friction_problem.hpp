@@ -22,7 +22,8 @@ using solvers::Ball;
 ///
 ///   A u = -(load + q slope),   u = joint forces, pressures of stops and friction efforts,
 ///
-/// and which of u the bounds of friction depend on. Forces are measured in unit().
+/// and which of u the bounds of friction depend on. Teeth push their wheels apart by the size of their effort, a column
+/// of its own: s = effort or s = -effort, one case each. Forces are measured in unit().
 class FrictionProblem {
  public:
   FrictionProblem(const StaticModel& model, const std::vector<double>& x);
@@ -40,7 +41,12 @@ class FrictionProblem {
     double si = 1.0;  ///< SI value of f = 1
   };
 
-  /// The part of the set that is looked at, per source.
+  /// Teeth that push their wheels apart: columns of their effort, and of its size.
+  struct Teeth {
+    int effort = 0, size = 0;
+  };
+
+  /// The part of the set that is looked at, per source, and behind these, by its sign, per teeth().
   struct Part {
     enum class Kind { open, piece, sector } kind = Kind::open;  ///< open: not bounded
     int piece = 0, sign = 1;
@@ -56,6 +62,7 @@ class FrictionProblem {
     int sign = 0;           ///< of f in it
     bool is_edge = false;   ///< of a sector
     bool has_slack = true;  ///< it may be satisfied by more: not f = 0
+    int equation = 0;       ///< 1 and -1: two rows that are an equation together
   };
 
   enum class Side { inner, outer };
@@ -63,6 +70,9 @@ class FrictionProblem {
   std::vector<Row> rows(const Choice& choice, double factor, Side side) const;
 
   const std::vector<Source>& sources() const { return sources_; }
+  const std::vector<Teeth>& teeth() const { return teeth_; }
+  /// Cases that make up the whole set: all sources open, teeth with each sign.
+  std::vector<Choice> whole() const;
   int columns() const { return columns_; }
   double unit() const { return unit_; }
   double q_unit() const { return q_unit_; }           ///< what q is measured in
@@ -111,6 +121,7 @@ class FrictionProblem {
  private:
   void refresh();
   void add_rope_rows(std::size_t source, const Ball& factor, std::vector<Row>& out) const;
+  static void add_teeth_rows(const Teeth& teeth, int sign, std::vector<Row>& out);
   static Vec2 inner_direction(const Part& part);
   static Vec2 outer_direction(const Part& part);
   struct Combined {
@@ -124,6 +135,7 @@ class FrictionProblem {
   std::vector<std::vector<Ball>> a_;  // rows of A
   int columns_ = 0;
   std::vector<Source> sources_;
+  std::vector<Teeth> teeth_;
   std::vector<std::pair<int, int>> pressures_;  // column of a stop and the sign that it may have
   std::vector<Ball> load_, slope_;
   double unit_ = 1.0, q_unit_ = 1.0;

@@ -12,6 +12,7 @@
 #include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 #include "solvers/linear_program.hpp"
+#include "statics/contact_loads.hpp"
 #include "statics/friction_problem.hpp"
 
 namespace poise {
@@ -45,6 +46,8 @@ ReducedRows reduced(const FrictionProblem& problem, const std::vector<Row>& rows
       out.rows.row(r) += factor.middle() * basis.row(column);
       out.bounds[r] -= factor.middle() * particular[column];
     }
+    // Of an effort that the load determines the basis has rounding, which is no direction. Rows with slack have that.
+    if (!row.has_slack) out.rows.row(r) = (out.rows.row(r).array().abs() < 1e-14).select(0.0, out.rows.row(r));
   }
   return out;
 }
@@ -148,7 +151,7 @@ class BoundedForces {
 
  private:
   bool below_one(int column, double sign) {
-    std::vector<Choice> cases{Choice(problem_.sources().size())};
+    std::vector<Choice> cases = problem_.whole();
     while (!cases.empty()) {
       if (++count_ > most_cases) return false;
       const Choice choice = std::move(cases.back());
@@ -239,7 +242,7 @@ Decision decide(const FrictionProblem& problem, double factor, bool prove, bool 
     out.verdict = Holding::slips;
     return out;
   }
-  std::vector<Choice> cases{Choice(problem.sources().size())};
+  std::vector<Choice> cases = problem.whole();
   std::optional<double> most;  // bound of the forces, found where a case is refused
   bool all_proved = prove;
   double nearest = -infinity;
@@ -373,6 +376,18 @@ std::string why_not_asked(const StaticModel& model, const std::vector<double>& x
     return fmt::format("rope \"{}\" does not lie on its pulley {}, on which it is to rub",
                        scene.stops[static_cast<std::size_t>(one.rope)].name, scene.name_of(pulley->at));
   }
+  int teeth = 0;
+  for (const Stop& stop : scene.stops) {
+    if (loads_bearings(stop) && !contact_load(scene, stop, poses)) {
+      return fmt::format("no finite force of {} \"{}\" drives its follower in this pose", stop.family(), stop.name);
+    }
+    teeth += separates(stop) ? 1 : 0;
+  }
+  constexpr int most_teeth = 6;  // 2^6 cases before any other
+  if (teeth > most_teeth) {
+    return fmt::format("the scene has {} gears and racks with a pressure angle, of at most {} for friction that holds",
+                       teeth, most_teeth);
+  }
   return why_too_large(scene);
 }
 
@@ -458,7 +473,7 @@ class RangeSearch {
 
   /// The part that q belongs to; none where no value of it is known. Sets why().
   std::optional<Part> run(double q) {
-    add(Choice(problem_.sources().size()));
+    for (Choice& choice : problem_.whole()) add(std::move(choice));
     for (int count = 0; count < most_cases; ++count) {
       const Part now = part_of(q);
       const int next = farthest(now);
@@ -765,7 +780,7 @@ class RangeFinder {
 
   /// A value for which it is held, where the present one is not.
   std::optional<double> some_value(const FrictionProblem& problem, const Span& span) {
-    std::vector<Choice> cases{Choice(problem.sources().size())};
+    std::vector<Choice> cases = problem.whole();
     for (int count = 0; !cases.empty(); ++count) {
       if (count == most_cases) {
         out_.why = fmt::format("{} cases of the directions of joint forces find no value that is held", most_cases);

@@ -10,6 +10,7 @@
 
 #include "model/flexible_link.hpp"
 #include "statics/body_measures.hpp"
+#include "statics/contact_loads.hpp"
 #include "statics/mobility.hpp"
 
 namespace poise {
@@ -292,7 +293,18 @@ class Actions {
     }
   }
 
+  /// The force of teeth or of a cam, where it acts.
+  void add_contact(const std::string& name, const ContactLoad<double>& contact, const Stop& stop,
+                   const Reaction& reaction) {
+    if (out_.frame != contact.body_a && out_.frame != contact.body_b) return;
+    expect_determined(name, reaction);
+    const double effort = effort_of(stop, reaction);
+    const Vec2 force = effort * contact.force + std::abs(effort) * contact.separating;
+    act(name, local(contact.at), (out_.frame == contact.body_b ? 1.0 : -1.0) * turned_back(force), 0.0);
+  }
+
   void add_stop(const std::string& name, const Stop& stop, const Reaction& reaction) {
+    if (const auto contact = contact_load(scene_, stop, poses_)) return add_contact(name, *contact, stop, reaction);
     const std::vector<UnitEffort> units = unit_efforts(scene_, stop.on, poses_);
     const bool touches = std::any_of(units.begin(), units.end(), [&](const UnitEffort& unit) {
       return unit.body_a == out_.frame || unit.body_b == out_.frame;

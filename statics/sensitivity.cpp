@@ -11,6 +11,7 @@
 
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
+#include "model/meshing.hpp"
 #include "model/nearest_name.hpp"
 #include "statics/linear_response.hpp"
 #include "statics/path.hpp"
@@ -59,6 +60,13 @@ SoughtQuantity reaction_called(const Scene& scene, const std::string& name, cons
   const auto is = [&](const std::string& joint) {
     return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& j) { return j.name == joint; });
   };
+  for (const Stop& stop : scene.stops) {
+    if (!loads_bearings(stop)) continue;
+    throw InputError(
+        fmt::format("{}: the contact force of {} \"{}\" loads joints, of which sensitivities do not know; "
+                    "ask for other quantities, or leave out its {}",
+                    whole, stop.family(), stop.name, stop.table == "cam" ? "roller" : "pressure_angle"));
+  }
   using Part = SoughtQuantity::Part;
   if (is(name)) {
     out.item = item_called(scene.joints, name, whole, "joint");

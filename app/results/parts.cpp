@@ -15,6 +15,7 @@
 #include "app/present/numbers.hpp"
 #include "model/couplings.hpp"
 #include "model/joint_friction.hpp"
+#include "model/meshing.hpp"
 #include "statics/pose_values.hpp"
 #include "statics/readings.hpp"
 
@@ -323,16 +324,21 @@ void warn_of_unloaded_bearings(Result& result, const Scene& scene) {
   const bool rubs = std::any_of(scene.joints.begin(), scene.joints.end(),
                                 [](const Joint& joint) { return joint.friction && joint.friction->coefficient > 0.0; });
   if (!rubs) return;
-  static const std::set<std::string_view> tables{"gear", "belt", "rack", "coupling", "cam"};
   std::vector<std::string> names;
+  std::set<std::string> keys;
   for (const Stop& stop : scene.stops) {
-    if (tables.contains(stop.table)) names.push_back("\"" + stop.name + "\"");
+    if (!transmits(stop) || loads_bearings(stop)) continue;
+    names.push_back("\"" + stop.name + "\"");
+    if (stop.table == "gear" || stop.table == "rack") keys.insert("pressure_angle");
+    if (stop.table == "cam") keys.insert("roller");
   }
   if (names.empty()) return;
+  const std::string advice =
+      keys.empty() ? "" : fmt::format(" Where they touch the scene says by the key {}.", fmt::join(keys, " or "));
   result.warnings.push_back(doubtful(
       fmt::format("Friction leaves out how teeth and contacts of {} press on bearings and guides: these act on their "
-                  "measures alone.",
-                  listed(names))));
+                  "measures alone.{}",
+                  listed(names), advice)));
 }
 
 }  // namespace poise::app

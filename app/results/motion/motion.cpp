@@ -7,6 +7,7 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "model/meshing.hpp"
 
 namespace poise::app {
 namespace {
@@ -226,6 +227,20 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("overrun", motion.overrun);
 }
 
+/// Contact forces that the scene has the geometry of, but the friction of motion does not.
+void warn_of_contacts(Result& result, const Scene& scene) {
+  const bool rubs = std::any_of(scene.joints.begin(), scene.joints.end(),
+                                [](const Joint& joint) { return joint.friction && joint.friction->coefficient > 0.0; });
+  std::vector<std::string> names;
+  for (const Stop& stop : scene.stops) {
+    if (loads_bearings(stop)) names.push_back("\"" + stop.name + "\"");
+  }
+  if (!rubs || names.empty()) return;
+  result.warnings.push_back(doubtful(
+      fmt::format("In motion friction leaves out how {} press{} on bearings and guides: hold and forces know it.",
+                  listed(names), names.size() == 1 ? "es" : "")));
+}
+
 }  // namespace
 
 Result motion_result(const MotionModel& model, const MotionAnswer& answer, const MotionRecord& measured,
@@ -237,6 +252,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
     out.warnings.push_back(doubtful(fmt::format("It ran through {}: stops do not act in motion.", stop)));
   }
   warn_of_unloaded_bearings(out, model.scene());
+  warn_of_contacts(out, model.scene());
   Group& content = out.content;
   add_data(content, answer);
   content.fact("start", answer.start);

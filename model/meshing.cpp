@@ -1,0 +1,92 @@
+#include "model/meshing.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "model/cam_geometry.hpp"
+
+namespace poise {
+namespace {
+
+/// The point of `carrier` about which a wheel turns on it; nothing where pins and welds keep no point of both together.
+std::optional<PointRef> axis_on(const Scene& scene, int carrier, int wheel) {
+  for (const Joint& joint : scene.joints) {
+    if (joint.kind != Joint::Kind::pin && joint.kind != Joint::Kind::weld) continue;
+    if (joint.a.body != wheel && joint.b.body != wheel) continue;
+    for (const PointRef& point : coincident_points(scene, joint.a.body == wheel ? joint.a : joint.b)) {
+      if (point.body == carrier) return point;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Meshing> meshing_of_wheels(const Scene& scene, const Stop& gear) {
+  const Measure& b = gear.on.terms[0].measure;
+  const Measure& a = gear.on.terms[1].measure;
+  const std::optional<PointRef> axis_a = axis_on(scene, a.body_a, a.body_b),
+                                axis_b = axis_on(scene, b.body_a, b.body_b);
+  if (!axis_a || !axis_b || scene.local(*axis_a) == scene.local(*axis_b)) return std::nullopt;
+  if (gear.on.terms[1].factor == -1.0) return std::nullopt;
+  return Meshing{*axis_a, *axis_b, a.body_b, b.body_b, -1};
+}
+
+std::optional<Meshing> meshing_of_rack(const Scene& scene, const Stop& rack) {
+  const int slide = rack.on.terms[0].measure.joint;
+  const Joint& joint = scene.joints[static_cast<std::size_t>(slide)];
+  const Measure& pinion = rack.on.terms[1].measure;
+  const bool is_first = joint.a.body == pinion.body_a;
+  if (!joint.keeps_angle() || (!is_first && joint.b.body != pinion.body_a)) return std::nullopt;
+  const std::optional<PointRef> axis = axis_on(scene, pinion.body_a, pinion.body_b);
+  if (!axis) return std::nullopt;
+  return Meshing{*axis, {}, pinion.body_b, is_first ? joint.b.body : joint.a.body, slide};
+}
+
+}  // namespace
+
+std::vector<PointRef> coincident_points(const Scene& scene, PointRef p) {
+  const auto same = [&](const PointRef& a, const PointRef& b) {
+    return a.body == b.body && scene.local(a) == scene.local(b);
+  };
+  std::vector<PointRef> reached = {p};
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    for (const Joint& joint : scene.joints) {
+      if (joint.kind != Joint::Kind::pin && joint.kind != Joint::Kind::weld) continue;
+      for (const auto& [from, to] : {std::pair(joint.a, joint.b), std::pair(joint.b, joint.a)}) {
+        const bool known =
+            std::any_of(reached.begin(), reached.end(), [&, to = to](const PointRef& r) { return same(r, to); });
+        if (!known && same(from, reached[k])) reached.push_back(to);
+      }
+    }
+  }
+  return reached;
+}
+
+std::optional<Meshing> meshing(const Scene& scene, const Stop& stop) {
+  if (stop.table == "gear") return meshing_of_wheels(scene, stop);
+  if (stop.table == "rack") return meshing_of_rack(scene, stop);
+  return std::nullopt;
+}
+
+std::optional<double> pressure_tangent(const Stop& stop) {
+  if (stop.table != "gear" && stop.table != "rack") return std::nullopt;
+  const Vec2 kept = stop.on.terms[0].measure.axis;
+  return kept.y == 0.0 ? std::nullopt : std::optional<double>(kept.x);
+}
+
+void set_pressure_tangent(Stop& stop, double tangent) { stop.on.terms[0].measure.axis = {tangent, 1.0}; }
+
+bool loads_bearings(const Stop& stop) {
+  if (stop.table == "cam") return stop.on.terms.front().measure.b.body > 0;
+  return pressure_tangent(stop).has_value();
+}
+
+bool separates(const Stop& stop) { return pressure_tangent(stop).value_or(0.0) != 0.0; }
+
+bool transmits(const Stop& stop) {
+  static const std::set<std::string_view> tables{"gear", "belt", "rack", "coupling", "cam"};
+  return tables.contains(stop.table);
+}
+
+}  // namespace poise

@@ -1,0 +1,124 @@
+#pragma once
+
+// Where the forces of gears, racks and cams act, for bodies cut free. Private to statics/ and motion/.
+
+#include <cmath>
+#include <optional>
+#include <type_traits>
+
+#include "model/cam_geometry.hpp"
+#include "model/meshing.hpp"
+#include "statics/body_measures_impl.hpp"
+#include "statics/check.hpp"
+
+namespace poise {
+
+/// How a cam drives its follower in one pose: the centre of the roller moves along `along`, a unit vector, by `lever`
+/// per unit of the follower's measure, and the normal of the pitch curve is turned from there by an angle of this
+/// tangent, counter-clockwise (statics/cam_contact.hpp).
+template <class T>
+struct CamPush {
+  Planar<T> along{};
+  T lever{};
+  T tangent{};
+};
+
+/// In a pose in which the roller is on the pitch curve. Nothing where that curve has no direction at the roller, or
+/// where the roller moves along it, so that no finite force drives it; in balls these are balls without end.
+template <class Pose, class T = ScalarOf<Pose>>
+std::optional<CamPush<T>> cam_push(const Scene& scene, const Stop& stop, const CamGeometry& cam,
+                                   const std::vector<Pose>& poses) {
+  using body_measures::length_of;
+  using body_measures::world;
+  const Measure::Term& term = stop.on.terms[1];
+  const T slope = T(-cam.sense * term.factor) * profile_of<T>(term).at(value_of(scene, term.measure, poses)).first;
+  const Planar<T> r = world(scene, poses, cam.roller) - world(scene, poses, cam.axis);
+  CamPush<T> out;
+  out.lever = T(1);
+  if (cam.slide >= 0) {
+    out.along = body_measures::axis_of(scene.joints[static_cast<std::size_t>(cam.slide)], poses);
+  } else {
+    const Planar<T> arm = world(scene, poses, cam.roller) - world(scene, poses, cam.pivot);
+    out.lever = length_of(arm);
+    if constexpr (std::is_same_v<T, double>) {
+      if (out.lever == 0.0) return std::nullopt;
+    }
+    out.along = (T(cam.turn_sense) / out.lever) * quarter_turn(arm);
+  }
+  // For each radian by which the cam turns the roller moves against it by l g' t - quarter_turn(r).
+  const T rise = out.lever * slope - cross(r, out.along), across = dot(r, out.along);
+  if constexpr (std::is_same_v<T, double>) {
+    constexpr double rounding = 1e-12;
+    if (std::abs(across) <= rounding * (norm(r) + std::abs(out.lever * slope))) return std::nullopt;
+  }
+  out.tangent = rise / across;
+  return out;
+}
+
+/// The force of a coupling where it acts, on `body_b` at the point `at`, measured as the poses, the opposite on
+/// `body_a`: Q force + |Q| separating, with Q the effort on the coupling's measure.
+template <class T>
+struct ContactLoad {
+  int body_a = 0, body_b = 0;
+  Planar<T> at{};
+  Planar<T> force{};
+  Planar<T> separating{};
+};
+
+/// Of a coupling that loads bearings (model/meshing.hpp); nothing of others, whose efforts act as unit_efforts() says,
+/// and of a cam where no finite force drives its follower. It differs from unit_efforts() by forces along the rows of
+/// pins and guides only, so that no motion and no other force depends on which of both acts: with d from axis a to axis
+/// b, the pitch radii r_a and r_b = |d| / (1 + s ratio), s = 1 of wheels that mesh outside, -1 of one inside the other,
+///
+///   gear  at the pitch point; force across d of the moment Q about b and s ratio Q about a; separating along d by the
+///         tangent of the pressure angle times that force, which pushes wheels apart, and of an internal gear both ways
+///         from the pitch point, the inner one towards its centre
+///   rack  at the point of the pinion's circle that moves with the rack; force along the slide, separating across it,
+///         from the pinion to the rack
+///   cam   at the centre of the roller, normal to the pitch curve, on the follower; its part along the roller's motion
+///         does the work of Q
+///
+/// (J. Shigley, C. Mischke, "Mechanical Engineering Design", section 13.14: spur gears; R. L. Norton, "Cam Design and
+/// Manufacturing Handbook", 2009, chapter 7). Throws InputError where a changed scene leaves no place for the contact.
+template <class Pose, class T = ScalarOf<Pose>>
+std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop, const std::vector<Pose>& poses) {
+  using body_measures::axis_of;
+  using body_measures::world;
+  if (!loads_bearings(stop)) return std::nullopt;
+  if (stop.table == "cam") {
+    const CamGeometry cam = cam_geometry(scene, stop).value();
+    const std::optional<CamPush<T>> push = cam_push(scene, stop, cam, poses);
+    if (!push) return std::nullopt;
+    const Measure& angle = stop.on.terms[1].measure;
+    const Planar<T> force = (T(1) / push->lever) * (push->along + push->tangent * quarter_turn(push->along));
+    return ContactLoad<T>{
+        cam.sense > 0 ? angle.body_b : angle.body_a, cam.roller.body, world(scene, poses, cam.roller), force, {}};
+  }
+  const std::optional<Meshing> mesh = meshing(scene, stop);
+  if (!mesh) throw InputError(stop.family() + " \"" + stop.name + "\": its numbers leave no place where teeth mesh");
+  const T tangent(*pressure_tangent(stop));
+  const double factor = stop.on.terms[1].factor;
+  ContactLoad<T> out{mesh->body_a, mesh->body_b, world(scene, poses, mesh->axis_a), {}, {}};
+  if (mesh->slide >= 0) {
+    const Joint& slide = scene.joints[static_cast<std::size_t>(mesh->slide)];
+    const bool is_second = slide.b.body == mesh->body_b;
+    out.force = T(is_second ? 1 : -1) * axis_of(slide, poses);
+    out.at += T(factor) * quarter_turn(out.force);
+    out.separating = (T(factor < 0 ? -1 : 1) * tangent) * quarter_turn(out.force);
+    return out;
+  }
+  const Planar<T> apart = world(scene, poses, mesh->axis_b) - out.at;
+  const T sum = T(1) + T(factor);  // of pitch radii, over r_b
+  const T per_length = sum / dot(apart, apart);
+  out.at += (T(factor) / sum) * apart;
+  out.force = -(per_length * quarter_turn(apart));
+  out.separating = (T(1.0 + factor < 0 ? -stop.sense : stop.sense) * per_length * tangent) * apart;
+  return out;
+}
+
+/// Q of a stop, from its reaction.
+inline double effort_of(const Stop& stop, const Reaction& reaction) {
+  return stop.on.is_angle() ? reaction.moment : -reaction.axial;
+}
+
+}  // namespace poise
