@@ -139,7 +139,7 @@ void add_named(Result& out, const Scene& scene) {
       if (one.at.place.owner == Owner::number) {
         expressions[static_cast<std::size_t>(one.at.place.item)] = one.expression.text();
       }
-      for (const int used : one.expression.uses()) {
+      for (const int used : one.uses()) {
         std::string& text = uses[static_cast<std::size_t>(used)];
         text += (text.empty() ? "" : ", ") + one.item;
       }
