@@ -126,8 +126,11 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
       }
       // The last point of a cam's curve is its first: the same expression.
       const toml::node* const twin = spot.twin_node();
-      if (twin != nullptr && same_text(twin, spot.node())) find(twin);
-      if (const Written* const written = find(spot.node())) {
+      const Written* const written = find(spot.node());
+      if (written != nullptr && twin != nullptr && (!same_text(twin, spot.node()) || find(twin) == nullptr)) {
+        written->place.fail("expected the same expression in the last point of the turn, which is the first again");
+      }
+      if (written) {
         dependents_.push_back(
             {{DependentPlace::Of::row, row.place}, written->place.item, written->expression, row.dimension, row.range});
       }

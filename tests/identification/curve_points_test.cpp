@@ -105,8 +105,9 @@ const std::string of_cam = "scene = \"scene.toml\"\n[[sensor]]\nname = \"angle\"
 TEST_F(CurvePointUnknowns, HaveTheDerivativesOfPredictions) {
   for (const bool is_cam : {false, true}) {
     folder_.write("scene.toml", is_cam ? cam : wire);
-    const std::vector<std::string> paths =
+    std::vector<std::string> paths =
         is_cam ? points("cam.eccentric.curve", 4, false) : points("curved_slot.wire.curve", 5, true);
+    if (!is_cam) paths.push_back("point.ground.S.x");
     const Experiment e = read((is_cam ? of_cam : of_bead) + unknowns(paths) + "[[run]]\nduration = 0.8\nrate = 40\n");
     const FitProblem problem(e);
     const RunModel& run = problem.run(0);

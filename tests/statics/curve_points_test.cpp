@@ -1,7 +1,9 @@
 // Points of the curves of slots and cams as numbers: exact derivatives against differences, expressions, files.
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -53,9 +55,7 @@ wire = 200
                      more);
 }
 
-std::string ring() {
-  return wire("closed = true", "[[-100, 80], [-50, 20], [30, -20], [100, 30], [60, 150]]");
-}
+std::string ring() { return wire("closed = true", "[[-100, 80], [-50, 20], [30, -20], [100, 30], [60, 150]]"); }
 
 // A cam of a spline that a spring holds, its follower under a weight.
 const std::string cam = R"(
@@ -135,7 +135,7 @@ TEST(CurvePoints, OfASlotHaveTheirExactDerivatives) {
     const std::vector<std::string> points = numbers_of(scene, "curved_slot.wire.curve.");
     EXPECT_EQ(points.size(), 10U);
     expect_derivatives(scene, "travel.wire", points);
-    expect_derivatives(scene, "x.bead.P", points);
+    expect_derivatives(scene, "bead.P.x", points);
     expect_derivatives(scene, "stop.wire x", points);
   }
 }
@@ -151,7 +151,7 @@ TEST(CurvePoints, MoveTheEndOfTheSlot) {
   EXPECT_NEAR(test::place_of(model, found.x, "bead.P").x, 0.18, 1e-12) << "it is at the end";
   std::vector<std::string> numbers = numbers_of(scene, "curved_slot.wire.curve.");
   numbers.emplace_back("curved_slot.wire.to");
-  expect_derivatives(scene, "y.bead.P", numbers);
+  expect_derivatives(scene, "bead.P.y", numbers);
   Scene longer = scene;
   set_value(longer, "curved_slot.wire.curve.5.y", 150);
   EXPECT_NEAR(get_value(longer, "curved_slot.wire.to") - get_value(scene, "curved_slot.wire.to"),
@@ -216,7 +216,8 @@ TEST(CurvePoints, OfACamMayBeExpressions) {
   EXPECT_EQ(scene.stops[0].on.terms[1].profile->at(0.0).value, 0.3);
   expect_derivatives(scene, "angle.cam", {"numbers.dip"});
   text.replace(text.find("\"dip\"]]"), 5, "0.1");
-  EXPECT_NE(test::message_of([&] { parse_scene(text, "cam.toml"); }), "") << "the last is no longer the first";
+  EXPECT_NE(test::message_of([&] { parse_scene(text, "cam.toml"); }).find("expected the same expression"),
+            std::string::npos);
 }
 
 TEST(CurvePoints, AreScaledWithTheirScene) {
@@ -244,10 +245,9 @@ TEST(CurvePoints, MustDiffer) {
 
 // Along a path of a point every equilibrium is that of the scene with it.
 TEST(CurvePoints, VaryAlongPaths) {
-  for (const auto& [text, name, from, to] :
-       {std::tuple{wire(), std::string("curved_slot.wire.curve.3.y"), -20.0, 15.0},
-        std::tuple{wire(), std::string("numbers.r"), 100.0, 120.0},
-        std::tuple{cam, std::string("cam.eccentric.curve.2"), 0.4, 0.55}}) {
+  for (const auto& [text, name, from, to] : {std::tuple{wire(), std::string("curved_slot.wire.curve.3.y"), -20.0, 15.0},
+                                             std::tuple{wire(), std::string("numbers.r"), 100.0, 120.0},
+                                             std::tuple{cam, std::string("cam.eccentric.curve.2"), 0.4, 0.55}}) {
     SCOPED_TRACE(name);
     const VariedScene varied(parse_scene(text, "scene.toml"), name, from, to);
     PathOptions options;
@@ -255,8 +255,8 @@ TEST(CurvePoints, VaryAlongPaths) {
     const Path found = path(varied, options);
     ASSERT_FALSE(found.branches.empty());
     const PathPoint& last = found.branches[0].points.back();
-    EXPECT_EQ(last.parameter, to);
     Scene scene = parse_scene(text, "scene.toml");
+    EXPECT_DOUBLE_EQ(last.parameter, to * value_unit(scene, name));
     set_value(scene, name, to);
     const StaticModel there(scene);
     const Equilibrium rest = solve(there, test::by(Method::virtual_work, Seek::stable));
