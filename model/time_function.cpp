@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -281,7 +282,25 @@ void start_drives_at(Scene& scene, double t) {
 }
 
 void forget_functions_of_drives(Scene& scene) {
-  std::erase_if(scene.time_functions, [](const TimeFunction& one) { return one.of == TimeFunction::Of::drive; });
+  const auto is_of_drive = [](const TimeFunction& one) { return one.of == TimeFunction::Of::drive; };
+  if (scene.dependents) {
+    std::vector<DependentNumber> all, left_out;
+    for (DependentNumber one : *scene.dependents) {
+      if (one.at.place.owner == Owner::time && one.at.of == DependentPlace::Of::row) {
+        const auto function = scene.time_functions.begin() + one.at.place.item;
+        if (is_of_drive(*function)) {
+          one.at.of = DependentPlace::Of::left_out;
+          left_out.push_back(std::move(one));
+          continue;
+        }
+        one.at.place.item -= static_cast<int>(std::count_if(scene.time_functions.begin(), function, is_of_drive));
+      }
+      all.push_back(std::move(one));
+    }
+    std::move(left_out.begin(), left_out.end(), std::back_inserter(all));
+    scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(all));
+  }
+  std::erase_if(scene.time_functions, is_of_drive);
 }
 
 Scene at_time(Scene scene, double t) {

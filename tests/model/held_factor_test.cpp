@@ -142,6 +142,22 @@ TEST(HeldFactor, HasNoDerivativeByTheTimeOfAJump) {
   EXPECT_FALSE(is_known);
 }
 
+// Where others take the place of the drives.
+TEST(HeldFactor, LoadsFollowWithoutTheFunctionsOfDrives) {
+  for (const auto& [vector, time] : loads()) {
+    Scene scene = parse_scene(scene_with(vector, time), "time.toml"), expected = scene;
+    forget_functions_of_drives(scene);
+    EXPECT_EQ(scene.time_functions.size(), 1U);
+    set_value(scene, "numbers.F", 3.5);
+    set_value(expected, "numbers.F", 3.5);
+    expect_same(at_time(scene, 0.3), [&] {
+      Scene held = at_time(expected, 0.3);
+      held.drives = scene.drives;
+      return held;
+    }());
+  }
+}
+
 TEST(HeldFactor, FunctionsFollowTogether) {
   Scene scene = parse_scene(scene_with(loads()[2].first, loads()[2].second), "time.toml");
   set_value(scene, "numbers.T", 7);
