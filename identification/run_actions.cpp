@@ -286,42 +286,52 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   }
   // The time at which a load jumps changes accelerations at that time alone, and rates from then on.
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
-    if (numbers_[i].place().owner != Owner::time) continue;
-    double when = 0.0;
-    const auto jump_in = [&](Acting& acting) -> Eigen::MatrixXd {
-      const TimeFunction& function =
-          acting.model.scene().time_functions[static_cast<std::size_t>(numbers_[i].place().item)];
-      if (function.is_smooth_in(numbers_[i].place().number)) return {};
-      const auto& step = std::get<StepInTime>(function.law);
-      when = step.at;
-      std::size_t node = 0;
-      while (node + 1 < path.nodes() && path.t[node] < step.at) ++node;
-      if (step.at <= 0 || path.nodes() == 0 || path.t[node] < step.at) return {};
-      const std::vector<double> q = at_node(path.q, node);
-      for (std::size_t k = 0; k < z.size(); ++k) z[k] = q[static_cast<std::size_t>(independent_[k])];
-      std::fill(w.begin(), w.end(), 0.0);
-      acting.reduced.expect(q.data());
-      if (acting.reduced.place(step.at, z.data()) != Reduced::Status::ok) return {};
-      acting.reduced.move(w.data());
-      if (acting.reduced.accelerate() != Reduced::Status::ok) return {};
-      Influence by_to = acting.influences[i];
-      by_to.force.time_number = 2;
-      std::vector<double> alpha(z.size());
-      acting.reduced.influence(by_to, alpha.data());
-      Eigen::MatrixXd jump = Eigen::MatrixXd::Zero(acting.rows(), this->unknowns());
-      for (int k = 0; k < freedoms_; ++k) {
-        jump(k, static_cast<Eigen::Index>(i)) = (step.from - step.to) * alpha[static_cast<std::size_t>(k)];
-      }
-      return jump;
-    };
-    Eigen::MatrixXd here = jump_in(own);
-    Eigen::MatrixXd there = jump_in(changed);
-    if (here.rows() == 0 || there.rows() == 0) continue;
-    errors.emplace_back(Eigen::MatrixXd::Zero(own.rows(), this->unknowns()));
-    rows.push_back(std::move(here));
-    rows_again.push_back(std::move(there));
-    out.states.push_back({when, model.to_si({own.reduced.q(), own.reduced.q() + x.size()}),
-                          model.to_si({own.reduced.v(), own.reduced.v() + x.size()})});
+    std::size_t jumps = 0;
+    own.influences[i].for_each_function(model.scene(), [&](const TimeFunction& function, int number, double) {
+      if (!function.is_smooth_in(number)) ++jumps;
+    });
+    for (std::size_t j = 0; j < jumps; ++j) {
+      double when = 0.0;
+      const auto jump_in = [&](Acting& acting) -> Eigen::MatrixXd {
+        std::size_t at_jump = 0;
+        Eigen::MatrixXd jump;
+        acting.influences[i].for_each_function(acting.model.scene(), [&](const TimeFunction& function, int number,
+                                                                         double by) {
+          if (function.is_smooth_in(number) || at_jump++ != j) return;
+          const auto& step = std::get<StepInTime>(function.law);
+          when = step.at;
+          std::size_t node = 0;
+          while (node + 1 < path.nodes() && path.t[node] < step.at) ++node;
+          if (step.at <= 0 || path.nodes() == 0 || path.t[node] < step.at) return;
+          const std::vector<double> q = at_node(path.q, node);
+          for (std::size_t k = 0; k < z.size(); ++k) z[k] = q[static_cast<std::size_t>(independent_[k])];
+          std::fill(w.begin(), w.end(), 0.0);
+          acting.reduced.expect(q.data());
+          if (acting.reduced.place(step.at, z.data()) != Reduced::Status::ok) return;
+          acting.reduced.move(w.data());
+          if (acting.reduced.accelerate() != Reduced::Status::ok) return;
+          Influence by_to;
+          by_to.force.of = function.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
+          by_to.force.item = function.item;
+          by_to.force.time_number = 2;
+          std::vector<double> alpha(z.size());
+          acting.reduced.influence(by_to, alpha.data());
+          jump = Eigen::MatrixXd::Zero(acting.rows(), this->unknowns());
+          for (int k = 0; k < freedoms_; ++k) {
+            jump(k, static_cast<Eigen::Index>(i)) = by * (step.from - step.to) * alpha[static_cast<std::size_t>(k)];
+          }
+        });
+        return jump;
+      };
+      Eigen::MatrixXd here = jump_in(own);
+      Eigen::MatrixXd there = jump_in(changed);
+      if (here.rows() == 0 || there.rows() == 0) continue;
+      errors.emplace_back(Eigen::MatrixXd::Zero(own.rows(), this->unknowns()));
+      rows.push_back(std::move(here));
+      rows_again.push_back(std::move(there));
+      out.states.push_back({when, model.to_si({own.reduced.q(), own.reduced.q() + x.size()}),
+                            model.to_si({own.reduced.v(), own.reduced.v() + x.size()})});
+    }
   }
   out.rows_per_state = static_cast<int>(own.rows());
   out.rows.resize(static_cast<Eigen::Index>(rows.size()) * own.rows(), this->unknowns());

@@ -89,18 +89,25 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     if (input.motion.of != MotionInput::Of::drive) continue;
     // The start is found with the scene's drive, which is here the input at time 0.
     Drive& drive = scene_.drives[static_cast<std::size_t>(input.motion.item)];
-    for (int k = 0; k < static_cast<int>(Drive::numbers.size()); ++k) {
-      if (dependent_number(scene_, {Owner::drive, input.motion.item, 0, k}) == nullptr) continue;
-      throw InputError(at(experiment.file_of(run_.part), run_.line) +
-                       fmt::format("run \"{}\".inputs: expected numbers in drive \"{}\", whose place the input takes, "
-                                   "found an expression; write its value",
-                                   run_.name, drive.name));
-    }
+    const auto expect_numbers = [&](ParameterPlace place, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) {
+        place.number = static_cast<int>(k);
+        if (dependent_number(scene_, place) == nullptr) continue;
+        throw InputError(
+            at(experiment.file_of(run_.part), run_.line) +
+            fmt::format("run \"{}\".inputs: expected numbers in drive \"{}\", whose place the input takes, "
+                        "found an expression; write its value",
+                        run_.name, drive.name));
+      }
+    };
+    expect_numbers({Owner::drive, input.motion.item}, Drive::numbers.size());
     drive.start = input.motion.curve->at(0);
     drive.rate = input.motion.curve->at(0, 1);
     drive.acceleration = drive.amplitude = 0.0;
-    for (TimeFunction& function : scene_.time_functions) {
+    for (std::size_t f = 0; f < scene_.time_functions.size(); ++f) {
+      TimeFunction& function = scene_.time_functions[f];
       if (function.of != TimeFunction::Of::drive || function.item != input.motion.item) continue;
+      expect_numbers({Owner::time, static_cast<int>(f)}, function.numbers().size());
       function.law = SineInTime{drive.rate, 0.5 * std::numbers::inv_pi, 0.0, *drive.start};
     }
   }
@@ -525,6 +532,7 @@ void RunModel::vary(const Scene& scene, Built& out) const {
         number.is_dimension() || owner == Owner::drive || owner == Owner::time || number.is_named();
     if (number.is_geometric()) {
       out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
+      out.influences.back().in_time = number.in_time(scene);
       out.variations.push_back({.pieces = {}, .changes_drives = number.is_named()});
     } else {
       out.influences.push_back(number.influence(scene, scales_));

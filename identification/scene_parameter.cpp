@@ -28,7 +28,9 @@ void SceneParameter::set(Scene& scene, double si) const {
 bool SceneParameter::allows(const Scene& scene, double si) const {
   // Without a length a slide has no carriage: another mechanism.
   if (is_friction_ && path_.ends_with(".friction.length")) return si > 0;
-  if (!is_named() && place_.owner != Owner::time) return range_ != Range::positive || si > 0;
+  if (!is_named() && place_.owner != Owner::time && place_.owner != Owner::coupling)
+    return range_ != Range::positive || si > 0;
+  if (range_ == Range::positive && si <= 0) return false;
   try {
     Scene changed = scene;
     set_value_at(changed, place_, si);
@@ -89,6 +91,22 @@ Influence SceneParameter::influence(const Scene& scene, const Scales& scales) co
                                                 : ForceNumber::Of::torque;
   out.force.item = place_.item;
   out.force.number = place_.number;
+  return out;
+}
+
+std::vector<Influence::InTime> SceneParameter::in_time(const Scene& scene) const {
+  std::vector<Influence::InTime> out;
+  if (!is_named()) return out;
+  const std::vector<double> slopes = dependents_by(scene, place_.item, named_values(scene));
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    const DependentNumber& one = (*scene.dependents)[k];
+    if (one.at.place.owner != Owner::time || slopes[k] == 0.0) continue;
+    if (!std::isfinite(slopes[k])) {
+      throw InputError(one.item + " = \"" + one.text() + "\" has no derivative by " + path_);
+    }
+    const TimeFunction& function = scene.time_functions[static_cast<std::size_t>(one.at.place.item)];
+    out.push_back({function.of, function.item, one.at.place.number, slopes[k]});
+  }
   return out;
 }
 

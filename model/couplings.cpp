@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "model/curved_slots.hpp"
+#include "model/indexed_key.hpp"
 #include "model/one_line.hpp"
 
 namespace poise {
@@ -78,12 +82,44 @@ constexpr std::array<Number, 2> rack_numbers{needed(factor_number<1>("radius", d
 constexpr std::array<CouplingPart, 2> factor_and_value{CouplingPart{Of::factor, 1, 0, 1.0, true},
                                                        CouplingPart{Of::value, 0, 1}};
 
-constexpr std::array<Number, 3> cam_numbers{[] {
-                                              Number lift = needed(factor_number<1>("lift", {}, Range::finite));
-                                              lift.measure_power = 1;
-                                              return lift;
-                                            }(),
-                                            shift_number<1>("phase", dimension::angle), value_number("base")};
+constexpr auto share_keys = indexed_keys<most_curve_points>("curve");
+constexpr auto x_keys = indexed_keys<most_curve_points>("curve", "x");
+constexpr auto y_keys = indexed_keys<most_curve_points>("curve", "y");
+
+// A component of a point of a cam's curve, or of that of a slot.
+template <std::size_t Point, bool is_cam, bool is_y>
+constexpr Number point_number() {
+  Number number{(is_cam ? share_keys
+                 : is_y ? y_keys
+                        : x_keys)[Point]
+                    .view(),
+                is_cam ? dimension::none : dimension::length, Range::finite};
+  number.get = [](const void* item) {
+    const Vec2& point = static_cast<const Stop*>(item)->curve[Point];
+    return std::optional<double>(is_y ? point.y : point.x);
+  };
+  number.set = [](void* item, double value) {
+    Stop* const rows = static_cast<Stop*>(item);
+    (is_y ? rows->curve[Point].y : rows->curve[Point].x) = value;
+    if (is_cam && Point == 0) rows->curve.back().y = value;
+    follow_curve(rows);
+  };
+  number.scale = [](void* item, double factor) {
+    if (is_cam) return;
+    Vec2& point = static_cast<Stop*>(item)->curve[Point];
+    (is_y ? point.y : point.x) *= factor;  // profiles have their measures scaled
+  };
+  return number;
+}
+
+constexpr int cam_numbers_before = 3;
+constexpr auto cam_numbers = []<std::size_t... Point>(std::index_sequence<Point...>) {
+  Number lift = needed(factor_number<1>("lift", {}, Range::finite));
+  lift.measure_power = 1;
+  return std::array<Number, cam_numbers_before + most_curve_points>{
+      lift, shift_number<1>("phase", dimension::angle), value_number("base"), point_number<Point, true, true>()...};
+}
+(std::make_index_sequence<most_curve_points>());
 constexpr std::array<CouplingPart, 3> cam_parts{CouplingPart{Of::factor, 1, 0, 1.0, true},
                                                 CouplingPart{Of::shift, 1, 1}, CouplingPart{Of::value, 0, 2}};
 
@@ -136,7 +172,18 @@ constexpr Number end_number(std::string_view key) {
   };
   return number;
 }
-constexpr std::array<Number, 2> track_numbers{end_number<false>("from"), end_number<true>("to")};
+constexpr int track_numbers_before = 2;
+constexpr auto track_numbers = []<std::size_t... Index>(std::index_sequence<Index...>) {
+  Number to = end_number<true>("to");
+  to.set = [](void* item, double value) {
+    Stop& stop = *static_cast<Stop*>(item);
+    Stop::limits[1].set(&stop, value);
+    stop.to_end = false;
+  };
+  return std::array<Number, track_numbers_before + 2 * most_curve_points>{
+      end_number<false>("from"), to, point_number<Index / 2, false, Index % 2 == 1>()...};
+}
+(std::make_index_sequence<2 * most_curve_points>());
 constexpr std::array<CouplingPart, 2> track_parts{CouplingPart{Of::lower, 0, 0}, CouplingPart{Of::upper, 0, 1}};
 
 // Of a circular slot with ends: the limits of its third stop.
@@ -324,7 +371,83 @@ std::vector<int> rubbing_rims(const Measure& rope) {
   return out;
 }
 
+CurveNumbers curve_numbers_of(const Stop& stop) {
+  const auto points = static_cast<int>(stop.curve.size());
+  CurveNumbers out;
+  if (stop.table == "cam")
+    out = {cam_numbers_before, std::max(points - 1, 0), 1};
+  else if (stop.table == "curved_slot")
+    out = {track_numbers_before, points, 2};
+  if (out.points > static_cast<int>(most_curve_points)) out.points = 0;
+  return out;
+}
+
+namespace {
+
+/// Where the points of a slot's curve are along it, m: sums of chords, of a closed one with the first point once more.
+std::vector<double> chords_of(const Stop& slot) {
+  std::vector<double> along{0.0};
+  for (std::size_t k = 1; k < slot.curve.size() + (slot.closed ? 1 : 0); ++k) {
+    along.push_back(along.back() + norm(slot.curve[k % slot.curve.size()] - slot.curve[k - 1]));
+  }
+  return along;
+}
+
+}  // namespace
+
+void check_curve(const Stop& stop) {
+  if (stop.table != "curved_slot" || stop.curve.empty()) return;
+  const std::vector<double> along = chords_of(stop);
+  for (std::size_t k = 1; k < along.size(); ++k) {
+    if (along[k] > along[k - 1]) continue;
+    throw InputError(
+        fmt::format("expected points that differ from those before, found points {} and {} of the curve in one place",
+                    k, k == stop.curve.size() ? 1 : k + 1));
+  }
+  if (!(stop.min < (stop.to_end ? along.back() : stop.max))) {
+    throw InputError("expected a curve that ends behind where the slot begins, at its number from");
+  }
+}
+
+void follow_curve(Stop* rows) {
+  Stop& first = rows[0];
+  if (first.table == "cam") {
+    std::vector<double> u, share;
+    for (const Vec2& point : first.curve) {
+      u.push_back(point.x);
+      share.push_back(point.y);
+    }
+    first.on.terms[1].profile = std::make_shared<const Profile>(Profile::spline(u, share, true));
+    return;
+  }
+  try {
+    check_curve(first);
+  } catch (const InputError&) {
+    return;
+  }
+  std::vector<double> along = chords_of(first);
+  const double length = along.back();
+  for (double& u : along) u /= length;
+  along.back() = 1.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    Measure::Term& term = rows[1 + axis].on.terms[1];
+    std::vector<double> component;
+    for (std::size_t k = 0; k < along.size(); ++k) {
+      const Vec2& point = first.curve[k % first.curve.size()];
+      component.push_back((axis == 0 ? point.x : point.y) / -term.factor);
+    }
+    term.profile = std::make_shared<const Profile>(Profile::spline(along, component, first.closed));
+    term.span = length;
+  }
+  if (first.to_end) first.max = length;
+}
+
 std::span<const Number> Stop::numbers() const {
+  if (table == "cam" || table == "curved_slot") {
+    const CurveNumbers points = curve_numbers_of(*this);
+    return coupling_kind(*this)->numbers.first(
+        static_cast<std::size_t>(points.first + points.points * points.components));
+  }
   if (table == "rope") return std::span(rubbing_rope_numbers).first(1 + rubbing_rims(on).size());
   const CouplingKind* const kind = coupling_kind(*this);
   if (kind == nullptr) return limits;

@@ -78,6 +78,26 @@ inline constexpr std::size_t most_rubbing_rims = 16;
 /// friction.1, friction.2, ... in that order.
 std::vector<int> rubbing_rims(const Measure& rope);
 
+/// As many points of the curve of a cam, but its last, or of a curved slot are numbers; those of a longer one are not.
+inline constexpr std::size_t most_curve_points = 64;
+/// Which numbers of a coupling are points of its curve: of a cam the shares curve.1, ..., the last point of the turn
+/// being the first again; of a curved slot curve.1.x, curve.1.y, ...
+struct CurveNumbers {
+  int first = 0;       ///< index into the numbers
+  int points = 0;      ///< 0 of couplings without
+  int components = 1;  ///< numbers of a point
+
+  bool has(int number) const { return number >= first && number < first + points * components; }
+};
+/// Of the first stop of a coupling.
+CurveNumbers curve_numbers_of(const Stop& stop);
+/// Gives the stops of a coupling, of which this is the first, the profiles that follow from the points of its curve,
+/// and a slot the end of it. Leaves them as they are where check_curve() throws.
+void follow_curve(Stop* rows);
+/// Throws InputError where two points of a slot's curve coincide that follow each other, or it ends before the slot
+/// begins.
+void check_curve(const Stop& stop);
+
 /// The kind of a stop; null of a plain one.
 const CouplingKind* coupling_kind(const Stop& stop);
 

@@ -2,6 +2,8 @@
 
 // Numbers of a scene that follow from others: expressions of the numbers that the table [numbers] gives names.
 
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,15 +15,18 @@ namespace poise {
 /// Where a dependent number stands: a row of the parameter table, or a component that has no row of its own.
 struct DependentPlace {
   enum class Of {
-    row,     ///< `place` in the table
-    force,   ///< component of a force's vector, whose magnitude is the row `place`
-    axis,    ///< component of a joint's axis; `place` names the joint
-    factor,  ///< factor of a term of the sum on which the item `place` acts
+    row,      ///< `place` in the table
+    force,    ///< component of a force's vector, whose magnitude is the row `place`
+    axis,     ///< component of a joint's axis; `place` names the joint
+    factor,   ///< factor of a term of the sum on which the item `place` acts
+    left_out  ///< number of the function of time of a drive, which a scene at one time has none of
   };
   Of of = Of::row;
   ParameterPlace place;
   int component = 0;  ///< 0 x, 1 y; of a factor its term
 };
+
+struct HeldFactor;
 
 /// A number that a scene file writes as an expression of named numbers: in the units of the file, as a number there.
 struct DependentNumber {
@@ -30,7 +35,35 @@ struct DependentNumber {
   Expression expression;
   Dimension dimension;
   Range range = Range::finite;
+  /// Of a load of a scene at one time: c(t), by which the expression is multiplied; null of others.
+  std::shared_ptr<const HeldFactor> factor{};
+
+  /// Its value in the units of the file. Not a number, or infinite, where it has none. Throws InputError where the
+  /// numbers of c(t) contradict each other.
+  double value(std::span<const double> named) const;
+  /// Its derivative, as Expression::slope().
+  double slope(std::span<const double> named, std::span<const double> slopes) const;
+  /// Named numbers that it follows from, ascending.
+  std::vector<int> uses() const;
+  /// The expression, with the factor named behind it.
+  std::string text() const;
 };
+
+/// c(t) of a load at one time t, with the expressions that numbers of the function are. A number of the function that
+/// follows from named ones makes every component of the load follow from them.
+struct HeldFactor {
+  TimeFunction function;
+  double time = 0.0;                     ///< s
+  std::vector<DependentNumber> numbers;  ///< of the function, at places of the scene that had it
+  Units units;
+
+  /// The function with the numbers that follow from the named ones.
+  TimeFunction at(std::span<const double> named) const;
+};
+
+/// Makes the dependent numbers of a scene those of the scene at the time t: to be called before its functions of time
+/// are taken from it.
+void hold_dependents(Scene& scene, double t);
 
 /// What a row of the table follows from, of a force also one of its components; null where it is a number.
 const DependentNumber* dependent_number(const Scene& scene, const ParameterPlace& place);

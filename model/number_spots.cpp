@@ -19,14 +19,23 @@ const toml::table* below(const toml::table* in, std::string_view key) {
 
 }  // namespace
 
+namespace {
+
+const toml::node* item_of(const toml::node* list, int at) {
+  const toml::array* const all = list != nullptr ? list->as_array() : nullptr;
+  return all != nullptr ? all->get(static_cast<std::size_t>(at)) : nullptr;
+}
+
+}  // namespace
+
 const toml::node* NumberSpot::node() const {
   const toml::node* const value = table != nullptr ? table->get(key) : nullptr;
-  const auto item = [](const toml::node* list, int at) -> const toml::node* {
-    const toml::array* const all = list != nullptr ? list->as_array() : nullptr;
-    return all != nullptr ? all->get(static_cast<std::size_t>(at)) : nullptr;
-  };
-  if (point >= 0) return item(item(value, point), 1);
-  return component < 0 ? value : item(value, component);
+  if (point >= 0) return item_of(item_of(value, point), component);
+  return component < 0 ? value : item_of(value, component);
+}
+
+const toml::node* NumberSpot::twin_node() const {
+  return twin < 0 ? nullptr : NumberSpot{table, header, key, component, twin}.node();
 }
 
 NumberSpots::NumberSpots(const toml::table& document, const Scene& scene) : document_(document), scene_(scene) {
@@ -124,7 +133,7 @@ NumberSpot NumberSpots::of_element(std::size_t element, const std::string& key, 
   const toml::table* const part = below(written, key.substr(0, dot));
   const std::string last = key.substr(dot + 1);
   if (!std::holds_alternative<CurveSpring>(scene_.elements[element].law)) return {part, "", last};
-  return {part, "", "curve", -1, std::stoi(last) - 1};
+  return {part, "", "curve", 1, std::stoi(last) - 1};
 }
 
 // "friction.K" is the key friction of the K-th pulley that has one.
@@ -135,6 +144,20 @@ NumberSpot NumberSpots::of_rim(const Stop& rope, const toml::table* written, con
   const std::vector<int> rims = rubbing_rims(rope.on);
   const toml::node* const pulley = over != nullptr ? over->get(static_cast<std::size_t>(rims[rim])) : nullptr;
   return {pulley != nullptr ? pulley->as_table() : nullptr, "", "friction"};
+}
+
+// "curve.K" of a cam is the share of the K-th point, whose first is its last, "curve.K.x" a component of that of a
+// slot.
+NumberSpot NumberSpots::of_curve(const Stop& stop, const toml::table* written, const std::string& key, int number) {
+  const CurveNumbers curve = curve_numbers_of(stop);
+  const int point = (number - curve.first) / curve.components;
+  const bool is_cam = curve.components == 1;
+  return {written,
+          "",
+          key.substr(0, key.find('.')),
+          is_cam ? 1 : (number - curve.first) % curve.components,
+          point,
+          is_cam && point == 0 ? curve.points : -1};
 }
 
 NumberSpot NumberSpots::of(const ParameterRow& row) const {
@@ -176,6 +199,9 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
       return {below(joint, key.substr(0, dot)), "", key.substr(dot + 1)};
     }
     case Owner::coupling:
+      if (curve_numbers_of(scene_.stops[at]).has(row.place.number)) {
+        return of_curve(scene_.stops[at], item(Owner::coupling, row.place.item), key, row.place.number);
+      }
       if (key.starts_with("friction.")) return of_rim(scene_.stops[at], item(Owner::coupling, row.place.item), key);
       [[fallthrough]];
     case Owner::drive:
@@ -186,7 +212,11 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
       const Owner owner = function.of == TimeFunction::Of::force    ? Owner::force
                           : function.of == TimeFunction::Of::torque ? Owner::torque
                                                                     : Owner::drive;
-      return {below(below(item(owner, function.item), "time"), std::string(function.kind())), "", key};
+      const toml::table* const time = below(item(owner, function.item), "time");
+      if (std::holds_alternative<TableInTime>(function.law)) {
+        return {time, "", std::string(TableInTime::key), 1, row.place.number};
+      }
+      return {below(time, std::string(function.kind())), "", key};
     }
     case Owner::start:
       break;

@@ -19,10 +19,13 @@ struct NumberSpot {
   std::string header;                  ///< of that table
   std::string key;
   int component = -1;
-  int point = -1;  ///< in a list of pairs, whose second number it is
+  int point = -1;  ///< in a list of pairs, of which it is the component
+  int twin = -1;   ///< another point, whose component has to be the same
 
   /// The number itself; null where the document leaves it to its default.
   const toml::node* node() const;
+  /// That of the twin.
+  const toml::node* twin_node() const;
 };
 
 /// Finds the spots of a scene in the document that it was read from; both must outlive it.
@@ -41,6 +44,7 @@ class NumberSpots {
   bool is_written(Owner owner, std::size_t at) const;
   const toml::table* in_list(std::string_view key, std::size_t index) const;
   const toml::table* table_of(std::size_t element) const;
+  static NumberSpot of_curve(const Stop& stop, const toml::table* written, const std::string& key, int number);
   static NumberSpot of_rim(const Stop& rope, const toml::table* written, const std::string& key);
   NumberSpot of_element(std::size_t element, const std::string& key, int number) const;
 

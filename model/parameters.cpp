@@ -227,6 +227,21 @@ void set_number(Scene& scene, const ParameterPlace& place, void* item, const Num
   }
 }
 
+/// The same of a number that no other is set with: changes nothing where it throws.
+void set_alone(Scene& scene, const ParameterPlace& place, void* item, const Number& number, double si) {
+  const bool is_of_curve = place.owner == Owner::coupling &&
+                           curve_numbers_of(scene.stops[static_cast<std::size_t>(place.item)]).has(place.number);
+  const double before = is_of_curve ? *number.get(item) : 0.0;
+  set_number(scene, place, item, number, si);
+  if (!is_of_curve) return;
+  try {
+    check_curve(scene.stops[static_cast<std::size_t>(place.item)]);
+  } catch (const InputError&) {
+    number.set(item, before);
+    throw;
+  }
+}
+
 [[noreturn]] void fail(const ParameterRow& row, const std::string& message) {
   throw InputError(row.path.text() + ": " + message);
 }
@@ -245,11 +260,11 @@ double& component(Scene& scene, const DependentPlace& at) {
 
 /// The value that follows from named ones, in the scene's units.
 double value_of(const DependentNumber& number, const std::vector<double>& named, const Scene& scene, bool in_range) {
-  const double written = number.expression.value(named);
+  const double written = number.value(named);
   const double si = written * number.dimension.unit(scene.units);
   const bool is_possible = std::isfinite(si) && (number.range != Range::positive || si > 0.0);
   if (!is_possible || (in_range && !contains(number.range, si))) {
-    throw InputError(number.item + " = \"" + number.expression.text() + "\": " + out_of_range(number.range, written));
+    throw InputError(number.item + " = \"" + number.text() + "\": " + out_of_range(number.range, written));
   }
   return si * number.dimension.per_scale(scene.measured_in);
 }
@@ -280,10 +295,10 @@ void check_is_free(const Scene& scene, const ParameterRow& row) {
   const DependentNumber* const dependent = dependent_number(scene, row.place);
   if (dependent == nullptr) return;
   std::string names;
-  for (const int used : dependent->expression.uses()) {
+  for (const int used : dependent->uses()) {
     names += (names.empty() ? "numbers." : ", numbers.") + scene.named_values[static_cast<std::size_t>(used)].name;
   }
-  fail(row, "expected a number of its own, found the expression \"" + dependent->expression.text() + "\"; " +
+  fail(row, "expected a number of its own, found the expression \"" + dependent->text() + "\"; " +
                 (names.empty() ? "write it as a number in the scene" : "change " + names));
 }
 
@@ -309,11 +324,11 @@ std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double
   std::vector<double> slopes(named.size(), 0.0);
   slopes[static_cast<std::size_t>(by)] = 1.0;
   for (const DependentNumber& one : *scene.dependents) {
-    const double slope = one.expression.slope(named, slopes);
+    const double slope = one.slope(named, slopes);
     if (one.at.place.owner == Owner::number) {
       const auto item = static_cast<std::size_t>(one.at.place.item);
       slopes[item] = slope;
-      named[item] = one.expression.value(named);
+      named[item] = one.value(named);
     }
     out.push_back(slope * one.dimension.unit(scene.units) * one.dimension.per_scale(scene.measured_in));
   }
@@ -341,9 +356,15 @@ void follow_expressions(Scene& scene, bool in_range) {
         return;
       }
     }
+    if (row.place.owner == Owner::time) {  // and both ends of a ramp
+      scene.time_functions[static_cast<std::size_t>(row.place.item)].set_among_others(row.place.number, value);
+      return;
+    }
     set_number(scene, row.place, &item, number, value);
   });
-  for (; next < all.size(); ++next) component(scene, all[next].at) = values[next];
+  for (; next < all.size(); ++next) {
+    if (all[next].at.of != DependentPlace::Of::left_out) component(scene, all[next].at) = values[next];
+  }
   for (const DependentNumber& one : all) {
     const auto item = static_cast<std::size_t>(one.at.place.item);
     if (one.at.of == DependentPlace::Of::axis && scene.joints[item].axis == Vec2{}) {
@@ -352,6 +373,13 @@ void follow_expressions(Scene& scene, bool in_range) {
     if (one.at.of == DependentPlace::Of::row && one.at.place.owner == Owner::stop &&
         !(scene.stops[item].min <= scene.stops[item].max)) {
       throw InputError(one.item + ": expected min <= max");
+    }
+    if (one.at.of != DependentPlace::Of::row) continue;
+    try {
+      if (one.at.place.owner == Owner::time) scene.time_functions[item].check();
+      if (one.at.place.owner == Owner::coupling) check_curve(scene.stops[item]);
+    } catch (const InputError& error) {
+      throw InputError(one.item + ": " + error.what());
     }
   }
   let_stops_follow(scene);
@@ -411,7 +439,7 @@ std::optional<double> value_at(const Scene& scene, const ParameterPlace& place) 
 void set_value_at(Scene& scene, const ParameterPlace& place, double si) {
   if (place.owner == Owner::number) return set_named(scene, place.item, si, false);
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
-    if (row.place == place) set_number(scene, place, &item, number, si);
+    if (row.place == place) set_alone(scene, place, &item, number, si);
   });
   let_stops_follow(scene);
 }
@@ -425,7 +453,7 @@ void set_value(Scene& scene, std::string_view path, double value) {
       if (row.place.owner == Owner::number)
         set_named(scene, row.place.item, value, true);
       else
-        set_number(scene, row.place, &item, number, si);
+        set_alone(scene, row.place, &item, number, si);
     } catch (const InputError& error) {
       fail(row, error.what());
     }

@@ -1,8 +1,7 @@
 #include "model/profile.hpp"
 
+#include <algorithm>
 #include <cmath>
-
-#include <Eigen/LU>
 
 namespace poise {
 
@@ -21,50 +20,13 @@ Profile::Piece Profile::standard(std::string_view law, double from, double to, d
   return piece;
 }
 
-// The second derivatives M_k at the points follow from the continuity of the first ones,
-//   h_k M_k + 2 (h_k + h_k+1) M_k+1 + h_k+1 M_k+2 = 6 (d_k+1 - d_k),   d_k = (P_k+1 - P_k) / h_k.
 Profile Profile::spline(const std::vector<double>& u, const std::vector<double>& p, bool periodic,
                         bool has_curved_ends) {
-  using Eigen::Index;
-  const Index pieces = static_cast<Index>(u.size()) - 1;
-  const auto length = [&](Index k) { return u[static_cast<std::size_t>(k) + 1] - u[static_cast<std::size_t>(k)]; };
-  const auto slope = [&](Index k) {
-    return (p[static_cast<std::size_t>(k) + 1] - p[static_cast<std::size_t>(k)]) / length(k);
-  };
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(pieces + 1, pieces + 1);
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(pieces + 1);
-  for (Index k = 1; k < pieces + (periodic ? 1 : 0); ++k) {
-    const Index before = k - 1, after = k % pieces;
-    a(k, before) += length(before);
-    a(k, k) += 2 * (length(before) + length(after));
-    a(k, after + 1) += length(after);
-    b[k] = 6 * (slope(after) - slope(before));
-  }
-  // M = 0, or one cubic over two pieces; three points have a parabola.
-  const auto bend = [&](Index at, Index next, Index piece, Index beside) {
-    a(at, at) = 1.0;
-    if (!has_curved_ends) return;
-    const double ratio = pieces > 2 ? length(piece) / length(beside) : 0.0;
-    a(at, next) = -(1.0 + ratio);
-    if (pieces > 2) a(at, 2 * next - at) = ratio;
-  };
-  if (periodic) {
-    a(0, 0) = 1.0;
-    a(0, pieces) = -1.0;
-  } else {
-    bend(0, 1, 0, 1);
-    bend(pieces, pieces - 1, pieces - 1, pieces - 2);
-  }
-  const Eigen::VectorXd m = a.partialPivLu().solve(b);
+  const Spline<double> curve(u, p, periodic, has_curved_ends);
   std::vector<Piece> out;
-  for (Index k = 0; k < pieces; ++k) {
-    const double h = length(k);
-    const double begin = p[static_cast<std::size_t>(k)], end = p[static_cast<std::size_t>(k) + 1];
-    Piece piece{u[static_cast<std::size_t>(k)], u[static_cast<std::size_t>(k) + 1]};
-    piece.c[0] = begin;
-    piece.c[1] = end - begin - h * h * (2 * m[k] + m[k + 1]) / 6;
-    piece.c[2] = h * h * m[k] / 2;
-    piece.c[3] = h * h * (m[k + 1] - m[k]) / 6;
+  for (std::size_t k = 0; k + 1 < u.size(); ++k) {
+    Piece piece{u[k], u[k + 1]};
+    std::copy(curve.coefficients()[k].begin(), curve.coefficients()[k].end(), piece.c.begin());
     out.push_back(piece);
   }
   return {std::move(out), periodic};

@@ -10,14 +10,9 @@
 
 #include "model/planar.hpp"
 #include "model/set_valued.hpp"
+#include "model/spline.hpp"
 
 namespace poise {
-
-/// P(u) with its first three derivatives.
-template <class S>
-struct ProfileValue {
-  S value{}, first{}, second{}, third{};
-};
 
 /// Of sets of values.
 template <class S>
@@ -64,10 +59,7 @@ class Profile {
   static Piece standard(std::string_view law, double from, double to, double begin, double end);
   /// The names of these laws.
   static constexpr std::array<std::string_view, 4> laws{"dwell", "harmonic", "cycloidal", "polynomial_345"};
-  /// The cubic spline with continuous second derivatives through the points (u_k, P_k), u ascending: periodic, with the
-  /// last point one period after the first and P equal there, or natural, without curvature at its ends, or with ends
-  /// as curved as what is behind them: the first two pieces are one cubic, and the last two ("not-a-knot"; C. de Boor,
-  /// "A Practical Guide to Splines", 2001, chapter IV).
+  /// The Spline through the points (u_k, P_k).
   static Profile spline(const std::vector<double>& u, const std::vector<double>& p, bool periodic,
                         bool has_curved_ends = false);
 

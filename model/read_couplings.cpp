@@ -196,32 +196,30 @@ class CouplingReader {
     table.allow_keys({"name", "pin", "at", "curve", "closed", "from", "to"});
     const auto [pin, at] = points_of(table, "pin", "at");
     const bool is_closed = table.flag("closed", false);
-    const std::vector<Vec2> points = track_points(table, is_closed);
-    std::vector<double> along{0.0};
-    for (std::size_t k = 1; k < points.size(); ++k) along.push_back(along.back() + norm(points[k] - points[k - 1]));
-    const double length = along.back();
-    for (double& u : along) u /= length;
-    along.back() = 1.0;
-
-    Stop ends;
-    ends.table = "curved_slot";
-    ends.on = Measure::travel_of(rider);
-    read_ends(table, is_closed, length, ends);
-    const auto row = [&, pin = pin, at = at](std::string_view axis, Vec2 direction) {
-      std::vector<double> component;
-      for (const Vec2& point : points) component.push_back(dot(point, direction));
-      const auto profile = std::make_shared<const Profile>(Profile::spline(along, component, is_closed));
-      Stop stop;
-      stop.table = "curved_slot_" + std::string(axis);
-      stop.on = Measure::sum_of({{1.0, Measure::component_along(at, pin, direction)},
-                                 {-1.0, Measure::travel_of(rider), profile, 0.0, length}});
-      stop.min = stop.max = 0.0;
-      return stop;
+    std::vector<Stop> rows(3);
+    rows[0].table = "curved_slot";
+    rows[0].on = Measure::travel_of(rider);
+    rows[0].curve = track_points(table, is_closed);
+    rows[0].closed = is_closed;
+    const auto make_row = [&, pin = pin, at = at](Stop& row, std::string_view axis, Vec2 direction) {
+      row.table = "curved_slot_" + std::string(axis);
+      row.on = Measure::sum_of({{1.0, Measure::component_along(at, pin, direction)},
+                                {-1.0, Measure::travel_of(rider), std::shared_ptr<const Profile>(), 0.0, 1.0}});
+      row.min = row.max = 0.0;
     };
-    return {std::move(ends), row("x", {1, 0}), row("y", {0, 1})};
+    make_row(rows[1], "x", {1, 0});
+    make_row(rows[2], "y", {0, 1});
+    read_ends(table, rows[0]);
+    try {
+      check_curve(rows[0]);
+    } catch (const InputError&) {
+      table.place_of("to").fail("expected an end behind the key from");
+    }
+    follow_curve(rows.data());
+    return rows;
   }
 
-  // The points of the curve, m; of a closed one the first once more.
+  // The points of the curve, m.
   std::vector<Vec2> track_points(const TomlTable& table, bool is_closed) const {
     std::vector<Vec2> points;
     for (const TomlTable::Pair& pair : table.pairs("curve", scene_.units.length, scene_.units.length)) {
@@ -235,18 +233,17 @@ class CouplingReader {
       table.place_of("curve").fail(
           "expected another last point than the first, to which a closed curve returns anyway");
     }
-    if (is_closed) points.push_back(points.front());
     return points;
   }
 
-  void read_ends(const TomlTable& table, bool is_closed, double length, Stop& ends) const {
+  void read_ends(const TomlTable& table, Stop& ends) const {
     const auto find = [&](std::string_view key, double otherwise) {
       return table.find_number(key, scene_.units.length, Range::finite).value_or(otherwise);
     };
     constexpr double unlimited = std::numeric_limits<double>::infinity();
-    ends.min = find("from", is_closed ? -unlimited : 0.0);
-    ends.max = find("to", is_closed ? unlimited : length);
-    if (!(ends.min < ends.max)) table.place_of("to").fail("expected an end behind the key from");
+    ends.min = find("from", ends.closed ? -unlimited : 0.0);
+    ends.max = find("to", unlimited);
+    ends.to_end = !ends.closed && !table.has("to");
   }
 
   // Across the line, and along it: component + radius (angle of the wheel from the line's body).
@@ -418,10 +415,19 @@ class CouplingReader {
     const std::optional<TomlTable> follower = table.find_table("follower");
     if (!follower)
       table.place().fail("expected the key follower; add follower = { slide = \"...\" }, or another measure");
-    const auto profile = std::make_shared<const Profile>(profile_of(table));
+    if (table.has("law") == table.has("curve")) {
+      table.place().fail(
+          "expected one of the keys law (parts with \"to\", \"lift\" and \"law\") and curve (points [ANGLE, LIFT])");
+    }
     stop.sense = -1.0;
-    stop.on = Measure::sum_of(
-        {{1.0, measures_.read(*follower, all_measures(), {})}, {stop.sense, Measure::angle_between(a, b), profile}});
+    stop.on = Measure::sum_of({{1.0, measures_.read(*follower, all_measures(), {})},
+                               {stop.sense, Measure::angle_between(a, b), std::shared_ptr<const Profile>()}});
+    if (table.has("curve")) {
+      stop.curve = curve_of(table);
+      follow_curve(&stop);
+    } else {
+      stop.on.terms[1].profile = std::make_shared<const Profile>(parts_of(table));
+    }
     if (stop.on.terms[0].measure.kind == Measure::Kind::sum) {
       follower->place_of("sum").fail("expected a single measure");
     }
@@ -436,33 +442,27 @@ class CouplingReader {
         "the cam is pinned; give such a point, or leave the key out");
   }
 
-  /// P of a cam.
-  Profile profile_of(const TomlTable& table) const {
-    if (table.has("law") == table.has("curve")) {
-      table.place().fail(
-          "expected one of the keys law (parts with \"to\", \"lift\" and \"law\") and curve (points [ANGLE, LIFT])");
-    }
-    return table.has("curve") ? curve_of(table) : parts_of(table);
-  }
-
   /// Turns per unit of an angle of the file.
   double turns() const { return scene_.units.angle / full_turn; }
 
-  /// From curve = [[ANGLE, LIFT], ...].
-  Profile curve_of(const TomlTable& table) const {
-    std::vector<double> u, lift;
+  /// From curve = [[ANGLE, LIFT], ...], as Stop::curve.
+  std::vector<Vec2> curve_of(const TomlTable& table) const {
+    std::vector<Vec2> curve;
     for (const TomlItem& point : table.items("curve")) {
       const Vec2 at = point.vector();
-      u.push_back(at.x * turns());
-      lift.push_back(at.y);
-      if (u.size() > 1 && !(u[u.size() - 2] < u.back())) point.place().fail("expected a greater angle than before");
+      if (!curve.empty() && !(curve.back().x < at.x * turns())) {
+        point.place().fail("expected a greater angle than before");
+      }
+      curve.push_back({at.x * turns(), at.y});
     }
-    if (u.size() < 4) table.place_of("curve").fail("expected four points [ANGLE, LIFT] or more, over a full turn");
-    expect_full_turn(u.front(), u.back(), table.place_of("curve"));
-    expect_closed(lift.front(), lift.back(), table.place_of("curve"));
-    u.front() = 0.0;
-    u.back() = 1.0;
-    return Profile::spline(u, lift, true);
+    if (curve.size() < 4) {
+      table.place_of("curve").fail("expected four points [ANGLE, LIFT] or more, over a full turn");
+    }
+    expect_full_turn(curve.front().x, curve.back().x, table.place_of("curve"));
+    expect_closed(curve.front().y, curve.back().y, table.place_of("curve"));
+    curve.front().x = 0.0;
+    curve.back().x = 1.0;
+    return curve;
   }
 
   /// From law = [{ to, lift, law }, ...]: each part ends at its angle and at its share of the lift, or at that of the

@@ -89,7 +89,7 @@ class TimeReader {
     }
     CurvePoints points = key == "table" ? read_listed_points(time_, key, 1.0, unit_, time_words)
                                         : read_points_of_file(time_.text(key), 1.0, unit_, time_words);
-    TableInTime out = TableInTime::through(std::move(points.x), std::move(points.y), between);
+    TableInTime out = TableInTime::through(std::move(points.x), std::move(points.y), between, key == "table");
     if (key == "file") out.file = time_.text(key).value;
     return out;
   }

@@ -43,7 +43,7 @@ class Rewriter {
     for (const ParameterRow& row : rows) {
       const std::optional<double> value = value_at(wanted_, row.place);
       // What follows from other numbers follows from those that are written.
-      if (dependent_number(old_, row.place) != nullptr) continue;
+      if (dependent_number(old_, row.place) != nullptr || ends_with_curve(row.place)) continue;
       if (value && value != value_at(old_, row.place)) write(row);
     }
     for (const auto& [place, numbers] : additions_) add(place, numbers);
@@ -81,6 +81,13 @@ class Rewriter {
     std::string text;
   };
 
+  /// The end of a slot that is the end of its curve in the scene too that is wanted.
+  bool ends_with_curve(const ParameterPlace& place) const {
+    if (place.owner != Owner::coupling || place.number != 1) return false;
+    const auto stop = static_cast<std::size_t>(place.item);
+    return old_.stops[stop].to_end && wanted_.stops[stop].to_end;
+  }
+
   [[noreturn]] void fail() const {
     throw InputError(file_ + ": expected the scene that was read before; leave it unchanged until the end");
   }
@@ -109,7 +116,10 @@ class Rewriter {
       const toml::array* const points = node != nullptr ? node->as_array() : nullptr;
       const auto point = static_cast<std::size_t>(spot.point);
       if (points == nullptr || point >= points->size()) fail();
-      replace(*points->get(point), 1, number(value_at(wanted_, row.place)));
+      replace(*points->get(point), spot.component, number(value_at(wanted_, row.place)));
+      if (spot.twin >= 0)
+        replace(*points->get(static_cast<std::size_t>(spot.twin)), spot.component,
+                number(value_at(wanted_, row.place)));
     } else if (node != nullptr) {
       replace(*node, spot.component, number(value_at(wanted_, row.place)));
     } else if (spot.component < 0) {

@@ -98,15 +98,9 @@ const SceneExpressions::Written* SceneExpressions::find(const toml::node* node) 
 
 namespace {
 
-/// Numbers of functions of time, and of the loads that they multiply, follow no expressions: the scene at one time has
-/// their products.
-bool depends_on_time(const Scene& scene, const ParameterPlace& place) {
-  if (place.owner == Owner::time) return true;
-  return std::any_of(scene.time_functions.begin(), scene.time_functions.end(), [&](const TimeFunction& one) {
-    const bool is_load = (one.of == TimeFunction::Of::force && place.owner == Owner::force) ||
-                         (one.of == TimeFunction::Of::torque && place.owner == Owner::torque);
-    return is_load && one.item == place.item;
-  });
+bool same_text(const toml::node* a, const toml::node* b) {
+  return a != nullptr && b != nullptr && a->is_string() && b->is_string() &&
+         a->as_string()->get() == b->as_string()->get();
 }
 
 }  // namespace
@@ -125,11 +119,18 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
       }
     };
     for (const ParameterRow& row : parameter_table(scene)) {
-      if (depends_on_time(scene, row.place)) continue;
       const NumberSpot spot = spots.of(row);
       if (row.place.owner == Owner::force) {
-        add_components({DependentPlace::Of::force, row.place}, spot.table->get("vector"), dimension::force);
-      } else if (const Written* const written = find(spot.node())) {
+        add_components({DependentPlace::Of::force, row.place}, spot.table->get("vector"), row.dimension);
+        continue;
+      }
+      // The last point of a cam's curve is its first: the same expression.
+      const toml::node* const twin = spot.twin_node();
+      const Written* const written = find(spot.node());
+      if (written != nullptr && twin != nullptr && (!same_text(twin, spot.node()) || find(twin) == nullptr)) {
+        written->place.fail("expected the same expression in the last point of the turn, which is the first again");
+      }
+      if (written) {
         dependents_.push_back(
             {{DependentPlace::Of::row, row.place}, written->place.item, written->expression, row.dimension, row.range});
       }

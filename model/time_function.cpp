@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
+#include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "model/laws/force_curve.hpp"
 #include "model/profile.hpp"
@@ -96,8 +98,7 @@ double value_by(const StepInTime& step, int number, double, int derivative, doub
   return (number == 1) == (near < step.at) ? 1.0 : 0.0;
 }
 
-double value_of(const TableInTime& of, double t, int derivative, double near) {
-  const TimeTable& table = *of.table;
+double value_of(const TimeTable& table, double t, int derivative, double near) {
   const bool before = near < table.t.front(), after = near >= table.t.back();
   if ((before || after) && table.between != TimeTable::Between::spline) {
     return derivative > 0 ? 0.0 : before ? table.value.front() : table.value.back();
@@ -119,7 +120,13 @@ double value_of(const TableInTime& of, double t, int derivative, double near) {
   return before || after ? 0.0 : 2 * c[2] + 6 * c[3] * u;
 }
 
-double value_by(const TableInTime&, int, double, int, double) { return 0.0; }
+double value_of(const TableInTime& of, double t, int derivative, double near) {
+  return value_of(*of.table, t, derivative, near);
+}
+
+double value_by(const TableInTime& of, int number, double t, int derivative, double near) {
+  return value_of((*of.by)[static_cast<std::size_t>(number)], t, derivative, near);
+}
 
 std::vector<double> breaks_of(const SineInTime&) { return {}; }
 std::vector<double> breaks_of(const RampInTime& ramp) { return {ramp.start, ramp.end}; }
@@ -151,25 +158,81 @@ void make_pieces(TimeTable& table) {
   }
 }
 
+/// The derivative by the value of one point, which a linear table and a spline have as the table of 1 there and 0 at
+/// all others.
+TimeTable derivative_by(const TimeTable& table, std::size_t point) {
+  TimeTable out{table.t, std::vector<double>(table.t.size(), 0.0), table.between, {}};
+  out.value[point] = 1.0;
+  if (table.between != TimeTable::Between::monotone || table.t.size() == 2) {
+    make_pieces(out);
+    return out;
+  }
+  const ForceCurve curve(table.t, table.value);
+  for (std::size_t k = 0; k + 1 < table.t.size(); ++k) out.pieces.push_back(curve.cubic_by(k, point));
+  return out;
+}
+
+void expect_time(const RampInTime& ramp) {
+  if (!(ramp.start < ramp.end)) {
+    throw InputError("expected a ramp that starts before it ends; change start or end");
+  }
+}
+
 }  // namespace
 
 void detail::set_ramp_time(RampInTime& ramp, double RampInTime::*time, double value) {
   RampInTime changed = ramp;
   changed.*time = value;
-  if (!(changed.start < changed.end)) {
-    throw InputError("expected a ramp that starts before it ends; change start or end");
-  }
+  expect_time(changed);
   ramp = changed;
 }
 
-TableInTime TableInTime::through(std::vector<double> t, std::vector<double> value, TimeTable::Between between) {
+TableInTime TableInTime::through(std::vector<double> t, std::vector<double> value, TimeTable::Between between,
+                                 bool numbered) {
   TimeTable table{std::move(t), std::move(value), between, {}};
   make_pieces(table);
-  return {std::make_shared<const TimeTable>(std::move(table)), ""};
+  TableInTime out{std::make_shared<const TimeTable>(std::move(table))};
+  if (!numbered || out.table->t.size() > most_points) return out;
+  std::vector<TimeTable> by;
+  for (std::size_t k = 0; k < out.table->t.size(); ++k) by.push_back(derivative_by(*out.table, k));
+  out.by = std::make_shared<const std::vector<TimeTable>>(std::move(by));
+  return out;
+}
+
+void TableInTime::set_value(std::size_t point, double value) {
+  if (table->value[point] == value) return;
+  std::vector<double> changed = table->value;
+  changed[point] = value;
+  TableInTime other = through(table->t, std::move(changed), table->between, by != nullptr);
+  other.file = std::move(file);
+  *this = std::move(other);
+}
+
+bool TableInTime::has_derivatives_by(std::size_t point) const {
+  return table->between != TimeTable::Between::monotone || ForceCurve(table->t, table->value).has_derivatives_by(point);
 }
 
 std::span<const Number> TimeFunction::numbers() const {
-  return std::visit([]<class L>(const L&) { return std::span<const Number>(L::numbers); }, law);
+  return std::visit(
+      []<class L>(const L& l) {
+        if constexpr (requires { l.all_numbers(); })
+          return l.all_numbers();
+        else
+          return std::span<const Number>(L::numbers);
+      },
+      law);
+}
+
+void TimeFunction::set_among_others(int number, double value) {
+  if (auto* const ramp = std::get_if<RampInTime>(&law); ramp != nullptr && number >= 2) {
+    (number == 2 ? ramp->start : ramp->end) = value;
+    return;
+  }
+  std::visit([&](auto& l) { numbers()[static_cast<std::size_t>(number)].set(&l, value); }, law);
+}
+
+void TimeFunction::check() const {
+  if (const auto* const ramp = std::get_if<RampInTime>(&law)) expect_time(*ramp);
 }
 
 std::string_view TimeFunction::kind() const {
@@ -219,11 +282,30 @@ void start_drives_at(Scene& scene, double t) {
 }
 
 void forget_functions_of_drives(Scene& scene) {
-  std::erase_if(scene.time_functions, [](const TimeFunction& one) { return one.of == TimeFunction::Of::drive; });
+  const auto is_of_drive = [](const TimeFunction& one) { return one.of == TimeFunction::Of::drive; };
+  if (scene.dependents) {
+    std::vector<DependentNumber> all, left_out;
+    for (DependentNumber one : *scene.dependents) {
+      if (one.at.place.owner == Owner::time && one.at.of == DependentPlace::Of::row) {
+        const auto function = scene.time_functions.begin() + one.at.place.item;
+        if (is_of_drive(*function)) {
+          one.at.of = DependentPlace::Of::left_out;
+          left_out.push_back(std::move(one));
+          continue;
+        }
+        one.at.place.item -= static_cast<int>(std::count_if(scene.time_functions.begin(), function, is_of_drive));
+      }
+      all.push_back(std::move(one));
+    }
+    std::move(left_out.begin(), left_out.end(), std::back_inserter(all));
+    scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(all));
+  }
+  std::erase_if(scene.time_functions, is_of_drive);
 }
 
 Scene at_time(Scene scene, double t) {
   start_drives_at(scene, t);
+  hold_dependents(scene, t);
   for (const TimeFunction& function : scene.time_functions) {
     const auto item = static_cast<std::size_t>(function.item);
     const double factor = function.at(t);

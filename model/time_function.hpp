@@ -7,9 +7,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "model/indexed_key.hpp"
 #include "model/number.hpp"
 
 namespace poise {
@@ -60,15 +62,29 @@ struct TimeTable {
 };
 
 /// A table, constant before its first point and after its last; a spline goes on along its tangents there, so that its
-/// second derivative, zero at its ends, is continuous.
+/// second derivative, zero at its ends, is continuous. The values of a list in the scene are numbers, those of a file
+/// are not. Where a secant of a monotone table is zero its slopes have no derivatives by the values of the two ends:
+/// the one of the side on which it stays zero is taken (ForceCurve).
 struct TableInTime {
+  /// As many points have numbers of their own.
+  static constexpr std::size_t most_points = 64;
+
   std::shared_ptr<const TimeTable> table;
-  std::string file;  ///< that it was read from, as written; empty of a list in the scene
+  /// Its derivatives by the values that are numbers; null where none are.
+  std::shared_ptr<const std::vector<TimeTable>> by{};
+  std::string file{};  ///< that it was read from, as written; empty of a list in the scene
 
   static constexpr std::string_view key = "table";
-  static constexpr std::array<Number, 0> numbers{};
+  /// "table.1", ..., of all points that there may be.
+  static const std::array<Number, most_points> numbers;
+  std::span<const Number> all_numbers() const { return std::span(numbers).first(by ? by->size() : 0); }
 
-  static TableInTime through(std::vector<double> t, std::vector<double> value, TimeTable::Between between);
+  /// `numbered`: its values are numbers, if there are not more than most_points.
+  static TableInTime through(std::vector<double> t, std::vector<double> value, TimeTable::Between between,
+                             bool numbered);
+  void set_value(std::size_t point, double value);
+  /// Whether it has a derivative by a value at every time.
+  bool has_derivatives_by(std::size_t point) const;
 };
 
 using TimeLaw = std::variant<SineInTime, RampInTime, StepInTime, TableInTime>;
@@ -96,6 +112,10 @@ struct TimeFunction {
   double by(int number, double t, int derivative, double near) const;
   /// Whether the value has a derivative by the number at every time: not by the time at which a step jumps.
   bool is_smooth_in(int number) const;
+  /// Sets a number where others of the function change with it, so that they may contradict each other until all are
+  /// set; check() throws InputError if they do then.
+  void set_among_others(int number, double value);
+  void check() const;
   /// Times at which formulas meet, ascending.
   std::vector<double> breaks() const;
   /// Whether the value jumps at its breaks.
@@ -147,6 +167,32 @@ inline constexpr std::array<Number, 3> StepInTime::numbers = [] {
   return all;
 }();
 
+namespace detail {
+
+inline constexpr auto table_keys = indexed_keys<TableInTime::most_points>("table");
+
+template <std::size_t Point>
+constexpr Number value_of_table() {
+  Number value{table_keys[Point].view(), {}, Range::finite};
+  value.measure_power = 1;
+  value.get = [](const void* item) {
+    return std::optional<double>(static_cast<const TableInTime*>(item)->table->value[Point]);
+  };
+  value.set = [](void* item, double to) { static_cast<TableInTime*>(item)->set_value(Point, to); };
+  value.scale = [](void*, double) {};  // by TimeFunction::scale_table, with the whole table
+  return value;
+}
+
+template <std::size_t... Point>
+constexpr std::array<Number, sizeof...(Point)> values_of_table(std::index_sequence<Point...>) {
+  return {value_of_table<Point>()...};
+}
+
+}  // namespace detail
+
+inline constexpr std::array<Number, TableInTime::most_points> TableInTime::numbers =
+    detail::values_of_table(std::make_index_sequence<TableInTime::most_points>());
+
 /// A load whose function of time was replaced by its value at one time.
 struct HeldLoad {
   std::string name;
@@ -158,7 +204,7 @@ struct HeldLoad {
 struct Scene;
 
 /// The scene at a time t, s: loads times c(t) in place of functions of time, which it lists as held; drives with the
-/// value, rate and acceleration of theirs.
+/// value, rate and acceleration of theirs. Loads still follow named numbers, also by those of c(t) (HeldFactor).
 Scene at_time(Scene scene, double t);
 
 /// The same of drives alone, whose functions stay.

@@ -19,12 +19,10 @@ std::vector<MotionInput> scaled(std::vector<MotionInput> inputs, const Scene& sc
 std::vector<MotionInput> inputs_of(const Scene& scene) {
   std::vector<MotionInput> out;
   for (const TimeFunction& function : scene.time_functions) {
-    const auto item = static_cast<std::size_t>(function.item);
     MotionInput input{.item = function.item, .curve = {}, .multiplies = true};
     input.function = std::make_shared<const TimeFunction>(function);
     switch (function.of) {
       case TimeFunction::Of::force:
-        if (scene.forces[item].vector == Vec2{}) continue;
         input.of = MotionInput::Of::force;
         break;
       case TimeFunction::Of::torque:

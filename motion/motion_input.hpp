@@ -29,7 +29,7 @@ struct MotionInput {
   bool jumps() const { return function && function->jumps(); }
 };
 
-/// The functions of time of a scene, SI: of loads they multiply what the scene gives. A load that is zero has none.
+/// The functions of time of a scene, SI: of loads they multiply what the scene gives.
 std::vector<MotionInput> inputs_of(const Scene& scene);
 /// These, and those of the scene for the loads and drives that they are not of.
 std::vector<MotionInput> with_inputs_of(const Scene& scene, std::vector<MotionInput> inputs);
@@ -41,7 +41,7 @@ std::vector<MotionInput> scaled(std::vector<MotionInput> inputs, const Scene& sc
 template <class T>
 class InputLoad {
  public:
-  /// `scene` is the one that `mechanism` is compiled from; a force must have a direction.
+  /// `scene` is the one that `mechanism` is compiled from; a force must have a direction, unless it is multiplied.
   InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const MotionInput& input);
 
   /// Sets the load to that of the time t; `near` as of TimeFunction.
@@ -55,6 +55,7 @@ class InputLoad {
   T by(const ForceNumber& number) const {
     if (number.of != number_.of || number.item != number_.item) return T(1);
     if (number.time_number >= 0) {
+      if (!input_.function) return T(0);  // a curve has taken the place of the function
       return static_cast<T>(written_ * input_.function->by(number.time_number, t_, 0, near_));
     }
     return input_.multiplies ? value_ : T(0);

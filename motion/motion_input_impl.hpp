@@ -19,7 +19,7 @@ InputLoad<T>::InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const
   }
   const Force& force = scene.forces[static_cast<std::size_t>(input.item)];
   written_ = norm(force.vector);
-  direction_ = scene.share_at_points<T>(force) * planar_cast<T>((1 / written_) * force.vector);
+  if (written_ > 0) direction_ = scene.share_at_points<T>(force) * planar_cast<T>((1 / written_) * force.vector);
   if (force.follows >= 0) {
     const Link& carrier = layout.links[static_cast<std::size_t>(force.follows)];
     direction_ = direction_ * phasors_.turned(carrier.turn);

@@ -40,6 +40,31 @@ struct Influence {
   int variation = -1;    ///< if >= 0 an index into the variations
   ForceNumber force{};   ///< if none of these
   double by = 1.0;       ///< change of the number of the force or drive per unit
+  /// A number of a function of time that changes with the parameter, and by how much per unit, SI.
+  struct InTime {
+    TimeFunction::Of of = TimeFunction::Of::force;
+    int item = 0;    ///< index into Scene::forces, torques or drives
+    int number = 0;  ///< index into the numbers of its function
+    double by = 0.0;
+  };
+  std::vector<InTime> in_time{};  ///< beside a variation, whose pieces have the functions of the scene
+
+  /// Calls visit(function, number, by) for the functions of loads of which a number changes with the parameter.
+  template <class Visit>
+  void for_each_function(const Scene& scene, Visit visit) const {
+    const auto find = [&](TimeFunction::Of of, int item, int number, double change) {
+      for (const TimeFunction& function : scene.time_functions) {
+        if (function.of == of && function.item == item) visit(function, number, change);
+      }
+    };
+    if (body < 0 && !moves() && force.time_number >= 0) {
+      find(force.of == ForceNumber::Of::force ? TimeFunction::Of::force : TimeFunction::Of::torque, force.item,
+           force.time_number, 1.0);
+    }
+    for (const InTime& part : in_time) {
+      if (part.of != TimeFunction::Of::drive) find(part.of, part.item, part.number, part.by);
+    }
+  }
 
   /// Coordinates depend on it where z and w are given.
   bool moves() const { return drive >= 0 || variation >= 0; }
@@ -277,6 +302,7 @@ class ReducedMotion {
   void linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha);
   void linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
   void add_direct(Piece& piece);
+  void add_drive_number(int drive, int number, const T& by);
   void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
   Configuration<T> here() const { return {mechanism_.phasors(), pose_.data(), drive_scratch_.data()}; }
   void project(const T* full, T* reduced) const;

@@ -267,8 +267,10 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
       int drive_scratch = 0;
       piece.drives = rows_of(scene, *piece.mechanism);
       piece.grips = grips_of(scene, *piece.mechanism);
-      for (DriveRow& row : piece.drives) {
-        row.start = static_cast<T>(row.drive.start.value_or(0.0));
+      for (std::size_t k = 0; k < piece.drives.size(); ++k) {
+        DriveRow& row = piece.drives[k];
+        row.input = drives_[k].input;
+        if (!row.input) row.start = static_cast<T>(row.drive.start.value_or(0.0));
         drive_scratch = std::max(drive_scratch, row.on.scratch_size());
       }
       for (const int e : held_) {
@@ -343,6 +345,21 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
   }
 }
 
+// Along by times the number of a drive, or of its function of time.
+template <class T>
+void ReducedMotion<T>::add_drive_number(int drive, int number, const T& by) {
+  const DriveRow& driven = drives_[drive];
+  const int row = mechanism_.equalities() + drive;
+  const auto moved = [&](int order) -> T {
+    if (!driven.input || !driven.input->function) return -by * driven.drive.moved_by(number, t_, order);
+    return -by * static_cast<T>(driven.input->unit *
+                                driven.input->function->by(number, static_cast<double>(t_), order, near_at(t_)));
+  };
+  direct_.gap[row] += moved(0);
+  direct_.rate[row] += moved(1);
+  direct_.acceleration[row] += moved(2);
+}
+
 template <class T>
 void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
   if (!influence.moves()) {
@@ -358,21 +375,21 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     std::fill(part->begin(), part->end(), T(0));
   }
   if (influence.drive >= 0) {
-    const DriveRow& driven = drives_[influence.drive];
-    const int row = mechanism_.equalities() + influence.drive;
-    const auto moved = [&](int order) -> T {
-      const T by = -static_cast<T>(influence.by);
-      if (!driven.input || !driven.input->function)
-        return by * driven.drive.moved_by(influence.drive_number, t_, order);
-      const auto t = static_cast<double>(t_);
-      return by * static_cast<T>(driven.input->unit *
-                                 driven.input->function->by(influence.drive_number, t, order, near_at(t_)));
-    };
-    direct_.gap[row] = moved(0);
-    direct_.rate[row] = moved(1);
-    direct_.acceleration[row] = moved(2);
+    add_drive_number(influence.drive, influence.drive_number, static_cast<T>(influence.by));
   } else {
     for (Piece& piece : variations_[influence.variation]) add_direct(piece);
+    for (const Influence::InTime& part : influence.in_time) {
+      if (part.of == TimeFunction::Of::drive) {
+        add_drive_number(part.item, part.number, static_cast<T>(part.by));
+        continue;
+      }
+      Influence load;
+      load.force.of = part.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
+      load.force.item = part.item;
+      load.force.time_number = part.number;
+      load.by = part.by;
+      add_influence(load, a_.data(), second_.data(), direct_.force.data());
+    }
   }
   solve_rows(direct_.gap.data(), q_p_.data());
   linearize_pose(q_p_.data(), &direct_, v_p_.data(), a_p_.data(), alpha);

@@ -160,32 +160,26 @@ class Simulation {
     return true;
   }
 
-  /// The function of time that an influence is a number of; null where it is of something else.
-  const TimeFunction* function_of(const Influence& influence) const {
-    if (influence.body >= 0 || influence.moves() || influence.force.time_number < 0) return nullptr;
-    const auto of = influence.force.of == ForceNumber::Of::force ? TimeFunction::Of::force : TimeFunction::Of::torque;
-    for (const TimeFunction& function : model_.scene().time_functions) {
-      if (function.of == of && function.item == influence.force.item) return &function;
-    }
-    return nullptr;
-  }
-
   /// Derivatives by the time at which a load jumps, which is t: rates stay and accelerations jump, so that the
   /// derivative of the rates jumps by  accelerations before - after  of this load alone.
   void follow_jumps(double t) {
     const int f = reduced_.freedoms();
     std::vector<double> by_value(static_cast<std::size_t>(f));
     for (std::size_t p = 0; p < options_.influences.size(); ++p) {
-      const TimeFunction* const function = function_of(options_.influences[p]);
-      const auto* const step = function != nullptr ? std::get_if<StepInTime>(&function->law) : nullptr;
-      if (step == nullptr || options_.influences[p].force.time_number != 0 || step->at != t) continue;
-      Influence by_to = options_.influences[p];
-      by_to.force.time_number = 2;
-      reduced_.influence(by_to, by_value.data());
-      const int column = 2 * out_.freedoms + static_cast<int>(p);
-      for (int k = 0; k < f; ++k) {
-        y_[sensitivity(f + k, column)] += (step->from - step->to) * by_value[static_cast<std::size_t>(k)];
-      }
+      options_.influences[p].for_each_function(
+          model_.scene(), [&](const TimeFunction& function, int number, double by) {
+            const auto* const step = std::get_if<StepInTime>(&function.law);
+            if (step == nullptr || function.is_smooth_in(number) || step->at != t) return;
+            Influence by_to;
+            by_to.force.of = function.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
+            by_to.force.item = function.item;
+            by_to.force.time_number = 2;
+            reduced_.influence(by_to, by_value.data());
+            const int column = 2 * out_.freedoms + static_cast<int>(p);
+            for (int k = 0; k < f; ++k) {
+              y_[sensitivity(f + k, column)] += by * (step->from - step->to) * by_value[static_cast<std::size_t>(k)];
+            }
+          });
     }
   }
 
@@ -193,12 +187,13 @@ class Simulation {
   void expect_derivatives() const {
     if (!options_.sensitivities || !friction_.acts()) return;
     for (const Influence& influence : options_.influences) {
-      const TimeFunction* const function = function_of(influence);
-      if (function == nullptr || function->is_smooth_in(influence.force.time_number)) continue;
-      throw InputError(
-          fmt::format("{}: load \"{}\": with friction that sticks the derivative by the time of a step is "
-                      "not known; expected another number, or friction of some width",
-                      model_.scene().file, name_of(model_.scene(), *function)));
+      influence.for_each_function(model_.scene(), [&](const TimeFunction& function, int number, double) {
+        if (function.is_smooth_in(number)) return;
+        throw InputError(
+            fmt::format("{}: load \"{}\": with friction that sticks the derivative by the time of a step is "
+                        "not known; expected another number, or friction of some width",
+                        model_.scene().file, name_of(model_.scene(), function)));
+      });
     }
   }
 

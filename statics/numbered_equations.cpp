@@ -121,6 +121,7 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
   for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
     strut_.push_back(strut_of(scene_, scene_.stops[s]));
     coupling_.push_back(coupling_kind(scene_.stops[s]));
+    curve_of_.push_back(curve_numbers_of(scene_.stops[s]));
     if (coupling_.back() != nullptr && coupling_.back()->row > 0) {
       stop_number_[s] = stop_number_[s - static_cast<std::size_t>(coupling_.back()->row)];
       continue;
@@ -226,7 +227,8 @@ std::string NumberedEquations::why_not_followed(int row) const {
   const std::vector<double> slopes = dependents_by(scene_, rows_[row].place.item, named_values(scene_));
   for (std::size_t k = 0; k < slopes.size(); ++k) {
     const DependentNumber& one = (*scene_.dependents)[k];
-    const std::string written = one.item + " = \"" + one.expression.text() + "\"";
+    if (one.at.of == DependentPlace::Of::left_out) continue;
+    const std::string written = one.item + " = \"" + one.text() + "\"";
     if (!std::isfinite(slopes[k])) return written + " has no derivative by it";
     if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::factor) {
       return written + " is a factor of a sum, by which there are no derivatives";

@@ -5,6 +5,8 @@
 // a scene file stands where it acts; equations of the compiled mechanism (model/mechanism.hpp) have sums of numbers.
 
 #include <cmath>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -19,6 +21,7 @@
 #include "model/measures/sum.hpp"
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
+#include "model/spline.hpp"
 #include "solvers/real50.hpp"
 
 namespace poise {
@@ -193,6 +196,11 @@ class NumberedEquations {
     const CouplingKind* const kind = coupling_[stop];
     if (kind == nullptr) return numbers[stop_number_[stop] + (upper ? 1 : 0)];
     const double as_given = upper ? scene_.stops[stop].max : scene_.stops[stop].min;
+    if (upper && scene_.stops[stop].to_end && curve_of_[stop].points > 0) {
+      // The end of the curve, and by how much the number is another.
+      const int end = stop_number_[stop] + 1;
+      return chords_of(stop, numbers).back() + numbers[end] - T(numbers_[end]);
+    }
     const auto one_side = upper ? CouplingPart::Of::upper : CouplingPart::Of::lower;
     if (!std::isfinite(as_given)) return T(as_given);
     T sum(0);
@@ -209,6 +217,10 @@ class NumberedEquations {
   struct NumberedTerm {
     T factor;
     ProfileOf<T> of;
+    std::optional<Spline<T>> curve{};  // over the measure less the shift, where its points are numbers
+
+    bool has_profile() const { return of.profile != nullptr; }
+    ProfileValue<T> at(const T& g) const { return curve ? curve->at(T(g - of.shift)) : of.at(g); }
   };
   template <class T>
   NumberedTerm<T> term_of(const Measure& measure, std::size_t term, const T* numbers, int stop) const {
@@ -224,7 +236,46 @@ class NumberedEquations {
       else if (part.of == CouplingPart::Of::shift)
         out.of.shift = number;
     }
+    if (as_given.profile) out.curve = curve_of(stop, as_given, numbers);
     return out;
+  }
+  // The first stop of a coupling, of which this is one.
+  int first_row(int stop) const { return coupling_[stop] == nullptr ? stop : stop - coupling_[stop]->row; }
+  /// Where the points of a slot's curve are along it: sums of chords.
+  template <class T>
+  std::vector<T> chords_of(int slot, const T* numbers) const {
+    const CurveNumbers& curve = curve_of_[slot];
+    const T* const first = numbers + stop_number_[slot] + curve.first;
+    const auto point = [&](int k) {
+      const T* const at = first + 2 * (k % curve.points);
+      return Planar<T>{at[0], at[1]};
+    };
+    std::vector<T> along{T(0)};
+    const int last = scene_.stops[slot].closed ? curve.points : curve.points - 1;
+    for (int k = 1; k <= last; ++k) along.push_back(along.back() + norm(point(k) - point(k - 1)));
+    return along;
+  }
+  /// The profile of a cam, or of a coordinate along a slot, through the points that are numbers.
+  template <class T>
+  std::optional<Spline<T>> curve_of(int stop, const Measure::Term& term, const T* numbers) const {
+    const int first = first_row(stop);
+    const CurveNumbers& curve = curve_of_[first];
+    if (curve.points == 0) return std::nullopt;
+    const T* const points = numbers + stop_number_[first] + curve.first;
+    const bool is_cam = curve.components == 1;
+    std::vector<T> along, of_points;
+    if (is_cam) {
+      for (const Vec2& point : scene_.stops[first].curve) along.push_back(T(T(2) * pi_of<T>() * T(point.x)));
+    } else {
+      along = chords_of(first, numbers);
+    }
+    // Without dimension, as the profile.
+    const T unit = is_cam ? T(1) : T(-term.factor);
+    const int component = is_cam ? 0 : stop - first - 1;
+    for (std::size_t k = 0; k < along.size(); ++k) {
+      of_points.push_back(T(points[curve.components * (static_cast<int>(k) % curve.points) + component] / unit));
+    }
+    return Spline<T>(std::move(along), of_points, is_cam || scene_.stops[first].closed);
   }
   template <class T>
   T force_of_law(int element, const T* numbers, const T& g) const;
@@ -247,6 +298,7 @@ class NumberedEquations {
   std::vector<int> body_, element_, force_, torque_, joint_number_, stop_number_;
   std::vector<int> strut_;                     // of each stop, see strut_of()
   std::vector<const CouplingKind*> coupling_;  // of each stop, null of a plain one
+  std::vector<CurveNumbers> curve_of_;         // of each stop that is the first of a coupling
   std::vector<Vec2> direction_;                // of each force
   // Empty where no component is a number of its own.
   std::vector<Components> vector_, axis_;
@@ -395,7 +447,7 @@ T NumberedEquations::value(const Measure& measure, const T* numbers, const std::
   for (std::size_t k = 0; k < measure.terms.size(); ++k) {
     const NumberedTerm<T> term = term_of(measure, k, numbers, stop);
     const T g = value(measure.terms[k].measure, numbers, placed);
-    sum += term.factor * (term.of.profile ? term.of.at(g).value : g);
+    sum += term.factor * (term.has_profile() ? term.at(g).value : g);
   }
   return sum;
 }
@@ -452,7 +504,7 @@ void NumberedEquations::push_on(const Measure& measure, const T& effort, const T
     const NumberedTerm<T> term = term_of(measure, k, numbers, stop);
     const Measure& of = measure.terms[k].measure;
     T share = term.factor * effort;
-    if (term.of.profile) share = share * term.of.at(value(of, numbers, placed)).first;
+    if (term.has_profile()) share = share * term.at(value(of, numbers, placed)).first;
     push_on(of, share, numbers, placed, r);
   }
 }

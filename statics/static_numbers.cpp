@@ -12,7 +12,7 @@ bool acts_by_followers(const Scene& scene, int named) {
   follows[static_cast<std::size_t>(named)] = 1;
   for (const DependentNumber& one : *scene.dependents) {
     bool uses = false;
-    for (const int used : one.expression.uses()) uses = uses || follows[static_cast<std::size_t>(used)] != 0;
+    for (const int used : one.uses()) uses = uses || follows[static_cast<std::size_t>(used)] != 0;
     if (!uses) continue;
     if (one.at.place.owner == Owner::number) {
       follows[static_cast<std::size_t>(one.at.place.item)] = 1;

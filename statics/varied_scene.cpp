@@ -29,11 +29,14 @@ bool enters_affinely(const Scene& scene, const ParameterPlace& place) {
     case Owner::stop:
       return true;
     case Owner::coupling: {
-      // Limits and values that its measures are held at, factors of measures in the sum; not the place of a profile.
-      const CouplingKind& kind = *coupling_kind(scene.stops[static_cast<std::size_t>(place.item)]);
-      return std::none_of(kind.parts.begin(), kind.parts.end(), [&](const CouplingPart& part) {
-        return part.number == place.number && part.of == CouplingPart::Of::shift;
-      });
+      // Limits and values that its measures are held at, factors of measures in the sum; not the place of a profile,
+      // nor its points.
+      const Stop& stop = scene.stops[static_cast<std::size_t>(place.item)];
+      const CouplingKind& kind = *coupling_kind(stop);
+      return !curve_numbers_of(stop).has(place.number) &&
+             std::none_of(kind.parts.begin(), kind.parts.end(), [&](const CouplingPart& part) {
+               return part.number == place.number && part.of == CouplingPart::Of::shift;
+             });
     }
     case Owner::element:
       return is_affine_in(scene.elements[place.item].law, place.number);

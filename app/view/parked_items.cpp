@@ -60,6 +60,12 @@ int place_left(const std::vector<SwitchedItem>& items, int place, const std::set
   return is_off(*at) ? -1 : place - static_cast<int>(std::count_if(items.begin(), at, is_off));
 }
 
+/// The place of the load or drive of a function among those that are left; -1 of one that is off.
+int place_of_load(const AllItems& all, const TimeFunction& function, const std::set<std::string>& off) {
+  if (function.of == TimeFunction::Of::drive) return function.item;
+  return place_left(function.of == TimeFunction::Of::force ? all.forces : all.torques, function.item, off);
+}
+
 /// Expressions of items that are left, at their new places.
 void move_expressions(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
   if (!scene.dependents) return;
@@ -68,8 +74,22 @@ void move_expressions(Scene& scene, const AllItems& all, const std::set<std::str
                                                                 {Owner::coupling, &all.stops},
                                                                 {Owner::force, &all.forces},
                                                                 {Owner::torque, &all.torques}};
+  const auto place_of_function = [&](int place) {
+    int at = 0;
+    for (int f = 0; f <= place; ++f) {
+      const TimeFunction& function = scene.time_functions[static_cast<std::size_t>(f)];
+      const bool is_left = place_of_load(all, function, off) >= 0;
+      if (f == place) return is_left ? at : -1;
+      at += is_left ? 1 : 0;
+    }
+    return -1;
+  };
   std::vector<DependentNumber> left;
   for (DependentNumber one : *scene.dependents) {
+    if (one.at.place.owner == Owner::time && one.at.of == DependentPlace::Of::row) {
+      one.at.place.item = place_of_function(one.at.place.item);
+      if (one.at.place.item < 0) continue;
+    }
     if (const auto list = lists.find(one.at.place.owner); list != lists.end()) {
       one.at.place.item = place_left(*list->second, one.at.place.item, off);
       if (one.at.place.item < 0) continue;
@@ -79,11 +99,10 @@ void move_expressions(Scene& scene, const AllItems& all, const std::set<std::str
   scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(left));
 }
 
-/// Functions of time of loads that are left, at their new places; no expressions follow them.
+/// Functions of time of what is left, at their new places.
 void move_functions(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
   for (TimeFunction& function : scene.time_functions) {
-    if (function.of == TimeFunction::Of::drive) continue;
-    function.item = place_left(function.of == TimeFunction::Of::force ? all.forces : all.torques, function.item, off);
+    function.item = place_of_load(all, function, off);
   }
   std::erase_if(scene.time_functions, [](const TimeFunction& function) { return function.item < 0; });
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/indexed_key.hpp"
 #include "model/laws/force_curve.hpp"
 #include "model/laws/law_force.hpp"
 #include "model/number.hpp"
@@ -93,35 +94,13 @@ class CurveSpring {
 
 namespace curve_numbers {
 
-/// "force.1" ... and "torque.1" ..., with the point counted from 1.
-struct PointKeys {
-  std::array<char, 12> force{}, torque{};
-  std::size_t force_size = 0, torque_size = 0;
-};
-
-constexpr std::size_t write_key(std::array<char, 12>& to, std::string_view word, std::size_t number) {
-  std::size_t size = 0;
-  for (const char c : word) to[size++] = c;
-  to[size++] = '.';
-  if (number >= 10) to[size++] = static_cast<char>('0' + number / 10);
-  to[size++] = static_cast<char>('0' + number % 10);
-  return size;
-}
-
-inline constexpr auto keys = [] {
-  static_assert(CurveSpring::most_points < 100);
-  std::array<PointKeys, CurveSpring::most_points> out{};
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    out[k].force_size = write_key(out[k].force, "force", k + 1);
-    out[k].torque_size = write_key(out[k].torque, "torque", k + 1);
-  }
-  return out;
-}();
+inline constexpr auto force_keys = indexed_keys<CurveSpring::most_points>("force");
+inline constexpr auto torque_keys = indexed_keys<CurveSpring::most_points>("torque");
 
 template <std::size_t Point>
 constexpr Number force_of_point() {
-  Number F{{keys[Point].force.data(), keys[Point].force_size}, {}, Range::finite};
-  F.angle_key = {keys[Point].torque.data(), keys[Point].torque_size};
+  Number F{force_keys[Point].view(), {}, Range::finite};
+  F.angle_key = torque_keys[Point].view();
   F.effort_power = 1;
   F.get = [](const void* item) {
     return std::optional<double>(static_cast<const CurveSpring*>(item)->curve().forces()[Point]);

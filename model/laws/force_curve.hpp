@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -90,6 +91,11 @@ class ForceCurve {
       }
       return out;
     });
+  }
+  /// The same between the points k and k + 1, as  sum_j out[j] (x - x_k)^j.
+  std::array<double, 4> cubic_by(std::size_t k, std::size_t point) const {
+    const Piece<double> piece = piece_by<double>(k + 1, point);
+    return {piece.force, piece.first, piece.second, piece.third};
   }
   /// Whether those derivatives exist at every x.
   bool has_derivatives_by(std::size_t point) const {

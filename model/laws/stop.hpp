@@ -5,8 +5,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "model/input_error.hpp"
+#include "model/measure.hpp"
 #include "model/number.hpp"
 
 namespace poise {
@@ -23,6 +26,12 @@ struct Stop {
   double max = std::numeric_limits<double>::infinity();
   double sense = 1.0;  ///< 1 or -1: the sign with which a coupling's factor is its number
   int line = 0;
+  /// Points of its curve where the scene file gives them: of a cam (part of a turn, share of the lift), the last one a
+  /// full turn behind the first; of a curved slot in the first of its stops (X, Y), m. Profiles follow by
+  /// follow_curve().
+  std::vector<Vec2> curve{};
+  bool closed = false;  ///< the curve of a slot returns to its first point
+  bool to_end = false;  ///< the upper limit of a curved slot is the end of its curve
 
   /// It holds its measure at one value.
   bool holds() const { return min == max; }

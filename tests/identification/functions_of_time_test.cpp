@@ -12,6 +12,7 @@
 #include "tests/identification/crane.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace poise {
 namespace {
@@ -58,42 +59,133 @@ class FunctionsOfTime : public test::WrittenExperiment {
   FunctionsOfTime() : WrittenExperiment(sines) {}
 };
 
+/// Derivatives of all readings by all unknowns, and by an unknown start, against differences of predictions.
+void expect_exact_jacobian(const Experiment& e, std::size_t unknowns, double accuracy = 2e-6) {
+  const FitProblem problem(e);
+  const RunModel& run = problem.run(0);
+  const auto columns = static_cast<std::size_t>(run.columns());
+  ASSERT_EQ(columns, unknowns + (e.runs[0].unknown_start ? 2U : 0U));
+  const auto predict = [&](std::vector<double> at, bool jacobian) {
+    Prediction out;
+    run.predict(at.data(), at.data() + run.unknowns(), INFINITY, jacobian ? 1e-11 : 1e-13, jacobian, out);
+    EXPECT_TRUE(out.ok) << out.why;
+    return out;
+  };
+  std::vector<double> at = run.scene_values();
+  const std::vector<double> start = run.released();
+  at.insert(at.end(), start.begin(), start.end());
+  const Prediction exact = predict(at, true);
+  for (std::size_t c = 0; c < columns; ++c) {
+    const std::vector<double> expected = test::derivative(
+        [&](double by) {
+          std::vector<double> moved = at;
+          moved[c] += by;
+          return predict(moved, false).reading;
+        },
+        5e-4);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR(exact.jacobian[columns * i + c], expected[i], accuracy * (1 + std::abs(expected[i])))
+          << "column " << c << " reading " << i;
+    }
+  }
+}
+
+const std::string unknown_start = "[[run]]\nduration = 1.2\nrate = 41\n";
+const std::string known_start =
+    "[[run]]\nduration = 1.2\nrate = 41\nstart_known = true\nrelease_rate = { arm = 0 }\n";
+
 TEST_F(FunctionsOfTime, HaveExactJacobians) {
   for (const bool stepped : {false, true}) {
-    for (const bool known : {false, true}) {
+    for (const std::string& run : {unknown_start, known_start}) {
+      SCOPED_TRACE(run);
       folder_.write("scene.toml", stepped ? steps : sines);
-      const Experiment e =
-          read(sensor + unknowns(stepped ? numbers_of_steps : numbers_of_sines) +
-               (known ? "[[run]]\nduration = 1.2\nrate = 41\nstart_known = true\nrelease_rate = { arm = 0 }\n"
-                      : "[[run]]\nduration = 1.2\nrate = 41\n"));
-      const FitProblem problem(e);
-      const RunModel& run = problem.run(0);
-      const auto columns = static_cast<std::size_t>(run.columns());
-      ASSERT_EQ(columns, (stepped ? numbers_of_steps : numbers_of_sines).size() + (known ? 0u : 2u));
-      const auto predict = [&](std::vector<double> at, bool jacobian) {
-        Prediction out;
-        run.predict(at.data(), at.data() + run.unknowns(), INFINITY, jacobian ? 1e-11 : 1e-13, jacobian, out);
-        EXPECT_TRUE(out.ok) << out.why;
-        return out;
-      };
-      std::vector<double> at = run.scene_values();
-      const std::vector<double> start = run.released();
-      at.insert(at.end(), start.begin(), start.end());
-      const Prediction exact = predict(at, true);
-      for (std::size_t c = 0; c < columns; ++c) {
-        const std::vector<double> expected = test::derivative(
-            [&](double by) {
-              std::vector<double> moved = at;
-              moved[c] += by;
-              return predict(moved, false).reading;
-            },
-            5e-4);
-        for (std::size_t i = 0; i < expected.size(); ++i) {
-          EXPECT_NEAR(exact.jacobian[columns * i + c], expected[i], 2e-6 * (1 + std::abs(expected[i])))
-              << stepped << known << " column " << c << " reading " << i;
-        }
-      }
+      const std::vector<std::string>& paths = stepped ? numbers_of_steps : numbers_of_sines;
+      expect_exact_jacobian(read(sensor + unknowns(paths) + run), paths.size());
     }
+  }
+}
+
+// Points of tables, of all interpolations.
+TEST_F(FunctionsOfTime, HaveExactJacobiansByTheValuesOfTables) {
+  folder_.write("scene.toml",
+                crane("time = { table = [[0.1, 0.5], [0.4, -1], [0.9, 0.7]] }",
+                      "time = { table = [[0, 0.2], [0.3, 1], [0.7, 1.5], [1, 0.1]], interpolation = \"monotone\" }",
+                      "time = { table = [[0, 0.1], [0.4, 0.3], [0.8, 0.2], [1.4, 0.5]] }"));
+  std::vector<std::string> paths;
+  for (const char* k : {"1", "2", "3"}) paths.push_back("load.motor.time.table." + std::string(k));
+  for (const char* k : {"1", "2", "3", "4"}) paths.push_back("load.wind.time.table." + std::string(k));
+  for (const char* k : {"1", "2", "3", "4"}) paths.push_back("drive.belt.time.table." + std::string(k));
+  for (const std::string& run : {unknown_start, known_start}) {
+    expect_exact_jacobian(read(sensor + unknowns(paths) + run), paths.size());
+  }
+}
+
+// Named numbers in functions, in the loads that they multiply and in everything else at once, along all expressions.
+const std::string named = "[numbers]\np = 0.7\nwhen = 0.4\nnone = 0\n";
+
+TEST_F(FunctionsOfTime, HaveExactJacobiansByNamedNumbers) {
+  const auto with = [](const std::string& motor, const std::string& wind, const std::string& belt) {
+    std::string text = test::crane("value = \"0.3 + p^2\"\n" + motor, wind, belt, "-1.3") + named;
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      text.replace(text.find(from), from.size(), to);
+    };
+    replace("mass = 1.3", "mass = \"2*p\"");
+    replace("T = [0.4, 0]", "T = [\"p/2\", 0]");
+    replace("vector = [0.5, 0]", "vector = [\"p\", \"none\"]");
+    return text;
+  };
+  const std::vector<std::string> scenes{
+      with("time = { sine = { amplitude = \"p\", frequency = \"1/p\", phase = \"p/2\", offset = \"when\" } }",
+           "time = { ramp = { from = \"p\", to = 2, start = \"when/2\", end = \"when + p\" } }",
+           "time = { ramp = { from = \"p/7\", to = \"when\", start = \"when/3\", end = \"1.5*p\" } }"),
+      with("time = { step = { at = \"when\", from = \"p\", to = -1 } }",
+           "time = { ramp = { from = 1, to = \"-p\", start = \"when\", end = 0.75, law = \"polynomial_345\" } }",
+           "time = { sine = { amplitude = \"p/5\", frequency = \"p\", offset = \"when^2\" } }"),
+      with("time = { table = [[0.1, \"p\"], [0.4, -1], [0.9, \"when\"]] }",
+           "time = { table = [[0, 0.2], [0.3, \"p\"], [0.7, \"3*p\"]], interpolation = \"monotone\" }",
+           "time = { table = [[0, \"p/7\"], [0.4, 0.3], [0.8, \"when/2\"], [1.4, 0.5]] }")};
+  for (const std::string& scene : scenes) {
+    folder_.write("scene.toml", scene);
+    for (const std::string& run : {unknown_start, known_start}) {
+      SCOPED_TRACE(run);
+      expect_exact_jacobian(read(sensor + unknowns({"numbers.p", "numbers.when"}) + run), 2);
+    }
+  }
+}
+
+// A force of zero that a named number moves, of which a function takes its part.
+TEST_F(FunctionsOfTime, HaveExactJacobiansByTheForcesOfZero) {
+  std::string text =
+      crane("", "time = { sine = { amplitude = 0.7, frequency = 0.9, offset = 0.4 } }", "start = 0") + named;
+  text.replace(text.find("vector = [0.5, 0]"), 17, "vector = [\"none\", \"2*none\"]");
+  folder_.write("scene.toml", text);
+  expect_exact_jacobian(read(sensor + unknowns({"numbers.none"}) + known_start), 1);
+}
+
+TEST_F(FunctionsOfTime, NamedNumbersAreFound) {
+  folder_.write("scene.toml",
+                test::crane("value = \"p\"\ntime = { sine = { amplitude = \"p\", frequency = \"p + when\" } }",
+                            "time = { step = { at = \"when\", to = -1 } }", "start = 0", "-1.3") +
+                    named);
+  const Experiment e = read(sensor + R"(
+[[unknown]]
+path = "numbers.p"
+start = 0.8
+[[unknown]]
+path = "numbers.when"
+start = 0.45
+[[run]]
+duration = 2
+rate = 100
+seed = 4
+)");
+  const FitProblem problem(e);
+  const Fit fitted = fit(problem, problem.records());
+  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  for (const Estimate& estimate : fitted.estimates) {
+    EXPECT_FALSE(estimate.withheld) << estimate.name;
+    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
+    EXPECT_LT(estimate.standard_error, 0.02) << estimate.name;
   }
 }
 
@@ -222,6 +314,13 @@ duration = 2
 rate = 50
 inputs = { "load.motor" = { column = "tau", file = "inputs.csv", multiplies = true } }
 )";
+  std::string followed = sines + named;
+  followed.replace(followed.find("to = 0.4"), 8, "to = \"p\"");
+  folder_.write("scene.toml", followed);
+  EXPECT_NE(test::message_of([&] { FitProblem problem(read(sensor + run)); })
+                .find("expected numbers in drive \"belt\", whose place the input takes"),
+            std::string::npos);
+  folder_.write("scene.toml", sines);
   EXPECT_NE(error(sensor + multiplied).find("expected multiplies of a load without a function of time"),
             std::string::npos)
       << error(sensor + multiplied);

@@ -189,8 +189,6 @@ TEST(TimeFunction, RefusesWhatItCannotMean) {
   expect(message("time = { table = [[0, 1], [0, 2]] }"), "a time after that of the point before");
   expect(message("time = { table = [[0, 1], [1, 2]], interpolation = \"cubic\" }"), "cubic");
   expect(message("time = { file = \"no.csv\" }"), "no.csv");
-  const std::string numbers = "\n[numbers]\nf = 2\n";
-  expect(message("time = { sine = { amplitude = 1, frequency = \"f\" } }" + numbers), "found an expression");
   const std::string drive = "[[drive]]\nslide = \"x\"\n";
   expect(message("", drive + "time = { step = { to = 1 } }"), "continuous accelerations");
   expect(message("", drive + "time = { ramp = { to = 1, end = 1, law = \"linear\" } }"), "continuous accelerations");

@@ -110,6 +110,35 @@ TEST(NamedNumbersInStatics, MoveAxesAndDirections) {
   EXPECT_NEAR(by(press, "numbers.a").derivative, -m * g * std::sin(a) + F * std::cos(c - a), 1e-11);
 }
 
+// A load and its function of time, at one time: k s = F c cos(b) + V c sin(b), c = F/2 sin(w t + F).
+TEST(NamedNumbersInStatics, MoveLoadsThroughFunctionsOfTime) {
+  std::string text = rail;
+  text += "time = { sine = { amplitude = \"F/2\", frequency = 0.3, phase = \"F\" } }\n";
+  const double t = 0.35, F = 7, c = 0.9, a = 0.4, k = 40, m = 1.5, g = 10;
+  const Scene scene = at_time(parse_scene(text, "rail.toml"), t);
+  const double turn = 2 * std::numbers::pi * 0.3 * t + F, factor = F / 2 * std::sin(turn);
+  const double factor_by = std::sin(turn) / 2 + F / 2 * std::cos(turn);
+  const QuantitySensitivity s = sensitivity(scene, "travel.rail");
+  EXPECT_NEAR(s.value, travel(g, a, c, F * factor, k, m), 1e-13);
+  EXPECT_NEAR(by(s, "numbers.F").derivative, std::cos(c - a) * (factor + F * factor_by) / k, 1e-12);
+  EXPECT_NEAR(by(s, "numbers.c").derivative, -F * factor * std::sin(c - a) / k, 1e-12);
+  // Along a path and by a change.
+  const VariedScene varied(scene, "numbers.F", 7, 7.5);
+  PathOptions options;
+  options.certify = false;
+  const Path found = path(varied, options);
+  ASSERT_FALSE(found.branches.empty());
+  for (const PathPoint& point : found.branches[0].points) {
+    const double f = point.parameter, now = f / 2 * std::sin(turn - F + f);
+    const double s_there = travel(g, a, c, f * now, k, m);
+    EXPECT_NEAR(varied.model_at(f)->poses(point.x)[1].origin.x, s_there * std::cos(a), 1e-10) << f;
+  }
+  // The direction of a load that is a number by itself follows its function alone.
+  text.replace(text.find("vector = [\"F*cos(c)\", \"F*sin(c)\"]"), 33, "vector = [3, 0]");
+  const QuantitySensitivity fixed = sensitivity(at_time(parse_scene(text, "rail.toml"), t), "travel.rail");
+  EXPECT_NEAR(by(fixed, "numbers.F").derivative, 3 * factor_by * std::cos(a) / k, 1e-12);
+}
+
 TEST(NamedNumbersInStatics, SayWhereThereIsNoDerivative) {
   std::string text = rail;
   text.replace(text.find("slide = \"rail\"\nstiff"), 14, "sum = [{ factor = \"k/40\", slide = \"rail\" }]");

@@ -131,6 +131,15 @@ void add_loads(Group& group, const Scene& scene) {
   table.words("value", "value", each(loads, &Load::value));
 }
 
+/// Adds an item to those that use its named numbers; both components of a load have one function of time.
+void add_uses(const DependentNumber& one, std::vector<std::string>& uses) {
+  for (const int used : one.expression.uses()) {
+    std::string& text = uses[static_cast<std::size_t>(used)];
+    if ((", " + text + ", ").find(", " + one.item + ", ") != std::string::npos) continue;
+    text += (text.empty() ? "" : ", ") + one.item;
+  }
+}
+
 /// The named numbers, and the items whose expressions use each.
 void add_named(Result& out, const Scene& scene) {
   std::vector<std::string> expressions(scene.named_values.size()), uses(scene.named_values.size());
@@ -139,10 +148,9 @@ void add_named(Result& out, const Scene& scene) {
       if (one.at.place.owner == Owner::number) {
         expressions[static_cast<std::size_t>(one.at.place.item)] = one.expression.text();
       }
-      for (const int used : one.expression.uses()) {
-        std::string& text = uses[static_cast<std::size_t>(used)];
-        text += (text.empty() ? "" : ", ") + one.item;
-      }
+      add_uses(one, uses);
+      if (!one.factor) continue;
+      for (const DependentNumber& in_time : one.factor->numbers) add_uses(in_time, uses);
     }
   }
   Table& table = out.content.table("numbers", "Numbers with names", Rows::list);

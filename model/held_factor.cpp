@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "model/dependent_number.hpp"
+#include "model/scene.hpp"
+
+namespace poise {
+namespace {
+
+Owner owner_of(TimeFunction::Of of) {
+  return of == TimeFunction::Of::force ? Owner::force : of == TimeFunction::Of::torque ? Owner::torque : Owner::drive;
+}
+
+bool is_of(const DependentNumber& number, Owner owner, int item) {
+  return number.at.place.owner == owner && number.at.place.item == item;
+}
+
+/// A number that a scene file writes as such, as an expression, so that a factor may stand beside it.
+DependentNumber constant(const DependentPlace& at, std::string item, double si, Dimension dimension,
+                         const Units& units) {
+  return {at, std::move(item), Expression(fmt::format("{}", si / dimension.unit(units)), {}), dimension};
+}
+
+/// What follows of a load, made to follow with the factor: where the factor itself follows from named numbers, all that
+/// is not zero.
+std::vector<DependentNumber> held(const Scene& scene, Owner owner, int item, std::vector<DependentNumber> own,
+                                  const std::shared_ptr<const HeldFactor>& factor) {
+  const auto at = static_cast<std::size_t>(item);
+  const auto add = [&](DependentPlace::Of of, int component, const std::string& name, double si, Dimension dimension) {
+    const bool is_known =
+        std::any_of(own.begin(), own.end(), [&](const DependentNumber& one) { return one.at.component == component; });
+    if (si == 0.0 || is_known) return;
+    own.push_back(constant({of, {owner, item}, component}, name, si, dimension, scene.units));
+  };
+  if (!factor->numbers.empty()) {
+    if (owner == Owner::force) {
+      const Force& force = scene.forces[at];
+      const std::string name = (force.to ? "distributed_load \"" : "force \"") + force.name + "\".vector";
+      add(DependentPlace::Of::force, 0, name, force.vector.x, force.numbers()[0].dimension);
+      add(DependentPlace::Of::force, 1, name, force.vector.y, force.numbers()[0].dimension);
+    } else {
+      const Torque& torque = scene.torques[at];
+      add(DependentPlace::Of::row, 0, "torque \"" + torque.name + "\".value", torque.value, dimension::torque);
+    }
+  }
+  for (DependentNumber& one : own) one.factor = factor;
+  return own;
+}
+
+}  // namespace
+
+TimeFunction HeldFactor::at(std::span<const double> named) const {
+  TimeFunction out = function;
+  for (const DependentNumber& one : numbers) {
+    out.set_among_others(one.at.place.number, one.expression.value(named) * one.dimension.unit(units));
+  }
+  out.check();
+  return out;
+}
+
+double DependentNumber::value(std::span<const double> named) const {
+  const double own = expression.value(named);
+  return factor ? own * factor->at(named).at(factor->time) : own;
+}
+
+double DependentNumber::slope(std::span<const double> named, std::span<const double> slopes) const {
+  const double own = expression.slope(named, slopes);
+  if (!factor) return own;
+  const TimeFunction function = factor->at(named);
+  double change = 0.0;
+  for (const DependentNumber& one : factor->numbers) {
+    const double by = one.expression.slope(named, slopes) * one.dimension.unit(factor->units);
+    if (by == 0.0) continue;
+    const int number = one.at.place.number;
+    if (!function.is_smooth_in(number)) return std::numeric_limits<double>::quiet_NaN();
+    change += by * function.by(number, factor->time, 0, factor->time);
+  }
+  return own * function.at(factor->time) + expression.value(named) * change;
+}
+
+std::vector<int> DependentNumber::uses() const {
+  std::vector<int> out = expression.uses();
+  if (!factor) return out;
+  for (const DependentNumber& one : factor->numbers) {
+    out.insert(out.end(), one.expression.uses().begin(), one.expression.uses().end());
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+std::string DependentNumber::text() const {
+  return factor ? fmt::format("({}) * {}({} s)", expression.text(), factor->function.kind(), factor->time)
+                : expression.text();
+}
+
+void hold_dependents(Scene& scene, double t) {
+  if (!scene.dependents || scene.time_functions.empty()) return;
+  std::vector<DependentNumber> rows, components, left_out;
+  std::vector<std::vector<DependentNumber>> of_functions(scene.time_functions.size()), of_loads(of_functions.size());
+  const auto load_of = [&](const DependentNumber& one) {
+    return std::find_if(scene.time_functions.begin(), scene.time_functions.end(),
+                        [&](const TimeFunction& function) {
+                          return function.of != TimeFunction::Of::drive &&
+                                 is_of(one, owner_of(function.of), function.item);
+                        }) -
+           scene.time_functions.begin();
+  };
+  for (const DependentNumber& one : *scene.dependents) {
+    if (one.at.place.owner == Owner::time) {
+      const auto function = static_cast<std::size_t>(one.at.place.item);
+      if (scene.time_functions[function].of != TimeFunction::Of::drive) {
+        of_functions[function].push_back(one);
+        continue;
+      }
+      left_out.push_back(one);
+      left_out.back().at.of = DependentPlace::Of::left_out;
+      continue;
+    }
+    const auto function = static_cast<std::size_t>(load_of(one));
+    if (function < of_loads.size()) {
+      of_loads[function].push_back(one);
+      continue;
+    }
+    (one.at.of == DependentPlace::Of::row ? rows : components).push_back(one);
+  }
+  for (std::size_t f = 0; f < of_loads.size(); ++f) {
+    const TimeFunction& function = scene.time_functions[f];
+    if (function.of == TimeFunction::Of::drive) continue;
+    const auto factor =
+        std::make_shared<const HeldFactor>(HeldFactor{function, t, std::move(of_functions[f]), scene.units});
+    for (DependentNumber& one : held(scene, owner_of(function.of), function.item, std::move(of_loads[f]), factor)) {
+      if (one.at.of != DependentPlace::Of::row) {
+        components.push_back(std::move(one));
+        continue;
+      }
+      // Torques are before all but gravity and forces among the rows, in their order.
+      const auto behind = std::find_if(rows.begin(), rows.end(), [&](const DependentNumber& other) {
+        const Owner owner = other.at.place.owner;
+        return owner != Owner::number && owner != Owner::scene &&
+               (owner != Owner::torque || other.at.place.item > one.at.place.item);
+      });
+      rows.insert(behind, std::move(one));
+    }
+  }
+  for (auto* part : {&components, &left_out}) std::move(part->begin(), part->end(), std::back_inserter(rows));
+  scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(rows));
+}
+
+}  // namespace poise

@@ -1,0 +1,195 @@
+// Loads that follow named numbers through their functions of time, in the scene and in the scene at one time.
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "model/dependent_number.hpp"
+#include "model/parameters.hpp"
+#include "model/rewritten_scene.hpp"
+#include "model/scene.hpp"
+#include "tests/support/message_of.hpp"
+
+namespace poise {
+namespace {
+
+std::string scene_with(const std::string& vector, const std::string& time, const std::string& value = "2",
+                       const std::string& torque_time = "") {
+  return fmt::format(R"(
+[units]
+length = "mm"
+force = "kN"
+angle = "deg"
+[numbers]
+F = 2
+T = 0.5
+twice = "2*F"
+[ground.points]
+O = [0, 0]
+[body.block]
+mass = 2
+points = {{ c = [0, 0], d = [30, 0] }}
+[[slide]]
+name = "x"
+points = ["ground.O", "block.c"]
+axis = [1, 0]
+[[distributed_load]]
+name = "P"
+points = ["block.c", "block.d"]
+vector = {}
+time = {}
+[[torque]]
+name = "M"
+on = "block"
+value = {}
+{}
+[[drive]]
+slide = "x"
+time = {{ ramp = {{ from = "F", to = "10*F", start = "T", end = "2*T" }} }}
+)",
+                     vector, time, value, torque_time);
+}
+
+const std::vector<std::pair<std::string, std::string>>& loads() {
+  static const std::vector<std::pair<std::string, std::string>> all{
+      {"[\"F\", 1]", "{ sine = { amplitude = 1.5, frequency = 0.7, phase = 40 } }"},
+      {"[3, -1]", "{ sine = { amplitude = \"F/2\", frequency = \"1/F\", phase = \"40*F\", offset = \"F^2\" } }"},
+      {"[\"F\", \"-twice\"]", "{ ramp = { from = \"F\", to = \"3*F\", start = \"T/5\", end = \"twice*T\" } }"},
+      {"[\"F\", 0]", "{ step = { to = \"F\", from = \"T\" } }"},
+      {"[\"F\", 0]", "{ table = [[0, \"F\"], [0.4, \"T\"], [0.9, 3]] }"},
+      {"[\"F\", 0]", "{ table = [[0, \"F\"], [0.4, \"T\"], [0.9, 3]], interpolation = \"monotone\" }"},
+      {"[1, 2]", "{ table = [[0, \"F\"], [0.4, \"T\"], [0.9, 3]], interpolation = \"spline\" }"}};
+  return all;
+}
+
+void expect_same(const Scene& found, const Scene& expected) {
+  for (const ParameterRow& row : parameter_table(expected)) {
+    const std::optional<double> a = value_at(found, row.place), b = value_at(expected, row.place);
+    ASSERT_EQ(a.has_value(), b.has_value()) << row.path.text();
+    EXPECT_NEAR(a.value_or(0.0), b.value_or(0.0), 1e-13 * (1 + std::abs(b.value_or(0.0)))) << row.path.text();
+  }
+  for (std::size_t f = 0; f < expected.forces.size(); ++f) {
+    EXPECT_DOUBLE_EQ(found.forces[f].vector.x, expected.forces[f].vector.x);
+    EXPECT_DOUBLE_EQ(found.forces[f].vector.y, expected.forces[f].vector.y);
+  }
+}
+
+// Setting a named number and then holding the scene at a time is the same as the other way round.
+TEST(HeldFactor, NumbersMayBeSetBeforeAndAfter) {
+  for (const auto& [vector, time] : loads()) {
+    SCOPED_TRACE(vector + time);
+    const Scene scene = parse_scene(
+        scene_with(vector, time, "3", "time = { sine = { amplitude = \"F\", frequency = \"T\" } }"), "time.toml");
+    for (const double t : {0.0, 0.3, 0.7}) {
+      for (const auto& [number, value] : {std::pair<std::string, double>{"numbers.F", 3.25}, {"numbers.T", 0.75}}) {
+        Scene before = scene;
+        set_value(before, number, value);
+        Scene after = at_time(scene, t);
+        EXPECT_TRUE(after.time_functions.empty());
+        set_value(after, number, value);
+        before = at_time(before, t);
+        // Drives have no numbers that follow: statics leaves them out.
+        before.drives = after.drives;
+        expect_same(after, before);
+        expect_same(scaled(scaled(after, {0.25, 8}), {4, 0.125}), before);
+      }
+    }
+  }
+}
+
+TEST(HeldFactor, HasItsDerivatives) {
+  for (const auto& [vector, time] : loads()) {
+    SCOPED_TRACE(vector + time);
+    for (const double t : {0.0, 0.3, 0.7}) {
+      const Scene scene = at_time(parse_scene(scene_with(vector, time), "time.toml"), t);
+      for (const int named : {0, 1}) {
+        const std::vector<double> at = named_values(scene);
+        const std::vector<double> slopes = dependents_by(scene, named, at);
+        const auto values = [&](double by) {
+          std::vector<double> moved = at;
+          moved[static_cast<std::size_t>(named)] += by;
+          return dependent_values(scene, moved, false);
+        };
+        constexpr double h = 1e-4;
+        const std::vector<double> a = values(-h), b = values(h), aa = values(-2 * h), bb = values(2 * h);
+        for (std::size_t k = 0; k < slopes.size(); ++k) {
+          const double slope = (8 * (b[k] - a[k]) - (bb[k] - aa[k])) / (12 * h);
+          EXPECT_NEAR(slopes[k], slope, 1e-8 * (1 + std::abs(slope))) << (*scene.dependents)[k].item << " " << t;
+        }
+      }
+    }
+  }
+}
+
+TEST(HeldFactor, SaysWhatALoadFollows) {
+  const Scene scene = at_time(parse_scene(scene_with("[3, 0]", loads()[1].second), "time.toml"), 0.25);
+  EXPECT_EQ(test::message_of([&] {
+              Scene changed = scene;
+              set_value(changed, "load.P", 2);
+            }),
+            "load.P: expected a number of its own, found the expression \"(3) * sine(0.25 s)\"; change numbers.F");
+}
+
+// The time of a step at which a load jumps: no derivative there, and none by that time at all.
+TEST(HeldFactor, HasNoDerivativeByTheTimeOfAJump) {
+  const Scene scene =
+      at_time(parse_scene(scene_with("[3, 0]", "{ step = { to = 2, at = \"T\" } }"), "time.toml"), 0.25);
+  bool is_known = true;
+  for (const double slope : dependents_by(scene, 1, named_values(scene))) is_known = is_known && std::isfinite(slope);
+  EXPECT_FALSE(is_known);
+}
+
+// Where others take the place of the drives.
+TEST(HeldFactor, LoadsFollowWithoutTheFunctionsOfDrives) {
+  for (const auto& [vector, time] : loads()) {
+    Scene scene = parse_scene(scene_with(vector, time), "time.toml"), expected = scene;
+    forget_functions_of_drives(scene);
+    EXPECT_EQ(scene.time_functions.size(), 1U);
+    set_value(scene, "numbers.F", 3.5);
+    set_value(expected, "numbers.F", 3.5);
+    expect_same(at_time(scene, 0.3), [&] {
+      Scene held = at_time(expected, 0.3);
+      held.drives = scene.drives;
+      return held;
+    }());
+  }
+}
+
+TEST(HeldFactor, FunctionsFollowTogether) {
+  Scene scene = parse_scene(scene_with(loads()[2].first, loads()[2].second), "time.toml");
+  set_value(scene, "numbers.T", 7);
+  EXPECT_EQ(get_value(scene, "load.P.time.start"), 1.4);
+  EXPECT_EQ(get_value(scene, "load.P.time.end"), 28);
+  EXPECT_EQ(get_value(scene, "drive.drive 1.time.start"), 7);
+  const std::string message = test::message_of([&] { set_value(scene, "numbers.T", -1); });
+  EXPECT_NE(message.find("numbers.T: "), std::string::npos) << message;
+  EXPECT_NE(message.find("before it ends"), std::string::npos) << message;
+  EXPECT_EQ(get_value(scene, "numbers.T"), 7) << "nothing has changed";
+  EXPECT_NE(test::message_of([&] { set_value(scene, "load.P.time.end", 3); }).find("\"twice*T\""), std::string::npos);
+}
+
+TEST(HeldFactor, ScenesAreWrittenBackWithTheirExpressions) {
+  const std::string text = scene_with("[\"F\", 1]", "{ table = [[0, 1], [0.4, \"T\"], [0.9, 3]] }");
+  Scene scene = parse_scene(text, "time.toml");
+  set_value(scene, "numbers.F", 5);
+  set_value(scene, "load.P.time.table.3", 4.5);
+  std::string expected = text;
+  expected.replace(expected.find("F = 2"), 5, "F = 5.0");
+  expected.replace(expected.find("[0.9, 3]"), 8, "[0.9, 4.5]");
+  EXPECT_EQ(rewritten_scene(text, "time.toml", scene), expected);
+}
+
+TEST(HeldFactor, TablesHaveValuesForNumbersAndNoTimes) {
+  std::string text = scene_with("[1, 1]", "{ table = [[0, 1], [\"T\", 2]] }");
+  EXPECT_NE(test::message_of([&] { parse_scene(text, "time.toml"); }).find("found an expression"), std::string::npos);
+  std::string long_table = "{ table = [";
+  for (int k = 0; k < 65; ++k) long_table += fmt::format("{}[{}, {}]", k > 0 ? ", " : "", k, k % 7);
+  const Scene scene = parse_scene(scene_with("[1, 1]", long_table + "] }"), "time.toml");
+  EXPECT_FALSE(find_parameter(scene, "load.P.time.table.1").has_value()) << "more than 64 points have none";
+}
+
+}  // namespace
+}  // namespace poise
