@@ -298,7 +298,9 @@ class CouplingReader {
   };
   Curve read_curve(const TomlTable& table, int rider, double least) const {
     const bool is_closed = table.flag("closed", false);
-    const std::optional<RollingProfile> found = rolling_profile(track_points(table, is_closed), is_closed);
+    std::vector<Vec2> points = track_points(table, is_closed);
+    if (is_closed) points.push_back(points.front());
+    const std::optional<RollingProfile> found = rolling_profile(points, is_closed);
     const TomlPlace place = table.place_of("curve");
     if (!found) place.fail("expected a smooth curve, found one with a cusp; give it more points, or other ones");
     const double turn = is_closed ? found->angle->at(1.0).value - found->angle->at(0.0).value : full_turn;
@@ -343,7 +345,9 @@ class CouplingReader {
     Stop& ends = rows.emplace_back();
     ends.table = std::string(kind.table) + "_ends";
     ends.on = curve.angle.measure;
-    read_ends(table, false, curve.angle.span, ends);
+    read_ends(table, ends);
+    if (std::exchange(ends.to_end, false)) ends.max = curve.angle.span;
+    if (!(ends.min < ends.max)) table.place_of("to").fail("expected an end behind the key from");
     for (const auto& [key, at] : {std::pair("from", ends.min), std::pair("to", ends.max)}) {
       if (!(at >= 0.0 && at <= curve.angle.span)) {
         table.place_of(key).fail(

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "model/joint_friction.hpp"
+#include "motion/friction_forces.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/contact_loads.hpp"
 #include "statics/held.hpp"
@@ -25,7 +25,6 @@ constexpr double out_of_balance = 1e-6;  // of the largest force
 constexpr double contracts_below = 0.999999;
 constexpr double agrees_within = 1e-12;    // of the largest force, of the equations g = B(g)
 constexpr double confirmed_within = 1e-9;  // the same of the bodies cut free with these efforts
-constexpr int other_starts = 60;
 constexpr double no_power = 1e-9;  // of what is lost: as in a dead centre, where nothing but friction takes power
 
 /// What a bound depends on: the force in a joint, and the couple about its point.
@@ -317,19 +316,47 @@ class SlidingSolver {
     return g;
   }
 
-  // A solution other than this one, or any.
-  bool has_another(const std::optional<VectorXd>& known) const {
-    std::mt19937_64 random(1);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same starts in every run
-    std::uniform_real_distribution<double> share(0.0, 1.0);
-    for (int start = 0; start < other_starts; ++start) {
-      VectorXd g(static_cast<Index>(by_.size()));
-      const double size = scale_ * std::pow(10.0, 6.0 * start / other_starts - 2.0);
-      for (double& one : g) one = size * share(random);
-      const std::optional<VectorXd> found = newton(g, 1.0, 60);
-      if (!found) continue;
-      if (!known || size_of(*found - *known) > 1e-6 * std::max(scale_, size_of(*known))) return true;
+  // The same equations in the sizes of the forces in joints, and of the efforts of teeth behind them.
+  FrictionForces sizes() const {
+    std::vector<FrictionForces::Size> kinds;
+    std::vector<Vec2> normals;
+    for (const SlidingJoint& one : out_.friction.joints) {
+      const Joint& joint = joint_of(one);
+      kinds.push_back(!joint.has_travel()          ? FrictionForces::Size::pin
+                      : couple_factor(joint) > 0.0 ? FrictionForces::Size::carriage
+                                                   : FrictionForces::Size::normal);
+      const BodyMotion& line = p_.motions[static_cast<std::size_t>(joint.a.body)];
+      normals.push_back(joint.has_travel() ? quarter_turn(direction<double>(joint.axis) * line.pose.direction())
+                                           : Vec2{});
     }
-    return false;
+    kinds.resize(by_.size() + teeth_.size(), FrictionForces::Size::normal);
+    FrictionForces out(std::move(kinds));
+    const auto components = [&](std::size_t i, const Carried& at) -> Planar<double> {
+      const Joint& joint = joint_of(out_.friction.joints[i]);
+      if (!joint.has_travel()) return at.force;
+      return {dot(normals[i], at.force), couple_factor(joint) * at.moment};
+    };
+    // An effort over its unit is its constant part and `grip` times the size.
+    for (std::size_t i = 0; i < by_.size(); ++i) out.force(i) = components(i, without_[i]);
+    for (std::size_t t = 0; t < teeth_.size(); ++t) {
+      const std::size_t at = by_.size() + t;
+      out.force(at) = {teeth_[t].without, 0.0};
+      for (std::size_t i = 0; i < by_.size(); ++i) out.response(i, at) = components(i, teeth_[t].separating[i]);
+    }
+    for (std::size_t j = 0; j < by_.size(); ++j) {
+      const Joint& joint = joint_of(out_.friction.joints[j]);
+      const double constant = bound_of(joint, {}) / unit(j), grip = grip_factor(joint) / unit(j);
+      for (std::size_t i = 0; i < by_.size(); ++i) {
+        const Planar<double> by = components(i, by_[j][i]);
+        out.force(i) += constant * by;
+        out.response(i, j) = grip * by;
+      }
+      for (std::size_t t = 0; t < teeth_.size(); ++t) {
+        out.force(by_.size() + t).x += constant * teeth_[t].by[j];
+        out.response(by_.size() + t, j) = {grip * teeth_[t].by[j], 0.0};
+      }
+    }
+    return out;
   }
 
   // The solution, or nothing and why.
@@ -339,17 +366,28 @@ class SlidingSolver {
       if (!g) out_.friction.state = SlidingFriction::State::several;
       return g;
     }
-    double k = 0.0;
-    std::optional<VectorXd> g = followed(k);
-    if (has_another(g)) {
+    const FrictionForces::All all = sizes().all();
+    if (!all.complete || all.sizes.size() > 1) {
       out_.friction.state = SlidingFriction::State::several;
       return std::nullopt;
     }
-    if (!g) {
+    if (all.sizes.empty()) {
       out_.friction.state = SlidingFriction::State::locked;
-      out_.friction.lock_at = k;
+      followed(out_.friction.lock_at);
+      return std::nullopt;
     }
-    return g;
+    VectorXd g(static_cast<Index>(by_.size()));
+    for (std::size_t i = 0; i < by_.size(); ++i) {
+      const Joint& joint = joint_of(out_.friction.joints[i]);
+      g[static_cast<Index>(i)] = (bound_of(joint, {}) + grip_factor(joint) * all.sizes.front()[i]) / unit(i);
+    }
+    // One that does not follow from less friction, on the other side of a pole, is not the only possibility: there is
+    // none near it with less.
+    if (!(jacobian(g, 1.0).determinant() > 0.0)) {
+      out_.friction.state = SlidingFriction::State::several;
+      return std::nullopt;
+    }
+    return newton(g, 1.0, 30);
   }
 
   // The bodies cut free with these efforts agree with the responses.

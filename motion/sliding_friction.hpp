@@ -14,12 +14,11 @@ namespace poise {
 //
 //   f_i = -sign(w_i) bound_i(R),   R = R_0 + sum f_j R_j,
 //
-// where the joint forces R_0 without friction and those of unit efforts, R_j, come from the bodies cut free. These are
-// with teeth that push their wheels apart by |Q| S, Q = Q_0 + sum f_j Q_j their effort, added to R. These are
-// as many equations as joints that move, solved by Newton's method for g = |f|:  g = B(g). Where the matrix of the
-// Lipschitz constants of B has a spectral radius below 1, B is a contraction: there is one solution and no other.
-// Beyond that friction may lock the motion, or leave several possibilities; bounds are then multiplied by k, and the
-// solution followed from k = 0 to 1, and others are looked for from many starts.
+// where the joint forces R_0 without friction and those of unit efforts, R_j, come from the bodies cut free, with teeth
+// that push their wheels apart by |Q| S, Q = Q_0 + sum f_j Q_j their effort, added to R. These are as many equations as
+// joints that move, solved by Newton's method for g = |f|:  g = B(g). Where the matrix of the Lipschitz constants of B
+// has a spectral radius below 1, B is a contraction: there is one solution and no other. Beyond that friction may lock
+// the motion, or leave several possibilities; all solutions are found (FrictionForces).
 
 /// A joint with friction that moves.
 struct SlidingJoint {
@@ -48,7 +47,7 @@ struct SlidingFriction {
   /// no friction.
   std::vector<int> at_rest;
   int because_of = -1;   ///< undetermined: that joint
-  double lock_at = 0.0;  ///< locked: the share of the friction from which on no efforts move it, where that is known
+  double lock_at = 0.0;  ///< locked: the share of the friction up to which the motion can be followed from none on
   /// Efforts of the drives without any friction, neither of joints nor [[friction]], N m or N, and their power, W.
   std::vector<double> efforts_without;
   double driven_without = 0.0;
