@@ -1,8 +1,9 @@
 #include "model/rolling_profile.hpp"
 
 #include <cmath>
-#include <string>
 #include <utility>
+
+#include "model/couplings.hpp"
 
 namespace poise {
 namespace {
@@ -104,10 +105,12 @@ Vec2 point_of_profile(const Stop* rows, double u) {
 }
 
 std::pair<double, double> range_of_profile(const Scene& scene, std::size_t first) {
-  const std::string ends = scene.stops[first].table + "_ends";
-  for (std::size_t s = first + 1; s < scene.stops.size() && scene.stops[s].line == scene.stops[first].line; ++s) {
-    const double span = scene.stops[first].on.terms[1].span;
-    if (scene.stops[s].table == ends) return {scene.stops[s].min / span, scene.stops[s].max / span};
+  const double span = scene.stops[first].on.terms[1].span;
+  for (std::size_t s = first + 1; s < scene.stops.size(); ++s) {
+    const Stop& row = scene.stops[s];
+    const CouplingKind* const kind = coupling_kind(row);
+    if (kind == nullptr || kind->row == 0) break;
+    if (row.table.ends_with("_ends")) return {row.min / span, row.max / span};
   }
   return {0.0, 1.0};
 }

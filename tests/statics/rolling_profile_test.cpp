@@ -517,6 +517,27 @@ TEST(RollingProfile, NumbersHaveTheirExactSensitivities) {
                               "body.rocker.center.y", "point.rocker.C.x"});
 }
 
+// In a scene that was built in code all stops are of line 0.
+TEST(RollingProfile, KnowsItsOwnEnds) {
+  std::string text = Rocker{}.text();
+  text.insert(text.find("[start]"), fmt::format(R"(
+    [body.chair]
+    points = {{ O = [0, 0] }}
+    [[rolling_profile]]
+    at = "chair.O"
+    curve = {}
+    to = 0.5
+    line = "ground.A"
+    axis = [1, 0]
+  )",
+                                                arc_points));
+  Scene scene = parse_scene(text, "two.toml");
+  for (Stop& stop : scene.stops) stop.line = 0;
+  ASSERT_EQ(scene.stops[3].table, "rolling_profile");
+  EXPECT_EQ(range_of_profile(scene, 0), std::pair(0.0, 1.0));
+  EXPECT_EQ(range_of_profile(scene, 3), std::pair(0.0, 0.5 / scene.stops[3].on.terms[1].span));
+}
+
 // --- limits ---------------------------------------------------------------------------------------------------------
 
 std::string why_not(const std::string& text) {
