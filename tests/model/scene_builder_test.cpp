@@ -207,6 +207,7 @@ name = "mesh"
 bodies = ["a", "b"]
 ratio = 0.5
 internal = true
+pressure_angle = 20
 [[gear]]
 bodies = ["a", "b"]
 carrier = "arm"
@@ -222,6 +223,7 @@ name = "teeth"
 slide = "guide"
 pinion = "a"
 radius = 30
+pressure_angle = 15
 [[coupling]]
 name = "sum"
 sum = [{ factor = 2, slide = "guide" }, { factor = -1, bodies = ["ground", "a"] }]
@@ -315,10 +317,10 @@ SceneBuilder couplings_builder() {
       .pin("ground.A", "b.A")
       .pin("ground.O", "arm.O")
       .slide("ground.R", "rack.R", {1, 0}, "guide")
-      .gear("a", "b", {{"ratio", 0.5}, {"internal", true}}, "mesh")
+      .gear("a", "b", {{"ratio", 0.5}, {"internal", true}, {"pressure_angle", 20}}, "mesh")
       .gear("a", "b", {{"carrier", "arm"}, {"ratio", 2}, {"phase", 5}})
       .belt("a", "b", {{"ratio", 3}, {"crossed", true}, {"phase", 1}})
-      .rack("guide", "a", {{"radius", 30}}, "teeth")
+      .rack("guide", "a", {{"radius", 30}, {"pressure_angle", 15}}, "teeth")
       .coupling(measures::sum({{2, measures::travel("guide")}, {-1, measures::angle("ground", "a")}}), {{"value", 3}},
                 "sum")
       .cam("ground", "a", measures::travel("guide"),

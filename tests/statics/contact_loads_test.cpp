@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -348,6 +349,48 @@ TEST(ContactLoads, AHoistIsHeldAndDrivenByTheTorquesOfItsFrictionCircles) {
         rate > 0 ? forces.friction.efficiency() : forces.friction.efficiency_back();
     ASSERT_TRUE(efficiency);
     EXPECT_NEAR(*efficiency, rate > 0 ? 50 / hoist_torque(1) : hoist_torque(-1) / 50, 1e-9);
+  }
+}
+
+// A train of three wheels with random axes, teeth and loads. Its driving torques at the edge of slipping, from linear
+// programs in balls, are those of motion either way, from Newton's method on bodies cut free.
+TEST(ContactLoads, RandomTrainsAreHeldUpToTheTorquesThatDriveThem) {
+  std::mt19937 random(1);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same trains in every run
+  const auto uniform = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(random); };
+  for (int k = 0; k < 4; ++k) {
+    std::string text = "[[torque]]\nname = \"M\"\non = \"a\"\nvalue = 0\n", axes;
+    Vec2 at{};
+    for (const char body : {'a', 'b', 'c'}) {
+      axes += fmt::format("{} = [{:.17g}, {:.17g}]\n", body, at.x, at.y);
+      at += uniform(0.2, 0.5) * unit(uniform(0, 2 * pi));
+      text += fmt::format(R"(
+[body.{0}]
+points = {{ O = [0, 0], P = [{1:.17g}, {2:.17g}] }}
+[[pin]]
+points = ["ground.{0}", "{0}.O"]
+friction = {{ radius = {3:.17g}, coefficient = {4:.17g} }}
+[[force]]
+at = "{0}.P"
+vector = [{5:.17g}, {6:.17g}]
+)",
+                          body, uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(0.005, 0.02), uniform(0.05, 0.25),
+                          uniform(-50, 50), uniform(-50, 50));
+    }
+    for (const std::string wheels : {R"(["a", "b"])", R"(["b", "c"])"}) {
+      const bool internal = uniform(0, 1) < 0.3;
+      text += fmt::format("[[gear]]\nbodies = {}\nratio = {}\ninternal = {}\npressure_angle = {:.17g}\nphase = 0\n",
+                          wheels, internal ? 0.4 : 1.5, internal, uniform(0, 0.45));
+    }
+    const Scene scene = parse_scene(text + "[ground.points]\n" + axes, "train");
+    const StaticModel model(scene);
+    const HeldRange range = held_range(model, assemble(model), "load.M");
+    EXPECT_TRUE(range.lower.proved && range.upper.proved) << k;
+    for (const double rate : {1e-3, -1e-3}) {
+      const Forces forces = driven(scene, "a", 0.0, rate);
+      expect_balance(forces);
+      const double edge = rate > 0 ? range.upper.value : range.lower.value;
+      EXPECT_NEAR(forces.drives[0].value, edge, 1e-8 * std::max(1.0, std::abs(edge))) << k;
+    }
   }
 }
 
