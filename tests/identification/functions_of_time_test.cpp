@@ -91,8 +91,7 @@ void expect_exact_jacobian(const Experiment& e, std::size_t unknowns, double acc
 }
 
 const std::string unknown_start = "[[run]]\nduration = 1.2\nrate = 41\n";
-const std::string known_start =
-    "[[run]]\nduration = 1.2\nrate = 41\nstart_known = true\nrelease_rate = { arm = 0 }\n";
+const std::string known_start = "[[run]]\nduration = 1.2\nrate = 41\nstart_known = true\nrelease_rate = { arm = 0 }\n";
 
 TEST_F(FunctionsOfTime, HaveExactJacobians) {
   for (const bool stepped : {false, true}) {
@@ -317,8 +316,9 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv", multiplies = tr
   std::string followed = sines + named;
   followed.replace(followed.find("to = 0.4"), 8, "to = \"p\"");
   folder_.write("scene.toml", followed);
-  EXPECT_NE(test::message_of([&] { FitProblem problem(read(sensor + run)); })
-                .find("expected numbers in drive \"belt\", whose place the input takes"),
+  EXPECT_NE(test::message_of([&] {
+              FitProblem problem(read(sensor + run));
+            }).find("expected numbers in drive \"belt\", whose place the input takes"),
             std::string::npos);
   folder_.write("scene.toml", sines);
   EXPECT_NE(error(sensor + multiplied).find("expected multiplies of a load without a function of time"),
