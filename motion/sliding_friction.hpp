@@ -14,9 +14,9 @@ namespace poise {
 //
 //   f_i = -sign(w_i) bound_i(R),   R = R_0 + sum f_j R_j,
 //
-// where the joint forces R_0 without friction and those of unit efforts, R_j, come from the bodies cut free. These are
-// with teeth that push their wheels apart by |Q| S, Q = Q_0 + sum f_j Q_j their effort, added to R. These are
-// as many equations as joints that move, solved by Newton's method for g = |f|:  g = B(g). Where the matrix of the
+// where the joint forces R_0 without friction and those of unit efforts, R_j, come from the bodies cut free. Teeth that
+// push their wheels apart add |Q| S to R, with their effort Q = Q_0 + sum f_j Q_j. These are as many equations as
+// joints that move, solved by Newton's method for g = |f|:  g = B(g). Where the matrix of the
 // Lipschitz constants of B has a spectral radius below 1, B is a contraction: there is one solution and no other.
 // Beyond that friction may lock the motion, or leave several possibilities; bounds are then multiplied by k, and the
 // solution followed from k = 0 to 1, and others are looked for from many starts.
