@@ -78,7 +78,12 @@ std::optional<double> pressure_tangent(const Stop& stop) {
 void set_pressure_tangent(Stop& stop, double tangent) { stop.on.terms[0].measure.axis = {tangent, 1.0}; }
 
 bool loads_bearings(const Stop& stop) {
-  if (stop.table == "cam") return stop.on.terms.front().measure.b.body > 0;
+  if (stop.table == "cam") {
+    // Other followers have a point there that is theirs.
+    const Measure& follower = stop.on.terms.front().measure;
+    const bool may_have_roller = follower.kind == Measure::Kind::angle || follower.kind == Measure::Kind::travel;
+    return may_have_roller && follower.b.body > 0;
+  }
   return pressure_tangent(stop).has_value();
 }
 

@@ -475,6 +475,16 @@ TEST(ContactLoads, ACamThrustsItsGuideAsideAndSticks) {
   expect_proved_range(held_range(model, x, "load.M"), 20 * slope_at / (1 + share_at), 20 * slope_at / (1 - share_at));
 }
 
+// A follower that is measured by its point has no roller.
+TEST(ContactLoads, CamsWithoutARollerActOnTheirMeasures) {
+  std::string text = cam(0.004, "");
+  const std::string sliding = "{ slide = \"guide\" }\nroller = \"follower.R\"";
+  text.replace(text.find(sliding), sliding.size(), "{ y = \"follower.R\" }");
+  const Forces forces = driven(parse_scene(text, "cam"), "cam", 1.0, 1e-6);
+  EXPECT_NEAR(forces.reactions[1].force.x, 0.0, 1e-12);
+  EXPECT_NEAR(forces.drives[0].value + 0.16, 20 * 0.01 * std::sin(1.0), 1e-7);
+}
+
 TEST(ContactLoads, RefusesByName) {
   const auto message = [](std::string text, const std::string& from, const std::string& to) {
     text.replace(text.find(from), from.size(), to);
