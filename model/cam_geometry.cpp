@@ -24,7 +24,6 @@ std::optional<CamGeometry> cam_geometry(const Scene& scene, const Stop& stop) {
   if (stop.table != "cam") return std::nullopt;
   const Measure& follower = stop.on.terms[0].measure;
   const Measure& cam = stop.on.terms[1].measure;
-  const bool is_named = follower.b.body > 0;
   const auto on_base = [&](int base) -> std::optional<CamGeometry> {
     CamGeometry out;
     const int body = other_of(cam, base);
@@ -34,7 +33,7 @@ std::optional<CamGeometry> cam_geometry(const Scene& scene, const Stop& stop) {
     out.sense = cam.body_a == base ? 1.0 : -1.0;
     if (follower.kind == Measure::Kind::travel) {
       const Joint& slide = scene.joints[static_cast<std::size_t>(follower.joint)];
-      out.roller = is_named ? follower.b : slide.b;
+      out.roller = stop.roller.value_or(slide.b);
       // What a pin carries in a slot may turn about it.
       const bool is_on_it = slide.keeps_angle() ? out.roller.body == slide.b.body : out.roller == slide.b;
       if (slide.a.body != base || !is_on_it || slide.b.body == body) return std::nullopt;
@@ -43,8 +42,8 @@ std::optional<CamGeometry> cam_geometry(const Scene& scene, const Stop& stop) {
     }
     const int arm = other_of(follower, base);
     const std::optional<PointRef> pivot = arm < 0 || arm == body ? std::nullopt : pin_of(scene, base, arm);
-    if (!pivot || !is_named || follower.b.body != arm) return std::nullopt;
-    out.roller = follower.b;
+    if (!pivot || !stop.roller || stop.roller->body != arm) return std::nullopt;
+    out.roller = *stop.roller;
     out.pivot = *pivot;
     out.turn_sense = follower.body_a == base ? 1.0 : -1.0;
     return out;

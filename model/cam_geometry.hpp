@@ -26,8 +26,4 @@ struct CamGeometry {
 /// Of a stop of the scene; nothing of other stops and of cams whose geometry the scene does not say.
 std::optional<CamGeometry> cam_geometry(const Scene& scene, const Stop& stop);
 
-/// The centre of the roller that a scene names: kept in the measure of its follower, whose points have no other use on
-/// an angle or a travel. The ground is no follower.
-inline PointRef& named_roller(Stop& cam) { return cam.on.terms.front().measure.b; }
-
 }  // namespace poise

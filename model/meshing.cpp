@@ -69,25 +69,39 @@ std::optional<Meshing> meshing(const Scene& scene, const Stop& stop) {
   return std::nullopt;
 }
 
-std::optional<double> pressure_tangent(const Stop& stop) {
-  if (stop.table != "gear" && stop.table != "rack") return std::nullopt;
-  const Vec2 kept = stop.on.terms[0].measure.axis;
-  return kept.y == 0.0 ? std::nullopt : std::optional<double>(kept.x);
-}
+bool loads_bearings(const Stop& stop) { return stop.roller || stop.pressure_tangent; }
 
-void set_pressure_tangent(Stop& stop, double tangent) { stop.on.terms[0].measure.axis = {tangent, 1.0}; }
-
-bool loads_bearings(const Stop& stop) {
-  if (stop.table == "cam") {
-    // Other followers have a point there that is theirs.
-    const Measure& follower = stop.on.terms.front().measure;
-    const bool may_have_roller = follower.kind == Measure::Kind::angle || follower.kind == Measure::Kind::travel;
-    return may_have_roller && follower.b.body > 0;
+std::vector<int> loaded_joints(const Scene& scene, const Stop& stop) {
+  std::vector<PointRef> axes;
+  std::vector<int> out;
+  if (const std::optional<Meshing> mesh = meshing(scene, stop)) {
+    axes = {mesh->axis_a, mesh->slide < 0 ? mesh->axis_b : mesh->axis_a};
+    if (mesh->slide >= 0) out.push_back(mesh->slide);
+  } else if (const std::optional<CamGeometry> cam = cam_geometry(scene, stop)) {
+    axes = {cam->axis, cam->slide < 0 ? cam->pivot : cam->axis};
+    if (cam->slide >= 0) out.push_back(cam->slide);
   }
-  return pressure_tangent(stop).has_value();
+  for (const PointRef& axis : axes) {
+    const std::vector<PointRef> points = coincident_points(scene, axis);
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+      const Joint& joint = scene.joints[j];
+      if (joint.kind != Joint::Kind::pin && joint.kind != Joint::Kind::weld) continue;
+      const bool is_there = std::any_of(points.begin(), points.end(), [&](const PointRef& p) {
+        return p.body == joint.a.body && scene.local(p) == scene.local(joint.a);
+      });
+      if (is_there) out.push_back(static_cast<int>(j));
+    }
+  }
+  return out;
 }
 
-bool separates(const Stop& stop) { return pressure_tangent(stop).value_or(0.0) != 0.0; }
+bool separates(const Stop& stop) { return stop.pressure_tangent.value_or(0.0) != 0.0; }
+
+const Stop* cam_that_may_lift(const Scene& scene) {
+  const auto found = std::find_if(scene.stops.begin(), scene.stops.end(),
+                                  [](const Stop& stop) { return stop.table == "cam" && !stop.holds(); });
+  return found == scene.stops.end() ? nullptr : &*found;
+}
 
 bool transmits(const Stop& stop) {
   static const std::set<std::string_view> tables{"gear", "belt", "rack", "coupling", "cam"};

@@ -27,17 +27,19 @@ struct Meshing {
 /// one, where the wheels of an internal gear are equal, and of a rack whose slide does not join it with the carrier.
 std::optional<Meshing> meshing(const Scene& scene, const Stop& stop);
 
-/// Tangent of the pressure angle of a gear or rack, where the scene gives one: kept in the axis of its first measure,
-/// an angle or a travel, which has no other use for it.
-std::optional<double> pressure_tangent(const Stop& stop);
-void set_pressure_tangent(Stop& stop, double tangent);
-
 /// Its contact force acts where the teeth mesh, or at the roller of a cam, and so loads bearings and guides: the scene
 /// gives a pressure angle, or the roller. That of other couplings acts on their measures alone.
 bool loads_bearings(const Stop& stop);
 
+/// Indices of the joints whose forces differ from those that it would have if it acted on its measures alone: pins and
+/// welds at the axes, and the slide of a rack or of a follower.
+std::vector<int> loaded_joints(const Scene& scene, const Stop& stop);
+
 /// Its teeth push their wheels apart, however the torque acts.
 bool separates(const Stop& stop);
+
+/// The first cam that may lift off its follower, and so acts in statics alone; null if there is none.
+const Stop* cam_that_may_lift(const Scene& scene);
 
 /// A coupling whose force acts between parts by contact: gear, belt, rack, cam, coupling of measures.
 bool transmits(const Stop& stop);

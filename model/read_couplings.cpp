@@ -128,7 +128,7 @@ class CouplingReader {
                     : "expected a pinion that turns about a pin on its carrier, and a [[slide]] that joins the carrier "
                       "with the rack: there its teeth mesh; give these, or leave the key out");
     }
-    set_pressure_tangent(stop, std::tan(*angle));
+    stop.pressure_tangent = std::tan(*angle);
   }
 
   void read_sum(const TomlTable& table, Stop& stop) const {
@@ -439,8 +439,8 @@ class CouplingReader {
   }
 
   void read_roller(const TomlText& roller, Stop& stop) const {
-    named_roller(stop) = names_.point(roller);
-    if (named_roller(stop).body > 0 && cam_geometry(scene_, stop)) return;
+    stop.roller = names_.point(roller);
+    if (stop.roller->body > 0 && cam_geometry(scene_, stop)) return;
     roller.place.fail(
         "expected the centre of the roller on a follower that slides on, or turns about a pin of, the body in which "
         "the cam is pinned; give such a point, or leave the key out");

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "model/meshing.hpp"
 #include "model/nearest_name.hpp"
 #include "motion/driven_path.hpp"
 #include "motion/equilibrium_pose.hpp"
@@ -125,9 +126,11 @@ void expect_driven(const SplitClosure& closure, const VectorXd& x) {
   for (std::size_t i = 0; i < closure.free().size(); ++i) {
     if (moves.row(static_cast<Eigen::Index>(i)).norm() > 1e-6) names.push_back(name_of(closure.free()[i]));
   }
+  const Stop* const cam = cam_that_may_lift(scene);
   throw InputError(fmt::format(
-      "{}drive: {} {} undriven; expected as many drives as degrees of freedom; drive {} more, of {}", where(scene),
-      left, left == 1 ? "degree of freedom is" : "degrees of freedom are", left, fmt::join(names, ", ")));
+      "{}drive: {} {} undriven; expected as many drives as degrees of freedom; drive {} more, of {}{}", where(scene),
+      left, left == 1 ? "degree of freedom is" : "degrees of freedom are", left, fmt::join(names, ", "),
+      cam == nullptr ? "" : fmt::format("; or give cam \"{}\", which may lift off, guided = true", cam->name)));
 }
 
 class Sweep {

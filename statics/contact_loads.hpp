@@ -96,7 +96,7 @@ std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop,
   }
   const std::optional<Meshing> mesh = meshing(scene, stop);
   if (!mesh) throw InputError(stop.family() + " \"" + stop.name + "\": its numbers leave no place where teeth mesh");
-  const T tangent(*pressure_tangent(stop));
+  const T tangent(*stop.pressure_tangent);
   const double factor = stop.on.terms[1].factor;
   ContactLoad<T> out{mesh->body_a, mesh->body_b, world(scene, poses, mesh->axis_a), {}, {}};
   if (mesh->slide >= 0) {

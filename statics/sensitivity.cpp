@@ -61,9 +61,12 @@ SoughtQuantity reaction_called(const Scene& scene, const std::string& name, cons
     return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& j) { return j.name == joint; });
   };
   for (const Stop& stop : scene.stops) {
-    if (!loads_bearings(stop)) continue;
+    const std::vector<int> loaded = loads_bearings(stop) ? loaded_joints(scene, stop) : std::vector<int>{};
+    const bool is_loaded = std::any_of(loaded.begin(), loaded.end(),
+                                       [&](int j) { return scene.joints[static_cast<std::size_t>(j)].name == name; });
+    if (!is_loaded) continue;
     throw InputError(
-        fmt::format("{}: the contact force of {} \"{}\" loads joints, of which sensitivities do not know; "
+        fmt::format("{}: the contact force of {} \"{}\" loads this joint, of which sensitivities do not know; "
                     "ask for other quantities, or leave out its {}",
                     whole, stop.family(), stop.name, stop.table == "cam" ? "roller" : "pressure_angle"));
   }

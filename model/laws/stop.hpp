@@ -32,6 +32,10 @@ struct Stop {
   std::vector<Vec2> curve{};
   bool closed = false;  ///< the curve of a slot returns to its first point
   bool to_end = false;  ///< the upper limit of a curved slot is the end of its curve
+  /// Of a cam whose scene names it: the centre of the roller, a point of the follower.
+  std::optional<PointRef> roller{};
+  /// Of a gear or rack whose scene gives a pressure angle: the tangent of that.
+  std::optional<double> pressure_tangent{};
 
   /// It holds its measure at one value.
   bool holds() const { return min == max; }

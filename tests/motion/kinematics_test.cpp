@@ -342,6 +342,13 @@ TEST(Kinematics, SaysWhatElseMustBeDriven) {
   EXPECT_NE(said.find("drive 2 more, of 2, 3"), std::string::npos) << said;
 }
 
+TEST(Kinematics, SaysWhichCamMayLiftOff) {
+  const std::string said = refusal(read_scene(test::dataset("cam_follower.toml")), {{"cam", 0, 1}});
+  EXPECT_NE(said.find("drive 1 more, of guide; or give cam \"lobe\", which may lift off, guided = true"),
+            std::string::npos)
+      << said;
+}
+
 TEST(Kinematics, RefusesDrivesThatContradictEachOther) {
   const Scene scene = slider_crank(0.05, 0.17, 0.7);
   const std::string said = refusal(scene, {{"crank", 0, 1}, {"rod", 0, 1}});
