@@ -252,8 +252,8 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
     out.warnings.push_back(doubtful(fmt::format("It ran through {}: stops do not act in motion.", stop)));
   }
   if (const Stop* const cam = cam_that_may_lift(model.scene()); cam != nullptr && !motion.overrun.empty()) {
-    out.warnings.push_back(doubtful(
-        fmt::format("Cam \"{}\" may lift off, and acts in statics alone: give it guided = true.", cam->name)));
+    out.warnings.push_back(
+        doubtful(fmt::format("Cam \"{}\" may lift off, and acts in statics alone: give it guided = true.", cam->name)));
   }
   warn_of_unloaded_bearings(out, model.scene());
   warn_of_contacts(out, model.scene());
