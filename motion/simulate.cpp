@@ -124,13 +124,13 @@ class Simulation {
       const bool border = borders_.act() && meets_border(t);
       const double to_border = taken_;
       const bool event = friction_.acts() && meets_event(t);
+      if (event) friction_.meet(reduced_);
       t = last && taken_ == left ? end : t + taken_;
       ++out_.steps;
       y_.swap(y_new_);
       dydt_.swap(dydt_new_);
       add_node(t);
       if (t == end && !cross_break(t)) return;
-      if (event) friction_.meet(reduced_);
       if (event && !change_friction(t)) return;
       if (border && !event && taken_ == to_border && !cross_border(t)) return;
       if (options_.progress) options_.progress(t);
