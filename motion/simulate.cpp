@@ -690,12 +690,14 @@ class Simulation {
       return stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, locked_words));
     }
     if (status == Reduced::Status::undetermined) return refuse_undetermined(t);
-    if (status == Reduced::Status::no_inertia) {
-      // Without a length of a rope nothing that it moves is a number.
+    // Without a length of a rope nothing that it moves is a number.
+    if (status != Reduced::Status::singular && status != Reduced::Status::open) {
       const std::vector<double> q(reduced_.q(), reduced_.q() + n_);
       if (const std::string rope = rope_without_length(model_.scene(), model_.poses(q), 1e-3); !rope.empty()) {
         return stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, rope));
       }
+    }
+    if (status == Reduced::Status::no_inertia) {
       return stop(
           MotionStatus::no_inertia,
           "a degree of freedom has no inertia, so its motion is not determined; give the bodies that it moves mass or "
