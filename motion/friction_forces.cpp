@@ -1,9 +1,11 @@
 #include "motion/friction_forces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <Eigen/LU>
@@ -29,9 +31,11 @@ constexpr int most_steps = 60;
 
 Planar<double> at_angle(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-std::vector<Planar<double>> corners_of(FrictionForces::Size size) {
-  if (size == FrictionForces::Size::normal) return {{1, 0}, {-1, 0}};
-  return {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+constexpr std::array<Planar<double>, 4> corners{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+/// Of the set K of a joint that is no pin.
+std::span<const Planar<double>> corners_of(FrictionForces::Size size) {
+  return std::span(corners).first(size == FrictionForces::Size::normal ? 2 : 4);
 }
 
 }  // namespace
@@ -134,7 +138,7 @@ bool FrictionForces::is_unique() {
   for (const std::size_t i : active_) {
     if (sizes_[i] == Size::pin)
       ++pins;
-    else if ((others *= sizes_[i] == Size::normal ? 2 : 4) > most_corners)
+    else if ((others *= corners_of(sizes_[i]).size()) > most_corners)
       return false;
   }
   std::size_t around = finest_polygon;
@@ -156,11 +160,7 @@ bool FrictionForces::is_unique() {
       }
       continue;
     }
-    corners_[next++] = {1, 0};
-    corners_[next++] = {-1, 0};
-    if (size == Size::normal) continue;
-    corners_[next++] = {0, 1};
-    corners_[next++] = {0, -1};
+    for (const Planar<double>& corner : corners_of(size)) corners_[next++] = corner;
   }
   first_corner_[active_.size()] = next;
   return sign_at_corners() == 1;
@@ -182,6 +182,7 @@ struct FrictionForces::Search {
   int cells = 0;
   double scale = 0.0;
   std::vector<Part> parts{};
+  VectorXd inside{};  // of the last room that was found
 
   std::size_t count() const { return of.active_.size(); }
 
@@ -194,6 +195,7 @@ struct FrictionForces::Search {
 
   void run() {
     of.find_active();
+    inside = VectorXd::Zero(static_cast<Index>(count()));
     for (const std::size_t i : of.active_) scale = std::max(scale, norm(of.force(i)));
     if (scale == 0.0) scale = 1.0;
     assign();
@@ -217,8 +219,10 @@ struct FrictionForces::Search {
     parts.pop_back();
   }
 
-  // Whether some g satisfies, in each part given, linear conditions that follow from the equations; one such g.
-  std::optional<VectorXd> room() const {
+  // Whether some g satisfies, in each part given, linear conditions that follow from the equations: `inside` is one.
+  bool has_room() {
+    if (++cells > most_cells) out.complete = false;
+    if (!out.complete) return false;
     std::vector<VectorXd> rows;
     std::vector<double> bounds;
     const auto n = static_cast<Index>(count());
@@ -252,28 +256,26 @@ struct FrictionForces::Search {
       program.bounds[static_cast<Index>(r)] = bounds[r];
     }
     const solvers::LinearProgramResult found = solve(program);
-    if (found.status == solvers::LinearProgramResult::Status::infeasible) return std::nullopt;
-    return found.x.size() == n ? VectorXd(scale * found.x) : VectorXd(VectorXd::Zero(n));
+    if (found.status == solvers::LinearProgramResult::Status::infeasible) return false;
+    if (found.x.size() == n)
+      inside = scale * found.x;
+    else
+      inside.setZero();
+    return true;
   }
 
-  bool has_room() {
-    if (++cells > most_cells) out.complete = false;
-    return out.complete && room();
-  }
-
-  // With a part of every joint.
+  // With a part of every joint, in which there is room.
   void look() {
-    const std::optional<VectorXd> start = room();
-    if (!start || !out.complete) return;
-    if (injective()) {
-      const std::optional<VectorXd> g = newton(*start);
+    const bool is_injective = injective();
+    if (is_injective) {
+      const std::optional<VectorXd> g = newton(inside);
       if (g && is_here(*g)) return keep(*g);
     }
     std::size_t widest = count();
     for (std::size_t p = 0; p < count(); ++p) {
       if (parts[p].is_arc && (widest == count() || parts[p].half() > parts[widest].half())) widest = p;
     }
-    if (widest == count() ? !injective() : parts[widest].half() < narrowest_arc) out.complete = false;
+    if (widest == count() ? !is_injective : parts[widest].half() < narrowest_arc) out.complete = false;
     if (widest == count() || !out.complete) return;
     const Part whole = parts[widest];
     for (const bool second : {false, true}) {

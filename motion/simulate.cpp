@@ -279,12 +279,8 @@ class Simulation {
     const auto width = static_cast<std::size_t>(columns_);
     std::vector<double> later(width), dq(n_);
     for (std::size_t c = 0; c < width; ++c) {
-      const int influence = static_cast<int>(c) - 2 * out_.freedoms;
-      const int variation = influence >= 0 ? options_.influences[static_cast<std::size_t>(influence)].variation : -1;
-      for (std::size_t i = 0; i < n_; ++i) {
-        dq[i] = path.q_p[(node * n_ + i) * width + c] * unit_of_column(static_cast<int>(c)) / unit_[i];
-      }
-      later[c] = borders_.passing_time_by(reduced_, dq.data(), variation);
+      read_derivatives(path.q_p, c, dq);
+      later[c] = borders_.passing_time_by(reduced_, dq.data(), variation_of_column(c));
     }
     // Beyond the border by less than rounding: there the formulas of the next piece hold.
     const double nudge = std::min(borders_.nudge(reduced_), 1e-10 * options_.duration);
@@ -334,14 +330,9 @@ class Simulation {
     held_by_.assign(reduced_.held().size() * width, 0.0);
     std::vector<double> dq(n_), dv(n_);
     for (std::size_t c = 0; c < width; ++c) {
-      const int influence = static_cast<int>(c) - 2 * out_.freedoms;
-      const int variation = influence >= 0 ? options_.influences[static_cast<std::size_t>(influence)].variation : -1;
-      const double unit = unit_of_column(static_cast<int>(c));
-      for (std::size_t i = 0; i < n_; ++i) {
-        const std::size_t at = (node * n_ + i) * width + c;
-        dq[i] = path.q_p[at] * unit / unit_[i];
-        dv[i] = path.v_p[at] * unit / unit_[i];
-      }
+      const int variation = variation_of_column(c);
+      read_derivatives(path.q_p, c, dq);
+      read_derivatives(path.v_p, c, dv);
       const double later = started ? friction_.event_time_by(dq.data(), dv.data(), variation) : 0.0;
       for (std::size_t i = 0; i < n_; ++i) dv[i] += (path.a[node * n_ + i] / unit_[i] - reduced_.a()[i]) * later;
       for (int k = 0; k < f; ++k) {
@@ -576,6 +567,21 @@ class Simulation {
     return c < 2 * f ? unit_[static_cast<std::size_t>(out_.independent[c % f])] : 1.0;
   }
 
+  /// Index of the variation that column c is of; -1 of others.
+  int variation_of_column(std::size_t c) const {
+    const int influence = static_cast<int>(c) - 2 * out_.freedoms;
+    return influence >= 0 ? options_.influences[static_cast<std::size_t>(influence)].variation : -1;
+  }
+
+  /// Derivatives of the coordinates or of their rates by column c at the last node, in the units of the model.
+  void read_derivatives(const std::vector<double>& by, std::size_t c, std::vector<double>& out) const {
+    const std::size_t node = out_.trajectory.nodes() - 1;
+    const double unit = unit_of_column(static_cast<int>(c));
+    for (std::size_t i = 0; i < n_; ++i) {
+      out[i] = by[(node * n_ + i) * static_cast<std::size_t>(columns_) + c] * unit / unit_[i];
+    }
+  }
+
   void add_node(double t) {
     Trajectory& path = out_.trajectory;
     const double energy = model_.scales().energy();
@@ -590,10 +596,11 @@ class Simulation {
     node_.assign(reduced_.q(), reduced_.q() + n_);
     pivot_.push_back(reduced_.pivot());
     const int f = reduced_.freedoms();
-    out_.kinetic.push_back(energy * reduced_.kinetic_energy());
-    out_.potential.push_back(energy * reduced_.potential_energy());
+    const double kinetic = reduced_.kinetic_energy(), potential = reduced_.potential_energy();
+    energy_ = kinetic + potential;
+    out_.kinetic.push_back(energy * kinetic);
+    out_.potential.push_back(energy * potential);
     out_.work.push_back(energy * y_[static_cast<std::size_t>(2 * f)]);
-    energy_ = reduced_.kinetic_energy() + reduced_.potential_energy();
     for (const double one : {out_.kinetic.back(), out_.potential.back() - out_.potential.front(), out_.work.back()}) {
       exchanged_ = std::max(exchanged_, std::abs(one) / energy);
     }
