@@ -10,6 +10,7 @@
 #include "model/curved_slots.hpp"
 #include "model/indexed_key.hpp"
 #include "model/one_line.hpp"
+#include "model/rolling_profile.hpp"
 
 namespace poise {
 namespace {
@@ -382,22 +383,9 @@ CurveNumbers curve_numbers_of(const Stop& stop) {
   return out;
 }
 
-namespace {
-
-/// Where the points of a slot's curve are along it, m: sums of chords, of a closed one with the first point once more.
-std::vector<double> chords_of(const Stop& slot) {
-  std::vector<double> along{0.0};
-  for (std::size_t k = 1; k < slot.curve.size() + (slot.closed ? 1 : 0); ++k) {
-    along.push_back(along.back() + norm(slot.curve[k % slot.curve.size()] - slot.curve[k - 1]));
-  }
-  return along;
-}
-
-}  // namespace
-
 void check_curve(const Stop& stop) {
   if (stop.table != "curved_slot" || stop.curve.empty()) return;
-  const std::vector<double> along = chords_of(stop);
+  const std::vector<double> along = sums_of_chords(stop.curve, stop.closed);
   for (std::size_t k = 1; k < along.size(); ++k) {
     if (along[k] > along[k - 1]) continue;
     throw InputError(
@@ -425,7 +413,7 @@ void follow_curve(Stop* rows) {
   } catch (const InputError&) {
     return;
   }
-  std::vector<double> along = chords_of(first);
+  std::vector<double> along = sums_of_chords(first.curve, first.closed);
   const double length = along.back();
   for (double& u : along) u /= length;
   along.back() = 1.0;

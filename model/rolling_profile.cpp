@@ -60,12 +60,20 @@ double follow(Profile::Law law, double begin, Pieces& pieces) {
 
 }  // namespace
 
+std::vector<double> sums_of_chords(const std::vector<Vec2>& points, bool is_closed) {
+  std::vector<double> along{0.0};
+  for (std::size_t k = 1; k < points.size() + (is_closed ? 1 : 0); ++k) {
+    along.push_back(along.back() + norm(points[k % points.size()] - points[k - 1]));
+  }
+  return along;
+}
+
 std::optional<RollingProfile> rolling_profile(const std::vector<Vec2>& points, bool is_closed) {
-  std::vector<double> u{0.0}, x, y;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (k > 0) u.push_back(u.back() + norm(points[k] - points[k - 1]));
-    x.push_back(points[k].x);
-    y.push_back(points[k].y);
+  // A closed curve has its first point at its end already.
+  std::vector<double> u = sums_of_chords(points, false), x, y;
+  for (const Vec2& point : points) {
+    x.push_back(point.x);
+    y.push_back(point.y);
   }
   RollingProfile out;
   out.chords = u.back();

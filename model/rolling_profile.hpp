@@ -28,6 +28,10 @@ struct RollingProfile {
   std::shared_ptr<const Profile> angle, length, along, across;
 };
 
+/// Where points are along the polygon through them, m: sums of chords from the first; of a closed one with the first
+/// point once more at the end.
+std::vector<double> sums_of_chords(const std::vector<Vec2>& points, bool is_closed);
+
 /// Through three points or more, m, each unlike the one before; of a closed curve the last is the first once more. None
 /// if the curve comes to a stop somewhere, or nearly so, as in a cusp.
 std::optional<RollingProfile> rolling_profile(const std::vector<Vec2>& points, bool is_closed);
