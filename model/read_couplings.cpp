@@ -246,12 +246,18 @@ class CouplingReader {
     ends.to_end = !ends.closed && !table.has("to");
   }
 
+  // The direction of a line.
+  static Vec2 axis_of(const TomlTable& table) {
+    const Vec2 axis = table.vector("axis", 1.0);
+    if (axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
+    return axis;
+  }
+
   // Across the line, and along it: component + radius (angle of the wheel from the line's body).
   std::vector<Stop> read_rolling(const CouplingKind& kind, const TomlTable& table) const {
     table.allow_keys({"name", "wheel", "line", "axis", "radius", "offset"});
     const auto [wheel, line] = points_of(table, "wheel", "line");
-    const Vec2 axis = table.vector("axis", 1.0);
-    if (axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
+    const Vec2 axis = axis_of(table);
     std::vector<Stop> rows(2);
     rows[0].table = kind.table;
     rows[0].on = Measure::component_along(line, wheel, quarter_turn(axis));
@@ -360,8 +366,7 @@ class CouplingReader {
   std::vector<Stop> read_rolling_profile(const CouplingKind& kind, const TomlTable& table, int rider) const {
     allow_profile(table, {"line", "axis"});
     const auto [at, line] = points_of(table, "at", "line");
-    const Vec2 axis = table.vector("axis", 1.0);
-    if (axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
+    const Vec2 axis = axis_of(table);
     const Curve curve = read_curve(table, rider, 0.0);
     std::vector<Stop> rows(2);
     rows[0].table = kind.table;

@@ -158,7 +158,8 @@ class EquilibriumCheck {
     for (const Element& e : scene_.elements) stiffest = std::max(stiffest, rounding_size(e));
     const double rounding = 1e-14 * stiffest;
     if (!std::isfinite(out_.imbalance) || !std::isfinite(out_.largest_force)) {
-      if (!names_rope_without_length()) object("forces overflow double precision, so balance cannot be checked");
+      const std::string rope = rope_without_length(scene_, poses_);
+      object(rope.empty() ? "forces overflow double precision, so balance cannot be checked" : rope);
       return;
     }
     out_.balanced = is_balanced(bodies, rounding);
@@ -181,12 +182,6 @@ class EquilibriumCheck {
     }
     if (const auto* spring = std::get_if<LinearSpring>(&e.law)) turns += std::abs(spring->free_length);
     return k * turns / size_;
-  }
-
-  bool names_rope_without_length() {
-    const std::string rope = rope_without_length(scene_, poses_);
-    if (!rope.empty()) object(rope);
-    return !rope.empty();
   }
 
   // Of ropes that carry a force: off a pulley its length is not the one of the equations.
