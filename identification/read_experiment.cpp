@@ -15,7 +15,6 @@
 #include "identification/set_parameter.hpp"
 #include "model/dependent_number.hpp"
 #include "model/joint_friction.hpp"
-#include "model/meshing.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/read_parameter_changes.hpp"
@@ -25,19 +24,6 @@
 namespace poise {
 namespace {
 namespace fs = std::filesystem;
-
-/// The friction of motion does not know how teeth and rollers press on bearings.
-void refuse_loaded_bearings(const Scene& scene) {
-  if (joints_with_friction(scene).empty()) return;
-  for (const Stop& stop : scene.stops) {
-    if (!loads_bearings(stop)) continue;
-    throw InputError(fmt::format(
-        "{}{}: {} \"{}\": identification does not treat friction of joints, here {}, that contact forces press on; "
-        "remove the key {}, so that they act on their measures alone, or the friction",
-        scene.file, stop.line > 0 ? fmt::format(":{}", stop.line) : "", stop.family(), stop.name,
-        joints_with_friction(scene).front(), stop.table == "cam" ? "roller" : "pressure_angle"));
-  }
-}
 
 std::optional<Loss> read_loss(const TomlTable& root) {
   const auto word = root.find_text("loss");
@@ -92,7 +78,6 @@ class ExperimentReader {
     }
     experiment_.scene = read_scene(scene);
     refuse_rubbing_ropes(experiment_.scene, "identification");
-    refuse_loaded_bearings(experiment_.scene);
     experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }

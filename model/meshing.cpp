@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "model/cam_geometry.hpp"
+#include <fmt/format.h>
 
 namespace poise {
 namespace {
@@ -70,6 +70,12 @@ std::optional<Meshing> meshing(const Scene& scene, const Stop& stop) {
 }
 
 bool loads_bearings(const Stop& stop) { return stop.roller || stop.pressure_tangent; }
+
+ContactPlace contact_place(const Scene& scene, const Stop& stop) {
+  ContactPlace out{meshing(scene, stop), cam_geometry(scene, stop)};
+  if (out.mesh || out.cam) return out;
+  throw InputError(fmt::format("{} \"{}\": its numbers leave no place for the contact", stop.family(), stop.name));
+}
 
 std::vector<int> loaded_joints(const Scene& scene, const Stop& stop) {
   std::vector<PointRef> axes;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "model/cam_geometry.hpp"
 #include "model/scene.hpp"
 
 namespace poise {
@@ -30,6 +31,15 @@ std::optional<Meshing> meshing(const Scene& scene, const Stop& stop);
 /// Its contact force acts where the teeth mesh, or at the roller of a cam, and so loads bearings and guides: the scene
 /// gives a pressure angle, or the roller. That of other couplings acts on their measures alone.
 bool loads_bearings(const Stop& stop);
+
+/// The parts of a scene between which the contact force of a coupling acts that loads bearings.
+struct ContactPlace {
+  std::optional<Meshing> mesh;     ///< of teeth
+  std::optional<CamGeometry> cam;  ///< of a roller
+};
+
+/// Throws InputError where the numbers of a changed scene leave no place for the contact.
+ContactPlace contact_place(const Scene& scene, const Stop& stop);
 
 /// Indices of the joints whose forces differ from those that it would have if it acted on its measures alone: pins and
 /// welds at the axes, and the slide of a rack or of a follower.

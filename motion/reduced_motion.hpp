@@ -9,6 +9,7 @@
 
 #include "model/inertia.hpp"
 #include "model/mechanism.hpp"
+#include "motion/bearing_loads.hpp"
 #include "motion/friction_forces.hpp"
 #include "motion/motion_input.hpp"
 #include "motion/motion_model.hpp"
@@ -87,7 +88,9 @@ struct Influence {
 ///
 /// Friction of joints in a scene that is resisted_by_joints(): an element that sticks resists with its constant force
 /// F_i, and where its bound grows with the force R in the joint, with T_i = s_i c_i |R|_i more, s_i the direction in
-/// which it slides. R are multipliers of closures, affine in all T. Where T = S c |R(T)| need not have one solution
+/// which it slides. R are multipliers of closures, affine in all T; where the force of teeth or of a cam's roller acts
+/// at its place (BearingLoads) they have its part, R = R_0 + Q D with the effort Q, and of teeth that push their wheels
+/// apart |Q| E more, |Q| as the size of one more force. Where T = S c |R(T)| need not have one solution
 /// (FrictionForces) friction is locked. By any z, w or p,
 ///   T' = S (c |R|' + c' |R|),  |R|' = |R|'(R' at constant T + dR/dT T').
 ///
@@ -104,7 +107,8 @@ class ReducedMotion {
     open,         ///< the loops cannot be closed for these z
     singular,     ///< so near a singular pose that the dependent coordinates are ill-conditioned
     no_inertia,   ///< B^T M B is not positive definite: some degree of freedom has no inertia
-    locked,       ///< friction of joints grows with the forces that it makes: they may be several, or none
+    locked,       ///< friction of joints grows with the forces that it makes: they may be several, or none; or a cam
+                  ///< could drive its follower by no finite force
     undetermined  ///< closures that repeat each other leave the force in a joint with friction open
   };
 
@@ -202,6 +206,9 @@ class ReducedMotion {
   /// By how much the bound of friction that sticks exceeds that of its law: of an element of the scene, c |R|. After
   /// accelerate().
   T load_bound(int element) const;
+  /// Teeth that push their wheels apart onto joints with friction, by |Q|: in load_bound(), turn_branch() and
+  /// branch_margin() each counts as one more element, behind those of the scene.
+  int separating_teeth() const { return static_cast<int>(grips_.size() - first_teeth_); }
   /// |R| of a slide or slot is the size of a normal force, of a carriage the greater of two: piecewise linear in R, by
   /// branches. From now on, whatever the forces become, that of each joint follows the branch that accelerate() found
   /// last; free again after free_branches().
@@ -247,7 +254,8 @@ class ReducedMotion {
   struct Hold {
     Planar<T> at{}, end{};
   };
-  // Friction of a joint that grows with its force.
+  // Friction of a joint that grows with its force; or teeth that push their wheels apart by |Q|, whose force is (Q, 0)
+  // along the normal (1, 0).
   struct Grip {
     int element, joint;
     CompiledMeasure<T> on;   // the joint's angle or travel
@@ -255,6 +263,10 @@ class ReducedMotion {
     int row = -1, end = -1;  // first rows of the closures
     int travel = -1;         // its coordinate, whose line has the direction `axis` at zero angle
     Planar<T> axis{};
+    int contact = -1;  // of teeth: index into BearingLoads::contacts()
+
+    bool is_teeth() const { return contact >= 0; }
+    bool is_pin() const { return travel < 0 && !is_teeth(); }
   };
   // What its size depends on: |at| of a pin; else of the normal components N = n . at and n . end, of the carriage's
   // end, by N + end or by end alone, with the sign of that.
@@ -271,6 +283,7 @@ class ReducedMotion {
     std::vector<DriveRow> drives;
     std::vector<InputLoad<T>> input_loads;
     std::vector<Grip> grips;
+    std::shared_ptr<BearingLoads<T>> bearing_loads;
     T weight{};
     bool changes_drives = false;
   };
@@ -278,6 +291,7 @@ class ReducedMotion {
   friend class ReducedMotion;
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
   static std::vector<Grip> grips_of(const Scene& scene, const Mechanism<T>& mechanism);
+  static std::vector<int> growing(const std::vector<Grip>& grips);
   double near_at(const T& t) const { return std::isnan(near_) ? static_cast<double>(t) : near_; }
   void set_load(InputLoad<T>& load) const;
   void make_rows();
@@ -291,7 +305,11 @@ class ReducedMotion {
   void add_accelerations(const T* alpha);
   bool leaves_open();
   Status add_gripping_friction(const std::vector<double>* sizes);
-  Hold hold_of(const Grip& grip) const;
+  std::size_t stop_row(int contact) const;
+  T effort_in(int contact) const;
+  Hold multipliers_of(const Grip& grip) const;
+  Hold hold_of(std::size_t i) const;
+  bool load_bearings();
   Planar<T> normal_of(const Grip& grip) const;
   void take_size(std::size_t i, const Hold& hold);
   std::size_t grip_of(int element) const;
@@ -341,6 +359,12 @@ class ReducedMotion {
   SmallLu<T> lu_;
 
   std::vector<Grip> grips_;
+  std::size_t first_teeth_ = 0;  // behind those of joints
+  BearingLoads<T> bearing_loads_;
+  std::size_t first_stop_ = 0;                   // in drives_
+  std::vector<T> contact_slopes_;                // of each contact, n values: Dg less the generalized force of F
+  std::vector<T> contact_efforts_;               // Q
+  std::vector<Hold> contact_holds_;              // of each joint and contact: D
   std::vector<T> directions_, efforts_, sizes_;  // of each: s, T, |R|
   std::vector<Hold> holds_, responses_;          // R, and dR_i/dT_j
   std::vector<Branch> branches_;

@@ -144,6 +144,7 @@ void ReducedMotion<T>::find_multipliers() {
 // driven measures `drive_rows_` (all but that of the unknown alpha'), finds a' = a'0 + B alpha' with  B^T dG = 0.
 template <class T>
 void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha) {
+  using std::abs;
   std::fill(da, da + n_, T(0));
   if (rank() > 0) {
     std::fill(rows_work_.begin(), rows_work_.end(), T(0));
@@ -169,6 +170,11 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
       if (!full && row[e] != column[e]) force_[column[e]] += tangent_[e] * dq[row[e]];
     }
     for (int k = 0; k < drives(); ++k) drives_[k].on.add_bend(here(), dq, drive_multipliers_[k], force_.data());
+    for (std::size_t c = 0; c < contact_efforts_.size(); ++c) {
+      const T& effort = contact_efforts_[c];
+      drives_[stop_row(static_cast<int>(c))].on.add_bend(here(), dq, effort, force_.data());
+      bearing_loads_.add_change(bearing_loads_.contacts()[c], effort, abs(effort), pose_.data(), dq, force_.data());
+    }
     for (const InputLoad<T>& load : input_loads_) load.add_change(pose_.data(), dq, force_.data());
   }
   mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv,
@@ -267,6 +273,9 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
       int drive_scratch = 0;
       piece.drives = rows_of(scene, *piece.mechanism);
       piece.grips = grips_of(scene, *piece.mechanism);
+      if (!contact_efforts_.empty()) {
+        piece.bearing_loads = std::make_shared<BearingLoads<T>>(scene, *piece.mechanism, growing(grips_));
+      }
       for (std::size_t k = 0; k < piece.drives.size(); ++k) {
         DriveRow& row = piece.drives[k];
         row.input = drives_[k].input;
@@ -296,6 +305,7 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
 // Phasors are those of the pose placed, because they depend on coordinates only.
 template <class T>
 void ReducedMotion<T>::add_direct(Piece& piece) {
+  using std::abs;
   const Mechanism<T>& m = *piece.mechanism;
   const int equalities = mechanism_.equalities();
   Planar<T>* pose = varied_pose_.data();
@@ -336,11 +346,17 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
       if (row[e] < equalities) g[column[e]] += multipliers_[row[e]] * varied_values_[e];
     }
     for (int k = 0; k < drives(); ++k) piece.drives[k].on.add_gradient(there, drive_multipliers_[k], g);
+    if (piece.bearing_loads) piece.bearing_loads->place(q_.data(), pose);
+    for (std::size_t c = 0; c < contact_efforts_.size(); ++c) {
+      const T& effort = contact_efforts_[c];
+      piece.drives[stop_row(static_cast<int>(c))].on.add_gradient(there, effort, g);
+      piece.bearing_loads->add(piece.bearing_loads->contacts()[c], effort, abs(effort), pose, g);
+    }
   }
   for (int i = 0; i < n_; ++i) direct_.force[i] += piece.weight * g[i];
-  for (std::size_t i = 0; gripping_ && i < grips_.size(); ++i) {
+  for (std::size_t i = 0; gripping_ && i < first_teeth_; ++i) {
     const Grip& grip = piece.grips[i];
-    const T size = size_of(grip, branches_[i], holds_[i], grip.travel < 0 ? Planar<T>{} : normal_of(grip));
+    const T size = size_of(grip, branches_[i], holds_[i], grip.is_pin() ? Planar<T>{} : normal_of(grip));
     direct_.bound[i] += piece.weight * grip.factor * size;
   }
 }
@@ -448,7 +464,7 @@ T ReducedMotion<T>::power() const {
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];
   for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1, near_at(t_));
-  for (std::size_t i = 0; i < grips_.size(); ++i) power -= efforts_[i] * grips_[i].on.along(here(), v_.data());
+  for (std::size_t i = 0; i < first_teeth_; ++i) power -= efforts_[i] * grips_[i].on.along(here(), v_.data());
   return power;
 }
 

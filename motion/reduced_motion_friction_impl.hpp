@@ -16,18 +16,71 @@ Planar<T> ReducedMotion<T>::normal_of(const Grip& grip) const {
   return quarter_turn(grip.axis * mechanism_.phasors().line_direction(pose_.data(), grip.travel));
 }
 
-// From the multipliers of the used rows in small_rows_.
+// In drives_, of the stop that a contact is of.
 template <class T>
-typename ReducedMotion<T>::Hold ReducedMotion<T>::hold_of(const Grip& grip) const {
+std::size_t ReducedMotion<T>::stop_row(int contact) const {
+  return first_stop_ + static_cast<std::size_t>(bearing_loads_.contacts()[static_cast<std::size_t>(contact)].held);
+}
+
+// Q, from the multipliers of the used rows in small_rows_.
+template <class T>
+T ReducedMotion<T>::effort_in(int contact) const {
+  const int place = place_of_row_[static_cast<std::size_t>(mechanism_.equalities()) + stop_row(contact)];
+  return place < 0 ? T(0) : T(-small_rows_[place]);
+}
+
+// From these.
+template <class T>
+typename ReducedMotion<T>::Hold ReducedMotion<T>::multipliers_of(const Grip& grip) const {
   const auto multiplier = [&](int row) { return place_of_row_[row] < 0 ? T(0) : small_rows_[place_of_row_[row]]; };
   Hold out{{multiplier(grip.row), multiplier(grip.row + 1)}, {}};
   if (grip.end >= 0) out.end = {multiplier(grip.end), multiplier(grip.end + 1)};
   return out;
 }
 
+// With the parts of contacts.
+template <class T>
+typename ReducedMotion<T>::Hold ReducedMotion<T>::hold_of(std::size_t i) const {
+  if (grips_[i].is_teeth()) return {{effort_in(grips_[i].contact), T(0)}, {}};
+  Hold out = multipliers_of(grips_[i]);
+  const std::size_t contacts = contact_efforts_.size();
+  for (std::size_t c = 0; c < contacts; ++c) {
+    const T effort = effort_in(static_cast<int>(c));
+    out.at += effort * contact_holds_[i * contacts + c].at;
+    out.end += effort * contact_holds_[i * contacts + c].end;
+  }
+  return out;
+}
+
+// What a unit effort of each contact changes in joints by acting at its place, and the generalized forces of teeth that
+// push their wheels apart by 1. False where a contact transmits no effort by a finite force.
+template <class T>
+bool ReducedMotion<T>::load_bearings() {
+  const std::size_t contacts = contact_efforts_.size();
+  const std::size_t n = static_cast<std::size_t>(n_);
+  if (contacts == 0) return true;
+  bearing_loads_.place(q_.data(), pose_.data());
+  for (std::size_t c = 0; c < contacts; ++c) {
+    T* slopes = &contact_slopes_[c * n];
+    std::fill(slopes, slopes + n, T(0));
+    drives_[stop_row(static_cast<int>(c))].on.add_gradient(here(), T(1), slopes);
+    if (!bearing_loads_.add(bearing_loads_.contacts()[c], T(1), T(0), pose_.data(), slopes)) return false;
+    for (std::size_t i = 0; i < dependent_.size(); ++i) small_rows_[i] = -slopes[dependent_[i]];
+    lu_.solve_transposed(small_rows_.data());
+    for (std::size_t i = 0; i < first_teeth_; ++i) contact_holds_[i * contacts + c] = multipliers_of(grips_[i]);
+  }
+  for (std::size_t i = first_teeth_; i < grips_.size(); ++i) {
+    T* slopes = &grip_slopes_[i * n];
+    std::fill(slopes, slopes + n, T(0));
+    bearing_loads_.add(bearing_loads_.contacts()[static_cast<std::size_t>(grips_[i].contact)], T(0), T(1), pose_.data(),
+                       slopes);
+  }
+  return true;
+}
+
 template <class T>
 T ReducedMotion<T>::size_of(const Grip& grip, const Branch& branch, const Hold& hold, const Planar<T>& normal) {
-  if (grip.travel < 0) return norm(hold.at);
+  if (grip.is_pin()) return norm(hold.at);
   return branch.by_at * dot(normal, hold.at) + branch.by_end * dot(normal, hold.end);
 }
 
@@ -37,7 +90,7 @@ T ReducedMotion<T>::size_of(const Grip& grip, const Branch& branch, const Hold& 
 template <class T>
 int ReducedMotion<T>::branch_at(std::size_t i) const {
   using std::abs;
-  if (grips_[i].travel < 0) return 0;
+  if (grips_[i].is_pin()) return 0;
   const T end = dot(normals_[i], holds_[i].end);
   const T whole = dot(normals_[i], holds_[i].at) + end;
   if (abs(whole) >= abs(end)) return whole < 0 ? -1 : 1;
@@ -104,7 +157,7 @@ T ReducedMotion<T>::branch_margin(int element) const {
 template <class T>
 T ReducedMotion<T>::size_along(std::size_t i, const Hold& change, const Planar<T>& normal_change) const {
   const Grip& grip = grips_[i];
-  if (grip.travel < 0) return sizes_[i] > 0 ? T(dot(holds_[i].at, change.at) / sizes_[i]) : T(0);
+  if (grip.is_pin()) return sizes_[i] > 0 ? T(dot(holds_[i].at, change.at) / sizes_[i]) : T(0);
   return size_of(grip, branches_[i], change, normals_[i]) + size_of(grip, branches_[i], holds_[i], normal_change);
 }
 
@@ -120,6 +173,11 @@ bool ReducedMotion<T>::leaves_open() {
       if (grip.factor == 0) continue;
       for (const int first : {grip.row, grip.end}) {
         if (first >= 0 && (row == first || row == first + 1)) return grip.joint;
+      }
+    }
+    for (std::size_t c = 0; c < contact_efforts_.size(); ++c) {
+      if (row == mechanism_.equalities() + static_cast<int>(stop_row(static_cast<int>(c)))) {
+        return bearing_loads_.contacts()[c].joint;
       }
     }
     return -2;
@@ -148,7 +206,12 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
   const std::size_t k = grips_.size();
   const std::size_t f = independent_.size();
   const std::size_t n = static_cast<std::size_t>(n_);
-  for (std::size_t i = 0; i < k; ++i) {
+  for (std::size_t i = first_teeth_; i < k; ++i) {
+    efforts_[i] = T(0);
+    directions_[i] = T(1);
+    normals_[i] = {T(1), T(0)};
+  }
+  for (std::size_t i = 0; i < first_teeth_; ++i) {
     const Grip& one = grips_[i];
     efforts_[i] = T(0);
     T* slopes = &grip_slopes_[i * n];
@@ -165,28 +228,36 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
   if (!open_known_) open_ = leaves_open();
   open_known_ = true;
   if (open_) return Status::undetermined;
+  const auto give_up = [&] {
+    std::fill(a_.begin(), a_.end(), std::numeric_limits<T>::quiet_NaN());
+    return Status::locked;
+  };
+  if (!load_bearings()) return give_up();
 
   for (std::size_t i = 0; i < dependent_.size(); ++i) small_rows_[i] = -full_force_[dependent_[i]];
   lu_.solve_transposed(small_rows_.data());
-  for (std::size_t i = 0; i < k; ++i) holds_without_[i] = hold_of(grips_[i]);
+  for (std::size_t i = 0; i < k; ++i) holds_without_[i] = hold_of(i);
   for (std::size_t j = 0; j < k; ++j) {
     T* alpha = &grip_alpha_[j * f];
     const T* slopes = &grip_slopes_[j * n];
-    project(slopes, alpha);
-    for (std::size_t l = 0; l < f; ++l) alpha[l] = -alpha[l];
-    divide_by_mass(alpha);
+    std::fill(alpha, alpha + f, T(0));
+    if (j < first_teeth_) {  // teeth that push their wheels apart move nothing
+      project(slopes, alpha);
+      for (std::size_t l = 0; l < f; ++l) alpha[l] = -alpha[l];
+      divide_by_mass(alpha);
+    }
     for (std::size_t i = 0; i < dependent_.size(); ++i) {
       T force = slopes[dependent_[i]];
       for (std::size_t l = 0; l < f; ++l) force += alpha[l] * mass_columns_[l * n + dependent_[i]];
       small_rows_[i] = -force;
     }
     lu_.solve_transposed(small_rows_.data());
-    for (std::size_t i = 0; i < k; ++i) responses_[i * k + j] = hold_of(grips_[i]);
+    for (std::size_t i = 0; i < k; ++i) responses_[i * k + j] = hold_of(i);
   }
   const auto acting = [&](std::size_t i) { return directions_[i] * grips_[i].factor; };
   // Of a carriage |R| is the greater of the whole normal force and that of its end.
   const auto components = [&](std::size_t i, const Hold& hold) {
-    if (grips_[i].travel < 0) return planar_cast<double>(hold.at);
+    if (grips_[i].is_pin()) return planar_cast<double>(hold.at);
     const T end = dot(normals_[i], hold.end);
     return planar_cast<double>(Planar<T>{dot(normals_[i], hold.at) + end, end});
   };
@@ -196,10 +267,6 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
       grip_forces_.response(i, j) = static_cast<double>(acting(j)) * components(i, responses_[i * k + j]);
     }
   }
-  const auto give_up = [&] {
-    std::fill(a_.begin(), a_.end(), std::numeric_limits<T>::quiet_NaN());
-    return Status::locked;
-  };
   if (sizes == nullptr && !grip_forces_.is_unique()) return give_up();
   // T = S c |R(T)| by Newton's method, from the efforts under the forces without them or those given; steps that do not
   // come nearer are halved, and where that does not help T <- S c |R(T)|, which may contract.
@@ -272,6 +339,13 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
   }
   for (std::size_t l = 0; l < f; ++l) alpha_[l] += small_[l];
   add_accelerations(small_.data());
+  if (contact_efforts_.empty()) return Status::ok;
+  for (std::size_t i = 0; i < dependent_.size(); ++i) small_rows_[i] = -full_force_[dependent_[i]];
+  lu_.solve_transposed(small_rows_.data());
+  for (std::size_t c = 0; c < contact_efforts_.size(); ++c) {
+    contact_efforts_[c] = effort_in(static_cast<int>(c));
+    for (std::size_t i = 0; i < n; ++i) full_force_[i] += contact_efforts_[c] * contact_slopes_[c * n + i];
+  }
   return Status::ok;
 }
 
@@ -299,7 +373,7 @@ void ReducedMotion<T>::let_friction_follow(const T* dq, const Direct* direct, co
     Planar<T> turned{};
     const int frame = grip.travel < 0 ? -1 : mechanism_.phasors().frame(grip.travel);
     if (dq != nullptr && frame >= 0) turned = dq[frame] * quarter_turn(normals_[i]);
-    grip_work_[i] = directions_[i] * grip.factor * size_along(i, hold_of(grip), turned);
+    grip_work_[i] = directions_[i] * grip.factor * size_along(i, hold_of(i), turned);
     if (direct != nullptr) grip_work_[i] += directions_[i] * direct->bound[i];
   }
   grip_lu_.solve(grip_work_.data());

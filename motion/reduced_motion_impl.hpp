@@ -14,10 +14,28 @@ namespace poise {
 
 template <class T>
 ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanism, const Inertia<T>& inertia)
-    : mechanism_(mechanism), inertia_(inertia), n_(mechanism.coordinates()), singular_limit_(1e-9) {
+    : mechanism_(mechanism),
+      inertia_(inertia),
+      n_(mechanism.coordinates()),
+      singular_limit_(1e-9),
+      grips_(grips_of(scene, mechanism)),
+      first_teeth_(grips_.size()),
+      bearing_loads_(scene, mechanism, growing(grips_)),
+      first_stop_(scene.drives.size()) {
   drives_ = rows_of(scene, mechanism);
   prescribed_ = drives_.size();
-  grips_ = grips_of(scene, mechanism);
+  const std::size_t contacts = bearing_loads_.contacts().size();
+  for (std::size_t c = 0; c < contacts; ++c) {
+    const typename BearingLoads<T>::Contact& contact = bearing_loads_.contacts()[c];
+    if (!contact.separates) continue;
+    const int index = static_cast<int>(scene.elements.size() + grips_.size() - first_teeth_);
+    Grip teeth{index, contact.joint, drives_[stop_row(static_cast<int>(c))].on, T(1)};
+    teeth.contact = static_cast<int>(c);
+    grips_.push_back(std::move(teeth));
+  }
+  contact_slopes_.assign(contacts * static_cast<std::size_t>(n_), T(0));
+  contact_efforts_.assign(contacts, T(0));
+  contact_holds_.resize(first_teeth_ * contacts);
   const std::size_t n = static_cast<std::size_t>(n_);
   for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_,
                      &varied_force_}) {
@@ -29,9 +47,9 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   for (const Grip& grip : grips_) gripping_ = gripping_ || grip.factor != 0;
   std::vector<FrictionForces::Size> kinds;
   for (const Grip& grip : grips_) {
-    kinds.push_back(grip.travel < 0 ? FrictionForces::Size::pin
-                    : grip.end < 0  ? FrictionForces::Size::normal
-                                    : FrictionForces::Size::carriage);
+    kinds.push_back(grip.is_pin()  ? FrictionForces::Size::pin
+                    : grip.end < 0 ? FrictionForces::Size::normal
+                                   : FrictionForces::Size::carriage);
   }
   grip_forces_ = FrictionForces(std::move(kinds));
   holds_.resize(k);
@@ -92,6 +110,16 @@ std::vector<typename ReducedMotion<T>::Grip> ReducedMotion<T>::grips_of(const Sc
     out.push_back(std::move(one));
   }
   return out;
+}
+
+// Their joints, of those with a bound that grows.
+template <class T>
+std::vector<int> ReducedMotion<T>::growing(const std::vector<Grip>& grips) {
+  std::vector<int> joints;
+  for (const Grip& grip : grips) {
+    if (grip.factor != 0) joints.push_back(grip.joint);
+  }
+  return joints;
 }
 
 // Sizes the buffers that depend on the number of rows.

@@ -37,7 +37,7 @@ class Simulation {
       : model_(model),
         options_(options),
         reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
-        friction_(model, options.variations),
+        friction_(model, options.variations, reduced_),
         borders_(model, options.variations),
         n_(static_cast<std::size_t>(model.mechanism().coordinates())),
         unit_(n_, 1.0),
@@ -725,8 +725,7 @@ class Simulation {
     const Joint& joint = model_.scene().joints[static_cast<std::size_t>(reduced_.undetermined())];
     throw InputError(fmt::format(
         "{}:{}: {} \"{}\".friction: the mechanism is statically indeterminate, so that the force in this joint, on "
-        "which "
-        "its friction depends, cannot be known; expected joints of which none repeats others, or friction of a "
+        "which its friction depends, cannot be known; expected joints of which none repeats others, or friction of a "
         "constant torque or force",
         model_.scene().file, joint.line, joint.traits().key, joint.name));
   }

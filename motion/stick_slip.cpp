@@ -25,7 +25,7 @@ constexpr double tiny = std::numeric_limits<double>::min();
 
 }  // namespace
 
-StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& variations)
+StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& variations, const Reduced& motion)
     : model_(model), variations_(variations) {
   const Scene& scene = model.scaled_scene();
   const Phasors<double>& phasors = model.mechanism().phasors();
@@ -46,9 +46,15 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
     }
     contacts_.push_back(std::move(contact));
   }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) grips_ = grips_ || grips(scene, static_cast<int>(j));
+  bool some_grip = false;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) some_grip = some_grip || grips(scene, static_cast<int>(j));
+  if (some_grip) {
+    for (const Contact& contact : contacts_) branched_.push_back({contact.element, false});
+    for (int k = 0; k < motion.separating_teeth(); ++k) {
+      branched_.push_back({static_cast<int>(scene.elements.size()) + k, true});
+    }
+  }
   pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));
-  met_ = turning_ = turned_ = none();
 }
 
 Configuration<double> StickSlip::place(const CompiledMeasure<double>& on, const double* q) {
@@ -79,8 +85,10 @@ double StickSlip::watch(const Reduced& motion) {
     contact.rate = rate(contact, motion);
     contact.acceleration = acceleration(contact, motion);
     contact.speed = std::max(contact.speed, std::abs(contact.rate));
-    contact.load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
-    contact.turn = motion.branch_margin(contact.element);
+  }
+  for (Branched& one : branched_) {
+    one.load = std::max(one.load, std::abs(motion.load_bound(one.element)));
+    one.turn = motion.branch_margin(one.element);
   }
   return margin(motion);
 }
@@ -116,35 +124,37 @@ double StickSlip::margin_of(const Contact& contact, const Reduced& motion) {
 
 double StickSlip::margin(const Reduced& motion) {
   double least = std::numeric_limits<double>::infinity();
-  least_ = turning_ = none();
-  for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    const double turn = turn_margin_of(contacts_[c], motion);
+  least_ = turning_ = none;
+  for (std::size_t b = 0; b < branched_.size(); ++b) {
+    const double turn = turn_margin_of(branched_[b], motion);
     if (turn < least) {
       least = turn;
-      turning_ = c;
+      turning_ = b;
     }
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (contacts_[c].idle) continue;
     const double own = margin_of(contacts_[c], motion);
     if (!(own < least)) continue;
     least = own;
     least_ = c;
-    turning_ = none();
+    turning_ = none;
   }
   return least;
 }
 
-double StickSlip::turn_margin_of(const Contact& contact, const Reduced& motion) {
-  if (!grips_ || motion.slides()[contact.element] == 0) return std::numeric_limits<double>::infinity();
-  const double load = std::max(contact.load, std::abs(motion.load_bound(contact.element)));
-  const double turn = motion.branch_margin(contact.element) / (load + tiny);
+double StickSlip::turn_margin_of(const Branched& branched, const Reduced& motion) {
+  if (!branched.is_teeth && motion.slides()[branched.element] == 0) return std::numeric_limits<double>::infinity();
+  const double load = std::max(branched.load, std::abs(motion.load_bound(branched.element)));
+  const double turn = motion.branch_margin(branched.element) / (load + tiny);
   // Without a force at the last node and here nothing turns.
-  return turn == 0.0 && contact.turn == 0.0 ? std::numeric_limits<double>::infinity() : turn;
+  return turn == 0.0 && branched.turn == 0.0 ? std::numeric_limits<double>::infinity() : turn;
 }
 
 void StickSlip::meet(const Reduced& motion) {
   turned_ = turning_;
-  met_ = turned_ == none() ? least_ : none();
-  if (met_ == none()) {
+  met_ = turned_ == none ? least_ : none;
+  if (met_ == none) {
     by_force_ = true;
     return;
   }
@@ -260,7 +270,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
     return locks ? Choice::locked : Choice::none;
   }
   for (const Trial& trial : trials) {
-    if (!grips_ || trial.violation > no_acceleration) continue;
+    if (branched_.empty() || trial.violation > no_acceleration) continue;
     for (std::size_t k = 0; k < still.size(); ++k) {
       const double apart = std::abs(trial.acceleration[k] - best->acceleration[k]);
       if (apart > consistent * largest[k]) return Choice::several;
@@ -274,8 +284,8 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
   }
   motion.follow_branches();
   // At the turn itself both branches agree but for rounding.
-  if (turned_ != none()) motion.turn_branch(contacts_[turned_].element, before);
-  met_ = turned_ = none();
+  if (turned_ != none) motion.turn_branch(branched_[turned_].element, before);
+  met_ = turned_ = none;
   return Choice::made;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "motion/motion_model.hpp"
@@ -20,8 +21,8 @@ namespace poise {
 /// and the one taken must have unique forces.
 class StickSlip {
  public:
-  /// Both must outlive this.
-  StickSlip(const MotionModel& model, const std::vector<Variation>& variations);
+  /// Model and variations must outlive this. `motion` is one of the model, for the teeth that it has.
+  StickSlip(const MotionModel& model, const std::vector<Variation>& variations, const ReducedMotion<double>& motion);
 
   /// Whether the scene has such friction.
   bool acts() const { return !contacts_.empty(); }
@@ -64,10 +65,15 @@ class StickSlip {
     CompiledMeasure<double> on;
     std::vector<std::vector<CompiledMeasure<double>>> varied;  // by variation and piece
     double speed = 0.0;                                        // largest rate yet
-    double load = 0.0;                                         // largest part of F yet that grows with a force
     double rate = 0.0, acceleration = 0.0;                     // at the last node
-    double turn = 0.0;                                         // ReducedMotion::branch_margin() there
     bool idle = false;  // slides without rate or acceleration: what is held holds it, too
+  };
+  // A size |R| with branches: of the force in a joint with friction, or of teeth that push their wheels apart.
+  struct Branched {
+    int element;        // of the joint, or behind the elements of the scene
+    bool is_teeth;
+    double load = 0.0;  // largest yet
+    double turn = 0.0;  // ReducedMotion::branch_margin() at the last node
   };
   struct Trial {
     std::vector<int> slides;
@@ -75,25 +81,25 @@ class StickSlip {
     bool is_locked = false;                   // forces may be others than these
     double violation = 0.0;
   };
-  std::size_t none() const { return contacts_.size(); }
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   Configuration<double> place(const CompiledMeasure<double>& on, const double* q);
   double rate(const Contact& contact, const ReducedMotion<double>& motion);
   double acceleration(const Contact& contact, const ReducedMotion<double>& motion);
   double margin_of(const Contact& contact, const ReducedMotion<double>& motion);
-  double turn_margin_of(const Contact& contact, const ReducedMotion<double>& motion);
+  double turn_margin_of(const Branched& branched, const ReducedMotion<double>& motion);
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, double t, const std::vector<double>& q,
                                     const std::vector<double>& v, const std::vector<int>& slides) const;
 
   const MotionModel& model_;
   const std::vector<Variation>& variations_;
   std::vector<Contact> contacts_;
-  bool grips_ = false;  // some F grows with a force
+  std::vector<Branched> branched_;  // empty if no F grows with a force
   std::vector<Planar<double>> pose_;
-  std::size_t least_ = 0;             // contact of the last margin()
-  std::size_t met_ = 0;               // of the event, none() without
+  std::size_t least_ = none;          // contact of the last margin()
+  std::size_t met_ = none;            // of the event
   bool by_force_ = false;             // its force passes F, or F turns
-  std::size_t turning_ = 0;           // contact of the last margin() whose F turns, none() without
-  std::size_t turned_ = 0;            // the same of the event
+  std::size_t turning_ = none;        // in branched_: the last margin() is that of its turn
+  std::size_t turned_ = none;         // the same of the event
   std::vector<double> slope_, bend_;  // of its rate, by v and by q
   std::vector<double> direct_;        // and by the number of each variation
   double met_acceleration_ = 0.0;

@@ -79,14 +79,14 @@ struct ContactLoad {
 ///         does the work of Q
 ///
 /// (J. Shigley, C. Mischke, "Mechanical Engineering Design", section 13.14: spur gears; R. L. Norton, "Cam Design and
-/// Manufacturing Handbook", 2009, chapter 7). Throws InputError where a changed scene leaves no place for the contact.
+/// Manufacturing Handbook", 2009, chapter 7). Does not allocate, given the place.
 template <class Pose, class T = ScalarOf<Pose>>
-std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop, const std::vector<Pose>& poses) {
+std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop, const ContactPlace& place,
+                                           const std::vector<Pose>& poses) {
   using body_measures::axis_of;
   using body_measures::world;
-  if (!loads_bearings(stop)) return std::nullopt;
-  if (stop.table == "cam") {
-    const CamGeometry cam = cam_geometry(scene, stop).value();
+  if (place.cam) {
+    const CamGeometry& cam = *place.cam;
     const std::optional<CamPush<T>> push = cam_push(scene, stop, cam, poses);
     if (!push) return std::nullopt;
     const Measure& angle = stop.on.terms[1].measure;
@@ -94,8 +94,7 @@ std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop,
     return ContactLoad<T>{
         cam.sense > 0 ? angle.body_b : angle.body_a, cam.roller.body, world(scene, poses, cam.roller), force, {}};
   }
-  const std::optional<Meshing> mesh = meshing(scene, stop);
-  if (!mesh) throw InputError(stop.family() + " \"" + stop.name + "\": its numbers leave no place where teeth mesh");
+  const std::optional<Meshing>& mesh = place.mesh;
   const T tangent(*stop.pressure_tangent);
   const double factor = stop.on.terms[1].factor;
   ContactLoad<T> out{mesh->body_a, mesh->body_b, world(scene, poses, mesh->axis_a), {}, {}};
@@ -114,6 +113,13 @@ std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop,
   out.force = -(per_length * quarter_turn(apart));
   out.separating = (T(1.0 + factor < 0 ? -stop.sense : stop.sense) * per_length * tangent) * apart;
   return out;
+}
+
+/// The same of any stop. Throws as contact_place().
+template <class Pose, class T = ScalarOf<Pose>>
+std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop, const std::vector<Pose>& poses) {
+  if (!loads_bearings(stop)) return std::nullopt;
+  return contact_load(scene, stop, contact_place(scene, stop), poses);
 }
 
 /// Q of a stop, from its reaction.

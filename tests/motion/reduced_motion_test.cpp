@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "motion/inverse_dynamics.hpp"
+#include "motion/kinematics.hpp"
 #include "motion/motion_model.hpp"
 #include "solvers/real50.hpp"
 #include "tests/motion/compiled_motion.hpp"
@@ -72,6 +73,7 @@ Scene friction_pendulum() {
 struct Case {
   std::string name;
   std::function<Scene()> scene;
+  std::vector<std::string> freedoms{};  // what moves on its own, by the names of drives, where joints have friction
 };
 
 std::vector<Case> cases() {
@@ -85,6 +87,18 @@ std::vector<Case> cases() {
           {"Andrews", [] { return read_scene(test::dataset("andrews.toml")); }}};
 }
 
+std::vector<Case> rubbing_cases() {
+  return {{"Planet", test::rubbing_planet, {"sun"}},
+          {"Rack", test::rubbing_rack, {"beam", "guide"}},
+          {"Rollers", test::rubbing_rollers, {"cam", "wheel"}}};
+}
+
+std::vector<Case> all_cases() {
+  std::vector<Case> all = cases();
+  for (Case& one : rubbing_cases()) all.push_back(std::move(one));
+  return all;
+}
+
 class MovingMechanism : public testing::TestWithParam<Case> {
  protected:
   void SetUp() override {
@@ -95,6 +109,9 @@ class MovingMechanism : public testing::TestWithParam<Case> {
   Scene scene_;
   std::vector<double> q0_;
 };
+
+// Forces that do not depend on other forces, so that the equations are linear in loads.
+class WithoutRubbingJoints : public MovingMechanism {};
 
 TEST_P(MovingMechanism, LinearizesAsDifferencesDo) {
   test::Random random(7);
@@ -267,7 +284,7 @@ Values changed(const Scene& scene, const Number& number, double by, const std::v
   return part(m.motion.alpha(), state.z.size());
 }
 
-TEST_P(MovingMechanism, FeelsEachNumberAsDifferencesDo) {
+TEST_P(WithoutRubbingJoints, FeelsEachNumberAsDifferencesDo) {
   // The least inertia here is 1e-7 kg m^2. Forces are linear in loads, so that only rounding of these counts, and
   // smooth in the numbers of elements, where the steps are exact in double.
   struct Group {
@@ -313,7 +330,7 @@ Values mass_times(Compiled<Real>& m, const Values& alpha) {
 }
 
 // What all bodies take together grows by M with the accelerations; the accelerations answer one body's part by -M^-1.
-TEST_P(MovingMechanism, TakesForItsBodiesWhatTheKineticEnergySays) {
+TEST_P(WithoutRubbingJoints, TakesForItsBodiesWhatTheKineticEnergySays) {
   test::Random random(29);
   const State<Real> state = in_50_digits(random_state(scene_, q0_, random));
   Compiled<Real> m(scene_);
@@ -354,6 +371,9 @@ TEST_P(MovingMechanism, TakesForItsBodiesWhatTheKineticEnergySays) {
 TEST_P(MovingMechanism, BalancesEveryBodyCutFree) {
   test::Random random(3);
   const MotionModel model(scene_);
+  // Friction of joints is found under drives, which have to do nothing.
+  std::vector<Drive> drives = scene_.drives;
+  for (const std::string& freedom : GetParam().freedoms) drives.push_back(find_drive(scene_, freedom));
   for (int trial = 0; trial < 10; ++trial) {
     const State<double> state = random_state(scene_, q0_, random);
     Compiled<double> m(scene_);
@@ -361,17 +381,24 @@ TEST_P(MovingMechanism, BalancesEveryBodyCutFree) {
     ASSERT_TRUE(evaluate(m, state));
     const auto n = static_cast<std::size_t>(m.motion.coordinates());
     const auto all = [&](const double* values) { return model.from_si({values, values + n}); };
-    const Forces forces = forces_of(model, all(m.motion.q()), all(m.motion.v()), all(m.motion.a()), scene_.drives);
+    const Forces forces = forces_of(model, all(m.motion.q()), all(m.motion.v()), all(m.motion.a()), drives);
+    EXPECT_EQ(forces.friction.state,
+              GetParam().freedoms.empty() ? SlidingFriction::State::none : SlidingFriction::State::solved);
     EXPECT_LT(forces.imbalance, 1e-12 * forces.largest_force) << forces.worst_body;
     EXPECT_LT(forces.power.error, 1e-12);
-    for (int k = 0; k < m.motion.drives(); ++k) {
-      const double value = forces.drives[static_cast<std::size_t>(k)].value;
-      EXPECT_NEAR(m.motion.drive_force(k), value, 1e-11 * forces.largest_force);
+    for (std::size_t k = 0; k < scene_.drives.size(); ++k) {
+      const double value = forces.drives[k].value;
+      EXPECT_NEAR(m.motion.drive_force(static_cast<int>(k)), value, 1e-11 * forces.largest_force);
+    }
+    for (std::size_t k = scene_.drives.size(); k < drives.size(); ++k) {
+      EXPECT_NEAR(forces.drives[k].value, 0.0, 1e-11 * forces.largest_force) << drives[k].name;
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, MovingMechanism, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Each, MovingMechanism, testing::ValuesIn(all_cases()),
+                         [](const auto& mechanism) { return mechanism.param.name; });
+INSTANTIATE_TEST_SUITE_P(Each, WithoutRubbingJoints, testing::ValuesIn(cases()),
                          [](const auto& mechanism) { return mechanism.param.name; });
 
 // The textbook's equations of two pinned bodies with masses m, centres r along their axes and moments I about them:

@@ -23,4 +23,15 @@ Scene quick_return_with_every_measure();
 /// A five-bar on a driven crank and on a carriage that is driven along the ground: one freedom is left.
 Scene driven_five_bar();
 
+/// A sun, a planet on an arm and a fixed ring, whose teeth press on bearings with friction: one freedom. For this and
+/// the following the friction of joints is that of motion: resisted_by_joints().
+Scene rubbing_planet();
+
+/// A beam that swings in a bearing with friction, on which a pinion with friction drives a rack in a guide with
+/// friction: two freedoms.
+Scene rubbing_rack();
+
+/// Two cams in bearings with friction, one under a roller on a ram in guides, one under that of a lever: two freedoms.
+Scene rubbing_rollers();
+
 }  // namespace poise::test

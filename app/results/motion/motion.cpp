@@ -227,20 +227,6 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("overrun", motion.overrun);
 }
 
-/// Contact forces that the scene has the geometry of, but the friction of motion does not.
-void warn_of_contacts(Result& result, const Scene& scene) {
-  const bool rubs = std::any_of(scene.joints.begin(), scene.joints.end(),
-                                [](const Joint& joint) { return joint.friction && joint.friction->coefficient > 0.0; });
-  std::vector<std::string> names;
-  for (const Stop& stop : scene.stops) {
-    if (loads_bearings(stop)) names.push_back("\"" + stop.name + "\"");
-  }
-  if (!rubs || names.empty()) return;
-  result.warnings.push_back(doubtful(
-      fmt::format("In motion friction leaves out how {} press{} on bearings and guides: hold and forces know it.",
-                  listed(names), names.size() == 1 ? "es" : "")));
-}
-
 }  // namespace
 
 Result motion_result(const MotionModel& model, const MotionAnswer& answer, const MotionRecord& measured,
@@ -256,7 +242,6 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
         doubtful(fmt::format("Cam \"{}\" may lift off, and acts in statics alone: give it guided = true.", cam->name)));
   }
   warn_of_unloaded_bearings(out, model.scene());
-  warn_of_contacts(out, model.scene());
   Group& content = out.content;
   add_data(content, answer);
   content.fact("start", answer.start);

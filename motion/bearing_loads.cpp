@@ -1,0 +1,117 @@
+#include "motion/bearing_loads.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
+#include <ceres/jet.h>
+
+#include "solvers/real50.hpp"
+#include "statics/contact_loads.hpp"
+
+namespace poise {
+
+template <class T>
+BearingLoads<T>::BearingLoads(const Scene& scene, const Mechanism<T>& mechanism, const std::vector<int>& joints)
+    : scene_(scene), phasors_(mechanism.phasors()) {
+  int held = 0;
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    if (!stop.holds()) continue;
+    const int own = held++;
+    if (!loads_bearings(stop)) continue;
+    const std::vector<int> loaded = loaded_joints(scene, stop);
+    const auto first = std::find_first_of(joints.begin(), joints.end(), loaded.begin(), loaded.end());
+    if (first == joints.end()) continue;
+    contacts_.push_back({static_cast<int>(s), own, *first, separates(stop), contact_place(scene, stop)});
+  }
+  if (contacts_.empty()) return;
+  const Layout& layout = mechanism.layout();
+  std::size_t support = 0;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const Link& link = layout.links[b];
+    Body body;
+    body.origin = {phasors_, layout.path(0, {}, static_cast<int>(b), {})};
+    body.turn = layout.turns[static_cast<std::size_t>(link.turn)].template to<T>();
+    if (link.frame >= layout.kept) body.turn += static_cast<T>(layout.coordinates[link.frame].start);
+    body.frame = link.frame < layout.kept ? link.frame : -1;
+    support = std::max(support, body.origin.support().size());
+    bodies_.push_back(std::move(body));
+  }
+  poses_.resize(bodies_.size());
+  derivative_.resize(support);
+}
+
+template <class T>
+void BearingLoads<T>::place(const T* q, const Planar<T>* pose) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    poses_[b] = {body.origin.at(pose), body.frame < 0 ? body.turn : T(body.turn + q[body.frame])};
+  }
+}
+
+// The force at a point of the world is one at the origin and its moment about that.
+template <class T>
+void BearingLoads<T>::act(int body, const Planar<T>& force, const Planar<T>& at, const Planar<T>* pose, T* g) const {
+  const Body& on = bodies_[static_cast<std::size_t>(body)];
+  on.origin.derivative(phasors_, pose, derivative_.data());
+  for (int i = 0; i < on.origin.size(); ++i) g[on.origin.support()[i]] -= dot(force, derivative_[i]);
+  if (on.frame >= 0) g[on.frame] -= cross(at - poses_[static_cast<std::size_t>(body)].origin, force);
+}
+
+template <class T>
+bool BearingLoads<T>::add(const Contact& contact, const T& effort, const T& size, const Planar<T>* pose, T* g) const {
+  const Stop& stop = scene_.stops[static_cast<std::size_t>(contact.stop)];
+  const std::optional<ContactLoad<T>> load = contact_load(scene_, stop, contact.place, poses_);
+  if (!load) return false;
+  const Planar<T> force = effort * load->force + size * load->separating;
+  act(load->body_b, force, load->at, pose, g);
+  act(load->body_a, -force, load->at, pose, g);
+  return true;
+}
+
+template <class T>
+void BearingLoads<T>::add_change(const Contact& contact, const T& effort, const T& size, const Planar<T>* pose,
+                                 const T* dq, T* g) const {
+  using Dual = ceres::Jet<T, 1>;
+  const auto dual = [](const T& value, const T& change) {
+    Dual out(value);
+    out.v[0] = change;
+    return out;
+  };
+  const auto value = [](const Planar<Dual>& p) { return Planar<T>{p.x.a, p.y.a}; };
+  const auto change = [](const Planar<Dual>& p) { return Planar<T>{p.x.v[0], p.y.v[0]}; };
+  std::vector<BodyPose<Dual>> poses(poses_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    body.origin.derivative(phasors_, pose, derivative_.data());
+    const Planar<T> moved = body.origin.along(derivative_.data(), dq);
+    const BodyPose<T>& at = poses_[b];
+    poses[b] = {{dual(at.origin.x, moved.x), dual(at.origin.y, moved.y)},
+                dual(at.angle, body.frame < 0 ? T(0) : dq[body.frame])};
+  }
+  const Stop& stop = scene_.stops[static_cast<std::size_t>(contact.stop)];
+  const ContactLoad<Dual> load = contact_load(scene_, stop, contact.place, poses).value();
+  const Planar<Dual> whole = Dual(effort) * load.force + Dual(size) * load.separating;
+  const auto add_to = [&](int index, const T& sign) {
+    const Body& body = bodies_[static_cast<std::size_t>(index)];
+    const Planar<Dual>& origin = poses[static_cast<std::size_t>(index)].origin;
+    const Planar<T> force = sign * value(whole);
+    const std::vector<int>& support = body.origin.support();
+    body.origin.second_derivative(phasors_, pose, [&](int i, int j, const Planar<T>& d_ij) {
+      const T along = dot(force, d_ij);
+      g[support[i]] -= along * dq[support[j]];
+      if (i != j) g[support[j]] -= along * dq[support[i]];
+    });
+    if (body.frame >= 0) g[body.frame] -= cross(change(load.at) - change(origin), force);
+    act(index, sign * change(whole), value(load.at), pose, g);
+  };
+  add_to(load.body_b, T(1));
+  add_to(load.body_a, T(-1));
+}
+
+template class BearingLoads<double>;
+template class BearingLoads<long double>;
+template class BearingLoads<Real50>;
+
+}  // namespace poise
