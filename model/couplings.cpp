@@ -76,10 +76,27 @@ constexpr Number shift_number(std::string_view key, Dimension dimension) {
   return with_measure(number);
 }
 
-constexpr std::array<Number, 2> wheel_numbers{needed(factor_number<1>("ratio", dimension::none, Range::positive)),
-                                              value_number("phase")};
-constexpr std::array<Number, 2> rack_numbers{needed(factor_number<1>("radius", dimension::length, Range::finite)),
-                                             value_number("offset")};
+// Of teeth whose contact force the scene gives the direction of.
+constexpr Number pressure_number() {
+  Number number{"pressure_angle", dimension::angle, Range::not_negative};
+  number.get = [](const void* item) -> std::optional<double> {
+    const std::optional<double>& tangent = static_cast<const Stop*>(item)->pressure_tangent;
+    if (!tangent) return std::nullopt;
+    return std::atan(*tangent);
+  };
+  number.set = [](void* item, double value) {
+    if (value >= M_PI / 4) throw InputError("expected a pressure angle of less than 45 degrees, of most gears 20");
+    static_cast<Stop*>(item)->pressure_tangent = std::tan(value);
+  };
+  number.scale = [](void*, double) {};
+  return number;
+}
+
+constexpr std::array<Number, 2> belt_numbers{needed(factor_number<1>("ratio", dimension::none, Range::positive)),
+                                             value_number("phase")};
+constexpr std::array<Number, 3> gear_numbers{belt_numbers[0], belt_numbers[1], pressure_number()};
+constexpr std::array<Number, 3> rack_numbers{needed(factor_number<1>("radius", dimension::length, Range::finite)),
+                                             value_number("offset"), pressure_number()};
 constexpr std::array<CouplingPart, 2> factor_and_value{CouplingPart{Of::factor, 1, 0, 1.0, true},
                                                        CouplingPart{Of::value, 0, 1}};
 
@@ -327,8 +344,8 @@ constexpr std::array<CouplingPart, 2> circle_profile_friction{CouplingPart{Of::f
                                                               CouplingPart{Of::value, 0, 1}};
 constexpr std::array<CouplingPart, 2> circle_profile_ends{CouplingPart{Of::lower, 0, 2}, CouplingPart{Of::upper, 0, 3}};
 
-constexpr std::array<CouplingKind, 26> kinds{{{"gear", wheel_numbers, factor_and_value},
-                                              {"belt", wheel_numbers, factor_and_value},
+constexpr std::array<CouplingKind, 26> kinds{{{"gear", gear_numbers, factor_and_value},
+                                              {"belt", belt_numbers, factor_and_value},
                                               {"rack", rack_numbers, factor_and_value},
                                               {"cam", cam_numbers, cam_parts},
                                               {"coupling", coupling_numbers, value_only},

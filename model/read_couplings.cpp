@@ -60,7 +60,7 @@ class CouplingReader {
     else
       read_sum(table, stop);
     read_numbers(table, stop.numbers(), &stop, &stop.on, scene_.units);
-    if (stop.table == "gear" || stop.table == "rack") read_pressure_angle(table, stop);
+    check_meshing(table, stop);
     if (stop.table == "rope") stop.min = -std::numeric_limits<double>::infinity();
     if (stop.table == "cam" && !table.flag("guided", false)) stop.max = std::numeric_limits<double>::infinity();
     return stop;
@@ -113,22 +113,15 @@ class CouplingReader {
     stop.on = Measure::sum_of({{1.0, Measure::travel_of(rack)}, {stop.sense, Measure::angle_between(carrier, body)}});
   }
 
-  // Where the teeth mesh, and so where their force acts on bearings.
-  void read_pressure_angle(const TomlTable& table, Stop& stop) const {
-    const std::optional<double> angle = table.find_number("pressure_angle", scene_.units.angle, Range::not_negative);
-    if (!angle) return;
-    if (!(*angle < full_turn / 8)) {
-      table.place_of("pressure_angle").fail("expected a pressure angle of less than 45 degrees, of most gears 20");
-    }
-    if (!meshing(scene_, stop)) {
-      table.place_of("pressure_angle")
-          .fail(stop.table == "gear"
-                    ? "expected wheels that turn about pins on their carrier, with axes apart and, where one is inside "
-                      "the other, of other sizes: there their teeth mesh; pin them to it, or leave the key out"
-                    : "expected a pinion that turns about a pin on its carrier, and a [[slide]] that joins the carrier "
-                      "with the rack: there its teeth mesh; give these, or leave the key out");
-    }
-    stop.pressure_tangent = std::tan(*angle);
+  // A force of teeth acts on bearings where they mesh.
+  void check_meshing(const TomlTable& table, const Stop& stop) const {
+    if (!stop.pressure_tangent || meshing(scene_, stop)) return;
+    table.place_of("pressure_angle")
+        .fail(stop.table == "gear"
+                  ? "expected wheels that turn about pins on their carrier, with axes apart and, where one is inside "
+                    "the other, of other sizes: there their teeth mesh; pin them to it, or leave the key out"
+                  : "expected a pinion that turns about a pin on its carrier, and a [[slide]] that joins the carrier "
+                    "with the rack: there its teeth mesh; give these, or leave the key out");
   }
 
   void read_sum(const TomlTable& table, Stop& stop) const {

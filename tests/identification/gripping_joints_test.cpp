@@ -10,6 +10,7 @@
 
 #include "identification/fit.hpp"
 #include "tests/identification/experiments.hpp"
+#include "tests/support/moving_scenes.hpp"
 
 namespace poise {
 namespace {
@@ -57,13 +58,18 @@ rod = 0.3
 guide = 1.1
 )";
 
-Experiment experiment(const std::string& text, const std::string& body, const std::vector<std::string>& unknowns) {
+Experiment experiment(Scene scene, const std::string& body, const std::vector<std::string>& unknowns,
+                      std::size_t readings = 500) {
   Experiment e;
-  e.scene = parse_scene(text, "test");
+  e.scene = std::move(scene);
   e.sensors = {test::angle_of(e.scene, body, 1e-4)};
   for (const std::string& path : unknowns) e.unknowns.push_back(test::unknown(path));
-  e.runs = {test::simulated(200, 500)};
+  e.runs = {test::simulated(200, readings)};
   return e;
+}
+
+Experiment experiment(const std::string& text, const std::string& body, const std::vector<std::string>& unknowns) {
+  return experiment(parse_scene(text, "test"), body, unknowns);
 }
 
 TEST(GrippingJoints, DerivativesFollowForcesAndCrossEvents) {
@@ -134,6 +140,29 @@ TEST(GrippingJoints, DerivativesFollowLinesThatTurn) {
                   "slide.guide.friction.coefficient", "slide.guide.friction.length", "slide.guide.angle",
                   "pin.base.friction.radius", "spring.pull.stiffness", "point.rocker.S.y", "body.block.center.x"});
   test::expect_derivatives(e, {0.3, 0.25, -2.0, 0.1});
+}
+
+// Teeth and rollers press on what rubs, from both flanks.
+TEST(GrippingJoints, DerivativesFollowForcesOfContacts) {
+  test::expect_derivatives(experiment(test::rubbing_planet(), "planet",
+                                      {"pin.sun shaft.friction.coefficient", "pin.planet pin.friction.radius",
+                                       "gear.inner.ratio", "gear.outer.ratio", "gear.inner.pressure_angle",
+                                       "point.arm.Q.x", "body.planet.mass", "load.T", "gravity.y"},
+                                      100),
+                           {0.5, 2.0});
+  test::expect_derivatives(experiment(test::rubbing_rack(), "beam",
+                                      {"slide.guide.friction.coefficient", "slide.guide.friction.length",
+                                       "pin.hub.friction.radius", "rack.teeth.radius", "rack.teeth.pressure_angle",
+                                       "point.beam.C.x", "point.rack.T.y", "spring.pull.stiffness", "load.T"},
+                                      100),
+                           {0.3, 0.25, 0.5, -0.1});
+  Experiment rollers = experiment(
+      test::rubbing_rollers(), "lever",
+      {"pin.shaft.friction.coefficient", "slide.guide.friction.length", "pin.pivot.friction.radius", "cam.rise.lift",
+       "cam.rise.base", "cam.swing.curve.2", "point.ram.R.x", "point.lever.E.x", "spring.push.free_length"},
+      50);
+  rollers.sensors.push_back(test::angle_of(rollers.scene, "cam", 1e-4));
+  test::expect_derivatives(rollers, {0.4, 0.2, 2.0, 1.0});
 }
 
 TEST(GrippingJoints, SwingsDetermineTheCoefficientOfABearing) {
