@@ -30,6 +30,12 @@ constexpr double good_pivot = 0.05;
 constexpr double past = 1e-12;
 /// A border of a profile is reached at this distance of the argument.
 constexpr double just_before = 1e-13;
+/// The poses of the last stages of a step are approximations, which may lie beyond a border that the step ends at,
+/// where other formulas hold: an error in proportion to the step. So do those of the stages of Fehlberg's formula at
+/// the beginning of a step that begins there. So many steps become shorter towards a border, each by this factor, and
+/// longer behind it.
+constexpr int steps_at_border = 2;
+constexpr double shorter_at_border = 0.01;
 
 class Simulation {
  public:
@@ -132,7 +138,22 @@ class Simulation {
       add_node(t);
       if (t == end && !cross_break(t)) return;
       if (event && !change_friction(t)) return;
-      if (border && !event && taken_ == to_border && !cross_border(t)) return;
+      if (event) approaches_ = 0;
+      if (departures_ > 0) {
+        h = onward_ * std::pow(shorter_at_border, --departures_);
+        if (departures_ == 0) onward_ = 0.0;
+      }
+      if (rest_ > 0.0) {
+        onward_ = std::max(onward_, h);
+        h = (1 + shorter_at_border) * rest_;
+        rest_ = 0.0;
+      }
+      if (border && !event && taken_ == to_border) {
+        onward_ = std::max(h, onward_);
+        departures_ = steps_at_border;
+        h = onward_ * std::pow(shorter_at_border, departures_);
+        if (!cross_border(t)) return;
+      }
       if (options_.progress) options_.progress(t);
       if (has_poor_coordinates()) choose_anew(t);
     }
@@ -228,14 +249,24 @@ class Simulation {
     return true;
   }
 
-  /// Shortens the step just made from t to where it passes a border of a profile. False if it does not.
+  /// Shortens the step just made from t to where it passes a border of a profile, or to short of it. False if it does
+  /// not end there.
   bool meets_border(double t) {
     // To just before it, where the formulas of this piece hold.
     const auto margin = [this] { return borders_.margin(reduced_) - just_before; };
     const double margin_after = margin();
     if (!(margin_after < -past)) return false;
     shorten_to_zero(t, border_margin_, taken_, margin_after, margin);
-    if (!has_poor_coordinates()) return true;
+    if (!has_poor_coordinates()) {
+      if (approaches_ == steps_at_border) {
+        approaches_ = 0;
+        return true;
+      }
+      ++approaches_;
+      rest_ = shorter_at_border * taken_;
+      shortened_step(t, taken_ - rest_, margin);
+      return false;
+    }
     // A profile may begin to dwell there, where its own measure is no coordinate any more: others are chosen on the
     // way.
     shortened_step(t, taken_ / 2, margin);
@@ -757,6 +788,10 @@ class Simulation {
   double energy_ = 0.0;              // kinetic and potential, at the last node
   double exchanged_ = 0.0;           // largest energy yet
   double border_margin_ = 0.0;       // of the borders of profiles, there
+  int approaches_ = 0;               // steps that ended short of the border ahead
+  double rest_ = 0.0;                // of the way to it, s, where the last step did
+  int departures_ = 0;               // steps that are short behind the border passed
+  double onward_ = 0.0;              // length of steps to go on with behind a border
   std::vector<double> held_by_;      // sensitivities of the values at which friction is held
   double fastest_ = 0.0;             // rate of change at the start, 1/s
   std::vector<double> node_;         // coordinates at the last node
