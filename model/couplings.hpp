@@ -72,6 +72,9 @@ struct CouplingKind {
 ///     _ends        of an open curve, from <= s <= to
 std::span<const CouplingKind> coupling_kinds();
 
+/// Index of the pressure angle in the numbers of a gear or rack.
+inline constexpr int pressure_angle_at = 2;
+
 /// As many pulleys of a rope have friction.
 inline constexpr std::size_t most_rubbing_rims = 16;
 /// Indices of the contacts of a rope that have friction, also one of 0. Their coefficients are the rope's numbers

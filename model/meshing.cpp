@@ -40,7 +40,7 @@ std::optional<Meshing> meshing_of_rack(const Scene& scene, const Stop& rack) {
   if (!joint.keeps_angle() || (!is_first && joint.b.body != pinion.body_a)) return std::nullopt;
   const std::optional<PointRef> axis = axis_on(scene, pinion.body_a, pinion.body_b);
   if (!axis) return std::nullopt;
-  return Meshing{*axis, {}, pinion.body_b, is_first ? joint.b.body : joint.a.body, slide};
+  return Meshing{*axis, {}, pinion.body_b, is_first ? joint.b.body : joint.a.body, slide, is_first};
 }
 
 }  // namespace

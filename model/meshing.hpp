@@ -18,10 +18,11 @@ std::vector<PointRef> coincident_points(const Scene& scene, PointRef p);
 ///         of the pitch radii, r_a / r_b = ratio, between the axes or, of wheels one inside the other, beyond them
 ///   rack  the pinion turns about `axis_a`; the slide's other body than the carrier is the rack
 struct Meshing {
-  PointRef axis_a, axis_b;  ///< points of the carrier; b is not used of a rack
-  int body_a = 0;           ///< wheel a, or the pinion
-  int body_b = 0;           ///< wheel b, or the rack
-  int slide = -1;           ///< joint of a rack
+  PointRef axis_a, axis_b;      ///< points of the carrier; b is not used of a rack
+  int body_a = 0;               ///< wheel a, or the pinion
+  int body_b = 0;               ///< wheel b, or the rack
+  int slide = -1;               ///< joint of a rack
+  bool rack_is_second = false;  ///< of its points the second is the rack's
 };
 
 /// Of a gear or rack of the scene; nothing where a wheel does not turn about a pin on its carrier, where both axes are

@@ -17,7 +17,7 @@ const Reaction* reaction_of(const Stop& stop, const std::vector<Reaction>& react
 /// In a pose in which the roller is on the pitch curve.
 std::optional<CamContact> contact_of(const Scene& scene, const Stop& stop, const CamGeometry& cam,
                                      const std::vector<BodyPose<double>>& poses, double effort) {
-  const std::optional<CamPush<double>> push = cam_push(scene, stop, cam, poses);
+  const std::optional<CamPush<double>> push = cam_push(PlacedCoupling<BodyPose<double>>{scene, stop, poses}, cam);
   if (!push) return std::nullopt;
   const double force = effort / push->lever;
   return CamContact{std::atan(push->tangent), force * std::hypot(1.0, push->tangent), force * push->tangent};

@@ -122,6 +122,8 @@ NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> h
     strut_.push_back(strut_of(scene_, scene_.stops[s]));
     coupling_.push_back(coupling_kind(scene_.stops[s]));
     curve_of_.push_back(curve_numbers_of(scene_.stops[s]));
+    contact_.emplace_back();
+    if (loads_bearings(scene_.stops[s])) contact_.back() = contact_place(scene_, scene_.stops[s]);
     if (coupling_.back() != nullptr && coupling_.back()->row > 0) {
       stop_number_[s] = stop_number_[s - static_cast<std::size_t>(coupling_.back()->row)];
       continue;
@@ -155,6 +157,16 @@ void NumberedEquations::place_dependents() {
     }
     dependent_.push_back(place);
   }
+}
+
+const Stop* NumberedEquations::idle_teeth(int joint, const std::vector<double>& z, double nothing) const {
+  for (std::size_t h = 0; h < held_.size(); ++h) {
+    const Stop& stop = scene_.stops[held_[h].stop];
+    if (!separates(stop) || std::abs(z[stop_[h]]) > nothing) continue;
+    const std::vector<int> loaded = loaded_joints(scene_, stop);
+    if (std::find(loaded.begin(), loaded.end(), joint) != loaded.end()) return &stop;
+  }
+  return nullptr;
 }
 
 namespace {

@@ -23,6 +23,7 @@
 #include "model/scene.hpp"
 #include "model/spline.hpp"
 #include "solvers/real50.hpp"
+#include "statics/contact_loads.hpp"
 
 namespace poise {
 
@@ -108,6 +109,9 @@ class NumberedEquations {
   /// Static force of an element, positive where it tends to reduce its measure.
   template <class T>
   T element_force(int element, const T* numbers, const std::vector<Placed<T>>& placed) const;
+  /// A gear or rack that acts on a joint by |Q|, where Q is at most `nothing`, so that there are no derivatives; null
+  /// without one.
+  const Stop* idle_teeth(int joint, const std::vector<double>& z, double nothing) const;
   /// Force that a joint transmits to the body of its second point.
   template <class T>
   Planar<T> joint_force(int joint, const T* numbers, const T* z, const std::vector<Placed<T>>& placed) const;
@@ -183,6 +187,9 @@ class NumberedEquations {
   template <class T>
   void push_on(const Measure& measure, const T& effort, const T* numbers, const std::vector<Placed<T>>& placed, T* r,
                int stop = -1) const;
+  /// An effort of a coupling that loads bearings, where it acts.
+  template <class T>
+  void push_at_contact(int stop, const T& effort, const T* numbers, const std::vector<Placed<T>>& placed, T* r) const;
   /// g of a measure; with the numbers of a coupling where it is that of the stop of this index.
   template <class T>
   T value(const Measure& measure, const T* numbers, const std::vector<Placed<T>>& placed, int stop) const;
@@ -222,6 +229,8 @@ class NumberedEquations {
     bool has_profile() const { return of.profile != nullptr; }
     ProfileValue<T> at(const T& g) const { return curve ? curve->at(T(g - of.shift)) : of.at(g); }
   };
+  template <class T>
+  struct NumberedCoupling;
   template <class T>
   NumberedTerm<T> term_of(const Measure& measure, std::size_t term, const T* numbers, int stop) const {
     const Measure::Term& as_given = measure.terms[term];
@@ -296,10 +305,11 @@ class NumberedEquations {
   int gravity_ = 0;
   std::vector<std::vector<int>> point_;
   std::vector<int> body_, element_, force_, torque_, joint_number_, stop_number_;
-  std::vector<int> strut_;                     // of each stop, see strut_of()
-  std::vector<const CouplingKind*> coupling_;  // of each stop, null of a plain one
-  std::vector<CurveNumbers> curve_of_;         // of each stop that is the first of a coupling
-  std::vector<Vec2> direction_;                // of each force
+  std::vector<int> strut_;                            // of each stop, see strut_of()
+  std::vector<const CouplingKind*> coupling_;         // of each stop, null of a plain one
+  std::vector<CurveNumbers> curve_of_;                // of each stop that is the first of a coupling
+  std::vector<std::optional<ContactPlace>> contact_;  // of each stop that loads bearings
+  std::vector<Vec2> direction_;                       // of each force
   // Empty where no component is a number of its own.
   std::vector<Components> vector_, axis_;
   std::vector<int> dependent_;    // place in p of each dependent number, or -1
@@ -549,6 +559,42 @@ T NumberedEquations::energy(const T* numbers, const std::vector<Placed<T>>& plac
   return sum;
 }
 
+/// A coupling with its numbers, as contact_load() asks for it.
+template <class T>
+struct NumberedEquations::NumberedCoupling {
+  using Scalar = T;
+
+  const NumberedEquations& equations;
+  const Stop& stop;
+  int index;
+  const T* numbers;
+  const std::vector<Placed<T>>& placed;
+
+  Planar<T> world(PointRef p) const { return equations.world(p, numbers, placed); }
+  Planar<T> axis(int joint) const { return equations.axis_of(joint, numbers, placed); }
+  T factor() const { return equations.term_of(stop.on, 1, numbers, index).factor; }
+  T slope() const {
+    const NumberedTerm<T> term = equations.term_of(stop.on, 1, numbers, index);
+    return term.factor * term.at(equations.value(stop.on.terms[1].measure, numbers, placed)).first;
+  }
+  T pressure_tangent() const {
+    using std::tan;
+    return tan(numbers[equations.stop_number_[index] + pressure_angle_at]);
+  }
+};
+
+template <class T>
+void NumberedEquations::push_at_contact(int stop, const T& effort, const T* numbers,
+                                        const std::vector<Placed<T>>& placed, T* r) const {
+  using std::abs;
+  const NumberedCoupling<T> coupling{*this, scene_.stops[stop], stop, numbers, placed};
+  const std::optional<ContactLoad<T>> load = contact_load(coupling, *contact_[stop]);
+  if (!load) return push_on(scene_.stops[stop].on, effort, numbers, placed, r, stop);
+  const Planar<T> force = effort * load->force + T(abs(effort)) * load->separating;
+  push(load->body_b, load->at, force, T(0), placed, r);
+  push(load->body_a, load->at, -force, T(0), placed, r);
+}
+
 template <class T>
 void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector<Placed<T>>& placed) const {
   place(z, placed);
@@ -609,7 +655,10 @@ void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector
   }
   for (std::size_t h = 0; h < held_.size(); ++h) {
     const int s = held_[h].stop;
-    push_on(scene_.stops[s].on, z[stop_[h]], numbers, placed, r, s);
+    if (contact_[s])
+      push_at_contact(s, z[stop_[h]], numbers, placed, r);
+    else
+      push_on(scene_.stops[s].on, z[stop_[h]], numbers, placed, r, s);
     r[stop_[h]] = value(scene_.stops[s].on, numbers, placed, s) - limit(s, held_[h].upper, numbers);
   }
 }

@@ -11,7 +11,6 @@
 
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
-#include "model/meshing.hpp"
 #include "model/nearest_name.hpp"
 #include "statics/linear_response.hpp"
 #include "statics/path.hpp"
@@ -60,16 +59,6 @@ SoughtQuantity reaction_called(const Scene& scene, const std::string& name, cons
   const auto is = [&](const std::string& joint) {
     return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& j) { return j.name == joint; });
   };
-  for (const Stop& stop : scene.stops) {
-    const std::vector<int> loaded = loads_bearings(stop) ? loaded_joints(scene, stop) : std::vector<int>{};
-    const bool is_loaded = std::any_of(loaded.begin(), loaded.end(),
-                                       [&](int j) { return scene.joints[static_cast<std::size_t>(j)].name == name; });
-    if (!is_loaded) continue;
-    throw InputError(
-        fmt::format("{}: the contact force of {} \"{}\" loads this joint, of which sensitivities do not know; "
-                    "ask for other quantities, or leave out its {}",
-                    whole, stop.family(), stop.name, stop.table == "cam" ? "roller" : "pressure_angle"));
-  }
   using Part = SoughtQuantity::Part;
   if (is(name)) {
     out.item = item_called(scene.joints, name, whole, "joint");
@@ -308,13 +297,20 @@ class AtEquilibrium {
       out.why = quantity.kind == SoughtQuantity::Kind::reaction ? no_direction : "a distance of zero has no derivative";
       return out;
     }
-    if (quantity.kind == SoughtQuantity::Kind::reaction && quantity.part == SoughtQuantity::Part::size) {
+    if (quantity.kind == SoughtQuantity::Kind::reaction) {
       double largest = 0.0;
       for (std::size_t i = response_.equations().poses(); i < response_.z().size(); ++i) {
         largest = std::max(largest, std::abs(response_.z()[i]));
       }
-      if (gradient.value <= nothing * largest) {
+      if (quantity.part == SoughtQuantity::Part::size && gradient.value <= nothing * largest) {
         out.why = no_direction;
+        return out;
+      }
+      const Stop* const teeth = response_.equations().idle_teeth(quantity.item, response_.z(), nothing * largest);
+      if (teeth != nullptr) {
+        out.why =
+            fmt::format("{} \"{}\" transmits no force, and its teeth push this joint the same way under either sign",
+                        teeth->family(), teeth->name);
         return out;
       }
     }

@@ -2,6 +2,7 @@
 
 #include "statics/contact_loads.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -500,9 +501,66 @@ TEST(ContactLoads, RefusesByName) {
   has(message(gear, "pressure_angle = ", "pressure_angle = 1"), "less than 45 degrees");
   has(message(gear, "[[gear]]", "[[belt]]"), "pressure_angle");
   has(message(rack(0.2, false), "carrier = \"ground\"", "carrier = \"rack\""), "joins the carrier");
-  const Scene scene = parse_scene(gear, "scene.toml");
-  has(test::message_of([&] { find_quantity(scene, "reaction.A"); }), "contact force of gear \"teeth\"");
-  EXPECT_NO_THROW(find_quantity(scene, "angle.a"));
+}
+
+/// Derivatives of joint forces against differences of the forces at other numbers.
+void expect_sensitivities(const std::string& text, const std::vector<std::string>& joints,
+                          const std::vector<std::string>& numbers) {
+  const Scene scene = parse_scene(text, "scene.toml");
+  std::vector<SoughtQuantity> sought;
+  for (const std::string& joint : joints) {
+    for (const char* part : {".x", ".y"}) sought.push_back(find_quantity(scene, "reaction." + joint + part));
+  }
+  const Sensitivities found = sensitivities(StaticModel(scene), sought);
+  ASSERT_EQ(found.why, "");
+  const auto forces = [&](const std::string& number, double value) {
+    Scene other = scene;
+    set_value(other, number, value);
+    const Equilibrium at = solved(StaticModel(other));
+    std::vector<double> out;
+    for (const std::string& joint : joints) {
+      out.push_back(reaction(at, joint).force.x);
+      out.push_back(reaction(at, joint).force.y);
+    }
+    return out;
+  };
+  for (std::size_t q = 0; q < sought.size(); ++q) {
+    ASSERT_EQ(found.of[q].why, "");
+    for (const std::string& number : numbers) {
+      const auto row = std::find_if(found.of[q].by.begin(), found.of[q].by.end(),
+                                    [&](const Sensitivity& one) { return one.number == number; });
+      ASSERT_NE(row, found.of[q].by.end()) << number;
+      ASSERT_EQ(row->why, "") << number;
+      const double h = 1e-5 * std::max(0.1, std::abs(row->value));
+      const double expected = (forces(number, row->value + h)[q] - forces(number, row->value - h)[q]) / (2 * h);
+      EXPECT_NEAR(row->derivative, expected, 1e-6 * (1 + std::abs(expected))) << joints[q / 2] << " by " << number;
+    }
+  }
+}
+
+TEST(ContactLoads, SensitivitiesFollowTheForcesToWhereTheyAct) {
+  for (const char* gear : {"ratio = 0.25", "ratio = 0.5\ninternal = true"}) {
+    for (const double torque : {10.0, -10.0}) {
+      expect_sensitivities(pair(gear, torque), {"A", "B"},
+                           {"load.T", "gear.teeth.ratio", "gear.teeth.pressure_angle", "point.ground.B.x",
+                            "point.ground.B.y", "torsion_spring.torsion spring 1.stiffness"});
+    }
+  }
+  expect_sensitivities(rack(0.2, true), {"C", "guide"},
+                       {"rack.teeth.radius", "rack.teeth.pressure_angle", "point.ground.C.x"});
+  std::string sprung = cam(0.004, "");
+  sprung += "[[torsion_spring]]\nbodies = [\"ground\", \"cam\"]\nstiffness = 3\nfree_angle = 1\n";
+  expect_sensitivities(sprung, {"shaft", "guide"},
+                       {"load.M", "cam.lobe.lift", "cam.lobe.base", "cam.lobe.phase", "point.ground.S.x", "gravity.y"});
+}
+
+// Under no force the teeth push their wheels apart by |Q|, which has no derivative.
+TEST(ContactLoads, IdleTeethHaveNoSensitivities) {
+  const Scene scene = parse_scene(pair("ratio = 0.25", 0.0), "scene.toml");
+  const Sensitivities found =
+      sensitivities(StaticModel(scene), {find_quantity(scene, "reaction.A.x"), find_quantity(scene, "angle.a")});
+  EXPECT_NE(found.of[0].why.find("gear \"teeth\" transmits no force"), std::string::npos) << found.of[0].why;
+  EXPECT_EQ(found.of[1].why, "");
 }
 
 }  // namespace
