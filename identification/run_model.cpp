@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "identification/sensor_reader.hpp"
+#include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/equilibrium_pose.hpp"
@@ -119,7 +120,17 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   const auto is_linear = [](const Measure& on) {
     return on.kind == Measure::Kind::angle || on.kind == Measure::Kind::travel;
   };
+  // Lengths of lines, and curves through points, are none of the second degree.
+  const auto is_quadratic = [&](const Measure& on) { return is_linear(on) || on.kind == Measure::Kind::component; };
   for (const Element& element : scene_.elements) quadratic_ = quadratic_ && is_linear(element.on);
+  for (const Stop& stop : scene_.stops) {
+    if (!stop.holds()) continue;
+    const bool is_sum = stop.on.kind == Measure::Kind::sum;
+    quadratic_ = quadratic_ && (is_sum || is_quadratic(stop.on));
+    for (const Measure::Term& term : stop.on.terms) {
+      quadratic_ = quadratic_ && !term.profile && is_quadratic(term.measure);
+    }
+  }
   // The length of a line is a root.
   for (const Force& force : scene_.forces) quadratic_ = quadratic_ && !force.to;
   for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
@@ -550,6 +561,7 @@ void RunModel::vary(const Scene& scene, Built& out) const {
     for (const auto& [steps, weight] : quadratic ? std::span<const Step>(central) : std::span<const Step>(stencil)) {
       Scene other = scene;
       number.set(other, value + steps * step);
+      switch_profiles_as(scene, other);
       const Assembled assembled = assemble(std::move(other), close);
       if (number.is_geometric()) out.variations.back().pieces.push_back({assembled.model, weight / step});
       if (start_unknown_ || !moves_start) continue;

@@ -104,7 +104,7 @@ constexpr auto share_keys = indexed_keys<most_curve_points>("curve");
 constexpr auto x_keys = indexed_keys<most_curve_points>("curve", "x");
 constexpr auto y_keys = indexed_keys<most_curve_points>("curve", "y");
 
-// A component of a point of a cam's curve, or of that of a slot.
+// A component of a point of a cam's curve, or of that of a slot or a profile that rolls.
 template <std::size_t Point, bool is_cam, bool is_y>
 constexpr Number point_number() {
   Number number{(is_cam ? share_keys
@@ -307,15 +307,9 @@ constexpr Number end_of_profile(std::string_view key) {
     return std::optional<double>(is_end ? ends.max : ends.min);
   };
   number.set = [](void* item, double value) {
-    Stop* const rows = static_cast<Stop*>(item);
-    Stop& ends = rows[Row];
-    const double from = is_end ? ends.min : value, to = is_end ? value : ends.max;
-    constexpr double rounding = 1e-12;
-    const double chords = rows->on.terms[1].span * (1 + rounding);
-    if (!(from < to)) throw InputError("expected an end behind the key from; set the other one first");
-    if (!(from >= 0.0 && to <= chords)) throw InputError("expected a place on the curve");
-    ends.min = from;
-    ends.max = to;
+    Stop& ends = static_cast<Stop*>(item)[Row];
+    (is_end ? ends.max : ends.min) = value;  // check_curve() refuses what is not on the curve
+    if (is_end) ends.to_end = false;
   };
   number.scale = [](void* item, double factor) {
     Stop& ends = static_cast<Stop*>(item)[Row];
@@ -323,23 +317,34 @@ constexpr Number end_of_profile(std::string_view key) {
   };
   return number;
 }
-constexpr std::array<Number, 3> profile_numbers{rolling_numbers[1], end_of_profile<3, false>("from"),
-                                                end_of_profile<3, true>("to")};
+// With the points of the curve behind them. A closed one has no ends.
+template <class... Before>
+constexpr auto with_points(const Before&... before) {
+  return [&]<std::size_t... Index>(std::index_sequence<Index...>) {
+    return std::array<Number, sizeof...(Before) + 2 * most_curve_points>{
+        before..., point_number<Index / 2, false, Index % 2 == 1>()...};
+  }
+  (std::make_index_sequence<2 * most_curve_points>());
+}
+constexpr auto closed_profile_numbers = with_points(rolling_numbers[1]);
+constexpr auto profile_numbers =
+    with_points(rolling_numbers[1], end_of_profile<3, false>("from"), end_of_profile<3, true>("to"));
 constexpr std::array<CouplingPart, 1> profile_friction{CouplingPart{Of::value, 0, 0}};
 constexpr std::array<CouplingPart, 2> profile_ends{CouplingPart{Of::lower, 0, 1}, CouplingPart{Of::upper, 0, 2}};
 
 // On a circle, whose radius is also the factor of the angle of its contact.
-constexpr std::array<Number, 4> circle_profile_numbers{[] {
-                                                         Number circle = positive_value("circle_radius");
-                                                         circle.set = [](void* item, double value) {
-                                                           Stop* const rows = static_cast<Stop*>(item);
-                                                           rows[0].min = rows[0].max = value;
-                                                           rows[1].on.terms[3].factor = -rows[1].sense * value;
-                                                         };
-                                                         return circle;
-                                                       }(),
-                                                       rolling_numbers[1], end_of_profile<4, false>("from"),
-                                                       end_of_profile<4, true>("to")};
+constexpr Number circle_of_profile = [] {
+  Number circle = positive_value("circle_radius");
+  circle.set = [](void* item, double value) {
+    Stop* const rows = static_cast<Stop*>(item);
+    rows[0].min = rows[0].max = value;
+    rows[1].on.terms[3].factor = -rows[1].sense * value;
+  };
+  return circle;
+}();
+constexpr auto closed_circle_profile_numbers = with_points(circle_of_profile, rolling_numbers[1]);
+constexpr auto circle_profile_numbers =
+    with_points(circle_of_profile, rolling_numbers[1], end_of_profile<4, false>("from"), end_of_profile<4, true>("to"));
 constexpr std::array<CouplingPart, 2> circle_profile_friction{CouplingPart{Of::factor, 3, 0, -1.0, true},
                                                               CouplingPart{Of::value, 0, 1}};
 constexpr std::array<CouplingPart, 2> circle_profile_ends{CouplingPart{Of::lower, 0, 2}, CouplingPart{Of::upper, 0, 3}};
@@ -389,6 +394,38 @@ std::vector<int> rubbing_rims(const Measure& rope) {
   return out;
 }
 
+bool is_rolling_profile(const Stop& stop) {
+  return stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle";
+}
+
+namespace {
+
+bool is_on_circle(const Stop& profile) { return profile.table == "rolling_profile_on_circle"; }
+
+/// Of a profile that rolls: the stops before that of its ends, which a closed one has not.
+int rows_before_ends(const Stop& profile) { return is_on_circle(profile) ? 4 : 3; }
+
+/// The profiles of the curve of a profile that rolls, or InputError. Those of a scene that is scaled() have its
+/// factors.
+RollingProfile profiles_of(const Stop* rows) {
+  const double unit = std::abs(rows[0].on.terms[1].factor);
+  std::vector<Vec2> points = rows[0].curve;
+  for (Vec2& point : points) point = (1 / unit) * point;
+  const double least = is_on_circle(rows[0]) ? -rows[0].sense / (rows[0].min / unit) : 0.0;
+  const double before = rows[2].on.terms[1].profile->at(0.0).value;
+  RollingProfile out = rolling_profile_on(least, points, rows[0].closed, before);
+  out.chords *= unit;
+  return out;
+}
+
+void check_ends(double from, double to, double chords) {
+  constexpr double rounding = 1e-12;
+  if (!(from < to)) throw InputError("expected an end behind the key from; set the other one first");
+  if (!(from >= 0.0 && to <= chords * (1 + rounding))) throw InputError("expected a place on the curve");
+}
+
+}  // namespace
+
 CurveNumbers curve_numbers_of(const Stop& stop) {
   const auto points = static_cast<int>(stop.curve.size());
   CurveNumbers out;
@@ -396,18 +433,29 @@ CurveNumbers curve_numbers_of(const Stop& stop) {
     out = {cam_numbers_before, std::max(points - 1, 0), 1};
   else if (stop.table == "curved_slot")
     out = {track_numbers_before, points, 2};
+  else if (is_rolling_profile(stop))
+    out = {(is_on_circle(stop) ? 2 : 1) + (stop.closed ? 0 : 2), points, 2};
   if (out.points > static_cast<int>(most_curve_points)) out.points = 0;
   return out;
 }
 
-void check_curve(const Stop& stop) {
-  if (stop.table != "curved_slot" || stop.curve.empty()) return;
+void check_curve(const Stop* rows) {
+  const Stop& stop = rows[0];
+  const bool rolls = is_rolling_profile(stop);
+  if ((stop.table != "curved_slot" && !rolls) || stop.curve.empty()) return;
   const std::vector<double> along = sums_of_chords(stop.curve, stop.closed);
   for (std::size_t k = 1; k < along.size(); ++k) {
     if (along[k] > along[k - 1]) continue;
     throw InputError(
         fmt::format("expected points that differ from those before, found points {} and {} of the curve in one place",
                     k, k == stop.curve.size() ? 1 : k + 1));
+  }
+  if (rolls) {
+    const double chords = profiles_of(rows).chords;
+    if (stop.closed) return;
+    const Stop& ends = rows[rows_before_ends(stop)];
+    check_ends(ends.min, ends.to_end ? chords : ends.max, chords);
+    return;
   }
   if (!(stop.min < (stop.to_end ? along.back() : stop.max))) {
     throw InputError("expected a curve that ends behind where the slot begins, at its number from");
@@ -426,8 +474,22 @@ void follow_curve(Stop* rows) {
     return;
   }
   try {
-    check_curve(first);
+    check_curve(rows);
   } catch (const InputError&) {
+    return;
+  }
+  if (is_rolling_profile(first)) {
+    const RollingProfile now = profiles_of(rows);
+    for (int row = 0; row < rows_before_ends(first); ++row) {
+      for (Measure::Term& term : rows[row].on.terms) {
+        if (!term.profile) continue;
+        term.profile = now.of(term.profile->pieces().front().law);
+        term.span = now.chords;
+      }
+    }
+    if (first.closed) return;
+    Stop& ends = rows[rows_before_ends(first)];
+    if (ends.to_end) ends.max = now.chords;
     return;
   }
   std::vector<double> along = sums_of_chords(first.curve, first.closed);
@@ -447,21 +509,53 @@ void follow_curve(Stop* rows) {
   if (first.to_end) first.max = length;
 }
 
+void switch_profiles_as(const Scene& other, Scene& scene) {
+  // Their functions are divided into the same parts.
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    Stop& stop = scene.stops[s];
+    if (!is_rolling_profile(stop) || stop.curve == other.stops[s].curve) continue;
+    const auto parts = RollingCurve<double>(other.stops[s].curve, stop.closed).parts();
+    const RollingCurve<double> curve(stop.curve, stop.closed);
+    for (int row = 0; row < rows_before_ends(stop); ++row) {
+      for (Measure::Term& term : scene.stops[s + static_cast<std::size_t>(row)].on.terms) {
+        if (!term.profile) continue;
+        const double near = term.profile->at(0.0).value;
+        term.profile =
+            std::make_shared<const Profile>(curve.function(term.profile->pieces().front().law, parts.value(), near));
+      }
+    }
+  }
+  const auto follow = [](const Measure& from, Measure& on) {
+    for (std::size_t k = 0; k < on.terms.size(); ++k) {
+      Measure::Term& term = on.terms[k];
+      const Measure::Term& as = from.terms[k];
+      if (!term.profile) continue;
+      const double turn = term.measure.is_angle() ? 2 * M_PI : 1.0;
+      const double span = term.measure.is_angle() ? turn : term.span, as_span = as.measure.is_angle() ? turn : as.span;
+      if (term.profile == as.profile && span == as_span && term.shift == as.shift) continue;
+      term.profile = std::make_shared<const Profile>(
+          term.profile->switched_as(*as.profile, span / as_span, (term.shift - as.shift) / as_span));
+    }
+  };
+  for (std::size_t i = 0; i < scene.stops.size(); ++i) follow(other.stops[i].on, scene.stops[i].on);
+  for (std::size_t i = 0; i < scene.drives.size(); ++i) follow(other.drives[i].on, scene.drives[i].on);
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) follow(other.elements[i].on, scene.elements[i].on);
+}
+
 std::span<const Number> Stop::numbers() const {
-  if (table == "cam" || table == "curved_slot") {
+  if (table == "cam" || table == "curved_slot" || is_rolling_profile(*this)) {
     const CurveNumbers points = curve_numbers_of(*this);
-    return coupling_kind(*this)->numbers.first(
-        static_cast<std::size_t>(points.first + points.points * points.components));
+    std::span<const Number> all = coupling_kind(*this)->numbers;
+    if (closed && table != "curved_slot") {
+      all = is_on_circle(*this) ? std::span<const Number>(closed_circle_profile_numbers) : closed_profile_numbers;
+    }
+    return all.first(static_cast<std::size_t>(points.first + points.points * points.components));
   }
   if (table == "rope") return std::span(rubbing_rope_numbers).first(1 + rubbing_rims(on).size());
   const CouplingKind* const kind = coupling_kind(*this);
   if (kind == nullptr) return limits;
   const bool is_full_circle = kind->table == "circular_slot" && line_of_centres(*this) < 0;
-  if (is_full_circle) return kind->numbers.first(1);
-  // A closed curve has no ends.
-  const bool is_closed_profile = kind->row == 0 && kind->table.starts_with("rolling_profile") && !on.terms.empty() &&
-                                 on.terms[1].profile->periodic();
-  return is_closed_profile ? kind->numbers.first(kind->numbers.size() - 2) : kind->numbers;
+  return is_full_circle ? kind->numbers.first(1) : kind->numbers;
 }
 
 std::string Stop::family() const { return words_of_key(table); }

@@ -12,6 +12,8 @@
 
 namespace poise {
 
+struct Scene;
+
 /// What a number of a coupling is in its stop: the value that the measure is held at (or the limit that it has), its
 /// lower or upper limit, the factor of a term of the sum, or the shift of a term's profile: the number times `times`,
 /// and `Stop::sense` with `by_sense`. Several parts of `value` add up.
@@ -81,10 +83,11 @@ inline constexpr std::size_t most_rubbing_rims = 16;
 /// friction.1, friction.2, ... in that order.
 std::vector<int> rubbing_rims(const Measure& rope);
 
-/// As many points of the curve of a cam, but its last, or of a curved slot are numbers; those of a longer one are not.
+/// As many points of the curve of a cam, but its last, of a curved slot or of a profile that rolls are numbers; those
+/// of a longer one are not.
 inline constexpr std::size_t most_curve_points = 64;
 /// Which numbers of a coupling are points of its curve: of a cam the shares curve.1, ..., the last point of the turn
-/// being the first again; of a curved slot curve.1.x, curve.1.y, ...
+/// being the first again; of others curve.1.x, curve.1.y, ...
 struct CurveNumbers {
   int first = 0;       ///< index into the numbers
   int points = 0;      ///< 0 of couplings without
@@ -94,12 +97,18 @@ struct CurveNumbers {
 };
 /// Of the first stop of a coupling.
 CurveNumbers curve_numbers_of(const Stop& stop);
+/// Whether it is a profile that rolls on a line or a circle.
+bool is_rolling_profile(const Stop& stop);
 /// Gives the stops of a coupling, of which this is the first, the profiles that follow from the points of its curve,
-/// and a slot the end of it. Leaves them as they are where check_curve() throws.
+/// and a slot or a profile that rolls the end of it. The angle of a profile's tangent goes on from the one before:
+/// where the first point turns over pi no whole turn is lost. Leaves all as they are where check_curve() throws.
 void follow_curve(Stop* rows);
-/// Throws InputError where two points of a slot's curve coincide that follow each other, or it ends before the slot
-/// begins.
-void check_curve(const Stop& stop);
+/// Throws InputError where two points of the curve of these stops coincide that follow each other, it ends before the
+/// slot or profile begins, or does not roll (rolling_profile_on()).
+void check_curve(const Stop* rows);
+/// Of a scene that differs from another in the numbers of one parameter: lets all its profiles be switched_as() those
+/// of the other.
+void switch_profiles_as(const Scene& other, Scene& scene);
 
 /// The kind of a stop; null of a plain one.
 const CouplingKind* coupling_kind(const Stop& stop);

@@ -77,7 +77,7 @@ double DependentNumber::slope(std::span<const double> named, std::span<const dou
     const double by = one.expression.slope(named, slopes) * one.dimension.unit(factor->units);
     if (by == 0.0) continue;
     const int number = one.at.place.number;
-    if (!function.is_smooth_in(number)) return std::numeric_limits<double>::quiet_NaN();
+    if (!function.has_derivative_at(number, factor->time)) return std::numeric_limits<double>::quiet_NaN();
     change += by * function.by(number, factor->time, 0, factor->time);
   }
   return own * function.at(factor->time) + expression.value(named) * change;

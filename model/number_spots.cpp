@@ -214,7 +214,7 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
                                                                     : Owner::drive;
       const toml::table* const time = below(item(owner, function.item), "time");
       if (std::holds_alternative<TableInTime>(function.law)) {
-        return {time, "", std::string(TableInTime::key), 1, row.place.number};
+        return {time, "", std::string(TableInTime::key), row.place.number % 2 == 0 ? 1 : 0, row.place.number / 2};
       }
       return {below(time, std::string(function.kind())), "", key};
     }

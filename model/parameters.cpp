@@ -229,15 +229,21 @@ void set_number(Scene& scene, const ParameterPlace& place, void* item, const Num
 
 /// The same of a number that no other is set with: changes nothing where it throws.
 void set_alone(Scene& scene, const ParameterPlace& place, void* item, const Number& number, double si) {
-  const bool is_of_curve = place.owner == Owner::coupling &&
-                           curve_numbers_of(scene.stops[static_cast<std::size_t>(place.item)]).has(place.number);
-  const double before = is_of_curve ? *number.get(item) : 0.0;
+  const auto first = scene.stops.begin() + (place.owner == Owner::coupling ? place.item : 0);
+  if (place.owner != Owner::coupling || first->curve.empty()) {
+    set_number(scene, place, item, number, si);
+    return;
+  }
+  const auto last = std::find_if(first + 1, scene.stops.end(), [](const Stop& stop) {
+    const CouplingKind* const kind = coupling_kind(stop);
+    return kind == nullptr || kind->row == 0;
+  });
+  const std::vector<Stop> before(first, last);
   set_number(scene, place, item, number, si);
-  if (!is_of_curve) return;
   try {
-    check_curve(scene.stops[static_cast<std::size_t>(place.item)]);
+    check_curve(&*first);
   } catch (const InputError&) {
-    number.set(item, before);
+    std::copy(before.begin(), before.end(), first);
     throw;
   }
 }
@@ -377,7 +383,7 @@ void follow_expressions(Scene& scene, bool in_range) {
     if (one.at.of != DependentPlace::Of::row) continue;
     try {
       if (one.at.place.owner == Owner::time) scene.time_functions[item].check();
-      if (one.at.place.owner == Owner::coupling) check_curve(scene.stops[item]);
+      if (one.at.place.owner == Owner::coupling) check_curve(&scene.stops[item]);
     } catch (const InputError& error) {
       throw InputError(one.item + ": " + error.what());
     }

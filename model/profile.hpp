@@ -20,6 +20,9 @@ ProfileValue<S> hull(const ProfileValue<S>& a, const ProfileValue<S>& b) {
   return {hull(a.value, b.value), hull(a.first, b.first), hull(a.second, b.second), hull(a.third, b.third)};
 }
 
+/// How a piece of a profile goes (ProfileIn).
+enum class ProfileLaw { polynomial, harmonic, cycloidal, tangent_angle, arc_length, along_tangent, across_tangent };
+
 /// A function P(u) of a number, both without dimension: the lift of a cam over its angle, a coordinate along a curve.
 /// It is made of pieces; in each, with s = (u - from) / (to - from) from 0 to 1,
 ///
@@ -37,19 +40,21 @@ ProfileValue<S> hull(const ProfileValue<S>& a, const ProfileValue<S>& b) {
 ///   across_tangent  P = r'xr / |r'|
 ///
 /// where is_short() of their pieces. A periodic one repeats: P(u + 1) = P(u) + rise, its pieces reach from 0 to 1.
-/// Another goes on beyond its ends along its tangents there.
-class Profile {
+/// Another goes on beyond its ends along its tangents there. Coefficients are scalars C: double of a Profile, dual
+/// numbers where the function has derivatives by the numbers that they follow from.
+template <class C>
+class ProfileIn {
  public:
-  enum class Law { polynomial, harmonic, cycloidal, tangent_angle, arc_length, along_tangent, across_tangent };
+  using Law = ProfileLaw;
   static constexpr int degree = 5;
   struct Piece {
-    double from = 0.0, to = 1.0;
+    C from = C(0), to = C(1);
     Law law = Law::polynomial;
-    std::array<double, 9> c{};
+    std::array<C, 9> c{};
   };
 
   /// Pieces in order, each from where the last ends; continuous up to rounding of their coefficients.
-  Profile(std::vector<Piece> pieces, bool periodic, double rise = 0.0)
+  ProfileIn(std::vector<Piece> pieces, bool periodic, C rise = C(0))
       : pieces_(std::move(pieces)), rise_(rise), periodic_(periodic) {
     borders_.push_back(pieces_.front().from);
     for (const Piece& piece : pieces_) borders_.push_back(piece.to);
@@ -60,8 +65,19 @@ class Profile {
   /// The names of these laws.
   static constexpr std::array<std::string_view, 4> laws{"dwell", "harmonic", "cycloidal", "polynomial_345"};
   /// The Spline through the points (u_k, P_k).
-  static Profile spline(const std::vector<double>& u, const std::vector<double>& p, bool periodic,
-                        bool has_curved_ends = false);
+  static ProfileIn spline(const std::vector<C>& u, const std::vector<C>& p, bool periodic,
+                          bool has_curved_ends = false);
+
+  /// The function near another one, of as many pieces, for differences of both: it has the piece k at u, also a little
+  /// beyond the ends of that, where `other` has its piece k at  stretch u + offset.  So both are in one formula, and
+  /// their difference has a limit, at every place of a motion. Sets of numbers are enclosed without that.
+  ProfileIn switched_as(const ProfileIn& other, double stretch, double offset) const {
+    ProfileIn out = *this;
+    out.switches_ = other.borders_;
+    out.stretch_ = stretch;
+    out.offset_ = offset;
+    return out;
+  }
 
   /// Whether a piece of a curve turns by less than a right angle from its middle to |t| = most_t, and has, with
   /// |r'|^2 = sum_j q_j t^j,  sum_j>0 |q_j| (4 most_t)^j < q_0,  so that the series of its arc length converges.
@@ -74,10 +90,15 @@ class Profile {
   /// P(u); for sets of numbers it encloses the values and derivatives of all pieces that u may be in.
   template <class S>
   ProfileValue<S> at(const S& u) const;
+  /// The same of one piece, also beyond its ends.
+  template <class S>
+  static ProfileValue<S> on(const Piece& piece, const S& u);
 
  private:
   template <class S>
-  static ProfileValue<S> on(const Piece& piece, const S& u);
+  bool is_switched() const {
+    return !may_enclose_set<S> && !switches_.empty();
+  }
   template <class S>
   ProfileValue<S> along_end(bool last, const S& u) const;
   template <class S>
@@ -92,14 +113,48 @@ class Profile {
   static S length_from_middle(const Piece& piece, const S& t);
 
   std::vector<Piece> pieces_;
-  std::vector<double> borders_;  // of the pieces, both ends included
-  double rise_;                  // of a period
+  std::vector<C> borders_;  // of the pieces, both ends included
+  C rise_;                  // of a period
   bool periodic_;
+  std::vector<C> switches_;  // borders of another that this one is switched_as(), and its argument there
+  double stretch_ = 1.0, offset_ = 0.0;
 };
 
+using Profile = ProfileIn<double>;
+
+template <class C>
+ProfileIn<C> ProfileIn<C>::spline(const std::vector<C>& u, const std::vector<C>& p, bool periodic,
+                                  bool has_curved_ends) {
+  const Spline<C> curve(u, p, periodic, has_curved_ends);
+  std::vector<Piece> out;
+  for (std::size_t k = 0; k + 1 < u.size(); ++k) {
+    Piece piece{u[k], u[k + 1]};
+    std::copy(curve.coefficients()[k].begin(), curve.coefficients()[k].end(), piece.c.begin());
+    out.push_back(piece);
+  }
+  return {std::move(out), periodic};
+}
+
+template <class C>
+bool ProfileIn<C>::is_short(const Piece& piece) {
+  using std::abs;
+  const auto c = [&](std::size_t k) { return Planar<C>{piece.c[1 + k], piece.c[5 + k]}; };
+  const Planar<C> a = c(1), b = C(2) * c(2), d = C(3) * c(3);
+  const C q_0 = dot(a, a);
+  const C margin(0.99);  // for rounding, also of the scalars that evaluate the piece
+  C sum(0), power(1);
+  for (const C& q : {C(C(2) * dot(a, b)), C(dot(b, b) + C(2) * dot(a, d)), C(C(2) * dot(b, d)), dot(d, d)}) {
+    power = power * C(4 * most_t);
+    sum = sum + abs(q) * power;
+  }
+  const C turned_back = C(most_t) * abs(dot(a, b)) + C(most_t * most_t) * abs(dot(a, d));
+  return sum < margin * q_0 && turned_back < margin * q_0;
+}
+
 // r and its three derivatives.
+template <class C>
 template <class S>
-std::array<Planar<S>, 4> Profile::curve(const Piece& piece, const S& t) {
+std::array<Planar<S>, 4> ProfileIn<C>::curve(const Piece& piece, const S& t) {
   const auto c = [&](std::size_t k) { return Planar<S>{S(piece.c[1 + k]), S(piece.c[5 + k])}; };
   const Planar<S> third = S(6) * c(3), twice = S(2) * c(2);
   return {c(0) + t * (c(1) + t * (c(2) + t * c(3))), c(1) + t * (twice + S(t / S(2)) * third), twice + t * third,
@@ -110,8 +165,9 @@ std::array<Planar<S>, 4> Profile::curve(const Piece& piece, const S& t) {
 //   y_k = sum_j q_j (3 j - 2 k) y_(k - j) / (2 k q_0),  j = 1, ..., 4.
 // With |3 j - 2 k| <= 2 k for j <= k, and sum_j |q_j| |4 t|^j <= q_0 of short pieces, |y_k t^k| <= 4^-k y_0: what the
 // first n terms of the integral leave out is less than 4^-n |y_0 t|.
+template <class C>
 template <class S>
-S Profile::length_from_middle(const Piece& piece, const S& t) {
+S ProfileIn<C>::length_from_middle(const Piece& piece, const S& t) {
   constexpr int terms = may_enclose_set<S> ? 72 : std::numeric_limits<S>::digits / 2 + 2;
   const auto c = [&](std::size_t k) { return Planar<S>{S(piece.c[1 + k]), S(piece.c[5 + k])}; };
   const Planar<S> a = c(1), b = S(2) * c(2), d = S(3) * c(3);
@@ -137,8 +193,9 @@ S Profile::length_from_middle(const Piece& piece, const S& t) {
   return sum;
 }
 
+template <class C>
 template <class S>
-S Profile::value_on_curve(const Piece& piece, const S& t) {
+S ProfileIn<C>::value_on_curve(const Piece& piece, const S& t) {
   const auto r = curve(piece, t);
   switch (piece.law) {
     case Law::tangent_angle: {
@@ -157,8 +214,9 @@ S Profile::value_on_curve(const Piece& piece, const S& t) {
 
 // With the angle a, the speed l = |r'|, and p along and h across the tangent:  a' = r'xr'' / l^2,  p' = a' h + l,
 // h' = -a' p. Of sets the value is that of a number in the middle and the slope over the set (mean value theorem).
+template <class C>
 template <class S>
-ProfileValue<S> Profile::on_curve(const Piece& piece, const S& t) {
+ProfileValue<S> ProfileIn<C>::on_curve(const Piece& piece, const S& t) {
   const auto [r, r1, r2, r3] = curve(piece, t);
   const S square = dot(r1, r1), inward = dot(r1, r2);
   const S by_square = S(2) * inward, by_2_square = S(2) * (dot(r2, r2) + dot(r1, r3));
@@ -194,8 +252,9 @@ ProfileValue<S> Profile::on_curve(const Piece& piece, const S& t) {
   return out;
 }
 
+template <class C>
 template <class S>
-ProfileValue<S> Profile::on(const Piece& piece, const S& u) {
+ProfileValue<S> ProfileIn<C>::on(const Piece& piece, const S& u) {
   const S length = S(piece.to) - S(piece.from);
   const S s = (u - S(piece.from)) / length;
   ProfileValue<S> by_s;
@@ -230,36 +289,45 @@ ProfileValue<S> Profile::on(const Piece& piece, const S& u) {
   return {by_s.value, by_s.first / length, by_s.second / (length * length), by_s.third / (length * length * length)};
 }
 
+template <class C>
 template <class S>
-ProfileValue<S> Profile::along_end(bool last, const S& u) const {
+ProfileValue<S> ProfileIn<C>::along_end(bool last, const S& u) const {
   const Piece& piece = last ? pieces_.back() : pieces_.front();
   const S end = S(last ? piece.to : piece.from);
   const ProfileValue<S> there = on(piece, end);
   return {there.value + there.first * (u - end), there.first, S(0), S(0)};
 }
 
+template <class C>
 template <class S>
-ProfileValue<S> Profile::at(const S& u) const {
+ProfileValue<S> ProfileIn<C>::at(const S& u) const {
   if (periodic_) return in_turns(u);
-  return by_pieces(u, borders_, [&](std::size_t k, const S& part) {
+  const auto in_piece = [&](std::size_t k, const S& part) {
     if (k == 0) return along_end(false, part);
     return k == borders_.size() ? along_end(true, part) : on(pieces_[k - 1], part);
-  });
+  };
+  if (!is_switched<S>()) return by_pieces(u, borders_, in_piece);
+  return by_pieces(S(S(stretch_) * u + S(offset_)), switches_, [&](std::size_t k, const S&) { return in_piece(k, u); });
 }
 
+template <class C>
 template <class S>
-ProfileValue<S> Profile::in_turns(const S& u) const {
+ProfileValue<S> ProfileIn<C>::in_turns(const S& u) const {
   constexpr double most_turns = 1e6;
+  const bool is_switched = this->is_switched<S>();
+  const S other = is_switched ? S(S(stretch_) * u + S(offset_)) : u;
   double turns = 0.0;
-  while (turns < most_turns && u >= S(turns + 1)) ++turns;
-  while (turns > -most_turns && u < S(turns)) --turns;
+  while (turns < most_turns && other >= S(turns + 1)) ++turns;
+  while (turns > -most_turns && other < S(turns)) --turns;
   const S in_turn = u - S(turns);
-  const auto inside = std::span(borders_).subspan(1, pieces_.size() - 1);
+  const auto inside = std::span(is_switched ? switches_ : borders_).subspan(1, pieces_.size() - 1);
   const auto in_one_turn = [&](const S& v) {
     return by_pieces(v, inside, [&](std::size_t k, const S& part) { return on(pieces_[k], part); });
   };
   if constexpr (!may_enclose_set<S>) {
-    ProfileValue<S> out = in_one_turn(in_turn);
+    ProfileValue<S> out = is_switched ? by_pieces(S(other - S(turns)), inside,
+                                                  [&](std::size_t k, const S&) { return on(pieces_[k], in_turn); })
+                                      : in_one_turn(in_turn);
     if (rise_ != 0.0) out.value += S(rise_) * S(turns);
     return out;
   } else {

@@ -204,7 +204,7 @@ class CouplingReader {
     make_row(rows[2], "y", {0, 1});
     read_ends(table, rows[0]);
     try {
-      check_curve(rows[0]);
+      check_curve(rows.data());
     } catch (const InputError&) {
       table.place_of("to").fail("expected an end behind the key from");
     }
@@ -293,35 +293,24 @@ class CouplingReader {
   // is more than `least`, that of what it rolls on.
   struct Curve {
     Measure::Term angle, length, along, across;
+    std::vector<Vec2> points;
     bool is_closed;
   };
   Curve read_curve(const TomlTable& table, int rider, double least) const {
     const bool is_closed = table.flag("closed", false);
     std::vector<Vec2> points = track_points(table, is_closed);
-    if (is_closed) points.push_back(points.front());
-    const std::optional<RollingProfile> found = rolling_profile(points, is_closed);
-    const TomlPlace place = table.place_of("curve");
-    if (!found) place.fail("expected a smooth curve, found one with a cusp; give it more points, or other ones");
-    const double turn = is_closed ? found->angle->at(1.0).value - found->angle->at(0.0).value : full_turn;
-    if (turn < 0.0) place.fail("expected points counter-clockwise, the body on the left; reverse their order");
-    if (std::abs(turn - full_turn) > 1.0)
-      place.fail("expected a curve that goes round once, found one that crosses itself");
-    double most_curved = -std::numeric_limits<double>::infinity();
-    constexpr int samples = 1000;
-    for (int k = 0; k <= samples; ++k) {
-      const double u = static_cast<double>(k) / samples;
-      most_curved = std::max(most_curved, found->angle->at(u).first / found->length->at(u).first);
-    }
-    if (!(most_curved > least)) {
-      place.fail(
-          "expected a curve with its body on the left that bends away from what it rolls on, found none such place; "
-          "reverse the order of its points, or give others");
-    }
+    const RollingProfile found =
+        located(table.place_of("curve"), [&] { return rolling_profile_on(least, points, is_closed); });
     const auto term = [&](double factor, const std::shared_ptr<const Profile>& profile) {
-      return Measure::Term{factor, Measure::travel_of(rider), profile, 0.0, found->chords};
+      return Measure::Term{factor, Measure::travel_of(rider), profile, 0.0, found.chords};
     };
-    return {term(1.0, found->angle), term(-1.0, found->length), term(1.0, found->along), term(1.0, found->across),
-            is_closed};
+    return {term(1.0, found.angle),  term(-1.0, found.length), term(1.0, found.along),
+            term(1.0, found.across), std::move(points),        is_closed};
+  }
+
+  static void keep_points(const Curve& curve, Stop& first) {
+    first.curve = curve.points;
+    first.closed = curve.is_closed;
   }
 
   // Angle of the body from the other one + angle of the tangent = `axis`, with the body's angle where the first point
@@ -345,7 +334,7 @@ class CouplingReader {
     ends.table = std::string(kind.table) + "_ends";
     ends.on = curve.angle.measure;
     read_ends(table, ends);
-    if (std::exchange(ends.to_end, false)) ends.max = curve.angle.span;
+    if (ends.to_end) ends.max = curve.angle.span;
     if (!(ends.min < ends.max)) table.place_of("to").fail("expected an end behind the key from");
     for (const auto& [key, at] : {std::pair("from", ends.min), std::pair("to", ends.max)}) {
       if (!(at >= 0.0 && at <= curve.angle.span)) {
@@ -367,6 +356,7 @@ class CouplingReader {
     rows[1].table = "rolling_profile_friction";
     rows[1].on = Measure::sum_of({{1.0, Measure::component_along(line, at, axis)}, curve.along, curve.length});
     for (Stop& row : rows) row.min = row.max = 0.0;
+    keep_points(curve, rows[0]);
     rows.push_back(tangent_row(kind, line.body, at.body, curve.angle, std::atan2(axis.y, axis.x)));
     add_ends(kind, table, curve, rows);
     read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on, scene_.units);
@@ -388,6 +378,7 @@ class CouplingReader {
     rows[0].table = kind.table;
     rows[0].on = Measure::sum_of({{1.0, Measure::component_along(origin, at, {1, 0})}, curve.across});
     rows[0].min = rows[0].max = not_given;
+    keep_points(curve, rows[0]);
     rows[1].table = "rolling_profile_on_circle_friction";
     // The component across makes the force of this row the friction at the contact, as that of a wheel.
     rows[1].on = Measure::sum_of(

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
 #include "model/number_spots.hpp"
 #include "model/parameters.hpp"
@@ -73,6 +74,19 @@ class Rewriter {
       throw InputError(fmt::format("{}: {}: expected a number that can be written into this file; write it there as {}",
                                    file_, row.path.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
     }
+    // A closed profile that rolls counts the turns of its body from where its first point touches.
+    for (std::size_t s = 0; s + 2 < old_.stops.size(); ++s) {
+      if (!is_rolling_profile(old_.stops[s]) || !old_.stops[s].closed) continue;
+      const auto first_touch = [&](const Scene& scene) {
+        const Stop& tangent = scene.stops[s + 2];
+        return tangent.min - tangent.on.terms[1].profile->at(0.0).value;
+      };
+      if (std::abs(first_touch(old_) - first_touch(wanted_)) < 1.0) continue;
+      throw InputError(
+          fmt::format("{}: {} \"{}\".curve: expected a first point that touches within half a turn of the body, from "
+                      "which files count its turns; begin the curve at another point",
+                      file_, old_.stops[s].table, old_.stops[s].name));
+    }
   }
 
  private:
@@ -81,11 +95,19 @@ class Rewriter {
     std::string text;
   };
 
-  /// The end of a slot that is the end of its curve in the scene too that is wanted.
+  /// The end of a slot, or of a profile that rolls, that is the end of its curve in the scene too that is wanted.
   bool ends_with_curve(const ParameterPlace& place) const {
-    if (place.owner != Owner::coupling || place.number != 1) return false;
-    const auto stop = static_cast<std::size_t>(place.item);
-    return old_.stops[stop].to_end && wanted_.stops[stop].to_end;
+    if (place.owner != Owner::coupling) return false;
+    const auto first = static_cast<std::size_t>(place.item);
+    for (std::size_t s = first; s < old_.stops.size(); ++s) {
+      const CouplingKind* const kind = coupling_kind(old_.stops[s]);
+      if (kind == nullptr || (s > first && kind->row == 0)) break;
+      if (!old_.stops[s].to_end || !wanted_.stops[s].to_end) continue;
+      for (const CouplingPart& part : kind->parts) {
+        if (part.of == CouplingPart::Of::upper && part.number == place.number) return true;
+      }
+    }
+    return false;
   }
 
   [[noreturn]] void fail() const {

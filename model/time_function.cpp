@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <numbers>
 #include <utility>
+
+#include <ceres/jet.h>
 
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
@@ -133,9 +136,16 @@ std::vector<double> breaks_of(const RampInTime& ramp) { return {ramp.start, ramp
 std::vector<double> breaks_of(const StepInTime& step) { return {step.at}; }
 std::vector<double> breaks_of(const TableInTime& of) { return of.table->t; }
 
+bool ascends(const std::vector<double>& t) {
+  return std::adjacent_find(t.begin(), t.end(), [](double a, double b) { return !(a < b); }) == t.end();
+}
+
+bool is_linear(const TimeTable& table) { return table.between == TimeTable::Between::linear || table.t.size() == 2; }
+
 /// The slopes at the points, of which a cubic on each piece follows.
 std::vector<double> slopes_of(const TimeTable& table) {
   std::vector<double> slopes;
+  if (is_linear(table)) return slopes;
   if (table.between == TimeTable::Between::monotone) {
     const ForceCurve curve(table.t, table.value);
     for (const double t : table.t) slopes.push_back(curve.force(t).second);
@@ -146,16 +156,20 @@ std::vector<double> slopes_of(const TimeTable& table) {
   return slopes;
 }
 
+/// The cubic of the piece between the points k and k + 1 by their times and the slopes there, if any: of a line.
+template <class T>
+std::array<T, 4> piece_of(const TimeTable& table, std::size_t k, const std::vector<T>& t,
+                          const std::vector<T>& slopes) {
+  const T h = t[k + 1] - t[k];
+  const T secant = T(table.value[k + 1] - table.value[k]) / h;
+  if (slopes.empty()) return {T(table.value[k]), secant, T(0), T(0)};
+  const T &a = slopes[k], &b = slopes[k + 1];
+  return {T(table.value[k]), a, T((T(3) * secant - T(2) * a - b) / h), T((a + b - T(2) * secant) / (h * h))};
+}
+
 void make_pieces(TimeTable& table) {
-  const bool linear = table.between == TimeTable::Between::linear || table.t.size() == 2;
-  const std::vector<double> slopes = linear ? std::vector<double>() : slopes_of(table);
-  for (std::size_t k = 0; k + 1 < table.t.size(); ++k) {
-    const double h = table.t[k + 1] - table.t[k];
-    const double secant = (table.value[k + 1] - table.value[k]) / h;
-    const double a = linear ? secant : slopes[k], b = linear ? secant : slopes[k + 1];
-    table.pieces.push_back({table.value[k], a, linear ? 0.0 : (3 * secant - 2 * a - b) / h,
-                            linear ? 0.0 : (a + b - 2 * secant) / (h * h)});
-  }
+  const std::vector<double> slopes = slopes_of(table);
+  for (std::size_t k = 0; k + 1 < table.t.size(); ++k) table.pieces.push_back(piece_of(table, k, table.t, slopes));
 }
 
 /// The derivative by the value of one point, which a linear table and a spline have as the table of 1 there and 0 at
@@ -169,6 +183,33 @@ TimeTable derivative_by(const TimeTable& table, std::size_t point) {
   }
   const ForceCurve curve(table.t, table.value);
   for (std::size_t k = 0; k + 1 < table.t.size(); ++k) out.pieces.push_back(curve.cubic_by(k, point));
+  return out;
+}
+
+/// The derivative by the time of one point. In a piece from t_k on, with u = t - t_k,
+///   d/dp sum_j c_j u^j = sum_j (dc_j/dp) u^j - (dt_k/dp) sum_j j c_j u^(j - 1).
+TimeTable derivative_by_time(const TimeTable& table, std::size_t point) {
+  using Dual = ceres::Jet<double, 1>;
+  std::vector<Dual> t(table.t.begin(), table.t.end()), slopes;
+  t[point].v[0] = 1.0;
+  if (!is_linear(table) && table.between == TimeTable::Between::monotone) {
+    const ForceCurve curve(table.t, table.value);
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      slopes.emplace_back(curve.force(table.t[k]).second);
+      slopes.back().v[0] = curve.slope_by_x(k, point);
+    }
+  } else if (!is_linear(table)) {
+    const Spline<Dual> curve(t, {table.value.begin(), table.value.end()}, false);
+    for (const Dual& one : t) slopes.push_back(curve.at(one).first);
+  }
+  TimeTable out{table.t, std::vector<double>(table.t.size(), 0.0), table.between, {}};
+  for (std::size_t k = 0; k + 1 < t.size(); ++k) {
+    const std::array<Dual, 4> c = piece_of(table, k, t, slopes);
+    std::array<double, 4>& by = out.pieces.emplace_back();
+    for (std::size_t j = 0; j < 4; ++j) {
+      by[j] = c[j].v[0] - (k == point && j < 3 ? static_cast<double>(j + 1) * c[j + 1].a : 0.0);
+    }
+  }
   return out;
 }
 
@@ -190,26 +231,53 @@ void detail::set_ramp_time(RampInTime& ramp, double RampInTime::*time, double va
 TableInTime TableInTime::through(std::vector<double> t, std::vector<double> value, TimeTable::Between between,
                                  bool numbered) {
   TimeTable table{std::move(t), std::move(value), between, {}};
-  make_pieces(table);
+  const bool is_known = ascends(table.t);
+  if (is_known) make_pieces(table);
   TableInTime out{std::make_shared<const TimeTable>(std::move(table))};
   if (!numbered || out.table->t.size() > most_points) return out;
-  std::vector<TimeTable> by;
-  for (std::size_t k = 0; k < out.table->t.size(); ++k) by.push_back(derivative_by(*out.table, k));
+  std::vector<TimeTable> by(is_known ? 0 : 2 * out.table->t.size());
+  for (std::size_t k = 0; is_known && k < out.table->t.size(); ++k) {
+    by.push_back(derivative_by(*out.table, k));
+    by.push_back(derivative_by_time(*out.table, k));
+  }
   out.by = std::make_shared<const std::vector<TimeTable>>(std::move(by));
   return out;
 }
 
-void TableInTime::set_value(std::size_t point, double value) {
-  if (table->value[point] == value) return;
-  std::vector<double> changed = table->value;
-  changed[point] = value;
-  TableInTime other = through(table->t, std::move(changed), table->between, by != nullptr);
+void TableInTime::set(std::size_t number, double to) {
+  TableInTime changed = *this;
+  changed.set_among_others(number, to);
+  changed.check();
+  *this = std::move(changed);
+}
+
+void TableInTime::set_among_others(std::size_t number, double to) {
+  std::vector<double> t = table->t, value = table->value;
+  double& own = (number % 2 == 1 ? t : value)[number / 2];
+  if (own == to) return;
+  own = to;
+  TableInTime other = through(std::move(t), std::move(value), table->between, by != nullptr);
   other.file = std::move(file);
   *this = std::move(other);
 }
 
-bool TableInTime::has_derivatives_by(std::size_t point) const {
-  return table->between != TimeTable::Between::monotone || ForceCurve(table->t, table->value).has_derivatives_by(point);
+void TableInTime::check() const {
+  if (!ascends(table->t)) {
+    throw InputError("expected times of points that ascend; keep each between those beside it");
+  }
+}
+
+bool TableInTime::has_derivative_at(std::size_t number, double t) const {
+  const std::size_t point = number / 2, last = table->t.size() - 1;
+  if (number % 2 == 0) {
+    return table->between != TimeTable::Between::monotone ||
+           ForceCurve(table->t, table->value).has_derivatives_by(point);
+  }
+  if (t != table->t[point] || table->between == TimeTable::Between::spline) return true;
+  // Slopes of monotone tables are continuous, but at the ends.
+  if (table->between == TimeTable::Between::monotone && point > 0 && point < last) return true;
+  const double before = std::nextafter(t, -std::numeric_limits<double>::infinity());
+  return value_of(*table, t, 1, before) == value_of(*table, t, 1, t);
 }
 
 std::span<const Number> TimeFunction::numbers() const {
@@ -228,11 +296,16 @@ void TimeFunction::set_among_others(int number, double value) {
     (number == 2 ? ramp->start : ramp->end) = value;
     return;
   }
+  if (auto* const table = std::get_if<TableInTime>(&law)) {
+    table->set_among_others(static_cast<std::size_t>(number), value);
+    return;
+  }
   std::visit([&](auto& l) { numbers()[static_cast<std::size_t>(number)].set(&l, value); }, law);
 }
 
 void TimeFunction::check() const {
   if (const auto* const ramp = std::get_if<RampInTime>(&law)) expect_time(*ramp);
+  if (const auto* const table = std::get_if<TableInTime>(&law)) table->check();
 }
 
 std::string_view TimeFunction::kind() const {
@@ -249,6 +322,16 @@ double TimeFunction::by(int number, double t, int derivative, double near) const
 
 bool TimeFunction::is_smooth_in(int number) const { return !jumps() || number > 0; }
 
+bool TimeFunction::has_derivative_at(int number, double t) const {
+  if (const auto* const ramp = std::get_if<RampInTime>(&law); ramp != nullptr && number >= 2 && !ramp->smooth) {
+    return t != (number == 2 ? ramp->start : ramp->end) || ramp->from == ramp->to;
+  }
+  if (const auto* const table = std::get_if<TableInTime>(&law)) {
+    return table->has_derivative_at(static_cast<std::size_t>(number), t);
+  }
+  return is_smooth_in(number);
+}
+
 std::vector<double> TimeFunction::breaks() const {
   return std::visit([](const auto& l) { return breaks_of(l); }, law);
 }
@@ -256,12 +339,18 @@ std::vector<double> TimeFunction::breaks() const {
 void TimeFunction::scale_table(double factor) {
   auto* const own = std::get_if<TableInTime>(&law);
   if (own == nullptr || factor == 1.0) return;
-  TimeTable changed = *own->table;
-  for (double& value : changed.value) value *= factor;
-  for (std::array<double, 4>& piece : changed.pieces) {
-    for (double& c : piece) c *= factor;
-  }
-  own->table = std::make_shared<const TimeTable>(std::move(changed));
+  const auto scaled = [factor](TimeTable table) {
+    for (double& value : table.value) value *= factor;
+    for (std::array<double, 4>& piece : table.pieces) {
+      for (double& c : piece) c *= factor;
+    }
+    return table;
+  };
+  own->table = std::make_shared<const TimeTable>(scaled(*own->table));
+  if (own->by == nullptr) return;
+  std::vector<TimeTable> by = *own->by;
+  for (std::size_t number = 1; number < by.size(); number += 2) by[number] = scaled(std::move(by[number]));
+  own->by = std::make_shared<const std::vector<TimeTable>>(std::move(by));
 }
 
 std::string_view name_of(const Scene& scene, const TimeFunction& function) {

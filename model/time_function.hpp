@@ -62,29 +62,34 @@ struct TimeTable {
 };
 
 /// A table, constant before its first point and after its last; a spline goes on along its tangents there, so that its
-/// second derivative, zero at its ends, is continuous. The values of a list in the scene are numbers, those of a file
-/// are not. Where a secant of a monotone table is zero its slopes have no derivatives by the values of the two ends:
-/// the one of the side on which it stays zero is taken (ForceCurve).
+/// second derivative, zero at its ends, is continuous. The values and times of a list in the scene are numbers, those
+/// of a file are not. Where a secant of a monotone table is zero its slopes have no derivatives by the values of the
+/// two ends: the one of the side on which it stays zero is taken (ForceCurve).
 struct TableInTime {
   /// As many points have numbers of their own.
   static constexpr std::size_t most_points = 64;
 
   std::shared_ptr<const TimeTable> table;
-  /// Its derivatives by the values that are numbers; null where none are.
+  /// Its derivatives at fixed times by its numbers; null where it has none.
   std::shared_ptr<const std::vector<TimeTable>> by{};
   std::string file{};  ///< that it was read from, as written; empty of a list in the scene
 
   static constexpr std::string_view key = "table";
-  /// "table.1", ..., of all points that there may be.
-  static const std::array<Number, most_points> numbers;
+  /// "table.1", "table.1.t", ...: the value and the time of each point, of all that there may be.
+  static const std::array<Number, 2 * most_points> numbers;
   std::span<const Number> all_numbers() const { return std::span(numbers).first(by ? by->size() : 0); }
 
-  /// `numbered`: its values are numbers, if there are not more than most_points.
+  /// `numbered`: its values and times are numbers, if there are not more than most_points. Where times do not ascend
+  /// it has no value yet (TimeFunction::set_among_others).
   static TableInTime through(std::vector<double> t, std::vector<double> value, TimeTable::Between between,
                              bool numbered);
-  void set_value(std::size_t point, double value);
-  /// Whether it has a derivative by a value at every time.
-  bool has_derivatives_by(std::size_t point) const;
+  /// Sets a number: the value of a point, or its time. Throws InputError, and changes nothing, unless times ascend.
+  void set(std::size_t number, double to);
+  void set_among_others(std::size_t number, double to);
+  /// Throws InputError unless times ascend.
+  void check() const;
+  /// Whether the value at the time t has a derivative by a number.
+  bool has_derivative_at(std::size_t number, double t) const;
 };
 
 using TimeLaw = std::variant<SineInTime, RampInTime, StepInTime, TableInTime>;
@@ -110,8 +115,11 @@ struct TimeFunction {
   double at(double t) const { return at(t, 0, t); }
   /// The derivative of at(t, derivative, near) by numbers()[number]; of is_smooth_in() numbers.
   double by(int number, double t, int derivative, double near) const;
-  /// Whether the value has a derivative by the number at every time: not by the time at which a step jumps.
+  /// Whether motions have a derivative by the number: not by the time at which a step jumps, where their rates have
+  /// one that jumps too. Elsewhere the value has one at all times but single ones.
   bool is_smooth_in(int number) const;
+  /// Whether the value at the time t has one, so that by() is it: not by the time t of a kink.
+  bool has_derivative_at(int number, double t) const;
   /// Sets a number where others of the function change with it, so that they may contradict each other until all are
   /// set; check() throws InputError if they do then.
   void set_among_others(int number, double value);
@@ -120,7 +128,8 @@ struct TimeFunction {
   std::vector<double> breaks() const;
   /// Whether the value jumps at its breaks.
   bool jumps() const { return std::holds_alternative<StepInTime>(law); }
-  /// Multiplies the values by a factor, exactly for a power of two; numbers that are values are not touched.
+  /// Multiplies the values by a factor, exactly for a power of two, with the derivatives by times; numbers of other
+  /// functions are not touched.
   void scale_table(double factor);
 };
 
@@ -171,27 +180,33 @@ namespace detail {
 
 inline constexpr auto table_keys = indexed_keys<TableInTime::most_points>("table");
 
-template <std::size_t Point>
-constexpr Number value_of_table() {
-  Number value{table_keys[Point].view(), {}, Range::finite};
-  value.measure_power = 1;
-  value.get = [](const void* item) {
-    return std::optional<double>(static_cast<const TableInTime*>(item)->table->value[Point]);
+inline constexpr auto table_time_keys = indexed_keys<TableInTime::most_points>("table", "t");
+
+template <std::size_t Index>
+constexpr Number number_of_table() {
+  constexpr std::size_t point = Index / 2;
+  constexpr bool is_time = Index % 2 == 1;
+  Number number{is_time ? table_time_keys[point].view() : table_keys[point].view(),
+                is_time ? dimension::time : dimension::none, Range::finite};
+  number.measure_power = is_time ? 0 : 1;
+  number.get = [](const void* item) {
+    const TimeTable& table = *static_cast<const TableInTime*>(item)->table;
+    return std::optional<double>(is_time ? table.t[point] : table.value[point]);
   };
-  value.set = [](void* item, double to) { static_cast<TableInTime*>(item)->set_value(Point, to); };
-  value.scale = [](void*, double) {};  // by TimeFunction::scale_table, with the whole table
-  return value;
+  number.set = [](void* item, double to) { static_cast<TableInTime*>(item)->set(Index, to); };
+  number.scale = [](void*, double) {};  // by TimeFunction::scale_table, with the whole table
+  return number;
 }
 
-template <std::size_t... Point>
-constexpr std::array<Number, sizeof...(Point)> values_of_table(std::index_sequence<Point...>) {
-  return {value_of_table<Point>()...};
+template <std::size_t... Index>
+constexpr std::array<Number, sizeof...(Index)> numbers_of_table(std::index_sequence<Index...>) {
+  return {number_of_table<Index>()...};
 }
 
 }  // namespace detail
 
-inline constexpr std::array<Number, TableInTime::most_points> TableInTime::numbers =
-    detail::values_of_table(std::make_index_sequence<TableInTime::most_points>());
+inline constexpr std::array<Number, 2 * TableInTime::most_points> TableInTime::numbers =
+    detail::numbers_of_table(std::make_index_sequence<2 * TableInTime::most_points>());
 
 /// A load whose function of time was replaced by its value at one time.
 struct HeldLoad {

@@ -38,14 +38,16 @@ ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Varia
   int scratch = 0;
   const auto place_of = [&](const MotionModel& own, const Measure::Term& term) {
     const double span = term.measure.is_angle() ? 2 * std::numbers::pi : term.span;
-    Place out{{own.scaled_scene(), own.layout(), own.mechanism().phasors(), term.measure}, term.shift, span};
+    Place out{{own.scaled_scene(), own.layout(), own.mechanism().phasors(), term.measure},
+              term.shift,
+              span,
+              term.profile.get()};
     scratch = std::max(scratch, out.on.scratch_size());
     return out;
   };
   for (const Measure::Term* const term : terms) {
     Argument& argument = arguments_.emplace_back();
     argument.at = place_of(model, *term);
-    argument.profile = term->profile.get();
     argument.varied.resize(variations.size());
   }
   for (std::size_t v = 0; v < variations.size() && !terms.empty(); ++v) {
@@ -67,8 +69,8 @@ Configuration<double> ProfileBorders::here(const ReducedMotion<double>& motion) 
 
 void ProfileBorders::note(Argument& argument, double u, double rate) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
-  const std::vector<Profile::Piece>& pieces = argument.profile->pieces();
-  const double turn = argument.profile->periodic() ? std::floor(u) : 0.0;
+  const std::vector<Profile::Piece>& pieces = argument.at.profile->pieces();
+  const double turn = argument.at.profile->periodic() ? std::floor(u) : 0.0;
   argument.lower = -unlimited;
   argument.upper = unlimited;
   const auto border = [&](double at) {
@@ -83,7 +85,7 @@ void ProfileBorders::note(Argument& argument, double u, double rate) {
     for (const Profile::Piece& piece : pieces) border(piece.to + shift);
   };
   for (const double shift : {-1.0, 0.0, 1.0}) {
-    if (argument.profile->periodic() || shift == 0.0) borders_of_turn(turn + shift);
+    if (argument.at.profile->periodic() || shift == 0.0) borders_of_turn(turn + shift);
   }
 }
 
@@ -112,14 +114,32 @@ double ProfileBorders::nudge(const ReducedMotion<double>& motion) {
   return nudged_by * place.span / std::abs(place.on.along(here(motion), motion.v()));
 }
 
+double ProfileBorders::border_of(const Place& other, const Place& here, double u) {
+  const std::vector<Profile::Piece>&own = here.profile->pieces(), &pieces = other.profile->pieces();
+  double nearest = std::numeric_limits<double>::infinity(), out = 0.0;
+  const double turn = here.profile->periodic() ? std::floor(u) : 0.0;
+  const auto compare = [&](double border, double there) {
+    if (!(std::abs(u - border) < nearest)) return;
+    nearest = std::abs(u - border);
+    out = there;
+  };
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    compare(turn + own[k].from, turn + pieces[k].from);
+    compare(turn + own[k].to, turn + pieces[k].to);
+  }
+  return out;
+}
+
 double ProfileBorders::passing_time_by(const ReducedMotion<double>& motion, const double* dq, int variation) {
   const Argument& argument = arguments_[least_];
   const Configuration<double> at = here(motion);
   double change = argument.at.on.along(at, dq) / argument.at.span;
   if (variation >= 0) {
     const auto v = static_cast<std::size_t>(variation);
+    const double u = value(argument.at, at);
     for (std::size_t p = 0; p < argument.varied[v].size(); ++p) {
-      change += variations_[v].pieces[p].weight * value(argument.varied[v][p], at);
+      const Place& other = argument.varied[v][p];
+      change += variations_[v].pieces[p].weight * (value(other, at) - border_of(other, argument.at, u));
     }
   }
   const double rate = argument.at.on.along(at, motion.v()) / argument.at.span;

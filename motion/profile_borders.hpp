@@ -26,8 +26,8 @@ class ProfileBorders {
   double margin(const ReducedMotion<double>& motion);
   /// Of the argument of the last margin(): the time in which it moves by 3e-13.
   double nudge(const ReducedMotion<double>& motion);
-  /// Of the same: the derivative of the time at which it passes the border along a change of q, and by a number if
-  /// `variation` is not negative:  -(du/dp) / (du/dt).
+  /// Of the same: the derivative of the time at which it passes the border u_k along a change of q, and by a number if
+  /// `variation` is not negative:  -(du/dp - du_k/dp) / (du/dt).
   double passing_time_by(const ReducedMotion<double>& motion, const double* dq, int variation);
 
  private:
@@ -35,10 +35,10 @@ class ProfileBorders {
   struct Place {
     CompiledMeasure<double> on;
     double shift = 0.0, span = 1.0;
+    const Profile* profile = nullptr;
   };
   struct Argument {
     Place at;
-    const Profile* profile = nullptr;
     std::vector<std::vector<Place>> varied;  // by variation and piece
     double lower = -std::numeric_limits<double>::infinity();
     double upper = std::numeric_limits<double>::infinity();
@@ -48,6 +48,8 @@ class ProfileBorders {
     return (place.on.value(at) - place.shift) / place.span;
   }
   static void note(Argument& argument, double u, double rate);
+  /// Of the profile of another place of the same term the border that is nearest in this one's.
+  static double border_of(const Place& other, const Place& here, double u);
 
   const MotionModel& model_;
   const std::vector<Variation>& variations_;

@@ -4,8 +4,10 @@
 // scenes that differ in numbers only. Bodies are cut free, so that every joint force is an unknown and every number of
 // a scene file stands where it acts; equations of the compiled mechanism (model/mechanism.hpp) have sums of numbers.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -20,6 +22,7 @@
 #include "model/gas_struts.hpp"
 #include "model/measures/sum.hpp"
 #include "model/parameters.hpp"
+#include "model/rolling_profile.hpp"
 #include "model/scene.hpp"
 #include "model/spline.hpp"
 #include "solvers/real50.hpp"
@@ -39,6 +42,16 @@ inline double plain_value(const Real50& a) { return static_cast<double>(a); }
 template <class T, int N>
 double plain_value(const ceres::Jet<T, N>& a) {
   return plain_value(a.a);
+}
+
+/// Whether a scalar is this number, and follows from no variable.
+template <class T>
+bool is_just(const T& a, double number) {
+  return a == T(number);
+}
+template <class T, int N>
+bool is_just(const ceres::Jet<T, N>& a, double number) {
+  return is_just(a.a, number) && (a.v.array() == T(0)).all();
 }
 
 /// Unknowns z: origin x, y and angle of each body but the ground (3 (i - 1) of body i), then one multiplier per row of
@@ -203,10 +216,12 @@ class NumberedEquations {
     const CouplingKind* const kind = coupling_[stop];
     if (kind == nullptr) return numbers[stop_number_[stop] + (upper ? 1 : 0)];
     const double as_given = upper ? scene_.stops[stop].max : scene_.stops[stop].min;
-    if (upper && scene_.stops[stop].to_end && curve_of_[stop].points > 0) {
+    if (const int first = first_row(stop); upper && scene_.stops[stop].to_end && curve_of_[first].points > 0) {
       // The end of the curve, and by how much the number is another.
-      const int end = stop_number_[stop] + 1;
-      return chords_of(stop, numbers).back() + numbers[end] - T(numbers_[end]);
+      const auto part = std::find_if(kind->parts.begin(), kind->parts.end(),
+                                     [](const CouplingPart& one) { return one.of == CouplingPart::Of::upper; });
+      const int end = stop_number_[stop] + part->number;
+      return chords_of(first, numbers).back() + numbers[end] - T(numbers_[end]);
     }
     const auto one_side = upper ? CouplingPart::Of::upper : CouplingPart::Of::lower;
     if (!std::isfinite(as_given)) return T(as_given);
@@ -224,10 +239,19 @@ class NumberedEquations {
   struct NumberedTerm {
     T factor;
     ProfileOf<T> of;
-    std::optional<Spline<T>> curve{};  // over the measure less the shift, where its points are numbers
+    // Where its points are numbers: over the measure less the shift; of a profile that rolls over its share of the
+    // chords, whose sum is the span.
+    std::optional<Spline<T>> curve{};
+    std::optional<ProfileIn<T>> rolling{};
 
     bool has_profile() const { return of.profile != nullptr; }
-    ProfileValue<T> at(const T& g) const { return curve ? curve->at(T(g - of.shift)) : of.at(g); }
+    ProfileValue<T> at(const T& g) const {
+      if (curve) return curve->at(T(g - of.shift));
+      if (!rolling) return of.at(g);
+      ProfileValue<T> p = rolling->at(T(g / of.span));
+      p.first = p.first / of.span;
+      return p;
+    }
   };
   template <class T>
   struct NumberedCoupling;
@@ -245,24 +269,47 @@ class NumberedEquations {
       else if (part.of == CouplingPart::Of::shift)
         out.of.shift = number;
     }
-    if (as_given.profile) out.curve = curve_of(stop, as_given, numbers);
+    if (!as_given.profile) return out;
+    if (is_rolling_profile(scene_.stops[first_row(stop)]))
+      roll(stop, as_given, numbers, out);
+    else
+      out.curve = curve_of(stop, as_given, numbers);
     return out;
   }
   // The first stop of a coupling, of which this is one.
   int first_row(int stop) const { return coupling_[stop] == nullptr ? stop : stop - coupling_[stop]->row; }
-  /// Where the points of a slot's curve are along it: sums of chords.
+  /// The points of the curve of a slot, or of a profile that rolls, in units of `unit`.
   template <class T>
-  std::vector<T> chords_of(int slot, const T* numbers) const {
-    const CurveNumbers& curve = curve_of_[slot];
-    const T* const first = numbers + stop_number_[slot] + curve.first;
-    const auto point = [&](int k) {
-      const T* const at = first + 2 * (k % curve.points);
-      return Planar<T>{at[0], at[1]};
-    };
-    std::vector<T> along{T(0)};
-    const int last = scene_.stops[slot].closed ? curve.points : curve.points - 1;
-    for (int k = 1; k <= last; ++k) along.push_back(along.back() + norm(point(k) - point(k - 1)));
-    return along;
+  std::vector<Planar<T>> points_of(int first, const T* numbers, double unit = 1.0) const {
+    const CurveNumbers& curve = curve_of_[first];
+    const T* const at = numbers + stop_number_[first] + curve.first;
+    std::vector<Planar<T>> out;
+    for (int k = 0; k < curve.points; ++k) out.push_back({at[2 * k] / T(unit), at[2 * k + 1] / T(unit)});
+    return out;
+  }
+  /// Where they are along it: sums of chords.
+  template <class T>
+  std::vector<T> chords_of(int first, const T* numbers) const {
+    return sums_of_chords(points_of(first, numbers), scene_.stops[first].closed);
+  }
+  /// The function of the curve that rolls, of which this term has one, through the points that are numbers.
+  template <class T>
+  void roll(int stop, const Measure::Term& term, const T* numbers, NumberedTerm<T>& out) const {
+    const int first = first_row(stop);
+    const int at = stop_number_[first] + curve_of_[first].first, count = 2 * curve_of_[first].points;
+    bool is_as_given = true;
+    for (int k = at; k < at + count; ++k) is_as_given = is_as_given && is_just(numbers[k], numbers_[k]);
+    if (is_as_given) return;
+    // Without dimension, as the profile.
+    const double unit = std::abs(scene_.stops[first].on.terms[1].factor);
+    const RollingCurve<T> curve(points_of(first, numbers, unit), scene_.stops[first].closed);
+    const auto parts = curve.parts();
+    if (!parts) {
+      out.of.span = T(std::numeric_limits<double>::quiet_NaN());  // a cusp
+      return;
+    }
+    out.rolling = curve.function(term.profile->pieces().front().law, *parts, term.profile->at(0.0).value);
+    out.of.span = curve.chords() * T(unit);
   }
   /// The profile of a cam, or of a coordinate along a slot, through the points that are numbers.
   template <class T>

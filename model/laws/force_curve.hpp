@@ -97,7 +97,15 @@ class ForceCurve {
     const Piece<double> piece = piece_by<double>(k + 1, point);
     return {piece.force, piece.first, piece.second, piece.third};
   }
-  /// Whether those derivatives exist at every x.
+  /// The derivative of the slope at one point by the x of another, or of itself.
+  double slope_by_x(std::size_t point, std::size_t moved) const {
+    const std::size_t last = points() - 1;
+    if (last == 1) return secant_by_x(1, moved);
+    if (point == 0) return (3 * secant_by_x(1, moved) - inside_by_x(1, moved)) / 2;
+    if (point == last) return (3 * secant_by_x(last, moved) - inside_by_x(last - 1, moved)) / 2;
+    return inside_by_x(point, moved);
+  }
+  /// Whether those by the forces exist at every x.
   bool has_derivatives_by(std::size_t point) const {
     const bool flat_before = point > 0 && force_[point] == force_[point - 1];
     const bool flat_after = point + 1 < points() && force_[point] == force_[point + 1];
@@ -220,6 +228,22 @@ class ForceCurve {
         return hull(S(0), S(change_before / a)) + hull(S(0), S(change_after / (S(1) - a)));
     }
     return S(0);
+  }
+
+  double width_by_x(std::size_t k, std::size_t moved) const { return moved == k ? 1.0 : moved + 1 == k ? -1.0 : 0.0; }
+  double secant_by_x(std::size_t k, std::size_t moved) const {
+    return -secant<double>(k) / width<double>(k) * width_by_x(k, moved);
+  }
+  // No secant changes its sign, or becomes zero, with the places of points.
+  double inside_by_x(std::size_t point, std::size_t moved) const {
+    const double before = secant<double>(point), after = secant<double>(point + 1);
+    if (differ_in_sign(before, after)) return 0.0;
+    const double h0 = width<double>(point), h1 = width<double>(point + 1);
+    const double slope = slope_inside<double>(point);
+    const double by_share = -slope * slope * (1 / before - 1 / after);
+    return by_share * (h0 * width_by_x(point + 1, moved) - h1 * width_by_x(point, moved)) /
+               (3 * (h0 + h1) * (h0 + h1)) +
+           slope_inside_by(point, secant_by_x(point, moved), secant_by_x(point + 1, moved));
   }
 
   /// Of piece k, its derivative by the force at one point.

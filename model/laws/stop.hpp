@@ -27,11 +27,11 @@ struct Stop {
   double sense = 1.0;  ///< 1 or -1: the sign with which a coupling's factor is its number
   int line = 0;
   /// Points of its curve where the scene file gives them: of a cam (part of a turn, share of the lift), the last one a
-  /// full turn behind the first; of a curved slot in the first of its stops (X, Y), m. Profiles follow by
-  /// follow_curve().
+  /// full turn behind the first; of a curved slot or a profile that rolls in the first of its stops (X, Y), m. Profiles
+  /// follow by follow_curve().
   std::vector<Vec2> curve{};
-  bool closed = false;  ///< the curve of a slot returns to its first point
-  bool to_end = false;  ///< the upper limit of a curved slot is the end of its curve
+  bool closed = false;  ///< such a curve returns to its first point
+  bool to_end = false;  ///< the upper limit, of a slot or the ends of a profile, is the end of its curve
   /// Of a cam whose scene names it: the centre of the roller, a point of the follower.
   std::optional<PointRef> roller{};
   /// Of a gear or rack whose scene gives a pressure angle: the tangent of that.

@@ -119,6 +119,53 @@ TEST_F(FunctionsOfTime, HaveExactJacobiansByTheValuesOfTables) {
   }
 }
 
+// Their times, at which a linear table has a kink, and a monotone one at its ends: accelerations stay continuous, while
+// formulas meet earlier or later. (Where a formula begins with the motion differences to both sides are half as
+// accurate.)
+TEST_F(FunctionsOfTime, HaveExactJacobiansByTheTimesOfTables) {
+  folder_.write("scene.toml",
+                crane("time = { table = [[0.1, 0.5], [0.4, -1], [0.9, 0.7]] }",
+                      "time = { table = [[0.05, 0.2], [0.3, 1], [0.7, 1.5], [1, 0.1]], interpolation = \"monotone\" }",
+                      "time = { table = [[0.05, 0.1], [0.4, 0.3], [0.8, 0.2], [1.1, 0.5]] }"));
+  std::vector<std::string> paths;
+  for (const char* k : {"1", "2", "3"}) paths.push_back("load.motor.time.table." + std::string(k) + ".t");
+  for (const char* k : {"1", "2", "3", "4"}) paths.push_back("load.wind.time.table." + std::string(k) + ".t");
+  for (const char* k : {"1", "2", "3", "4"}) paths.push_back("drive.belt.time.table." + std::string(k) + ".t");
+  for (const std::string& run : {unknown_start, known_start}) {
+    expect_exact_jacobian(read(sensor + unknowns(paths) + run), paths.size());
+  }
+}
+
+TEST_F(FunctionsOfTime, TimesOfTablesAreFound) {
+  folder_.write("scene.toml", crane("time = { table = [[0.1, 0.5], [0.4, -1], [0.9, 0.7]] }", "",
+                                    "time = { table = [[0, 0.1], [0.4, 0.3], [0.8, 0.2], [1.4, 0.5]] }"));
+  const Experiment e = read(sensor + R"(
+[[unknown]]
+path = "load.motor.time.table.2.t"
+start = 0.5
+[[unknown]]
+path = "drive.belt.time.table.3.t"
+start = 0.75
+[[run]]
+duration = 2
+rate = 100
+seed = 4
+)");
+  const FitProblem problem(e);
+  const Fit fitted = fit(problem, problem.records());
+  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  for (const Estimate& estimate : fitted.estimates) {
+    EXPECT_FALSE(estimate.withheld) << estimate.name;
+    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
+    EXPECT_LT(estimate.standard_error, 0.01) << estimate.name;
+  }
+  Prediction out;
+  const std::vector<double> reversed{0.95, 0.75};
+  problem.run(0).predict(reversed.data(), problem.run(0).released().data(), INFINITY, 1e-10, false, out);
+  EXPECT_FALSE(out.ok);
+  EXPECT_NE(out.why.find("load.motor.time.table.2.t is out of its range"), std::string::npos) << out.why;
+}
+
 // Named numbers in functions, in the loads that they multiply and in everything else at once, along all expressions.
 const std::string named = "[numbers]\np = 0.7\nwhen = 0.4\nnone = 0\n";
 
@@ -142,7 +189,10 @@ TEST_F(FunctionsOfTime, HaveExactJacobiansByNamedNumbers) {
            "time = { sine = { amplitude = \"p/5\", frequency = \"p\", offset = \"when^2\" } }"),
       with("time = { table = [[0.1, \"p\"], [0.4, -1], [0.9, \"when\"]] }",
            "time = { table = [[0, 0.2], [0.3, \"p\"], [0.7, \"3*p\"]], interpolation = \"monotone\" }",
-           "time = { table = [[0, \"p/7\"], [0.4, 0.3], [0.8, \"when/2\"], [1.4, 0.5]] }")};
+           "time = { table = [[0, \"p/7\"], [0.4, 0.3], [0.8, \"when/2\"], [1.4, 0.5]] }"),
+      with("time = { table = [[\"when - 0.3\", \"p\"], [\"when\", -1], [\"when + p\", \"when\"]] }",
+           "time = { table = [[0, 0.2], [\"p/2\", \"p\"], [\"p\", \"3*p\"]], interpolation = \"monotone\" }",
+           "time = { table = [[0, \"p/7\"], [\"when\", 0.3], [0.8, \"when/2\"], [\"2*p\", 0.5]] }")};
   for (const std::string& scene : scenes) {
     folder_.write("scene.toml", scene);
     for (const std::string& run : {unknown_start, known_start}) {

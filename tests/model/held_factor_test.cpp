@@ -61,7 +61,11 @@ const std::vector<std::pair<std::string, std::string>>& loads() {
       {"[\"F\", 0]", "{ step = { to = \"F\", from = \"T\" } }"},
       {"[\"F\", 0]", "{ table = [[0, \"F\"], [0.4, \"T\"], [0.9, 3]] }"},
       {"[\"F\", 0]", "{ table = [[0, \"F\"], [0.4, \"T\"], [0.9, 3]], interpolation = \"monotone\" }"},
-      {"[1, 2]", "{ table = [[0, \"F\"], [0.4, \"T\"], [0.9, 3]], interpolation = \"spline\" }"}};
+      {"[1, 2]", "{ table = [[0, \"F\"], [0.4, \"T\"], [0.9, 3]], interpolation = \"spline\" }"},
+      {"[\"F\", 0]", "{ table = [[-0.1, \"F\"], [\"T/5\", \"T\"], [\"T + F\", 3]] }"},
+      {"[1, 2]",
+       "{ table = [[-0.1, 5], [\"T/5\", \"T\"], [\"T + F\", \"F/2\"], [6, 8]], interpolation = \"monotone\" }"},
+      {"[1, 2]", "{ table = [[0, \"F\"], [\"T/5\", \"T\"], [\"T + F\", 3]], interpolation = \"spline\" }"}};
   return all;
 }
 
@@ -182,13 +186,56 @@ TEST(HeldFactor, ScenesAreWrittenBackWithTheirExpressions) {
   EXPECT_EQ(rewritten_scene(text, "time.toml", scene), expected);
 }
 
-TEST(HeldFactor, TablesHaveValuesForNumbersAndNoTimes) {
-  std::string text = scene_with("[1, 1]", "{ table = [[0, 1], [\"T\", 2]] }");
-  EXPECT_NE(test::message_of([&] { parse_scene(text, "time.toml"); }).find("found an expression"), std::string::npos);
+// At the time of a kink, of a line or at an end of a table, the value has no derivative by that time.
+TEST(HeldFactor, HasNoDerivativeByTheTimeOfAKink) {
+  const auto is_known = [](const std::string& time, double t) {
+    const Scene scene = at_time(parse_scene(scene_with("[3, 0]", time), "time.toml"), t);
+    bool all = true;
+    for (const double slope : dependents_by(scene, 1, named_values(scene))) all = all && std::isfinite(slope);
+    return all;
+  };
+  const std::string points = "[[0, 1], [\"T\", 3], [1, 4], [2, 9]]", first = "[[\"T\", 1], [1, 4], [2, 9]]";
+  for (const std::string between : {"linear", "monotone", "spline"}) {
+    const std::string end = ", interpolation = \"" + between + "\" }";
+    EXPECT_EQ(is_known("{ table = " + points + end, 0.5), between != "linear") << between;
+    EXPECT_TRUE(is_known("{ table = " + points + end, 0.50001)) << between;
+    EXPECT_TRUE(is_known("{ table = " + points + end, 1.0)) << between << ": of another point";
+    EXPECT_EQ(is_known("{ table = " + first + end, 0.5), between == "spline") << between;
+  }
+  EXPECT_FALSE(is_known("{ ramp = { to = 2, start = \"T\", end = 3 } }", 0.5));
+  EXPECT_TRUE(is_known("{ ramp = { to = 2, start = \"T\", end = 3, law = \"polynomial_345\" } }", 0.5));
+}
+
+TEST(HeldFactor, TimesOfTablesAscend) {
+  const std::string text = scene_with("[1, 1]", "{ table = [[0, 1], [\"T\", 2], [\"T + F\", 5], [9, 0]] }");
+  Scene scene = parse_scene(text, "time.toml");
+  EXPECT_EQ(get_value(scene, "load.P.time.table.3.t"), 2.5);
+  set_value(scene, "load.P.time.table.1.t", 0.25);
+  set_value(scene, "numbers.T", 6);  // beyond the third point until that follows too
+  EXPECT_EQ(get_value(scene, "load.P.time.table.2.t"), 6);
+  EXPECT_EQ(get_value(scene, "load.P.time.table.3.t"), 8);
+  EXPECT_EQ(scene.time_functions[1].at(7), 3.5);
+  EXPECT_EQ(test::message_of([&] { set_value(scene, "load.P.time.table.4.t", 8); }),
+            "load.P.time.table.4.t: expected times of points that ascend; keep each between those beside it");
+  const std::string message = test::message_of([&] { set_value(scene, "numbers.T", 7); });
+  EXPECT_EQ(message.find("numbers.T: distributed_load \"P\".time.table"), 0U) << message;
+  EXPECT_NE(message.find("times of points that ascend"), std::string::npos) << message;
+  EXPECT_EQ(get_value(scene, "numbers.T"), 6) << "nothing has changed";
+  EXPECT_EQ(scene.time_functions[1].at(7), 3.5);
+  const std::string written = rewritten_scene(text, "time.toml", scene);
+  EXPECT_NE(written.find("[[0.25, 1], [\"T\", 2], [\"T + F\", 5], [9, 0]]"), std::string::npos) << written;
+  EXPECT_NE(test::message_of([&] {
+              parse_scene(scene_with("[1, 1]", "{ table = [[\"T\", 1], [0, 2]] }"), "time.toml");
+            }).find("a time after that of the point before"),
+            std::string::npos);
+}
+
+TEST(HeldFactor, LongTablesHaveNoNumbers) {
   std::string long_table = "{ table = [";
   for (int k = 0; k < 65; ++k) long_table += fmt::format("{}[{}, {}]", k > 0 ? ", " : "", k, k % 7);
   const Scene scene = parse_scene(scene_with("[1, 1]", long_table + "] }"), "time.toml");
   EXPECT_FALSE(find_parameter(scene, "load.P.time.table.1").has_value()) << "more than 64 points have none";
+  EXPECT_FALSE(find_parameter(scene, "load.P.time.table.1.t").has_value());
 }
 
 }  // namespace

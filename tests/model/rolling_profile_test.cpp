@@ -31,7 +31,6 @@ std::vector<Vec2> ellipse(double a, double b, int points, double turn = 2 * pi) 
     const Vec2 at = unit(turn * k / points);
     out.push_back({a * at.x, b * at.y});
   }
-  if (is_closed) out.push_back(out.front());
   return out;
 }
 

@@ -157,6 +157,9 @@ TEST(TimeFunction, TablesOfDrivesAreScaledWithTheirScene) {
   EXPECT_EQ(small.time_functions[0].at(0.7), scene.time_functions[0].at(0.7) / 0.25);
   EXPECT_DOUBLE_EQ(scene.time_functions[0].at(1), 0.03);
   EXPECT_NEAR(scene.time_functions[0].at(4, 2), 0, 1e-15) << "on along the tangent";
+  // By the second time, in the units of the scene.
+  EXPECT_EQ(small.time_functions[0].by(3, 0.7, 1, 0.7), scene.time_functions[0].by(3, 0.7, 1, 0.7) / 0.25);
+  EXPECT_EQ(small.time_functions[0].by(2, 0.7, 1, 0.7), scene.time_functions[0].by(2, 0.7, 1, 0.7));
   EXPECT_NEAR(scene.time_functions[0].at(4) - scene.time_functions[0].at(3), scene.time_functions[0].at(3, 1), 1e-15);
 }
 

@@ -247,7 +247,8 @@ const std::vector<TimeLaw>& some_laws() {
       RampInTime{0.5, -1.5, 0.2, 0.45, true},
       StepInTime{0.3, 0.4, 1.6},
       TableInTime::through({0.05, 0.2, 0.33, 0.6}, {1.0, -1.0, 2.0, 0.5}, TimeTable::Between::linear, true),
-      TableInTime::through({0.05, 0.2, 0.33, 0.6}, {1.0, -1.0, 2.0, 0.5}, TimeTable::Between::monotone, true)};
+      TableInTime::through({0.05, 0.2, 0.33, 0.6}, {1.0, -1.0, 2.0, 0.5}, TimeTable::Between::monotone, true),
+      TableInTime::through({-0.1, 0.2, 0.33, 0.9}, {1.0, -1.0, 2.0, 0.5}, TimeTable::Between::spline, true)};
   return laws;
 }
 

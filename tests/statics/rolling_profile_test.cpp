@@ -14,6 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "comparison/random.hpp"
+#include "model/parameters.hpp"
+#include "model/rewritten_scene.hpp"
 #include "motion/kinematics.hpp"
 #include "statics/all_equilibria.hpp"
 #include "statics/mobility.hpp"
@@ -350,9 +352,7 @@ Planted planted(comparison::Random& random, bool on_circle) {
     const double t = 2 * pi * k / count;
     points.push_back(big * (1 + 0.08 * std::cos(2 * t + turn_2) + 0.03 * std::cos(3 * t + turn_3)) * unit(t));
   }
-  std::vector<Vec2> closed = points;
-  closed.push_back(points.front());
-  const RollingProfile curve = rolling_profile(closed, true).value();
+  const RollingProfile curve = rolling_profile(points, true).value();
   const double u = random.uniform(-0.9, 1.9);
   const double turned = curve.angle->at(u).value, arc = curve.length->at(u).value;
   const Vec2 of_curve = Vec2{curve.along->at(u).value, curve.across->at(u).value} * unit(turned);
@@ -515,6 +515,190 @@ TEST(RollingProfile, NumbersHaveTheirExactSensitivities) {
   test::expect_sensitivities(rocker.text(), "angle.rocker",
                              {"rolling_profile_on_circle.foot.offset", "rolling_profile_on_circle.foot.circle_radius",
                               "body.rocker.center.y", "point.rocker.C.x"});
+}
+
+/// Both kinds, open and closed: a chair, and an egg of a few points that a spring holds on a drum or in a ring.
+std::string held_chair(const std::string& keys) {
+  return chair(keys, "[[spring]]\npoints = [\"ground.A\", \"chair.S\"]\nstiffness = 40\nfree_length = 0.1\n");
+}
+
+std::string held_egg(const std::string& contact, const std::string& curve, double place, double angle) {
+  return fmt::format(R"(
+    gravity = [0, -10]
+    [numbers]
+    r = 0.3
+    [ground]
+    points = {{ A = [0, 0] }}
+    [body.egg]
+    points = {{ C = [0, 0] }}
+    mass = 3
+    center = [0.01, -0.04]
+    inertia = 0.07
+    [[rolling_profile_on_circle]]
+    name = "shell"
+    at = "egg.C"
+    center = "ground.A"
+    curve = {}
+    {}
+    [[torsion_spring]]
+    bodies = ["ground", "egg"]
+    stiffness = 14
+    free_angle = {}
+    [start]
+    egg = {}
+    "shell radius" = {}
+    position = {{ egg = [0, {}] }}
+  )",
+                     curve, contact, angle, angle, place > 0.0 ? 1.57 : -1.57, place);
+}
+
+const std::string oval =
+    "[[0, -0.2], [0.2, -0.13], [\"r\", 0], [0.22, 0.13], [0.01, 0.2], [-0.2, 0.14], [\"-r\", 0.01], [-0.21, -0.14]]";
+const std::string on_drum = "closed = true\ncircle_radius = 0.9\noffset = -1.4\n";
+const std::string in_ring = "closed = true\ninside = true\ncircle_radius = 0.9\noffset = -1.43\n";
+const std::string bow = "[[-0.3, -0.05], [-0.15, -0.18], [0, -0.2], [0.16, -0.17], [0.31, -0.04]]";
+
+std::vector<std::string> points_of(const std::string& path, int count) {
+  std::vector<std::string> out;
+  for (int k = 1; k <= count; ++k) {
+    for (const char* axis : {"x", "y"}) out.push_back(fmt::format("{}.curve.{}.{}", path, k, axis));
+  }
+  return out;
+}
+
+TEST(RollingProfile, PointsHaveTheirExactSensitivities) {
+  std::vector<std::string> numbers = points_of("rolling_profile.runner", 7);
+  test::expect_sensitivities(held_chair("offset = 0.1"), "angle.chair", numbers);
+  const std::string egg = "rolling_profile_on_circle.shell";
+  std::string plain = oval;
+  for (const char* name : {"\"r\"", "\"-r\""})
+    plain.replace(plain.find(name), std::string(name).size(), name[1] == '-' ? "-0.3" : "0.3");
+  numbers = points_of(egg, 8);
+  numbers.push_back(egg + ".circle_radius");
+  test::expect_sensitivities(held_egg(on_drum, plain, 1.1, 0.03), "angle.egg", numbers);
+  test::expect_sensitivities(held_egg(in_ring, plain, -0.7, 0.05), "angle.egg", numbers);
+  numbers = points_of(egg, 5);
+  numbers.push_back(egg + ".offset");
+  test::expect_sensitivities(held_egg("circle_radius = 0.9\noffset = -1.77", bow, 1.1, 0.05), "angle.egg", numbers);
+  test::expect_sensitivities(held_egg(on_drum, oval, 1.1, 0.03), "angle.egg", {"numbers.r"});
+}
+
+/// Profiles, limits and held values of two scenes.
+void expect_same_curves(const Scene& a, const Scene& b) {
+  ASSERT_EQ(a.stops.size(), b.stops.size());
+  for (std::size_t s = 0; s < a.stops.size(); ++s) {
+    EXPECT_NEAR(a.stops[s].min, b.stops[s].min, 1e-15);
+    EXPECT_NEAR(a.stops[s].max, b.stops[s].max, 1e-15);
+    for (std::size_t t = 0; t < a.stops[s].on.terms.size(); ++t) {
+      const Measure::Term &one = a.stops[s].on.terms[t], &other = b.stops[s].on.terms[t];
+      if (!one.profile) continue;
+      EXPECT_NEAR(one.span, other.span, 1e-15);
+      for (const double u : {-0.2, 0.1, 0.55, 0.97, 1.3}) {
+        EXPECT_NEAR(one.factor * one.profile->at(u).value, other.factor * other.profile->at(u).value, 1e-14);
+      }
+    }
+  }
+}
+
+TEST(RollingProfile, PointsAreThoseOfTheFile) {
+  for (const std::string& text : {held_chair("from = 0.05"), held_chair("to = 0.5")}) {
+    Scene scene = parse_scene(text, "chair.toml");
+    const bool to_end = text.find("to = ") == std::string::npos;
+    const double end = get_value(scene, "rolling_profile.runner.to");
+    set_value(scene, "rolling_profile.runner.curve.7.x", 0.33);
+    set_value(scene, "rolling_profile.runner.curve.4.y", -0.05);
+    EXPECT_EQ(get_value(scene, "rolling_profile.runner.to") > end, to_end) << "an end that is given stays";
+    const std::string written = rewritten_scene(text, "chair.toml", scene);
+    EXPECT_NE(written.find("[0, -0.05], [0.1, -0.03], [0.2, 0.0], [0.33, 0.05]]"), std::string::npos) << written;
+    EXPECT_EQ(written.find("to = ") == std::string::npos, to_end);
+    expect_same_curves(parse_scene(written, "chair.toml"), scene);
+    const Scales scales{.length = 0.25, .force = 8.0};
+    Scene small = scaled(parse_scene(text, "chair.toml"), scales);
+    set_value_at(small, parameter(scene, "rolling_profile.runner.curve.7.x").place, 4 * 0.33);
+    set_value_at(small, parameter(scene, "rolling_profile.runner.curve.4.y").place, 4 * -0.05);
+    expect_same_curves(scaled(small, {.length = 4.0, .force = 0.125}), scene);
+  }
+  for (const auto& [contact, place] : {std::pair(on_drum, 1.1), std::pair(in_ring, -0.7)}) {
+    const std::string text = held_egg(contact, oval, place, 0.03);
+    Scene scene = parse_scene(text, "egg.toml");
+    set_value(scene, "numbers.r", 0.32);
+    set_value(scene, "rolling_profile_on_circle.shell.curve.2.y", 0.135);
+    expect_same_curves(parse_scene(rewritten_scene(text, "egg.toml", scene), "egg.toml"), scene);
+  }
+}
+
+// More points than there are numbers for.
+TEST(RollingProfile, LongCurvesHaveNoNumbersOfPoints) {
+  Rocker rocker;
+  EXPECT_FALSE(find_parameter(rocker.scene(), "rolling_profile.foot.curve.1.x").has_value());
+  rocker.points = 64;
+  EXPECT_TRUE(find_parameter(rocker.scene(), "rolling_profile.foot.curve.64.y").has_value());
+}
+
+TEST(RollingProfile, PointsThatDoNotRollAreRefused) {
+  Scene scene = parse_scene(held_chair("to = 0.6"), "chair.toml");
+  const auto refused = [&](const std::string& path, double value) {
+    return test::message_of([&] { set_value(scene, path, value); });
+  };
+  const std::string runner = "rolling_profile.runner.curve.";
+  const double span = scene.stops[0].on.terms[1].span;
+  EXPECT_EQ(refused(runner + "7.x", 0.2), runner + "7.x: expected a place on the curve");
+  set_value(scene, runner + "2.y", 0.05);
+  EXPECT_EQ(
+      refused(runner + "2.x", -0.3),
+      runner + "2.x: expected points that differ from those before, found points 1 and 2 of the curve in one place");
+  set_value(scene, runner + "2.y", 0.0);
+  EXPECT_EQ(scene.stops[0].on.terms[1].span, span);
+  EXPECT_EQ(get_value(scene, runner + "2.x"), -0.2) << "nothing has changed";
+  Scene egg = parse_scene(held_egg(on_drum, oval, 1.1, 0.03), "egg.toml");
+  const std::string shell = "rolling_profile_on_circle.shell.curve.";
+  const auto found = [&](const std::string& path, double value) {
+    return test::message_of([&] { set_value(egg, path, value); });
+  };
+  EXPECT_NE(found(shell + "1.y", 1.0).find("expected a curve that goes round once"), std::string::npos)
+      << found(shell + "1.y", 1.0);
+  EXPECT_NE(found(shell + "3.x", 0.5).find("change numbers.r"), std::string::npos);
+}
+
+// A closed curve that begins on top: files count the turns of its body from where that point touches, which half a turn
+// further is one turn less.
+TEST(RollingProfile, TurnsGoOnWhereItsFirstPointTurnsOver) {
+  const std::string curve =
+      "[[0, 0.2], [-0.2, 0.14], [-0.3, 0.01], [-0.21, -0.14], [0, -0.2], [0.2, -0.13], [0.3, 0], [0.22, 0.13]]";
+  const std::string text = fmt::format(R"(
+    [ground]
+    points = {{ A = [0, 0] }}
+    [body.egg]
+    points = {{ C = [0, 0] }}
+    mass = 3
+    [[rolling_profile]]
+    name = "shell"
+    at = "egg.C"
+    line = "ground.A"
+    axis = [1, 0]
+    curve = {}
+    closed = true
+    [start]
+    position = {{ egg = [0, 0.2] }}
+  )",
+                                       curve);
+  const Scene scene = parse_scene(text, "egg.toml");
+  int refused = 0;
+  for (const double by : {-0.01, 0.01}) {
+    Scene turned = scene;
+    set_value(turned, "rolling_profile.shell.curve.8.y", 0.13 + by);
+    EXPECT_EQ(turned.stops[2].min, scene.stops[2].min);
+    EXPECT_NEAR(turned.stops[2].on.terms[1].profile->at(0.0).value, scene.stops[2].on.terms[1].profile->at(0.0).value,
+                0.1);
+    const std::string message = test::message_of([&] { rewritten_scene(text, "egg.toml", turned); });
+    if (message.empty()) continue;
+    ++refused;
+    EXPECT_EQ(
+        message,
+        "egg.toml: rolling_profile \"shell\".curve: expected a first point that touches within half a turn of the "
+        "body, from which files count its turns; begin the curve at another point");
+  }
+  EXPECT_LE(refused, 1);
 }
 
 // In a scene that was built in code all stops are of line 0.
