@@ -45,6 +45,16 @@ TEST(HoldCommand, DrawerMovesFromItsPullOn) {
   EXPECT_EQ(found["range"]["upper"]["slips"][0]["increases"], true);
 }
 
+TEST(HoldCommand, APoseThatIsHeldIsSoOutsideOfTheRangeToo) {
+  const Outcome none = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=5..9"});
+  EXPECT_NE(none.out.find("now          3 N, held, outside of the range"), std::string::npos) << none.out;
+  EXPECT_NE(none.out.find("no value of it that was asked for is held"), std::string::npos) << none.out;
+  const Outcome some = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=3.2..9"});
+  EXPECT_NE(some.out.find("now          3 N, held, outside of the range"), std::string::npos) << some.out;
+  const Outcome slips = run_poise({"hold", dataset("friction/drawer"), "--set", "load.P=4", "--vary", "load.P"});
+  EXPECT_NE(slips.out.find("now          4 N, not held"), std::string::npos) << slips.out;
+}
+
 TEST(HoldCommand, CapstanOfTheDataset) {
   const json found = hold({dataset("friction/capstan"), "--vary", "load.P"});
   EXPECT_EQ(found["verdict"], "held");
