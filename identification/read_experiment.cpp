@@ -297,13 +297,23 @@ class ExperimentReader {
       return;
     }
     if (may_not_be_negative(path.value)) unknown.min = 0.0;
-    // The direction of a line turns into its opposite after half a turn, which other numbers may make up for.
     const ParameterRow row = parameter(experiment_.scene, path.value);
-    if (row.place.owner == Owner::joint && row.path.parts[3] == "angle") {
+    const auto within = [&](double reach) {
       const double middle = unknown.start.value_or(written + unknown.includes);
-      unknown.min = middle - std::numbers::pi / 2;
-      unknown.max = middle + std::numbers::pi / 2;
-    }
+      unknown.min = middle - reach;
+      unknown.max = middle + reach;
+    };
+    // The direction of a line turns into its opposite after half a turn, which other numbers may make up for.
+    if (row.place.owner == Owner::joint && row.path.parts[3] == "angle") within(std::numbers::pi / 2);
+    if (is_periodic(row)) within(std::numbers::pi);
+  }
+
+  /// A phase of a sine or of the profile of a cam, which a whole turn does not change. That of a gear or belt is the
+  /// angle of a body, of which turns count.
+  static bool is_periodic(const ParameterRow& row) {
+    const bool has_phase =
+        row.path.parts[0] == "cam" || row.place.owner == Owner::drive || row.place.owner == Owner::time;
+    return has_phase && row.path.text().ends_with(".phase");
   }
 
   /// What the range and the start of a sensor's number must be.

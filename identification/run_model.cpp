@@ -437,8 +437,9 @@ bool RunModel::sets_numbers(const double* unknowns, Scene& scene, std::string& w
   for (const std::size_t i : later) {
     if (set(i)) continue;
     why = numbers_[i].path() + (numbers_[i].is_named() ? " gives some number a value that it cannot have"
-                                : numbers_[i].place().owner == Owner::time ? " is out of its range"
-                                                                           : " is not positive");
+                                : unknowns[i] <= 0.0 && numbers_[i].place().owner != Owner::time
+                                    ? " is not positive"
+                                    : " is out of its range");
     return false;
   }
   return true;

@@ -28,8 +28,11 @@ void SceneParameter::set(Scene& scene, double si) const {
 bool SceneParameter::allows(const Scene& scene, double si) const {
   // Without a length a slide has no carriage: another mechanism.
   if (is_friction_ && path_.ends_with(".friction.length")) return si > 0;
-  if (!is_named() && place_.owner != Owner::time && place_.owner != Owner::coupling)
+  // An exponent, or the ratio of a gas strut, may have to be more than 1.
+  const bool has_law = place_.owner == Owner::element && range_ == Range::positive;
+  if (!is_named() && place_.owner != Owner::time && place_.owner != Owner::coupling && !has_law) {
     return range_ != Range::positive || si > 0;
+  }
   if (range_ == Range::positive && si <= 0) return false;
   try {
     Scene changed = scene;

@@ -16,6 +16,21 @@ using beam_element::nodes;
 using beam_element::place;
 using beam_element::weight;
 
+/// Where in its element a node's mass is while the element is straight, on 0 .. 1.
+double mass_place(int node) {
+  double before = 0.0;
+  for (int j = 0; j < node; ++j) before += weight[j];
+  return 2.0 * before + weight[node] - place[node];
+}
+
+/// What a moment of inertia of these masses lacks of that of a bar that turns, over its mass and the square of its
+/// length.
+double missing_inertia() {
+  double out = 1.0 / 3.0;
+  for (int k = 0; k < nodes; ++k) out -= weight[k] * mass_place(k) * mass_place(k);
+  return out;
+}
+
 /// A straight element of the line.
 struct BeamElement {
   double length = 0.0;
@@ -85,10 +100,13 @@ class ChainMaker {
     const BeamElement* const after = is_last ? nullptr : &elements_[node / 3];
     const double by_length = whole_.mass / length_;
     Vec2 end{};
-    Vec2 moment{};  // of mass
+    Vec2 moment{};        // of mass
+    double second = 0.0;  // moment of mass, about the beginning of the body
     if (before != nullptr) {
       // Its centre of mass is where it begins.
-      body.mass += by_length * before->length * weight[3];
+      const double mass = by_length * before->length * weight[3];
+      body.mass += mass;
+      second += mass * before->length * before->length * missing_inertia();
       end += (before->length * weight[3]) * before->direction;
     }
     const Vec2 middle = end;
@@ -98,10 +116,15 @@ class ChainMaker {
       const double mass = by_length * after->length * weight[in_element];
       const double centre = after->length * (1.0 - place[in_element] - behind);
       body.mass += mass;
-      moment = mass * (middle + centre * after->direction);
+      const Vec2 at = middle + centre * after->direction;
+      moment = mass * at;
+      second += mass * (dot(at, at) + after->length * after->length * missing_inertia());
       end += (after->length * weight[in_element]) * after->direction;
     }
-    if (body.mass > 0.0) body.center = (1 / body.mass) * moment;
+    if (body.mass > 0.0) {
+      body.center = (1 / body.mass) * moment;
+      body.inertia = second - dot(moment, body.center);
+    }
     const auto add_point = [&](const std::string& point, Vec2 at) {
       body.points.push_back({point, at});
       return PointRef{index, static_cast<int>(body.points.size()) - 1};

@@ -41,12 +41,13 @@ struct FlexibleChain {
 ///     so that each node is a rigid body of length w_k h, and neighbours are pinned together: a chain.
 ///   weight     integral of r over the element = h r(0) + h^2 sum_k w_k (1 - xi_k) d exp(i phi_k)
 ///     which the bodies have with masses in proportion to w_k and centres of mass h (1 - xi_k - sum_{j > k} w_j) behind
-///     their beginning.
+///     their beginning, and moments of inertia, in proportion to w_k too, with which a straight element turns as a bar.
 ///   energy     E I / 2 integral of phi'^2 ds, exact by three points of Gauss: a spring on each of
 ///     sum_k l_k'(xi) phi_k, l_k the polynomials of Lagrange, with the stiffness E I w / h, w and xi on 0 .. 1.
 ///
-/// Ends of elements and what acts there converge as h^6. The first body has its place and direction at the first point
-/// of the line, and bodies of the chain are not turned against each other where the link is straight.
+/// Ends of elements and what acts there converge as h^6, frequencies as h^4. The first body has its place and direction
+/// at the first point of the line, and bodies of the chain are not turned against each other where the link is
+/// straight.
 FlexibleChain make_flexible(Scene& scene, int body, int elements);
 
 }  // namespace poise

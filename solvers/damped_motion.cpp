@@ -196,7 +196,10 @@ class DampedMotion::Method {
       if (interrupted()) return Arrival::interrupted;
       if (result.steps >= options_.steps) return Arrival::step_limit;
       if (!set_tangent(now_, y_)) return Arrival::singular;
-      if (is_at_rest()) return judge_rest();
+      if (is_at_rest()) {
+        close_at_rest();
+        return judge_rest();
+      }
       if (finish()) return Arrival::rest;
       if (h == 0.0) {
         h = first = 0.1 * options_.longest_step / largest(velocity_);
@@ -225,6 +228,15 @@ class DampedMotion::Method {
   bool is_at_rest() {
     multiply(first_resistance_, velocity_, field_);
     return largest(field_) <= 4 * eps * (scale_ + stiffest_ * std::max(1.0, largest(now_.x)));
+  }
+
+  // A bound that was met last is met within a tolerance. Where it leaves nothing that could move, no step closes the
+  // rest.
+  void close_at_rest() {
+    find_gap(now_);
+    if (largest(gap_) <= 4 * eps) return;
+    std::fill(step_.begin(), step_.end(), 0.0);
+    if (try_to_finish(std::numeric_limits<double>::infinity())) set_tangent(now_, y_);
   }
 
   // out = A v for values of the tangent's pattern.

@@ -766,7 +766,9 @@ class RangeFinder {
     if ((all * found - right).cwiseAbs().maxCoeff() > unbalanced) return std::nullopt;
     const Eigen::MatrixXd free = svd.matrixV().rightCols(all.cols() - svd.rank());
     if (free.cols() > 0 && free.row(problem.columns()).cwiseAbs().maxCoeff() > unbalanced) return std::nullopt;
-    return out_.present + found[problem.columns()] * problem.q_unit();
+    const double ideal = out_.present + found[problem.columns()] * problem.q_unit();
+    // What is left of a difference by rounding is no load, of which there would be an efficiency.
+    return std::abs(ideal) <= 1e-12 * (std::abs(out_.present) + problem.q_unit()) ? 0.0 : ideal;
   }
 
   std::vector<Ball> slope_over(const FrictionProblem& problem, double apart) const {

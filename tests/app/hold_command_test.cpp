@@ -45,6 +45,39 @@ TEST(HoldCommand, DrawerMovesFromItsPullOn) {
   EXPECT_EQ(found["range"]["upper"]["slips"][0]["increases"], true);
 }
 
+TEST(HoldCommand, APoseThatIsHeldIsSoOutsideOfTheRangeToo) {
+  const Outcome none = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=5..9"});
+  EXPECT_NE(none.out.find("now          3 N, held, outside of the range"), std::string::npos) << none.out;
+  EXPECT_NE(none.out.find("no value of it that was asked for is held"), std::string::npos) << none.out;
+  const Outcome some = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=3.2..9"});
+  EXPECT_NE(some.out.find("now          3 N, held, outside of the range"), std::string::npos) << some.out;
+  const Outcome slips = run_poise({"hold", dataset("friction/drawer"), "--set", "load.P=4", "--vary", "load.P"});
+  EXPECT_NE(slips.out.find("now          4 N, not held"), std::string::npos) << slips.out;
+}
+
+// A cart on a level floor needs no sideways gravity: what rounding leaves of 0 is none, and has no efficiency.
+TEST(HoldCommand, RoundingIsNoIdealLoad) {
+  const TempFolder folder;
+  const std::string cart = folder.write("cart.toml", R"(
+gravity = [0.1, -10]
+ground.points = { O = [0, 0] }
+body.cart = { points = { A = [0, 0], B = [1, 0] }, mass = 10, center = [0.4, 0.3] }
+body.w1.points = { O = [0, 0] }
+body.w2.points = { O = [0, 0] }
+pin = [{ name = "A", points = ["cart.A", "w1.O"], friction = { coefficient = 0.3, radius = 0.03 } },
+       { name = "B", points = ["cart.B", "w2.O"], friction = { coefficient = 0.3, radius = 0.03 } }]
+rolling = [{ name = "r1", wheel = "w1.O", line = "ground.O", axis = [1, 0], radius = 0.2 },
+           { name = "r2", wheel = "w2.O", line = "ground.O", axis = [1, 0], radius = 0.2, offset = 1 }]
+start.position = { cart = [0, 0.2] }
+)");
+  const json range = hold({cart, "--vary", "gravity.x"})["range"];
+  EXPECT_EQ(range["ideal"], 0.0);
+  EXPECT_TRUE(range["efficiency"].is_null()) << range;
+  // A wheel without mass rolls where the force on it passes its axle's friction circle.
+  const double circle = 0.03 * std::sin(std::atan(0.3));
+  EXPECT_NEAR(range["upper"]["value"].get<double>(), 10 * std::tan(std::asin(circle / 0.2)), 1e-9);
+}
+
 TEST(HoldCommand, CapstanOfTheDataset) {
   const json found = hold({dataset("friction/capstan"), "--vary", "load.P"});
   EXPECT_EQ(found["verdict"], "held");

@@ -202,6 +202,26 @@ TEST_F(FunctionsOfTime, HaveExactJacobiansByNamedNumbers) {
   }
 }
 
+// A whole turn more is the same sine: one minimum, and not several that explain the readings equally well.
+TEST_F(FunctionsOfTime, APhaseIsSoughtWithinATurn) {
+  folder_.write("scene.toml", sines);
+  const Experiment e = read(sensor + R"(
+[[unknown]]
+path = "load.motor.time.phase"
+start = 0.4
+[[run]]
+duration = 2
+rate = 50
+start_known = true
+)");
+  EXPECT_DOUBLE_EQ(e.unknowns.at(0).min, 0.4 - M_PI);
+  EXPECT_DOUBLE_EQ(e.unknowns.at(0).max, 0.4 + M_PI);
+  const FitProblem problem(e);
+  const Fit fitted = fit(problem, problem.records());
+  EXPECT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  EXPECT_NEAR(fitted.parameters.at(0), 0.3, 0.05);
+}
+
 // A force of zero that a named number moves, of which a function takes its part.
 TEST_F(FunctionsOfTime, HaveExactJacobiansByTheForcesOfZero) {
   std::string text =

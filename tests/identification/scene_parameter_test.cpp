@@ -80,6 +80,25 @@ TEST(SceneParameter, ALumpBesideOtherMassesMayBeNegative) {
   EXPECT_EQ(scene.bodies[2].mass, -0.5);
 }
 
+// Searches try numbers that the scene may not have: they are to be turned back and not to end the fit.
+TEST(SceneParameter, ExponentsAndRatiosOfOneAreNotAllowed) {
+  const Scene scene = parse_scene(R"(
+ground.points = { O = [0, 0], T = [0, 3] }
+body.b = { mass = 1, points = { O = [0, 0] } }
+slide = [{ name = "s", points = ["ground.O", "b.O"], axis = [1, 0] }]
+spring = [{ name = "g", points = ["ground.T", "b.O"], gas = { preload = 1, length = 4, stroke = 2, ratio = 1.5 } }]
+bump_stop = [{ name = "rubber", slide = "s", force = 1, free_length = 0, depth = 0.1 }]
+)",
+                                  "scene.toml");
+  for (const char* path : {"bump_stop.rubber.exponent", "spring.g.gas.ratio"}) {
+    const auto number = SceneParameter::find(scene, path);
+    ASSERT_TRUE(number) << path;
+    EXPECT_FALSE(number->allows(scene, 1.0)) << path;
+    EXPECT_FALSE(number->allows(scene, -1.0)) << path;
+    EXPECT_TRUE(number->allows(scene, 1.1)) << path;
+  }
+}
+
 TEST(SceneParameter, TurningALoadRoundKeepsItsLine) {
   Scene scene = test::four_bar_with_everything();
   const Vec2 before = scene.forces[0].vector;

@@ -10,6 +10,8 @@
 
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
+#include "motion/equilibrium_pose.hpp"
+#include "motion/modes.hpp"
 #include "statics/link_loads.hpp"
 #include "statics/sensitivity.hpp"
 #include "statics/tolerance.hpp"
@@ -142,6 +144,30 @@ bool stands(const std::string& text) {
   EXPECT_TRUE(straight.found()) << straight.why;
   for (const double angle : straight.x) EXPECT_NEAR(std::remainder(angle, M_PI), 0.0, 1e-6);
   return straight.certificate.stability == Stability::stable;
+}
+
+// E I = mass = length = 1: 2 pi f = b^2 with cos b cosh b = -1.
+TEST(FlexibleLink, FrequenciesConvergeAsTheFourthPower) {
+  const auto errors = [](const std::string& text, const std::vector<double>& roots) {
+    Scene scene = parse_scene(text, "beam.toml");
+    scene.gravity = {};
+    const StaticModel statics(scene);
+    const Equilibrium rest = solve(statics);
+    const MotionModel motion(statics.scene());
+    const Modes modes = modes_of(motion, motion_coordinates(motion, statics, rest.x));
+    std::vector<double> out;
+    for (std::size_t k = 0; k < roots.size(); ++k) {
+      out.push_back(modes.vibrations.at(k).frequency / (roots[k] * roots[k] / (2 * M_PI)) - 1);
+    }
+    return out;
+  };
+  const std::vector<double> clamped{1.8751040687119611, 4.694091132974175, 7.854757438237613};
+  const std::vector<double> coarse = errors(cantilever(8, {0, 0}, 1.0), clamped);
+  const std::vector<double> fine = errors(cantilever(16, {0, 0}, 1.0), clamped);
+  for (std::size_t k = 0; k < clamped.size(); ++k) {
+    EXPECT_LT(std::abs(coarse[k]), 5e-5) << k;
+    EXPECT_LT(std::abs(fine[k]), std::abs(coarse[k]) / 12) << k;
+  }
 }
 
 TEST(FlexibleLink, EulersColumns) {

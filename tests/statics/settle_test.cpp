@@ -252,6 +252,31 @@ TEST(SettleSeveral, TheResistanceIsThatOfTheDampersWhereTheyResistEveryFreedom) 
   EXPECT_FALSE(settle(free, free.start()).by_dampers);
 }
 
+// A block on two slides, pushed up into the corner of two circles: nothing is left that could move, and the second of
+// them is met within a tolerance only.
+TEST(SettleSeveral, WhereStopsLeaveNothingFreeItRestsOnAllOfThem) {
+  for (const double reach : {2.1, 2.2, 2.3}) {
+    const StaticModel model = test::model_of(fmt::format(
+        R"(ground.points = {{ O = [0, 0], S = [-0.1, 0.1], T = [0.8, -0.1] }}
+           body.cart.points = {{ O = [0, 0] }}
+           body.block.points = {{ O = [0, 0] }}
+           slide = [{{ name = "x", points = ["ground.O", "cart.O"], axis = [1, 0] }},
+                    {{ name = "y", points = ["cart.O", "block.O"], axis = [0, 1] }}]
+           force = [{{ at = "block.O", vector = [0, 0.2] }}]
+           stop = [{{ points = ["ground.S", "block.O"], max = 2 }}, {{ points = ["ground.T", "block.O"], max = {} }}]
+        )",
+        reach));
+    const Equilibrium found = solve(model, test::by(Method::virtual_work, Seek::settle));
+    ASSERT_TRUE(found.settling);
+    EXPECT_EQ(found.status, Status::confirmed) << found.why;
+    // The upper of the points where the circles meet.
+    const double apart = std::hypot(0.9, 0.2), along = (4.0 - reach * reach + apart * apart) / (2.0 * apart);
+    const double across = std::sqrt(4.0 - along * along);
+    EXPECT_NEAR(test::travel_of(model, found.settling->x, "x"), -0.1 + (0.9 * along + 0.2 * across) / apart, 1e-14);
+    EXPECT_NEAR(test::travel_of(model, found.settling->x, "y"), 0.1 + (-0.2 * along + 0.9 * across) / apart, 1e-14);
+  }
+}
+
 TEST(SettleSeveral, AnUpsideDownChainFallsFromEachDirectionToBothSides) {
   Scene scene = test::chain(2, 1.0, 1.0);
   scene.gravity = {9.81, 0.0};

@@ -98,6 +98,19 @@ void add_end(Group& group, const std::string& key, const std::string& label, con
   if (!end.slips.empty()) one.fact("beyond it", slips_in_words(all, end.slips));
 }
 
+/// "held" and the like, of the present value of a number.
+std::string now_in_words(const HeldRange& range) {
+  switch (range.now.verdict) {
+    case Holding::held:
+      return range.contains_now ? "held" : "held, outside of the range that was asked for";
+    case Holding::slips:
+      return "not held";
+    case Holding::not_decided:
+      break;
+  }
+  return "not decided";
+}
+
 void add_range(Group& content, const StaticModel& model, const HeldRange& range, const HoldView& view,
                const std::vector<Rubbing>& all) {
   const Unit unit = unit_of(model.scene(), view.number);
@@ -108,9 +121,9 @@ void add_range(Group& content, const StaticModel& model, const HeldRange& range,
   group.data("found", range.any);
   group.data("contains_present", range.contains_now);
   group.data("why", range.why);
-  group.fact("now", with(range.present, unit) + (range.contains_now ? ", held" : ", not held"));
+  group.fact("now", with(range.present, unit) + ", " + now_in_words(range));
   if (!range.any) {
-    group.fact("", range.why.empty() ? "no value of it is held" : range.why);
+    group.fact("", range.why.empty() ? "no value of it that was asked for is held" : range.why);
     return;
   }
   add_end(group, "lower", "from", range.lower, unit, all);
