@@ -180,6 +180,12 @@ void at_path(AnyScene& scene, std::string_view path, Use use) {
   // Only a scene built in code can have two of the same name.
   if (found > 1) throw InputError(std::string(path) + ": expected one value, found several; give them different names");
   if (found == 0) {
+    // Statics holds what functions of time give at one time.
+    if (path.find(".time.") != std::string_view::npos && scene.time_functions.empty()) {
+      throw InputError(std::string(path) +
+                       ": expected a number that statics knows: loads are those of one time here; vary load.NAME, or "
+                       "give numbers of functions of time with --set");
+    }
     std::vector<std::string> valid;
     visit_numbers(scene, [&](const ParameterRow& row, auto&, const Number&) { valid.push_back(row.path.text()); });
     throw InputError(std::string(path) + ": expected the path of a number of the scene" +
