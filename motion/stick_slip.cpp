@@ -219,6 +219,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
   }
   std::vector<Trial> trials;
   std::vector<double> largest(still.size(), tiny);
+  bool no_forces = false;
   for (std::size_t choice = 0; choice < choices; ++choice) {
     std::size_t rest = choice;
     bool held_again = false;
@@ -246,12 +247,13 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
     if (status != Reduced::Status::locked) continue;
     const FrictionForces::All all = motion.friction_forces().all();
     if (!all.complete) return Choice::locked;
+    no_forces = no_forces || all.sizes.empty();
     for (const std::vector<double>& sizes : all.sizes) {
       if (motion.accelerate(&sizes) != Reduced::Status::ok) return Choice::locked;
       add_trial(true);
     }
   }
-  if (trials.empty()) return Choice::failed;
+  if (trials.empty()) return no_forces ? Choice::locked : Choice::failed;
   double least = consistent;
   const Trial* best = nullptr;
   for (Trial& trial : trials) {

@@ -47,7 +47,7 @@ class StickSlip {
     made,
     failed,   ///< there are more than most_at_once elements without rate, or the equations fail
     locked,   ///< of all choices that are consistent the forces would be others soon: they are not unique; or not all
-              ///< forces of some choice could be found
+              ///< forces of some choice could be found, or no choice has any
     several,  ///< choices with different accelerations are consistent
     none      ///< none is
   };
@@ -70,7 +70,7 @@ class StickSlip {
   };
   // A size |R| with branches: of the force in a joint with friction, or of teeth that push their wheels apart.
   struct Branched {
-    int element;        // of the joint, or behind the elements of the scene
+    int element;  // of the joint, or behind the elements of the scene
     bool is_teeth;
     double load = 0.0;  // largest yet
     double turn = 0.0;  // ReducedMotion::branch_margin() at the last node

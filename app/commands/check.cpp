@@ -16,11 +16,12 @@ namespace {
 int run_check(const Request& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
-  const StaticModel model(load_scene(request));
+  const Scene moving = load_moving_scene(request);
+  const StaticModel model(moving);
   OutputFiles files(request);
   progress.now("analysing its mobility");
   const Mobility mobility = analyse_mobility(model);
-  const Result result = check_result(model, mobility, request.settings);
+  const Result result = check_result(model, mobility, moving, request.settings);
   // The error of solve where the scene cannot be assembled: then the report shows why, and no file is written. A scene
   // without loads can be checked.
   std::exception_ptr error;

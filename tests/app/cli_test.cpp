@@ -236,6 +236,23 @@ TEST(CommandLine, CheckReportsMobilityRedundancyAndWhatTheModelDrops) {
   EXPECT_TRUE(contains(clamp.out, "moment of inertia of 3 bodies: nothing moves in statics")) << clamp.out;
 }
 
+TEST(CommandLine, FunctionsOfTimeAreShownAndNotVariedInStatics) {
+  const TempFolder folder;
+  const std::string scene = folder.write("rotor.toml", R"(
+units = { length = "mm", angle = "deg" }
+ground.points = { O = [0, 0] }
+body.arm.points = { O = [0, 0], T = [100, 0] }
+pin = [{ points = ["ground.O", "arm.O"] }]
+torsion_spring = [{ bodies = ["ground", "arm"], stiffness = 10 }]
+force = [{ name = "F", at = "arm.T", vector = [0, 10], time = { ramp = { from = 0.5, to = 1, end = 2 } } }]
+drive = [{ name = "motor", bodies = ["ground", "arm"], time = { ramp = { from = 0, to = 90, end = 2 } } }]
+)");
+  const Outcome check = run_poise({"check", scene});
+  EXPECT_TRUE(contains(check.out, "ramp: from 0 deg, to 90 deg, start 0 s, end 2 s")) << check.out << check.err;
+  EXPECT_TRUE(contains(check.out, "F: a ramp, at t = 0 s 0.5 times what the scene gives")) << check.out;
+  expect_bad_input(run_poise({"path", scene, "--vary", "load.F.time.from=0..1"}), "loads are those of one time here");
+}
+
 TEST(CommandLine, SceneThatCannotBeAssembledNamesTheLoopAndItsGap) {
   const TempFolder folder;
   const std::string scene = folder.write("open.toml", open_loop);

@@ -459,6 +459,71 @@ rod = {}
   }
 }
 
+// Two slides tied by a coupling start to move, and stop where neither direction of the last one at rest has any forces
+// that satisfy the laws of friction: that is no matter of its poses.
+TEST(GrippingJoints, SaysThatFrictionLocksWhereNoChoiceHasForces) {
+  const MotionModel model = model_of(R"(
+[ground]
+points = { P_b0 = [-0.9205117945152372, -0.051419529903685035] }
+[body.b0]
+points = { Q = [0.0, 0.0], P_b1 = [-0.7746926663023523, -0.08355568913553069], p2 = [-0.27683383200687417, -0.4065679390724274] }
+mass = 1.8281356166746918
+center = [0.06046970189759504, -0.23422956930074293]
+inertia = 0.06485341869881604
+[body.b1]
+points = { Q = [0.0, 0.0], p1 = [-0.11746728317879873, -0.15033331747473933] }
+mass = 2.115125985336659
+center = [-0.030038408022912577, 0.11372217056639507]
+inertia = 0.08115451929541773
+[[pin_in_slot]]
+name = "j_b0"
+points = ["ground.P_b0", "b0.Q"]
+axis = [0.3418132345427992, -0.39339903080967553]
+friction = { coefficient = 0.567, force = 3.5822078245330164 }
+[[slide]]
+name = "j_b1"
+points = ["b0.P_b1", "b1.Q"]
+axis = [0.08995471768109922, -0.5968276308102956]
+angle = -0.117344
+friction = { coefficient = 0.586, length = 0.24268315560933937, force = 2.0357322489572085 }
+[[torsion_spring]]
+name = "t_b0"
+bodies = ["ground", "b0"]
+stiffness = 6.918501977682046
+free_angle = -2.606780193383722
+[[spring]]
+name = "l_b0"
+slide = "j_b0"
+stiffness = 9.761045429328522
+free_length = -0.2578112269389723
+[[spring]]
+name = "l_b1"
+slide = "j_b1"
+stiffness = 6.307940358584336
+free_length = 0.14069182274113345
+[[spring]]
+name = "e0"
+bodies = ["ground", "b0"]
+stiffness = 17.502921994960346
+cubic = 14.580402009111562
+free_angle = -2.178039302425815
+[[coupling]]
+name = "c0"
+sum = [{ factor = 0.588, points = ["b1.p1", "b0.p2"] }, { factor = -0.69, bodies = ["b1", "b0"] }, { factor = -1.616, slide = "j_b0" }]
+value = 0.4460366524264342
+[start]
+"j_b0" = -0.11614676778113403
+"b0" = -2.436538916599157
+"j_b1" = 0.02232017213521209
+"b1" = -2.5538829165991572
+)");
+  MotionOptions options;
+  options.duration = 0.01;
+  const Motion motion = simulate(model, start_motion(model, {}), options);
+  EXPECT_FALSE(motion.completed());
+  EXPECT_NE(motion.why.find("friction locks"), std::string::npos) << motion.why;
+}
+
 // Without friction of its own a joint may also have the constant part alone, which is a [[friction]] of width 0.
 TEST(GrippingJoints, AConstantPartIsAFrictionThatSticks) {
   const MotionModel own = model_of(pendulum("torque = 0.3"));

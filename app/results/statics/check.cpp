@@ -108,40 +108,22 @@ void add_elements(Group& group, const Scene& scene) {
   table.words("numbers", "numbers", numbers_of_items(scene, Owner::element, scene.elements.size()));
 }
 
-/// "ramp from 0 deg, to 90 deg, ..." where an item has a function of time, else empty.
-std::string in_time(const Scene& scene, TimeFunction::Of of, std::size_t item) {
-  for (std::size_t f = 0; f < scene.time_functions.size(); ++f) {
-    const TimeFunction& function = scene.time_functions[f];
-    if (function.of != of || static_cast<std::size_t>(function.item) != item) continue;
-    const std::string numbers = numbers_of_items(scene, Owner::time, scene.time_functions.size())[f];
-    return std::string(function.kind()) + (numbers.empty() ? "" : " " + numbers);
-  }
-  return "";
-}
-
 void add_loads(Group& group, const Scene& scene) {
   struct Load {
     std::string name, on, value;
   };
   std::vector<Load> loads;
-  const auto with_time = [&](const std::string& value, TimeFunction::Of of, std::size_t item) {
-    const std::string function = in_time(scene, of, item);
-    return function.empty() ? value : value + " at t = 0 s, by a function of time: " + function;
-  };
-  for (std::size_t i = 0; i < scene.forces.size(); ++i) {
-    const Force& force = scene.forces[i];
+  for (const Force& force : scene.forces) {
     const Dimension dimension = force.numbers()[0].dimension;
     const auto part = [&](double si) { return significant(si / dimension.unit(scene.units), force_digits); };
     const std::string follows = force.follows < 0 ? "" : ", follows " + scene.bodies[force.follows].name;
     loads.push_back({force.name, scene.name_of(force.at) + (force.to ? " to " + scene.name_of(*force.to) : ""),
-                     with_time(fmt::format("[{}, {}] {}{}", part(force.vector.x), part(force.vector.y),
-                                           dimension.unit_name(scene.units), follows),
-                               TimeFunction::Of::force, i)});
+                     fmt::format("[{}, {}] {}{}", part(force.vector.x), part(force.vector.y),
+                                 dimension.unit_name(scene.units), follows)});
   }
   const std::vector<std::string> torques = numbers_of_items(scene, Owner::torque, scene.torques.size());
   for (std::size_t i = 0; i < scene.torques.size(); ++i) {
-    loads.push_back({scene.torques[i].name, scene.bodies[scene.torques[i].body].name,
-                     with_time(torques[i], TimeFunction::Of::torque, i)});
+    loads.push_back({scene.torques[i].name, scene.bodies[scene.torques[i].body].name, torques[i]});
   }
   Table& table = group.table("loads", "Loads", Rows::list);
   table.words("name", "name", each(loads, &Load::name));
@@ -182,7 +164,21 @@ void add_named(Result& out, const Scene& scene) {
   }
 }
 
-void add_stops_and_drives(Group& group, const Scene& scene) {
+/// Numbers of drives: "start 0 deg, rate 2 deg/s, ...", or of the function of time that one follows, "ramp: from 0 deg,
+/// ...".
+std::vector<std::string> motions_of_drives(const Scene& scene) {
+  std::vector<std::string> out = numbers_of_items(scene, Owner::drive, scene.drives.size());
+  const std::vector<std::string> functions = numbers_of_items(scene, Owner::time, scene.time_functions.size());
+  for (std::size_t f = 0; f < functions.size(); ++f) {
+    const TimeFunction& function = scene.time_functions[f];
+    if (function.of != TimeFunction::Of::drive) continue;
+    out[static_cast<std::size_t>(function.item)] =
+        std::string(function.kind()) + (functions[f].empty() ? "" : ": " + functions[f]);
+  }
+  return out;
+}
+
+void add_stops_and_drives(Group& group, const Scene& scene, const Scene& moving) {
   const auto range = [&](const Stop& stop) {
     const Quantity quantity = quantity_of(stop.on);
     const auto limit = [&](double si) {
@@ -210,17 +206,13 @@ void add_stops_and_drives(Group& group, const Scene& scene) {
   Table& drives = group.table("drives", "Drives", Rows::list);
   drives.words("name", "name", each(scene.drives, &Drive::name));
   drives.words("on", "on", each(scene.drives, [&](const Drive& drive) { return in_words(scene, drive.on); }));
-  std::vector<std::string> motions = numbers_of_items(scene, Owner::drive, scene.drives.size());
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    const std::string function = in_time(scene, TimeFunction::Of::drive, i);
-    if (!function.empty()) motions[i] = function;
-  }
-  drives.words("numbers", "numbers", motions);
+  drives.words("numbers", "numbers", motions_of_drives(moving));
 }
 
 }  // namespace
 
-Result check_result(const StaticModel& model, const Mobility& mobility, const std::vector<std::string>& settings) {
+Result check_result(const StaticModel& model, const Mobility& mobility, const Scene& moving,
+                    const std::vector<std::string>& settings) {
   const Scene& scene = model.scene();
   Result out = scene_result(scene, settings);
   out.verdict = verdict(mobility);
@@ -265,7 +257,7 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const st
   add_joints(content, scene);
   add_elements(content, scene);
   add_loads(content, scene);
-  add_stops_and_drives(content, scene);
+  add_stops_and_drives(content, scene, moving);
   content.list("kept", "Coordinates of the static model, and why", mobility.kept);
   content.list("dropped", "Left out of statics", mobility.dropped);
   return out;

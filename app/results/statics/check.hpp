@@ -10,6 +10,8 @@
 namespace poise::app {
 
 /// What `poise check` shows: bodies, joints, mobility, redundant constraints, what the model keeps and drops.
-Result check_result(const StaticModel& model, const Mobility& mobility, const std::vector<std::string>& settings);
+/// `moving`: the scene of the model with its functions of time.
+Result check_result(const StaticModel& model, const Mobility& mobility, const Scene& moving,
+                    const std::vector<std::string>& settings);
 
 }  // namespace poise::app
