@@ -528,13 +528,33 @@ std::string name_of_row(const std::string& name, const Stop& row) {
   return row.table.ends_with("_friction") ? name + " friction" : name;
 }
 
+/// The guess of a body's angle. Without one of its own, that of a body, or the ground, to which slides and welds keep
+/// it at an angle; else 0.
+double guessed_angle(const Scene& scene, int body) {
+  std::vector<std::pair<int, double>> reached{{body, 0.0}};  // bodies, and by how much `body` is turned from them
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    const auto [at, turn] = reached[k];
+    const std::optional<double>& guess = scene.start.angle[static_cast<std::size_t>(at)];
+    if (guess) return *guess + turn;
+    if (at == 0) return turn;
+    for (const Joint& joint : scene.joints) {
+      if (!joint.keeps_angle() || (joint.a.body != at && joint.b.body != at)) continue;
+      const bool is_second = joint.b.body == at;
+      const int other = is_second ? joint.a.body : joint.b.body;
+      const bool is_known =
+          std::any_of(reached.begin(), reached.end(), [&](const auto& one) { return one.first == other; });
+      if (!is_known) reached.emplace_back(other, turn + (is_second ? joint.angle : -joint.angle));
+    }
+  }
+  return 0.0;
+}
+
 /// Of a profile that rolls, without a guess of its place: where the tangent has the angle that the contact has at the
 /// guesses of the bodies' angles. Before, that of an open one begins with the whole turns that bring its middle there.
 void guess_place(Stop& tangent, Scene& scene) {
   const Measure::Term& turned = tangent.on.terms[0];
   const Measure::Term& curve = tangent.on.terms[1];
-  const auto angle = [&](int body) { return scene.start.angle[static_cast<std::size_t>(body)].value_or(0.0); };
-  const double body = angle(turned.measure.body_b) - angle(turned.measure.body_a);
+  const double body = guessed_angle(scene, turned.measure.body_b) - guessed_angle(scene, turned.measure.body_a);
   const auto tangent_at = [&](double u) { return curve.profile->at(u).value; };
   double turns = 0.0;
   if (curve.profile->periodic()) {
@@ -558,10 +578,9 @@ void guess_place(Stop& tangent, Scene& scene) {
 
 /// The value of a measure of angles and travels at the guesses of the scene; nothing of others.
 std::optional<double> guessed(const Scene& scene, const Measure& measure) {
-  const auto angle = [&](int body) { return scene.start.angle[static_cast<std::size_t>(body)].value_or(0.0); };
   switch (measure.kind) {
     case Measure::Kind::angle:
-      return angle(measure.body_b) - angle(measure.body_a);
+      return guessed_angle(scene, measure.body_b) - guessed_angle(scene, measure.body_a);
     case Measure::Kind::travel:
       return scene.start.travel[static_cast<std::size_t>(measure.joint)].value_or(0.0);
     case Measure::Kind::sum: {
@@ -715,7 +734,7 @@ void set_values_from_start(const TomlTable& root, Scene& scene) {
     if (stop.table.ends_with("_tangent")) guess_place(stop, scene);
     if (stop.table != "circular_slot_ends") continue;
     std::optional<double>& guess = scene.start.angle[static_cast<std::size_t>(stop.on.body_b)];
-    const double body = scene.start.angle[static_cast<std::size_t>(stop.on.body_a)].value_or(0.0);
+    const double body = guessed_angle(scene, stop.on.body_a);
     if (!guess) guess = body + 0.5 * (stop.min + stop.max);
   }
 }

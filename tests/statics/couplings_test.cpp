@@ -418,6 +418,24 @@ TEST(Couplings, TakeTheirConstantFromTheStart) {
   EXPECT_NEAR(get_value(scene, "gear.planet and ring.phase"), -0.5 - 0.375 * 1.5, 1e-15);
 }
 
+// A carrier without a guess that a slide keeps at 0.5 to the ground, by way of a body that a weld turns by 0.2 more.
+TEST(Couplings, TakeTheirConstantFromAnglesThatJointsKeep) {
+  const Scene scene = parse_scene(R"(
+    ground.points = { O = [0, 0], S = [1, 0] }
+    body.sledge.points = { O = [0, 0] }
+    body.carrier.points = { O = [0, 0] }
+    body.wheel.points = { O = [0, 0] }
+    slide = [{ points = ["ground.S", "sledge.O"], axis = [1, 0], angle = 0.3 }]
+    weld = [{ points = ["carrier.O", "sledge.O"], angle = -0.2 }]
+    pin = [{ points = ["ground.O", "wheel.O"] }]
+    gear = [{ name = "g", bodies = ["wheel", "ground"], carrier = "carrier", ratio = 2 }]
+    start.wheel = 0.1
+  )",
+                                  "kept.toml");
+  // (0 - 0.5) + 2 (0.1 - 0.5)
+  EXPECT_NEAR(get_value(scene, "gear.g.phase"), -1.3, 1e-15);
+}
+
 TEST(Couplings, AreTheSameInOtherUnits) {
   Scene scene = parse_scene(cam(""), "cam.toml");
   const double before = scene.stops[0].on.terms[1].factor;
