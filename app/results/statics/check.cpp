@@ -91,7 +91,8 @@ std::vector<std::string> numbers_of_items(const Scene& scene, Owner owner, std::
     const std::optional<double> si = row.place.owner == owner ? value_at(scene, row.place) : std::nullopt;
     if (!si) continue;
     std::string& text = out[static_cast<std::size_t>(row.place.item)];
-    const std::string_view key = row.path.parts[2].empty() ? row.path.parts[3] : row.path.parts[2];
+    const bool is_last = row.path.parts[2].empty() || owner == Owner::time;
+    const std::string_view key = row.path.parts[is_last ? 3 : 2];
     const std::string unit = row.dimension.unit_name(scene.units);
     text +=
         fmt::format("{}{}{}{}{}{}", text.empty() ? "" : ", ", key, key.empty() ? "" : " ",
