@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "model/joint_friction.hpp"
 #include "motion/inverse_dynamics.hpp"
 #include "motion/kinematics.hpp"
+#include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/motions.hpp"
 #include "tests/support/moving_scenes.hpp"
@@ -188,8 +190,24 @@ TEST(BearingLoads, MoveAsBodiesCutFreeDo) {
   expect_free_motion(test::rubbing_rollers(), {"cam", "wheel"}, {{}, {{"cam", 6.0}, {"wheel", 3.0}}});
 }
 
-// The force of a flat follower's contact passes every pose; that of a roller on which the pitch curve is as steep as
-// its guide does not exist, and the motion says where.
+// Teeth press both shafts: the weight moves beyond the torques up to which statics proves that it is held.
+TEST(BearingLoads, AHoistMovesWhereItIsNotHeld) {
+  Scene scene = resisted_by_joints(read_scene(test::dataset("friction/hoist.toml")));
+  for (int body = 1; body <= 2; ++body) {
+    scene.bodies[static_cast<std::size_t>(body)].mass = body;
+    scene.bodies[static_cast<std::size_t>(body)].inertia = 0.01 * body;
+  }
+  for (const auto& [torque, sense] : {std::pair{46841.3, -1}, {46841.6, 0}, {53221.3, 0}, {53221.6, 1}}) {
+    set_value(scene, "load.M", torque);
+    const MotionModel model(scene);
+    const Motion motion = test::moved(model, start_motion(model, {}), 0.2);
+    const auto pinion = static_cast<std::size_t>(test::coordinate_of(model, "pinion"));
+    const double rate = test::v_at(motion, motion.trajectory.nodes() - 1)[pinion];
+    EXPECT_EQ(rate > 1e-6 ? 1 : rate < -1e-6 ? -1 : 0, sense) << torque << ": " << rate;
+  }
+}
+
+// Two pairs of teeth side by side share their force in no way that is known.
 TEST(BearingLoads, TeethThatRepeatEachOtherLeaveThePinsOpen) {
   const std::string twice =
       wheels("ratio = 0.25", 1.0, "[[gear]]\nname = \"second\"\nbodies = [\"a\", \"b\"]\nratio = 0.25\nphase = 0\n");
