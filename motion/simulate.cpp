@@ -127,7 +127,7 @@ class Simulation {
         if (h > 1e-13 * options_.duration && h > 1e-15 * (1 + t)) continue;
         return give_up(system_->status, t);
       }
-      const bool border = borders_.act() && meets_border(t);
+      const Border border = borders_.act() ? meets_border(t) : Border{};
       const double to_border = taken_;
       const bool event = friction_.acts() && meets_event(t);
       if (event) friction_.meet(reduced_);
@@ -143,12 +143,11 @@ class Simulation {
         h = onward_ * std::pow(shorter_at_border, --departures_);
         if (departures_ == 0) onward_ = 0.0;
       }
-      if (rest_ > 0.0) {
+      if (border.rest > 0.0) {
         onward_ = std::max(onward_, h);
-        h = (1 + shorter_at_border) * rest_;
-        rest_ = 0.0;
+        h = (1 + shorter_at_border) * border.rest;
       }
-      if (border && !event && taken_ == to_border) {
+      if (border.is_reached && !event && taken_ == to_border) {
         onward_ = std::max(h, onward_);
         departures_ = steps_at_border;
         h = onward_ * std::pow(shorter_at_border, departures_);
@@ -249,28 +248,31 @@ class Simulation {
     return true;
   }
 
-  /// Shortens the step just made from t to where it passes a border of a profile, or to short of it. False if it does
-  /// not end there.
-  bool meets_border(double t) {
+  struct Border {
+    bool is_reached = false;
+    double rest = 0.0;  // of the way to it, s, where the step ends short of it
+  };
+  /// Shortens the step just made from t to where it passes a border of a profile, or to short of it.
+  Border meets_border(double t) {
     // To just before it, where the formulas of this piece hold.
     const auto margin = [this] { return borders_.margin(reduced_) - just_before; };
     const double margin_after = margin();
-    if (!(margin_after < -past)) return false;
+    if (!(margin_after < -past)) return {};
     shorten_to_zero(t, border_margin_, taken_, margin_after, margin);
     if (!has_poor_coordinates()) {
       if (approaches_ == steps_at_border) {
         approaches_ = 0;
-        return true;
+        return {.is_reached = true};
       }
       ++approaches_;
-      rest_ = shorter_at_border * taken_;
-      shortened_step(t, taken_ - rest_, margin);
-      return false;
+      const double rest = shorter_at_border * taken_;
+      shortened_step(t, taken_ - rest, margin);
+      return {.rest = rest};
     }
     // A profile may begin to dwell there, where its own measure is no coordinate any more: others are chosen on the
     // way.
     shortened_step(t, taken_ / 2, margin);
-    return false;
+    return {};
   }
 
   /// Shortens the step just made from t, over which a margin falls from `margin_before` to the negative `margin_after`
@@ -789,7 +791,6 @@ class Simulation {
   double exchanged_ = 0.0;           // largest energy yet
   double border_margin_ = 0.0;       // of the borders of profiles, there
   int approaches_ = 0;               // steps that ended short of the border ahead
-  double rest_ = 0.0;                // of the way to it, s, where the last step did
   int departures_ = 0;               // steps that are short behind the border passed
   double onward_ = 0.0;              // length of steps to go on with behind a border
   std::vector<double> held_by_;      // sensitivities of the values at which friction is held

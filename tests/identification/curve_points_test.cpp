@@ -149,14 +149,7 @@ duration = 2
 rate = 100
 seed = 3
 )");
-  const FitProblem problem(e);
-  const Fit fitted = fit(problem, problem.records());
-  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
-  for (const Estimate& estimate : fitted.estimates) {
-    EXPECT_FALSE(estimate.withheld) << estimate.name;
-    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
-    EXPECT_LT(estimate.standard_error, 1e-3) << estimate.name;
-  }
+  test::expect_found(e, 1e-3);
 }
 
 // The lift and all shares together are one factor too many, and with the base two.

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "identification/fit.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::test {
@@ -131,6 +132,18 @@ std::vector<double> derivative(const std::function<std::vector<double>(double)>&
     out[i] = (8 * (up[i] - down[i]) - (far_up[i] - far_down[i])) / (12 * h);
   }
   return out;
+}
+
+void expect_found(const Experiment& e, double most) {
+  const FitProblem problem(e);
+  const Fit fitted = fit(problem, problem.records());
+  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  for (const Estimate& estimate : fitted.estimates) {
+    EXPECT_FALSE(estimate.withheld) << estimate.name;
+    EXPECT_GT(estimate.standard_error, 0.0) << estimate.name;
+    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
+    EXPECT_LT(estimate.standard_error, most) << estimate.name;
+  }
 }
 
 void expect_derivatives(const Experiment& e, const std::vector<double>& nuisances) {

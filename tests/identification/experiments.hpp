@@ -46,4 +46,8 @@ std::vector<double> derivative(const std::function<std::vector<double>(double)>&
 /// long that of events which pass the time of a reading within it: one of two steps has to agree.
 void expect_derivatives(const Experiment& e, const std::vector<double>& nuisances);
 
+/// Fits the experiment's own records: every estimate is given, within 5 standard errors of its truth, with a standard
+/// error below `most`.
+void expect_found(const Experiment& e, double most);
+
 }  // namespace poise::test

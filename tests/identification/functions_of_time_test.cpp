@@ -151,14 +151,8 @@ duration = 2
 rate = 100
 seed = 4
 )");
+  test::expect_found(e, 0.01);
   const FitProblem problem(e);
-  const Fit fitted = fit(problem, problem.records());
-  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
-  for (const Estimate& estimate : fitted.estimates) {
-    EXPECT_FALSE(estimate.withheld) << estimate.name;
-    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
-    EXPECT_LT(estimate.standard_error, 0.01) << estimate.name;
-  }
   Prediction out;
   const std::vector<double> reversed{0.95, 0.75};
   problem.run(0).predict(reversed.data(), problem.run(0).released().data(), INFINITY, 1e-10, false, out);
@@ -248,14 +242,7 @@ duration = 2
 rate = 100
 seed = 4
 )");
-  const FitProblem problem(e);
-  const Fit fitted = fit(problem, problem.records());
-  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
-  for (const Estimate& estimate : fitted.estimates) {
-    EXPECT_FALSE(estimate.withheld) << estimate.name;
-    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
-    EXPECT_LT(estimate.standard_error, 0.02) << estimate.name;
-  }
+  test::expect_found(e, 0.02);
 }
 
 // The motor, written out: J a = motor - weight - grease, on a carriage that stands still.
@@ -307,15 +294,7 @@ duration = 2
 rate = 100
 seed = 4
 )");
-  const FitProblem problem(e);
-  const Fit fitted = fit(problem, problem.records());
-  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
-  for (const Estimate& estimate : fitted.estimates) {
-    EXPECT_FALSE(estimate.withheld) << estimate.name;
-    EXPECT_GT(estimate.standard_error, 0.0) << estimate.name;
-    EXPECT_NEAR(estimate.value, estimate.truth, 5 * estimate.standard_error) << estimate.name;
-    EXPECT_LT(estimate.standard_error, 0.02) << estimate.name;
-  }
+  test::expect_found(e, 0.02);
 }
 
 // Both ends of a ramp lie behind the end that is written: they can only be set together.
